@@ -1,0 +1,1 @@
+"""Vehicles, lines, scenarios, the papers' printed numbers, and what the page is drawn with."""

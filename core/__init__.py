@@ -1,0 +1,37 @@
+"""The solver core of railjoule: scenarios, drives, motion, strategies, studies. It knows no screen."""
+
+from railjoule.core._numba_cache import select_cache_folder
+
+select_cache_folder()  # before any module below imports numba
+
+from railjoule.core.energy import Energy  # noqa: E402
+from railjoule.core.errors import (  # noqa: E402
+    InfeasibleLineError,
+    RailjouleError,
+    ScenarioError,
+    SolverError,
+    StrategyRefusedError,
+    TimetableError,
+)
+from railjoule.core.phases import Phase  # noqa: E402
+from railjoule.core.scenario import Scenario, load_scenario, save_scenario  # noqa: E402
+from railjoule.core.strategies import compare, solve  # noqa: E402
+from railjoule.core.trajectory import Bound, Trajectory  # noqa: E402
+
+__all__ = [
+    "Bound",
+    "Energy",
+    "InfeasibleLineError",
+    "Phase",
+    "RailjouleError",
+    "Scenario",
+    "ScenarioError",
+    "SolverError",
+    "StrategyRefusedError",
+    "TimetableError",
+    "Trajectory",
+    "compare",
+    "load_scenario",
+    "save_scenario",
+    "solve",
+]

@@ -1,0 +1,50 @@
+"""Keep numba's compiled kernels in a folder that belongs to exactly these sources.
+
+numba looks at a kernel's own file alone: when a helper or a constant in another file is edited,
+its cache goes on serving the old number. A folder named by a hash of all sources cannot.
+"""
+
+import hashlib
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+VARIABLE = "NUMBA_CACHE_DIR"
+
+
+def source_hash(folder: Path) -> str:
+    """Return 16 hexadecimal digits that change with any Python file below `folder`."""
+    digest = hashlib.sha256()
+    for path in sorted(folder.rglob("*.py")):
+        digest.update(path.relative_to(folder).as_posix().encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def cache_root() -> Path:
+    """Return a folder for railjoule's cached files that can be written to, by this user alone."""
+    variable = "LOCALAPPDATA" if sys.platform == "win32" else "XDG_CACHE_HOME"
+    base = os.environ.get(variable)
+    try:
+        root = (Path(base) if base else Path.home() / ".cache") / "railjoule"
+        root.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=root):  # a home may exist and yet be read-only
+            return root
+    except (OSError, RuntimeError):
+        # compiled code is loaded from there, so it must not be a place where others may have put theirs
+        return Path(tempfile.mkdtemp(prefix="railjoule-"))
+
+
+def select_cache_folder() -> str:
+    """Point numba to this version's folder, unless the user has chosen one; return the folder.
+
+    It works before and after numba's first import, as numba reads the variable only once.
+    """
+    folder = os.environ.get(VARIABLE)
+    if not folder:
+        folder = str(cache_root() / f"numba-{source_hash(Path(__file__).parent)}")
+        os.environ[VARIABLE] = folder
+    if "numba" in sys.modules:
+        sys.modules["numba"].config.CACHE_DIR = folder
+    return folder

@@ -1,0 +1,17 @@
+"""The array types of the core."""
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+def frozen_array(values: Iterable[float] | FloatArray) -> FloatArray:
+    """Return a contiguous array of floats that cannot be written to; `values` is copied if it can."""
+    array = np.array(values, dtype=np.float64)
+    array.setflags(write=False)
+    return array

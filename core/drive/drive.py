@@ -1,0 +1,63 @@
+"""A drive: what the line gives or takes for an effort at a speed, and where the rest goes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.drive.kernels import electrical_power_array
+
+
+@dataclass(frozen=True, eq=False)
+class Drive:
+    """The loss model of a vehicle's drive, for arrays of effort and speed.
+
+    Efforts act at the wheels of the whole train; a negative effort is electric braking.
+
+    Parameters
+    ----------
+    kind : int
+        Which kernels of `railjoule.core.drive.kernels` belong to it.
+    parameters : array
+        What those kernels need.
+    recuperation_factor : float
+        Share of the generated energy that the line takes back.
+    loss_kind : str
+        What its losses are called in the energy account.
+    amperes_per_newton : float or None
+        Current of one motor over tractive effort of the train [A/N], if the model has a current.
+    """
+
+    kind: int
+    parameters: FloatArray
+    recuperation_factor: float
+    loss_kind: str
+    amperes_per_newton: float | None
+
+    def electrical_power_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
+        """Return the power at the terminals of the drive [W], negative where it generates; shape as the arguments'."""
+        effort, speed = np.broadcast_arrays(np.asarray(effort_n, float), np.asarray(speed_ms, float))
+        power = np.empty(effort.size)
+        electrical_power_array(self.kind, self.parameters, effort.ravel(), speed.ravel(), power)
+        return power.reshape(effort.shape)
+
+    def line_power_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
+        """Return the power taken from the line [W], negative where energy goes back; shape as the arguments'."""
+        power = self.electrical_power_w(effort_n, speed_ms)
+        return np.where(power < 0, self.recuperation_factor * power, power)
+
+    def losses_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> dict[str, FloatArray]:
+        """Return the losses by kind [W]: those of the drive, and what the brake resistors burn."""
+        power = self.electrical_power_w(effort_n, speed_ms)
+        return {
+            self.loss_kind: power - np.multiply(effort_n, speed_ms),
+            "brake_resistors": -(1 - self.recuperation_factor) * np.minimum(power, 0),
+        }
+
+    def current_a(self, effort_n: FloatArray) -> FloatArray | None:
+        """Return the current of one motor [A], or None if the model knows no current."""
+        return None if self.amperes_per_newton is None else self.amperes_per_newton * np.asarray(effort_n)
+
+    def effort_limit_n(self, speed_ms: FloatArray, braking: bool = False) -> FloatArray:
+        """Return the largest effort that the drive itself allows [N]; infinite where it sets no limit."""
+        return np.full(np.shape(speed_ms), np.inf)

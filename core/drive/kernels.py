@@ -1,0 +1,58 @@
+"""The one place where compiled code asks a drive for its power, whatever its kind.
+
+A new drive is one file with `driving_power` and `generated_power`, one number and one branch here, and one
+function in `build`; no solver changes.
+"""
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.compiled import njit
+from railjoule.core.drive import constant_efficiency, copper_loss
+from railjoule.core.drive.power_terms import PowerTerms
+
+CONSTANT_EFFICIENCY = 0
+COPPER_LOSS = 1
+
+
+@njit(cache=True)
+def driving_power(kind: int, parameters: FloatArray, effort: float, speed: float) -> PowerTerms:
+    """Line power [W] at a tractive effort [N] and speed [m/s] with first and second derivatives."""
+    if kind == CONSTANT_EFFICIENCY:
+        return constant_efficiency.driving_power(parameters, effort, speed)
+    return copper_loss.driving_power(parameters, effort, speed)
+
+
+@njit(cache=True)
+def generated_power(kind: int, parameters: FloatArray, effort: float, speed: float) -> PowerTerms:
+    """Electrical power [W] generated at a braking effort [N] and speed [m/s] with first and second derivatives."""
+    if kind == CONSTANT_EFFICIENCY:
+        return constant_efficiency.generated_power(parameters, effort, speed)
+    return copper_loss.generated_power(parameters, effort, speed)
+
+
+@njit(cache=True)
+def may_draw_while_braking(kind: int) -> bool:
+    """Return whether a drive may need line power to brake, near standstill."""
+    return kind != CONSTANT_EFFICIENCY
+
+
+@njit(cache=True)
+def work_bounds(kind: int, parameters: FloatArray) -> tuple[float, float]:
+    """Return the least line energy per work of traction, and the most energy generated per work of braking."""
+    if kind == CONSTANT_EFFICIENCY:
+        return 1.0 / parameters[0], parameters[1]
+    return 1.0, 1.0
+
+
+@njit(cache=True, nogil=True)
+def electrical_power_array(
+    kind: int, parameters: FloatArray, effort: FloatArray, speed: FloatArray, power: FloatArray
+) -> None:
+    """Fill `power` [W] for signed electric efforts [N] and speeds [m/s]; all of shape (n,).
+
+    Positive is taken, negative is generated; what of it the line takes back is not asked here.
+    """
+    for i in range(effort.shape[0]):
+        if effort[i] >= 0.0:
+            power[i] = driving_power(kind, parameters, effort[i], speed[i])[0]
+        else:
+            power[i] = -generated_power(kind, parameters, -effort[i], speed[i])[0]

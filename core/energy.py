@@ -1,0 +1,69 @@
+"""The energy account of a run: what the line gives, and where it goes."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from types import MappingProxyType
+
+from railjoule.core.units import J_PER_KWH
+
+
+@dataclass(frozen=True)
+class Energy:
+    """One run's energies [J].
+
+    The account closes: traction - recuperated = running and curve resistance + losses + kinetic + potential.
+
+    Parameters
+    ----------
+    traction_j : float
+        Taken from the line to drive.
+    recuperated_j : float
+        Given back to the line.
+    auxiliary_j : float
+        Taken from the line for light, heating and so on.
+    running_resistance_j, curve_resistance_j : float
+        Lost to air, bearings and rails.
+    losses_j : mapping of str to float
+        Lost in the drive, in brake resistors and in friction brakes, by kind.
+    kinetic_j, potential_j : float
+        What the train has more at the end than at the start.
+    """
+
+    traction_j: float
+    recuperated_j: float
+    auxiliary_j: float
+    running_resistance_j: float
+    curve_resistance_j: float
+    losses_j: Mapping[str, float]
+    kinetic_j: float
+    potential_j: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "losses_j", MappingProxyType(dict(self.losses_j)))
+
+    @property
+    def net_j(self) -> float:
+        """Net energy at the line, auxiliaries included [J]."""
+        return self.traction_j - self.recuperated_j + self.auxiliary_j
+
+    @property
+    def net_kwh(self) -> float:
+        """Net energy at the line, auxiliaries included [kWh]."""
+        return self.net_j / J_PER_KWH
+
+    @property
+    def imbalance(self) -> float:
+        """Sum of all parts less what the line gave, over the energy that moved; 0 if the account closes."""
+        parts = self.running_resistance_j + self.curve_resistance_j + sum(self.losses_j.values())
+        parts += self.kinetic_j + self.potential_j
+        return (parts - self.traction_j + self.recuperated_j) / max(self.traction_j + self.recuperated_j, 1.0)
+
+    def in_kwh(self) -> dict[str, float | dict[str, float]]:
+        """Return all parts in kWh, keys without their unit; the losses as a dictionary of their own."""
+        values: dict[str, float | dict[str, float]] = {
+            field.name.removesuffix("_j"): getattr(self, field.name) / J_PER_KWH
+            for field in fields(self)
+            if field.name != "losses_j"
+        }
+        values["losses"] = {kind: joules / J_PER_KWH for kind, joules in self.losses_j.items()}
+        return values

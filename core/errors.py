@@ -1,0 +1,41 @@
+"""Everything that railjoule's core raises on purpose, each with one sentence for its reader."""
+
+
+class RailjouleError(Exception):
+    """Base of all errors that a user can cause and mend; its text is one clear sentence."""
+
+
+class ScenarioError(RailjouleError):
+    """A scenario, vehicle or line that cannot be read, or a value out of its bounds."""
+
+
+class TimetableError(RailjouleError):
+    """A timetable that no train can keep.
+
+    Parameters
+    ----------
+    travel_time_s : float
+        The running time asked for [s].
+    shortest_time_s : float
+        The shortest possible running time [s].
+    """
+
+    def __init__(self, travel_time_s: float, shortest_time_s: float) -> None:
+        self.travel_time_s = travel_time_s
+        self.shortest_time_s = shortest_time_s
+        super().__init__(
+            f"timetable.travel_time_s = {travel_time_s:.6g} s is shorter than the shortest possible "
+            f"{shortest_time_s:.1f} s."
+        )
+
+
+class InfeasibleLineError(RailjouleError):
+    """A line that the vehicle cannot run over at all, whatever the timetable."""
+
+
+class StrategyRefusedError(RailjouleError):
+    """A strategy that cannot honour a scenario; the text says why."""
+
+
+class SolverError(RailjouleError):
+    """A solver that ended without the accuracy asked for."""

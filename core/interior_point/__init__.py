@@ -1,0 +1,1 @@
+"""The interior-point method for the energy-optimal run, and the proof of its optimum."""

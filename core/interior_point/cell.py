@@ -1,0 +1,191 @@
+"""The cells of the problem: cost, constraints, and their derivatives at the present point."""
+
+import math
+
+from railjoule.core.compiled import njit
+from railjoule.core.drive.kernels import driving_power, generated_power
+from railjoule.core.drive.power_terms import PowerTerms
+from railjoule.core.interior_point.layout import (
+    ACCELERATION,
+    BRAKING_CONSTANT,
+    BRAKING_OVER_SPEED,
+    BRAKING_POSITIVE,
+    DECELERATION,
+    DRAWN,
+    DRAWN_POSITIVE,
+    FAST,
+    FRICTION_CONSTANT,
+    FRICTION_POSITIVE,
+    TRACTION_CONSTANT,
+    TRACTION_OVER_SPEED,
+    TRACTION_POSITIVE,
+    Work,
+)
+from railjoule.core.motion.course import CourseData
+from railjoule.core.motion.effort_limit import limit_over_speed
+
+
+@njit(cache=True, fastmath=FAST)
+def per_metre(power: PowerTerms, scale: float, speed: float) -> PowerTerms:
+    """Turn a power and its derivatives by effort and speed into scaled energy per metre and its derivatives."""
+    p, p_f, p_v, p_ff, p_fv, p_vv = power
+    inverse = 1.0 / speed
+    by_speed = (p_v - p * inverse) * inverse / scale
+    return (
+        p * inverse / scale,
+        p_f * inverse,
+        by_speed,
+        p_ff * inverse * scale,
+        (p_fv - p_f * inverse) * inverse,
+        (p_vv / scale - 2.0 * by_speed) * inverse,
+    )
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def evaluate(course: CourseData, scale: float, time_price: float, work: Work) -> tuple[float, float, float, float]:
+    """Evaluate cost, constraints, gradients and curvatures of all cells at the present point.
+
+    Parameters
+    ----------
+    course : CourseData
+    scale : float
+        The effort that 1 stands for [N].
+    time_price : float
+        What a second costs, scaled: multiplier of the timetable plus auxiliary power.
+    work : Work
+        Reads the point and its multipliers; fills residuals, gradients, curvatures.
+
+    Returns
+    -------
+    (energy, gross_energy, travel_time, violation) : floats
+        Scaled energy without auxiliaries, the sum of its sizes, time [s], largest violation of a limit.
+    """
+    h, w, free = course.cell_length_m, work.nodes.speed2, work.nodes.free
+    cells, rows, used = work.cells, work.rows, work.used
+    z, residual = rows.multiplier, rows.residual
+    kind, parameters = course.drive_kind, course.drive_parameters
+    share = course.recuperation_factor
+    friction = used[FRICTION_POSITIVE] > 0.0
+    top_friction = course.friction_effort_n / scale
+    top_braking = course.braking.constant_n / scale
+    work.nodes.time_gradient[:] = 0.0
+    work.nodes.gradient[:] = 0.0
+    linear = course.resistance_linear / scale
+    bend = 0.5 * course.resistance_quadratic / scale
+    energy = gross = total_time = 0.0
+    v0 = math.sqrt(w[0])
+    for i in range(h.shape[0]):
+        v1 = math.sqrt(w[i + 1])
+        v = 0.5 * (v0 + v1)
+        t = h[i] / v
+        total_time += t
+        # a fixed node may stand still: no derivative, rather than one over zero
+        u0 = 0.25 / v0 if free[i] > 0.0 else 0.0
+        u1 = 0.25 / v1 if free[i + 1] > 0.0 else 0.0
+        k = course.half_inertia_kg / (h[i] * scale)
+        against = (course.resistance_constant_n + course.line_force_n[i]) / scale + linear * v
+        force = k * (w[i + 1] - w[i]) + against + bend * (w[i] + w[i + 1])
+        d0 = linear * u0 - (k - bend)
+        d1 = linear * u1 + (k + bend)
+        f = cells.traction[i]
+        # without friction brakes the electric brake does all: one variable less
+        x = cells.braking[i] if friction else f - force
+        cells.braking[i] = x
+        e, e_f, e_v, e_ff, e_fv, e_vv = per_metre(driving_power(kind, parameters, max(f, 0.0) * scale, v), scale, v)
+        g, g_x, g_v, g_xx, g_xv, g_vv = per_metre(generated_power(kind, parameters, max(x, 0.0) * scale, v), scale, v)
+        # of what braking generates, the line returns its share; the price of drawing counts as if it returned more
+        drawn_price = z[DRAWN, i] if used[DRAWN] > 0.0 else 0.0
+        returned = h[i] * share + drawn_price
+        energy += h[i] * (e - share * g + (1.0 - share) * cells.drawn[i])
+        gross += h[i] * abs(e)
+        residual[TRACTION_POSITIVE, i] = f
+        residual[TRACTION_CONSTANT, i] = 1.0 - f
+        residual[BRAKING_POSITIVE, i] = x
+        residual[BRAKING_CONSTANT, i] = top_braking - x
+        # derivatives of the Lagrangian, cost and priced limits together, by the cell's own variables
+        own_traction = h[i] * e_f - z[TRACTION_POSITIVE, i] + z[TRACTION_CONSTANT, i]
+        own_braking = z[BRAKING_CONSTANT, i] - z[BRAKING_POSITIVE, i] - returned * g_x
+        own_speed = h[i] * e_v - returned * g_v - time_price * t / v
+        curvature = 2.0 * time_price * t / (v * v)
+        if rows.weight[TRACTION_OVER_SPEED, i] > 0.0:
+            limit, limit_v, limit_vv = limit_over_speed(course.traction, v)
+            price = z[TRACTION_OVER_SPEED, i]
+            residual[TRACTION_OVER_SPEED, i] = limit / scale - f
+            rows.by_speed[TRACTION_OVER_SPEED, i] = limit_v / scale
+            own_traction += price
+            own_speed -= price * limit_v / scale
+            curvature -= price * limit_vv / scale
+        if rows.weight[BRAKING_OVER_SPEED, i] > 0.0:
+            limit, limit_v, limit_vv = limit_over_speed(course.braking, v)
+            price = z[BRAKING_OVER_SPEED, i]
+            residual[BRAKING_OVER_SPEED, i] = limit / scale - x
+            rows.by_speed[BRAKING_OVER_SPEED, i] = limit_v / scale
+            own_braking += price
+            own_speed -= price * limit_v / scale
+            curvature -= price * limit_vv / scale
+        if used[DRAWN] > 0.0:
+            residual[DRAWN_POSITIVE, i] = cells.drawn[i]
+            residual[DRAWN, i] = cells.drawn[i] + g
+            rows.by_effort[DRAWN, i] = g_x
+            rows.by_speed[DRAWN, i] = g_v
+        price = own_braking
+        if friction:
+            q = f - force - x
+            residual[FRICTION_POSITIVE, i] = q
+            residual[FRICTION_CONSTANT, i] = top_friction - q
+            price = z[FRICTION_CONSTANT, i] - z[FRICTION_POSITIVE, i]
+        cells.force[i], cells.force_by_start[i], cells.force_by_end[i] = force, d0, d1
+        cells.speed_by_start[i], cells.speed_by_end[i], cells.rise_factor[i] = u0, u1, k
+        cells.traction_gradient[i], cells.braking_gradient[i] = own_traction, own_braking
+        cells.speed_gradient[i], cells.force_price[i] = own_speed, -price
+        work.nodes.gradient[i] += own_speed * u0 - price * d0
+        work.nodes.gradient[i + 1] += own_speed * u1 - price * d1
+        work.nodes.time_gradient[i] -= t / v * u0
+        work.nodes.time_gradient[i + 1] -= t / v * u1
+        # the mean speed is concave in w, which bends whatever depends on it
+        slope = own_speed - price * linear
+        curve = work.curvature
+        curve[0, i], curve[1, i], curve[2, i] = h[i] * e_ff, h[i] * e_fv, h[i] * e_vv
+        curve[3, i], curve[4, i], curve[5, i] = -returned * g_xx, -returned * g_xv, -returned * g_vv
+        curve[6, i] = curvature
+        curve[7, i] = -0.5 * slope * u0 / w[i] if u0 > 0.0 else 0.0
+        curve[8, i] = -0.5 * slope * u1 / w[i + 1] if u1 > 0.0 else 0.0
+        v0 = v1
+    _evaluate_rise(course, scale, work)
+    return energy, gross, total_time, _finish_residuals(work)
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def _evaluate_rise(course: CourseData, scale: float, work: Work) -> None:
+    """Evaluate the limits of acceleration and deceleration."""
+    w, factor, z = work.nodes.speed2, work.cells.rise_factor, work.rows.multiplier
+    for row, sign, limit in (
+        (ACCELERATION, -1.0, course.max_acceleration_ms2),
+        (DECELERATION, 1.0, course.max_deceleration_ms2),
+    ):
+        if work.used[row] <= 0.0:
+            continue
+        largest = 2.0 * course.half_inertia_kg * limit / scale
+        for i in range(factor.shape[0]):
+            work.rows.residual[row, i] = largest + sign * factor[i] * (w[i + 1] - w[i])
+            price = sign * factor[i] * z[row, i]
+            work.nodes.gradient[i] += price
+            work.nodes.gradient[i + 1] -= price
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def _finish_residuals(work: Work) -> float:
+    """Subtract the slacks from the values of the constraints; return the largest violation."""
+    rows, violation = work.rows, 0.0
+    for row in range(work.used.shape[0]):
+        if work.used[row] > 0.0:
+            for i in range(rows.slack.shape[1]):
+                if rows.weight[row, i] > 0.0:
+                    violation = max(violation, -rows.residual[row, i])
+                    rows.residual[row, i] -= rows.slack[row, i]
+    bounds, nodes = work.bounds, work.nodes
+    for i in range(nodes.speed2.shape[0]):
+        if nodes.free[i] > 0.0:
+            bounds.residual[0, i] = nodes.speed2[i] - nodes.floor[i] - bounds.slack[0, i]
+            bounds.residual[1, i] = nodes.ceiling[i] - nodes.speed2[i] - bounds.slack[1, i]
+    return violation

@@ -1,0 +1,169 @@
+"""How the interior-point method lays out its numbers.
+
+Scaled: efforts in shares of the largest tractive effort, energies in metres times that effort; speeds, times and
+lengths in SI. A cell has a tractive effort f, an electric braking effort x and a friction effort q, bound by
+x + q = f - D(w), where D is the net force that its change of speed squared needs. Without friction brakes x is no
+variable of its own. Where a drive may draw power to brake, psi stands for the larger of 0 and phi, the energy per
+metre that braking draws (negative where it generates).
+
+Constraints g >= 0 of a cell, each with a slack and a multiplier, and their derivatives by their own variable and
+by the mean speed v of the cell:
+
+    row                  g                             variable   by it       by v
+    TRACTION_POSITIVE    f                             f          1           0
+    TRACTION_CONSTANT    1 - f                         f          -1          0
+    TRACTION_OVER_SPEED  L(v) - f                      f          -1          L'
+    BRAKING_POSITIVE     x                             x          1           0
+    BRAKING_CONSTANT     largest electric effort - x   x          -1          0
+    BRAKING_OVER_SPEED   Lb(v) - x                     x          -1          Lb'
+    DRAWN_POSITIVE       psi                           psi
+    DRAWN                psi - phi(x, v)               x, psi     -dphi/dx    -dphi/dv
+    FRICTION_POSITIVE    q                             q          1
+    FRICTION_CONSTANT    largest friction effort - q   q          -1
+    ACCELERATION         largest inertia force - k (w1 - w0)
+    DECELERATION         largest inertia force + k (w1 - w0)
+
+Per node there are two, w above a floor and below the limit, and one for the time.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.compiled import njit
+
+(
+    TRACTION_POSITIVE,
+    TRACTION_CONSTANT,
+    TRACTION_OVER_SPEED,
+    BRAKING_POSITIVE,
+    BRAKING_CONSTANT,
+    BRAKING_OVER_SPEED,
+    DRAWN_POSITIVE,
+    DRAWN,
+    FRICTION_POSITIVE,
+    FRICTION_CONSTANT,
+    ACCELERATION,
+    DECELERATION,
+) = range(12)
+ROWS = 12
+
+FAST = {"contract", "reassoc", "nsz", "arcp"}
+"""Liberties of the compiler; NaN and infinity keep their meaning."""
+
+
+class Cells(NamedTuple):
+    """Arrays of shape (n,), one number a cell.
+
+    The last group is what the elimination of efforts leaves: traction and braking each as a weight on (effort +
+    slope * v)^2 and the two together a weight on v^2.
+    """
+
+    traction: FloatArray
+    braking: FloatArray
+    drawn: FloatArray
+    traction_step: FloatArray
+    braking_step: FloatArray
+    drawn_step: FloatArray
+    force: FloatArray
+    force_by_start: FloatArray
+    force_by_end: FloatArray
+    speed_by_start: FloatArray
+    speed_by_end: FloatArray
+    rise_factor: FloatArray
+    drawn_by_effort: FloatArray
+    drawn_by_speed: FloatArray
+    traction_gradient: FloatArray
+    braking_gradient: FloatArray
+    speed_gradient: FloatArray
+    force_price: FloatArray
+    traction_weight: FloatArray
+    traction_slope: FloatArray
+    braking_weight: FloatArray
+    braking_slope: FloatArray
+    electric_weight: FloatArray
+    friction_weight: FloatArray
+    lean_start: FloatArray
+    lean_end: FloatArray
+    traction_right: FloatArray
+    electric_right: FloatArray
+    friction_right: FloatArray
+    drawn_right: FloatArray
+
+
+class Rows(NamedTuple):
+    """Arrays of shape (rows, n): the constraints of cells (12 rows) or of nodes (2 rows, floor and ceiling)."""
+
+    slack: FloatArray
+    multiplier: FloatArray
+    weight: FloatArray
+    residual: FloatArray
+    by_effort: FloatArray
+    by_speed: FloatArray
+    slack_step: FloatArray
+    multiplier_step: FloatArray
+    target: FloatArray
+    pull: FloatArray
+
+
+class Nodes(NamedTuple):
+    """Arrays of shape (n + 1,), one number a node."""
+
+    speed2: FloatArray
+    speed2_step: FloatArray
+    free: FloatArray
+    floor: FloatArray
+    ceiling: FloatArray
+    gradient: FloatArray
+    time_gradient: FloatArray
+    time_response: FloatArray
+    inverse_pivot: FloatArray
+    ratio: FloatArray
+
+
+class Work(NamedTuple):
+    """All arrays of one solution.
+
+    `curvature` has shape (9, n): second derivatives of the driving energy by (f, v): ff, fv, vv; of the braking
+    energy by (x, v): xx, xv, vv; of time and limits by v; and two by w that the concave mean speed brings.
+    `time_step` holds the steps of the timetable's slack and multiplier; `used` which rows occur at all.
+    """
+
+    cells: Cells
+    rows: Rows
+    nodes: Nodes
+    bounds: Rows
+    curvature: FloatArray
+    time_step: FloatArray
+    used: FloatArray
+
+
+@njit(cache=True)
+def _rows(count: int, length: int) -> Rows:
+    return Rows(
+        np.ones((count, length)),
+        np.zeros((count, length)),
+        np.zeros((count, length)),
+        np.zeros((count, length)),
+        np.zeros((count, length)),
+        np.zeros((count, length)),
+        np.zeros((count, length)),
+        np.zeros((count, length)),
+        np.zeros((count, length)),
+        np.zeros((count, length)),
+    )
+
+
+@njit(cache=True)
+def allocate(n: int) -> Work:
+    """Return the zeroed work arrays of a course with `n` cells; all slacks are 1."""
+    c = np.zeros((30, n))
+    m = np.zeros((10, n + 1))
+    cells = Cells(
+        c[0], c[1], c[2], c[3], c[4], c[5], c[6], c[7], c[8], c[9],
+        c[10], c[11], c[12], c[13], c[14], c[15], c[16], c[17], c[18], c[19],
+        c[20], c[21], c[22], c[23], c[24], c[25], c[26], c[27], c[28], c[29],
+    )  # fmt: skip
+    nodes = Nodes(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9])
+    return Work(cells, _rows(ROWS, n), nodes, _rows(2, n + 1), np.zeros((9, n)), np.zeros(2), np.zeros(ROWS))

@@ -1,0 +1,211 @@
+"""Primal-dual interior-point method for the energy-optimal run over a mesh.
+
+Problem: with w = v^2 at the nodes and the tractive effort f of each cell, minimise the line energy
+sum h (e(f, v) + g(b, v)) + auxiliary power * time, b = f - D(w) the braking effort, subject to limits of effort,
+speed, acceleration and to the timetable sum h / v <= T.
+
+Method: Mehrotra's predictor and corrector on the full system, which eliminates cell by cell to a tridiagonal
+one plus a rank-one term (`newton`). Barrier weights are proportional to length, so that graded meshes need
+nothing else. The barrier never falls under a tenth of what the tolerance asks for: below that the residual of
+the dual is rounding noise, which grows.
+
+What the stopping rule guarantees: the sum of slack times multiplier is below the tolerance times the energy, no
+limit is violated by more than 1e-8, and the dual residual is small or at its noise floor. Whether the point is
+the global optimum, `certificate` proves afterwards.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.compiled import njit
+from railjoule.core.interior_point.cell import evaluate
+from railjoule.core.interior_point.layout import DRAWN, DRAWN_POSITIVE, FAST, FRICTION_POSITIVE, Work, allocate
+from railjoule.core.interior_point.newton import factor_with_fallback
+from railjoule.core.interior_point.start import TIME_WEIGHT, prepare
+from railjoule.core.interior_point.step import complementarity, longest_steps, move, set_direction
+from railjoule.core.motion.course import CourseData
+
+CONVERGED, ITERATIONS_EXCEEDED = 0, 1
+LARGEST_VIOLATION = 1e-8
+NOISE_FLOOR_PATIENCE = 6
+LOOSE_WIDTH, TIGHT_WIDTH = 1e6, 10.0
+SHORT_STEP = 0.3
+SHORT_STEPS_BEFORE_TIGHT = 3
+WHOLE_STEP = 0.99
+
+
+class Optimum(NamedTuple):
+    """What the method ends with; scaled values are in metres times the largest tractive effort.
+
+    Parameters
+    ----------
+    speed2 : array of shape (n + 1,)
+        Squares of speed at the nodes [m2/s2].
+    traction, braking : array of shape (n,)
+        Tractive and electric braking effort of each cell, scaled.
+    multiplier : array of shape (12, n)
+        Scaled multipliers of the cells' constraints, rows as in `layout`.
+    force_price : array of shape (n,)
+        Scaled derivative of the Lagrangian by the net force of each cell.
+    time_multiplier : float
+        Scaled price of a second, auxiliary power not included.
+    energy : float
+        Scaled energy, auxiliaries included.
+    relative_gap : float
+        Sum of slack times multiplier over the energy.
+    iterations : int
+    status : int
+        CONVERGED or ITERATIONS_EXCEEDED.
+    """
+
+    speed2: FloatArray
+    traction: FloatArray
+    braking: FloatArray
+    multiplier: FloatArray
+    force_price: FloatArray
+    time_multiplier: float
+    energy: float
+    relative_gap: float
+    iterations: int
+    status: int
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def dual_residual(course: CourseData, work: Work) -> float:
+    """Return by how much the gradient of the Lagrangian fails to vanish, as an energy."""
+    cells, rows, bounds = work.cells, work.rows, work.bounds
+    total = 0.0
+    price = 1.0 - course.recuperation_factor
+    for i in range(cells.traction.shape[0]):
+        total += abs(cells.traction_gradient[i] - cells.force_price[i])
+        if work.used[FRICTION_POSITIVE] > 0.0:
+            total += abs(cells.braking_gradient[i] + cells.force_price[i])
+        if work.used[DRAWN] > 0.0:
+            drawn = course.cell_length_m[i] * price - rows.multiplier[DRAWN, i] - rows.multiplier[DRAWN_POSITIVE, i]
+            total += abs(drawn)
+    for i in range(work.nodes.speed2.shape[0]):
+        if work.nodes.free[i] > 0.0:
+            gradient = work.nodes.gradient[i] - bounds.multiplier[0, i] + bounds.multiplier[1, i]
+            total += abs(gradient) * work.nodes.speed2[i]
+    for row in range(rows.slack.shape[0]):
+        if work.used[row] > 0.0:
+            for i in range(rows.slack.shape[1]):
+                total += rows.multiplier[row, i] * abs(rows.residual[row, i])
+    return total
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def _all_complementarity(
+    work: Work, point: float, multipliers: float, time_slack: float, time_multiplier: float
+) -> float:
+    """Return the sum of slack times multiplier of all constraints after steps of given lengths."""
+    total: float = (time_slack + point * work.time_step[0]) * (time_multiplier + multipliers * work.time_step[1])
+    total += complementarity(work.rows, work.used, point, multipliers)
+    total += complementarity(work.bounds, np.ones(2), point, multipliers)
+    return total
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def _take_step(work: Work, point: float, multipliers: float, barrier: float, width: float) -> None:
+    """Move the point, its slacks and its multipliers."""
+    work.nodes.speed2[:] += point * work.nodes.speed2_step
+    work.cells.traction[:] += point * work.cells.traction_step
+    work.cells.braking[:] += point * work.cells.braking_step
+    work.cells.drawn[:] += point * work.cells.drawn_step
+    move(work.rows, work.used, point, multipliers, barrier, width)
+    move(work.bounds, np.ones(2), point, multipliers, barrier, width)
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST, nogil=True)
+def minimise_energy(
+    course: CourseData,
+    fastest: FloatArray,
+    shortest_time: float,
+    running_time: float,
+    tolerance: float,
+    largest_iterations: int,
+    least_centring: float,
+    exact_first: bool,
+) -> Optimum:
+    """Return the optimum of a course.
+
+    Parameters
+    ----------
+    course : CourseData
+    fastest : array of shape (n + 1,)
+        Squares of speed of the fastest run [m2/s2].
+    shortest_time, running_time : float
+        Time of that run, and time allowed without dwells [s]; the second must be larger.
+    tolerance : float
+        Wanted relative gap.
+    largest_iterations : int
+    least_centring : float
+        Lower bound of the centring; 0.2 ends the rare cycles that 1e-6 leaves.
+    exact_first : bool
+        Whether the exact curvature is tried before the convex one.
+    """
+    scale = course.traction.constant_n
+    work = allocate(course.cell_length_m.shape[0])
+    time_slack, time_multiplier, weights = prepare(course, scale, fastest, shortest_time, running_time, work)
+    length = course.cell_length_m.sum()
+    time_weight = TIME_WEIGHT * length
+    auxiliaries = course.auxiliary_power_w / scale
+    kinetic = course.half_inertia_kg * (length / running_time) ** 2 / scale
+    step, near, poor, iteration = 1.0, 0, 0, 0
+    status, energy, gap = ITERATIONS_EXCEEDED, 0.0, 1.0
+    while iteration < largest_iterations:
+        before = energy
+        energy, gross, time, violation = evaluate(course, scale, time_multiplier + auxiliaries, work)
+        energy += auxiliaries * time
+        time_residual = running_time - time - time_slack
+        violation = max(violation, (time - running_time) / running_time)
+        product = _all_complementarity(work, 0.0, 0.0, time_slack, time_multiplier)
+        barrier = product / weights
+        reference = max(abs(energy), 0.01 * gross, 0.1 * kinetic)
+        gap = product / reference
+        dual = (dual_residual(course, work) + time_multiplier * abs(time_residual)) / reference
+        if violation < LARGEST_VIOLATION and gap < 1.5 * tolerance:
+            near += 1
+            # whole steps that change nothing any more: then what is left of the dual residual is noise, however large
+            settled = step > WHOLE_STEP and abs(energy - before) < 0.1 * tolerance * reference
+            patient = near >= NOISE_FLOOR_PATIENCE and (dual < 1e-2 or settled)
+            if patient or (gap < tolerance and dual < 10.0 * tolerance):
+                status = CONVERGED
+                break
+        # under this the dual residual is rounding noise, eps z / s, which grows as the barrier falls
+        least = min(barrier, 0.1 * tolerance * reference / weights)
+        response = factor_with_fallback(work, exact_first, time_slack, time_multiplier)
+        set_direction(course, work, response, 0.0, False, time_slack, time_multiplier, time_residual, 0.0)
+        point, multipliers = longest_steps(work, time_slack, time_multiplier, 1.0)
+        centring = (_all_complementarity(work, point, multipliers, time_slack, time_multiplier) / product) ** 3
+        # the barrier must not outrun the dual, whose residual would then be noise
+        if dual > gap:
+            centring = max(centring, min(0.5, 0.1 * dual / gap))
+        centring = max(min(max(centring, least_centring), 0.9), 0.5 if step < 0.1 else 0.0)
+        aim = max(centring * barrier, least)
+        set_direction(course, work, response, aim, True, time_slack, time_multiplier, time_residual, aim * time_weight)
+        point, multipliers = longest_steps(work, time_slack, time_multiplier, max(0.995, 1.0 - barrier))
+        step = min(point, multipliers)
+        poor = poor + 1 if step < SHORT_STEP else 0
+        # short steps in a row mean pairs far from the centre: pull them back
+        width = LOOSE_WIDTH if poor < SHORT_STEPS_BEFORE_TIGHT else TIGHT_WIDTH
+        centre = aim if step > 0.5 else max(barrier, least)
+        _take_step(work, point, multipliers, centre, width)
+        time_slack += point * work.time_step[0]
+        middle = centre * time_weight / time_slack
+        time_multiplier = min(max(time_multiplier + multipliers * work.time_step[1], middle / width), middle * width)
+        iteration += 1
+    return Optimum(
+        work.nodes.speed2,
+        work.cells.traction,
+        work.cells.braking,
+        work.rows.multiplier,
+        work.cells.force_price,
+        time_multiplier,
+        energy,
+        gap,
+        iteration,
+        status,
+    )

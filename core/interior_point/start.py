@@ -1,0 +1,196 @@
+"""A strictly feasible start: the fastest run, slowed down and capped until it is nearly as slow as the timetable."""
+
+import math
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.compiled import njit
+from railjoule.core.drive.kernels import generated_power, may_draw_while_braking
+from railjoule.core.interior_point.cell import per_metre
+from railjoule.core.interior_point.layout import (
+    ACCELERATION,
+    BRAKING_CONSTANT,
+    BRAKING_OVER_SPEED,
+    BRAKING_POSITIVE,
+    DECELERATION,
+    DRAWN,
+    DRAWN_POSITIVE,
+    FRICTION_CONSTANT,
+    FRICTION_POSITIVE,
+    TRACTION_CONSTANT,
+    TRACTION_OVER_SPEED,
+    TRACTION_POSITIVE,
+    Work,
+)
+from railjoule.core.motion.course import CourseData
+from railjoule.core.motion.effort_limit import EffortLimit, limit_over_speed
+from railjoule.core.motion.passes import running_time as running_time_of
+
+SLOWEST_SPEED2 = 0.01
+"""Floor of speed squared at inner nodes [m2/s2], 0.36 km/h: at rest a crest would have an infinite derivative."""
+FIRST_BARRIER = 0.03
+TIME_WEIGHT = 0.2
+"""Weight of the timetable in the barrier, as a share of the line's length."""
+MOST_SLACK = 1.0
+"""The start uses no more slack than this share of the shortest time, lest it creep where 1 / v and noise are large."""
+
+
+@njit(cache=True, error_model="numpy")
+def start_speeds(
+    course: CourseData, fastest: FloatArray, shortest_time: float, running_time: float, speed2: FloatArray
+) -> None:
+    """Fill `speed2` with min(c fastest, cap); c and the cap give 90 % of the slack to the time, if it is not too much.
+
+    Scaling all squares of speed by c keeps every force between that of the fastest run and that of standing
+    still, so the start is strictly feasible however tight the timetable is.
+    """
+    h, fixed = course.cell_length_m, course.fixed_speed2
+    wanted = shortest_time + 0.9 * min(running_time - shortest_time, MOST_SLACK * shortest_time)
+    tight = (shortest_time / wanted) ** 2
+    c = max(tight, 0.85)
+    if tight > 0.85:
+        c = (shortest_time / (shortest_time + 0.45 * (running_time - shortest_time))) ** 2
+    nodes = fastest.shape[0]
+    scaled = np.empty(nodes)
+    for i in range(nodes):
+        scaled[i] = math.sqrt(c * fastest[i])
+    high = math.sqrt(fastest.max())
+    low = 1e-3 * high
+    v1 = 0.0
+    for _ in range(40):
+        cap = math.sqrt(low * high) if low < 0.1 * high else 0.5 * (low + high)
+        time = 0.0
+        for i in range(nodes):
+            v0 = v1
+            v1 = math.sqrt(fixed[i]) if fixed[i] >= 0.0 else min(scaled[i], cap)
+            if i > 0:
+                time += 2.0 * h[i - 1] / (v0 + v1)
+        if time > wanted:
+            low = cap
+        else:
+            high = cap
+        if high - low < 5e-4 * high:
+            break
+    for i in range(nodes):
+        speed2[i] = fixed[i] if fixed[i] >= 0.0 else min(scaled[i], high) ** 2
+
+
+@njit(cache=True)
+def _use_limits(course: CourseData, scale: float, fastest: FloatArray, work: Work) -> None:
+    """Mark the constraints that a run can reach, and give each its weight."""
+    h, weight = course.cell_length_m, work.rows.weight
+    traction, braking = course.traction, course.braking
+    kinked = may_draw_while_braking(course.drive_kind) and course.recuperation_factor < 1.0
+    for i in range(h.shape[0]):
+        top_speed = 0.5 * (math.sqrt(fastest[i]) + math.sqrt(fastest[i + 1]))
+        for row in (TRACTION_POSITIVE, TRACTION_CONSTANT, BRAKING_POSITIVE, BRAKING_CONSTANT):
+            weight[row, i] = h[i]
+        if _binds(traction, top_speed):
+            weight[TRACTION_OVER_SPEED, i] = h[i]
+        if _binds(braking, top_speed):
+            weight[BRAKING_OVER_SPEED, i] = h[i]
+        if kinked:
+            weight[DRAWN_POSITIVE, i] = weight[DRAWN, i] = h[i]
+        if course.friction_effort_n > 0.0:
+            weight[FRICTION_POSITIVE, i] = weight[FRICTION_CONSTANT, i] = h[i]
+        if course.max_acceleration_ms2 < np.inf:
+            weight[ACCELERATION, i] = h[i]
+        if course.max_deceleration_ms2 < np.inf:
+            weight[DECELERATION, i] = h[i]
+    for row in range(weight.shape[0]):
+        work.used[row] = 1.0 if weight[row].max() > 0.0 else 0.0
+
+
+@njit(cache=True)
+def _binds(limit: EffortLimit, top_speed: float) -> bool:
+    """Return whether a limit over speed can be reached below the constant one up to a speed."""
+    if limit.table.shape[0] > 0:
+        return True
+    return limit.power_w < np.inf and limit.power_w / top_speed < limit.constant_n
+
+
+@njit(cache=True, error_model="numpy")
+def prepare(
+    course: CourseData, scale: float, fastest: FloatArray, shortest_time: float, running_time: float, work: Work
+) -> tuple[float, float, float]:
+    """Fill the work arrays with a start; return slack and multiplier of the timetable, and the sum of weights.
+
+    Parameters
+    ----------
+    course : CourseData
+    scale : float
+        The effort that 1 stands for [N].
+    fastest : array of shape (n + 1,)
+        Squares of speed of the fastest run [m2/s2].
+    shortest_time, running_time : float
+        Time of the fastest run, and time allowed without dwells [s].
+    work : Work
+    """
+    h, nodes, bounds = course.cell_length_m, work.nodes, work.bounds
+    n, w = h.shape[0], work.nodes.speed2
+    start_speeds(course, fastest, shortest_time, running_time, w)
+    _use_limits(course, scale, fastest, work)
+    for i in range(n + 1):
+        nodes.free[i] = 1.0 if course.fixed_speed2[i] < 0.0 else 0.0
+        nodes.floor[i] = min(SLOWEST_SPEED2, 0.25 * w[i])
+        nodes.ceiling[i] = course.largest_speed2[i]
+        if nodes.free[i] > 0.0:
+            near = 0.5 * ((h[i - 1] if i > 0 else 0.0) + (h[i] if i < n else 0.0))
+            bounds.slack[0, i] = w[i] - nodes.floor[i]
+            bounds.slack[1, i] = max(nodes.ceiling[i] - w[i], 1e-3 * nodes.ceiling[i])
+            for side in range(2):
+                bounds.weight[side, i] = near
+                bounds.multiplier[side, i] = FIRST_BARRIER * near / bounds.slack[side, i]
+    used_time = running_time_of(h, w)
+    _start_cells(course, scale, work)
+    time_weight = TIME_WEIGHT * h.sum()
+    time_slack = max(running_time - used_time, 0.01 * (running_time - shortest_time))
+    weights = work.rows.weight.sum() + bounds.weight.sum() + time_weight
+    return time_slack, FIRST_BARRIER * time_weight / time_slack, weights
+
+
+@njit(cache=True, error_model="numpy")
+def _start_cells(course: CourseData, scale: float, work: Work) -> None:
+    """Put the efforts of the cells inside their intervals, and slacks and multipliers on the centre."""
+    h, w, rows, cells = course.cell_length_m, work.nodes.speed2, work.rows, work.cells
+    top_braking, top_friction = course.braking.constant_n / scale, course.friction_effort_n / scale
+    inertia = course.half_inertia_kg / scale
+    for i in range(h.shape[0]):
+        v = 0.5 * (math.sqrt(w[i]) + math.sqrt(w[i + 1]))
+        rise = inertia / h[i] * (w[i + 1] - w[i])
+        against = course.line_force_n[i] + course.resistance_constant_n + course.resistance_linear * v
+        force = rise + (against + 0.5 * course.resistance_quadratic * (w[i] + w[i + 1])) / scale
+        over_traction, over_braking = np.inf, np.inf
+        if rows.weight[TRACTION_OVER_SPEED, i] > 0.0:
+            over_traction = limit_over_speed(course.traction, v)[0] / scale
+        if rows.weight[BRAKING_OVER_SPEED, i] > 0.0:
+            over_braking = limit_over_speed(course.braking, v)[0] / scale
+        electric = min(top_braking, over_braking)
+        low = max(force, 0.0)
+        # a tenth into the interval: most of an optimal run coasts or pulls little
+        f = low + 0.1 * max(min(1.0, over_traction, electric + top_friction + force) - low, 0.0)
+        b = f - force
+        x = b if top_friction <= 0.0 else 0.5 * (max(b - top_friction, 0.0) + min(b, electric))
+        power = generated_power(course.drive_kind, course.drive_parameters, max(x, 0.0) * scale, v)
+        generated = per_metre(power, scale, v)[0]
+        drawn = max(-generated, 0.0) + 1e-2 if rows.weight[DRAWN, i] > 0.0 else 0.0
+        cells.traction[i], cells.braking[i], cells.drawn[i] = f, x, drawn
+        rows.slack[TRACTION_POSITIVE, i] = f
+        rows.slack[TRACTION_CONSTANT, i] = 1.0 - f
+        rows.slack[TRACTION_OVER_SPEED, i] = over_traction - f
+        rows.slack[BRAKING_POSITIVE, i] = x
+        rows.slack[BRAKING_CONSTANT, i] = top_braking - x
+        rows.slack[BRAKING_OVER_SPEED, i] = over_braking - x
+        rows.slack[DRAWN_POSITIVE, i] = drawn
+        rows.slack[DRAWN, i] = drawn + generated
+        rows.slack[FRICTION_POSITIVE, i] = b - x
+        rows.slack[FRICTION_CONSTANT, i] = top_friction - b + x
+        rows.slack[ACCELERATION, i] = 2.0 * inertia * course.max_acceleration_ms2 - rise
+        rows.slack[DECELERATION, i] = 2.0 * inertia * course.max_deceleration_ms2 + rise
+    for row in range(rows.slack.shape[0]):
+        for i in range(h.shape[0]):
+            used = rows.weight[row, i] > 0.0
+            # rows that are not there keep slack 1 and multiplier 0, so that sums need not ask
+            rows.slack[row, i] = max(rows.slack[row, i], 1e-3) if used else 1.0
+            rows.multiplier[row, i] = FIRST_BARRIER * rows.weight[row, i] / rows.slack[row, i]

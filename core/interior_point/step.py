@@ -1,0 +1,269 @@
+"""Right-hand sides, steps and step lengths of the interior-point method."""
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.compiled import njit
+from railjoule.core.interior_point.layout import (
+    ACCELERATION,
+    BRAKING_CONSTANT,
+    BRAKING_OVER_SPEED,
+    BRAKING_POSITIVE,
+    DECELERATION,
+    DRAWN,
+    DRAWN_POSITIVE,
+    FAST,
+    FRICTION_CONSTANT,
+    FRICTION_POSITIVE,
+    TRACTION_CONSTANT,
+    TRACTION_OVER_SPEED,
+    TRACTION_POSITIVE,
+    Rows,
+    Work,
+)
+from railjoule.core.interior_point.newton import back_substitute
+from railjoule.core.motion.course import CourseData
+
+LONGEST_CORRECTION = 10.0
+"""The second-order term is kept within this many targets."""
+TINY = 1e-300
+"""Keeps the ratio of constraints that are not there, 0 / 0, at zero."""
+SHORTEST_SPEED2 = 0.03
+"""No speed squared falls under this share of itself in one step."""
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def set_targets(rows: Rows, used: FloatArray, barrier: float, second_order: bool) -> None:
+    """Fill what slack times multiplier is aimed at, over the slack, and what it adds to the right-hand side.
+
+    With `second_order`, Mehrotra's correction takes the product of the last steps into account.
+    """
+    for row in range(rows.slack.shape[0]):
+        if used[row] <= 0.0:
+            continue
+        for i in range(rows.slack.shape[1]):
+            aim = barrier * rows.weight[row, i]
+            if second_order:
+                # unbounded, the correction of a nearly active pair would throw the others off
+                product = rows.slack_step[row, i] * rows.multiplier_step[row, i]
+                aim -= min(max(product, -LONGEST_CORRECTION * aim), LONGEST_CORRECTION * aim)
+            s, z = rows.slack[row, i], rows.multiplier[row, i]
+            rows.target[row, i] = aim / s
+            rows.pull[row, i] = (aim - z * (s + rows.residual[row, i])) / s
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def set_right_side(course: CourseData, work: Work) -> None:
+    """Fill the right-hand sides of the efforts, and that of the nodes into `nodes.speed2_step`."""
+    h, cells, rows, used = course.cell_length_m, work.cells, work.rows, work.used
+    right, pull, bounds = work.nodes.speed2_step, work.rows.pull, work.bounds
+    for i in range(right.shape[0]):
+        right[i] = bounds.pull[0, i] + bounds.multiplier[0, i] - bounds.pull[1, i] - bounds.multiplier[1, i]
+    friction = used[FRICTION_POSITIVE] > 0.0
+    for i in range(h.shape[0]):
+        over = pull[TRACTION_OVER_SPEED, i]
+        traction = pull[TRACTION_POSITIVE, i] - pull[TRACTION_CONSTANT, i] - over
+        traction -= cells.traction_gradient[i]
+        speed = over * rows.by_speed[TRACTION_OVER_SPEED, i] - cells.speed_gradient[i]
+        over = pull[BRAKING_OVER_SPEED, i]
+        electric = pull[BRAKING_POSITIVE, i] - pull[BRAKING_CONSTANT, i] - over
+        electric -= cells.braking_gradient[i]
+        speed += over * rows.by_speed[BRAKING_OVER_SPEED, i]
+        if used[DRAWN] > 0.0:
+            over = pull[DRAWN, i]
+            price = h[i] * (1.0 - course.recuperation_factor)
+            drawn = over + pull[DRAWN_POSITIVE, i] - price
+            drawn += rows.multiplier[DRAWN, i] + rows.multiplier[DRAWN_POSITIVE, i]
+            cells.drawn_right[i] = drawn
+            electric += over * rows.by_effort[DRAWN, i] - cells.drawn_by_effort[i] * drawn
+            speed += over * rows.by_speed[DRAWN, i] - cells.drawn_by_speed[i] * drawn
+        braking = electric
+        if friction:
+            q = pull[FRICTION_POSITIVE, i] - pull[FRICTION_CONSTANT, i] + cells.force_price[i]
+            cells.friction_right[i] = q
+            share = cells.friction_weight[i] / (cells.electric_weight[i] + cells.friction_weight[i])
+            braking = electric * share + q * (1.0 - share)
+            speed += (braking - electric) * cells.braking_slope[i]
+        cells.traction_right[i], cells.electric_right[i] = traction, electric
+        both = traction + braking
+        speed -= both * cells.traction_slope[i]
+        lean = both * cells.braking_weight[i] / (cells.traction_weight[i] + cells.braking_weight[i])
+        u0, u1 = cells.speed_by_start[i], cells.speed_by_end[i]
+        right[i] += lean * cells.lean_start[i] - braking * cells.force_by_start[i] + speed * u0
+        right[i + 1] += lean * cells.lean_end[i] - braking * cells.force_by_end[i] + speed * u1
+    for row, sign in ((ACCELERATION, -1.0), (DECELERATION, 1.0)):
+        if used[row] > 0.0:
+            for i in range(h.shape[0]):
+                rise = sign * cells.rise_factor[i] * (pull[row, i] + rows.multiplier[row, i])
+                right[i] -= rise
+                right[i + 1] += rise
+    for i in range(right.shape[0]):
+        right[i] *= work.nodes.free[i]
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def expand(work: Work) -> None:
+    """Recover the steps of efforts, slacks and multipliers from those of the nodes."""
+    cells, rows, used, step = work.cells, work.rows, work.used, work.nodes.speed2_step
+    friction = used[FRICTION_POSITIVE] > 0.0
+    for i in range(cells.traction.shape[0]):
+        dv = cells.speed_by_start[i] * step[i] + cells.speed_by_end[i] * step[i + 1]
+        lean = cells.lean_start[i] * step[i] + cells.lean_end[i] * step[i + 1]
+        force = cells.force_by_start[i] * step[i] + cells.force_by_end[i] * step[i + 1]
+        braking = electric = cells.electric_right[i]
+        if friction:
+            share = cells.friction_weight[i] / (cells.electric_weight[i] + cells.friction_weight[i])
+            braking = electric * share + cells.friction_right[i] * (1.0 - share)
+        total = cells.traction_weight[i] + cells.braking_weight[i]
+        df = (cells.braking_weight[i] * lean + cells.traction_right[i] + braking) / total
+        df -= cells.traction_slope[i] * dv
+        dx = df - force
+        if friction:
+            db, slope = dx, cells.braking_slope[i] * dv
+            dx = cells.friction_weight[i] * (db + slope) + electric - cells.friction_right[i]
+            dx = dx / (cells.electric_weight[i] + cells.friction_weight[i]) - slope
+            rows.slack_step[FRICTION_POSITIVE, i] = rows.residual[FRICTION_POSITIVE, i] + db - dx
+            rows.slack_step[FRICTION_CONSTANT, i] = rows.residual[FRICTION_CONSTANT, i] - db + dx
+        cells.traction_step[i], cells.braking_step[i] = df, dx
+        for row, sign in ((TRACTION_POSITIVE, 1.0), (TRACTION_CONSTANT, -1.0)):
+            rows.slack_step[row, i] = rows.residual[row, i] + sign * df
+        for row, sign in ((BRAKING_POSITIVE, 1.0), (BRAKING_CONSTANT, -1.0)):
+            rows.slack_step[row, i] = rows.residual[row, i] + sign * dx
+        for row, effort in ((TRACTION_OVER_SPEED, df), (BRAKING_OVER_SPEED, dx)):
+            if rows.weight[row, i] > 0.0:
+                rows.slack_step[row, i] = rows.residual[row, i] - effort + rows.by_speed[row, i] * dv
+        if used[DRAWN] > 0.0:
+            weight = rows.multiplier[DRAWN, i] / rows.slack[DRAWN, i]
+            weight += rows.multiplier[DRAWN_POSITIVE, i] / rows.slack[DRAWN_POSITIVE, i]
+            drawn = cells.drawn_right[i] / weight - cells.drawn_by_effort[i] * dx - cells.drawn_by_speed[i] * dv
+            cells.drawn_step[i] = drawn
+            rows.slack_step[DRAWN_POSITIVE, i] = rows.residual[DRAWN_POSITIVE, i] + drawn
+            pulled = rows.by_effort[DRAWN, i] * dx + rows.by_speed[DRAWN, i] * dv
+            rows.slack_step[DRAWN, i] = rows.residual[DRAWN, i] + drawn + pulled
+        for row, sign in ((ACCELERATION, -1.0), (DECELERATION, 1.0)):
+            if used[row] > 0.0:
+                rise = sign * cells.rise_factor[i] * (step[i + 1] - step[i])
+                rows.slack_step[row, i] = rows.residual[row, i] + rise
+    bounds = work.bounds
+    for i in range(step.shape[0]):
+        if work.nodes.free[i] > 0.0:
+            moved = work.nodes.speed2[i] + step[i]
+            bounds.slack_step[0, i] = moved - work.nodes.floor[i] - bounds.slack[0, i]
+            bounds.slack_step[1, i] = work.nodes.ceiling[i] - moved - bounds.slack[1, i]
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def set_multiplier_steps(rows: Rows, used: FloatArray) -> None:
+    """Fill the steps of the multipliers from those of the slacks."""
+    for row in range(rows.slack.shape[0]):
+        if used[row] > 0.0:
+            for i in range(rows.slack.shape[1]):
+                z = rows.multiplier[row, i]
+                rows.multiplier_step[row, i] = (
+                    rows.target[row, i] - z - z / rows.slack[row, i] * rows.slack_step[row, i]
+                )
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def set_direction(
+    course: CourseData,
+    work: Work,
+    response: float,
+    barrier: float,
+    second_order: bool,
+    time_slack: float,
+    time_multiplier: float,
+    time_residual: float,
+    time_aim: float,
+) -> None:
+    """Fill all steps for a target of the barrier.
+
+    Parameters
+    ----------
+    course : CourseData
+    work : Work
+        Factored.
+    response : float
+        What `factor_with_fallback` returned.
+    barrier : float
+        Target of slack times multiplier per unit of weight.
+    second_order : bool
+        Whether the steps that stand in `work` correct the target.
+    time_slack, time_multiplier, time_residual, time_aim : float
+        The constraint of the timetable, and its own target of slack times multiplier.
+    """
+    nodes, step = work.nodes, work.nodes.speed2_step
+    set_targets(work.rows, work.used, barrier, second_order)
+    set_targets(work.bounds, np.ones(2), barrier, second_order)
+    set_right_side(course, work)
+    back_substitute(nodes, step)
+    along = np.sum(nodes.time_gradient * step)
+    if second_order:
+        product = work.time_step[0] * work.time_step[1]
+        time_aim -= min(max(product, -LONGEST_CORRECTION * time_aim), LONGEST_CORRECTION * time_aim)
+    # the timetable couples all cells: a rank-one term, solved by Sherman and Morrison's formula
+    weight = time_multiplier / time_slack
+    price_step = time_aim / time_slack - time_multiplier + weight * (along - time_residual)
+    price_step /= 1.0 + weight * response
+    for i in range(step.shape[0]):
+        step[i] = (step[i] - nodes.time_response[i] * price_step) * nodes.free[i]
+    work.time_step[0] = response * price_step - along + time_residual
+    work.time_step[1] = price_step
+    expand(work)
+    set_multiplier_steps(work.rows, work.used)
+    set_multiplier_steps(work.bounds, np.ones(2))
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def _steepest(rows: Rows, used: FloatArray) -> tuple[float, float]:
+    """Return the most negative relative steps of slacks and multipliers."""
+    slack = multiplier = 0.0
+    for row in range(rows.slack.shape[0]):
+        if used[row] > 0.0:
+            for i in range(rows.slack.shape[1]):
+                slack = min(slack, rows.slack_step[row, i] / rows.slack[row, i])
+                multiplier = min(multiplier, rows.multiplier_step[row, i] / (rows.multiplier[row, i] + TINY))
+    return slack, multiplier
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def longest_steps(work: Work, time_slack: float, time_multiplier: float, fraction: float) -> tuple[float, float]:
+    """Return the longest steps of point and multipliers, at most 1, that stop at `fraction` of the way to a bound."""
+    by_rows, by_bounds = _steepest(work.rows, work.used), _steepest(work.bounds, np.ones(2))
+    slack = min(by_rows[0], by_bounds[0], work.time_step[0] / time_slack)
+    multiplier = min(by_rows[1], by_bounds[1], work.time_step[1] / time_multiplier)
+    # the floor's slack need not be exact yet, so w itself is kept above zero
+    speed2 = 0.0
+    for i in range(work.nodes.speed2.shape[0]):
+        if work.nodes.free[i] > 0.0:
+            speed2 = min(speed2, work.nodes.speed2_step[i] / work.nodes.speed2[i])
+    point = min(1.0, -fraction / slack) if slack < 0.0 else 1.0
+    if speed2 < 0.0:
+        point = min(point, -(1.0 - SHORTEST_SPEED2) / speed2)
+    return point, min(1.0, -fraction / multiplier) if multiplier < 0.0 else 1.0
+
+
+@njit(cache=True, fastmath=FAST)
+def complementarity(rows: Rows, used: FloatArray, point: float, multipliers: float) -> float:
+    """Return the sum of slack times multiplier after steps of given lengths."""
+    total = 0.0
+    for row in range(rows.slack.shape[0]):
+        if used[row] > 0.0:
+            for i in range(rows.slack.shape[1]):
+                s = rows.slack[row, i] + point * rows.slack_step[row, i]
+                total += s * (rows.multiplier[row, i] + multipliers * rows.multiplier_step[row, i])
+    return total
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def move(rows: Rows, used: FloatArray, point: float, multipliers: float, barrier: float, width: float) -> None:
+    """Move slacks and multipliers, and keep each pair within a factor `width` of the centre."""
+    for row in range(rows.slack.shape[0]):
+        if used[row] > 0.0:
+            for i in range(rows.slack.shape[1]):
+                s = rows.slack[row, i] + point * rows.slack_step[row, i]
+                z = rows.multiplier[row, i] + multipliers * rows.multiplier_step[row, i]
+                # a pair that left the centre far behind would take many short steps to come back
+                centre = barrier * rows.weight[row, i] / s
+                rows.slack[row, i] = s
+                rows.multiplier[row, i] = min(max(z, centre / width), centre * width)

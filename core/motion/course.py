@@ -1,0 +1,230 @@
+"""A course: all that a run of this vehicle over this line obeys, as arrays over the mesh."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.drive import Drive, make_drive
+from railjoule.core.errors import ScenarioError
+from railjoule.core.motion.effort_limit import NO_TABLE, TABLE_STEP_MS, EffortLimit, table_speeds, tabulated_limit
+from railjoule.core.motion.line_geometry import LineGeometry, geometry_at, meshed_geometry
+from railjoule.core.scenario import Scenario, Vehicle
+from railjoule.core.units import MS_PER_KMH, STANDARD_GRAVITY_MS2
+
+FREE = -1.0
+"""Mark of a node whose speed is not prescribed."""
+
+W_PER_KW = 1e3
+N_PER_KN = 1e3
+LEAST_BRAKING_SHARE = 1e-9
+"""A missing electric brake counts as this share of the tractive effort: an interior point needs an inside."""
+
+
+class CourseData(NamedTuple):
+    """The numbers of a course in a form that compiled code takes; n cells, squares of speed in m2/s2.
+
+    The net force of a cell is `half_inertia_kg` times the change of speed squared over its length. Running
+    resistance is constant + linear v + quadratic v^2, at the cell's mean v and mean v^2.
+    """
+
+    cell_length_m: FloatArray
+    line_force_n: FloatArray
+    largest_speed2: FloatArray
+    fixed_speed2: FloatArray
+    half_inertia_kg: float
+    resistance_constant_n: float
+    resistance_linear: float
+    resistance_quadratic: float
+    traction: EffortLimit
+    braking: EffortLimit
+    friction_effort_n: float
+    max_acceleration_ms2: float
+    max_deceleration_ms2: float
+    auxiliary_power_w: float
+    drive_kind: int
+    drive_parameters: FloatArray
+    recuperation_factor: float
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """All that a run of a vehicle over a line obeys.
+
+    Parameters
+    ----------
+    position_m : array of shape (n + 1,)
+        Nodes of the mesh [m].
+    gradient_permille : array of shape (n,)
+        Mean gradient under the train in each cell.
+    gradient_force_n, curve_force_n : array of shape (n,)
+        Forces of the line against the train [N].
+    dwell_s : array of shape (n + 1,)
+        How long the train stands at each node [s].
+    drive : Drive
+        The vehicle's loss model.
+    data : CourseData
+        The same for compiled code.
+    """
+
+    position_m: FloatArray
+    gradient_permille: FloatArray
+    gradient_force_n: FloatArray
+    curve_force_n: FloatArray
+    dwell_s: FloatArray
+    drive: Drive
+    data: CourseData
+
+    @property
+    def cell_count(self) -> int:
+        """Number of cells."""
+        return len(self.gradient_permille)
+
+    @property
+    def length_m(self) -> float:
+        """Length of the run [m]."""
+        return float(self.position_m[-1] - self.position_m[0])
+
+    def running_resistance_n(self, speed2: FloatArray) -> FloatArray:
+        """Return the running resistance [N] of each cell for squares of speed at the nodes; shape (n,)."""
+        data = self.data
+        speed = np.sqrt(speed2)
+        mean_speed = 0.5 * (speed[1:] + speed[:-1])
+        mean_speed2 = 0.5 * (speed2[1:] + speed2[:-1])
+        return (
+            data.resistance_constant_n + data.resistance_linear * mean_speed + data.resistance_quadratic * mean_speed2
+        )
+
+    def net_force_n(self, speed2: FloatArray) -> FloatArray:
+        """Return the force at the wheels [N] that brings each cell from one node's square of speed to the next's."""
+        inertia = self.data.half_inertia_kg * np.diff(speed2) / self.data.cell_length_m
+        return inertia + self.running_resistance_n(speed2) + self.data.line_force_n
+
+
+def build_course(
+    scenario: Scenario,
+    initial_speed_ms: float = 0.0,
+    final_speed_ms: float = 0.0,
+    position_m: FloatArray | None = None,
+) -> Course:
+    """Return the course of a scenario.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Vehicle, line and mesh.
+    initial_speed_ms, final_speed_ms : float
+        Speeds at the ends of the run [m/s].
+    position_m : array of shape (n + 1,), optional
+        Nodes [m] instead of those that the scenario's mesh length gives.
+
+    Raises
+    ------
+    ScenarioError
+        If the mesh would need too many cells, a limit of effort is missing, or an end's speed is none.
+    """
+    for name, speed in (("initial_speed_ms", initial_speed_ms), ("final_speed_ms", final_speed_ms)):
+        if not 0 <= speed < np.inf:
+            raise ScenarioError(f"{name} = {speed:g} must be a finite number of at least 0.")
+    vehicle = scenario.vehicle
+    train = vehicle.length_m, vehicle.car_count
+    if position_m is None:
+        line = meshed_geometry(scenario.line, scenario.solver.mesh_m, *train)
+    else:
+        line = geometry_at(scenario.line.in_running_order(), np.asarray(position_m, dtype=float), *train)
+    weight_kn = vehicle.total_mass_kg * STANDARD_GRAVITY_MS2 / N_PER_KN
+    gradient_force = weight_kn * line.gradient_permille
+    curve_force = weight_kn * vehicle.resistance.curve_constant_m_n_per_kn * line.curvature_per_m
+    fixed = np.full(len(line.position_m), FREE)
+    fixed[list(line.stop_nodes)] = 0.0
+    fixed[[0, -1]] = initial_speed_ms**2, final_speed_ms**2
+    drive = make_drive(vehicle.drive)
+    return Course(
+        position_m=line.position_m,
+        gradient_permille=line.gradient_permille,
+        gradient_force_n=frozen_array(gradient_force),
+        curve_force_n=frozen_array(curve_force),
+        dwell_s=line.dwell_s,
+        drive=drive,
+        data=_course_data(vehicle, drive, line, gradient_force + curve_force, fixed),
+    )
+
+
+def _course_data(
+    vehicle: Vehicle, drive: Drive, line: LineGeometry, line_force_n: FloatArray, fixed_speed2: FloatArray
+) -> CourseData:
+    constant, linear, quadratic = resistance_coefficients(vehicle)
+    traction, braking = vehicle.traction, vehicle.braking
+    pulling, electric = _traction_limit(vehicle, drive), _braking_limit(vehicle, drive)
+    least_braking = LEAST_BRAKING_SHARE * pulling.constant_n
+    return CourseData(
+        cell_length_m=np.diff(line.position_m),
+        line_force_n=line_force_n,
+        largest_speed2=np.minimum(line.speed_limit_ms, traction.max_speed_kmh * MS_PER_KMH) ** 2,
+        fixed_speed2=fixed_speed2,
+        half_inertia_kg=0.5 * vehicle.total_inertia_kg,
+        resistance_constant_n=constant,
+        resistance_linear=linear,
+        resistance_quadratic=quadratic,
+        traction=pulling,
+        braking=electric._replace(constant_n=max(electric.constant_n, least_braking)),
+        friction_effort_n=braking.friction_effort_kn * N_PER_KN,
+        max_acceleration_ms2=traction.max_acceleration_ms2 or np.inf,
+        max_deceleration_ms2=braking.max_deceleration_ms2 or np.inf,
+        auxiliary_power_w=vehicle.auxiliary_power_kw * W_PER_KW,
+        drive_kind=drive.kind,
+        drive_parameters=drive.parameters,
+        recuperation_factor=drive.recuperation_factor,
+    )
+
+
+def resistance_coefficients(vehicle: Vehicle) -> tuple[float, float, float]:
+    """Return constant [N], linear [N s/m] and quadratic [N s2/m2] coefficient of running resistance."""
+    resistance = vehicle.resistance
+    weight_kn = vehicle.total_mass_kg * STANDARD_GRAVITY_MS2 / N_PER_KN
+    return (
+        weight_kn * resistance.constant_n_per_kn + resistance.constant_n,
+        (weight_kn * resistance.linear_n_per_kn_per_kmh + resistance.linear_n_per_kmh) / MS_PER_KMH,
+        (weight_kn * resistance.quadratic_n_per_kn_per_kmh2 + resistance.quadratic_n_per_kmh2) / MS_PER_KMH**2,
+    )
+
+
+def _traction_limit(vehicle: Vehicle, drive: Drive) -> EffortLimit:
+    traction = vehicle.traction
+    curve = traction.curve or ()
+    top = max((effort for _, effort in curve), default=np.inf)
+    constant = min(traction.max_effort_kn or np.inf, top) * N_PER_KN
+    return _effort_limit(vehicle, drive, constant, traction.max_power_kw, curve, "traction")
+
+
+def _braking_limit(vehicle: Vehicle, drive: Drive) -> EffortLimit:
+    braking = vehicle.braking
+    constant = np.inf if braking.max_effort_kn is None else braking.max_effort_kn * N_PER_KN
+    return _effort_limit(vehicle, drive, constant, braking.max_power_kw, (), "braking")
+
+
+def _effort_limit(
+    vehicle: Vehicle,
+    drive: Drive,
+    constant_n: float,
+    power_kw: float | None,
+    curve: tuple[tuple[float, float], ...],
+    table: str,
+) -> EffortLimit:
+    """Combine the limits of a vehicle's table with those of its drive."""
+    braking = table == "braking"
+    power = np.inf if power_kw is None else power_kw * W_PER_KW
+    top_speed = vehicle.traction.max_speed_kmh * MS_PER_KMH
+    speeds = table_speeds(top_speed)
+    by_drive = drive.effort_limit_n(speeds, braking)
+    constant = min(constant_n, float(np.max(by_drive)))
+    if not np.isfinite(constant):
+        raise ScenarioError(f"vehicle.{table}.max_effort_kn is missing: this drive sets no limit of effort.")
+    if not curve and not np.isfinite(by_drive).any():
+        return EffortLimit(constant, power, NO_TABLE, TABLE_STEP_MS)
+    limit = np.minimum(by_drive, power / np.maximum(speeds, 1e-3))
+    if curve:
+        knots = np.array(curve)
+        limit = np.minimum(limit, np.interp(speeds, knots[:, 0] * MS_PER_KMH, knots[:, 1] * N_PER_KN))
+    return tabulated_limit(constant, np.minimum(limit, 2 * constant))

@@ -1,0 +1,78 @@
+"""What the line does to the train: force of gradient and curve, exact in the mean over each cell.
+
+A train with a length feels each gradient with that part of it that stands there.
+"""
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.motion.line_profile import section_borders
+from railjoule.core.scenario.line import Line
+
+
+def cell_means(line: Line, values: FloatArray, position_m: FloatArray, offsets_m: FloatArray) -> FloatArray:
+    """Return the mean of a section-wise constant over each cell and over points behind the front of the train.
+
+    Parameters
+    ----------
+    line : Line
+        The line in running order.
+    values : array of shape (sections,)
+        The constant of each section; before the start the first one continues.
+    position_m : array of shape (n + 1,)
+        Nodes of the mesh [m].
+    offsets_m : array of shape (m,)
+        How far the points lie behind the front [m].
+
+    Returns
+    -------
+    array of shape (n,)
+    """
+    borders = section_borders(line)
+    integral = np.append(0.0, np.cumsum(values * np.diff(borders)))
+    places = position_m[None, :] - offsets_m[:, None]
+    inside = np.interp(places, borders, integral) + np.minimum(places, 0.0) * values[0]
+    means: FloatArray = np.diff(inside.mean(axis=0)) / np.diff(position_m)
+    return means
+
+
+def mean_over_length(line: Line, values: FloatArray, position_m: FloatArray, length_m: float) -> FloatArray:
+    """Return the mean of a section-wise constant over each cell and over a train of `length_m` [m]; shape (n,).
+
+    Arguments as in `cell_means`.
+    """
+    borders = section_borders(line)
+    lengths = np.diff(borders)
+    first = np.append(0.0, np.cumsum(values * lengths))
+    second = np.append(0.0, np.cumsum(first[:-1] * lengths + 0.5 * values * lengths**2))
+
+    def twice_integrated(places: FloatArray) -> FloatArray:
+        index = np.clip(np.searchsorted(borders, places, side="right") - 1, 0, len(values) - 1)
+        beyond = places - borders[index]
+        integral: FloatArray = second[index] + first[index] * beyond + 0.5 * values[index] * beyond**2
+        return integral
+
+    over_train = (twice_integrated(position_m) - twice_integrated(position_m - length_m)) / length_m
+    means: FloatArray = np.diff(over_train) / np.diff(position_m)
+    return means
+
+
+def mean_over_train(
+    line: Line, values: FloatArray, position_m: FloatArray, length_m: float | None, car_count: int | None
+) -> FloatArray:
+    """Return the mean of a section-wise constant over each cell and over the train; shape (n,).
+
+    Parameters
+    ----------
+    line, values, position_m
+        As in `cell_means`.
+    length_m : float or None
+        Length of the train [m]; None for a point.
+    car_count : int or None
+        Number of equal cars, each felt at its centre; None for an evenly spread weight.
+    """
+    if length_m is None:
+        return cell_means(line, values, position_m, np.zeros(1))
+    if car_count is None:
+        return mean_over_length(line, values, position_m, length_m)
+    return cell_means(line, values, position_m, (np.arange(car_count) + 0.5) * length_m / car_count)

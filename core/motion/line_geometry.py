@@ -1,0 +1,92 @@
+"""A line over its mesh: gradient, curvature, limits and stops, as one train feels them."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.motion.line_forces import mean_over_train
+from railjoule.core.motion.line_profile import speed_limit_at
+from railjoule.core.motion.mesh import line_mesh
+from railjoule.core.scenario import Line, Section
+from railjoule.core.units import MS_PER_KMH
+
+
+@dataclass(frozen=True, eq=False)
+class LineGeometry:
+    """What a line says at n + 1 nodes and in n cells.
+
+    Parameters
+    ----------
+    position_m : array of shape (n + 1,)
+        Nodes [m].
+    gradient_permille : array of shape (n,)
+        Mean gradient under the train.
+    curvature_per_m : array of shape (n,)
+        Mean curvature under the train [1/m].
+    speed_limit_ms : array of shape (n + 1,)
+        Limit of the line [m/s], infinite where there is none; the lower one where two cells meet.
+    stop_nodes : tuple of int
+        Nodes of the stations between the ends.
+    dwell_s : array of shape (n + 1,)
+        How long the train stands at each node [s].
+    """
+
+    position_m: FloatArray
+    gradient_permille: FloatArray
+    curvature_per_m: FloatArray
+    speed_limit_ms: FloatArray
+    stop_nodes: tuple[int, ...]
+    dwell_s: FloatArray
+
+
+@lru_cache(maxsize=64)
+def meshed_geometry(line: Line, mesh_m: float, length_m: float | None, car_count: int | None) -> LineGeometry:
+    """Return the geometry of a line over a mesh with cells of at most `mesh_m`; kept for the next call.
+
+    Parameters
+    ----------
+    line : Line
+        The line, in either direction.
+    mesh_m : float
+        Largest length of a cell [m].
+    length_m, car_count : float and int, or None
+        Length of the train [m] and number of its cars.
+
+    Raises
+    ------
+    ScenarioError
+        If the mesh would need too many cells.
+    """
+    running = line.in_running_order()
+    return geometry_at(running, line_mesh(running, mesh_m), length_m, car_count)
+
+
+def geometry_at(line: Line, position_m: FloatArray, length_m: float | None, car_count: int | None) -> LineGeometry:
+    """Return the geometry of a line in running order over given nodes [m]; other arguments as `meshed_geometry`."""
+
+    def over_train(values: list[float]) -> FloatArray:
+        return frozen_array(mean_over_train(line, np.array(values), position_m, length_m, car_count))
+
+    stops = [int(np.argmin(np.abs(position_m - station.position_m))) for station in line.inner_stations]
+    dwell = np.zeros(len(position_m))
+    dwell[stops] = [station.dwell_s for station in line.inner_stations]
+    return LineGeometry(
+        position_m=frozen_array(position_m),
+        gradient_permille=over_train([section.gradient_permille for section in line.sections]),
+        curvature_per_m=over_train([_curvature(section) for section in line.sections]),
+        speed_limit_ms=frozen_array(_speed_limits(line, position_m)),
+        stop_nodes=tuple(stops),
+        dwell_s=frozen_array(dwell),
+    )
+
+
+def _curvature(section: Section) -> float:
+    return 1 / section.curve_radius_m if section.curve_radius_m > 0 else 0.0
+
+
+def _speed_limits(line: Line, nodes: FloatArray) -> FloatArray:
+    cells = speed_limit_at(line, 0.5 * (nodes[1:] + nodes[:-1]))
+    at_nodes: FloatArray = np.minimum(np.append(cells[0], cells), np.append(cells, cells[-1]))
+    return at_nodes * MS_PER_KMH

@@ -1,0 +1,59 @@
+"""A line as it lies on the ground, before any train or mesh: heights and speed limits over distance."""
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.scenario import Line
+
+
+def section_borders(line: Line) -> FloatArray:
+    """Return where the sections of a line in running order begin and end [m]; shape (sections + 1,)."""
+    return np.append(0.0, np.cumsum([section.length_m for section in line.sections]))
+
+
+def height_profile(line: Line) -> FloatArray:
+    """Return the heights at the `section_borders` of a line in running order [m], above the start."""
+    climbs = [section.length_m * section.gradient_permille / 1000 for section in line.sections]
+    return np.append(0.0, np.cumsum(climbs))
+
+
+def speed_limit_at(line: Line, position_m: FloatArray) -> FloatArray:
+    """Return a line's own speed limit [km/h], infinite where there is none.
+
+    Parameters
+    ----------
+    line : Line
+        In running order.
+    position_m : array of shape (k,)
+        Places [m], none of them on a border.
+    """
+    section = np.searchsorted(section_borders(line)[1:-1], position_m)
+    limit = np.array([section.speed_limit_kmh or np.inf for section in line.sections])[section]
+    for stretch in line.speed_limits:
+        covered = (position_m > stretch.from_m) & (position_m < stretch.to_m)
+        limit = np.where(covered, np.minimum(limit, stretch.limit_kmh), limit)
+    return limit
+
+
+def limit_steps(line: Line, max_speed_kmh: float = np.inf) -> tuple[FloatArray, FloatArray]:
+    """Return the stretches of one speed limit of a line.
+
+    Parameters
+    ----------
+    line : Line
+        In running order.
+    max_speed_kmh : float
+        What limits the speed where the line does not [km/h].
+
+    Returns
+    -------
+    borders_m : array of shape (k + 1,)
+        Where they begin and end [m].
+    limit_kmh : array of shape (k,)
+        Their limits [km/h].
+    """
+    ends = [place for limit in line.speed_limits for place in (limit.from_m, limit.to_m)]
+    borders = np.union1d(section_borders(line), ends)
+    limits = np.minimum(speed_limit_at(line, 0.5 * (borders[1:] + borders[:-1])), max_speed_kmh)
+    first = np.append(True, limits[1:] != limits[:-1])
+    return np.append(borders[:-1][first], borders[-1]), limits[first]

@@ -1,0 +1,143 @@
+"""Turn pydantic's findings into one sentence that names key, value and bound."""
+
+import difflib
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+
+BOUNDS = {
+    "greater_than": ("gt", "must be above"),
+    "greater_than_equal": ("ge", "must be at least"),
+    "less_than": ("lt", "must be below"),
+    "less_than_equal": ("le", "must be at most"),
+}
+KINDS = {
+    "float_type": "must be a number",
+    "float_parsing": "must be a number",
+    "finite_number": "must be a finite number",
+    "int_type": "must be a whole number",
+    "int_from_float": "must be a whole number",
+    "bool_type": "must be true or false",
+    "string_type": "must be a text",
+    "tuple_type": "must be a list",
+    "model_type": "must be a table",
+    "model_attributes_type": "must be a table",
+    "dict_type": "must be a table",
+}
+ALIASES = {"vehicle.drive": "drive"}
+LONGEST_SHOWN = 60
+LONGEST_INTEGER_BITS = 4096
+
+
+def sentence_of(error: ValidationError, model: type[BaseModel], source: str) -> str:
+    """Return one sentence for the first finding of `error`, with the number of the others."""
+    everything = error.errors(include_url=False)
+    findings = [finding for finding in everything if not _follows(finding, everything)]
+    # a misspelt key is told before the key that is therefore missing
+    first = next((finding for finding in findings if finding["type"] == "extra_forbidden"), findings[0])
+    text = f"{source}: {_finding(first, model)}"
+    others = len(findings) - 1
+    return text + (f" (and {others} more)." if others else "" if text.endswith("?") else ".")
+
+
+def _follows(finding: Mapping[str, Any], findings: Sequence[Mapping[str, Any]]) -> bool:
+    """Return whether a list is only found too short because its entries are wrong."""
+    place = finding["loc"]
+    return finding["type"] == "too_short" and any(
+        len(other["loc"]) > len(place) and other["loc"][: len(place)] == place for other in findings
+    )
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """Return 'did you mean ...?' or a list of what is known, for an unknown `name`."""
+    names = sorted(known)
+    close = difflib.get_close_matches(name, names, n=2, cutoff=0.6)
+    if close:
+        return "did you mean " + " or ".join(repr(match) for match in close) + "?"
+    return "known are " + ", ".join(names)
+
+
+def show(value: Any) -> str:
+    """Return a short text of any value that a user may have written."""
+    if isinstance(value, int) and value.bit_length() > LONGEST_INTEGER_BITS:
+        return "a number of very many digits"  # Python refuses to write it down
+    text = f"{value:g}" if isinstance(value, float) else repr(value)
+    return text if len(text) <= LONGEST_SHOWN else text[: LONGEST_SHOWN - 3] + "..."
+
+
+def _finding(finding: Mapping[str, Any], model: type[BaseModel]) -> str:
+    location = _without_tags(finding["loc"])
+    path = _dotted(location)
+    kind, value, context = finding["type"], finding["input"], finding.get("ctx", {})
+    if kind == "missing":
+        return f"{path} is missing"
+    if kind == "extra_forbidden":
+        return f"unknown key {path}, {nearest(str(location[-1]), _keys_at(model, location[:-1]))}"
+    if kind in BOUNDS:
+        key, words = BOUNDS[kind]
+        return f"{path} = {show(value)} {words} {context[key]:g}"
+    if kind in KINDS:
+        return f"{path} = {show(value)} {KINDS[kind]}"
+    if kind == "literal_error":
+        return f"{path} = {show(value)} must be {context['expected']}"
+    if kind == "union_tag_invalid":
+        return f"drive.model = {show(context['tag'])} must be one of {context['expected_tags']}"
+    if kind == "union_tag_not_found":
+        return "drive.model is missing"
+    if kind == "too_short":
+        least = context["min_length"]
+        return f"{path} is empty" if least == 1 else f"{path} has fewer than {least} entries"
+    if kind == "too_long":
+        return f"{path} has more than {context['max_length']} entries"
+    if kind == "string_too_long":
+        return f"{path} is longer than {context['max_length']} characters"
+    if kind == "value_error":
+        return _own_finding(path, str(context["error"]), _keys_at(model, location))
+    return f"{path} = {show(value)}: {finding['msg']}"
+
+
+def _own_finding(path: str, words: str, keys: set[str]) -> str:
+    """Join the place of a table with the words of one of our own checks on it."""
+    begins_with_key = any(words.startswith(key) for key in keys)
+    return f"{path}{'.' if begins_with_key else ' '}{words}" if path else words
+
+
+def _without_tags(location: Sequence[str | int]) -> list[str | int]:
+    """Drop the names of drive models, which are no keys of the file."""
+    return [
+        part
+        for index, part in enumerate(location)
+        if not (index and location[index - 1] == "drive" and index < len(location) - 1 and isinstance(part, str))
+    ]
+
+
+def _dotted(location: Sequence[str | int]) -> str:
+    text = ""
+    for part in location:
+        name = part if isinstance(part, int) or len(part) <= LONGEST_SHOWN else part[: LONGEST_SHOWN - 3] + "..."
+        text += f"[{name}]" if isinstance(name, int) else f".{name}" if text else name
+    for inner, outer in ALIASES.items():
+        if text.startswith(inner + "."):
+            text = outer + text[len(inner) :]
+    return text
+
+
+def _keys_at(model: type[BaseModel], location: Sequence[str | int]) -> set[str]:
+    """Return the keys that the table at `location` may have."""
+    models = [model]
+    for part in location:
+        if isinstance(part, str):
+            models = [
+                inner
+                for outer in models
+                if part in outer.model_fields
+                for inner in _models_in(outer.model_fields[part].annotation)
+            ]
+    return {name for known in models for name in known.model_fields}
+
+
+def _models_in(annotation: Any) -> list[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for inner in get_args(annotation) for model in _models_in(inner)]

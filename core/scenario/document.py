@@ -1,0 +1,195 @@
+"""Scenarios as nested dictionaries, the shape of a TOML file: presets filled in and taken out again."""
+
+from collections.abc import Mapping
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from railjoule.core.errors import ScenarioError
+from railjoule.core.scenario._sentences import sentence_of, show
+from railjoule.core.scenario.line import Line
+from railjoule.core.scenario.presets import PresetKind, preset_document
+from railjoule.core.scenario.scenario import Scenario
+from railjoule.core.scenario.sections_csv import read_sections
+from railjoule.core.scenario.vehicle import Vehicle
+
+Document = dict[str, Any]
+
+EXCLUSIVE_KEYS = (
+    {"rotating_mass_factor", "inertial_mass_kg"},
+    {"travel_time_s", "average_speed_kmh"},
+)
+"""Keys that say the same thing in two ways: one replaces the other."""
+
+
+def scenario_from_document(
+    document: Mapping[str, Any], source: str = "scenario", folder: Path | None = None
+) -> Scenario:
+    """Return the scenario that a nested dictionary describes.
+
+    Parameters
+    ----------
+    document : mapping
+        Keys as in a scenario file.
+    source : str
+        What errors call the document, such as its file's name.
+    folder : Path, optional
+        Where `line.file` is looked for; without it that key is refused.
+
+    Raises
+    ------
+    ScenarioError
+        If a key is unknown or missing, or a value of a wrong type or out of bounds.
+    """
+    filled = deepcopy(dict(document))
+    try:
+        _fill_vehicle(filled)
+        _fill_line(filled, folder)
+    except ScenarioError as error:
+        raise ScenarioError(f"{source}: {error}") from None
+    try:
+        return Scenario.model_validate(filled)
+    except ValidationError as error:
+        raise ScenarioError(sentence_of(error, Scenario, source)) from None
+
+
+def document_of(scenario: Scenario) -> Document:
+    """Return the shortest document that gives `scenario` back: only what differs from presets and defaults."""
+    document = _dump(scenario)
+    vehicle, drive = _shorten_vehicle(scenario.vehicle)
+    document["vehicle"] = vehicle
+    if drive:
+        document["drive"] = drive
+    document["line"] = _shorten_line(scenario.line)
+    return document
+
+
+def change_document(document: Document, changes: Mapping[str, Any]) -> Document:
+    """Return a copy of `document` with the keys of `changes`, dotted paths, set; None takes a key away."""
+    changed = deepcopy(document)
+    for path, value in changes.items():
+        *parents, key = (
+            path.removeprefix("vehicle.").split(".") if path.startswith("vehicle.drive.") else path.split(".")
+        )
+        table = changed
+        for parent in parents:
+            table = table.setdefault(parent, {})
+            if not isinstance(table, dict):
+                raise ScenarioError(f"{path}: {parent} is not a table.")
+        if value is None:
+            table.pop(key, None)
+            continue
+        _drop_alternatives(table, key)
+        table[key] = deepcopy(value)
+    return changed
+
+
+def merged(base: Mapping[str, Any], changes: Mapping[str, Any]) -> Document:
+    """Return `base` with `changes` laid over it, table by table."""
+    result = dict(deepcopy(base))
+    for key, value in changes.items():
+        if isinstance(value, Mapping) and isinstance(result.get(key), Mapping):
+            result[key] = (_merged_drive if key == "drive" else merged)(result[key], value)
+        else:
+            _drop_alternatives(result, key)
+            result[key] = deepcopy(value)
+    return result
+
+
+def _merged_drive(base: Mapping[str, Any], changes: Mapping[str, Any]) -> Document:
+    """Lay a drive over another; of a drive of another kind only the recuperation factor stays."""
+    if "model" in changes and changes["model"] != base.get("model"):
+        base = {key: value for key, value in base.items() if key == "recuperation_factor"}
+    return merged(base, changes)
+
+
+def _drop_alternatives(table: Document, key: str) -> None:
+    for group in EXCLUSIVE_KEYS:
+        if key in group:
+            for other in group - {key}:
+                table.pop(other, None)
+
+
+def _fill_vehicle(document: Document) -> None:
+    vehicle = document.get("vehicle")
+    if not isinstance(vehicle, dict):
+        return
+    vehicle = _filled("vehicles", vehicle)
+    drive = document.pop("drive", None)
+    if isinstance(drive, dict):
+        vehicle["drive"] = _merged_drive(vehicle.get("drive", {}), drive)
+    elif drive is not None:
+        raise ScenarioError(f"drive = {show(drive)} must be a table.")
+    document["vehicle"] = vehicle
+
+
+def _fill_line(document: Document, folder: Path | None) -> None:
+    line = document.get("line")
+    if not isinstance(line, dict):
+        return
+    name = line.pop("file", None)
+    if name is not None and not isinstance(name, str):
+        raise ScenarioError(f"line.file = {show(name)} must be the name of a CSV file.")
+    if name is not None:
+        if "sections" in line or "preset" in line:
+            raise ScenarioError("line needs only one of preset, file and sections.")
+        line["sections"] = read_sections(name, folder)
+    document["line"] = _filled("lines", line)
+
+
+def _filled(kind: PresetKind, table: Document) -> Document:
+    preset = table.get("preset")
+    if preset is None:
+        return table
+    if not isinstance(preset, str):
+        raise ScenarioError(f"preset = {show(preset)} must be the name of one of the {kind}.")
+    return merged(preset_document(kind, preset), table)
+
+
+def _dump(part: BaseModel) -> Document:
+    """Dump what differs from the defaults, with lists for tuples."""
+    return part.model_dump(mode="json", exclude_none=True, exclude_defaults=True)
+
+
+def _shorten_vehicle(vehicle: Vehicle) -> tuple[Document, Document]:
+    """Return the tables `vehicle` and `drive` of a document."""
+    full = vehicle.model_dump(mode="json", exclude_none=True)
+    if vehicle.preset is not None:
+        base = preset_document("vehicles", vehicle.preset)
+        base = Vehicle.model_validate(base).model_dump(mode="json", exclude_none=True)
+        short = _difference(full, base)
+        if _refill(base, short) == full:
+            drive = short.pop("drive", {})
+            if drive.get("model"):
+                drive = full["drive"]
+            return short, drive
+    return _dump(vehicle.model_copy(update={"preset": None})), {}
+
+
+def _shorten_line(line: Line) -> Document:
+    full = line.model_dump(mode="json", exclude_none=True)
+    if line.preset is not None:
+        base = preset_document("lines", line.preset)
+        base = Line.model_validate(base).model_dump(mode="json", exclude_none=True)
+        short = _difference(full, base)
+        if _refill(base, short) == full:
+            return short
+    return _dump(line.model_copy(update={"preset": None}))
+
+
+def _difference(full: Document, base: Document) -> Document:
+    """Return the entries of `full` that `base` lacks or has otherwise."""
+    result: Document = {}
+    for key, value in full.items():
+        if key not in base:
+            result[key] = value
+        elif value != base[key]:
+            both_tables = isinstance(value, dict) and isinstance(base[key], dict)
+            result[key] = _difference(value, base[key]) if both_tables else value
+    return result
+
+
+def _refill(base: Document, short: Document) -> Document:
+    return merged(base, short)

@@ -1,0 +1,79 @@
+"""Scenarios as TOML files."""
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from railjoule.core.errors import ScenarioError
+from railjoule.core.scenario.document import change_document, document_of, scenario_from_document
+from railjoule.core.scenario.presets import preset_names, preset_text
+from railjoule.core.scenario.scenario import Scenario
+from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES, read_text
+
+
+def load_scenario(path: str | Path, changes: Mapping[str, Any] | None = None) -> Scenario:
+    """Read a scenario file, or a shipped scenario by its name.
+
+    Parameters
+    ----------
+    path : str or Path
+        A TOML file, or the name of a shipped scenario such as `liashenko-ii`.
+    changes : mapping, optional
+        Keys to set before it is checked, named by dotted path.
+
+    Raises
+    ------
+    ScenarioError
+        If the file cannot be read or anything in it is wrong.
+    """
+    path = Path(path)
+    shipped = str(path) in preset_names("scenarios") and not path.exists()
+    text = preset_text("scenarios", str(path)) if shipped else read_text(path)
+    return parse_scenario(text, path.name, None if shipped else path.parent, changes)
+
+
+def parse_scenario(
+    text: str, source: str = "scenario", folder: Path | None = None, changes: Mapping[str, Any] | None = None
+) -> Scenario:
+    """Return the scenario that a TOML text describes.
+
+    Parameters
+    ----------
+    text : str
+        The TOML.
+    source : str
+        What errors call it.
+    folder : Path, optional
+        Where files that it names are looked for; without it such keys are refused.
+    changes : mapping, optional
+        Keys to set before it is checked, named by dotted path.
+
+    Raises
+    ------
+    ScenarioError
+        If the text is no TOML, larger than 10 MB, or anything in it is wrong.
+    """
+    if len(text) > LARGEST_FILE_BYTES:
+        raise ScenarioError(f"{source}: more than the {LARGEST_FILE_BYTES / 1e6:g} MB allowed.")
+    try:
+        document = tomllib.loads(text)
+        return scenario_from_document(change_document(document, changes or {}), source, folder)
+    except tomllib.TOMLDecodeError as error:
+        raise ScenarioError(f"{source}: not a valid TOML file: {error}.") from None
+    except RecursionError:
+        raise ScenarioError(f"{source}: not a valid scenario: its tables or lists are nested too deeply.") from None
+    except ValueError:  # the one that the standard library's parser lets through
+        raise ScenarioError(f"{source}: not a valid TOML file: a number in it has too many digits.") from None
+
+
+def format_scenario(scenario: Scenario) -> str:
+    """Return the TOML text that gives exactly `scenario` when it is read again."""
+    return tomli_w.dumps(document_of(scenario))
+
+
+def save_scenario(scenario: Scenario, path: str | Path) -> None:
+    """Write `scenario` to a TOML file that gives exactly it when it is read again."""
+    Path(path).write_text(format_scenario(scenario), encoding="utf-8")

@@ -1,0 +1,110 @@
+"""A line: sections of gradient, curve and limit, temporary limits, stations."""
+
+from itertools import pairwise
+from typing import Self
+
+from pydantic import Field, model_validator
+
+from railjoule.core.scenario._base import Number, Part
+
+SHORTEST_DISTANCE_M = 1.0
+"""Neither a line nor the way between two stations is shorter."""
+
+
+class Section(Part):
+    """A piece of line over which gradient, curve and limit stay the same."""
+
+    length_m: Number = Field(gt=0, le=1e7, description="Length of the section [m].")
+    gradient_permille: Number = Field(0.0, ge=-200, le=200, description="Gradient, uphill positive [per mille].")
+    speed_limit_kmh: Number | None = Field(None, gt=0, le=600, description="Speed limit [km/h].")
+    curve_radius_m: Number = Field(0.0, ge=0, le=1e6, description="Radius of the curve [m]; 0 means straight.")
+
+
+class SpeedLimit(Part):
+    """A speed limit between two places."""
+
+    from_m: Number = Field(ge=0, le=1e7, description="Where the limit begins [m].")
+    to_m: Number = Field(gt=0, le=1e7, description="Where the limit ends [m].")
+    limit_kmh: Number = Field(gt=0, le=600, description="The limit [km/h].")
+
+    @model_validator(mode="after")
+    def _has_length(self) -> Self:
+        if self.to_m <= self.from_m:
+            raise ValueError(f"to_m = {self.to_m:g} is not beyond from_m = {self.from_m:g}")
+        return self
+
+
+class Station(Part):
+    """A planned stop."""
+
+    name: str = Field("", max_length=200, description="What the station is called.")
+    position_m: Number = Field(ge=0, le=1e7, description="Where the front of the train stops [m].")
+    dwell_s: Number = Field(0.0, ge=0, le=86400, description="How long it stands there [s].")
+
+
+class Line(Part):
+    """A line as it is described in its forward direction.
+
+    `reverse` turns the whole of it, limits and stations included.
+    """
+
+    preset: str | None = Field(None, description="Name of the shipped line that this one starts from.")
+    name: str = Field("", max_length=200, description="What the line is called.")
+    reverse: bool = Field(False, strict=True, description="Run it from its end to its start.")
+    sections: tuple[Section, ...] = Field(min_length=1, max_length=100_000)
+    speed_limits: tuple[SpeedLimit, ...] = Field((), max_length=10_000)
+    stations: tuple[Station, ...] = Field((), max_length=1000)
+
+    @model_validator(mode="after")
+    def _lies_within(self) -> Self:
+        length = self.length_m
+        if length < SHORTEST_DISTANCE_M:
+            raise ValueError(f"is {length:g} m long, and must be at least {SHORTEST_DISTANCE_M:g} m")
+        for index, limit in enumerate(self.speed_limits):
+            if limit.to_m > length + 1e-9:
+                raise ValueError(
+                    f"speed_limits[{index}].to_m = {limit.to_m:g} lies beyond the end of the line at {length:g} m"
+                )
+        positions = [station.position_m for station in self.stations]
+        if any(later - earlier < SHORTEST_DISTANCE_M for earlier, later in pairwise(positions)):
+            raise ValueError(f"stations must have rising positions, at least {SHORTEST_DISTANCE_M:g} m apart")
+        if positions and positions[-1] > length + 1e-9:
+            raise ValueError(
+                f"stations[{len(positions) - 1}].position_m = {positions[-1]:g} lies beyond the end of the line "
+                f"at {length:g} m"
+            )
+        return self
+
+    @property
+    def length_m(self) -> float:
+        """Length of the line [m]."""
+        return float(sum(section.length_m for section in self.sections))
+
+    def in_running_order(self) -> "Line":
+        """Return the line as the train meets it, with `reverse` carried out."""
+        if not self.reverse:
+            return self
+        length = self.length_m
+        return self.model_copy(
+            update={
+                "reverse": False,
+                "sections": tuple(
+                    section.model_copy(update={"gradient_permille": -section.gradient_permille})
+                    for section in reversed(self.sections)
+                ),
+                "speed_limits": tuple(
+                    limit.model_copy(update={"from_m": max(length - limit.to_m, 0.0), "to_m": length - limit.from_m})
+                    for limit in reversed(self.speed_limits)
+                ),
+                "stations": tuple(
+                    station.model_copy(update={"position_m": max(length - station.position_m, 0.0)})
+                    for station in reversed(self.stations)
+                ),
+            }
+        )
+
+    @property
+    def inner_stations(self) -> tuple[Station, ...]:
+        """The stations that lie neither at the start nor at the end of the line."""
+        length = self.length_m
+        return tuple(station for station in self.stations if 1e-6 < station.position_m < length - 1e-6)

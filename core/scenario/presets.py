@@ -1,0 +1,54 @@
+"""Vehicles, lines and scenarios that come with railjoule, read from its assets."""
+
+import tomllib
+from functools import lru_cache
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+from typing import Any, Literal
+
+from railjoule.core.errors import ScenarioError
+from railjoule.core.scenario._sentences import nearest, show
+
+PresetKind = Literal["vehicles", "lines", "scenarios"]
+
+
+def preset_names(kind: PresetKind) -> tuple[str, ...]:
+    """Return the names of all shipped presets of a kind, sorted."""
+    return tuple(
+        sorted(entry.name.removesuffix(".toml") for entry in _folder(kind).iterdir() if entry.name.endswith(".toml"))
+    )
+
+
+def preset_text(kind: PresetKind, name: str) -> str:
+    """Return a shipped file with its comments, which name the sources.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no such preset.
+    """
+    if name not in preset_names(kind):
+        hint = nearest(name, preset_names(kind))
+        end = "" if hint.endswith("?") else "."
+        raise ScenarioError(f"there is no preset {show(name)} among the {kind}, {hint}{end}")
+    return (_folder(kind) / f"{name}.toml").read_text(encoding="utf-8")
+
+
+def preset_document(kind: PresetKind, name: str) -> dict[str, Any]:
+    """Return a fresh copy of a shipped preset as a nested dictionary.
+
+    Raises
+    ------
+    ScenarioError
+        If there is no such preset.
+    """
+    return tomllib.loads(_cached_text(kind, name))
+
+
+def _folder(kind: PresetKind) -> Traversable:
+    return files("railjoule.assets") / kind
+
+
+@lru_cache(maxsize=64)
+def _cached_text(kind: PresetKind, name: str) -> str:
+    return preset_text(kind, name)

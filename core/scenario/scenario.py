@@ -1,0 +1,59 @@
+"""A scenario: everything that a strategy needs to know, as one frozen value."""
+
+from typing import Any, Literal, get_args
+
+from pydantic import Field
+
+from railjoule.core.scenario._base import Part
+from railjoule.core.scenario.disturbance import Disturbance
+from railjoule.core.scenario.line import Line
+from railjoule.core.scenario.options import EnocOptions, EocOptions, SearchOptions, SimulationOptions, SolverOptions
+from railjoule.core.scenario.timetable import Timetable
+from railjoule.core.scenario.vehicle import Vehicle
+
+StrategyName = Literal["optimal", "bellman", "eoc", "enoc", "phases", "speed_limits", "fastest"]
+STRATEGY_NAMES: tuple[StrategyName, ...] = get_args(StrategyName)
+
+
+class Scenario(Part):
+    """Vehicle, line, timetable and disturbances of one run, and how to solve it.
+
+    Build one from a file (`railjoule.core.load_scenario`) or a nested dictionary
+    (`railjoule.core.scenario.scenario_from_document`), both of which fill in presets.
+    """
+
+    title: str = Field("", max_length=200, description="What the scenario is called.")
+    strategy: StrategyName = Field("optimal", description="How the train is driven.")
+    vehicle: Vehicle
+    line: Line
+    timetable: Timetable
+    disturbance: Disturbance = Disturbance()
+    eoc: EocOptions = EocOptions()
+    enoc: EnocOptions = EnocOptions()
+    search: SearchOptions = SearchOptions()
+    simulation: SimulationOptions = SimulationOptions()
+    solver: SolverOptions = SolverOptions()
+
+    @property
+    def travel_time_s(self) -> float:
+        """Time for the whole run, dwells included [s]."""
+        return self.timetable.travel_time_over(self.line.length_m)
+
+    def with_(self, **changes: Any) -> "Scenario":
+        """Return a copy with changed keys, named by their path in the file.
+
+        `scenario.with_(**{"vehicle.load_factor": 0.3, "drive.recuperation_factor": 1.0})`
+
+        Raises
+        ------
+        ScenarioError
+            If a key is unknown, or its value of a wrong type or out of bounds.
+        """
+        # documents know scenarios, so they can only be asked for here
+        from railjoule.core.scenario.document import (  # noqa: PLC0415
+            change_document,
+            document_of,
+            scenario_from_document,
+        )
+
+        return scenario_from_document(change_document(document_of(self), changes))

@@ -1,0 +1,38 @@
+"""Read text files that a user names, with clear words when it fails."""
+
+from pathlib import Path
+
+from railjoule.core.errors import ScenarioError
+
+LARGEST_FILE_BYTES = 10_000_000
+LONGEST_SHOWN_PATH = 200
+
+
+def read_text(path: Path) -> str:
+    """Return the text of a UTF-8 file of at most 10 MB, with or without a byte order mark.
+
+    Raises
+    ------
+    ScenarioError
+        If the file is missing, too large or no text.
+    """
+    try:
+        with path.open("rb") as file:
+            content = file.read(LARGEST_FILE_BYTES + 1)  # never all of it: a device has no end
+        if len(content) > LARGEST_FILE_BYTES:
+            raise ScenarioError(f"{path.name}: larger than the {LARGEST_FILE_BYTES / 1e6:g} MB allowed.")
+        return content.decode("utf-8-sig")
+    except FileNotFoundError:
+        raise ScenarioError(f"{_shown(path)}: there is no such file.") from None
+    except UnicodeDecodeError:
+        raise ScenarioError(f"{path.name}: not a text in UTF-8.") from None
+    except OSError as error:
+        raise ScenarioError(f"{_shown(path)}: {error.strerror or error}.") from None
+    except ValueError:
+        raise ScenarioError(f"{_shown(path)!r}: no name that a file can have.") from None
+
+
+def _shown(path: Path) -> str:
+    """Return the name of a path, of a very long one its beginning."""
+    text = str(path)
+    return text if len(text) <= LONGEST_SHOWN_PATH else text[: LONGEST_SHOWN_PATH - 3] + "..."

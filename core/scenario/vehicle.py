@@ -1,0 +1,109 @@
+"""A vehicle: masses, running resistance, limits of traction and braking, drive."""
+
+from itertools import pairwise
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from railjoule.core.scenario._base import Count, Number, Part
+from railjoule.core.scenario.drive import Drive
+
+CurvePoint = tuple[Annotated[Number, Field(ge=0, le=600)], Annotated[Number, Field(ge=0, le=1e4)]]
+
+
+class Resistance(Part):
+    """Running resistance: specific terms times weight plus absolute terms, speed in km/h."""
+
+    constant_n_per_kn: Number = Field(0.0, ge=0, le=100, description="Specific, constant [N per kN of weight].")
+    linear_n_per_kn_per_kmh: Number = Field(0.0, ge=0, le=10, description="Specific, linear in speed.")
+    quadratic_n_per_kn_per_kmh2: Number = Field(0.0, ge=0, le=1, description="Specific, quadratic in speed.")
+    constant_n: Number = Field(0.0, ge=0, le=1e6, description="Absolute, constant [N].")
+    linear_n_per_kmh: Number = Field(0.0, ge=0, le=1e5, description="Absolute, linear in speed.")
+    quadratic_n_per_kmh2: Number = Field(0.0, ge=0, le=1e4, description="Absolute, quadratic in speed.")
+    curve_constant_m_n_per_kn: Number = Field(
+        0.0, ge=0, le=5000, description="Curve resistance times radius, per weight [N m/kN]."
+    )
+
+
+class Traction(Part):
+    """Limits while driving."""
+
+    max_effort_kn: Number | None = Field(None, gt=0, le=1e4, description="Largest tractive effort [kN].")
+    max_power_kw: Number | None = Field(None, gt=0, le=1e5, description="Largest power at the wheel [kW].")
+    max_speed_kmh: Number = Field(gt=0, le=600, description="Largest speed of the vehicle [km/h].")
+    max_acceleration_ms2: Number | None = Field(None, gt=0, le=20, description="Largest dv/dt [m/s2].")
+    curve: tuple[CurvePoint, ...] | None = Field(
+        None, min_length=2, max_length=1000, description="Largest tractive effort over speed, [[km/h, kN], ...]."
+    )
+
+    @model_validator(mode="after")
+    def _curve_can_be_followed(self) -> Self:
+        speeds = [speed for speed, _ in self.curve or ()]
+        if any(later <= earlier for earlier, later in pairwise(speeds)):
+            raise ValueError("curve must have rising speeds")
+        if self.curve is not None and not any(effort > 0 for _, effort in self.curve):
+            raise ValueError("curve must have an effort above 0")
+        return self
+
+
+class Braking(Part):
+    """Limits while braking; effort and power are those of the electric brake."""
+
+    max_effort_kn: Number | None = Field(None, ge=0, le=1e4, description="Largest electric braking effort [kN].")
+    max_power_kw: Number | None = Field(None, gt=0, le=1e5, description="Largest electric braking power [kW].")
+    friction_effort_kn: Number = Field(0.0, ge=0, le=1e4, description="Largest effort of the friction brakes [kN].")
+    max_deceleration_ms2: Number | None = Field(None, gt=0, le=20, description="Largest -dv/dt [m/s2].")
+
+
+class Vehicle(Part):
+    """One electric rail vehicle with its load."""
+
+    preset: str | None = Field(None, description="Name of the shipped vehicle that this one starts from.")
+    name: str = Field(max_length=200, description="What the vehicle is called.")
+    tare_kg: Number = Field(gt=0, le=1e7, description="Mass of the empty vehicle [kg].")
+    capacity_passengers: Number = Field(0, ge=0, le=1e5, description="Passengers of the full vehicle.")
+    passenger_mass_kg: Number = Field(75.0, ge=0, le=500, description="Mass of one passenger [kg].")
+    load_factor: Number = Field(0.0, ge=0, le=1, description="Share of the capacity that is on board.")
+    rotating_mass_factor: Number | None = Field(
+        None, ge=0, le=5, description="Inertia of the turning parts, as a share of the total mass."
+    )
+    inertial_mass_kg: Number | None = Field(
+        None, gt=0, le=1e8, description="Inertia of the empty train, turning parts included [kg]."
+    )
+    auxiliary_power_kw: Number = Field(0.0, ge=0, le=1e4, description="Power of light, heating and so on [kW].")
+    length_m: Number | None = Field(None, gt=0, le=5000, description="Length of the train [m]; a point where absent.")
+    car_count: Count | None = Field(None, ge=1, le=200, description="Equal cars that share the weight.")
+    resistance: Resistance
+    traction: Traction
+    braking: Braking
+    drive: Drive
+
+    @model_validator(mode="after")
+    def _one_inertia(self) -> Self:
+        if (self.rotating_mass_factor is None) == (self.inertial_mass_kg is None):
+            raise ValueError("needs exactly one of rotating_mass_factor and inertial_mass_kg")
+        if self.inertial_mass_kg is not None and self.inertial_mass_kg < self.tare_kg:
+            raise ValueError(
+                f"inertial_mass_kg = {self.inertial_mass_kg:g} is below tare_kg = {self.tare_kg:g}, which it includes"
+            )
+        if self.car_count is not None and self.length_m is None:
+            raise ValueError("car_count needs length_m")
+        return self
+
+    @property
+    def load_mass_kg(self) -> float:
+        """Mass of the passengers on board [kg]."""
+        return self.load_factor * self.capacity_passengers * self.passenger_mass_kg
+
+    @property
+    def total_mass_kg(self) -> float:
+        """Mass of vehicle and passengers [kg]."""
+        return self.tare_kg + self.load_mass_kg
+
+    @property
+    def total_inertia_kg(self) -> float:
+        """Mass that resists acceleration [kg]; passengers do not turn."""
+        if self.inertial_mass_kg is not None:
+            return self.inertial_mass_kg + self.load_mass_kg
+        assert self.rotating_mass_factor is not None
+        return (1 + self.rotating_mass_factor) * self.total_mass_kg

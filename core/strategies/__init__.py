@@ -1,0 +1,101 @@
+"""Ways to drive a scenario, all with the same call and the same result."""
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+from railjoule.core.errors import SolverError, StrategyRefusedError
+from railjoule.core.scenario import STRATEGY_NAMES, Scenario, StrategyName
+from railjoule.core.strategies.enoc import enoc
+from railjoule.core.strategies.eoc import eoc
+from railjoule.core.strategies.fastest import fastest
+from railjoule.core.strategies.optimal import certify, minimise, optimal
+from railjoule.core.strategies.task import Task, prepare_task
+from railjoule.core.trajectory import Trajectory
+
+STRATEGIES: dict[StrategyName, Callable[[Task], Trajectory]] = {
+    "optimal": optimal,
+    "eoc": eoc,
+    "enoc": enoc,
+    "fastest": fastest,
+}
+"""The strategies of this version, in the order in which they are shown."""
+
+
+def solve(
+    scenario: Scenario,
+    strategy: StrategyName | None = None,
+    *,
+    initial_speed_ms: float = 0.0,
+    final_speed_ms: float = 0.0,
+) -> Trajectory:
+    """Return the run of a strategy over a scenario, with the lower bound that the optimum proves.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What is asked for.
+    strategy : str, optional
+        Overrides the scenario's own.
+    initial_speed_ms, final_speed_ms : float
+        Speeds at the ends of the run [m/s].
+
+    Raises
+    ------
+    ScenarioError
+        If a limit of effort is missing or the mesh too fine.
+    InfeasibleLineError
+        If no run passes the line at all.
+    TimetableError
+        If the timetable cannot be kept.
+    StrategyRefusedError
+        If the strategy cannot honour the scenario.
+    """
+    name = strategy or scenario.strategy
+    task = prepare_task(scenario, initial_speed_ms, final_speed_ms)
+    trajectory = run_strategy(task, name)
+    if trajectory.bound is None and task.has_slack:
+        trajectory = trajectory.with_bound(certify(task, minimise(task).optimum))
+    return trajectory
+
+
+def run_strategy(task: Task, strategy: StrategyName) -> Trajectory:
+    """Return the run of a strategy over a task, with the time that it took.
+
+    Raises
+    ------
+    StrategyRefusedError
+        If the strategy is not part of this version or cannot honour the scenario.
+    """
+    if strategy not in STRATEGIES:
+        known = ", ".join(STRATEGIES)
+        if strategy in STRATEGY_NAMES:
+            raise StrategyRefusedError(f"is not part of this version, which has {known}.")
+        raise StrategyRefusedError(f"is no strategy; there are {known}.")
+    started = time.perf_counter()
+    trajectory = STRATEGIES[strategy](task)
+    return replace(trajectory, solve_time_s=time.perf_counter() - started)
+
+
+def compare(scenario: Scenario) -> tuple[list[Trajectory], dict[StrategyName, str]]:
+    """Return the runs of all strategies that take a scenario, and why the others refuse it or fail.
+
+    Raises
+    ------
+    TimetableError, InfeasibleLineError, ScenarioError
+        As `solve`.
+    """
+    task = prepare_task(scenario)
+    task.require_timetable()
+    runs: list[Trajectory] = []
+    refused: dict[StrategyName, str] = {}
+    for name in STRATEGIES:
+        try:
+            runs.append(run_strategy(task, name))
+        except (StrategyRefusedError, SolverError) as refusal:
+            refused[name] = str(refusal)
+    bound = next((run.bound for run in runs if run.bound is not None), None)
+    return [run.with_bound(bound) for run in runs], refused
+
+
+__all__ = ["STRATEGIES", "Task", "certify", "compare", "minimise", "prepare_task", "run_strategy", "solve"]

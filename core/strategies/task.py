@@ -1,0 +1,108 @@
+"""A scenario made ready for any strategy: its course, its shortest time, the time that it may take."""
+
+from dataclasses import dataclass
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.errors import InfeasibleLineError, TimetableError
+from railjoule.core.motion import Course, build_course, greatest_speeds, running_time
+from railjoule.core.motion.passes import MOVED
+from railjoule.core.scenario import Scenario
+
+LEAST_SLACK = 1e-9
+"""A timetable must exceed the shortest time by this share, or the optimum has no inside to search."""
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """What every strategy starts from.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What is asked for.
+    course : Course
+        The mesh and what holds on it.
+    greatest_speed2 : array of shape (n + 1,)
+        Greatest feasible squares of speed at the nodes [m2/s2]: the fastest run.
+    shortest_time_s, running_time_s : float
+        Time of that run, and time allowed, without dwells [s].
+    """
+
+    scenario: Scenario
+    course: Course
+    greatest_speed2: FloatArray
+    shortest_time_s: float
+    running_time_s: float
+
+    @property
+    def dwell_s(self) -> float:
+        """Time for which the train stands [s]."""
+        return float(self.course.dwell_s.sum())
+
+    @property
+    def travel_time_s(self) -> float:
+        """Time allowed for the whole run, dwells included [s]."""
+        return self.running_time_s + self.dwell_s
+
+    @property
+    def shortest_travel_time_s(self) -> float:
+        """Shortest possible time of the whole run, dwells included [s]."""
+        return self.shortest_time_s + self.dwell_s
+
+    @property
+    def has_slack(self) -> bool:
+        """Whether the timetable is longer than the shortest possible time."""
+        return self.running_time_s > self.shortest_time_s * (1 + LEAST_SLACK)
+
+    def require_timetable(self) -> None:
+        """Raise TimetableError unless the timetable is longer than the shortest possible time."""
+        if not self.has_slack:
+            raise TimetableError(self.travel_time_s, self.shortest_travel_time_s)
+
+
+def prepare_task(
+    scenario: Scenario,
+    initial_speed_ms: float = 0.0,
+    final_speed_ms: float = 0.0,
+    position_m: FloatArray | None = None,
+) -> Task:
+    """Return the task of a scenario.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What is asked for.
+    initial_speed_ms, final_speed_ms : float
+        Speeds at the ends of the run [m/s].
+    position_m : array of shape (n + 1,), optional
+        Nodes [m] instead of those that the scenario's mesh length gives.
+
+    Raises
+    ------
+    ScenarioError
+        If the mesh would need too many cells, or a limit of effort is missing.
+    InfeasibleLineError
+        If no run passes the line at all.
+    """
+    course = build_course(scenario, initial_speed_ms, final_speed_ms, position_m)
+    speed2, obstacle, braking = greatest_speeds(course.data)
+    if obstacle != MOVED:
+        raise InfeasibleLineError(_obstacle_sentence(course, obstacle, braking))
+    shortest = running_time(course.data.cell_length_m, speed2)
+    dwell = float(course.dwell_s.sum())
+    return Task(scenario, course, speed2, shortest, scenario.travel_time_s - dwell)
+
+
+def _obstacle_sentence(course: Course, cell: int, braking: bool) -> str:
+    place, gradient = course.position_m[cell], course.gradient_permille[cell]
+    if braking:
+        effort = round((course.data.braking.constant_n + course.data.friction_effort_n) / 1e3, 3)
+        return (
+            f"At {place:.0f} m, on a gradient of {gradient:.4g} per mille, the brakes of at most {effort:.4g} kN "
+            "cannot slow the train down as the line asks."
+        )
+    effort = course.data.traction.constant_n / 1e3
+    return (
+        f"At {place:.0f} m, on a gradient of {gradient:.4g} per mille, the train comes to a stand: its effort of at "
+        f"most {effort:.4g} kN and its run-up do not carry it on."
+    )

@@ -1,0 +1,193 @@
+"""The trade-off of energy and time: the least energy of one run over its travel time.
+
+Each point is an optimum of `railjoule.core.strategies.optimal`; only the time changes, so mesh and fastest run are
+made once. The slope of the frontier is minus the price of a second, which each optimum tells.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.errors import SolverError, StrategyRefusedError, TimetableError
+from railjoule.core.scenario import StrategyName
+from railjoule.core.scenario.options import EnocOptions
+from railjoule.core.strategies import certify, minimise, prepare_task, run_strategy
+from railjoule.core.strategies.task import LEAST_SLACK, Task
+from railjoule.core.units import J_PER_KWH
+
+if TYPE_CHECKING:
+    import pandas
+
+TOLERANCE = 1e-6
+"""Relative gap of each point, far below what a figure can show."""
+MOST_CELLS = 350
+"""A course with more cells is meshed anew with longer ones: the frontier is redrawn while a slider moves."""
+FIRST_SLACK = 0.004
+"""The first travel time of `frontier_times` exceeds the shortest one by this share."""
+J_PER_WH = J_PER_KWH / 1e3
+
+
+@dataclass(frozen=True, eq=False)
+class Frontier:
+    """Energy over travel time; arrays of shape (m,), NaN where a time cannot be kept.
+
+    Parameters
+    ----------
+    strategy : str
+        Whose energy it is.
+    travel_time_s : array
+        Times of the whole run, dwells included [s].
+    energy_j : array
+        Net energy at the line, auxiliaries included [J].
+    price_of_time_w : array
+        By how much the energy falls if the time is a second longer [J/s]; NaN where the strategy does not know.
+    bound_j : array
+        Energy that no run with this time undercuts [J]; NaN where no bound was asked for.
+    shortest_travel_time_s : float
+        Shortest possible time, dwells included [s].
+    cell_count : int
+        Cells of the mesh.
+    refused : tuple of (float, str)
+        The times [s] without an energy, each with the reason in one sentence.
+    """
+
+    strategy: StrategyName
+    travel_time_s: FloatArray
+    energy_j: FloatArray
+    price_of_time_w: FloatArray
+    bound_j: FloatArray
+    shortest_travel_time_s: float
+    cell_count: int
+    refused: tuple[tuple[float, str], ...]
+
+    @property
+    def energy_kwh(self) -> FloatArray:
+        """Net energy at the line [kWh]; shape (m,)."""
+        return self.energy_j / J_PER_KWH
+
+    @property
+    def price_of_time_wh_per_s(self) -> FloatArray:
+        """Price of a second [Wh/s]; shape (m,)."""
+        return self.price_of_time_w / J_PER_WH
+
+    def to_dataframe(self) -> "pandas.DataFrame":
+        """Return the frontier as a table, one row a travel time."""
+        import pandas  # noqa: PLC0415  (slow to import, and seldom needed)
+
+        columns: dict[str, Any] = {
+            "travel_time_s": self.travel_time_s,
+            "energy_kwh": self.energy_kwh,
+            "price_of_time_wh_per_s": self.price_of_time_wh_per_s,
+            "lower_bound_kwh": self.bound_j / J_PER_KWH,
+        }
+        return pandas.DataFrame(columns)
+
+
+def frontier_times(task: Task, count: int = 40, longest_share: float = 2.0) -> FloatArray:
+    """Return travel times for a frontier, denser where it is steep; shape (count,).
+
+    Parameters
+    ----------
+    task : Task
+        Its running time does not matter.
+    count : int
+        How many, at least 2.
+    longest_share : float
+        The longest running time over the shortest possible one, above 1.004.
+    """
+    slack = np.geomspace(FIRST_SLACK, longest_share - 1, count)
+    return frozen_array(task.shortest_time_s * (1 + slack) + task.dwell_s)
+
+
+def energy_time_frontier(
+    task: Task, travel_times_s: FloatArray, with_bounds: bool = False, most_cells: int = MOST_CELLS
+) -> Frontier:
+    """Return the least energy over travel times.
+
+    Parameters
+    ----------
+    task : Task
+        What is asked for, but for its time.
+    travel_times_s : array of shape (m,)
+        Times of the whole run, dwells included [s].
+    with_bounds : bool
+        Whether each point shall be proven, which may take as long again.
+    most_cells : int
+        A finer mesh is replaced by one with about this many cells.
+    """
+    task = coarsened(task, most_cells)
+    scale = task.course.data.traction.constant_n
+    dwell_energy = task.course.data.auxiliary_power_w * task.dwell_s
+
+    def point(timed: Task) -> tuple[float, float, float]:
+        optimum = minimise(timed, TOLERANCE).optimum
+        bound = certify(timed, optimum).energy_j if with_bounds else np.nan
+        return optimum.energy * scale + dwell_energy, optimum.time_multiplier * scale, bound
+
+    return _frontier(task, "optimal", travel_times_s, point)
+
+
+def strategy_frontier(
+    task: Task, travel_times_s: FloatArray, strategy: StrategyName, most_cells: int = MOST_CELLS
+) -> Frontier:
+    """Return the energy of any strategy over travel times; NaN where it refuses one.
+
+    Parameters
+    ----------
+    task, travel_times_s, most_cells
+        As in `energy_time_frontier`.
+    strategy : str
+        Which one.
+    """
+
+    def point(timed: Task) -> tuple[float, float, float]:
+        run = run_strategy(timed, strategy)
+        price = np.nan if run.price_of_time_w is None else run.price_of_time_w
+        return run.energy.net_j, price, np.nan if run.bound is None else run.bound.energy_j
+
+    return _frontier(coarsened(task, most_cells), strategy, travel_times_s, point)
+
+
+def enoc_frontier(task: Task, travel_times_s: FloatArray, most_cells: int = MOST_CELLS) -> Frontier:
+    """Return the energy of ENOC with the best acceleration time for each travel time; arguments as above."""
+    free = task.scenario.model_copy(update={"enoc": EnocOptions()})
+    return strategy_frontier(replace(task, scenario=free), travel_times_s, "enoc", most_cells)
+
+
+def coarsened(task: Task, most_cells: int) -> Task:
+    """Return the task over a mesh of about `most_cells` cells, or itself if it has no more."""
+    count = task.course.cell_count
+    if count <= most_cells:
+        return task
+    fixed = task.course.data.fixed_speed2
+    longer = task.scenario.with_(**{"solver.mesh_m": task.scenario.solver.mesh_m * count / most_cells})
+    return prepare_task(longer, float(np.sqrt(fixed[0])), float(np.sqrt(fixed[-1])))
+
+
+def _frontier(
+    task: Task, strategy: StrategyName, travel_times_s: FloatArray, point: Callable[[Task], tuple[float, float, float]]
+) -> Frontier:
+    times = np.asarray(travel_times_s, dtype=float)
+    values = np.full((3, len(times)), np.nan)
+    refused = []
+    for index, time in enumerate(times.tolist()):
+        timed = replace(task, running_time_s=time - task.dwell_s)
+        try:
+            if not timed.running_time_s > task.shortest_time_s * (1 + LEAST_SLACK):
+                raise TimetableError(time, task.shortest_travel_time_s)
+            values[:, index] = point(timed)
+        except (TimetableError, StrategyRefusedError, SolverError) as error:
+            refused.append((time, str(error)))
+    return Frontier(
+        strategy=strategy,
+        travel_time_s=frozen_array(times),
+        energy_j=frozen_array(values[0]),
+        price_of_time_w=frozen_array(values[1]),
+        bound_j=frozen_array(values[2]),
+        shortest_travel_time_s=task.shortest_travel_time_s,
+        cell_count=task.course.cell_count,
+        refused=tuple(refused),
+    )

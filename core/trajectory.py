@@ -1,0 +1,273 @@
+"""A trajectory: one run as arrays over distance and time, with its energy account, whoever made it."""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray, IntArray, frozen_array
+from railjoule.core.energy import Energy
+from railjoule.core.motion.course import Course
+from railjoule.core.phases import Phase, find_phases
+from railjoule.core.scenario import Scenario
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+
+if TYPE_CHECKING:
+    import pandas
+
+SMALL_ENERGY_SHARE = 0.1
+"""Gaps are relative to the bound, but to no less than this share of the kinetic energy at the mean speed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bound:
+    """A lower bound of the energy of a scenario.
+
+    Parameters
+    ----------
+    energy_j : float
+        No run that it covers needs less [J].
+    statement : str
+        Which runs it covers, in one sentence.
+    """
+
+    energy_j: float
+    statement: str
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """One run. Arrays of nodes have shape (n + 1,), arrays of cells (n,); a dwell is a cell without length.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What was asked for.
+    strategy : str
+        Who made the run.
+    position_m, speed_ms, time_s, line_energy_j : array of nodes
+        Place [m], speed [m/s], time [s], and line energy so far, auxiliaries included [J].
+    tractive_effort_n, electric_braking_n, friction_braking_n : array of cells
+        Efforts at the wheels, all positive [N].
+    largest_effort_n : array of cells
+        Largest tractive effort at the cell's speed [N].
+    line_power_w : array of cells
+        Power taken from the line, auxiliaries included; negative where energy goes back [W].
+    current_a : array of cells or None
+        Current of one motor, negative in braking [A], where the drive's model has one.
+    gradient_permille : array of cells
+        Mean gradient under the train.
+    energy : Energy
+        The account of the whole run.
+    bound : Bound or None
+        A proven lower bound of the scenario's energy, if one is known.
+    price_of_time_w : float or None
+        By how much the optimum falls if the timetable is a second longer [J/s], if the strategy knows it.
+    iterations : int
+        Iterations of the solver; 0 where there are none.
+    solve_time_s : float
+        How long the strategy took [s].
+    notes : tuple of str
+        Sentences on what was simplified.
+    """
+
+    scenario: Scenario
+    strategy: str
+    position_m: FloatArray
+    speed_ms: FloatArray
+    time_s: FloatArray
+    line_energy_j: FloatArray
+    tractive_effort_n: FloatArray
+    electric_braking_n: FloatArray
+    friction_braking_n: FloatArray
+    largest_effort_n: FloatArray
+    line_power_w: FloatArray
+    current_a: FloatArray | None
+    gradient_permille: FloatArray
+    energy: Energy
+    bound: Bound | None = None
+    price_of_time_w: float | None = None
+    iterations: int = 0
+    solve_time_s: float = 0.0
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def effort_n(self) -> FloatArray:
+        """Effort of each cell, braking negative [N]; shape (n,)."""
+        return self.tractive_effort_n - self.electric_braking_n - self.friction_braking_n
+
+    @property
+    def energy_kwh(self) -> float:
+        """Net energy at the line, auxiliaries included [kWh]."""
+        return self.energy.net_kwh
+
+    @property
+    def travel_time_s(self) -> float:
+        """Time of the whole run, dwells included [s]."""
+        return float(self.time_s[-1] - self.time_s[0])
+
+    @property
+    def distance_m(self) -> float:
+        """Length of the run [m]."""
+        return float(self.position_m[-1] - self.position_m[0])
+
+    @property
+    def max_speed_kmh(self) -> float:
+        """Greatest speed [km/h]."""
+        return float(np.max(self.speed_ms)) / MS_PER_KMH
+
+    @property
+    def lower_bound_kwh(self) -> float | None:
+        """Energy that no run covered by the bound undercuts [kWh], if a bound is known."""
+        return None if self.bound is None else self.bound.energy_j / J_PER_KWH
+
+    @property
+    def gap(self) -> float | None:
+        """Energy over its bound minus 1, if a bound is known.
+
+        A bound near zero or below counts as a tenth of the kinetic energy at the mean speed.
+        """
+        if self.bound is None:
+            return None
+        vehicle = self.scenario.vehicle
+        kinetic = 0.5 * vehicle.total_inertia_kg * (self.distance_m / self.travel_time_s) ** 2
+        scale = max(self.bound.energy_j, SMALL_ENERGY_SHARE * kinetic)
+        return (self.energy.net_j - self.bound.energy_j) / scale
+
+    @cached_property
+    def phases(self) -> tuple[Phase, ...]:
+        """What the driver does, in order."""
+        return find_phases(
+            self.position_m, self.time_s, self.speed_ms, self.effort_n, self.largest_effort_n, self.line_energy_j
+        )
+
+    def with_bound(self, bound: Bound | None) -> "Trajectory":
+        """Return the same run with another bound."""
+        return replace(self, bound=bound)
+
+    def to_dataframe(self) -> "pandas.DataFrame":
+        """Return the run as a table of its nodes, with the efforts and powers of the cells that begin there."""
+        import pandas  # noqa: PLC0415  (slow to import, and seldom needed)
+
+        columns: dict[str, Any] = {
+            "position_m": self.position_m,
+            "time_s": self.time_s,
+            "speed_kmh": self.speed_ms / MS_PER_KMH,
+            "effort_kn": _at_nodes(self.effort_n) / 1e3,
+            "line_power_kw": _at_nodes(self.line_power_w) / 1e3,
+            "line_energy_kwh": self.line_energy_j / J_PER_KWH,
+            "gradient_permille": _at_nodes(self.gradient_permille),
+        }
+        if self.current_a is not None:
+            columns["current_a"] = _at_nodes(self.current_a)
+        return pandas.DataFrame(columns)
+
+
+def _at_nodes(values: FloatArray) -> FloatArray:
+    """Give each node the value of the cell that begins there, the last node that of the last cell."""
+    return np.append(values, values[-1])
+
+
+def make_trajectory(
+    scenario: Scenario,
+    course: Course,
+    strategy: str,
+    speed2: FloatArray,
+    electric_braking_n: FloatArray | None = None,
+    **details: Any,
+) -> Trajectory:
+    """Return the run that squares of speed over a course describe, with its energy account.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What was asked for.
+    course : Course
+        The mesh and what holds on it.
+    strategy : str
+        Who made the run.
+    speed2 : array of shape (n + 1,)
+        Squares of speed at the nodes [m2/s2].
+    electric_braking_n : array of shape (n,), optional
+        What the electric brake shall do of the braking where that needs less energy than its full use [N].
+    **details
+        Further fields of the trajectory.
+    """
+    data = course.data
+    speed = np.sqrt(speed2)
+    mean_speed = 0.5 * (speed[1:] + speed[:-1])
+    duration = data.cell_length_m / mean_speed
+    resistance = course.running_resistance_n(speed2)
+    force = course.net_force_n(speed2)
+    traction, braking = np.maximum(force, 0.0), np.maximum(-force, 0.0)
+    electric = _electric_share(course, braking, mean_speed, electric_braking_n)
+    driving_or_braking = traction - electric
+    line_power = course.drive.line_power_w(driving_or_braking, mean_speed)
+    losses = {
+        kind: float(np.sum(power * duration))
+        for kind, power in course.drive.losses_w(driving_or_braking, mean_speed).items()
+    }
+    losses["friction_brakes"] = float(np.sum((braking - electric) * data.cell_length_m))
+    travel_time = float(np.sum(duration) + np.sum(course.dwell_s))
+    energy = Energy(
+        traction_j=float(np.sum(np.maximum(line_power, 0.0) * duration)),
+        recuperated_j=float(np.sum(np.maximum(-line_power, 0.0) * duration)),
+        auxiliary_j=data.auxiliary_power_w * travel_time,
+        running_resistance_j=float(np.sum(resistance * data.cell_length_m)),
+        curve_resistance_j=float(np.sum(course.curve_force_n * data.cell_length_m)),
+        losses_j=losses,
+        kinetic_j=float(data.half_inertia_kg * (speed2[-1] - speed2[0])),
+        potential_j=float(np.sum(course.gradient_force_n * data.cell_length_m)),
+    )
+    stops = np.flatnonzero(course.dwell_s > 0)
+    with_dwell = _DwellInserter(stops)
+    durations = with_dwell.cells(duration, course.dwell_s[stops])
+    power = with_dwell.cells(line_power) + data.auxiliary_power_w
+    current = course.drive.current_a(driving_or_braking)
+    return Trajectory(
+        scenario=scenario,
+        strategy=strategy,
+        position_m=frozen_array(with_dwell.nodes(course.position_m)),
+        speed_ms=frozen_array(with_dwell.nodes(speed)),
+        time_s=frozen_array(np.append(0.0, np.cumsum(durations))),
+        line_energy_j=frozen_array(np.append(0.0, np.cumsum(power * durations))),
+        tractive_effort_n=frozen_array(with_dwell.cells(traction)),
+        electric_braking_n=frozen_array(with_dwell.cells(electric)),
+        friction_braking_n=frozen_array(with_dwell.cells(braking - electric)),
+        largest_effort_n=frozen_array(with_dwell.cells(data.traction.effort_n(mean_speed))),
+        line_power_w=frozen_array(power),
+        current_a=None if current is None else frozen_array(with_dwell.cells(current)),
+        gradient_permille=frozen_array(with_dwell.cells(course.gradient_permille)),
+        energy=energy,
+        **details,
+    )
+
+
+class _DwellInserter:
+    """Puts a node and a cell without length where a train stands."""
+
+    def __init__(self, stops: IntArray) -> None:
+        self.stops = stops
+
+    def nodes(self, values: FloatArray) -> FloatArray:
+        return np.insert(values, self.stops, values[self.stops]) if len(self.stops) else values
+
+    def cells(self, values: FloatArray, inserted: FloatArray | float = 0.0) -> FloatArray:
+        return np.insert(values, self.stops, inserted) if len(self.stops) else values
+
+
+def _electric_share(
+    course: Course, braking_n: FloatArray, speed_ms: FloatArray, wanted_n: FloatArray | None
+) -> FloatArray:
+    """Return what the electric brake does: as much as it can, or what is wanted where that needs less energy."""
+    if course.data.friction_effort_n <= 0:
+        return braking_n
+    strongest = course.data.braking.effort_n(speed_ms)
+    first = np.minimum(braking_n, strongest)
+    if wanted_n is None:
+        return first
+    least = np.maximum(braking_n - course.data.friction_effort_n, 0.0)
+    wanted = np.clip(wanted_n, least, np.maximum(first, least))
+    drive = course.drive
+    return np.where(drive.line_power_w(-wanted, speed_ms) < drive.line_power_w(-first, speed_ms), wanted, first)

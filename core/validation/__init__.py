@@ -1,0 +1,11 @@
+"""The papers' printed numbers beside ours, and other solvers beside ours."""
+
+from collections.abc import Callable
+
+from railjoule.core.validation.ftorek import validate_ftorek
+from railjoule.core.validation.table import Erratum, Row, Table, Validation
+
+PAPERS: dict[str, Callable[[], Validation]] = {"ftorek": validate_ftorek}
+"""What `railjoule validate` knows, by its name there."""
+
+__all__ = ["PAPERS", "Erratum", "Row", "Table", "Validation", "validate_ftorek"]

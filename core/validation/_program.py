@@ -1,0 +1,172 @@
+"""The problem of `railjoule.core.interior_point.layout` in CasADi's symbols; no derivative of it is ours.
+
+What a drive draws comes from the kernels' own formula, so that the energies of two solvers mean the same.
+"""
+
+import importlib
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from railjoule.core.arrays import BoolArray, FloatArray
+from railjoule.core.drive import constant_efficiency, copper_loss
+from railjoule.core.drive.kernels import CONSTANT_EFFICIENCY, COPPER_LOSS, may_draw_while_braking
+from railjoule.core.motion.course import CourseData
+from railjoule.core.motion.effort_limit import EffortLimit
+
+DRIVES = {CONSTANT_EFFICIENCY: constant_efficiency, COPPER_LOSS: copper_loss}
+
+
+class Program:
+    """Variables, constraints and objective of one course, scaled as in `layout`.
+
+    Parameters
+    ----------
+    data : CourseData
+        What a run obeys.
+    running_time_s : float
+        Time allowed without dwells [s].
+    reachable_speed2 : array of shape (n + 1,)
+        No run is faster [m2/s2]; limits over speed that only faster runs reach are left out.
+    own_braking : bool
+        Whether the braking effort is a variable even where no friction brake makes it one.
+    """
+
+    def __init__(
+        self, data: CourseData, running_time_s: float, reachable_speed2: FloatArray, own_braking: bool
+    ) -> None:
+        self.casadi: Any = importlib.import_module("casadi")
+        self.data, self.scale = data, data.traction.constant_n
+        self.free: BoolArray = data.fixed_speed2 < 0
+        self.has_braking = own_braking or data.friction_effort_n > 0
+        self.may_draw = bool(may_draw_while_braking(data.drive_kind)) and data.recuperation_factor < 1
+        cells = len(data.cell_length_m)
+        symbol = self.casadi.MX.sym
+        self.speed2 = symbol("w", int(self.free.sum()))
+        self.traction = symbol("f", cells)
+        self.braking = symbol("x", cells if self.has_braking else 0)
+        self.drawn = symbol("psi", cells if self.may_draw else 0)
+        self._constraints: list[tuple[Any, float, float]] = []
+        self.objective = self._formulate(running_time_s, np.sqrt(reachable_speed2))
+
+    def solver(self, options: dict[str, Any]) -> Any:
+        """Return IPOPT for this program."""
+        program = {
+            "x": self.casadi.vertcat(self.speed2, self.traction, self.braking, self.drawn),
+            "f": self.objective,
+            "g": self.casadi.vertcat(*[expression for expression, _, _ in self._constraints]),
+        }
+        # a table is looked up at an index that the point decides, which CasADi cannot expand into scalars
+        tables = len(self.data.traction.table) + len(self.data.braking.table)
+        return self.casadi.nlpsol("optimum", "ipopt", program, {**options, "expand": tables == 0})
+
+    def bounds(self, slowest_speed2: FloatArray) -> dict[str, FloatArray]:
+        """Return the bounds of variables and constraints, by the names that the solver has for them.
+
+        Parameters
+        ----------
+        slowest_speed2 : array of shape (n + 1,)
+            Floor of the squares of speed [m2/s2].
+        """
+        data, cells = self.data, np.ones(len(self.data.cell_length_m))
+        high = [data.largest_speed2[self.free], cells]
+        if self.has_braking:
+            high.append(cells * (data.braking.constant_n / self.scale))
+        if self.may_draw:
+            high.append(cells * np.inf)
+        others = np.zeros(sum(len(part) for part in high[1:]))
+        counts = [expression.numel() for expression, _, _ in self._constraints]
+        return {
+            "lbx": np.append(slowest_speed2[self.free], others),
+            "ubx": np.concatenate(high),
+            "lbg": np.repeat([low for _, low, _ in self._constraints], counts),
+            "ubg": np.repeat([top for _, _, top in self._constraints], counts),
+        }
+
+    def start(self, speed2: FloatArray, force_n: FloatArray) -> FloatArray:
+        """Return a start near squares of speed at the nodes and the net forces of the cells that they need [N]."""
+        force = force_n / self.scale
+        driving = np.maximum(force, 0.0)
+        traction = driving + 0.1 * np.maximum(1 - driving, 0.0)
+        parts = [speed2[self.free], np.minimum(traction, 1.0)]
+        if self.has_braking:
+            parts.append(np.maximum(traction - force, 0.0) / 2)
+        if self.may_draw:
+            parts.append(np.full(len(force), 1e-2))
+        return np.concatenate(parts)
+
+    def _formulate(self, running_time_s: float, reachable_speed: FloatArray) -> Any:
+        """Gather the constraints and return the scaled energy."""
+        data, h, sum_of = self.data, self.data.cell_length_m, self.casadi.sum1
+        w = self._speed2_at_nodes()
+        speed = self.casadi.sqrt(w)
+        v = 0.5 * (speed[1:] + speed[:-1])
+        rise = data.half_inertia_kg / (h * self.scale) * (w[1:] - w[:-1])
+        force = rise + self._resistance(v, 0.5 * (w[1:] + w[:-1]))
+        braking = self.braking if self.has_braking else self.traction - force
+        top_speed = 0.5 * (reachable_speed[1:] + reachable_speed[:-1])
+        self._limit_over_speed(self.traction, data.traction, v, top_speed)
+        self._limit_over_speed(braking, data.braking, v, top_speed)
+        if self.has_braking:
+            self._keep(self.traction - force - braking, 0.0, data.friction_effort_n / self.scale)
+        else:
+            self._keep(braking, 0.0, data.braking.constant_n / self.scale)
+        if np.isfinite([data.max_acceleration_ms2, data.max_deceleration_ms2]).any():
+            inertia = 2 * data.half_inertia_kg / self.scale
+            self._keep(rise, -inertia * data.max_deceleration_ms2, inertia * data.max_acceleration_ms2)
+        duration = sum_of(h / v)
+        self._keep(duration, -np.inf, running_time_s)
+        return sum_of(h * self._energy_per_metre(v, braking)) + data.auxiliary_power_w / self.scale * duration
+
+    def _keep(self, expression: Any, low: float, high: float) -> None:
+        self._constraints.append((expression, low, high))
+
+    def _speed2_at_nodes(self) -> Any:
+        """Return the squares of speed at all nodes, the prescribed ones as numbers."""
+        ca, place = self.casadi, np.flatnonzero(self.free)
+        pattern = ca.Sparsity.triplet(len(self.free), len(place), place.tolist(), list(range(len(place))))
+        return ca.mtimes(ca.DM(pattern, 1.0), self.speed2) + ca.DM(np.where(self.free, 0.0, self.data.fixed_speed2))
+
+    def _resistance(self, v: Any, mean_speed2: Any) -> Any:
+        data = self.data
+        running = data.resistance_constant_n + data.resistance_linear * v + data.resistance_quadratic * mean_speed2
+        return (running + data.line_force_n) / self.scale
+
+    def _energy_per_metre(self, v: Any, braking: Any) -> Any:
+        """Return the line energy of the cells over their length, without auxiliaries."""
+        drive, parameters, share = (
+            DRIVES[self.data.drive_kind],
+            self.data.drive_parameters,
+            self.data.recuperation_factor,
+        )
+        taken = _formula(drive.driving_power)(parameters, self.traction * self.scale, v)[0] / v / self.scale
+        generated = _formula(drive.generated_power)(parameters, braking * self.scale, v)[0] / v / self.scale
+        energy = taken - share * generated
+        if self.may_draw:
+            self._keep(self.drawn + generated, 0.0, np.inf)
+            energy = energy + (1 - share) * self.drawn
+        return energy
+
+    def _limit_over_speed(self, effort: Any, limit: EffortLimit, v: Any, top_speed: FloatArray) -> None:
+        """Keep an effort under its limit that varies with speed."""
+        if len(limit.table):
+            self._keep(self._tabulated(limit, v) / self.scale - effort, 0.0, np.inf)
+            return
+        binding = np.flatnonzero(limit.power_w < limit.constant_n * top_speed).tolist()
+        if binding:
+            self._keep(limit.power_w / self.scale / v[binding] - effort[binding], 0.0, np.inf)
+
+    def _tabulated(self, limit: EffortLimit, v: Any) -> Any:
+        """Return a tabulated limit [N], piece by piece a cubic."""
+        ca, step = self.casadi, limit.table_step_ms
+        piece = ca.fmin(ca.floor(v / step), len(limit.table) - 1)
+        x = v - piece * step
+        c0, c1, c2, c3 = (ca.MX(ca.DM(np.ascontiguousarray(column))).nz[piece] for column in limit.table.T)
+        return ((c3 * x + c2) * x + c1) * x + c0
+
+
+def _formula(kernel: Callable[..., Any]) -> Callable[..., Any]:
+    """Return the Python function behind a compiled one: arithmetic, which takes symbols as well."""
+    formula: Callable[..., Any] = getattr(kernel, "py_func", kernel)
+    return formula

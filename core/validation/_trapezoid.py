@@ -1,0 +1,72 @@
+"""A trapezoidal run sampled over time: the extremes of current and energy that (12) does not give."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.integrate import cumulative_simpson
+
+from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.strategies.plain_line import PlainLine
+
+SAMPLES_A_PART = 1001
+
+
+@dataclass(frozen=True, eq=False)
+class Trapezoid:
+    """A run with two equal ramps and a cruise between them; arrays of shape (m,).
+
+    Parameters
+    ----------
+    effort_n : array
+        Effort at the wheels [N], its jumps at the corners as two samples.
+    energy_j : array
+        Energy taken so far, copper loss and work at the shaft [J].
+    shaft_energy_j : float
+        Work against resistance over the whole run [J].
+    peak_speed_ms : float
+        Speed of the cruise [m/s].
+    """
+
+    effort_n: FloatArray
+    energy_j: FloatArray
+    shaft_energy_j: float
+    peak_speed_ms: float
+
+
+def sample_trapezoid(line: PlainLine, travel_time_s: float, acceleration_time_s: float) -> Trapezoid:
+    """Return ENOC's run over a plain line, Ftorek et al. 2025, Figure 2 and (11).
+
+    Parameters
+    ----------
+    line : PlainLine
+        Length, inertia, resistance and copper loss.
+    travel_time_s, acceleration_time_s : float
+        T_m and T_e [s]; T_e is at most half of T_m.
+    """
+    peak = line.distance_m / (travel_time_s - acceleration_time_s)
+    rise = peak / acceleration_time_s
+    parts = (
+        (acceleration_time_s, 0.0, rise),
+        (travel_time_s - 2 * acceleration_time_s, peak, 0.0),
+        (acceleration_time_s, peak, -rise),
+    )
+    efforts, energies = [], []
+    energy, shaft = 0.0, 0.0
+    for duration_s, start_ms, acceleration_ms2 in parts:
+        if duration_s <= 0:  # a triangle has no cruise
+            continue
+        time = np.linspace(0, duration_s, SAMPLES_A_PART)
+        speed = start_ms + acceleration_ms2 * time
+        resistance = line.constant_n + (line.linear + line.quadratic * speed) * speed
+        effort = line.inertia_kg * acceleration_ms2 + resistance
+        power = effort * speed + line.loss_coefficient * effort**2
+        efforts.append(effort)
+        energies.append(energy + cumulative_simpson(power, x=time, initial=0))
+        energy = float(energies[-1][-1])
+        shaft += float(cumulative_simpson(resistance * speed, x=time)[-1])
+    return Trapezoid(
+        effort_n=frozen_array(np.concatenate(efforts)),
+        energy_j=frozen_array(np.concatenate(energies)),
+        shaft_energy_j=shaft,
+        peak_speed_ms=peak,
+    )

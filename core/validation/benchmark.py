@@ -1,0 +1,106 @@
+"""How long each strategy takes on the shipped scenarios, beside CasADi with IPOPT on the same discretised problem.
+
+All times are warm medians in one process: the first call, which compiles or loads kernels, does not count.
+"""
+
+import statistics
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+
+from railjoule.core.errors import StrategyRefusedError
+from railjoule.core.scenario import load_scenario, preset_names
+from railjoule.core.strategies import STRATEGIES, Task, minimise, prepare_task, run_strategy
+from railjoule.core.units import J_PER_KWH
+from railjoule.core.validation.ipopt import IpoptProblem, is_installed
+
+BUDGET_S = 0.3
+"""How long one call is repeated."""
+FEWEST_CALLS, MOST_CALLS = 5, 201
+ALONE, TEXTBOOK, TUNED = "interior point alone", "IPOPT, textbook", "IPOPT, tuned"
+"""What the solvers are called that are no strategies."""
+
+
+@dataclass(frozen=True)
+class Timing:
+    """How long one solver takes on one scenario.
+
+    Parameters
+    ----------
+    scenario : str
+        Name of the shipped scenario.
+    cell_count : int
+        Cells of its mesh.
+    solver : str
+        A strategy with all that it brings, the interior-point method alone, or CasADi with IPOPT.
+    energy_kwh : float
+        Net energy that it finds [kWh].
+    iterations : int
+        0 where there are none.
+    median_s : float
+        Warm median [s].
+    """
+
+    scenario: str
+    cell_count: int
+    solver: str
+    energy_kwh: float
+    iterations: int
+    median_s: float
+
+
+def warm_median_s(call: Callable[[], object], budget_s: float = BUDGET_S) -> float:
+    """Return the median time of a call [s], repeated for about `budget_s` after one that does not count."""
+    call()
+    times: list[float] = []
+    until = time.perf_counter() + budget_s
+    while len(times) < FEWEST_CALLS or (len(times) < MOST_CALLS and time.perf_counter() < until):
+        started = time.perf_counter()
+        call()
+        times.append(time.perf_counter() - started)
+    return statistics.median(times)
+
+
+def benchmark(budget_s: float = BUDGET_S) -> Iterator[Timing]:
+    """Yield the times of all solvers on all shipped scenarios, one by one.
+
+    Parameters
+    ----------
+    budget_s : float
+        How long each solver is repeated on each scenario [s].
+    """
+    for name in preset_names("scenarios"):
+        task = prepare_task(load_scenario(name))
+        yield from _time_strategies(name, task, budget_s)
+        yield time_solver_alone(name, task, budget_s)
+        if is_installed():
+            yield from time_ipopt(name, task, budget_s)
+
+
+def _time_strategies(name: str, task: Task, budget_s: float) -> Iterator[Timing]:
+    for strategy in STRATEGIES:
+        try:
+            run = run_strategy(task, strategy)
+        except StrategyRefusedError:
+            continue
+        median = warm_median_s(partial(run_strategy, task, strategy), budget_s)
+        yield Timing(name, task.course.cell_count, strategy, run.energy_kwh, run.iterations, median)
+
+
+def time_solver_alone(name: str, task: Task, budget_s: float = BUDGET_S) -> Timing:
+    """Return the time of the interior-point method on given arrays, without proof and energy account."""
+    solution = minimise(task)
+    dwell_energy = task.course.data.auxiliary_power_w * task.dwell_s
+    energy = solution.optimum.energy * task.course.data.traction.constant_n + dwell_energy
+    median = warm_median_s(partial(minimise, task), budget_s)
+    return Timing(name, task.course.cell_count, ALONE, energy / J_PER_KWH, solution.iterations, median)
+
+
+def time_ipopt(name: str, task: Task, budget_s: float = BUDGET_S) -> Iterator[Timing]:
+    """Yield the times of IPOPT on the textbook formulation and on ours, the building of the problem not included."""
+    for words, textbook in ((TEXTBOOK, True), (TUNED, False)):
+        problem = IpoptProblem(task, textbook)
+        run = problem.solve()
+        median = warm_median_s(problem.solve, budget_s)
+        yield Timing(name, task.course.cell_count, words, run.energy_j / J_PER_KWH, run.iterations, median)

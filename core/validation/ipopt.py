@@ -1,0 +1,132 @@
+"""The optimum of another solver: the same problem over the same mesh, formulated in CasADi and solved by IPOPT.
+
+References: Andersson et al., CasADi, Mathematical Programming Computation 11, 2019; Waechter and Biegler, On the
+implementation of an interior-point filter line-search algorithm, Mathematical Programming 106, 2006.
+"""
+
+import importlib.util
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.errors import SolverError
+from railjoule.core.interior_point.start import SLOWEST_SPEED2, start_speeds
+from railjoule.core.strategies.task import Task
+from railjoule.core.validation._program import Program
+
+OPTIONS: dict[str, Any] = {
+    "print_time": False,
+    "ipopt.print_level": 0,
+    "ipopt.sb": "yes",
+    "ipopt.tol": 1e-9,
+    # by default bounds are relaxed by 1e-8, which buys an energy about 2e-7 lower than there is
+    "ipopt.bound_relax_factor": 0.0,
+}
+
+
+@dataclass(frozen=True, eq=False)
+class IpoptRun:
+    """What IPOPT ends with.
+
+    Parameters
+    ----------
+    energy_j : float
+        Net energy at the line, auxiliaries included [J].
+    speed2 : array of shape (n + 1,)
+        Squares of speed at the nodes [m2/s2].
+    iterations : int
+    solve_time_s : float
+        Time of the solution alone, the building of the problem not included [s].
+    status : str
+        IPOPT's own word for how it ended.
+    converged : bool
+        Whether it claims an optimum.
+    """
+
+    energy_j: float
+    speed2: FloatArray
+    iterations: int
+    solve_time_s: float
+    status: str
+    converged: bool
+
+
+def is_installed() -> bool:
+    """Return whether CasADi, which brings IPOPT, can be imported."""
+    return importlib.util.find_spec("casadi") is not None
+
+
+def solve_with_ipopt(task: Task) -> IpoptRun:
+    """Return IPOPT's optimum of a task.
+
+    Raises
+    ------
+    SolverError
+        If CasADi is not installed.
+    """
+    return IpoptProblem(task).solve()
+
+
+class IpoptProblem:
+    """A task as a nonlinear program, built once and solved as often as wanted.
+
+    Parameters
+    ----------
+    task : Task
+        Must have slack in its timetable.
+    textbook : bool
+        Whether it is written down as anybody would: braking efforts as variables, all limits, and one speed all the
+        way as a start. Else IPOPT gets what our own method has found out: braking eliminated, limits that no run
+        reaches left out, and a start near the timetable, which saves it a third of its time.
+
+    Raises
+    ------
+    SolverError
+        If CasADi is not installed.
+    """
+
+    def __init__(self, task: Task, textbook: bool = False) -> None:
+        if not is_installed():
+            raise SolverError("IPOPT needs CasADi: pip install casadi.")
+        data, near = task.course.data, _speeds_near_timetable(task)
+        reachable = np.full_like(near, np.inf) if textbook else task.greatest_speed2
+        first = _one_speed(task) if textbook else near
+        program = Program(data, task.running_time_s, reachable, own_braking=textbook)
+        self._task, self._free = task, program.free
+        self._solver = program.solver(OPTIONS)
+        # the floor of our own method, so that crests taken at walking pace mean the same
+        self._arguments = program.bounds(np.minimum(SLOWEST_SPEED2, 0.25 * near))
+        self._arguments["x0"] = program.start(first, task.course.net_force_n(first))
+
+    def solve(self) -> IpoptRun:
+        """Return IPOPT's optimum, from the same start each time."""
+        started = time.perf_counter()
+        solution = self._solver(**self._arguments)
+        solve_time = time.perf_counter() - started
+        stats, data = self._solver.stats(), self._task.course.data
+        speed2 = data.fixed_speed2.copy()
+        speed2[self._free] = np.array(solution["x"]).ravel()[: self._free.sum()]
+        return IpoptRun(
+            energy_j=float(solution["f"]) * data.traction.constant_n + data.auxiliary_power_w * self._task.dwell_s,
+            speed2=frozen_array(speed2),
+            iterations=int(stats["iter_count"]),
+            solve_time_s=solve_time,
+            status=str(stats["return_status"]),
+            converged=bool(stats["success"]),
+        )
+
+
+def _speeds_near_timetable(task: Task) -> FloatArray:
+    """Return the start of our own method: squares of speed [m2/s2], shape (n + 1,)."""
+    speed2 = np.empty(len(task.greatest_speed2))
+    start_speeds(task.course.data, task.greatest_speed2, task.shortest_time_s, task.running_time_s, speed2)
+    return speed2
+
+
+def _one_speed(task: Task) -> FloatArray:
+    """Return the square of the mean speed wherever it is allowed [m2/s2], shape (n + 1,)."""
+    data, mean = task.course.data, task.course.length_m / task.running_time_s
+    return np.where(data.fixed_speed2 < 0, np.minimum(mean**2, data.largest_speed2), data.fixed_speed2)

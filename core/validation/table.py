@@ -1,0 +1,95 @@
+"""Printed numbers beside ours: the types that the validation of every paper returns."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Row:
+    """One printed number beside ours.
+
+    Parameters
+    ----------
+    case : str
+        For which run it holds, such as 'T_m = 270 s'.
+    quantity : str
+        What it is.
+    unit : str
+        In which unit both numbers are; empty where they have none.
+    printed : float or None
+        The reference; None where there is none.
+    ours : float
+        What this version computes.
+    note : str
+        One sentence on a difference that stays; empty where none needs explaining.
+    """
+
+    case: str
+    quantity: str
+    unit: str
+    printed: float | None
+    ours: float
+    note: str = ""
+
+    @property
+    def difference_percent(self) -> float | None:
+        """Our number over the printed one less 1, in percent; None where nothing or zero is printed."""
+        if self.printed is None or self.printed == 0:
+            return None
+        return 100 * (self.ours / self.printed - 1)
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows that belong together.
+
+    Parameters
+    ----------
+    title : str
+        What is compared.
+    rows : tuple of Row
+    place : str
+        Where the paper prints it; empty where it does not.
+    reference : str
+        What the column of printed numbers is called.
+    """
+
+    title: str
+    rows: tuple[Row, ...]
+    place: str = ""
+    reference: str = "printed"
+
+
+@dataclass(frozen=True)
+class Erratum:
+    """Something printed that cannot be meant, and what must stand there.
+
+    Parameters
+    ----------
+    place, printed, corrected, reason : str
+        Where it stands, what stands there, what must, and why.
+    """
+
+    place: str
+    printed: str
+    corrected: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Validation:
+    """A paper's printed numbers beside ours.
+
+    Parameters
+    ----------
+    paper : str
+        Short name, as on the command line.
+    citation : str
+        Authors, title, journal and year.
+    tables : tuple of Table
+    errata : tuple of Erratum
+    """
+
+    paper: str
+    citation: str
+    tables: tuple[Table, ...]
+    errata: tuple[Erratum, ...]

@@ -1,0 +1,1 @@
+"""The browser workbench and the command line; no physics lives here."""

@@ -1,0 +1,145 @@
+"""The dashboard: composes one open page, and serves it. `panel serve` may run this file too."""
+
+from collections.abc import Callable
+from typing import Any
+
+import panel as pn
+
+from railjoule.core import RailjouleError
+from railjoule.dashboard.browser import Browser
+from railjoule.dashboard.health import HealthHandler
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.store import (
+    Runs,
+    RunsWish,
+    TradeOff,
+    TradeOffWish,
+    Worker,
+    compute_runs,
+    compute_trade_off,
+)
+from railjoule.dashboard.views.drive import DriveView
+from railjoule.dashboard.views.shell import Page, Shell
+from railjoule.dashboard.views.trade_off import TradeOffView
+from railjoule.dashboard.warmup import warmup
+
+pn.extension("plotly", notifications=False)
+
+POLL_MS = 300
+EXTRA_PATTERNS = [("/health", HealthHandler)]
+SLIDERS = ("load_percent", "recuperation_percent")
+
+
+class Session:
+    """One open page: its state, its work, its views."""
+
+    def __init__(self) -> None:
+        self.state = Workbench()
+        self.browser = Browser()
+        self.palette = Palette(self.state.dark)
+        self.runs = Worker(compute_runs, self._take_runs, self._take_failure)
+        self.trade_off = Worker(compute_trade_off, self._take_trade_off, self._take_failure)
+        self.views: dict[str, DriveView | TradeOffView] = {}
+        self.shell = Shell(
+            self.state, self.browser, {"Drive": self._make(DriveView), "Trade-off": self._make(TradeOffView)}
+        )
+        scenario = self.state.scenario
+        scenario.param.watch(self._ask_runs, [*SLIDERS, "travel_time_s", "acceleration_time_s"])
+        scenario.param.watch(self._ask_trade_off, [*SLIDERS, "travel_time_range_s"])
+        self.state.param.watch(self._ask_runs, ["ticked", "chosen"])
+        self.state.param.watch(self._ask_trade_off, ["page", "wide_map", "copper_weight"])
+        self.state.param.watch(self._paint, "dark")
+        self.shell.open()
+        if warmup().ready.is_set():
+            # a page that is sent with its first run is there a second earlier than one that asks for it
+            self.runs.do(self._wish())
+        pn.state.onload(self._load)
+
+    def _make(self, view: type[DriveView] | type[TradeOffView]) -> Callable[[], pn.viewable.Viewable]:
+        def make() -> pn.viewable.Viewable:
+            made = view(self.state, self.browser, self.palette)
+            self.views[view.__name__] = made
+            return made.view
+
+        return make
+
+    def _load(self) -> None:
+        self.browser.start()
+        warmup().start()
+        if warmup().ready.is_set():
+            if self.state.runs is None:
+                self._ask_runs()
+        else:
+            self.shell.show_starting()
+            self._polling = pn.state.add_periodic_callback(self._poll, period=POLL_MS)
+
+    def _poll(self) -> None:
+        """Tell how far the kernels are, and begin when they are ready."""
+        if not warmup().ready.is_set():
+            self.shell.starting.tell(*warmup().progress)
+            return
+        self._polling.stop()
+        self.shell.open()
+        self._ask_runs()
+
+    def _ask_runs(self, *_: Any) -> None:
+        self.runs.ask(self._wish())
+
+    def _wish(self) -> RunsWish:
+        return RunsWish(self.state.scenario.scenario(), self.state.drawn)
+
+    def _ask_trade_off(self, *_: Any) -> None:
+        """Ask for the frontier, but only while its page is in sight."""
+        if self.state.page != "Trade-off":
+            return
+        scenario = self.state.scenario
+        longest = scenario.travel_time_range_s[1]
+        self.trade_off.ask(TradeOffWish(scenario.scenario(), longest, self.state.wide_map, self.state.copper_weight))
+
+    def _take_runs(self, runs: Runs) -> None:
+        self.state.param.update(runs=runs, failure=None)
+
+    def _take_trade_off(self, trade_off: TradeOff) -> None:
+        self.state.param.update(trade_off=trade_off, trade_off_duration_s=self.trade_off.last_duration_s)
+
+    def _take_failure(self, failure: RailjouleError) -> None:
+        self.state.failure = failure
+
+    def _paint(self, *_: Any) -> None:
+        with pn.io.hold():
+            self.palette.switch(self.state.dark)
+            for view in self.views.values():
+                view.redraw()
+
+
+def make_page() -> Page:
+    """Return a new page for one session."""
+    return Session().shell.page
+
+
+def serve(address: str = "127.0.0.1", port: int = 5006) -> None:
+    """Serve the dashboard until it is stopped.
+
+    Parameters
+    ----------
+    address : str
+        Where to listen.
+    port : int
+        The port to listen on.
+    """
+    origins = [f"{address}:{port}", f"localhost:{port}", f"127.0.0.1:{port}"]
+    warmup().start()
+    pn.serve(
+        {"/": make_page},
+        extra_patterns=EXTRA_PATTERNS,
+        address=address,
+        port=port,
+        show=False,
+        websocket_origin=origins,
+        title="railjoule",
+    )
+
+
+if __name__.startswith("bokeh_app"):
+    make_page().servable()

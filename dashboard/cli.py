@@ -1,0 +1,172 @@
+"""The command `railjoule`: it reads the words, calls `railjoule.dashboard.commands`, and turns errors into one line."""
+
+import argparse
+import contextlib
+import os
+import sys
+from collections.abc import Sequence
+from importlib.metadata import version
+from typing import NoReturn
+
+DEFAULT_ADDRESS, DEFAULT_PORT = "127.0.0.1", 5006
+LARGEST_PORT = 65_535
+OK, BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 0, 2, 130, 141
+"""Exit statuses; the last two are those of a shell for programs ended by such a signal."""
+
+
+class UsageError(Exception):
+    """Words that make no command, in one sentence."""
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser that raises one sentence where the library's prints its usage and leaves."""
+
+    def error(self, message: str) -> NoReturn:
+        raise UsageError(f"{message}; see {self.prog} --help.")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command and return its exit status.
+
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        The words after `railjoule`; those of the process where absent.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="backslashreplace")
+    try:
+        status = _run(arguments)
+        sys.stdout.flush()
+    except BrokenPipeError:
+        _drop_output()
+        return BROKEN_PIPE
+    except OSError as error:
+        _drop_output()
+        return _complain(f"the result cannot be written: {error.strerror or error}.")
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    return status
+
+
+def _run(arguments: Sequence[str] | None) -> int:
+    try:
+        options = build_parser().parse_args(arguments)
+    except UsageError as error:
+        return _complain(str(error))
+    except SystemExit as end:  # after --help and --version
+        return int(end.code or OK)
+    # only now, as the core takes most of a second to import
+    from railjoule.core import RailjouleError  # noqa: PLC0415
+
+    try:
+        _call(options)
+    except RailjouleError as error:
+        return _complain(str(error))
+    return OK
+
+
+def _call(options: argparse.Namespace) -> None:
+    from railjoule.dashboard import commands  # noqa: PLC0415
+
+    if options.command == "serve":
+        commands.serve(options.address, options.port)
+        return
+    output = commands.Output(options.json)
+    if options.command == "benchmark":
+        commands.benchmark(output)
+    elif options.command == "validate":
+        commands.validate(options.paper, output)
+    else:
+        file, words = _file_and_changes(options.file, options.set)
+        changes = commands.parsed_changes(words)
+        if options.command == "solve":
+            commands.solve(file, changes, options.strategy, options.trajectory, output)
+        else:
+            commands.compare_strategies(file, changes, output)
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """Return the parser of all commands."""
+    parser = _Parser(
+        prog="railjoule", description="Energy-optimal driving of one electric rail vehicle.", allow_abbrev=False
+    )
+    parser.add_argument("--version", action="version", version=f"railjoule {version('railjoule')}")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
+    _add_serve(commands)
+    solve = _add_scenario_command(commands, "solve", "solve one scenario")
+    solve.add_argument("--strategy", metavar="S", help="how the train is driven; the scenario's own where absent")
+    solve.add_argument("--trajectory", metavar="OUT", help="write the run to OUT.csv or OUT.parquet")
+    _add_scenario_command(commands, "compare", "run every strategy that fits a scenario")
+    benchmark = _add(commands, "benchmark", "time every strategy on the shipped scenarios, beside CasADi with IPOPT")
+    _add_json(benchmark)
+    validate = _add(commands, "validate", "show the papers' printed numbers beside ours")
+    validate.add_argument("paper", metavar="PAPER", nargs="?", help="ftorek; all papers where absent")
+    _add_json(validate)
+    return parser
+
+
+def _add_serve(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    serve = _add(commands, "serve", "serve the dashboard in the browser")
+    serve.add_argument("--port", type=_port, default=DEFAULT_PORT, help=f"{DEFAULT_PORT} where absent")
+    serve.add_argument("--address", default=DEFAULT_ADDRESS, help=f"{DEFAULT_ADDRESS}, this machine only, where absent")
+
+
+def _add_scenario_command(commands: "argparse._SubParsersAction[_Parser]", name: str, words: str) -> _Parser:
+    parser = _add(commands, name, words)
+    parser.add_argument("file", metavar="FILE", nargs="?", help="a scenario file, or the name of a shipped scenario")
+    parser.add_argument(
+        "--set",
+        metavar="KEY=VALUE",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="change a key of the file, such as vehicle.load_factor=0.3; the value is TOML",
+    )
+    _add_json(parser)
+    return parser
+
+
+def _add(commands: "argparse._SubParsersAction[_Parser]", name: str, words: str) -> _Parser:
+    return commands.add_parser(name, help=words, description=words[0].upper() + words[1:] + ".", allow_abbrev=False)
+
+
+def _add_json(parser: _Parser) -> None:
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def _port(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) < 6 and 1 <= int(text) <= LARGEST_PORT):
+        raise argparse.ArgumentTypeError(f"{text[:20]!r} is no port from 1 to {LARGEST_PORT}")
+    return int(text)
+
+
+def _file_and_changes(file: str | None, words: Sequence[str]) -> tuple[str, list[str]]:
+    """Return the scenario and the changes; a word without equals sign after --set is the scenario."""
+    if file is not None:
+        return file, list(words)
+    from railjoule.dashboard.commands import CommandError  # noqa: PLC0415
+
+    without = [word for word in words if "=" not in word]
+    if len(without) != 1:
+        raise CommandError("FILE is missing: a scenario file or the name of a shipped scenario.")
+    return without[0], [word for word in words if word != without[0]]
+
+
+def _complain(sentence: str) -> int:
+    """Print one sentence on standard error."""
+    line = "".join(character if character.isprintable() else " " for character in sentence)
+    with contextlib.suppress(OSError):
+        print(f"railjoule: {line}", file=sys.stderr, flush=True)
+    return BAD_INPUT
+
+
+def _drop_output() -> None:
+    """Let the interpreter's last flush go nowhere, as nobody reads any more."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+if __name__ == "__main__":
+    sys.exit(main())

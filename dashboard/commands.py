@@ -1,0 +1,210 @@
+"""What the commands of `railjoule` do; their words are read in `railjoule.dashboard.cli`."""
+
+import importlib.util
+import json
+import os
+import sys
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+from railjoule.core import RailjouleError, Scenario, StrategyRefusedError, Trajectory, compare, load_scenario
+from railjoule.core import solve as solve_scenario
+from railjoule.core.scenario import StrategyName, preset_names
+from railjoule.core.strategies import prepare_task
+from railjoule.dashboard import summary, terminal
+
+TABLE_SUFFIXES = (".csv", ".parquet")
+
+
+class CommandError(RailjouleError):
+    """Something that a command cannot do, in one sentence."""
+
+
+@dataclass(frozen=True)
+class Output:
+    """How a result is shown: as JSON or for people."""
+
+    as_json: bool
+
+    def show(self, values: Any, to_text: Callable[[Any], str]) -> None:
+        """Print plain values, as JSON or as the text that they become."""
+        print(json.dumps(values, indent=2, allow_nan=False) if self.as_json else to_text(values))
+
+
+def solve(
+    file: str, changes: Mapping[str, Any], strategy: str | None, trajectory_file: str | None, output: Output
+) -> None:
+    """Solve a scenario, write its trajectory if wanted, and show the result.
+
+    Raises
+    ------
+    RailjouleError
+        If anything is wrong with the scenario or the file to write.
+    """
+    target = None if trajectory_file is None else table_file(trajectory_file)
+    scenario = load(file, changes)
+    announce_compilation()
+    try:
+        # a name that is none is refused by the core, in its own words
+        trajectory = solve_scenario(scenario, cast("StrategyName | None", strategy))
+    except StrategyRefusedError as refusal:
+        raise CommandError(f"{strategy or scenario.strategy} {refusal}") from None
+    if target is not None:
+        write_table(trajectory, target)
+    values = summary.summarise(trajectory, prepare_task(scenario).shortest_travel_time_s)
+    output.show(values, terminal.solution_text)
+
+
+def compare_strategies(file: str, changes: Mapping[str, Any], output: Output) -> None:
+    """Run every strategy that takes a scenario, and show the results side by side.
+
+    Raises
+    ------
+    RailjouleError
+        If anything is wrong with the scenario.
+    """
+    scenario = load(file, changes)
+    announce_compilation()
+    runs, refused = compare(scenario)
+    values = summary.summarise_comparison(runs, refused, prepare_task(scenario).shortest_travel_time_s)
+    output.show(values, terminal.comparison_text)
+
+
+def benchmark(output: Output) -> None:
+    """Show how long all solvers take on the shipped scenarios."""
+    from railjoule.core.validation.benchmark import benchmark as time_all  # noqa: PLC0415
+    from railjoule.core.validation.ipopt import is_installed  # noqa: PLC0415
+
+    announce_compilation()
+    values = summary.summarise_benchmark(list(time_all()))
+    output.show({**values, "ipopt": is_installed()}, terminal.benchmark_text)
+
+
+def validate(paper: str | None, output: Output) -> None:
+    """Show the printed numbers of one or all papers beside ours.
+
+    Raises
+    ------
+    CommandError
+        If the paper is not known.
+    """
+    from railjoule.core.validation import PAPERS  # noqa: PLC0415
+
+    if paper is not None and paper not in PAPERS:
+        raise CommandError(f"{paper!r} is none of the papers of this version, which has {', '.join(PAPERS)}.")
+    announce_compilation()
+    chosen = PAPERS if paper is None else {paper: PAPERS[paper]}
+    papers = [summary.summarise_validation(compute()) for compute in chosen.values()]
+    output.show({"papers": papers}, terminal.validations_text)
+
+
+def serve(address: str, port: int) -> None:
+    """Serve the dashboard until it is interrupted.
+
+    Raises
+    ------
+    CommandError
+        If a package of the dashboard is missing, or the address cannot be served at.
+    """
+    try:
+        from railjoule.dashboard import app  # noqa: PLC0415
+    except ModuleNotFoundError as error:
+        raise CommandError(f"the dashboard needs {error.name}, which is not installed.") from None
+    try:
+        app.serve(address=address, port=port)
+    except OSError as error:
+        raise CommandError(f"cannot serve at {address}, port {port}: {error.strerror or error}.") from None
+
+
+def load(file: str, changes: Mapping[str, Any]) -> Scenario:
+    """Return the scenario of a file or the shipped one of that name, with changes.
+
+    Raises
+    ------
+    RailjouleError
+        If there is none, or anything in it is wrong.
+    """
+    try:
+        known = Path(file).exists() or file in preset_names("scenarios")
+        if not known and not Path(file).suffix:
+            shipped = ", ".join(preset_names("scenarios"))
+            raise CommandError(
+                f"{file}: there is no such file and no shipped scenario of that name; shipped are {shipped}."
+            )
+        return load_scenario(file, changes)
+    except OSError as error:
+        raise CommandError(f"{shortened(file)}: {error.strerror or error}.") from None
+
+
+def parsed_changes(words: Sequence[str]) -> dict[str, Any]:
+    """Return the changes that 'key=value' words ask for; the values are TOML, bare words are texts.
+
+    Raises
+    ------
+    CommandError
+        If a word has no key or no equals sign.
+    """
+    changes: dict[str, Any] = {}
+    for word in words:
+        key, equals, value = word.partition("=")
+        if not key.strip() or not equals:
+            raise CommandError(f"--set {shortened(word)}: must be KEY=VALUE, such as vehicle.load_factor=0.3.")
+        changes[key.strip()] = parsed_value(value)
+    return changes
+
+
+def parsed_value(text: str) -> Any:
+    """Return the TOML value that a text gives, or the text itself."""
+    try:
+        document = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
+        return text
+    return document["value"] if list(document) == ["value"] else text
+
+
+def table_file(name: str) -> Path:
+    """Return where a trajectory is to be written.
+
+    Raises
+    ------
+    CommandError
+        If the suffix is unknown, or what it needs is not installed.
+    """
+    path = Path(name)
+    if path.suffix.lower() not in TABLE_SUFFIXES:
+        raise CommandError(f"--trajectory {shortened(name)}: must end in {' or '.join(TABLE_SUFFIXES)}.")
+    if path.suffix.lower() == ".parquet" and importlib.util.find_spec("pyarrow") is None:
+        raise CommandError(f"--trajectory {shortened(name)}: parquet needs pyarrow: pip install pyarrow.")
+    return path
+
+
+def write_table(trajectory: Trajectory, path: Path) -> None:
+    """Write a trajectory's nodes as a table.
+
+    Raises
+    ------
+    CommandError
+        If the file cannot be written.
+    """
+    table = trajectory.to_dataframe()
+    try:
+        if path.suffix.lower() == ".csv":
+            table.to_csv(path, index=False)
+        else:
+            table.to_parquet(path, index=False)
+    except OSError as error:
+        raise CommandError(f"{shortened(str(path))} cannot be written: {error.strerror or error}.") from None
+
+
+def announce_compilation() -> None:
+    """Tell a person at a terminal why the first run ever takes so long."""
+    if sys.stderr.isatty() and not Path(os.environ["NUMBA_CACHE_DIR"]).is_dir():
+        print("The solver is being compiled, once; this takes about a minute.", file=sys.stderr)
+
+
+def shortened(text: str) -> str:
+    """Return a text of at most 80 characters."""
+    return text if len(text) <= 80 else text[:77] + "..."

@@ -1,0 +1,99 @@
+"""The tokens as style sheets and as a theme of panel-material-ui."""
+
+import base64
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from railjoule.dashboard.look.tokens import FONT, THEMES, ThemeName, Tokens
+
+ASSETS = files("railjoule.assets")
+
+
+@cache
+def parts_css() -> str:
+    """Return the style sheet of all pieces of text, numbers and tables."""
+    return (ASSETS / "css" / "parts.css").read_text(encoding="utf-8")
+
+
+@cache
+def document_css() -> str:
+    """Return the style sheet of the document: font, colours of both themes, focus."""
+    font = base64.b64encode((ASSETS / "fonts" / "inter-latin-wght-normal.woff2").read_bytes()).decode()
+    face = f"@font-face {{ font-family: Inter; font-weight: 100 900; src: url(data:font/woff2;base64,{font}) }}"
+    light, dark = (_variables(THEMES[name]) for name in ("light", "dark"))
+    colours = (
+        f":root {{ {light} --rj-font: {FONT}; color-scheme: light }}\n:root.rj-dark {{ {dark} color-scheme: dark }}"
+    )
+    return "\n".join([face, colours, (ASSETS / "css" / "page.css").read_text(encoding="utf-8")])
+
+
+def _variables(tokens: Tokens) -> str:
+    return " ".join(f"--rj-{name.replace('_', '-')}: {colour};" for name, colour in tokens.items())
+
+
+def material_theme() -> dict[str, Any]:
+    """Return the theme of panel-material-ui's components, light and dark."""
+    return {name: _material(name, tokens) for name, tokens in THEMES.items()}
+
+
+def _material(name: ThemeName, t: Tokens) -> dict[str, Any]:
+    def root(**style: Any) -> dict[str, Any]:
+        return {"styleOverrides": {"root": style}}
+
+    return {
+        "palette": {
+            "mode": name,
+            "primary": {"main": t["accent"], "contrastText": t["surface"]},
+            "background": {"default": t["page"], "paper": t["surface"]},
+            "text": {"primary": t["ink"], "secondary": t["ink3"]},
+            "divider": t["line"],
+            "error": {"main": t["bad"]},
+            "success": {"main": t["good"]},
+            "warning": {"main": t["warn"]},
+        },
+        "typography": {"fontFamily": FONT, "fontSize": 13, "button": {"textTransform": "none", "fontWeight": 500}},
+        "shape": {"borderRadius": 6},
+        "components": {
+            "MuiTab": root(
+                textTransform="none", minHeight=48, minWidth=0, padding="0 10px", fontSize=13, color=t["ink2"]
+            ),
+            "MuiTabs": {"styleOverrides": {"root": {"minHeight": 48}, "indicator": {"height": 2}}},
+            "MuiToggleButton": root(textTransform="none", padding="2px 10px", fontSize=12, lineHeight="20px"),
+            "MuiToolbar": root(
+                minHeight="48px !important",
+                margin="0 !important",
+                paddingLeft="16px !important",
+                paddingRight="12px !important",
+            ),
+            "MuiButtonBase": {"defaultProps": {"disableRipple": True}},
+            "MuiButton": {
+                "defaultProps": {"disableElevation": True},
+                "styleOverrides": {"root": {"fontSize": 13, "padding": "3px 10px", "minWidth": 0}},
+            },
+            "MuiSlider": {
+                "styleOverrides": {
+                    "rail": {"opacity": 1, "backgroundColor": t["line2"], "height": 3},
+                    "track": {"height": 3, "border": 0},
+                    "thumb": {
+                        "width": 14,
+                        "height": 14,
+                        "backgroundColor": t["surface"],
+                        "border": f"2px solid {t['accent']}",
+                        "boxShadow": "none",
+                    },
+                }
+            },
+            "MuiFormLabel": root(fontSize=13, color=t["ink2"]),
+            "MuiDrawer": {
+                "styleOverrides": {
+                    "paper": {
+                        "backgroundColor": t["page"],
+                        "backgroundImage": "none",
+                        "borderRight": f"1px solid {t['line']}",
+                    }
+                }
+            },
+            "MuiPaper": root(backgroundImage="none"),
+        },
+    }

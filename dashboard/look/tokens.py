@@ -1,0 +1,108 @@
+"""The colours of the workbench, light and dark; look and measure are described where they are used.
+
+Strategy colours keep apart under the three kinds of colour blindness and in grey print; the dash tells them
+apart without any colour.
+"""
+
+from typing import Literal
+
+from railjoule.core.scenario import StrategyName
+
+ThemeName = Literal["light", "dark"]
+Tokens = dict[str, str]
+Dash = str | list[int]
+
+LIGHT: Tokens = {
+    "page": "#F4F6F8",
+    "surface": "#FFFFFF",
+    "line": "#E1E5EA",
+    "line2": "#CBD2DA",
+    "grid": "#EDF0F3",
+    "ink": "#161B22",
+    "ink2": "#444D59",
+    "ink3": "#66707D",
+    "accent": "#0B5BD3",
+    "tint": "#E8F0FC",
+    "good": "#0A7A4B",
+    "warn": "#9A5B00",
+    "bad": "#B3261E",
+    "limit": "#B3261E",
+    "ground": "#E4E7EB",
+    "groundline": "#9AA4AF",
+    "optimal": "#0B5BD3",
+    "bellman": "#5B1A8B",
+    "eoc": "#A62B0E",
+    "enoc": "#C27C00",
+    "phases": "#00845C",
+    "speed_limits": "#D6409F",
+    "fastest": "#1D242D",
+    "pinned": "#8B95A1",
+    "full_power": "#0B5BD3",
+    "part_power": "#7FA9EA",
+    "hold": "#BCD3F6",
+    "coast": "#F4F6F8",
+    "brake": "#E7B9A6",
+    "stand": "#FFFFFF",
+    "on_full_power": "#FFFFFF",
+    "on_part_power": "#10243F",
+    "on_hold": "#10243F",
+    "on_coast": "#444D59",
+    "on_brake": "#5A1B08",
+    "on_stand": "#444D59",
+}
+DARK: Tokens = {
+    "page": "#0E1217",
+    "surface": "#14181E",
+    "line": "#272E38",
+    "line2": "#3A4350",
+    "grid": "#1F252E",
+    "ink": "#ECF0F5",
+    "ink2": "#B9C2CE",
+    "ink3": "#8F9AA8",
+    "accent": "#7AA2FF",
+    "tint": "#1B2740",
+    "good": "#4CCB93",
+    "warn": "#F2B84B",
+    "bad": "#FF8A80",
+    "limit": "#FF8A80",
+    "ground": "#232A33",
+    "groundline": "#5A6572",
+    "optimal": "#7AA2FF",
+    "bellman": "#A86BC8",
+    "eoc": "#F26B2C",
+    "enoc": "#F5C542",
+    "phases": "#36D39A",
+    "speed_limits": "#EE92C6",
+    "fastest": "#EBF2FF",
+    "pinned": "#77828F",
+    "full_power": "#7AA2FF",
+    "part_power": "#4A6BB0",
+    "hold": "#2C4478",
+    "coast": "#1A1F27",
+    "brake": "#6B3524",
+    "stand": "#14181E",
+    "on_full_power": "#0B1220",
+    "on_part_power": "#F2F6FF",
+    "on_hold": "#DCE7FF",
+    "on_coast": "#B9C2CE",
+    "on_brake": "#FFD9CB",
+    "on_stand": "#B9C2CE",
+}
+THEMES: dict[ThemeName, Tokens] = {"light": LIGHT, "dark": DARK}
+
+DASHES: dict[StrategyName | Literal["pinned"], Dash] = {
+    "optimal": "solid",
+    "bellman": [2, 2],
+    "eoc": [8, 3],
+    "enoc": [8, 3, 2, 3],
+    "phases": [4, 3],
+    "speed_limits": [12, 4],
+    "fastest": [1, 3],
+    "pinned": "solid",
+}
+FONT = "Inter, 'Segoe UI', 'Helvetica Neue', Arial, sans-serif"
+
+
+def line_width(name: str) -> float:
+    """Return how thick the line of a strategy is [px]: the optimum stands out."""
+    return 2.8 if name == "optimal" else 1.8

@@ -1,0 +1,133 @@
+"""Results as plain values for JSON: one shape for the command line, the report and other programs.
+
+The keys are a contract: they may become more, but keep their names and meanings.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from railjoule.core import Phase, Trajectory
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+
+if TYPE_CHECKING:
+    from railjoule.core.validation.benchmark import Timing
+    from railjoule.core.validation.table import Row, Table, Validation
+
+J_PER_WH = J_PER_KWH / 1e3
+
+Summary = dict[str, Any]
+
+
+def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = None) -> Summary:
+    """Return one run as plain values.
+
+    The losses hold everything that the line's energy is lost to, so that traction - recuperated =
+    the sum of all losses + kinetic + potential.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+        The run.
+    shortest_travel_time_s : float, optional
+        Shortest possible time of the scenario, dwells included [s].
+    """
+    energy = trajectory.energy
+    losses = {
+        "running_resistance": energy.running_resistance_j,
+        "curve_resistance": energy.curve_resistance_j,
+        **energy.losses_j,
+    }
+    return {
+        "title": trajectory.scenario.title,
+        "strategy": trajectory.strategy,
+        "energy_kwh": trajectory.energy_kwh,
+        "traction_energy_kwh": energy.traction_j / J_PER_KWH,
+        "recuperated_kwh": energy.recuperated_j / J_PER_KWH,
+        "auxiliary_kwh": energy.auxiliary_j / J_PER_KWH,
+        "losses_kwh": {kind: joules / J_PER_KWH for kind, joules in losses.items()},
+        "kinetic_kwh": energy.kinetic_j / J_PER_KWH,
+        "potential_kwh": energy.potential_j / J_PER_KWH,
+        "travel_time_s": trajectory.travel_time_s,
+        "allowed_time_s": trajectory.scenario.travel_time_s,
+        "shortest_time_s": shortest_travel_time_s,
+        "distance_m": trajectory.distance_m,
+        "max_speed_kmh": trajectory.max_speed_kmh,
+        "lower_bound_kwh": _finite(trajectory.lower_bound_kwh),
+        "gap": _finite(trajectory.gap),
+        "bound_statement": trajectory.bound.statement if trajectory.bound else None,
+        "price_of_time_wh_per_s": _per_wh(trajectory.price_of_time_w),
+        "solve_time_s": trajectory.solve_time_s,
+        "iterations": trajectory.iterations,
+        "phases": [_phase(phase) for phase in trajectory.phases],
+        "notes": list(trajectory.notes),
+    }
+
+
+def summarise_comparison(
+    runs: Sequence[Trajectory], refused: Mapping[Any, str], shortest_travel_time_s: float | None = None
+) -> Summary:
+    """Return several runs over one scenario, and why other strategies refuse it, as plain values."""
+    return {
+        "results": [summarise(run, shortest_travel_time_s) for run in runs],
+        "refused": [{"strategy": strategy, "reason": reason} for strategy, reason in refused.items()],
+    }
+
+
+def summarise_validation(validation: "Validation") -> Summary:
+    """Return a paper's printed numbers beside ours as plain values."""
+    return {
+        "paper": validation.paper,
+        "citation": validation.citation,
+        "tables": [_table(table) for table in validation.tables],
+        "errata": [asdict(erratum) for erratum in validation.errata],
+    }
+
+
+def summarise_benchmark(timings: Sequence["Timing"]) -> Summary:
+    """Return the times of a benchmark as plain values."""
+    return {"results": [asdict(timing) for timing in timings]}
+
+
+def _phase(phase: Phase) -> Summary:
+    return {
+        "phase": phase.phase,
+        "start_m": phase.start_m,
+        "end_m": phase.end_m,
+        "start_s": phase.start_s,
+        "end_s": phase.end_s,
+        "start_kmh": phase.start_ms / MS_PER_KMH,
+        "end_kmh": phase.end_ms / MS_PER_KMH,
+        "energy_kwh": phase.energy_j / J_PER_KWH,
+    }
+
+
+def _table(table: "Table") -> Summary:
+    return {
+        "title": table.title,
+        "place": table.place,
+        "reference": table.reference,
+        "rows": [_row(row) for row in table.rows],
+    }
+
+
+def _row(row: "Row") -> Summary:
+    return {
+        "case": row.case,
+        "quantity": row.quantity,
+        "unit": row.unit,
+        "printed": row.printed,
+        "ours": row.ours,
+        "difference_percent": row.difference_percent,
+        "note": row.note,
+    }
+
+
+def _per_wh(watt: float | None) -> float | None:
+    return None if watt is None else watt / J_PER_WH
+
+
+def _finite(value: float | None) -> float | None:
+    """Return a number that JSON knows, or None."""
+    return value if value is not None and math.isfinite(value) else None

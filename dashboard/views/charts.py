@@ -1,0 +1,312 @@
+"""The shared bones of all charts: frame, axes, zoom, one cursor through all of them."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import panel as pn
+from bokeh.core.properties import value
+from bokeh.layouts import column
+from bokeh.models import (
+    BasicTicker,
+    BoxZoomTool,
+    ColumnDataSource,
+    CrosshairTool,
+    CustomJS,
+    CustomJSTickFormatter,
+    Div,
+    PanTool,
+    Range1d,
+    ResetTool,
+    Span,
+    WheelZoomTool,
+)
+from bokeh.plotting import figure
+from panel.viewable import Viewable
+
+from railjoule.core.arrays import FloatArray
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look.theme import parts_css
+from railjoule.dashboard.look.tokens import DASHES, FONT, line_width
+
+TICKS_JS = """
+return tick.toLocaleString("en", {minimumFractionDigits: digits, maximumFractionDigits: 3})
+  .replace(/,/g, "\\u202f").replace("-", "\\u2212")
+"""
+CURSOR_JS = """
+const away = cb_obj.event_name === "mouseleave" || cb_obj.x == null;
+const text = (value, digits) => isFinite(value)
+  ? Math.abs(value).toLocaleString("en", {minimumFractionDigits: digits, maximumFractionDigits: digits})
+      .replace(/,/g, "\\u202f").replace(/^/, value < 0 && +Math.abs(value).toFixed(digits) ? "\\u2212" : "")
+  : "\\u2013";
+const at = (data, stepped) => {
+  const {x, y} = data;
+  if (!x || x.length < 2 || cb_obj.x < x[0] || cb_obj.x > x[x.length - 1]) return NaN;
+  let low = 0, high = x.length - 1;
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (x[middle] < cb_obj.x) { low = middle; } else { high = middle; }
+  }
+  if (stepped) return y[high];
+  return x[high] === x[low] ? y[high] : y[low] + (y[high] - y[low]) * (cb_obj.x - x[low]) / (x[high] - x[low]);
+};
+for (const chart of charts) {
+  if (away) { chart.caption.text = chart.words; continue; }
+  const values = chart.sources
+    .map(([word, source]) => [word, at(source.data, chart.stepped)])
+    .filter(([, number]) => isFinite(number))
+    .map(([word, number]) => (word ? word + " " : "") + text(number, chart.digits) + " " + chart.unit);
+  const place = chart.place ? text(cb_obj.x, chart.place[1]) + " " + chart.place[0] + ": " : "";
+  chart.caption.text = values.length ? chart.words + "&ensp;&ensp;" + place + values.join("&ensp;&ensp;") : chart.words;
+}
+"""
+CAPTION_PX = 21
+SHORT_COLUMN = 40
+END_LABEL_SHARE = 0.105
+"""Share of the axis beyond the last stop that is kept free for labels at the ends of lines."""
+
+
+class Axis:
+    """The x axis that all charts of a page share: its range and its cursor."""
+
+    def __init__(self, palette: Palette) -> None:
+        self.range = Range1d(0, 1, bounds=(0, 1))
+        self.cursor = Span(dimension="height", line_alpha=0.55, line_width=1)
+        self.follow = CustomJS(args={"charts": []}, code=CURSOR_JS)
+        self._charts: list[dict[str, object]] = []
+        self._extent = (0.0, 1.0)
+        self._end = 1.0
+        palette.paint(self.cursor, line_color="ink")
+
+    def fit(self, end: float, roomy: bool) -> None:
+        """Show everything up to `end`, unless that is what the axis already spans: then its zoom stays."""
+        self._end = end
+        extent = (0.0, end * (1 + END_LABEL_SHARE) if roomy else end)
+        if np.allclose(extent, self._extent, rtol=1e-9):
+            return
+        self._extent = extent
+        # bounds first: the browser clips the ends to the bounds that it knows
+        self.range.update(bounds=extent, reset_start=extent[0], reset_end=extent[1], start=extent[0], end=extent[1])
+
+    def add(self, chart: dict[str, object]) -> None:
+        """Let the cursor write into one more chart's caption, once `settle` is called."""
+        self._charts.append(chart)
+
+    @property
+    def end(self) -> float:
+        """Where the longest run ends: no ticks lie beyond it."""
+        return self._end
+
+    def settle(self, unit: str, digits: int) -> None:
+        """Tell the cursor all charts, and the unit in which it writes its place into the first caption.
+
+        To be called last within a batch of changes: the browser must know all charts by then.
+        """
+        told = [dict(chart, place=None if index else [unit, digits]) for index, chart in enumerate(self._charts)]
+        if told != self.follow.args["charts"]:
+            self.follow.args = {"charts": told}
+
+
+class Chart:
+    """A figure with a caption above it, drawn only while it is in sight.
+
+    Parameters
+    ----------
+    name : str
+        A short name, part of the style classes.
+    words : str
+        Quantity and unit, the caption.
+    height : int
+        Height of the figure [px].
+    """
+
+    stepped = False
+    unit = ""
+    digits = 1
+
+    def __init__(self, name: str, words: str, height: int) -> None:
+        self.name, self.words, self.height = name, words, height
+        self.place = pn.Column(
+            css_classes=["rj-chart", f"rj-chart-{name}"],
+            sizing_mode="stretch_width",
+            min_height=height + (CAPTION_PX if words else 0),
+            margin=0,
+        )
+        self.visible = False
+        self.figure: figure | None = None
+        self.content: Viewable | None = None
+        self._redraw: Callable[[], None] | None = None
+
+    def resize(self, height: int) -> None:
+        """Change the height of the figure [px]."""
+        if height == self.height:
+            return
+        self.height = height
+        self.place.min_height = height + (CAPTION_PX if self.words else 0)
+        if self.figure is not None:
+            self.figure.height = height
+
+    def show(self, draw: Callable[[], None]) -> None:
+        """Draw now if the chart is in sight, else as soon as it comes into sight."""
+        self._redraw = draw
+        if self.visible:
+            self._settle()
+
+    def appear(self) -> None:
+        """Take note that the chart is in sight: build it if it is not there yet, and draw what waits."""
+        self.visible = True
+        self._settle()
+
+    def hide(self) -> None:
+        """Take note that the chart has left sight."""
+        self.visible = False
+
+    def _settle(self) -> None:
+        if self.content is None:
+            self.build()
+        if self._redraw is not None:
+            draw, self._redraw = self._redraw, None
+            draw()
+        # only now: whatever changes within the document makes Bokeh search all of it
+        if not len(self.place):
+            self.place[:] = [self.content]
+
+    def build(self) -> None:
+        """Make `figure` and `content`; subclasses add what they draw."""
+        raise NotImplementedError
+
+
+class DistanceChart(Chart):
+    """A chart over the page's shared axis."""
+
+    def __init__(self, name: str, words: str, height: int, axis: Axis, palette: Palette, left: int = 50) -> None:
+        super().__init__(name, words, height)
+        self.axis, self.palette, self.left = axis, palette, left
+        self.sources: dict[str, ColumnDataSource] = {}
+        self.y_range = Range1d(0, 1)
+
+    def frame(self, with_axis: bool = False, zoom: bool = True, ticks: int = 4, digits: int = 0) -> figure:
+        """Return the empty figure, and put it under its caption."""
+        f = figure(
+            height=self.height,
+            sizing_mode="stretch_width",
+            x_range=self.axis.range,
+            y_range=self.y_range,
+            toolbar_location=None,
+            tools="",
+            outline_line_color=None,
+            min_border_left=self.left,
+            min_border_right=14,
+            min_border_top=2,
+            min_border_bottom=7,
+            html_attributes={"role": "img", "aria-label": self.words or self.name},
+        )
+        f.toolbar.logo = None
+        dress(f, self.palette, ticks, digits)
+        f.xaxis.visible = with_axis
+        if zoom:
+            box = BoxZoomTool(dimensions="width")
+            wheel = WheelZoomTool(dimensions="width", modifiers={"ctrl": True})
+            f.add_tools(PanTool(dimensions="width"), wheel, box, ResetTool())
+            f.toolbar.active_drag = box
+            f.toolbar.active_scroll = wheel
+        f.add_tools(CrosshairTool(overlay=self.axis.cursor))
+        f.js_on_event("mousemove", self.axis.follow)
+        f.js_on_event("mouseleave", self.axis.follow)
+        self.figure = f
+        caption = Div(
+            text=self.words, stylesheets=[parts_css()], margin=0, visible=bool(self.words), css_classes=["rj-caption"]
+        )
+        caption.styles = {"padding": f"4px 0 0 {self.left}px", "font-size": "12px", "color": "var(--rj-ink2)"}
+        self.content = pn.pane.Bokeh(
+            column(caption, f, sizing_mode="stretch_width", spacing=0), margin=0, sizing_mode="stretch_width"
+        )
+        self.told = {
+            "caption": caption,
+            "words": self.words,
+            "sources": [],
+            "stepped": self.stepped,
+            "unit": self.unit,
+            "digits": self.digits,
+        }
+        self.axis.add(self.told)
+        return f
+
+    def set_range(self, low: float, high: float) -> None:
+        """Set the ends of the y axis, and let the ticks of the x axis end with the run."""
+        if self.figure is not None and self.figure.xaxis[0].visible:
+            self.figure.xaxis[0].bounds = (0, self.axis.end)
+        self.y_range.update(start=low, end=high)
+
+
+def dress(f: figure, palette: Palette, ticks: int, digits: int) -> None:
+    """Give a figure the look of all charts: y grid only, no lines on the axes, numbers as people write them."""
+    palette.paint(f, background_fill_color="surface", border_fill_color="surface")
+    for axis in (f.xaxis[0], f.yaxis[0]):
+        axis.update(
+            axis_line_color=None,
+            major_tick_line_color=None,
+            minor_tick_line_color=None,
+            major_label_text_font=FONT,
+            major_label_text_font_size="11px",
+            major_label_standoff=4,
+            axis_label_text_font=FONT,
+            axis_label_text_font_size="12px",
+            axis_label_text_font_style="normal",
+            axis_label_standoff=4,
+        )
+        palette.paint(axis, major_label_text_color="ink3", axis_label_text_color="ink2")
+    f.xaxis[0].formatter = CustomJSTickFormatter(code=TICKS_JS, args={"digits": 0})
+    f.yaxis[0].formatter = CustomJSTickFormatter(code=TICKS_JS, args={"digits": digits})
+    f.yaxis[0].ticker = BasicTicker(desired_num_ticks=ticks)
+    f.ygrid.ticker = f.yaxis[0].ticker
+    f.xgrid.grid_line_color = None
+    palette.paint(f.ygrid[0], grid_line_color="grid")
+
+
+def text_style(size: int = 12) -> dict[str, object]:
+    """Return the properties of text glyphs in charts."""
+    return {"text_font": value(FONT), "text_font_size": value(f"{size}px")}
+
+
+def style_of(name: str) -> dict[str, object]:
+    """Return width and dash of a strategy's line, or of the pinned run's."""
+    return {"line_width": line_width(name), "line_dash": DASHES[name]}  # type: ignore[index]
+
+
+def spread(values: Sequence[float], gap: float) -> list[float]:
+    """Return places near `values` that lie at least `gap` apart, in the same order."""
+    if not len(values):
+        return []
+    order = np.argsort(values)
+    placed = np.asarray(values, dtype=float)[order]
+    for _ in range(20):
+        for i in range(1, len(placed)):
+            lack = gap - (placed[i] - placed[i - 1])
+            if lack > 1e-12:
+                placed[i - 1] -= lack / 2
+                placed[i] += lack / 2
+    result = np.empty(len(placed))
+    result[order] = placed
+    return [float(place) for place in result]
+
+
+def nice_range(low: float, high: float, share: float = 0.06) -> tuple[float, float]:
+    """Return ends of an axis that leave some room around values."""
+    room = share * max(high - low, 1e-9)
+    return low - room, high + room
+
+
+def clear(source: ColumnDataSource) -> None:
+    """Empty a source without changing its columns."""
+    if any(len(column) for column in source.data.values()):
+        source.data = {key: [] for key in source.data}
+
+
+def columns(**arrays: FloatArray) -> dict[str, FloatArray | list[float]]:
+    """Return the columns of a source; short ones as lists, which travel within the message instead of beside it."""
+    return {name: array.tolist() if len(array) <= SHORT_COLUMN else array for name, array in arrays.items()}
+
+
+def xy(x: FloatArray, y: FloatArray) -> dict[str, FloatArray | list[float]]:
+    """Return the columns of a line."""
+    return columns(x=np.asarray(x), y=np.asarray(y))

@@ -1,0 +1,272 @@
+"""Pieces of text, numbers and tables, as HTML; every text that a user brings is escaped."""
+
+import html
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import panel as pn
+from bokeh.model import Model
+
+from railjoule.core import Trajectory
+from railjoule.core.strategies.optimal import PROVEN_GAP
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.theme import parts_css
+from railjoule.dashboard.look.tokens import DASHES, line_width
+from railjoule.dashboard.store import Runs
+
+LOSS_WORDS = {
+    "drive": "Drive losses",
+    "copper": "Copper loss",
+    "brake_resistors": "Brake resistors",
+    "friction_brakes": "Friction brakes",
+}
+
+
+class Words(pn.pane.HTML):
+    """HTML that changes often: only the new text goes to the browser, not every property of the pane anew."""
+
+    def _update(self, ref: str, model: Model) -> None:
+        model.text = self._transform_object(self.object)["object"]
+
+
+def html_pane(text: str = "", **params: Any) -> Words:
+    """Return a pane for one of this module's pieces."""
+    return Words(text, **{"stylesheets": [parts_css()], "sizing_mode": "stretch_width", "margin": 0, **params})
+
+
+def stack(*objects: Any, css: str = "", **params: Any) -> pn.Column:
+    """Return objects below each other, as high as they need; `css` styles the column."""
+    free = ":host { max-height: none; }"
+    return pn.Column(*objects, **{"margin": 0, "sizing_mode": "stretch_width", "stylesheets": [free + css], **params})
+
+
+def swatch(name: str) -> str:
+    """Return a sample of a strategy's line."""
+    dash = DASHES[name]  # type: ignore[index]
+    pattern = "" if dash == "solid" else f'stroke-dasharray="{" ".join(map(str, dash))}"'
+    return (
+        '<svg width="22" height="8" aria-hidden="true"><line x1="0" y1="4" x2="22" y2="4" '
+        f'stroke="var(--rj-{name.replace("_", "-")})" stroke-width="{line_width(name):g}" {pattern}/></svg>'
+    )
+
+
+def heading(title: str, subtitle: str, aside: str) -> str:
+    """Return the title line of a page."""
+    return (
+        f'<div class="head"><h1>{html.escape(title)}</h1><span class="muted">{html.escape(subtitle)}</span>'
+        f'<span class="push"></span><span class="muted small wide">{html.escape(aside)}</span></div>'
+    )
+
+
+def failure(what: str, why: str, shown: str) -> str:
+    """Return the message above a run that is not the one asked for."""
+    rest = html.escape(f"{why} {shown}")
+    return f'<div class="message" role="alert"><b>{html.escape(what)}</b> {rest}</div>'
+
+
+def figure(label: str, value: str, unit: str, detail: str, kind: str = "") -> str:
+    """Return one number with its label and what it means, as HTML; a kind is `main` or `extra`."""
+    return (
+        f'<div class="figure {kind}"><div class="label">{label}</div>'
+        f'<div class="value">{value}<span>{unit}</span></div><div class="detail">{detail}</div></div>'
+    )
+
+
+def figures(cells: Iterable[str], stale: bool = False) -> str:
+    """Return a row of numbers."""
+    return f'<div class="{"stale" if stale else ""}"><div class="figures" role="status">{"".join(cells)}</div></div>'
+
+
+def change(now: float, before: float, decimals: int = 1) -> str:
+    """Return by how much a quantity that should be small has changed, as HTML."""
+    if before <= 0:
+        return f"pinned {words.energy(before)}"
+    share = 100 * (now / before - 1)
+    if abs(share) < 0.5 * 10**-decimals:
+        return f"as pinned, {words.energy(before)}"
+    sign, kind = ("\u25bc", "better") if share < 0 else ("\u25b2", "worse")
+    amount = words.number(abs(share), decimals)
+    return f'<span class="{kind}">{sign} {amount} %</span> against pinned {words.energy(before)}'
+
+
+def proof_figure(run: Trajectory) -> str:
+    """Return how far a run is from the proven optimum."""
+    gap = run.gap
+    if gap is None:
+        return figure("Above the optimum", "\u2013", "", "no bound is known")
+    if run.strategy == "optimal":
+        if gap <= PROVEN_GAP:
+            return figure("Above the optimum", "0.00", "%", '<span class="proven">\u2713 proven</span>')
+        detail = f'<span class="open">\u25d0 bound only</span> {words.energy(run.lower_bound_kwh or 0)} kWh'
+        return figure("Above the bound", f"\u2264 {words.number(100 * gap, 2)}", "%", detail)
+    detail = f"optimum {words.energy(run.lower_bound_kwh or 0)} kWh"
+    return figure("Above the optimum", words.number(100 * gap, 1 if gap > 0.01 else 2), "%", detail)
+
+
+def price_figure(run: Trajectory, price_w: float | None) -> str:
+    """Return the price of a second at the optimum."""
+    if price_w is None:
+        return figure("Price of a second", "\u2013", "", "")
+    share = 100 * price_w / max(run.energy.net_j, 1.0)
+    return figure(
+        "Price of a second",
+        words.price(price_w),
+        "Wh/s",
+        f"1 s later: {words.signed(-share, 1 if share >= 1 else 2)} %",
+    )
+
+
+def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: bool) -> str:
+    """Return the numbers of Drive."""
+    energy = run.energy
+    main = change(run.energy_kwh, pinned.energy_kwh) if pinned else f"for {words.number(run.travel_time_s)} s"
+    slack = run.travel_time_s - runs.shortest_time_s
+    mean = run.distance_m / run.travel_time_s / MS_PER_KMH
+    share = 100 * energy.recuperated_j / energy.traction_j if energy.traction_j > 0 else 0.0
+    mass = run.scenario.vehicle.total_mass_kg / 1000
+    per_tonne = energy.net_j / (J_PER_KWH / 1000) / mass / (run.distance_m / 1000)
+    return figures(
+        [
+            figure("Energy at the line", words.energy(run.energy_kwh), "kWh", main, kind="main"),
+            proof_figure(run),
+            price_figure(runs.runs["optimal"], runs.runs["optimal"].price_of_time_w),
+            figure("Travel time", words.number(run.travel_time_s), "s", f"{words.number(slack)} s of slack"),
+            figure("Highest speed", words.number(run.max_speed_kmh), "km/h", f"mean {words.number(mean)}"),
+            figure(
+                "Recuperated",
+                words.energy(energy.recuperated_j / J_PER_KWH),
+                "kWh",
+                f"{words.number(share, 0)} % of traction",
+            ),
+            figure(
+                "Per tonne and km",
+                words.number(per_tonne),
+                "Wh",
+                f"{words.number(mass, 0)} t, {words.number(run.distance_m / 1000)} km",
+                kind="extra",
+            ),
+        ],
+        stale,
+    )
+
+
+def advice(run: Trajectory, stale: bool) -> str:
+    """Return the phases of a run as advice to the driver."""
+    items = []
+    for number, phase in enumerate(run.phases, 1):
+        text = words.phase_words(phase)
+        if number == 1:
+            text = ("roll" if phase.phase == "coast" else text).capitalize().replace("Km/h", "km/h")
+        place = "" if number == 1 else f" <span>{words.number(phase.start_m, 0)} m</span>"
+        items.append(f"<li><b>{number}</b>{text}{place}</li>")
+    kind = "advice stale" if stale else "advice"
+    return f'<ol class="{kind}" aria-label="Driver\u2019s advice">{"".join(items)}</ol>'
+
+
+def account(run: Trajectory) -> str:
+    """Return where the energy goes, as bars that follow one another."""
+    energy = run.energy
+    gains = [("From height lost", -energy.potential_j), ("From speed lost", -energy.kinetic_j)]
+    uses = [
+        ("Auxiliaries", energy.auxiliary_j),
+        ("Running resistance", energy.running_resistance_j),
+        ("Curves", energy.curve_resistance_j),
+        *((LOSS_WORDS.get(kind, kind), joules) for kind, joules in energy.losses_j.items()),
+        ("Height gained", energy.potential_j),
+        ("Speed gained", energy.kinetic_j),
+    ]
+    small = 1e-4 * max(energy.traction_j, 1.0)
+    gains = [(word, joules) for word, joules in gains if joules > small]
+    uses = [(word, joules) for word, joules in uses if joules > small]
+    taken = energy.traction_j + energy.auxiliary_j
+    scale = max(taken, sum(joules for _, joules in uses), 1.0)
+
+    def bar(word: str, start: float, length: float, colour: str, strong: bool = False) -> str:
+        left, width = 100 * min(start, start + length) / scale, 100 * abs(length) / scale
+        name = f"<b>{word}</b>" if strong else word
+        amount = words.number(length / J_PER_KWH, 2)
+        return (
+            f'<span>{name}</span><span class="track"><i style="left:{max(left, 0):.2f}%;width:{max(width, 0.4):.2f}%;'
+            f'background:{colour}"></i></span><span class="amount">{f"<b>{amount}</b>" if strong else amount}</span>'
+        )
+
+    accent, pale, neutral = (
+        "var(--rj-accent)",
+        "color-mix(in srgb, var(--rj-accent) 40%, transparent)",
+        "var(--rj-groundline)",
+    )
+    rows = [bar("Taken from the line", 0, taken, accent)]
+    if energy.recuperated_j > small:
+        rows.append(bar("Given back", taken, -energy.recuperated_j, pale))
+    rows += [bar("Net at the line", 0, energy.net_j, accent, strong=True), '<span class="gap"></span>']
+    rows += [bar(word, 0, joules, neutral) for word, joules in gains]
+    place = 0.0
+    for word, joules in uses:
+        rows.append(bar(word, place, joules, neutral))
+        place += joules
+    given = " + ".join(words.number(j / J_PER_KWH, 2) for j in (energy.net_j, *(joules for _, joules in gains)))
+    used = words.number(sum(joules for _, joules in uses) / J_PER_KWH, 2)
+    closes = f"The account closes: {given} = {used} kWh." if gains else f"The account closes at {used} kWh."
+    bars = f'<div class="flow">{"".join(rows)}</div><p class="note">{closes}</p>'
+    return f'<div class="block"><h2>Where the energy goes, kWh</h2>{bars}</div>'
+
+
+def table(title: str, header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> str:
+    """Return a table under a title; cells are HTML, and a row may be the chosen one."""
+    head = "".join(f'<th scope="col">{cell}</th>' for cell in header)
+    body = "".join(
+        f"<tr{' class=chosen' if chosen else ''}>{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"
+        for cells, chosen in rows
+    )
+    return (
+        f'<div class="block"><h2>{title}</h2><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
+    )
+
+
+def runs_table(runs: Runs, chosen: str, pinned: Trajectory | None) -> str:
+    """Return all runs of the scenario and the pinned one, side by side."""
+    reference = pinned.energy_kwh if pinned else runs.runs["optimal"].energy_kwh
+    rows = []
+    for name, run in runs.runs.items():
+        word = words.STRATEGY_WORDS[name]
+        rows.append(((f"{swatch(name)}{word}", *_run_cells(run, reference)), name == chosen))
+    if pinned:
+        word = f"Pinned: {words.STRATEGY_WORDS[pinned.strategy].lower()}"  # type: ignore[index]
+        rows.append(((f"{swatch('pinned')}{word}", *_run_cells(pinned, reference)), False))
+    against = "to pinned, %" if pinned else "above, %"
+    return table("Runs", ("Run", "kWh", against, "s", "km/h"), rows)
+
+
+def _run_cells(run: Trajectory, reference: float) -> tuple[str, str, str, str]:
+    share = 100 * (run.energy_kwh / reference - 1) if reference > 0 else 0.0
+    return (
+        words.energy(run.energy_kwh),
+        words.signed(share) if abs(share) >= 0.05 else "0",
+        words.number(run.travel_time_s),
+        words.number(run.max_speed_kmh, 0),
+    )
+
+
+def phase_table(run: Trajectory) -> str:
+    """Return the phases of a run as a table."""
+    rows = []
+    for number, phase in enumerate(run.phases, 1):
+        patch = f'<span class="patch" style="background:var(--rj-{phase.phase.replace("_", "-")})"></span>'
+        cells = (
+            f"{patch}{number} {words.PHASE_WORDS[phase.phase]}",
+            words.number(phase.start_m, 0),
+            words.number(phase.end_s - phase.start_s),
+            words.speed(phase.end_ms),
+            words.number(phase.energy_j / J_PER_KWH, 2),
+        )
+        rows.append((cells, False))
+    return table("Phases", ("Phase", "from, m", "s", "to, km/h", "kWh"), rows)
+
+
+def notes(run: Trajectory) -> str:
+    """Return what a run simplified, and what its bound covers."""
+    sentences = [*run.notes]
+    if run.bound is not None:
+        sentences.append(run.bound.statement)
+    return "".join(f'<p class="note">{html.escape(sentence)}</p>' for sentence in sentences)

@@ -1,0 +1,331 @@
+"""The sidebar: the scenario's editor, and the strategies as key, switch and table of results in one."""
+
+import html
+from collections.abc import Callable
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+from railjoule.core import RailjouleError, ScenarioError
+from railjoule.core.scenario import StrategyName, load_scenario, preset_names
+from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES
+from railjoule.core.strategies import STRATEGIES
+from railjoule.core.strategies.enoc import best_acceleration_time
+from railjoule.dashboard.look import words
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.store import Runs
+from railjoule.dashboard.views.fields import NumberField
+from railjoule.dashboard.views.parts import Words, html_pane, swatch
+
+FROM_FILE = "from a file"
+HIDE_LABEL_CSS = """
+.MuiFormControlLabel-label { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
+"""
+
+
+class ScenarioFile(pmui.FileInput):
+    """A file to open; one that is too large is not even sent.
+
+    Parameters
+    ----------
+    refuse : callable
+        Called when the browser has refused a file for its size.
+    """
+
+    def __init__(self, refuse: Callable[[], None], **params: Any) -> None:
+        super().__init__(**params)
+        self._refuse = refuse
+
+    def _handle_msg(self, msg: dict[str, Any]) -> None:
+        if msg.get("status") == "error":
+            self._refuse()
+        else:
+            super()._handle_msg(msg)
+
+
+class Sidebar:
+    """The scenario beside every page."""
+
+    def __init__(self, state: Workbench) -> None:
+        self.state = state
+        scenario = state.scenario
+        self.preset = pmui.Select(
+            label="Scenario",
+            options=scenario_options(state),
+            value=scenario.preset,
+            size="small",
+            margin=(16, 16, 0, 16),
+            sizing_mode="stretch_width",
+        )
+        self.file = ScenarioFile(
+            refuse=self._refuse_file,
+            label="Open a scenario file",
+            accept=".toml",
+            max_file_size=LARGEST_FILE_BYTES,
+            icon="folder_open",
+            variant="text",
+            size="small",
+            margin=(2, 8, 0, 8),
+        )
+        self.travel_time = NumberField(
+            scenario, "travel_time_s", "Travel time, s", step=0.5, digits=1, unit="s", ends=scenario.travel_time_range_s
+        )
+        self.load = NumberField(
+            scenario, "load_percent", "Load, % of capacity", step=1, digits=0, unit="%", ends=(0, 100)
+        )
+        self.recuperation = NumberField(
+            scenario, "recuperation_percent", "Recuperation, %", step=1, digits=0, unit="%", ends=(0, 100)
+        )
+        self.shortest = html_pane()
+        self.vehicle = html_pane()
+        self.enoc = EnocField(state)
+        self.line = html_pane()
+        self.strategies = StrategyList(state)
+        self.changed = html_pane()
+        self.back = pmui.Button(
+            label="Back to the preset", variant="text", size="small", margin=(0, 8), on_click=self._back
+        )
+        self.view = pn.Column(
+            self.preset,
+            self.file,
+            html_pane('<div class="section">Timetable</div>'),
+            self.travel_time.view,
+            self.shortest,
+            self.vehicle,
+            self.load.view,
+            self.recuperation.view,
+            self.enoc.view,
+            self.line,
+            html_pane('<hr class="rule">'),
+            self.strategies.view,
+            html_pane('<hr class="rule">'),
+            pn.Row(self.changed, self.back, margin=0, sizing_mode="stretch_width"),
+            margin=0,
+            sizing_mode="stretch_width",
+        )
+        self._quiet = False
+        self.preset.param.watch(self._choose, "value")
+        self.file.param.watch(self._open, "value")
+        scenario.param.watch(self._name_scenario, ["preset", "opened"])
+        scenario.param.watch(
+            self._describe, ["preset", "opened", "load_percent", "travel_time_s", "recuperation_percent"]
+        )
+        scenario.param.watch(self._move_ends, "travel_time_range_s")
+        state.param.watch(self._show_runs, "runs")
+        self._describe()
+
+    def _choose(self, event: Any) -> None:
+        if not self._quiet and event.new != FROM_FILE:
+            self.state.scenario.choose(event.new)
+
+    def _open(self, event: Any) -> None:
+        if event.new is None:
+            return
+        try:
+            name = str(self.file.filename)
+            self.state.scenario.open(decoded(event.new, name), name)
+        except RailjouleError as error:
+            self.state.failure = error
+
+    def _refuse_file(self) -> None:
+        self.state.failure = ScenarioError(f"The file is larger than the {LARGEST_FILE_BYTES / 1e6:g} MB allowed.")
+
+    def _name_scenario(self, *_: Any) -> None:
+        """Show in the list which scenario this is."""
+        scenario = self.state.scenario
+        self._quiet = True
+        self.preset.options = scenario_options(self.state)
+        self.preset.value = FROM_FILE if scenario.opened is not None else scenario.preset
+        self._quiet = False
+
+    def _back(self, *_: Any) -> None:
+        self.state.scenario.restore()
+
+    def _move_ends(self, *_: Any) -> None:
+        self.travel_time.set_ends(self.state.scenario.travel_time_range_s)
+
+    def _describe(self, *_: Any) -> None:
+        """Say which vehicle and line these are, and how many fields differ from the preset."""
+        base = self.state.scenario.base
+        name = html.escape(base.vehicle.name)
+        self.vehicle.object = f'<div class="section">Vehicle <span>\u00b7 {name}</span></div>'
+        self.line.object = f'<div class="section">Line</div>{line_rows(self.state)}'
+        count = len(self.state.scenario.changes)
+        text = (
+            f'{count} field{"" if count == 1 else "s"} changed<span class="dot"></span>'
+            if count
+            else "as in the preset"
+        )
+        self.changed.object = f'<div class="row small" style="padding-top:8px"><span class="muted">{text}</span></div>'
+        self.back.visible = count > 0
+
+    def _show_runs(self, *_: Any) -> None:
+        runs = self.state.runs
+        if runs is not None:
+            shortest = words.number(runs.shortest_time_s)
+            self.shortest.object = (
+                f'<div class="row small"><span class="muted">shortest possible</span><span>{shortest} s</span></div>'
+            )
+
+
+def scenario_options(state: Workbench) -> dict[str, str]:
+    """Return the scenarios to choose from by their titles, that of a file included."""
+    options = {load_scenario(name).title: name for name in preset_names("scenarios")}
+    opened = state.scenario.opened
+    if opened is not None:
+        options[f"{opened.title or 'Without a title'} (file)"] = FROM_FILE
+    return options
+
+
+def decoded(content: bytes, name: str) -> str:
+    """Return the text of a file.
+
+    Raises
+    ------
+    ScenarioError
+        If it is no text in UTF-8.
+    """
+    try:
+        return content.decode("utf-8")
+    except UnicodeDecodeError:
+        raise ScenarioError(f"{name}: not a text in UTF-8.") from None
+
+
+class EnocField:
+    """ENOC's acceleration time: the best one, until another is set."""
+
+    def __init__(self, state: Workbench) -> None:
+        self.state = state
+        self.field = NumberField(
+            state.scenario, "acceleration_time_s", "Acceleration time, s", step=0.1, digits=1, unit="s", ends=(15, 110)
+        )
+        self.best = pmui.Button(
+            label="Use the best", variant="text", size="small", margin=(0, 8), on_click=self._use_best
+        )
+        self.view = pn.Column(
+            html_pane('<div class="section">ENOC</div>'),
+            self.field.view,
+            self.best,
+            margin=0,
+            sizing_mode="stretch_width",
+            visible=False,
+        )
+        state.param.watch(self._show, ["page", "trade_off", "runs", "ticked"])
+        state.scenario.param.watch(self._show, "acceleration_time_s")
+
+    def _use_best(self, *_: Any) -> None:
+        self.state.scenario.acceleration_time_s = None
+
+    def _show(self, *_: Any) -> None:
+        trade_off, run = self.state.trade_off, self.state.run
+        plain = trade_off is not None and trade_off.coefficients is not None
+        self.view.visible = plain and self.state.page == "Trade-off"
+        if trade_off is None or trade_off.coefficients is None or run is None:
+            return
+        best = best_acceleration_time(trade_off.coefficients, run.travel_time_s)
+        self.best.visible = self.state.scenario.acceleration_time_s is not None
+        self.best.label = f"Best for {words.number(run.travel_time_s)} s: {words.number(best)} s"
+        self.field.suggest(best)
+
+
+def line_rows(state: Workbench) -> str:
+    """Return what the line is like, in rows."""
+    line = state.scenario.base.line.in_running_order()
+    gradients = [section.gradient_permille for section in line.sections]
+    length = words.number(line.length_m / 1000, 1 if line.length_m >= 1000 else 2)
+    if min(gradients) == max(gradients):
+        level = "level" if gradients[0] == 0 else f"{words.signed(gradients[0], 0)} {words.PER_MILLE}"
+    else:
+        level = f"{words.signed(min(gradients), 0)} to {words.signed(max(gradients), 0)} {words.PER_MILLE}"
+    rows = [f"<div class='row'><span>{length} km, {level}</span></div>"]
+    rows += [
+        f"<div class='row'><span>Limit {limit.limit_kmh:g} km/h</span>"
+        f"<span>{limit.from_m:g}\u2013{limit.to_m:g} m</span></div>"
+        for limit in line.speed_limits
+    ]
+    return "".join(rows)
+
+
+class StrategyList:
+    """The strategies: tick to draw, press the name to see its numbers."""
+
+    def __init__(self, state: Workbench) -> None:
+        self.state = state
+        self.ticks: dict[StrategyName, pmui.Checkbox] = {}
+        self.numbers: dict[StrategyName, Words] = {}
+        self.choices: dict[StrategyName, pmui.Button] = {}
+        rows = [self._row(name) for name in STRATEGIES]
+        title = '<div class="section">Strategies <span>\u00b7 kWh, above optimum</span></div>'
+        self.view = pn.Column(html_pane(title), *rows, margin=0, sizing_mode="stretch_width")
+        state.param.watch(self._show, ["runs", "chosen", "ticked"])
+
+    def _row(self, name: StrategyName) -> pn.Row:
+        word = words.STRATEGY_WORDS[name]
+        tick = pmui.Checkbox(
+            value=name in self.state.ticked,
+            label=f"Draw {word}",
+            size="small",
+            margin=(0, 0, 0, 8),
+            width=30,
+            align="center",
+            stylesheets=[HIDE_LABEL_CSS],
+        )
+        tick.param.watch(lambda event: self._tick(name, event.new), "value")
+        choice = pmui.Button(
+            label=word,
+            variant="text",
+            size="small",
+            margin=0,
+            width=84,
+            align="center",
+            on_click=self._chooser(name),
+            sx={"justifyContent": "flex-start", "color": "text.primary", "fontWeight": 400, "padding": "2px 4px"},
+        )
+        numbers = html_pane("", align="center")
+        self.ticks[name], self.choices[name], self.numbers[name] = tick, choice, numbers
+        sample = html_pane(swatch(name), width=28, height=20, sizing_mode="fixed", align="center")
+        return pn.Row(
+            tick,
+            sample,
+            choice,
+            numbers,
+            margin=0,
+            sizing_mode="stretch_width",
+            height=28,
+            styles={"align-items": "center"},
+        )
+
+    def _chooser(self, name: StrategyName) -> Callable[[Any], None]:
+        def choose(_: Any) -> None:
+            self.state.chosen = name
+
+        return choose
+
+    def _tick(self, name: StrategyName, ticked: bool) -> None:
+        names = [other for other in STRATEGIES if (ticked if other == name else other in self.state.ticked)]
+        self.state.ticked = names
+
+    def _show(self, *_: Any) -> None:
+        runs = self.state.runs
+        if runs is None:
+            return
+        for name in STRATEGIES:
+            chosen = name == self.state.chosen
+            weight = 600 if chosen else 400
+            if self.choices[name].sx["fontWeight"] != weight:
+                self.choices[name].sx = {**self.choices[name].sx, "fontWeight": weight}
+            self.numbers[name].object = strategy_numbers(runs, name, chosen)
+
+
+def strategy_numbers(runs: Runs, name: StrategyName, chosen: bool) -> str:
+    """Return a strategy's energy and its distance to the optimum, or why it refuses."""
+    if name in runs.refused:
+        return f'<div class="result"><span class="reason">{html.escape(runs.refused[name].rstrip("."))}</span></div>'
+    if name not in runs.runs:
+        return '<div class="result"><span class="reason">\u2013</span></div>'
+    run, optimum = runs.runs[name], runs.runs["optimal"]
+    share = 100 * (run.energy_kwh / optimum.energy_kwh - 1) if optimum.energy_kwh > 0 else 0.0
+    above = "0" if name == "optimal" else f"{words.signed(share) if abs(share) >= 0.05 else '+0.0'} %"
+    energy = words.energy(run.energy_kwh)
+    return f'<div class="result{" chosen" if chosen else ""}"><span>{energy}</span><span>{above}</span></div>'

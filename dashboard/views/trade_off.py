@@ -1,0 +1,214 @@
+"""Trade-off: the energy-time frontier with the present run on it, and ENOC's energy over its acceleration time."""
+
+from typing import Any
+
+import numpy as np
+import panel as pn
+import panel_material_ui as pmui
+
+from railjoule.core import Trajectory
+from railjoule.core.strategies.enoc import best_acceleration_time, enoc_energy
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.core.validation.ftorek import TABLE_3_COPPER_WEIGHT
+from railjoule.dashboard.browser import Browser
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.store import TradeOff
+from railjoule.dashboard.views import parts
+from railjoule.dashboard.views.charts import Chart
+from railjoule.dashboard.views.surface import SurfacePane
+from railjoule.dashboard.views.trade_off_charts import ContourChart, FrontierChart, ShareChart, printed_points
+
+WIDE_PX, NARROW_PX = 1600, 900
+HEIGHTS, WIDE_HEIGHTS, NARROW_HEIGHTS = (330, 110, 400, 330), (450, 150, 500, 380), (280, 110, 330, 260)
+"""Of frontier, share, surface and contour [px]."""
+LAYOUT_CSS = """
+:host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: 28px;
+  padding: 10px 20px 12px 14px; align-items: start; }
+:host(.rj-single) { grid-template-columns: minmax(0, 1fr); }
+@media (max-width: 899px) { :host { grid-template-columns: minmax(0, 1fr); padding: 8px 12px; } }
+"""
+MAPS = {
+    "Real timetables": (False, 1.0),
+    "Up to 5000 s, copper loss that fits Table 2": (True, 1.0),
+    "Up to 5000 s, 3.087 times that: Table 3, Figure 6a": (True, TABLE_3_COPPER_WEIGHT),
+}
+"""What ENOC's map may show: up to 5000 s or not, and the copper loss over the vehicle's own."""
+
+
+class TradeOffView:
+    """The page of the trade-off."""
+
+    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
+        self.state, self.browser, self.palette = state, browser, palette
+        self.heading, self.figures, self.table, self.refusal = (parts.html_pane() for _ in range(4))
+        self.frontier = FrontierChart(HEIGHTS[0], state, palette)
+        self.share = ShareChart(HEIGHTS[1], self.frontier.x_range, palette)
+        self.surface = SurfacePane(HEIGHTS[2], palette)
+        self.contour = ContourChart(HEIGHTS[3], palette)
+        self.map = pmui.Select(
+            label="ENOC's map",
+            options=MAPS,
+            value=(state.wide_map, state.copper_weight),
+            size="small",
+            margin=(6, 0, 8, 6),
+            width=360,
+        )
+        self.left = parts.stack(self.frontier.place, self.share.place, self.table)
+        self.right = parts.stack(self.map, self.surface.place, self.contour.place)
+        self.body = parts.stack(self.left, self.right, css=LAYOUT_CSS)
+        self.view = parts.stack(self.heading, self.figures, self.refusal, self.body)
+        self.map.param.watch(self._choose_map, "value")
+        state.param.watch(self._show, ["trade_off", "runs"])
+        browser.follow(["width"], self._fit)
+        browser.follow(["charts_in_sight"], self._sight)
+        self._fit()
+        self._sight()
+        self._show()
+
+    def _choose_map(self, event: Any) -> None:
+        wide, weight = event.new
+        self.state.param.update(wide_map=wide, copper_weight=weight)
+
+    @property
+    def charts(self) -> tuple[Chart, ...]:
+        """All charts of the page."""
+        return self.frontier, self.share, self.surface, self.contour
+
+    def _fit(self) -> None:
+        width = self.browser.width
+        heights = WIDE_HEIGHTS if width >= WIDE_PX else NARROW_HEIGHTS if width < NARROW_PX else HEIGHTS
+        with pn.io.hold():
+            for chart, height in zip(self.charts, heights, strict=True):
+                chart.resize(height)
+
+    def _sight(self) -> None:
+        with pn.io.hold():
+            for chart in self.charts:
+                if chart.name in self.browser.charts_in_sight and not chart.visible:
+                    chart.appear()
+                elif chart.name not in self.browser.charts_in_sight and chart.visible:
+                    chart.hide()
+
+    def redraw(self) -> None:
+        """Draw everything again, as after a change of theme."""
+        self._show()
+
+    def _show(self, *_: Any) -> None:
+        trade_off, runs = self.state.trade_off, self.state.runs
+        if trade_off is None or runs is None or self.state.page != "Trade-off":
+            return
+        run = runs.runs["optimal"]
+        now = self._present(trade_off, run.travel_time_s)
+        with pn.io.hold():
+            self._show_texts(trade_off, run, now)
+            plain = trade_off.enoc_map is not None
+            self.right.visible = self.share.place.visible = plain
+            self.body.css_classes = [] if plain else ["rj-single"]
+            self.frontier.show(lambda: self.frontier.draw(trade_off, run))
+            self.share.show(lambda: self.share.draw(trade_off, run))
+            self.surface.show(
+                lambda: self.surface.draw(trade_off.enoc_map, now, printed_points(trade_off, everywhere=True))
+            )
+            self.contour.show(lambda: self.contour.draw(trade_off, now))
+
+    def _present(self, trade_off: TradeOff, time: float) -> tuple[float, float, float] | None:
+        """Return travel time [s], acceleration time [s] and energy [kWh] of the present ENOC run."""
+        if trade_off.coefficients is None:
+            return None
+        ramp = self.state.scenario.acceleration_time_s or best_acceleration_time(trade_off.coefficients, time)
+        return time, ramp, float(enoc_energy(trade_off.coefficients, time, ramp)) / J_PER_KWH
+
+    def _show_texts(self, trade_off: TradeOff, run: Trajectory, now: tuple[float, float, float] | None) -> None:
+        frontier = trade_off.frontier
+        solved = f"{len(frontier.travel_time_s)} optima in {words.number(1e3 * self.state.trade_off_duration_s, 0)} ms"
+        self.heading.object = parts.heading(
+            run.scenario.title,
+            "energy against travel time" + ("; ENOC over its acceleration time" if now else ""),
+            solved,
+        )
+        self.figures.object = parts.figures(self._cells(trade_off, run, now))
+        refusal = enoc_refusal(trade_off, run.travel_time_s)
+        self.refusal.object = f'<p class="note" style="margin:8px 20px 0">{refusal}</p>' if refusal else ""
+        self.table.object = self._table(trade_off, run, now)
+
+    def _cells(self, trade_off: TradeOff, run: Trajectory, now: tuple[float, float, float] | None) -> list[str]:
+        time, energy = trade_off.frontier.travel_time_s, trade_off.frontier.energy_kwh
+
+        def changed(factor: float, label: str) -> str:
+            then = factor * run.travel_time_s
+            if not time[0] <= then <= time[-1]:
+                return parts.figure(label, "\u2013", "", f"no train can, in {words.number(then)} s")
+            value = float(np.interp(then, time, energy))
+            share = words.signed(100 * (value / run.energy_kwh - 1))
+            return parts.figure(label, share, "%", f"{words.energy(value)} kWh at {words.number(then, 0)} s")
+
+        detail = f"for {words.number(run.distance_m / 1000)} km"
+        if now:
+            share = words.number(100 * (1 - run.energy_kwh / now[2]))
+            detail = f'<span class="better">\u25bc {share} %</span> against ENOC {words.energy(now[2])}'
+        cells = [
+            parts.figure(
+                f"Optimum at {words.number(run.travel_time_s)} s", words.energy(run.energy_kwh), "kWh", detail, "main"
+            ),
+            parts.price_figure(run, run.price_of_time_w),
+            changed(1.1, "10 % more time"),
+            changed(0.9, "10 % less time"),
+        ]
+        if trade_off.coefficients is not None:
+            best = best_acceleration_time(trade_off.coefficients, run.travel_time_s)
+            cells.append(
+                parts.figure(
+                    "Best acceleration time", words.number(best), "s", f"ENOC at {words.number(run.travel_time_s)} s"
+                )
+            )
+        return cells
+
+    def _table(self, trade_off: TradeOff, run: Trajectory, now: tuple[float, float, float] | None) -> str:
+        rows: list[tuple[tuple[str, ...], bool]] = [
+            (
+                (
+                    f"{parts.swatch('optimal')}Optimal",
+                    words.energy(run.energy_kwh),
+                    "0",
+                    words.number(run.max_speed_kmh),
+                    "\u2013",
+                ),
+                True,
+            )
+        ]
+
+        def enoc_row(name: str, ramp: float, energy: float) -> tuple[tuple[str, ...], bool]:
+            peak = run.distance_m / (run.travel_time_s - ramp) / MS_PER_KMH
+            above = words.signed(100 * (energy / run.energy_kwh - 1))
+            cells = (
+                f"{parts.swatch('enoc')}{name}",
+                words.energy(energy),
+                above,
+                words.number(peak),
+                words.number(ramp),
+            )
+            return cells, False
+
+        coefficients, time = trade_off.coefficients, run.travel_time_s
+        if coefficients is not None and now is not None:
+            best = best_acceleration_time(coefficients, time)
+            energy = float(enoc_energy(coefficients, time, best)) / J_PER_KWH
+            rows.append(enoc_row("ENOC, best", best, energy))
+            if abs(now[1] - best) > 0.05:
+                rows.append(enoc_row("ENOC, as set", now[1], now[2]))
+            times, ramps, energies = printed_points(trade_off)
+            for k in np.flatnonzero(np.abs(times - time) < 0.05):
+                rows.append(enoc_row("ENOC as printed", float(ramps[k]), float(energies[k])))
+        header = ("Strategy", "kWh", "above, %", "top, km/h", "accelerates, s")
+        return f'<div style="padding:0 6px">{parts.table(f"At {words.number(time)} s", header, rows)}</div>'
+
+
+def enoc_refusal(trade_off: TradeOff, time: float) -> str:
+    """Return why ENOC cannot be driven in a travel time [s], in one sentence; empty if it can."""
+    if trade_off.enoc is None:
+        return f"ENOC {trade_off.refusal}"
+    nearest = float(trade_off.frontier.travel_time_s[np.argmin(np.abs(trade_off.frontier.travel_time_s - time))])
+    reason = dict(trade_off.enoc.refused).get(nearest)
+    return f"ENOC is drawn without the vehicle\u2019s limits here: for {nearest:.1f} s it {reason}" if reason else ""

@@ -1,0 +1,351 @@
+"""The charts of the trade-off: frontier, distance to the optimum, ENOC's contours."""
+
+from typing import Any
+
+import numpy as np
+import panel as pn
+from bokeh.events import Pan, Tap
+from bokeh.models import ColumnDataSource, Range1d, Span
+from bokeh.plotting import figure
+
+from railjoule.core import Trajectory
+from railjoule.core.arrays import FloatArray
+from railjoule.core.units import J_PER_KWH
+from railjoule.core.validation.papers import printed_numbers
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.store import EnocMap, TradeOff
+from railjoule.dashboard.views import parts
+from railjoule.dashboard.views.charts import Chart, clear, dress, nice_range, style_of, text_style, xy
+from railjoule.dashboard.views.surface import CIVIDIS
+
+STEEPEST_SHARE = 0.04
+"""The frontier is drawn from this share above the shortest time: nearer to it, it rises out of any scale."""
+
+
+class FrontierChart(Chart):
+    """Least energy over travel time; a click or a drag sets the travel time."""
+
+    def __init__(self, height: int, state: Workbench, palette: Palette) -> None:
+        super().__init__("frontier", "Net energy, kWh, over travel time, s", height)
+        self.state, self.palette = state, palette
+        self.x_range, self.y_range = Range1d(0, 1), Range1d(0, 1)
+        self.sources: dict[str, ColumnDataSource] = {}
+
+    def source(self, name: str, *columns: str) -> ColumnDataSource:
+        """Return a new source of this chart."""
+        self.sources[name] = ColumnDataSource({column: [] for column in (columns or ("x", "y"))})
+        return self.sources[name]
+
+    def build(self) -> None:
+        """Make the figure."""
+        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, digits=1)
+        self.figure = f
+        area = f.varea("x", "low", "high", source=self.source("between", "x", "low", "high"), fill_alpha=0.10)
+        self.palette.paint(area.glyph, fill_color="enoc")
+        closed = f.quad(
+            "left",
+            "right",
+            -1e3,
+            1e4,
+            source=self.source("impossible", "left", "right"),
+            line_color=None,
+            fill_alpha=0.55,
+            hatch_pattern="right_diagonal_line",
+            hatch_scale=8,
+            hatch_alpha=0.4,
+        )
+        self.palette.paint(closed.glyph, fill_color="ground", hatch_color="groundline")
+        for name in ("enoc", "optimal"):
+            line = f.line("x", "y", source=self.source(name), **style_of(name))
+            self.palette.paint(line.glyph, line_color=name)
+        tangent = f.line("x", "y", source=self.source("tangent"), line_width=1)
+        self.palette.paint(tangent.glyph, line_color="ink")
+        printed = f.scatter("x", "y", source=self.source("printed"), marker="diamond", size=10, line_width=1.5)
+        self.palette.paint(printed.glyph, fill_color="surface", line_color="enoc")
+        self.now = Span(location=-1, dimension="height", line_width=1)
+        self.palette.paint(self.now, line_color="line2")
+        f.add_layout(self.now)
+        point = f.scatter("x", "y", source=self.source("point"), size=11, line_width=2)
+        self.palette.paint(point.glyph, fill_color="accent", line_color="surface")
+        f.text(
+            "x",
+            "y",
+            "text",
+            text_color="colour",
+            text_align="align",
+            x_offset="dx",
+            y_offset="dy",
+            source=self.source("signs", "x", "y", "text", "colour", "align", "dx", "dy"),
+            text_baseline="middle",
+            **text_style(),
+        )
+        f.on_event(Tap, self._set_time)
+        f.on_event(Pan, self._set_time)
+        self.content = captioned(self.words, f)
+
+    def _set_time(self, event: Any) -> None:
+        if event.x is not None and self.x_range.start < event.x < self.x_range.end:
+            self.state.scenario.travel_time_s = round(float(event.x), 1)
+
+    def draw(self, trade_off: TradeOff, run: Trajectory) -> None:
+        """Draw the frontier, ENOC's curve, the present run and its tangent."""
+        frontier, tokens = trade_off.frontier, self.palette.tokens
+        time, energy = frontier.travel_time_s, frontier.energy_kwh
+        shortest = frontier.shortest_travel_time_s
+        steepest = float(np.interp(shortest * (1 + STEEPEST_SHARE), time, energy))
+        now, price = run.travel_time_s, run.price_of_time_w or 0.0
+        low, high = nice_range(float(np.nanmin(energy)), max(steepest, run.energy_kwh), 0.08)
+        self.x_range.update(start=shortest - 0.04 * (time[-1] - shortest), end=float(time[-1]) * 1.005)
+        self.y_range.update(start=low, end=high)
+        self.sources["impossible"].data = {"left": [0.0], "right": [shortest]}
+        self.sources["optimal"].data = xy(time, energy)
+        enoc_time, enoc, below_enoc = enoc_curve(trade_off)
+        self.sources["enoc"].data = xy(enoc_time, enoc)
+        self.sources["between"].data = {"x": enoc_time, "low": below_enoc, "high": enoc}
+        reach = 0.09 * float(time[-1] - time[0])
+        slope = price / J_PER_KWH
+        self.sources["tangent"].data = {
+            "x": [now - reach, now + reach],
+            "y": [run.energy_kwh + slope * reach, run.energy_kwh - slope * reach],
+        }
+        printed = printed_points(trade_off)
+        self.sources["printed"].data = {"x": printed[0], "y": printed[2]}
+        self.now.location = now
+        self.sources["point"].data = {"x": [now], "y": [run.energy_kwh]}
+        signs: list[tuple[float, float, str, str, str, int, int]] = []
+        below = [f"{words.energy(run.energy_kwh)} kWh at {words.number(now)} s", f"1 s saves {words.price(price)} Wh"]
+        for k, text in enumerate(below):
+            colour = tokens["optimal" if k == 0 else "ink2"]
+            side = "left" if now - self.x_range.start < 0.3 * (self.x_range.end - self.x_range.start) else "right"
+            dx = 10 if side == "left" else -10
+            signs.append(
+                (now, run.energy_kwh, text, colour, side, dx, 18 + 16 * k if side == "right" else -34 + 16 * k)
+            )
+        far, near = (float(np.interp(share, (0, 1), (time[0], time[-1]))) for share in (0.82, 0.2))
+        signs.append((far, float(np.interp(far, time, energy)), "optimal", tokens["optimal"], "right", -4, 14))
+        if len(enoc):
+            near = max(near, float(enoc_time[0]))
+            high = float(np.interp(near, enoc_time, enoc))
+            signs.append((near, high, "ENOC, best acceleration time", tokens["enoc"], "left", 6, -12))
+        if len(printed[0]):
+            signs.append((printed[0][-1], printed[2][-1], "ENOC as printed, Table 2", tokens["enoc"], "left", 8, -10))
+        keys = ("x", "y", "text", "colour", "align", "dx", "dy")
+        self.sources["signs"].data = {key: [sign[k] for sign in signs] for k, key in enumerate(keys)}
+
+
+class ShareChart(Chart):
+    """By how much ENOC lies above the optimum."""
+
+    def __init__(self, height: int, x_range: Range1d, palette: Palette) -> None:
+        super().__init__("share", "ENOC above the optimum, %", height)
+        self.palette, self.x_range, self.y_range = palette, x_range, Range1d(0, 1)
+
+    def build(self) -> None:
+        """Make the figure."""
+        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=3)
+        self.figure = f
+        self.line, self.sign = ColumnDataSource({"x": [], "y": []}), ColumnDataSource({"x": [], "y": [], "text": []})
+        area = f.varea("x", 0, "y", source=self.line, fill_alpha=0.10)
+        line = f.line("x", "y", source=self.line, **style_of("enoc"))
+        sign = f.text("x", "y", "text", source=self.sign, x_offset=6, y_offset=-4, **text_style())
+        self.palette.paint(area.glyph, fill_color="enoc")
+        self.palette.paint(line.glyph, line_color="enoc")
+        self.palette.paint(sign.glyph, text_color="enoc")
+        self.now = Span(location=-1, dimension="height", line_width=1)
+        self.palette.paint(self.now, line_color="line2")
+        f.add_layout(self.now)
+        self.content = captioned(self.words, f)
+
+    def draw(self, trade_off: TradeOff, run: Trajectory) -> None:
+        """Draw the share over travel time."""
+        time, enoc, optimal = enoc_curve(trade_off)
+        if not len(time):
+            clear(self.line)
+            clear(self.sign)
+            return
+        share = 100 * (enoc / optimal - 1)
+        drawn = time > trade_off.frontier.shortest_travel_time_s * (1 + STEEPEST_SHARE)
+        self.y_range.update(start=0, end=float(np.ceil(np.max(share, where=drawn, initial=0.0) * 1.15 + 0.2)))
+        self.line.data = xy(time, share)
+        now = run.travel_time_s
+        if now < time[0]:
+            clear(self.sign)
+        else:
+            here = float(np.interp(now, time, share))
+            self.sign.data = {"x": [now], "y": [here], "text": [f"{words.signed(here)} % at {words.number(now)} s"]}
+        self.now.location = now
+
+
+class ContourChart(Chart):
+    """ENOC's energy over travel time and acceleration time, as contours."""
+
+    def __init__(self, height: int, palette: Palette) -> None:
+        super().__init__("contour", "ENOC: energy, kWh, over travel time, s, and acceleration time, s", height)
+        self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
+
+    def build(self) -> None:
+        """Make the figure."""
+        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=5)
+        self.figure = f
+        f.ygrid.visible = False
+        self.image = ColumnDataSource({"image": [], "x": [], "y": [], "dw": [], "dh": []})
+        self.valley, self.point = (ColumnDataSource({"x": [], "y": []}) for _ in range(2))
+        self.printed = ColumnDataSource({"x": [], "y": [], "energy": []})
+        self.drawn: EnocMap | None = None
+        self.content = captioned(self.words, f)
+
+    def draw(self, trade_off: TradeOff, now: tuple[float, float, float] | None) -> None:
+        """Draw contours, valley, the present point and the printed ones."""
+        enoc_map = trade_off.enoc_map
+        assert self.figure is not None
+        if enoc_map is None:
+            return
+        time, ramp = enoc_map.travel_time_s, enoc_map.acceleration_time_s
+        if self.drawn is not enoc_map:
+            self._draw_map(enoc_map)
+        self.x_range.update(start=float(time[0]), end=float(time[-1]))
+        self.y_range.update(start=float(ramp[0]), end=float(ramp[-1]))
+        self.valley.data = xy(time, enoc_map.best_acceleration_s)
+        self.point.data = {"x": [now[0]], "y": [now[1]]} if now else {"x": [], "y": []}
+        printed = printed_points(trade_off, everywhere=True)
+        self.printed.data = {"x": printed[0], "y": printed[1], "energy": printed[2]}
+
+    def _draw_map(self, enoc_map: EnocMap) -> None:
+        """Make the contours; they are renderers of their own, so the old ones go."""
+        f = self.figure
+        assert f is not None
+        f.renderers = []
+        levels = contour_levels(enoc_map.energy_kwh)
+        colours = [CIVIDIS[round(k * (len(CIVIDIS) - 1) / max(len(levels) - 2, 1))] for k in range(len(levels) - 1)]
+        filled = np.clip(np.nan_to_num(enoc_map.energy_kwh, nan=levels[-1]), levels[0], levels[-1] * (1 - 1e-9))
+        f.contour(
+            enoc_map.travel_time_s,
+            enoc_map.acceleration_time_s,
+            filled,
+            levels,
+            fill_color=colours,
+            line_color="#FFFFFF",
+            line_alpha=0.35,
+            line_width=0.8,
+        )
+        f.line("x", "y", source=self.valley, line_color="#FFFFFF", line_width=2)
+        f.scatter(
+            "x",
+            "y",
+            source=self.printed,
+            marker="diamond",
+            size=9,
+            fill_color=None,
+            line_color="#FFFFFF",
+            line_width=1.5,
+        )
+        point = f.scatter("x", "y", source=self.point, size=11, line_color="#FFFFFF", line_width=2)
+        self.palette.paint(point.glyph, fill_color="accent")
+        self._sign_levels(enoc_map, levels, colours)
+        self.drawn = enoc_map
+
+    def _sign_levels(self, enoc_map: EnocMap, levels: list[float], colours: list[str]) -> None:
+        """Write each level where its line crosses the upper part of the map, in black or white."""
+        assert self.figure is not None
+        row = int(0.88 * (len(enoc_map.acceleration_time_s) - 1))
+        energies = enoc_map.energy_kwh[row]
+        signs: dict[str, list[Any]] = {"x": [], "y": [], "text": [], "colour": []}
+        for k, level in enumerate(levels[1:-1], 1):
+            crossing = np.flatnonzero(np.diff(np.sign(energies - level)))
+            if len(crossing):
+                signs["x"].append(float(enoc_map.travel_time_s[crossing[-1]]))
+                signs["y"].append(float(enoc_map.acceleration_time_s[row]))
+                signs["text"].append(f"{level:g}")
+                signs["colour"].append(ink_on(colours[k]))
+        source = ColumnDataSource(signs)
+        self.figure.text(
+            "x",
+            "y",
+            "text",
+            text_color="colour",
+            source=source,
+            text_align="center",
+            text_baseline="middle",
+            **text_style(11),
+        )
+
+
+def enoc_curve(trade_off: TradeOff) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the travel times that ENOC takes [s], its energies and the optimal ones [kWh]; empty without ENOC."""
+    frontier, enoc = trade_off.frontier, trade_off.enoc
+    if enoc is None:
+        return np.zeros(0), np.zeros(0), np.zeros(0)
+    taken = np.isfinite(enoc.energy_kwh)
+    return enoc.travel_time_s[taken], enoc.energy_kwh[taken], frontier.energy_kwh[taken]
+
+
+def printed_points(trade_off: TradeOff, everywhere: bool = False) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return travel times [s], acceleration times [s] and energies [kWh] that Ftorek prints for this scenario.
+
+    Table 2, and Table 3 too if `everywhere`; nothing for any other vehicle, line or recuperation.
+    """
+    empty = np.zeros(0)
+    scenario = trade_off.scenario
+    as_in_paper = (
+        scenario.vehicle.preset == "suburban-ftorek"
+        and scenario.line.preset == "flat-5km"
+        and scenario.vehicle.load_factor == 0
+        and scenario.vehicle.drive.recuperation_factor == 1
+    )
+    if not as_in_paper:
+        return empty, empty, empty
+    paper = printed_numbers("ftorek-2025")
+    rows = paper["table_2"] + (paper["table_3"] if everywhere else [])
+    times, ramps, energies = (
+        np.array([row[key] for row in rows], dtype=float)
+        for key in ("travel_time_s", "acceleration_time_s", "total_energy_wh")
+    )
+    return times, ramps, energies / 1000
+
+
+def contour_levels(energy_kwh: FloatArray) -> list[float]:
+    """Return round levels that follow the spread of the energies, closer where most of them lie."""
+    shares = np.nanquantile(energy_kwh, np.linspace(0.02, 0.93, 10))
+    step = 10 ** np.floor(np.log10(max(shares[-1] - shares[0], 1e-6))) / 20
+    inner = sorted({float(round(level / step) * step) for level in shares})
+    return [0.0, *(round(level, 6) for level in inner if level > 0), float(np.nanmax(energy_kwh)) * 10 + 1]
+
+
+def ink_on(colour: str) -> str:
+    """Return black or white, whichever contrasts more with a colour."""
+    red, green, blue = (int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in (red, green, blue)]
+    luminance = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+    return "#161B22" if (luminance + 0.05) / 0.0603 > 1.05 / (luminance + 0.05) else "#FFFFFF"
+
+
+def captioned(text: str, f: figure) -> pn.Column:
+    """Return a figure under its caption."""
+    caption = parts.html_pane(f'<div style="font-size:12px;color:var(--rj-ink2);padding:2px 0 0 50px">{text}</div>')
+    return parts.stack(caption, pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_width"))
+
+
+def empty_figure(
+    height: int, x_range: Range1d, y_range: Range1d, name: str, palette: Palette, ticks: int = 6, digits: int = 0
+) -> figure:
+    """Return a figure with both axes and without tools."""
+    f = figure(
+        height=height,
+        sizing_mode="stretch_width",
+        x_range=x_range,
+        y_range=y_range,
+        toolbar_location=None,
+        tools="",
+        outline_line_color=None,
+        min_border_left=50,
+        min_border_right=14,
+        min_border_top=2,
+        min_border_bottom=24,
+        html_attributes={"role": "img", "aria-label": name},
+    )
+    f.toolbar.logo = None
+    dress(f, palette, ticks, digits)
+    palette.paint(f.xaxis[0], axis_line_color="line2")
+    return f

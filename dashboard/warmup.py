@@ -1,0 +1,71 @@
+"""Compile the kernels once a process, in a thread, and tell how far that is.
+
+With numba's cache filled it takes a fraction of a second; the very first start takes about a minute.
+"""
+
+import logging
+import sys
+import threading
+from collections.abc import Iterator
+from functools import cache
+from typing import Any
+
+from numba.core.dispatcher import Dispatcher
+
+from railjoule.core import compare, load_scenario
+from railjoule.core.scenario import Scenario
+
+LOG = logging.getLogger(__name__)
+SCENARIOS = ("liashenko-i", "ftorek-300s")
+"""Two small runs that use every kernel."""
+
+
+class Warmup:
+    """The compilation of all kernels, started once."""
+
+    def __init__(self) -> None:
+        self.ready = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="railjoule-warmup", daemon=True)
+
+    def start(self) -> None:
+        """Begin, unless it has begun already."""
+        if self._thread.ident is None:
+            self._thread.start()
+
+    def _run(self) -> None:
+        try:
+            for scenario in scenarios():
+                compare(scenario)
+        except Exception:
+            LOG.exception("the kernels could not be compiled")
+        finally:
+            self.ready.set()
+
+    @property
+    def progress(self) -> tuple[int, int]:
+        """How many kernels are ready, and how many there are."""
+        kernels = list(all_kernels())
+        return sum(bool(kernel.signatures) for kernel in kernels), len(kernels)
+
+
+def scenarios() -> Iterator[Scenario]:
+    """Yield the scenarios whose runs use every kernel."""
+    for name in SCENARIOS:
+        yield load_scenario(name)
+
+
+def all_kernels() -> Iterator[Any]:
+    """Yield the compiled functions of the core, each once."""
+    seen: set[int] = set()
+    for name, module in list(sys.modules.items()):
+        if name.startswith("railjoule.core"):
+            for member in list(vars(module).values()):
+                if isinstance(member, Dispatcher) and id(member) not in seen:
+                    seen.add(id(member))
+                    yield member
+
+
+@cache
+def warmup() -> Warmup:
+    """Return the warm-up of this process."""
+    return Warmup()

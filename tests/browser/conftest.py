@@ -1,0 +1,55 @@
+"""A served dashboard, a real browser, and pages that fail on any error or foreign request."""
+
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, BrowserContext, sync_playwright
+
+from browser.server import Server, serving
+from browser.user import User
+
+ARGUMENTS = [
+    "--no-sandbox",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+    "--use-gl=swiftshader",
+    "--enable-unsafe-swiftshader",
+]
+NAMES = ("chromium", "chromium-browser", "google-chrome")
+
+
+@pytest.fixture(scope="package")
+def server() -> Iterator[Server]:
+    with serving("-m", "railjoule.dashboard", "serve") as running:
+        yield running
+
+
+@pytest.fixture(scope="package")
+def chromium() -> Iterator[Browser]:
+    path = os.environ.get("RAILJOULE_BROWSER") or next(filter(None, map(shutil.which, NAMES)), None)
+    if not path or not Path(path).exists():
+        pytest.fail("There is no Chromium: install it, or name one in RAILJOULE_BROWSER; the page cannot be tested.")
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=ARGUMENTS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="package")
+def window(chromium: Browser) -> Iterator[BrowserContext]:
+    """A desktop window with light colours, whose cache serves all its pages."""
+    context = chromium.new_context(viewport={"width": 1280, "height": 900}, color_scheme="light")
+    yield context
+    context.close()
+
+
+@pytest.fixture
+def user(server: Server, window: BrowserContext) -> Iterator[User]:
+    """A user at a new page of the desktop window."""
+    with User.on(window, server.url) as someone:
+        yield someone

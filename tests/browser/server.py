@@ -1,0 +1,73 @@
+"""A server of the dashboard in a process of its own."""
+
+import contextlib
+import os
+import socket
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+
+import psutil
+
+START_TIMEOUT_S = 240
+
+
+def free_port() -> int:
+    """Return a port on which nobody listens."""
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        return int(listener.getsockname()[1])
+
+
+class Server:
+    """A running server."""
+
+    def __init__(self, process: subprocess.Popen[bytes], port: int) -> None:
+        self.process, self.port = process, port
+
+    @property
+    def url(self) -> str:
+        return f"http://127.0.0.1:{self.port}/"
+
+    def get(self, path: str) -> str:
+        """Return the body of an answer."""
+        with urllib.request.urlopen(self.url + path, timeout=30) as answer:
+            return str(answer.read().decode())
+
+    def cpu_s(self) -> float:
+        """Return the processor time used so far [s]."""
+        times = psutil.Process(self.process.pid).cpu_times()
+        return times.user + times.system
+
+    def wait(self) -> None:
+        """Wait until the health check solves a scenario."""
+        deadline = time.monotonic() + START_TIMEOUT_S
+        while time.monotonic() < deadline:
+            if self.process.poll() is not None:
+                raise RuntimeError(f"the server ended with status {self.process.returncode}")
+            with contextlib.suppress(urllib.error.URLError, ConnectionError, TimeoutError):
+                self.get("health")
+                return
+            time.sleep(0.2)
+        raise RuntimeError(f"the server was not ready within {START_TIMEOUT_S} s")
+
+
+@contextlib.contextmanager
+def serving(*command: str) -> Iterator[Server]:
+    """Run a command that takes --port, and end it afterwards."""
+    port = free_port()
+    process = subprocess.Popen([sys.executable, *command, "--port", str(port)], env=os.environ.copy())
+    server = Server(process, port)
+    try:
+        server.wait()
+        yield server
+    finally:
+        process.terminate()
+        try:
+            process.wait(10)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()

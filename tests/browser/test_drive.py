@@ -1,0 +1,164 @@
+"""Drive, as a user works with it."""
+
+import pytest
+from playwright.sync_api import Browser, expect
+
+from browser.server import Server
+from browser.user import User
+
+SLIDERS = ("Travel time, s", "Load, % of capacity", "Recuperation, %")
+
+
+def test_first_sight(user: User) -> None:
+    expect(user.page.get_by_role("heading", level=1, name="Metro, profile II + I")).to_be_visible()
+    assert user.number("Energy at the line").startswith("7.8")
+    assert "proven" in user.page.locator(".figure", has_text="Above the optimum").inner_text()
+    assert user.page.locator(".advice li").count() >= 5
+    for chart in ("speed", "phases", "line", "energy"):
+        expect(user.page.locator(f".rj-chart-{chart} canvas").first).to_be_visible()
+
+
+def test_each_slider_changes_numbers_and_figures(user: User) -> None:
+    for slider in SLIDERS:
+        energy, speed, account = user.number("Energy at the line"), user.picture("speed"), user.picture("energy")
+        user.push(slider, 12)
+        assert user.number("Energy at the line") != energy
+        assert user.picture("energy") != account
+        # what braking gives back hardly moves the best speeds of this line
+        if slider != "Recuperation, %":
+            assert user.picture("speed") != speed
+
+
+def test_typing_a_number(user: User) -> None:
+    user.type("Travel time, s", "185")
+    assert user.number("Travel time") == "185.0s"
+    assert user.slider("Travel time, s").get_attribute("value") == "185"
+
+
+def test_a_bad_number_is_refused_beneath_its_field(user: User) -> None:
+    energy = user.number("Energy at the line")
+    for text, refusal in (("140", "At most 100."), ("-3", "At least 0."), ("nan", "Not a number.")):
+        user.type("Load, % of capacity", text)
+        assert f"{refusal} Kept: 50 %." in user.alerts()
+        assert user.number("Energy at the line") == energy
+
+
+def test_a_timetable_that_no_train_can_keep(user: User) -> None:
+    figures = ("Energy at the line", "Travel time", "Highest speed", "Recuperated")
+    before = [user.number(figure) for figure in figures]
+    user.type("Travel time, s", "120")
+    (alert,) = user.alerts()
+    assert alert.startswith("120.0 s is too short. The shortest possible run takes 133.6 s.")
+    assert "Shown: the last good run, 170.0 s." in alert
+    assert [user.number(figure) for figure in figures] == before
+    user.page.get_by_role("button", name="Use 133.7 s").click()
+    user.rest(1500)
+    assert user.alerts() == []
+    assert user.number("Travel time") == "133.7s"
+
+
+def test_pinning_a_run(user: User) -> None:
+    user.page.get_by_role("button", name="Pin run").click()
+    user.push("Travel time, s", 20)
+    main = user.page.locator(".figure.main").inner_text()
+    assert "▼" in main
+    assert "against pinned 7.8" in main
+    expect(user.page.locator(".rj-chart-difference")).to_be_visible()
+    user.page.get_by_role("button", name="Unpin").click()
+    user.rest()
+    expect(user.page.locator(".rj-chart-difference")).to_be_hidden()
+
+
+def test_strategies_of_a_plain_line(user: User) -> None:
+    user.choose("Suburban, flat 5 km")
+    speed = user.picture("speed")
+    user.page.get_by_label("Draw ENOC").check()
+    user.page.get_by_label("Draw EOC").check()
+    user.rest(1500)
+    assert user.picture("speed") != speed
+    results = user.page.locator(".result").all_inner_texts()
+    assert [text.split()[0] for text in results[:3]] == ["4.181", "4.181", "4.250"]
+    user.page.get_by_role("button", name="ENOC", exact=True).click()
+    user.rest(1000)
+    assert user.number("Energy at the line") == "4.250kWh"
+    assert user.number("Above the optimum") == "1.7%"
+
+
+def test_a_strategy_that_refuses_says_why(user: User) -> None:
+    user.page.get_by_label("Draw ENOC").check()
+    user.rest(1000)
+    assert "needs a line without limits" in user.page.locator(".result .reason").all_inner_texts()
+
+
+def test_over_time(user: User) -> None:
+    speed = user.picture("speed")
+    user.page.get_by_role("button", name="Time", exact=True).click()
+    user.rest(1000)
+    assert user.picture("speed") != speed
+    assert x_range(user)[1] == pytest.approx(170 * 1.105, rel=1e-6)
+
+
+def x_range(user: User) -> tuple[float, float]:
+    """Return the ends of the axis that all charts share, as the browser has them."""
+    script = """() => {
+      const figures = [...Bokeh.documents[0].all_models].filter((model) => model.type === "Figure");
+      return [figures[0].x_range.start, figures[0].x_range.end];
+    }"""
+    start, end = user.page.evaluate(script)
+    return start, end
+
+
+def test_a_zoom_survives_a_slider(user: User) -> None:
+    whole = x_range(user)
+    box = user.page.locator(".rj-chart-speed canvas").first.bounding_box()
+    assert box is not None
+    middle = box["y"] + box["height"] / 2
+    user.page.mouse.move(box["x"] + 200, middle)
+    user.page.mouse.down()
+    user.page.mouse.move(box["x"] + 500, middle, steps=8)
+    user.page.mouse.up()
+    user.rest()
+    zoomed = x_range(user)
+    assert zoomed[1] - zoomed[0] < 0.6 * (whole[1] - whole[0])
+    user.push("Travel time, s", 5)
+    assert x_range(user) == zoomed
+
+
+def test_one_cursor_through_all_charts(user: User) -> None:
+    box = user.page.locator(".rj-chart-speed canvas").first.bounding_box()
+    assert box is not None
+    user.page.mouse.move(box["x"] + 400, box["y"] + 100)
+    user.page.mouse.move(box["x"] + 420, box["y"] + 100)
+    user.rest()
+    speed, energy = (
+        user.page.locator(f".rj-chart-{chart} .rj-caption div").first.inner_text() for chart in ("speed", "energy")
+    )
+    assert "m: " in speed
+    assert speed.endswith("km/h")
+    assert energy.endswith("kWh")
+
+
+@pytest.mark.parametrize(("dark", "colour"), [(False, "rgb(244, 246, 248)"), (True, "rgb(14, 18, 23)")])
+def test_colours_follow_the_system(server: Server, chromium: Browser, dark: bool, colour: str) -> None:
+    with User.at(chromium, server.url, dark=dark) as user:
+        assert user.page.evaluate("getComputedStyle(document.body).backgroundColor") == colour
+        background = "[...Bokeh.documents[0].all_models].find((m) => m.type === 'Figure').background_fill_color"
+        assert user.page.evaluate(background).lower() == ("#14181e" if dark else "#ffffff")
+        user.page.get_by_role("button", name="Toggle theme").click()
+        user.rest(1000)
+        assert user.page.evaluate("getComputedStyle(document.body).backgroundColor") != colour
+
+
+def test_nothing_overflows_and_the_sidebar_makes_room(server: Server, chromium: Browser) -> None:
+    with User.at(chromium, server.url, width=360) as user:
+        for width in (360, 390, 768, 2560):
+            user.page.set_viewport_size({"width": width, "height": 900})
+            user.rest(1000)
+            check_width(user, width)
+
+
+def check_width(user: User, width: int) -> None:
+    assert user.page.evaluate("document.documentElement.scrollWidth - window.innerWidth") <= 0
+    assert user.slider("Travel time, s").is_visible() == (width >= 900)
+    menu = user.page.get_by_role("button", name="Drive", exact=True)
+    assert menu.is_visible() == (width < 700)

@@ -1,0 +1,73 @@
+"""Scenario files that a user opens, good ones and bad ones."""
+
+from pathlib import Path
+
+from playwright.sync_api import expect
+
+from browser.user import User
+
+CANARY = "<img src=x onerror='window.pwned=true'>"
+GOOD = """
+title = "Own line"
+[vehicle]
+preset = "metro-81-7036"
+[line]
+sections = [{ length_m = 900, gradient_permille = 2 }]
+stations = [{ name = "Half way", position_m = 400, dwell_s = 20 }]
+[timetable]
+travel_time_s = 150
+"""
+
+
+def bad(old: str, new: str) -> str:
+    """Return the good file with one thing changed."""
+    assert old in GOOD
+    return GOOD.replace(old, new)
+
+
+def test_a_good_file(user: User, tmp_path: Path) -> None:
+    path = tmp_path / "own.toml"
+    path.write_text(GOOD)
+    user.open_file(path)
+    expect(user.page.get_by_role("heading", level=1, name="Own line")).to_be_visible()
+    assert "stand 20 s" in user.page.locator(".advice").inner_text()
+    assert user.alerts() == []
+
+
+BAD = {
+    "title = 'x": "not a valid TOML file",
+    bad("travel_time_s = 150", "travel_time_s = nan"): "timetable.travel_time_s = nan must be a finite number.",
+    bad("[timetable]", "[timetabel]"): "unknown key timetabel, did you mean 'timetable'?",
+    bad("gradient_permille = 2", "gradient_permille = 190"): "on a gradient of 190 per mille",
+    bad("[{ length_m = 900, gradient_permille = 2 }]", "[]"): "line.sections is empty.",
+    GOOD + "[solver]\nmesh_m = 0.001\n": "at most 200,000 are allowed",
+    "#" * 10_500_000: "The file is larger than the 10 MB allowed.",
+}
+"""Files that cannot be opened, and what the page says."""
+
+
+def test_a_bad_file_says_why_and_changes_nothing(user: User, tmp_path: Path) -> None:
+    for number, (text, sentence) in enumerate(BAD.items()):
+        energy = user.number("Energy at the line")
+        path = tmp_path / f"bad-{number}.toml"
+        path.write_text(text)
+        user.open_file(path)
+        (alert,) = user.alerts()
+        assert sentence in alert
+        assert "Shown: the last good run" in alert
+        assert user.number("Energy at the line") == energy
+        user.push("Travel time, s", 4)
+        assert user.alerts() == []
+        assert user.number("Energy at the line") != energy
+
+
+def test_markup_in_a_file_stays_text(user: User, tmp_path: Path) -> None:
+    text = bad('"Own line"', f'"{CANARY}"').replace('"Half way"', f'"{CANARY}"')
+    text = text.replace("[line]", f'name = "{CANARY}"\n[line]\nname = "{CANARY}"')
+    path = tmp_path / f"{CANARY.replace('/', '')}.toml"
+    path.write_text(text)
+    user.open_file(path)
+    expect(user.page.get_by_role("heading", level=1, name=CANARY)).to_be_visible()
+    user.page.get_by_role("button", name="Pin run").click()
+    user.turn_to("Trade-off")
+    assert user.page.evaluate("window.pwned") is None

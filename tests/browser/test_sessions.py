@@ -1,0 +1,55 @@
+"""Many open pages: none pays for the others, and closed ones are forgotten."""
+
+import time
+from pathlib import Path
+
+from playwright.sync_api import Browser
+
+from browser.server import Server, serving
+from browser.user import PATIENCE_MS, User
+
+PAGES = 10
+MOVES = 10
+LARGEST_COST = 1.5
+"""A slider move may cost the server at most this many times what it costs with one open page."""
+MOST_PAGES_LEFT = 3
+FORGOTTEN_WITHIN_S = 60
+
+
+def pages_alive(server: Server) -> int:
+    """Return how many pages the server holds."""
+    return int(server.get("pages"))
+
+
+def cost_of_a_move(server: Server, user: User) -> float:
+    """Return the server's processor time for one slider move [s]."""
+    user.push("Travel time, s", 3)
+    before = server.cpu_s()
+    for _ in range(MOVES):
+        user.slider("Travel time, s").press("ArrowRight")
+        user.rest(250)
+    return (server.cpu_s() - before) / MOVES
+
+
+def test_ten_open_pages(chromium: Browser) -> None:
+    with serving(str(Path(__file__).with_name("watched.py"))) as server:
+        with User.at(chromium, server.url) as mover:
+            alone = cost_of_a_move(server, mover)
+            others = [mover.page.context.new_page() for _ in range(PAGES - 1)]
+            for page in others:
+                page.goto(server.url, wait_until="commit")
+            for page in others:
+                page.locator("html.rj-started").wait_for(timeout=PATIENCE_MS)
+            mover.rest(2000)
+            assert pages_alive(server) == PAGES
+            assert cost_of_a_move(server, mover) < LARGEST_COST * alone
+        deadline = time.monotonic() + FORGOTTEN_WITHIN_S
+        while pages_alive(server) > MOST_PAGES_LEFT and time.monotonic() < deadline:
+            time.sleep(1)
+        assert pages_alive(server) <= MOST_PAGES_LEFT
+
+
+def test_a_second_start_finds_the_kernels(server: Server, chromium: Browser) -> None:
+    assert server.process.poll() is None
+    with serving("-m", "railjoule.dashboard", "serve") as again, User.at(chromium, again.url) as user:
+        assert user.number("Energy at the line").startswith("7.8")

@@ -1,0 +1,61 @@
+"""Trade-off, as a user works with it."""
+
+from playwright.sync_api import expect
+
+from browser.user import User
+
+
+def test_frontier_surface_and_contours(user: User) -> None:
+    user.choose("Suburban, flat 5 km")
+    user.turn_to("Trade-off")
+    # the true optimum at 300 s, and ENOC with its own best acceleration time (findings on Ftorek 2025)
+    assert user.number("Optimum at 300.0 s") == "4.181kWh"
+    assert user.number("Best acceleration time") == "31.0s"
+    for chart in ("frontier", "share", "surface"):
+        expect(user.page.locator(f".rj-chart-{chart} canvas").first).to_be_visible()
+    table = user.page.get_by_role("table").filter(has_text="accelerates").inner_text()
+    assert "ENOC as printed\t4.407" in table
+    user.page.locator(".rj-chart-contour").scroll_into_view_if_needed()
+    user.rest(1500)
+    expect(user.page.locator(".rj-chart-contour canvas").first).to_be_visible()
+
+
+def test_a_click_on_the_frontier_sets_the_travel_time(user: User) -> None:
+    user.turn_to("Trade-off")
+    before = user.page.locator(".figure.main .label").inner_text()
+    box = user.page.locator(".rj-chart-frontier canvas").first.bounding_box()
+    assert box is not None
+    user.page.mouse.click(box["x"] + 0.8 * box["width"], box["y"] + 0.5 * box["height"])
+    user.rest(1500)
+    assert user.page.locator(".figure.main .label").inner_text() != before
+
+
+def test_the_acceleration_time_is_the_best_until_it_is_set(user: User) -> None:
+    user.choose("Suburban, flat 5 km")
+    user.turn_to("Trade-off")
+    field = user.page.get_by_label("Acceleration time, s, as a number")
+    assert field.input_value() == "31.0"
+    user.type("Acceleration time, s", "62.7")
+    table = user.page.get_by_role("table").filter(has_text="accelerates")
+    assert "ENOC, as set" in table.inner_text()
+    user.page.get_by_role("button", name="Best for 300.0 s: 31.0 s").click()
+    user.rest(1500)
+    assert "ENOC, as set" not in table.inner_text()
+    assert field.input_value() == "31.0"
+
+
+def test_sliders_move_the_frontier(user: User) -> None:
+    user.choose("Suburban, flat 5 km")
+    user.turn_to("Trade-off")
+    frontier, surface = user.picture("frontier"), user.picture("surface")
+    user.push("Load, % of capacity", 40)
+    user.rest(1500)
+    assert user.picture("frontier") != frontier
+    assert user.picture("surface") != surface
+
+
+def test_a_line_with_limits_has_a_frontier_and_no_enoc(user: User) -> None:
+    user.turn_to("Trade-off")
+    expect(user.page.locator(".rj-chart-frontier canvas").first).to_be_visible()
+    assert user.page.locator(".rj-chart-surface").is_hidden()
+    expect(user.page.get_by_text("ENOC needs a line without limits.")).to_be_visible()

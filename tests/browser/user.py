@@ -1,0 +1,122 @@
+"""What a user does with the page, and what she sees."""
+
+import contextlib
+from collections.abc import Iterator
+from pathlib import Path
+from urllib.parse import urlsplit
+
+from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect
+
+PATIENCE_MS = 30_000
+REST_MS = 400
+HARMLESS = ("Upload error",)
+"""Messages that the browser must show: a file too large to send is refused there."""
+
+
+class User:
+    """Someone in front of one open page; errors and foreign requests are kept for the end."""
+
+    def __init__(self, page: Page, url: str) -> None:
+        self.page, self.url = page, url
+        self.errors: list[str] = []
+        self.foreign: list[str] = []
+        page.set_default_timeout(PATIENCE_MS)
+        page.on("console", lambda message: message.type == "error" and self.errors.append(message.text))
+        page.on("pageerror", lambda error: self.errors.append(str(error)))
+        page.on("request", lambda request: self._note(request.url))
+
+    @classmethod
+    @contextlib.contextmanager
+    def at(
+        cls, browser: Browser, url: str, width: int = 1280, height: int = 900, dark: bool = False
+    ) -> Iterator["User"]:
+        """Open the page, and check at the end that nothing went wrong in the browser."""
+        context = browser.new_context(
+            viewport={"width": width, "height": height}, color_scheme="dark" if dark else "light"
+        )
+        try:
+            with cls.on(context, url) as user:
+                yield user
+        finally:
+            context.close()
+
+    @classmethod
+    @contextlib.contextmanager
+    def on(cls, context: BrowserContext, url: str) -> Iterator["User"]:
+        """Open the page in a window that may stay open, with the same checks."""
+        user = cls(context.new_page(), url)
+        try:
+            user.open()
+            yield user
+            assert [error for error in user.errors if not error.startswith(HARMLESS)] == []
+            assert user.foreign == []
+        finally:
+            user.page.close()
+
+    def _note(self, address: str) -> None:
+        parts = urlsplit(address)
+        if parts.scheme in {"http", "https", "ws", "wss"} and parts.netloc != urlsplit(self.url).netloc:
+            self.foreign.append(address)
+
+    def open(self) -> None:
+        """Open the page and wait for its first numbers and figures."""
+        self.page.goto(self.url)
+        self.page.locator("html.rj-started").wait_for(timeout=PATIENCE_MS)
+        expect(self.figure_value("Energy at the line")).not_to_be_empty(timeout=PATIENCE_MS)
+        expect(self.page.locator(".rj-chart-speed canvas").first).to_be_visible(timeout=PATIENCE_MS)
+        self.rest()
+
+    def rest(self, milliseconds: int = REST_MS) -> None:
+        """Wait until the page has come to rest."""
+        self.page.wait_for_timeout(milliseconds)
+
+    def figure_value(self, label: str) -> Locator:
+        """Return the number under a label."""
+        return self.page.locator(".figure", has_text=label).locator(".value").first
+
+    def number(self, label: str) -> str:
+        """Return the text of the number under a label."""
+        return self.figure_value(label).inner_text()
+
+    def slider(self, name: str) -> Locator:
+        """Return a slider by its label."""
+        return self.page.get_by_role("slider", name=name)
+
+    def push(self, name: str, steps: int) -> None:
+        """Move a slider with the arrow keys."""
+        self.slider(name).focus()
+        for _ in range(abs(steps)):
+            self.page.keyboard.press("ArrowRight" if steps > 0 else "ArrowLeft")
+        self.rest(1200)
+
+    def type(self, name: str, text: str) -> None:
+        """Type into the text field of a number."""
+        field = self.page.get_by_label(f"{name}, as a number")
+        field.fill(text)
+        field.press("Enter")
+        self.rest(1000)
+
+    def picture(self, chart: str) -> bytes:
+        """Return what a chart looks like."""
+        return self.page.locator(f".rj-chart-{chart}").screenshot()
+
+    def choose(self, title: str) -> None:
+        """Choose a shipped scenario."""
+        self.page.get_by_role("combobox").first.click()
+        self.page.get_by_role("menuitem", name=title, exact=True).click()
+        expect(self.page.get_by_role("heading", name=title, level=1)).to_be_visible()
+        self.rest(1000)
+
+    def turn_to(self, page: str) -> None:
+        """Turn to another page."""
+        self.page.get_by_role("tab", name=page).click()
+        self.rest(1500)
+
+    def open_file(self, path: Path) -> None:
+        """Open a scenario file."""
+        self.page.locator("input[type=file]").set_input_files(path)
+        self.rest(1500)
+
+    def alerts(self) -> list[str]:
+        """Return the messages in sight."""
+        return [alert.inner_text() for alert in self.page.get_by_role("alert").all() if alert.is_visible()]

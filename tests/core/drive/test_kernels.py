@@ -1,0 +1,88 @@
+"""Loss models in compiled code: values from their formulas, derivatives from complex steps and differences."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from railjoule.core.drive import kernels
+from railjoule.core.interior_point.cell import per_metre
+
+KINDS = {
+    kernels.CONSTANT_EFFICIENCY: np.array([0.8, 0.7]),
+    kernels.COPPER_LOSS: np.array([2.5e-5]),
+}
+efforts = st.floats(0, 2e5)
+speeds = st.floats(0.1, 60)
+kinds = st.sampled_from(sorted(KINDS))
+STEP = 1e-30
+
+
+def by_hand(kind, braking, effort, speed):
+    """Line power or generated power: efficiency times wheel power, or wheel power and R i^2."""
+    if kind == kernels.CONSTANT_EFFICIENCY:
+        return effort * speed * KINDS[kind][1] if braking else effort * speed / KINDS[kind][0]
+    loss = KINDS[kind][0] * effort * effort
+    return effort * speed - loss if braking else effort * speed + loss
+
+
+@given(kind=kinds, braking=st.booleans(), effort=efforts, speed=speeds)
+def test_powers_and_derivatives(kind, braking, effort, speed):
+    kernel = kernels.generated_power if braking else kernels.driving_power
+    p, p_f, p_v, p_ff, p_fv, p_vv = kernel(kind, KINDS[kind], effort, speed)
+    assert p == pytest.approx(by_hand(kind, braking, effort, speed), rel=1e-14, abs=1e-9)
+    # complex steps lose no digits
+    assert p_f == pytest.approx(by_hand(kind, braking, effort + STEP * 1j, speed).imag / STEP, rel=1e-12, abs=1e-12)
+    assert p_v == pytest.approx(by_hand(kind, braking, effort, speed + STEP * 1j).imag / STEP, rel=1e-12, abs=1e-9)
+    for second, first, df, dv in ((p_ff, 1, 1.0, 0.0), (p_fv, 1, 0.0, 1e-3), (p_vv, 2, 0.0, 1e-3)):
+        after, before = (kernel(kind, KINDS[kind], effort + s * df, speed + s * dv)[first] for s in (1, -1))
+        assert second == pytest.approx((after - before) / (2 * (df + dv)), rel=1e-6, abs=1e-6)
+
+
+@given(kind=kinds, effort=efforts, speed=speeds)
+def test_energy_per_metre_and_its_derivatives(kind, effort, speed):
+    """`per_metre` divides by speed and by an effort that counts as 1; its argument is that effort's share."""
+    scale = 1e5
+
+    def energy(share, v):
+        return per_metre(kernels.driving_power(kind, KINDS[kind], share * scale, v), scale, v)
+
+    share, e = effort / scale, energy(effort / scale, speed)
+    assert e[0] == pytest.approx(by_hand(kind, False, effort, speed) / speed / scale, rel=1e-13)
+    by_share = by_hand(kind, False, (share + STEP * 1j) * scale, speed) / speed / scale
+    by_speed = by_hand(kind, False, effort, speed + STEP * 1j) / (speed + STEP * 1j) / scale
+    assert e[1] == pytest.approx(by_share.imag / STEP, rel=1e-12)
+    assert e[2] == pytest.approx(by_speed.imag / STEP, rel=1e-9, abs=1e-12)
+    d = 1e-4 * speed
+    for second, first, change in ((e[3], 1, (1e-4, 0.0)), (e[4], 1, (0.0, d)), (e[5], 2, (0.0, d))):
+        after = energy(share + change[0], speed + change[1])[first]
+        before = energy(share - change[0], speed - change[1])[first]
+        assert second == pytest.approx((after - before) / (2 * sum(change)), rel=1e-5, abs=1e-7)
+
+
+@given(kind=kinds, effort=efforts, speed=speeds)
+def test_bounds_of_work_hold(kind, effort, speed):
+    drawn, returned = kernels.work_bounds(kind, KINDS[kind])
+    work = effort * speed
+    assert kernels.driving_power(kind, KINDS[kind], effort, speed)[0] >= drawn * work * (1 - 1e-12)
+    assert kernels.generated_power(kind, KINDS[kind], effort, speed)[0] <= returned * work * (1 + 1e-12)
+
+
+@given(kind=kinds, effort=efforts, speed=speeds)
+def test_only_a_marked_drive_draws_power_to_brake(kind, effort, speed):
+    draws = kernels.generated_power(kind, KINDS[kind], effort, speed)[0] < 0
+    assert not draws or kernels.may_draw_while_braking(kind)
+
+
+def test_copper_loss_draws_power_near_standstill():
+    """R i^2 exceeds F v below v = coefficient F."""
+    effort = 1e5
+    border = KINDS[kernels.COPPER_LOSS][0] * effort
+    slower, faster = (
+        kernels.generated_power(kernels.COPPER_LOSS, KINDS[kernels.COPPER_LOSS], effort, border * share)[0]
+        for share in (0.99, 1.01)
+    )
+    assert slower < 0 < faster
+    assert math.isclose(slower, -faster, rel_tol=1e-9)

@@ -1,0 +1,94 @@
+"""Means of gradient and curve over cells and trains, against brute-force integration."""
+
+import numpy as np
+import pytest
+from builders import HILLS, plain_scenario
+from hypothesis import given
+from hypothesis import strategies as st
+
+from railjoule.core.motion import build_course
+from railjoule.core.motion.line_forces import mean_over_train
+from railjoule.core.scenario import Line
+
+LINE = Line.model_validate({"sections": HILLS})
+VALUES = np.array([3.0, -20.0, 7.5, 0.0, 40.0])
+ENDS = np.cumsum([section["length_m"] for section in HILLS])
+
+
+def at(places):
+    """Return the constant of the section at each place; before the start the first one continues."""
+    return VALUES[np.clip(np.searchsorted(ENDS, places, side="right"), 0, len(VALUES) - 1)]
+
+
+def brute_force(nodes, offsets, samples=400):
+    """Sample every cell at the middles of `samples` parts, for each point of the train."""
+    shares = (np.arange(samples) + 0.5) / samples
+    fronts = nodes[:-1, None] + np.diff(nodes)[:, None] * shares
+    return at(fronts[:, :, None] - offsets).mean(axis=(1, 2))
+
+
+nodes = st.lists(st.integers(1, 1999), min_size=1, max_size=8, unique=True).map(
+    lambda inner: np.array([0.0, *sorted(inner), 2000.0])
+)
+
+
+@given(nodes)
+def test_a_point(position_m):
+    means = mean_over_train(LINE, VALUES, position_m, None, None)
+    # sampling is off by at most one sample of the largest jump in a cell
+    assert means == pytest.approx(brute_force(position_m, np.zeros(1), 4000), abs=60 / 4000 * 2)
+
+
+@given(nodes, st.integers(1, 8), st.floats(10, 600))
+def test_cars_are_felt_at_their_centres(position_m, car_count, length_m):
+    means = mean_over_train(LINE, VALUES, position_m, length_m, car_count)
+    centres = (np.arange(car_count) + 0.5) * length_m / car_count
+    assert means == pytest.approx(brute_force(position_m, centres, 2000), abs=60 / 2000 * 2)
+
+
+@given(nodes, st.floats(1, 900))
+def test_an_even_train(position_m, length_m):
+    means = mean_over_train(LINE, VALUES, position_m, length_m, None)
+    offsets = (np.arange(300) + 0.5) * length_m / 300
+    assert means == pytest.approx(brute_force(position_m, offsets, 300), abs=0.3)
+
+
+@given(nodes, st.floats(50, 600))
+def test_many_cars_are_an_even_train(position_m, length_m):
+    even = mean_over_train(LINE, VALUES, position_m, length_m, None)
+    cars = mean_over_train(LINE, VALUES, position_m, length_m, 2000)
+    assert cars == pytest.approx(even, abs=0.05)
+
+
+def test_the_first_value_continues_before_the_line():
+    line = Line.model_validate({"sections": [{"length_m": 100}, {"length_m": 100}]})
+    means = mean_over_train(line, np.array([6.0, 0.0]), np.array([0.0, 100.0, 200.0]), 50.0, None)
+    # in the second cell, half of the train's length passes the border: 50 of 100 m at a mean of a half
+    assert means == pytest.approx([6.0, 6.0 * 25 / 100])
+
+
+def test_forces_on_a_train():
+    """120 t on 25 per mille, and in a curve of 300 m with 600 N m/kN: 29.43 kN and 2.354 kN."""
+    scenario = plain_scenario(
+        {
+            "vehicle.tare_kg": 120e3,
+            "vehicle.resistance.curve_constant_m_n_per_kn": 600.0,
+            "line.sections": [{"length_m": 500, "gradient_permille": 25, "curve_radius_m": 300}],
+        }
+    )
+    course = build_course(scenario)
+    assert course.gradient_force_n == pytest.approx(120 * 9.81 * 25)
+    assert course.curve_force_n == pytest.approx(120 * 9.81 * 600 / 300)
+    assert course.data.line_force_n == pytest.approx(course.gradient_force_n + course.curve_force_n)
+
+
+def test_length_and_cars_reach_the_course():
+    point = build_course(plain_scenario({"line.sections": HILLS}))
+    even = build_course(plain_scenario({"line.sections": HILLS, "vehicle.length_m": 200.0}))
+    cars = build_course(plain_scenario({"line.sections": HILLS, "vehicle.length_m": 200.0, "vehicle.car_count": 2}))
+    first = np.searchsorted(point.position_m, 400.0)  # the front enters the hill of 25 per mille
+    assert point.gradient_permille[first] == 25
+    assert 0 < even.gradient_permille[first] < 2
+    assert cars.gradient_permille[first] == 0
+    behind = np.searchsorted(point.position_m, 450.0)  # the centre of the first car enters it
+    assert cars.gradient_permille[behind] == 12.5

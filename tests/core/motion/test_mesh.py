@@ -1,0 +1,69 @@
+"""The mesh: nodes on every change of the line, no cell longer than asked, shorter ones at the stops."""
+
+import numpy as np
+import pytest
+from builders import HILLS, plain_scenario
+from hypothesis import given
+from hypothesis import strategies as st
+
+from railjoule.core import ScenarioError
+from railjoule.core.motion.mesh import GRADING, LARGEST_CELL_COUNT, line_borders, line_mesh
+from railjoule.core.scenario import Line
+
+LINE = Line.model_validate(
+    {
+        "sections": HILLS,
+        "speed_limits": [{"from_m": 333.3, "to_m": 777.7, "limit_kmh": 50}],
+        "stations": [{"position_m": 1000.5}],
+    }
+)
+CHANGES = [0.0, 333.3, 400.0, 700.0, 777.7, 1000.5, 1200.0, 1700.0, 2000.0]
+
+
+def test_borders_are_all_changes_of_the_line():
+    assert line_borders(LINE) == pytest.approx(CHANGES)
+
+
+def test_changes_in_one_place_are_one_border():
+    sections = [{"length_m": 0.1}] * 20
+    limits = [{"from_m": 0.3, "to_m": 1.1, "limit_kmh": 50}]
+    borders = line_borders(Line.model_validate({"sections": sections, "speed_limits": limits}))
+    assert len(borders) == 21  # 0.1 + 0.1 + 0.1 is not 0.3
+    assert (np.diff(borders) > 0.09).all()
+
+
+def test_the_end_stays_where_it_is():
+    line = Line.model_validate({"sections": [{"length_m": 1000}, {"length_m": 1e-7}]})
+    assert line_mesh(line, 10)[-1] == line.length_m
+
+
+@given(st.floats(1, 500))
+def test_nodes_fall_on_changes_and_cells_are_short_enough(mesh_m):
+    nodes = line_mesh(LINE, mesh_m)
+    assert (np.diff(nodes) > 0).all()
+    assert np.diff(nodes).max() <= mesh_m * (1 + 1e-9)
+    for place in CHANGES:
+        assert np.abs(nodes - place).min() < 1e-6
+
+
+def test_cells_are_halved_towards_every_stop():
+    nodes = line_mesh(Line.model_validate({"sections": [{"length_m": 100}], "stations": [{"position_m": 50}]}), 10)
+    shares = np.array(GRADING) * 10
+    first = np.append(0, shares[::-1])
+    around = np.concatenate([50 - shares, [50], 50 + shares[::-1]])
+    expected = np.unique(np.concatenate([first, [20, 30, 40], around, [60, 70, 80], 100 - first]))
+    assert nodes == pytest.approx(expected)
+
+
+def test_a_line_of_one_cell():
+    assert line_mesh(Line.model_validate({"sections": [{"length_m": 8}]}), 10) == pytest.approx([0, 1, 2, 4, 6, 7, 8])
+
+
+def test_a_mesh_of_more_than_200000_cells():
+    line = plain_scenario({"line.sections": [{"length_m": 200e3}]}).line
+    assert len(line_mesh(line, 1)) == LARGEST_CELL_COUNT + 1 + 6
+    with pytest.raises(ScenarioError) as error:
+        line_mesh(line, 0.9999)
+    assert str(error.value) == (
+        "solver.mesh_m = 0.9999 would cut the line of 200 km into 200,021 cells; at most 200,000 are allowed."
+    )

@@ -1,0 +1,53 @@
+import pytest
+
+from railjoule.core.phases import Phase
+from railjoule.dashboard.look import words
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"),
+    [
+        (1234567.8, 1, "1\u202f234\u202f567.8"),
+        (-3.14, 1, "\u22123.1"),
+        (-0.04, 1, "0.0"),
+        (0.0, 2, "0.00"),
+        (999.96, 1, "1\u202f000.0"),
+    ],
+)
+def test_numbers(value: float, digits: int, text: str) -> None:
+    assert words.number(value, digits) == text
+
+
+@pytest.mark.parametrize(("value", "text"), [(0.26, "+0.3"), (-0.26, "\u22120.3"), (0.04, "0.0"), (-0.04, "0.0")])
+def test_differences_bear_a_sign_unless_they_read_as_zero(value: float, text: str) -> None:
+    assert words.signed(value) == text
+
+
+@pytest.mark.parametrize(("kwh", "text"), [(4.9994, "4.999"), (5.0, "5.00"), (-0.312, "\u22120.312")])
+def test_energies_have_three_decimals_below_five(kwh: float, text: str) -> None:
+    assert words.energy(kwh) == text
+
+
+@pytest.mark.parametrize(("watt", "text"), [(3600.0, "1.0"), (359_640.0, "99.9"), (360_000.0, "100")])
+def test_prices_are_in_wh_per_s(watt: float, text: str) -> None:
+    assert words.price(watt) == text
+
+
+def test_speeds_are_in_km_per_h() -> None:
+    assert words.speed(10.0) == "36"
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("full_power", "full power to 36 km/h"),
+        ("part_power", "part power to 36 km/h"),
+        ("hold", "hold 36 km/h"),
+        ("coast", "coast"),
+        ("brake", "brake"),
+        ("stand", "stand 20 s"),
+    ],
+)
+def test_phases_as_advice(name: str, text: str) -> None:
+    phase = Phase(name, 0.0, 100.0, 5.0, 25.0, 0.0, 10.0, 1e6)  # type: ignore[arg-type]
+    assert words.phase_words(phase) == text

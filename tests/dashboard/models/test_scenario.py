@@ -1,0 +1,75 @@
+import pytest
+
+from railjoule.core import RailjouleError, load_scenario
+from railjoule.core.scenario import format_scenario
+from railjoule.dashboard.models.scenario import ScenarioModel
+
+
+@pytest.fixture
+def model() -> ScenarioModel:
+    return ScenarioModel()
+
+
+def test_it_begins_with_a_shipped_scenario_unchanged(model: ScenarioModel) -> None:
+    assert model.scenario() == load_scenario(model.preset)
+    assert dict(model.changes) == {}
+
+
+def test_sliders_change_the_keys_of_the_file(model: ScenarioModel) -> None:
+    model.param.update(travel_time_s=140.0, load_percent=30.0, recuperation_percent=70.0)
+    assert dict(model.changes) == {
+        "timetable.travel_time_s": 140.0,
+        "vehicle.load_factor": 0.3,
+        "drive.recuperation_factor": 0.7,
+    }
+    scenario = model.scenario()
+    assert scenario.travel_time_s == 140.0
+    assert scenario.vehicle.load_factor == 0.3
+    assert scenario.vehicle.drive.recuperation_factor == 0.7
+
+
+def test_restoring_takes_changes_back(model: ScenarioModel) -> None:
+    model.load_percent = 80.0
+    model.restore()
+    assert dict(model.changes) == {}
+
+
+def test_a_file_is_opened_and_left_again(model: ScenarioModel) -> None:
+    text = format_scenario(load_scenario("ftorek-300s").with_(**{"timetable.travel_time_s": 320.0}))
+    model.open(text, "mine.toml")
+    assert model.travel_time_s == 320.0
+    assert model.scenario().travel_time_s == 320.0
+    model.choose("liashenko-i")
+    assert model.opened is None
+    assert model.scenario() == load_scenario("liashenko-i")
+
+
+def test_a_bad_file_changes_nothing(model: ScenarioModel) -> None:
+    before = model.scenario()
+    with pytest.raises(RailjouleError, match=r"^mine\.toml: "):
+        model.open("railjoule = 99", "mine.toml")
+    assert model.scenario() == before
+
+
+@pytest.mark.parametrize(
+    ("text", "number"), [("300", 300.0), ("300,5", 300.5), ("1\u202f200", 1200.0), (" 7.25 ", 7.25)]
+)
+def test_numbers_as_people_type_them(model: ScenarioModel, text: str, number: float) -> None:
+    assert model.parse("travel_time_s", text) == number
+
+
+@pytest.mark.parametrize(
+    ("field", "text", "sentence"),
+    [
+        ("travel_time_s", "soon", "Not a number."),
+        ("travel_time_s", "nan", "Not a number."),
+        ("travel_time_s", "inf", "Not a number."),
+        ("travel_time_s", "0", "At least 1."),
+        ("travel_time_s", "86401", "At most 86400."),
+        ("load_percent", "\u22121", "At least 0."),
+        ("recuperation_percent", "101", "At most 100."),
+    ],
+)
+def test_what_is_no_value_is_refused_with_its_bound(model: ScenarioModel, field: str, text: str, sentence: str) -> None:
+    with pytest.raises(ValueError, match=f"^{sentence}$"):
+        model.parse(field, text)

@@ -1,0 +1,442 @@
+import json
+import os
+import subprocess
+import sys
+import types
+
+import numpy as np
+import pytest
+
+from railjoule.core import load_scenario, solve
+from railjoule.core.validation import benchmark as core_benchmark
+from railjoule.core.validation.benchmark import Timing
+from railjoule.dashboard import commands
+from railjoule.dashboard.cli import BAD_INPUT, BROKEN_PIPE, INTERRUPTED, OK, main
+
+COMMAND = [sys.executable, "-m", "railjoule.dashboard"]
+ON_SCREEN = ("panel", "panel_material_ui", "param", "bokeh", "holoviews", "plotly", "pandas", "casadi", "pyarrow")
+SHORTEST_TIME_S = 76.9
+"""Of liashenko-ii; guards against change only."""
+
+
+def answer(capsys, *words):
+    """Run a command that must succeed; return what it printed."""
+    status = main(words)
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    assert status == OK
+    return captured.out
+
+
+def complaint(capsys, *words):
+    """Run a command that must fail; return its one sentence."""
+    status = main(words)
+    captured = capsys.readouterr()
+    assert status == BAD_INPUT
+    assert captured.out == ""
+    assert captured.err.startswith("railjoule: ")
+    assert captured.err.endswith((".\n", "?\n"))
+    assert captured.err.count("\n") == 1
+    return captured.err.removeprefix("railjoule: ").rstrip("\n")
+
+
+# ---- solve
+
+
+def test_solve_prints_json(capsys):
+    result = json.loads(answer(capsys, "solve", "liashenko-ii", "--json"))
+    run = solve(load_scenario("liashenko-ii"))
+    assert result["energy_kwh"] == run.energy_kwh
+    assert result["lower_bound_kwh"] == run.lower_bound_kwh
+    assert result["shortest_time_s"] == pytest.approx(SHORTEST_TIME_S, abs=0.1)
+
+
+def test_solve_prints_words(capsys):
+    text = answer(capsys, "solve", "liashenko-ii")
+    assert text.startswith("Metro, profile II: Optimal\n1,300 m in 133.7 s, at most 46.1 km/h\n")
+    assert "2.224 kWh at the line, proven optimal" in text
+    assert "133.7 s; shortest possible 76.9 s, allowed 133.7 s: slack 56.8 s (74 %)" in text
+    assert "full power to 25 km/h in 6 s, coast from 20 m, brake from 1,275 m" in text
+    assert "would save" in text
+    assert "iterations" in text
+
+
+def test_solve_tells_how_far_a_strategy_is_from_the_best(capsys):
+    text = answer(capsys, "solve", "ftorek-300s", "--strategy", "enoc")
+    assert "1.65 % above the bound" in text
+    assert "A second more" not in text
+    assert "ENOC accelerates and brakes for 31.0 s each" in text
+
+
+def test_solve_takes_a_file(capsys, tmp_path):
+    file = tmp_path / "run.toml"
+    file.write_text('title = "Mine"\nline.preset = "liashenko-0"\nvehicle.preset = "metro-81-7036"\n'
+                    "timetable.travel_time_s = 120\n")  # fmt: skip
+    assert json.loads(answer(capsys, "solve", str(file), "--json"))["title"] == "Mine"
+
+
+def test_the_strategy_of_the_command_goes_before_the_scenarios(capsys):
+    words = ("solve", "ftorek-300s", "--set", "strategy=enoc", "--json")
+    assert json.loads(answer(capsys, *words))["strategy"] == "enoc"
+    assert json.loads(answer(capsys, *words, "--strategy", "fastest"))["strategy"] == "fastest"
+
+
+def test_the_fastest_run_needs_no_timetable_that_can_be_kept(capsys):
+    words = ("solve", "liashenko-ii", "--strategy", "fastest", "--set", "timetable.travel_time_s=10")
+    result = json.loads(answer(capsys, *words, "--json"))
+    assert result["gap"] is None
+    assert result["travel_time_s"] == pytest.approx(SHORTEST_TIME_S, abs=0.1)
+    assert "no bound known" in answer(capsys, *words)
+
+
+# ---- --set
+
+CHANGES = ["vehicle.load_factor=0.3", "line.reverse=true", "title=night"]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["liashenko-ii", "--set", *CHANGES],
+        ["--set", *CHANGES, "liashenko-ii"],
+        ["--set", CHANGES[0], "--set", CHANGES[1], "liashenko-ii", "--set", CHANGES[2]],
+        ["--set", CHANGES[0], "liashenko-ii", "--set", *CHANGES[1:]],
+    ],
+)
+def test_changes_may_stand_anywhere(capsys, words):
+    result = json.loads(answer(capsys, "solve", *words, "--json"))
+    changes = {"vehicle.load_factor": 0.3, "line.reverse": True, "title": "night"}
+    assert result["title"] == "night"
+    assert result["energy_kwh"] == solve(load_scenario("liashenko-ii", changes)).energy_kwh
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        ("0.3", 0.3),
+        ("120", 120),
+        ("true", True),
+        ('"a b"', "a b"),
+        ("[600, 900]", [600, 900]),
+        ("[{from_m = 600, to_m = 900, limit_kmh = 50}]", [{"from_m": 600, "to_m": 900, "limit_kmh": 50}]),
+        ("optimal", "optimal"),
+        ("a b = c", "a b = c"),
+        ("1\nother = 2", "1\nother = 2"),
+        ("[" * 10_000, "[" * 10_000),
+        ("1" * 10_000, "1" * 10_000),
+        ("", ""),
+    ],
+)
+def test_values_are_toml_or_texts(text, value):
+    assert commands.parsed_changes([f"key={text}"]) == {"key": value}
+
+
+def test_a_value_may_hold_an_equals_sign():
+    limit = "line.speed_limits=[{from_m = 600, to_m = 900, limit_kmh = 50}]"
+    assert commands.parsed_changes([limit])["line.speed_limits"][0]["limit_kmh"] == 50
+
+
+# ---- --trajectory
+
+
+def test_a_trajectory_becomes_csv(capsys, tmp_path):
+    file = tmp_path / "run.csv"
+    result = json.loads(answer(capsys, "solve", "liashenko-ii", "--json", "--trajectory", str(file)))
+    header, *rows = file.read_text().splitlines()
+    assert header.split(",")[:3] == ["position_m", "time_s", "speed_kmh"]
+    assert len(rows) == 267
+    last = np.array(rows[-1].split(","), dtype=float)
+    assert last[1] == pytest.approx(result["travel_time_s"])
+
+
+def test_a_trajectory_becomes_parquet(capsys, tmp_path):
+    pytest.importorskip("pyarrow", reason="pyarrow is not installed, so there is no parquet to write")
+    import pandas as pd  # noqa: PLC0415
+
+    file = tmp_path / "run.parquet"
+    answer(capsys, "solve", "liashenko-ii", "--trajectory", str(file))
+    table = pd.read_parquet(file)
+    assert table["line_energy_kwh"].iloc[-1] == pytest.approx(solve(load_scenario("liashenko-ii")).energy_kwh)
+
+
+def test_parquet_without_pyarrow_says_what_to_install(capsys, monkeypatch, tmp_path):
+    monkeypatch.setattr(commands.importlib.util, "find_spec", lambda _: None)
+    words = complaint(capsys, "solve", "liashenko-ii", "--trajectory", str(tmp_path / "run.parquet"))
+    assert "pip install pyarrow" in words
+
+
+@pytest.mark.parametrize("name", ["run", "run.txt", "run.csv.gz"])
+def test_an_unknown_suffix_is_refused_before_solving(capsys, tmp_path, name):
+    words = complaint(capsys, "solve", "no-such-scenario", "--trajectory", str(tmp_path / name))
+    assert words.endswith("must end in .csv or .parquet.")
+
+
+@pytest.mark.parametrize("suffix", ["csv", "parquet"])
+def test_a_file_that_cannot_be_written(capsys, tmp_path, suffix):
+    file = tmp_path / "missing" / f"run.{suffix}"
+    assert "cannot be written" in complaint(capsys, "solve", "liashenko-ii", "--trajectory", str(file))
+    (tmp_path / f"folder.{suffix}").mkdir()
+    assert "cannot be written" in complaint(
+        capsys, "solve", "liashenko-ii", "--trajectory", str(tmp_path / f"folder.{suffix}")
+    )
+
+
+# ---- compare, validate, benchmark, serve
+
+
+def test_compare_prints_json(capsys):
+    values = json.loads(answer(capsys, "compare", "ftorek-300s", "--set", "vehicle.load_factor=0.5", "--json"))
+    assert list(values) == ["results", "refused"]
+    strategies = [result["strategy"] for result in values["results"]]
+    assert strategies == ["optimal", "eoc", "enoc", "fastest"]
+    assert values["refused"] == []
+    best = values["results"][0]
+    assert best["gap"] <= 1e-6
+    assert all(result["lower_bound_kwh"] == best["lower_bound_kwh"] for result in values["results"])
+
+
+def test_compare_tells_who_refuses(capsys):
+    values = json.loads(answer(capsys, "compare", "metro-with-limit", "--json"))
+    assert [entry["strategy"] for entry in values["refused"]] == ["eoc", "enoc"]
+    assert all(entry["reason"].endswith(".") for entry in values["refused"])
+    text = answer(capsys, "compare", "metro-with-limit")
+    assert "\nEOC: needs a line without limits.\nENOC: needs" in text
+    assert "Optimal" in text
+    assert "proven optimal" in text
+
+
+def test_validate_prints_json(capsys):
+    papers = json.loads(answer(capsys, "validate", "ftorek", "--json"))["papers"]
+    assert [paper["paper"] for paper in papers] == ["ftorek"]
+    assert len(papers[0]["tables"]) == 7
+    assert list(papers[0]["tables"][0]["rows"][0]) == [
+        "case", "quantity", "unit", "printed", "ours", "difference_percent", "note",
+    ]  # fmt: skip
+
+
+def test_validate_without_a_paper_shows_all(capsys):
+    assert json.loads(answer(capsys, "validate", "--json")) == json.loads(
+        answer(capsys, "validate", "ftorek", "--json")
+    )
+
+
+def test_validate_prints_tables(capsys):
+    text = answer(capsys, "validate", "ftorek")
+    assert "ENOC with the printed acceleration times (Table 2, (12), (15))" in text
+    assert any(line.split()[4:8] == ["W_T", "Wh", "4,406.7", "4,398.62"] for line in text.splitlines())
+    assert "  [1] " in text
+    assert "\nErrata\n" in text
+
+
+def test_benchmark_prints_both(capsys, monkeypatch):
+    timings = [Timing("liashenko-ii", 266, "optimal", 2.2239, 9, 0.00062), Timing("x", 10, "fastest", 1.0, 0, 0.1)]
+    monkeypatch.setattr(core_benchmark, "benchmark", lambda: iter(timings))
+    values = json.loads(answer(capsys, "benchmark", "--json"))
+    assert values["results"][0] == {
+        "scenario": "liashenko-ii",
+        "cell_count": 266,
+        "solver": "optimal",
+        "energy_kwh": 2.2239,
+        "iterations": 9,
+        "median_s": 0.00062,
+    }
+    monkeypatch.setattr("railjoule.core.validation.ipopt.is_installed", lambda: False)
+    lines = answer(capsys, "benchmark").splitlines()
+    assert "pip install casadi" in lines[-1]
+    assert lines[2].split() == ["liashenko-ii", "266", "Optimal", "2.2239", "9", "0.62"]
+
+
+@pytest.fixture
+def app(monkeypatch):
+    fake = types.ModuleType("railjoule.dashboard.app")
+    fake.calls = []
+    fake.serve = lambda **settings: fake.calls.append(settings)
+    monkeypatch.setitem(sys.modules, fake.__name__, fake)
+    monkeypatch.setattr(fake.__name__, fake, raising=False)
+    return fake
+
+
+def test_serve_passes_address_and_port(capsys, app):
+    answer(capsys, "serve")
+    answer(capsys, "serve", "--port", "8080", "--address", "0.0.0.0")
+    assert app.calls == [{"address": "127.0.0.1", "port": 5006}, {"address": "0.0.0.0", "port": 8080}]
+
+
+def test_a_port_in_use_is_one_sentence(capsys, app):
+    def serve(**_):
+        raise OSError(98, "Address already in use")
+
+    app.serve = serve
+    assert complaint(capsys, "serve") == "cannot serve at 127.0.0.1, port 5006: Address already in use."
+
+
+def test_a_missing_package_of_the_dashboard_is_named(capsys, monkeypatch):
+    monkeypatch.delattr("railjoule.dashboard.app", raising=False)
+    monkeypatch.delitem(sys.modules, "railjoule.dashboard.app", raising=False)
+    monkeypatch.setitem(sys.modules, "panel", None)
+    assert complaint(capsys, "serve") == "the dashboard needs panel, which is not installed."
+
+
+# ---- bad input
+
+BAD_FILES = {
+    "broken TOML": (b"title = ", "not a valid TOML file"),
+    "no text": (b"\xff\xfe\x00", "not a text in UTF-8"),
+    "empty": (b"", "vehicle is missing"),
+    "too large": (b"#" * 10_000_001, "10 MB allowed"),
+}
+
+
+@pytest.mark.parametrize("case", BAD_FILES)
+def test_a_bad_file(capsys, tmp_path, case):
+    content, words = BAD_FILES[case]
+    file = tmp_path / "bad.toml"
+    file.write_bytes(content)
+    for command in ("solve", "compare"):
+        assert words in complaint(capsys, command, str(file))
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("timetable.travel_time_s=60", "timetable.travel_time_s = 60 s is shorter than the shortest possible 76.9 s."),
+        ("timetable.travel_time_s=-1", "must be above 0"),
+        ("timetable.travel_time_s=nan", "must be a finite number"),
+        ("timetable.travel_time_s=soon", "must be a number"),
+        ("vehicle.load_faktor=0.3", "did you mean 'load_factor'?"),
+        ("vehicle.load_factor=1.2", "must be at most 1"),
+        ("vehicle=1", "vehicle"),
+        ("line.sections=[]", "line.sections"),
+        ("line.sections.length_m=3", "must be a list"),
+        ("line.sections=[{length_m = 1000, gradient_permille = 190}]", "comes to a stand"),
+        ("line.file=other.csv", "line"),
+        ("line.preset=nowhere", "there is no preset 'nowhere'"),
+        ("solver.mesh_m=0.001", "at most 200,000 are allowed"),
+        ("strategy=none", "strategy"),
+        ("=1", "must be KEY=VALUE"),
+        ("no-equals-sign", "must be KEY=VALUE"),
+    ],
+)
+def test_a_bad_change(capsys, change, words):
+    for command in ("solve", "compare"):
+        assert words in complaint(capsys, command, "liashenko-ii", "--set", change)
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        ([], "the following arguments are required: COMMAND; see railjoule --help."),
+        (["drive"], "invalid choice: 'drive'"),
+        (["simulate", "liashenko-ii"], "invalid choice: 'simulate'"),
+        (["solve"], "FILE is missing"),
+        (["solve", "--set", "a", "b"], "FILE is missing"),
+        (["solve", "a", "b"], "unrecognized arguments: b; see railjoule --help."),
+        (["solve", "liashenko-ii", "--jso"], "unrecognized arguments: --jso"),
+        (
+            ["solve", "metro"],
+            "metro: there is no such file and no shipped scenario of that name; shipped are ftorek-300s,",
+        ),
+        (["solve", "metro.toml"], "metro.toml: there is no such file."),
+        (["solve", "."], "Is a directory"),
+        (["solve", "x" * 5000], "File name too long"),
+        (["solve", "liashenko-ii", "--strategy", "bellman"], "bellman is not part of this version"),
+        (
+            ["solve", "liashenko-ii", "--strategy", "best"],
+            "best is no strategy; there are optimal, eoc, enoc, fastest.",
+        ),
+        (["solve", "liashenko-ii", "--strategy", "eoc"], "eoc needs a drive with copper loss."),
+        (["validate", "liashenko"], "'liashenko' is none of the papers of this version, which has ftorek."),
+        (["serve", "--port", "65536"], "'65536' is no port from 1 to 65535"),
+        (["serve", "--port", "-1"], "port"),
+        (["serve", "--port", "0"], "'0' is no port"),
+        (["serve", "--port", "9" * 5000], "is no port"),
+        (["serve", "--port", "http"], "'http' is no port"),
+        (["benchmark", "liashenko-ii"], "unrecognized arguments"),
+    ],
+)
+def test_wrong_usage(capsys, words, expected):
+    assert expected in complaint(capsys, *words)
+
+
+def test_a_complaint_cannot_steer_the_terminal(capsys):
+    assert "\x1b" not in complaint(capsys, "solve", "evil\x1b[2J\nname.toml")
+
+
+def test_help_and_version_are_no_errors(capsys):
+    assert "Energy-optimal driving" in answer(capsys, "--help")
+    assert "FILE" in answer(capsys, "solve", "--help")
+    assert answer(capsys, "--version").startswith("railjoule ")
+
+
+def test_an_interrupt_is_silent(capsys, monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(commands, "compare_strategies", interrupted)
+    assert main(["compare", "liashenko-ii"]) == INTERRUPTED
+    assert capsys.readouterr() == ("", "")
+
+
+# ---- the first run ever
+
+
+@pytest.mark.parametrize(("terminal", "cached"), [(True, False), (True, True), (False, False)])
+def test_compilation_is_announced_to_people_only(capsys, monkeypatch, tmp_path, terminal, cached):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path if cached else tmp_path / "none"))
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal, raising=False)
+    commands.announce_compilation()
+    assert ("being compiled" in capsys.readouterr().err) == (terminal and not cached)
+
+
+# ---- in a process of its own
+
+
+def run_process(*words, **settings):
+    return subprocess.run([*COMMAND, *words], capture_output=True, text=True, check=False, timeout=300, **settings)
+
+
+def test_the_module_runs_as_a_command():
+    process = run_process("solve", "liashenko-0", "--json")
+    assert process.stderr == ""
+    assert process.returncode == OK
+    assert json.loads(process.stdout)["strategy"] == "optimal"
+
+
+def test_bad_input_ends_with_status_two():
+    process = run_process("solve", "nowhere.toml")
+    assert (process.returncode, process.stdout) == (BAD_INPUT, "")
+    assert process.stderr == "railjoule: nowhere.toml: there is no such file.\n"
+
+
+def test_titles_survive_a_terminal_without_unicode():
+    settings = {**os.environ, "PYTHONIOENCODING": "ascii"}
+    process = run_process("solve", "liashenko-0", "--set", 'title="Žilina"', env=settings)
+    assert process.returncode == OK
+    assert process.stdout.startswith("\\u017dilina: Optimal\n")
+
+
+def test_a_reader_that_leaves_is_no_error():
+    process = subprocess.Popen([*COMMAND, "validate"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    process.stdout.close()
+    assert process.wait(timeout=300) == BROKEN_PIPE
+    assert process.stderr.read() == b""
+    process.stderr.close()
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="this system has no /dev/full to write to")
+def test_a_full_disk_is_one_sentence():
+    with open("/dev/full", "w") as full:
+        process = subprocess.run(
+            [*COMMAND, "solve", "liashenko-0"], stdout=full, stderr=subprocess.PIPE, timeout=300, check=False
+        )
+    assert process.returncode == BAD_INPUT
+    assert process.stderr == b"railjoule: the result cannot be written: No space left on device.\n"
+
+
+def test_solving_imports_nothing_of_the_screen():
+    code = (
+        "import sys; from railjoule.dashboard.cli import main; main(['solve', 'liashenko-0']);"
+        f"main(['compare', 'liashenko-0']); print(sorted(set({ON_SCREEN!r}) & set(sys.modules)))"
+    )
+    process = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=300)
+    assert process.stdout.splitlines()[-1] == "[]"

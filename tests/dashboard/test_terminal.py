@@ -1,0 +1,72 @@
+import pytest
+
+from railjoule.dashboard import terminal
+from railjoule.dashboard.terminal import energy, gap_words, number, phase_words, printable, table_lines
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"),
+    [(1180.4, 0, "1,180"), (-1234567.8, 1, "-1,234,567.8"), (-0.04, 1, "0.0"), (-0.0, 3, "0.000"), (-0.06, 1, "-0.1")],
+)
+def test_numbers(value, digits, text):
+    assert number(value, digits) == text
+
+
+@pytest.mark.parametrize(("kwh", "text"), [(2.2239, "2.224"), (24.9126, "24.91"), (-0.3118, "-0.312")])
+def test_energies_have_three_digits_below_five(kwh, text):
+    assert energy(kwh) == text
+
+
+@pytest.mark.parametrize(
+    ("gap", "words"),
+    [
+        (None, "no bound known"),
+        (9e-7, "proven optimal"),
+        (-1e-9, "proven optimal"),
+        (2e-5, "0.002 % above the bound"),
+        (0.0165, "1.65 % above the bound"),
+        (2.5, "250.00 % above the bound"),
+        (-0.01, "1.00 % under the bound of another mesh"),
+    ],
+)
+def test_gaps_in_words(gap, words):
+    assert gap_words(gap) == words
+
+
+def phase(name, **changes):
+    base = {"start_m": 342.0, "end_m": 1180.0, "start_s": 10.0, "end_s": 31.0, "start_kmh": 0.0, "end_kmh": 57.2}
+    return {"phase": name, **base, **changes}
+
+
+def test_phases_in_words():
+    phases = [phase("full_power"), phase("coast"), phase("hold"), phase("brake", start_m=1180.0), phase("stand")]
+    assert phase_words(phases) == (
+        "full power to 57 km/h in 21 s, coast from 342 m, hold 57 km/h to 1,180 m, brake from 1,180 m, "
+        "stand 21 s at 342 m"
+    )
+
+
+def test_a_table_has_its_numbers_to_the_right():
+    assert table_lines(("name", "kWh"), [("a", "1.0"), ("longer", "10.0")]) == [
+        "name     kWh",
+        "------  ----",
+        "a        1.0",
+        "longer  10.0",
+    ]
+
+
+def test_a_comparison_without_results_tells_why():
+    refused = [{"strategy": "optimal", "reason": "the optimum was not found within 100 iterations."}]
+    text = terminal.comparison_text({"results": [], "refused": refused})
+    assert text == "Optimal: the optimum was not found within 100 iterations."
+
+
+def test_titles_cannot_steer_the_terminal():
+    assert printable("Night\x1b[31m run\n\u202e") == "Night [31m run  "
+
+
+def test_lines_are_no_wider_than_the_terminal(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "70")
+    lines = terminal.validation_text({"citation": "word " * 60, "tables": [], "errata": []}).splitlines()
+    assert len(lines) > 3
+    assert max(map(len, lines)) <= 70

@@ -1,0 +1,34 @@
+import subprocess
+import sys
+
+from railjoule.dashboard.warmup import Warmup, all_kernels
+
+EVERY_STRATEGY = """
+from railjoule.core import compare, load_scenario
+from railjoule.core.scenario import preset_names
+from railjoule.dashboard.store import TradeOffWish, compute_trade_off
+from railjoule.dashboard.warmup import all_kernels, warmup
+
+def compiled():
+    return {kernel.py_func.__qualname__: len(kernel.signatures) for kernel in all_kernels()}
+
+warmup().start()
+assert warmup().ready.wait(240)
+before = compiled()
+for name in preset_names("scenarios"):
+    compare(load_scenario(name))
+    compute_trade_off(TradeOffWish(load_scenario(name), 400.0, False, 1.0))
+after = compiled()
+print({name: count for name, count in after.items() if count != before.get(name)})
+"""
+
+
+def test_nothing_is_left_to_compile_after_the_warm_up() -> None:
+    result = subprocess.run([sys.executable, "-c", EVERY_STRATEGY], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "{}"
+
+
+def test_progress_counts_kernels() -> None:
+    done, count = Warmup().progress
+    assert 0 <= done <= count
+    assert count == len(list(all_kernels())) > 10

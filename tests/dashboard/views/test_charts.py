@@ -1,0 +1,61 @@
+import numpy as np
+import panel as pn
+import pytest
+
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.views.charts import Axis, Chart, columns, nice_range, spread
+
+
+def test_labels_are_spread_in_their_order() -> None:
+    placed = spread([5.0, 5.1, 5.05], gap=1.0)
+    assert np.argsort(placed).tolist() == [0, 2, 1]
+    assert np.min(np.diff(np.sort(placed))) >= 1.0 - 1e-6
+
+
+def test_labels_far_apart_stay() -> None:
+    assert spread([1.0, 5.0], gap=1.0) == [1.0, 5.0]
+    assert spread([], gap=1.0) == []
+
+
+def test_ranges_leave_room_even_around_one_value() -> None:
+    low, high = nice_range(2.0, 2.0)
+    assert low < 2.0 < high
+    assert nice_range(0.0, 10.0, share=0.1) == pytest.approx((-1.0, 11.0))
+
+
+def test_short_columns_travel_as_lists() -> None:
+    assert columns(x=np.arange(3)) == {"x": [0, 1, 2]}
+    assert isinstance(columns(x=np.arange(1000))["x"], np.ndarray)
+
+
+def test_an_axis_keeps_its_zoom_until_its_end_changes() -> None:
+    axis = Axis(Palette(dark=False))
+    axis.fit(1000.0, roomy=False)
+    axis.range.update(start=200.0, end=400.0)
+    axis.fit(1000.0, roomy=False)
+    assert (axis.range.start, axis.range.end) == (200.0, 400.0)
+    axis.fit(1200.0, roomy=False)
+    assert (axis.range.start, axis.range.end) == (0.0, 1200.0)
+
+
+class CountingChart(Chart):
+    def __init__(self) -> None:
+        super().__init__("counting", "", 100)
+        self.built = 0
+
+    def build(self) -> None:
+        self.built += 1
+        self.content = pn.Spacer()
+
+
+def test_charts_out_of_sight_are_built_and_drawn_only_once_seen() -> None:
+    chart, drawn = CountingChart(), []
+    chart.show(lambda: drawn.append("first"))
+    chart.show(lambda: drawn.append("second"))
+    assert (chart.built, drawn) == (0, [])
+    chart.appear()
+    assert (chart.built, drawn) == (1, ["second"])
+    chart.hide()
+    chart.show(lambda: drawn.append("third"))
+    chart.appear()
+    assert (chart.built, drawn) == (1, ["second", "third"])

@@ -1,0 +1,51 @@
+import pytest
+
+from railjoule.dashboard.models.scenario import ScenarioModel
+from railjoule.dashboard.views.fields import NumberField
+
+
+@pytest.fixture
+def model() -> ScenarioModel:
+    return ScenarioModel()
+
+
+@pytest.fixture
+def field(model: ScenarioModel) -> NumberField:
+    return NumberField(model, "load_percent", "Load, %", step=1, digits=0, unit="%", ends=(0, 100))
+
+
+def test_slider_text_and_model_agree(model: ScenarioModel, field: NumberField) -> None:
+    field.slider.value = 40
+    assert (model.load_percent, field.text.value) == (40, "40")
+    field.text.value = "55"
+    assert (model.load_percent, field.slider.value) == (55, 55)
+    model.load_percent = 70
+    assert (field.slider.value, field.text.value) == (70, "70")
+
+
+def test_a_bad_text_is_kept_in_sight_and_explained(model: ScenarioModel, field: NumberField) -> None:
+    before = model.load_percent
+    field.text.value = "<b>"
+    assert model.load_percent == before
+    assert field.text.value == "<b>"
+    assert field.error.visible
+    assert f"Not a number. Kept: {before:.0f} %." in field.error.object
+    field.text.value = "12"
+    assert not field.error.visible
+
+
+def test_a_number_beyond_the_slider_widens_it(model: ScenarioModel) -> None:
+    field = NumberField(model, "travel_time_s", "Travel time, s", step=0.5, digits=1, unit="s", ends=(50.0, 200.0))
+    field.text.value = "500"
+    assert model.travel_time_s == 500.0
+    assert field.slider.end >= 500.0
+
+
+def test_a_suggestion_shows_until_a_number_is_set(model: ScenarioModel) -> None:
+    field = NumberField(model, "acceleration_time_s", "Ramp, s", step=0.1, digits=1, unit="s", ends=(15.0, 110.0))
+    field.suggest(31.0)
+    assert field.text.value == "31.0"
+    assert model.acceleration_time_s is None
+    model.acceleration_time_s = 40.0
+    field.suggest(31.0)
+    assert field.text.value == "40.0"

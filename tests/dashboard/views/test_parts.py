@@ -1,0 +1,89 @@
+import re
+
+import pytest
+
+from railjoule.core import load_scenario, solve
+from railjoule.core.trajectory import Trajectory
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.store import Runs, RunsWish, compute_runs
+from railjoule.dashboard.views import parts
+
+HOSTILE = '<img src=x onerror="alert(1)">'
+
+
+@pytest.fixture(scope="module")
+def runs() -> Runs:
+    return compute_runs(RunsWish(load_scenario("ftorek-300s"), ("eoc", "enoc", "fastest")))
+
+
+def plain(markup: str) -> str:
+    """Return the text of some markup."""
+    return " ".join(re.sub(r"<[^>]+>", " ", markup).split())
+
+
+@pytest.mark.parametrize(
+    "markup",
+    [
+        parts.heading(HOSTILE, HOSTILE, HOSTILE),
+        parts.failure(HOSTILE, HOSTILE, HOSTILE),
+    ],
+)
+def test_texts_of_users_are_escaped(markup: str) -> None:
+    assert "<img" not in markup
+    assert "&lt;img" in markup
+
+
+def test_figures_of_the_optimum(runs: Runs) -> None:
+    text = plain(parts.run_figures(runs, runs.runs["optimal"], None, stale=False))
+    assert "Energy at the line 4.181 kWh for 300.0 s" in text
+    assert "Above the optimum 0.00 % \u2713 proven" in text
+
+
+def test_figures_of_another_strategy_name_its_distance(runs: Runs) -> None:
+    run = runs.runs["enoc"]
+    above = 100 * (run.energy_kwh / runs.runs["optimal"].energy_kwh - 1)
+    text = plain(parts.run_figures(runs, run, None, stale=False))
+    assert f"Above the optimum {above:.1f} % optimum 4.181 kWh" in text
+
+
+def test_the_bars_of_the_account_add_up(runs: Runs) -> None:
+    run = runs.runs["optimal"]
+    text = plain(parts.account(run))
+    assert text.endswith("The account closes at 4.18 kWh.")
+    assert "Copper loss" in text
+
+
+def test_a_run_downhill_shows_the_height_that_it_lost() -> None:
+    run = solve(load_scenario("liashenko-iii"))
+    text = plain(parts.account(run))
+    assert "From height lost" in text or "Height gained" in text
+
+
+def test_the_table_of_runs_compares_with_the_pinned_one(runs: Runs) -> None:
+    text = plain(parts.runs_table(runs, "optimal", runs.runs["fastest"]))
+    assert "to pinned, %" in text
+    assert "Pinned: fastest" in text
+
+
+@pytest.mark.parametrize(
+    ("now", "before", "text"),
+    [
+        (9.0, 10.0, "\u25bc 10.0 % against pinned 10.00"),
+        (11.0, 10.0, "\u25b2 10.0 % against pinned 10.00"),
+        (10.0, 10.0, "as pinned, 10.00"),
+        (10.0, -1.0, "pinned \u22121.000"),
+    ],
+)
+def test_changes_against_the_pinned_run(now: float, before: float, text: str) -> None:
+    assert plain(parts.change(now, before)) == text
+
+
+def test_advice_lists_the_phases_in_order(runs: Runs) -> None:
+    run: Trajectory = runs.runs["optimal"]
+    text = plain(parts.advice(run, stale=False))
+    assert text.startswith("1 ")
+    assert f" {len(run.phases)} brake" in text
+
+
+def test_a_new_page_has_no_run_yet() -> None:
+    assert Workbench().run is None

@@ -1,0 +1,79 @@
+"""pyproject.toml packs everything that the program needs; setuptools finds nothing in mapped folders by itself."""
+
+import ast
+import re
+import sys
+import tomllib
+from importlib.metadata import entry_points
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+SETUPTOOLS = PROJECT["tool"]["setuptools"]
+FOLDERS = {package: ROOT / folder for package, folder in SETUPTOOLS["package-dir"].items()}
+PICTURES = "pictures"
+"""What only README shows stays out of the wheel."""
+
+
+def packages_on_disk() -> set[str]:
+    return {
+        ".".join((package, *path.parent.relative_to(folder).parts))
+        for package, folder in FOLDERS.items()
+        for path in folder.rglob("*.py")
+    }
+
+
+def test_every_package_is_listed():
+    assert set(SETUPTOOLS["packages"]) == packages_on_disk()
+    assert SETUPTOOLS["packages"] == sorted(SETUPTOOLS["packages"])
+
+
+def test_every_data_file_is_packed():
+    packed = {
+        path
+        for package, patterns in SETUPTOOLS["package-data"].items()
+        for pattern in patterns
+        for path in FOLDERS[package].glob(pattern)
+    }
+    data = {
+        path
+        for folder in FOLDERS.values()
+        for path in folder.rglob("*")
+        if path.is_file() and path.suffix not in {".py", ".pyc"} and PICTURES not in path.parts
+    }
+    assert data - packed == set()
+
+
+def test_command_is_installed():
+    (command,) = entry_points(group="console_scripts", name="railjoule")
+    assert command.value == PROJECT["project"]["scripts"]["railjoule"]
+    assert callable(command.load())
+
+
+USED_BY_PANEL = {"plotly"}
+"""Packages that panel imports for us, but does not bring."""
+
+
+def imported_packages() -> set[str]:
+    """Return the packages of others that the program imports anywhere."""
+    found: set[str] = set()
+    for folder in FOLDERS.values():
+        for path in folder.rglob("*.py"):
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.Import):
+                    found |= {alias.name.partition(".")[0] for alias in node.names}
+                elif isinstance(node, ast.ImportFrom) and node.level == 0:
+                    found.add(str(node.module).partition(".")[0])
+    return found - sys.stdlib_module_names - {"railjoule"}
+
+
+def test_dependencies_are_those_that_are_used():
+    declared = {
+        re.split(r"[<>=~! ]", requirement)[0].replace("-", "_") for requirement in PROJECT["project"]["dependencies"]
+    }
+    assert declared == imported_packages() | USED_BY_PANEL
+
+
+def test_every_dependency_has_a_lower_bound():
+    requirements = [*PROJECT["project"]["dependencies"], *PROJECT["project"]["optional-dependencies"]["test"]]
+    assert all(re.fullmatch(r"[a-z-]+>=[0-9.]+", requirement) for requirement in requirements)
