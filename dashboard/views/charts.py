@@ -33,30 +33,33 @@ return tick.toLocaleString("en", {minimumFractionDigits: digits, maximumFraction
   .replace(/,/g, "\\u202f").replace("-", "\\u2212")
 """
 CURSOR_JS = """
-const away = cb_obj.event_name === "mouseleave" || cb_obj.x == null;
+// called by the mouse, and by a tag of the shared range when the runs under a resting mouse have changed
+if (cb_obj.event_name) { window.railjoule_place = cb_obj.event_name === "mouseleave" ? null : cb_obj.x; }
+const place = window.railjoule_place;
+if (place == null && !cb_obj.event_name) return;
 const text = (value, digits) => isFinite(value)
   ? Math.abs(value).toLocaleString("en", {minimumFractionDigits: digits, maximumFractionDigits: digits})
       .replace(/,/g, "\\u202f").replace(/^/, value < 0 && +Math.abs(value).toFixed(digits) ? "\\u2212" : "")
   : "\\u2013";
 const at = (data, stepped) => {
   const {x, y} = data;
-  if (!x || x.length < 2 || cb_obj.x < x[0] || cb_obj.x > x[x.length - 1]) return NaN;
+  if (!x || x.length < 2 || place < x[0] || place > x[x.length - 1]) return NaN;
   let low = 0, high = x.length - 1;
   while (high - low > 1) {
     const middle = (low + high) >> 1;
-    if (x[middle] < cb_obj.x) { low = middle; } else { high = middle; }
+    if (x[middle] < place) { low = middle; } else { high = middle; }
   }
   if (stepped) return y[high];
-  return x[high] === x[low] ? y[high] : y[low] + (y[high] - y[low]) * (cb_obj.x - x[low]) / (x[high] - x[low]);
+  return x[high] === x[low] ? y[high] : y[low] + (y[high] - y[low]) * (place - x[low]) / (x[high] - x[low]);
 };
 for (const chart of charts) {
-  if (away) { chart.caption.text = chart.words; continue; }
+  if (place == null) { chart.caption.text = chart.words; continue; }
   const values = chart.sources
     .map(([word, source]) => [word, at(source.data, chart.stepped)])
     .filter(([, number]) => isFinite(number))
     .map(([word, number]) => (word ? word + " " : "") + text(number, chart.digits) + " " + chart.unit);
-  const place = chart.place ? text(cb_obj.x, chart.place[1]) + " " + chart.place[0] + ": " : "";
-  chart.caption.text = values.length ? chart.words + "&ensp;&ensp;" + place + values.join("&ensp;&ensp;") : chart.words;
+  const where = chart.place ? text(place, chart.place[1]) + " " + chart.place[0] + ": " : "";
+  chart.caption.text = values.length ? chart.words + "&ensp;&ensp;" + where + values.join("&ensp;&ensp;") : chart.words;
 }
 """
 CAPTION_PX = 21
@@ -75,6 +78,8 @@ class Axis:
         self._charts: list[dict[str, object]] = []
         self._extent = (0.0, 1.0)
         self._end = 1.0
+        self._settled = 0
+        self.range.js_on_change("tags", self.follow)
         palette.paint(self.cursor, line_color="ink")
 
     def fit(self, end: float, roomy: bool) -> None:
@@ -104,6 +109,8 @@ class Axis:
         told = [dict(chart, place=None if index else [unit, digits]) for index, chart in enumerate(self._charts)]
         if told != self.follow.args["charts"]:
             self.follow.args = {"charts": told}
+        self._settled += 1
+        self.range.tags = [self._settled]
 
 
 class Chart:
@@ -240,7 +247,8 @@ class DistanceChart(Chart):
 
 def dress(f: figure, palette: Palette, ticks: int, digits: int) -> None:
     """Give a figure the look of all charts: y grid only, no lines on the axes, numbers as people write them."""
-    palette.paint(f, background_fill_color="surface", border_fill_color="surface")
+    # the page shows through: what a canvas once painted shines on at its edges after a change of theme
+    f.update(background_fill_color=None, border_fill_color=None)
     for axis in (f.xaxis[0], f.yaxis[0]):
         axis.update(
             axis_line_color=None,

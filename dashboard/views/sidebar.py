@@ -266,8 +266,8 @@ class StrategyList:
             value=name in self.state.ticked,
             label=f"Draw {word}",
             size="small",
-            margin=(0, 0, 0, 8),
-            width=30,
+            margin=(0, 0, 0, 14),
+            width=26,
             align="center",
             stylesheets=[HIDE_LABEL_CSS],
         )
@@ -280,7 +280,13 @@ class StrategyList:
             width=84,
             align="center",
             on_click=self._chooser(name),
-            sx={"justifyContent": "flex-start", "color": "text.primary", "fontWeight": 400, "padding": "2px 4px"},
+            sx={
+                "justifyContent": "flex-start",
+                "color": "text.primary",
+                "fontWeight": 400,
+                "height": "28px",
+                "padding": "0 4px",
+            },
         )
         numbers = html_pane("", align="center")
         self.ticks[name], self.choices[name], self.numbers[name] = tick, choice, numbers

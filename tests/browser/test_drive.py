@@ -5,6 +5,7 @@ from playwright.sync_api import Browser, expect
 
 from browser.server import Server
 from browser.user import User
+from railjoule.dashboard.look.tokens import THEMES
 
 SLIDERS = ("Travel time, s", "Load, % of capacity", "Recuperation, %")
 
@@ -130,20 +131,22 @@ def test_one_cursor_through_all_charts(user: User) -> None:
     user.page.mouse.move(box["x"] + 400, box["y"] + 100)
     user.page.mouse.move(box["x"] + 420, box["y"] + 100)
     user.rest()
-    speed, energy = (
-        user.page.locator(f".rj-chart-{chart} .rj-caption div").first.inner_text() for chart in ("speed", "energy")
-    )
+    captions = [user.page.locator(f".rj-chart-{chart} .rj-caption div").first for chart in ("speed", "energy")]
+    speed, energy = (caption.inner_text() for caption in captions)
     assert "m: " in speed
     assert speed.endswith("km/h")
     assert energy.endswith("kWh")
+    user.push("Travel time, s", 20)
+    assert captions[0].inner_text() != speed
+    assert captions[1].inner_text() != energy
 
 
 @pytest.mark.parametrize(("dark", "colour"), [(False, "rgb(244, 246, 248)"), (True, "rgb(14, 18, 23)")])
 def test_colours_follow_the_system(server: Server, chromium: Browser, dark: bool, colour: str) -> None:
     with User.at(chromium, server.url, dark=dark) as user:
         assert user.page.evaluate("getComputedStyle(document.body).backgroundColor") == colour
-        background = "[...Bokeh.documents[0].all_models].find((m) => m.type === 'Figure').background_fill_color"
-        assert user.page.evaluate(background).lower() == ("#14181e" if dark else "#ffffff")
+        labels = "[...Bokeh.documents[0].all_models].find((m) => m.type === 'LinearAxis').major_label_text_color"
+        assert user.page.evaluate(labels) == THEMES["dark" if dark else "light"]["ink3"]
         user.page.get_by_role("button", name="Toggle theme").click()
         user.rest(1000)
         assert user.page.evaluate("getComputedStyle(document.body).backgroundColor") != colour
