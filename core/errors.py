@@ -1,5 +1,7 @@
 """Everything that railjoule's core raises on purpose, each with one sentence for its reader."""
 
+import math
+
 
 class RailjouleError(Exception):
     """Base of all errors that a user can cause and mend; its text is one clear sentence."""
@@ -25,8 +27,13 @@ class TimetableError(RailjouleError):
         self.shortest_time_s = shortest_time_s
         super().__init__(
             f"timetable.travel_time_s = {travel_time_s:.6g} s is shorter than the shortest possible "
-            f"{shortest_time_s:.1f} s."
+            f"{self.least_tenth_s:.1f} s."
         )
+
+    @property
+    def least_tenth_s(self) -> float:
+        """The least time in whole tenths of a second that can be kept [s]."""
+        return (math.floor(self.shortest_time_s * 10) + 1) / 10
 
 
 class InfeasibleLineError(RailjouleError):

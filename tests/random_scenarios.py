@@ -8,6 +8,7 @@ from railjoule.core.errors import RailjouleError
 from railjoule.core.motion.course import Course, build_course
 from railjoule.core.motion.passes import MOVED, greatest_speeds, running_time
 from railjoule.core.scenario import Scenario, scenario_from_document
+from railjoule.core.strategies.task import Task
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,6 +20,11 @@ class RandomRun:
     fastest_speed2: np.ndarray
     shortest_time_s: float
     running_time_s: float
+
+    @property
+    def task(self) -> Task:
+        """The same as strategies take it."""
+        return Task(self.scenario, self.course, self.fastest_speed2, self.shortest_time_s, self.running_time_s)
 
 
 def random_run(seed: int, stops: bool) -> RandomRun:
@@ -39,6 +45,23 @@ def random_run(seed: int, stops: bool) -> RandomRun:
         if allowed > 20_000:
             continue
         return RandomRun(scenario, course, fastest, shortest, allowed)
+
+
+def random_speeds(task: Task, seed: int) -> np.ndarray:
+    """Return squares of speed of a feasible run in the time allowed: the fastest one under caps that `seed` draws."""
+    data = task.course.data
+    places = np.linspace(0, task.course.length_m, 8)
+    shape = np.interp(task.course.position_m, places, np.random.default_rng(seed).uniform(0.2, 1.0, len(places)))
+    low, high, found = 0.0, 5 * data.largest_speed2.max() ** 0.5, task.greatest_speed2
+    for _ in range(30):
+        cap = 0.5 * (low + high)
+        capped = np.minimum(data.largest_speed2, (cap * shape) ** 2)
+        speed2, obstacle, _ = greatest_speeds(data._replace(largest_speed2=capped))
+        if obstacle == MOVED and running_time(data.cell_length_m, speed2) <= task.running_time_s:
+            high, found = cap, speed2
+        else:
+            low = cap
+    return found
 
 
 def _slack_factor(rng: np.random.Generator) -> float:

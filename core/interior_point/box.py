@@ -9,13 +9,13 @@ from railjoule.core.compiled import njit
 ROOT_STEPS = 100
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def cubic_value(cubic: float, square: float, constant: float, v: float) -> float:
     """Return cubic v^3 + square v^2 - constant."""
     return (cubic * v + square) * v * v - constant
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def cubic_root(cubic: float, square: float, constant: float, low: float, high: float) -> float:
     """Return the root of `cubic_value` in [low, high], where it is monotone; -1 if there is none."""
     at_low = cubic_value(cubic, square, constant, low)
@@ -40,7 +40,7 @@ def cubic_root(cubic: float, square: float, constant: float, low: float, high: f
     return v
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def pair_value(a0: float, a1: float, kappa: float, beta: float, gamma: float, v0: float, v1: float) -> float:
     """Return a0 v0^2 + a1 v1^2 + kappa / v + beta v + gamma v^2 with v = (v0 + v1) / 2."""
     v = 0.5 * (v0 + v1)
@@ -48,7 +48,7 @@ def pair_value(a0: float, a1: float, kappa: float, beta: float, gamma: float, v0
     return a0 * v0 * v0 + a1 * v1 * v1 + per_speed + (beta + gamma * v) * v
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def edge_minimum(
     a0: float, a1: float, kappa: float, beta: float, gamma: float, v0: float, low: float, high: float
 ) -> float:
@@ -70,7 +70,7 @@ def edge_minimum(
     return best
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def box_minimum(
     a0: float, a1: float, kappa: float, beta: float, gamma: float, low0: float, high0: float, low1: float, high1: float
 ) -> float:

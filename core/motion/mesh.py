@@ -1,5 +1,7 @@
 """Cut a line into cells whose borders fall on every change of the line."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
@@ -47,6 +49,16 @@ def line_mesh(line: Line, mesh_m: float) -> FloatArray:
     uniform = np.append(np.concatenate(nodes), borders[-1])
     stops = [0.0, *(station.position_m for station in line.inner_stations), borders[-1]]
     return _graded(uniform, np.asarray(stops))
+
+
+def with_nodes_at(position_m: FloatArray, places_m: Sequence[float]) -> FloatArray:
+    """Return nodes [m] with further ones at places between the ends; shape (k,).
+
+    A node that all but falls on a place gives way to it: over a shorter cell rounding makes forces of its own.
+    """
+    distance = np.abs(position_m[:, None] - np.asarray(places_m)[None, :]).min(axis=1)
+    distance[[0, -1]] = np.inf
+    return np.union1d(position_m[distance > SHORTEST_CELL_M], places_m)
 
 
 def _graded(nodes: FloatArray, stops: FloatArray) -> FloatArray:

@@ -12,6 +12,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import StrategyRefusedError
 from railjoule.core.motion import build_course
+from railjoule.core.motion.mesh import with_nodes_at
 from railjoule.core.strategies.plain_line import PlainLine, check_feasible, plain_line
 from railjoule.core.strategies.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
@@ -130,7 +131,7 @@ def enoc(task: Task) -> Trajectory:
         raise StrategyRefusedError(f"needs an acceleration time of at most {time / 2:.1f} s, half of the travel time.")
     peak = line.distance_m / (time - ramp)
     corner = 0.5 * peak * ramp
-    nodes = np.union1d(task.course.position_m, [corner, line.distance_m - corner])
+    nodes = with_nodes_at(task.course.position_m, [corner, line.distance_m - corner])
     course = build_course(task.scenario, position_m=nodes)
     speed2 = np.minimum(2 * peak / ramp * np.minimum(nodes, line.distance_m - nodes), peak**2)
     check_feasible(course, speed2)

@@ -80,11 +80,13 @@ def solve_eoc(line: PlainLine, travel_time_s: float, variant: Variant = "optimal
     mean = line.distance_m / travel_time_s
     unit = m * mean / travel_time_s
     drag_work = 3 * c if variant == "optimal" else 0.0
+    price_unit = 2 * h * m * unit / travel_time_s + (b + c * mean) * mean
 
     def slopes(_: FloatArray, y: FloatArray, price: FloatArray) -> FloatArray:
         v, f = mean * y[1], unit * y[2]
         acceleration = (f - (a + (b + c * v) * v)) / m
-        rise = (a + (2 * b + drag_work * v) * v + 2 * h * f * (b + 2 * c * v) + a * price[0]) / (2 * h * m)
+        # A + price, of which the one may vanish, is one unknown
+        rise = ((2 * b + drag_work * v) * v + 2 * h * f * (b + 2 * c * v) + price_unit * price[0]) / (2 * h * m)
         return np.vstack([y[1], acceleration * travel_time_s / mean, rise * travel_time_s / unit])
 
     def ends(start: FloatArray, end: FloatArray, _: FloatArray) -> FloatArray:
@@ -92,7 +94,7 @@ def solve_eoc(line: PlainLine, travel_time_s: float, variant: Variant = "optimal
 
     grid = np.linspace(0, 1, FIRST_NODES)
     guess = np.vstack([grid**2 * (3 - 2 * grid), 6 * grid * (1 - grid), 6 - 12 * grid])
-    solution = solve_bvp(slopes, ends, grid, guess, p=[-1.0], tol=TOLERANCE, max_nodes=MOST_NODES)
+    solution = solve_bvp(slopes, ends, grid, guess, p=[0.0], tol=TOLERANCE, max_nodes=MOST_NODES)
     if not solution.success:
         raise SolverError(f"the boundary value problem of EOC was not solved: {solution.message}")
     fine = np.linspace(0, 1, SAMPLES)

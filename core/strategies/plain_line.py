@@ -63,8 +63,7 @@ def plain_line(task: Task) -> PlainLine:
     line_force = float(np.average(data.line_force_n, weights=data.cell_length_m))
     notes = []
     if np.ptp(data.line_force_n) > 1e-9 * max(1.0, abs(line_force)):
-        mean = float(np.average(course.gradient_permille, weights=data.cell_length_m))
-        notes.append(f"It knows no gradients: it takes the mean one, {mean:.2f} per mille.")
+        notes.append(_note_on_the_mean(course))
     if scenario.vehicle.drive.recuperation_factor < 1:
         notes.append("It plans as if all that braking generates came back.")
     return PlainLine(
@@ -76,6 +75,13 @@ def plain_line(task: Task) -> PlainLine:
         loss_coefficient=float(data.drive_parameters[0]),
         notes=tuple(notes),
     )
+
+
+def _note_on_the_mean(course: Course) -> str:
+    if not np.ptp(course.gradient_force_n):
+        return "It knows no curves: it takes their mean resistance."
+    mean = float(np.average(course.gradient_permille, weights=course.data.cell_length_m))
+    return f"It knows no gradients: it takes the mean one, {mean:.2f} per mille."
 
 
 def check_feasible(course: Course, speed2: FloatArray) -> None:

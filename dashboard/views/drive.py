@@ -118,7 +118,7 @@ class DriveView:
     def _repair(self, *_: Any) -> None:
         failure = self.state.failure
         if isinstance(failure, TimetableError):
-            self.state.scenario.travel_time_s = shortest_that_can_be_kept(failure.shortest_time_s)
+            self.state.scenario.travel_time_s = failure.least_tenth_s
 
     def redraw(self) -> None:
         """Draw everything again, as after a change of theme."""
@@ -157,7 +157,7 @@ class DriveView:
         self.message.visible = failure is not None
         self.repair.visible = isinstance(failure, TimetableError)
         if isinstance(failure, TimetableError):
-            self.repair.label = f"Use {words.number(shortest_that_can_be_kept(failure.shortest_time_s))} s"
+            self.repair.label = f"Use {words.number(failure.least_tenth_s)} s"
         if failure is not None:
             shown = f"Shown: the last good run, {words.number(run.travel_time_s)} s."
             self.message.object = parts.failure(*failure_words(failure), shown)
@@ -177,8 +177,3 @@ def failure_words(failure: RailjouleError) -> tuple[str, str]:
     if isinstance(failure, ScenarioError):
         return "This cannot be read.", str(failure)
     return "This cannot be run.", str(failure)
-
-
-def shortest_that_can_be_kept(shortest_s: float) -> float:
-    """Return the shortest time on the slider's steps that can be kept [s]."""
-    return float(int(shortest_s * 10) + 1) / 10

@@ -299,7 +299,7 @@ def test_a_bad_file(capsys, tmp_path, case):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ("timetable.travel_time_s=60", "timetable.travel_time_s = 60 s is shorter than the shortest possible 76.9 s."),
+        ("timetable.travel_time_s=60", "timetable.travel_time_s = 60 s is shorter than the shortest possible 77.0 s."),
         ("timetable.travel_time_s=-1", "must be above 0"),
         ("timetable.travel_time_s=nan", "must be a finite number"),
         ("timetable.travel_time_s=soon", "must be a number"),

@@ -74,7 +74,7 @@ def test_times_that_no_train_can_keep_are_named(metro):
     assert np.isnan(frontier.energy_j).tolist() == [True, True, False, True]
     assert np.isnan(frontier.price_of_time_w).tolist() == [True, True, False, True]
     assert [time for time, _ in frontier.refused][:2] == times[:2].tolist()
-    assert f"{0.5 * shortest:.6g} s is shorter than the shortest possible {shortest:.1f} s" in frontier.refused[0][1]
+    assert f"{0.5 * shortest:.6g} s is shorter than the shortest possible" in frontier.refused[0][1]
     assert len(frontier.refused) == 3
 
 

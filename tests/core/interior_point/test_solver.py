@@ -1,0 +1,108 @@
+"""Golden energies, and the solver's fate on 500 random scenarios."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from random_scenarios import random_run
+
+from railjoule.core import load_scenario, solve
+from railjoule.core.interior_point.solver import CONVERGED, ITERATIONS_EXCEEDED, minimise_energy
+from railjoule.core.strategies import certify, minimise, prepare_task
+
+G1 = Path(__file__).parents[2] / "benchmarks" / "g1.toml"
+PROVEN_GAP = 1e-6
+MOST_ITERATIONS = 60
+TIGHT_SHARE = 1.5
+"""Below this many times the shortest time, every gap must close; far beyond it time costs nearly nothing."""
+
+
+@pytest.mark.parametrize(
+    ("profile", "reverse", "energy_kwh"),
+    [
+        # findings on Liashenko 2025: fine Bellman references at 35 km/h and half load
+        ("liashenko-0", False, 6.4332),
+        ("liashenko-0", True, 4.1406),
+        ("liashenko-i", False, 6.8922),
+        ("liashenko-i", True, 3.9073),
+        ("liashenko-ii", False, 2.2230),
+        ("liashenko-ii", True, 4.7859),
+        ("liashenko-iii", False, 24.911),
+        ("liashenko-iii", True, 0.3118),
+    ],
+)
+def test_liashenkos_profiles(profile, reverse, energy_kwh):
+    run = solve(load_scenario(profile, {"line.reverse": reverse, "solver.mesh_m": 2.5}))
+    # the last profile needs so little downhill that 0.02 % of it is below the reference's last digit
+    allowed = 0.002 if energy_kwh < 1 else 2e-4 * energy_kwh
+    assert run.energy_kwh == pytest.approx(energy_kwh, abs=allowed)
+    assert 0 <= run.gap <= PROVEN_GAP
+
+
+@pytest.mark.parametrize(("travel_time_s", "energy_wh"), [(270, 4618.07), (300, 4180.53), (330, 3853.74)])
+def test_ftoreks_line(travel_time_s, energy_wh):
+    """Findings on Ftorek 2025: three other methods agree on these to seven digits."""
+    run = solve(load_scenario("ftorek-300s", {"timetable.travel_time_s": travel_time_s}))
+    assert 1000 * run.energy_kwh == pytest.approx(energy_wh, rel=1e-4)
+    assert 0 <= run.gap <= PROVEN_GAP
+
+
+def test_a_public_benchmark_of_48_km():
+    """TTOBench, 140 and 100 km/h: two published solvers find 440.1415 and 440.1406 kWh."""
+    run = solve(load_scenario(G1), initial_speed_ms=1.0, final_speed_ms=1.0)
+    assert len(run.effort_n) <= 1000
+    assert run.energy_kwh == pytest.approx(440.14, rel=2e-4)
+    assert 0 <= run.gap <= PROVEN_GAP
+
+
+def outcome(seed):
+    """Return iterations, relative gap and the time allowed over the shortest one, of odd seeds with stops."""
+    task = random_run(seed, stops=seed % 2 == 1).task
+    data, solution = task.course.data, minimise(task)
+    energy = solution.optimum.energy * data.traction.constant_n
+    kinetic = data.half_inertia_kg * (task.course.length_m / task.running_time_s) ** 2
+    gap = (energy - certify(task, solution.optimum).energy_j) / max(abs(energy), 0.1 * kinetic)
+    return solution.iterations, gap, task.running_time_s / task.shortest_time_s
+
+
+def test_500_random_scenarios_converge_and_the_tight_ones_are_proven():
+    iterations, gap, share = np.array([outcome(seed) for seed in range(500)]).T
+    assert iterations.max() <= MOST_ITERATIONS
+    assert gap.min() >= 0
+    assert gap[share < TIGHT_SHARE].max() < PROVEN_GAP
+    # solver.md measured 98 % of all; beyond 1.5 times the shortest time some bounds stay low
+    assert np.mean(gap < PROVEN_GAP) > 0.95
+
+
+@pytest.fixture
+def hilly():
+    return prepare_task(load_scenario("liashenko-iii"))
+
+
+def run_method(task, iterations, tolerance=1e-7, least_centring=1e-6, exact_first=False):
+    limits = task.greatest_speed2, task.shortest_time_s, task.running_time_s
+    return minimise_energy(task.course.data, *limits, tolerance, iterations, least_centring, exact_first)
+
+
+@pytest.mark.parametrize(
+    "settings", [{"tolerance": 1e-9}, {"least_centring": 0.2}, {"exact_first": True}], ids=lambda x: next(iter(x))
+)
+def test_settings_change_the_way_but_not_the_optimum(hilly, settings):
+    usual, other = run_method(hilly, 60), run_method(hilly, 60, **settings)
+    assert other.status == CONVERGED
+    assert other.energy == pytest.approx(usual.energy, rel=2e-7)
+    assert np.any(other.speed2 != usual.speed2)
+
+
+def test_too_few_iterations_are_told(hilly):
+    assert run_method(hilly, 5).status == ITERATIONS_EXCEEDED
+    assert run_method(hilly, 5).iterations == 5
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8])
+def test_the_tolerance_bounds_the_error(hilly, tolerance):
+    """Of the energy, against a run a hundred times as exact as the tightest."""
+    exact = run_method(hilly, 100, 1e-10)
+    optimum = run_method(hilly, 60, tolerance)
+    assert optimum.relative_gap < 1.5 * tolerance
+    assert optimum.energy == pytest.approx(exact.energy, rel=1.5 * tolerance)

@@ -1,0 +1,114 @@
+"""Ftorek's optimal control in both variants, and what it refuses."""
+
+import numpy as np
+import pytest
+from builders import COPPER_LOSS, plain_scenario
+
+from railjoule.core import StrategyRefusedError, load_scenario, solve
+from railjoule.core.strategies import prepare_task
+from railjoule.core.strategies.eoc import solve_eoc, speed2_at
+from railjoule.core.strategies.plain_line import plain_line
+from railjoule.core.validation.papers import printed_numbers
+
+TABLE_1 = printed_numbers("ftorek-2025")["table_1"]
+
+
+def suburban(travel_time_s, **changes):
+    return load_scenario("ftorek-300s", {"timetable.travel_time_s": travel_time_s, **changes})
+
+
+def solution(scenario):
+    task = prepare_task(scenario)
+    line = plain_line(task)
+    return line, solve_eoc(line, task.running_time_s, scenario.eoc.variant)
+
+
+@pytest.mark.parametrize("printed", TABLE_1, ids=lambda row: f"{row['travel_time_s']} s")
+def test_as_printed_gives_table_1(printed):
+    """Within 1 %; findings on Ftorek 2025 name 0.1 to 0.9 %."""
+    scenario = suburban(printed["travel_time_s"], **{"eoc.variant": "as_printed"})
+    run = solve(scenario, "eoc")
+    assert run.max_speed_kmh == pytest.approx(printed["max_speed_kmh"], rel=0.01)
+    assert 1000 * run.energy_kwh == pytest.approx(printed["total_energy_wh"], rel=0.01)
+    assert run.notes[0] == "EOC as printed: the work of drag is left out of its cost."
+    _, over_time = solution(scenario)
+    current = prepare_task(scenario).course.drive.current_a(over_time.effort_n)
+    assert current.max() == pytest.approx(printed["max_current_a"], rel=0.01)
+    assert current.min() == pytest.approx(printed["min_current_a"], rel=0.01)
+    assert over_time.peak_energy_j / 3600 == pytest.approx(printed["peak_energy_wh"], rel=0.01)
+    assert over_time.shaft_energy_j / 3600 == pytest.approx(printed["shaft_energy_wh"], rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("travel_time_s", "energy_wh", "speed_kmh"), [(270, 4618.07, 76.62), (300, 4180.53, 68.35), (330, 3853.74, 61.65)]
+)
+def test_optimal_variant(travel_time_s, energy_wh, speed_kmh):
+    """Findings on Ftorek 2025: three other methods agree to seven digits."""
+    scenario = suburban(travel_time_s)
+    run = solve(scenario, "eoc")
+    assert 1000 * run.energy_kwh == pytest.approx(energy_wh, rel=1e-4)
+    assert run.max_speed_kmh == pytest.approx(speed_kmh, rel=5e-4)
+    assert run.notes == ()
+    assert solution(scenario)[1].total_energy_j / 3600 == pytest.approx(energy_wh, rel=2e-6)
+
+
+@pytest.mark.parametrize("travel_time_s", [240, 300, 600])
+def test_pontryagin_and_the_interior_point_find_the_same_run(travel_time_s):
+    """Where no limit binds and all braking energy comes back, the two methods solve one problem."""
+    ours, theirs = (solve(suburban(travel_time_s), strategy) for strategy in ("optimal", "eoc"))
+    assert theirs.energy.net_j == pytest.approx(ours.energy.net_j, rel=2e-6)
+    assert theirs.speed_ms == pytest.approx(ours.speed_ms, abs=0.02)
+    assert 0 <= theirs.gap < 2e-6
+
+
+def test_a_solution_obeys_the_equation_of_motion():
+    line, over_time = solution(suburban(300))
+    drag = line.constant_n + (line.linear + line.quadratic * over_time.speed_ms) * over_time.speed_ms
+    acceleration = np.gradient(over_time.speed_ms, over_time.time_s, edge_order=2)
+    force = line.inertia_kg * acceleration
+    assert force == pytest.approx(over_time.effort_n - drag, abs=1e-4 * over_time.effort_n.max())
+    assert np.gradient(over_time.position_m, over_time.time_s, edge_order=2) == pytest.approx(
+        over_time.speed_ms, abs=1e-3
+    )
+    assert over_time.position_m[[0, -1]] == pytest.approx([0, 5000], abs=1e-6)
+    assert over_time.speed_ms[[0, -1]] == pytest.approx(0, abs=1e-9)
+
+
+def test_speeds_between_samples():
+    """Away from the ends straight lines between 4001 samples of place are right to 1 mm, hence of v^2 to 0.002."""
+    line, over_time = solution(suburban(300))
+    times = np.linspace(5, 295, 12_001)
+    places, speeds = (np.interp(times, over_time.time_s, v) for v in (over_time.position_m, over_time.speed_ms))
+    speed2 = speed2_at(over_time, line, np.concatenate([[0.0], places, [5000.0]]))
+    assert speed2[1:-1] == pytest.approx(speeds**2, abs=2e-3)
+    assert speed2[[0, -1]].tolist() == [0, 0]
+
+
+def test_the_run_keeps_the_timetable():
+    for time in (270.0, 300.0, 330.0):
+        assert solve(suburban(time, **{"solver.mesh_m": 50.0}), "eoc").travel_time_s == pytest.approx(time, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"line.stations": [{"position_m": 900.0}]}, "needs a line without stops between its ends."),
+        ({"vehicle.drive": plain_scenario().vehicle.drive.model_dump()}, "needs a drive with copper loss."),
+        ({"timetable.travel_time_s": 112.0}, "pulls with 161 kN at 0 m, 61.0 kN more than there is."),
+    ],
+)
+def test_refusals(changes, sentence):
+    with pytest.raises(StrategyRefusedError) as refusal:
+        solve(plain_scenario({"vehicle.drive": COPPER_LOSS, "timetable.travel_time_s": 200.0, **changes}), "eoc")
+    assert str(refusal.value) == sentence
+
+
+def test_a_gradient_that_carries_the_train():
+    """2 per mille down against 2 N/kN: hardly other than 1.999."""
+    changes = {"vehicle.drive": COPPER_LOSS, "timetable.travel_time_s": 200.0}
+    exact, near = (
+        {**changes, "line.sections": [{"length_m": 2000.0, "gradient_permille": gradient}]}
+        for gradient in (-2.0, -1.9999)
+    )
+    other = solve(plain_scenario(near), "eoc").energy_kwh
+    assert solve(plain_scenario(exact), "eoc").energy_kwh == pytest.approx(other, rel=1e-3)

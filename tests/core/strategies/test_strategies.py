@@ -1,0 +1,83 @@
+"""All strategies have the same call and the same result, and each run comes with its bound."""
+
+import pytest
+from builders import COPPER_LOSS, HILLS, plain_scenario
+
+from railjoule.core import StrategyRefusedError, TimetableError, Trajectory, compare, load_scenario, solve
+from railjoule.core.scenario import STRATEGY_NAMES
+from railjoule.core.strategies import STRATEGIES, prepare_task, run_strategy
+
+SUBURBAN = load_scenario("ftorek-300s")
+
+
+@pytest.mark.parametrize("strategy", STRATEGIES)
+def test_every_strategy_has_the_same_call_and_result(strategy):
+    run = solve(SUBURBAN, strategy)
+    assert isinstance(run, Trajectory)
+    assert run.scenario is SUBURBAN
+    assert run.strategy == strategy
+    assert run.distance_m == 5000
+    assert run.speed_ms[[0, -1]].tolist() == [0, 0]
+    assert run.solve_time_s > 0
+    assert run.bound.energy_j <= run.energy.net_j
+
+
+def test_every_strategy_can_be_named_in_a_scenario():
+    assert set(STRATEGIES) <= set(STRATEGY_NAMES)
+
+
+def test_the_scenario_names_the_strategy_unless_the_call_does():
+    scenario = SUBURBAN.with_(strategy="enoc")
+    assert solve(scenario).strategy == "enoc"
+    assert solve(scenario, "fastest").strategy == "fastest"
+
+
+@pytest.mark.parametrize(
+    ("strategy", "words"),
+    [
+        *((name, "is not part of this version, which has") for name in STRATEGY_NAMES if name not in STRATEGIES),
+        ("magic", "is no strategy; there are"),
+    ],
+)
+def test_an_unknown_strategy_is_refused_with_those_that_there_are(strategy, words):
+    with pytest.raises(StrategyRefusedError) as refusal:
+        solve(SUBURBAN, strategy)
+    assert str(refusal.value) == f"{words} {', '.join(STRATEGIES)}."
+
+
+def test_the_bound_is_that_of_the_optimum():
+    """A strategy that proves nothing itself gets the bound from `solve`, not from `run_strategy`."""
+    bound = solve(SUBURBAN, "optimal").bound
+    assert run_strategy(prepare_task(SUBURBAN), "enoc").bound is None
+    other = solve(SUBURBAN, "enoc").bound
+    assert (other.energy_j, other.statement) == (bound.energy_j, bound.statement)
+
+
+def test_compare_gives_all_runs_one_bound():
+    runs, refused = compare(SUBURBAN)
+    assert [run.strategy for run in runs] == list(STRATEGIES)
+    assert refused == {}
+    assert len({id(run.bound) for run in runs}) == 1
+    gaps = {run.strategy: run.gap for run in runs}
+    assert gaps["optimal"] < 1e-6
+    # findings on Ftorek 2025: ENOC's best acceleration time costs 1.6 % more than the optimum
+    assert gaps["enoc"] == pytest.approx(0.016, abs=1e-3)
+    assert gaps["eoc"] < gaps["enoc"] < gaps["fastest"]
+
+
+def test_compare_says_why_the_others_refuse():
+    runs, refused = compare(plain_scenario({"vehicle.drive": COPPER_LOSS, "line.stations": [{"position_m": 1000.0}]}))
+    assert {run.strategy for run in runs} == set(STRATEGIES) - {"eoc", "enoc"}
+    assert refused == dict.fromkeys(("eoc", "enoc"), "needs a line without stops between its ends.")
+
+
+@pytest.mark.parametrize("call", [compare, solve])
+def test_a_timetable_that_no_train_keeps_is_an_error_for_all(call):
+    with pytest.raises(TimetableError):
+        call(plain_scenario({"timetable.travel_time_s": 60.0}))
+
+
+def test_speeds_at_the_ends():
+    run = solve(plain_scenario({"line.sections": HILLS}), initial_speed_ms=5.0, final_speed_ms=3.0)
+    assert run.speed_ms[[0, -1]] == pytest.approx([5, 3])
+    assert run.gap < 1e-6

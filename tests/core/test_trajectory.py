@@ -1,0 +1,180 @@
+"""A run as arrays: its account, its gap, its table."""
+
+from dataclasses import FrozenInstanceError, fields
+
+import numpy as np
+import pytest
+from builders import COPPER_LOSS, HILLS, plain_scenario
+
+from railjoule.core import Bound, compare, load_scenario, solve
+from railjoule.core.motion import build_course
+from railjoule.core.scenario import preset_names
+from railjoule.core.strategies import STRATEGIES
+from railjoule.core.trajectory import make_trajectory
+
+DWELL = {
+    "line.stations": [{"position_m": 900.0, "dwell_s": 30.0}],
+    "vehicle.auxiliary_power_kw": 40.0,
+    "timetable.travel_time_s": 250.0,
+}
+ADDITIONS = {
+    "as shipped": {},
+    "auxiliaries and friction brakes": {
+        "vehicle.auxiliary_power_kw": 50.0,
+        "vehicle.braking.max_effort_kn": 60.0,
+        "vehicle.braking.friction_effort_kn": 120.0,
+        "vehicle.resistance.curve_constant_m_n_per_kn": 600.0,
+    },
+    "a stop": {
+        "vehicle.auxiliary_power_kw": 50.0,
+        "line.stations": [{"position_m": 500.0, "dwell_s": 30.0}],
+        "timetable.travel_time_s": 400.0,
+    },
+}
+
+
+@pytest.mark.parametrize("recuperation", [0.0, 0.4, 1.0])
+@pytest.mark.parametrize("additions", ADDITIONS)
+@pytest.mark.parametrize("name", preset_names("scenarios"))
+def test_the_account_of_every_strategy_closes(name, additions, recuperation):
+    scenario = load_scenario(name, {"drive.recuperation_factor": recuperation, **ADDITIONS[additions]})
+    runs, refused = compare(scenario)
+    assert len(runs) + len(refused) == len(STRATEGIES)
+    dwell = sum(station.dwell_s for station in scenario.line.stations)
+    for run in runs:
+        energy, vehicle = run.energy, scenario.vehicle
+        assert abs(energy.imbalance) < 1e-6, run.strategy
+        assert run.line_energy_j[-1] == pytest.approx(energy.net_j, rel=1e-9)
+        assert energy.auxiliary_j == pytest.approx(1e3 * vehicle.auxiliary_power_kw * run.travel_time_s)
+        assert energy.kinetic_j == 0
+        climb = sum(section.length_m * section.gradient_permille for section in scenario.line.sections) / 1e3
+        assert energy.potential_j == pytest.approx(vehicle.total_mass_kg * 9.81 * climb, abs=1.0)
+        assert run.travel_time_s - np.diff(run.time_s)[np.diff(run.position_m) > 0].sum() == pytest.approx(dwell)
+
+
+def test_every_strategy_closes_an_account_in_that_test():
+    """Each takes at least one shipped scenario, or nothing is said about it."""
+    taken = {run.strategy for name in preset_names("scenarios") for run in compare(load_scenario(name))[0]}
+    assert taken == set(STRATEGIES)
+
+
+def test_kinetic_energy_is_that_of_the_ends():
+    run = solve(plain_scenario(), initial_speed_ms=5.0, final_speed_ms=3.0)
+    assert run.energy.kinetic_j == pytest.approx(0.5 * 110e3 * (9 - 25))
+    assert abs(run.energy.imbalance) < 1e-6
+
+
+def test_curves_cost_what_their_formula_says():
+    """600 N m/kN over a radius of 300 m on 500 m of HILLS, for 981 kN of weight."""
+    changes = {"line.sections": HILLS, "vehicle.resistance.curve_constant_m_n_per_kn": 600.0}
+    assert solve(plain_scenario(changes), "fastest").energy.curve_resistance_j == pytest.approx(981 * 600 / 300 * 500)
+
+
+@pytest.fixture(scope="module")
+def stopping():
+    return solve(plain_scenario(DWELL))
+
+
+def test_a_dwell_is_a_cell_without_length(stopping):
+    (cell,) = np.flatnonzero(np.diff(stopping.position_m) == 0)
+    assert stopping.position_m[cell] == 900
+    assert stopping.speed_ms[cell : cell + 2].tolist() == [0, 0]
+    assert stopping.effort_n[cell] == stopping.largest_effort_n[cell] == 0
+    assert stopping.line_power_w[cell] == 40e3
+    assert np.diff(stopping.time_s)[cell] == pytest.approx(30)
+    assert np.diff(stopping.line_energy_j)[cell] == pytest.approx(30 * 40e3)
+    nodes = len(stopping.position_m)
+    assert {len(getattr(stopping, name)) for name in ("speed_ms", "time_s", "line_energy_j")} == {nodes}
+    cells = ("tractive_effort_n", "electric_braking_n", "friction_braking_n", "line_power_w", "gradient_permille")
+    assert {len(getattr(stopping, name)) for name in cells} == {nodes - 1}
+
+
+def test_what_is_read_off_a_run(stopping):
+    assert stopping.travel_time_s == stopping.time_s[-1]
+    assert stopping.distance_m == 2000
+    assert stopping.max_speed_kmh == pytest.approx(3.6 * stopping.speed_ms.max())
+    assert stopping.energy_kwh == pytest.approx(stopping.energy.net_j / 3.6e6)
+    assert stopping.lower_bound_kwh == pytest.approx(stopping.bound.energy_j / 3.6e6)
+
+
+def test_arrays_and_fields_are_frozen(stopping):
+    arrays = [getattr(stopping, field.name) for field in fields(stopping)]
+    for array in (array for array in arrays if isinstance(array, np.ndarray)):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 0
+    with pytest.raises(FrozenInstanceError):
+        stopping.strategy = "other"
+
+
+def test_gap_is_relative_to_the_bound(stopping):
+    net = stopping.energy.net_j
+    assert stopping.with_bound(Bound(0.8 * net, "any")).gap == pytest.approx(0.25)
+    assert stopping.with_bound(Bound(net, "any")).gap == 0
+
+
+@pytest.mark.parametrize("bound_j", [0.0, 1.0, -2e5])
+def test_gap_of_a_small_bound_is_relative_to_a_tenth_of_the_kinetic_energy(stopping, bound_j):
+    """Of 110 t at the mean speed, 2000 m in the time of the run."""
+    tenth = 0.1 * 0.5 * 110e3 * (2000 / stopping.travel_time_s) ** 2
+    run = stopping.with_bound(Bound(bound_j, "any"))
+    assert run.gap == pytest.approx((stopping.energy.net_j - bound_j) / tenth)
+
+
+def test_a_bound_can_be_given_and_taken_away(stopping):
+    bound = Bound(1.0, "any")
+    given, taken = stopping.with_bound(bound), stopping.with_bound(None)
+    assert given.bound is bound
+    assert (taken.gap, taken.lower_bound_kwh) == (None, None)
+    assert given.speed_ms is taken.speed_ms is stopping.speed_ms
+
+
+def test_table_has_a_row_a_node_and_its_unit_in_each_name(stopping):
+    table = stopping.to_dataframe()
+    assert table["position_m"].tolist() == stopping.position_m.tolist()
+    assert table["time_s"].tolist() == stopping.time_s.tolist()
+    for column, expected in {
+        "speed_kmh": 3.6 * stopping.speed_ms,
+        "effort_kn": np.append(stopping.effort_n, stopping.effort_n[-1]) / 1e3,
+        "line_power_kw": np.append(stopping.line_power_w, stopping.line_power_w[-1]) / 1e3,
+        "line_energy_kwh": stopping.line_energy_j / 3.6e6,
+        "gradient_permille": np.append(stopping.gradient_permille, stopping.gradient_permille[-1]),
+    }.items():
+        assert table[column].to_numpy() == pytest.approx(expected), column
+    assert len(table.columns) == 7
+
+
+def test_table_has_a_current_where_the_drive_has_one():
+    """Of one of four motors: F r / (n k u), negative in braking."""
+    run = solve(plain_scenario({"vehicle.drive": COPPER_LOSS}))
+    current = run.to_dataframe()["current_a"].to_numpy()[:-1]
+    assert current == pytest.approx(run.effort_n * 0.4 / (4 * 5.0 * 5.0))
+    assert current.min() < 0 < current.max()
+    assert solve(plain_scenario()).current_a is None
+
+
+def test_friction_brakes_do_what_the_electric_brake_cannot():
+    limits = {"vehicle.braking.max_power_kw": 500.0, "vehicle.braking.friction_effort_kn": 50.0}
+    run = solve(plain_scenario({**limits, "drive.recuperation_factor": 1.0}), "fastest")
+    mean_speed = 0.5 * (run.speed_ms[1:] + run.speed_ms[:-1])
+    strongest = np.minimum(80e3, 500e3 / mean_speed)
+    braking = run.electric_braking_n + run.friction_braking_n
+    assert run.electric_braking_n == pytest.approx(np.minimum(braking, strongest))
+    assert run.friction_braking_n.max() == pytest.approx(50e3, rel=1e-6)
+    burnt = np.sum(run.friction_braking_n * np.diff(run.position_m))
+    assert run.energy.losses_j["friction_brakes"] == pytest.approx(burnt)
+
+
+def test_an_electric_brake_that_would_draw_power_is_left_out_where_it_is_wanted():
+    """Below v = coefficient F, 1.5 m/s here and so in the last cell alone, friction saves what motors would draw."""
+    drive = {**COPPER_LOSS, "resistance_ohm": 0.3}
+    scenario = plain_scenario({"vehicle.drive": drive, "vehicle.braking.friction_effort_kn": 100.0})
+    course = build_course(scenario)
+    speed2 = 2 * 0.7 * np.minimum(course.position_m, 2000 - course.position_m).clip(max=80.0)
+    by_motors = make_trajectory(scenario, course, "any", speed2)
+    by_friction = make_trajectory(scenario, course, "any", speed2, np.zeros(course.cell_count))
+    drawn = by_motors.line_power_w[-1]
+    assert drawn > 0
+    assert by_friction.electric_braking_n[-1] == 0
+    assert by_friction.energy.net_j == pytest.approx(by_motors.energy.net_j - drawn * np.diff(by_motors.time_s)[-1])
+    # elsewhere motors generate, and no wish to spare them is heard
+    assert np.array_equal(by_friction.electric_braking_n[:-1], by_motors.electric_braking_n[:-1])
