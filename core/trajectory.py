@@ -124,15 +124,15 @@ class Trajectory:
 
     @property
     def gap(self) -> float | None:
-        """Energy over its bound minus 1, if a bound is known.
+        """Energy over its bound minus 1, if a bound is known; over the size of the bound where it is negative.
 
-        A bound near zero or below counts as a tenth of the kinetic energy at the mean speed.
+        A bound near zero counts as a tenth of the kinetic energy at the mean speed.
         """
         if self.bound is None:
             return None
         vehicle = self.scenario.vehicle
         kinetic = 0.5 * vehicle.total_inertia_kg * (self.distance_m / self.travel_time_s) ** 2
-        scale = max(self.bound.energy_j, SMALL_ENERGY_SHARE * kinetic)
+        scale = max(abs(self.bound.energy_j), SMALL_ENERGY_SHARE * kinetic)
         return (self.energy.net_j - self.bound.energy_j) / scale
 
     @cached_property
