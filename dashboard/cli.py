@@ -83,6 +83,8 @@ def _call(options: argparse.Namespace) -> None:
         changes = commands.parsed_changes(words)
         if options.command == "solve":
             commands.solve(file, changes, options.strategy, options.trajectory, output)
+        elif options.command == "simulate":
+            commands.simulate(file, changes, output)
         else:
             commands.compare_strategies(file, changes, output)
 
@@ -99,6 +101,7 @@ def build_parser() -> argparse.ArgumentParser:
     solve.add_argument("--strategy", metavar="S", help="how the train is driven; the scenario's own where absent")
     solve.add_argument("--trajectory", metavar="OUT", help="write the run to OUT.csv or OUT.parquet")
     _add_scenario_command(commands, "compare", "run every strategy that fits a scenario")
+    _add_scenario_command(commands, "simulate", "follow the plan of a scenario under its disturbance")
     benchmark = _add(commands, "benchmark", "time every strategy on the shipped scenarios, beside CasADi with IPOPT")
     _add_json(benchmark)
     validate = _add(commands, "validate", "show the papers' printed numbers beside ours")

@@ -13,6 +13,7 @@ from typing import Any, cast
 from railjoule.core import RailjouleError, Scenario, StrategyRefusedError, Trajectory, compare, load_scenario
 from railjoule.core import solve as solve_scenario
 from railjoule.core.scenario import StrategyName, preset_names
+from railjoule.core.simulate.following import simulate_following
 from railjoule.core.strategies import prepare_task
 from railjoule.dashboard import summary, terminal
 
@@ -71,6 +72,25 @@ def compare_strategies(file: str, changes: Mapping[str, Any], output: Output) ->
     runs, refused = compare(scenario)
     values = summary.summarise_comparison(runs, refused, prepare_task(scenario).shortest_travel_time_s)
     output.show(values, terminal.comparison_text)
+
+
+def simulate(file: str, changes: Mapping[str, Any], output: Output) -> None:
+    """Plan a scenario, follow the plan under its disturbance, and show both.
+
+    Raises
+    ------
+    RailjouleError
+        If anything is wrong with the scenario, or the real train cannot pass the line.
+    """
+    scenario = load(file, changes)
+    if scenario.simulation.kind != "following":
+        raise CommandError(f"simulation.kind = {scenario.simulation.kind} is not part of this version: following is.")
+    announce_compilation()
+    try:
+        following = simulate_following(scenario)
+    except StrategyRefusedError as refusal:
+        raise CommandError(f"{scenario.strategy} {refusal}") from None
+    output.show(summary.summarise_following(following), terminal.following_text)
 
 
 def benchmark(output: Output) -> None:

@@ -12,6 +12,7 @@ from railjoule.core import Phase, Trajectory
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
 if TYPE_CHECKING:
+    from railjoule.core.simulate.following import Following
     from railjoule.core.validation.benchmark import Timing
     from railjoule.core.validation.table import Row, Table, Validation
 
@@ -72,6 +73,18 @@ def summarise_comparison(
     return {
         "results": [summarise(run, shortest_travel_time_s) for run in runs],
         "refused": [{"strategy": strategy, "reason": reason} for strategy, reason in refused.items()],
+    }
+
+
+def summarise_following(following: "Following") -> Summary:
+    """Return a plan and what became of it as plain values."""
+    return {
+        "planned": summarise(following.planned),
+        "actual": summarise(following.actual),
+        "overconsumption": _finite(following.overconsumption),
+        "stop_error_m": following.stop_error_m,
+        "stop_errors_m": list(following.stop_errors_m),
+        "delay_s": following.delay_s,
     }
 
 

@@ -67,6 +67,33 @@ def comparison_text(comparison: Summary) -> str:
     return "\n".join(lines)
 
 
+def following_text(following: Summary) -> str:
+    """Return a plan and what became of it."""
+    planned, actual = following["planned"], following["actual"]
+    rows = [
+        (
+            name,
+            energy(run["energy_kwh"]),
+            number(run["travel_time_s"]),
+            number(run["max_speed_kmh"]),
+            energy(run["recuperated_kwh"]),
+        )
+        for name, run in (("planned", planned), ("driven", actual))
+    ]
+    more = following["overconsumption"]
+    share = "" if more is None else f"{100 * more:+.2f} % energy, "
+    return "\n".join(
+        [
+            f"{printable(planned['title']) or 'Untitled scenario'}: {STRATEGY_WORDS[planned['strategy']]}, followed",
+            "",
+            *table_lines(("run", "kWh", "time, s", "top, km/h", "recuperated, kWh"), rows),
+            "",
+            f"{share}{following['delay_s']:+.2f} s, stopped {following['stop_error_m']:+.2f} m from the place.",
+            f"Driver: {phase_words(actual['phases'])}",
+        ]
+    )
+
+
 def validations_text(validations: Summary) -> str:
     """Return all papers' printed numbers beside ours."""
     return "\n\n".join(validation_text(validation) for validation in validations["papers"])

@@ -223,6 +223,23 @@ def greatest_speeds(course: CourseData) -> tuple[FloatArray, int, bool]:
 
 
 @njit(cache=True, nogil=True)
+def slowed_to_reach(course: CourseData, speed2: FloatArray) -> FloatArray:
+    """Return squares of speed lowered to what full effort reaches and full braking can still slow down.
+
+    Parameters
+    ----------
+    course : CourseData
+        What the run obeys.
+    speed2 : array of shape (n + 1,)
+        Squares of speed [m2/s2], none above the greatest feasible ones.
+    """
+    lowered = speed2.copy()
+    _forward(course, lowered)
+    _backward(course, lowered)
+    return lowered
+
+
+@njit(cache=True, nogil=True)
 def running_time(cell_length_m: FloatArray, speed2: FloatArray) -> float:
     """Return the time of a run [s]: 2 h / (v0 + v1) a cell."""
     total = 0.0

@@ -1,8 +1,9 @@
 """Settings of the ways to solve and to simulate a scenario."""
 
-from typing import Annotated, Literal
+from itertools import pairwise
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from railjoule.core.scenario._base import Number, Part
 
@@ -29,6 +30,42 @@ class SimulationOptions(Part):
 
     kind: Literal["following", "field_oriented"] = Field("following", description="Which simulation.")
     precompensator: bool = Field(True, strict=True, description="Cancel the lag of the position control.")
+    response_length_m: Number = Field(
+        5.0,
+        ge=0,
+        le=1000,
+        description="Way over which an error of speed squared falls to 1/e [m].",
+    )
+    speed_error: Number = Field(0.0, gt=-0.5, lt=0.5, description="Measured speed over the true one, less 1.")
+    target_braking: bool = Field(True, strict=True, description="Brake along the target curve before each stop.")
+    target_deceleration_ms2: Number = Field(0.6, gt=0, le=10, description="Deceleration of the target curve [m/s2].")
+    reset_sensor_m: Number | None = Field(300.0, gt=0, le=1e5, description="D1, resets the place: before the stop [m].")
+    calibration_length_m: Number | None = Field(
+        120.0, gt=0, le=1e5, description="From D1 to D2, over which the measured speed is calibrated [m]."
+    )
+    stop_sensor_m: Number | None = Field(15.0, gt=0, le=1e5, description="D3, resets the place: before the stop [m].")
+    sensor_errors_m: tuple[Number, Number, Number] = Field(
+        (0.0, 0.0, 0.0), description="By how much D1, D2, D3 lie further on than the train knows [m]."
+    )
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if self.calibration_length_m is not None and self.reset_sensor_m is None:
+            raise ValueError("calibration_length_m needs reset_sensor_m, where the calibration begins")
+        places = [self.reset_sensor_m, self._second_sensor_m, self.stop_sensor_m]
+        known = [place for place in places if place is not None]
+        if any(later >= earlier for earlier, later in pairwise(known)) or min(known, default=1.0) <= 0:
+            raise ValueError(
+                "the sensors must stand in the order D1, D2, D3 before the stop: reset_sensor_m above "
+                "reset_sensor_m - calibration_length_m above stop_sensor_m"
+            )
+        return self
+
+    @property
+    def _second_sensor_m(self) -> float | None:
+        if self.reset_sensor_m is None or self.calibration_length_m is None:
+            return None
+        return self.reset_sensor_m - self.calibration_length_m
 
 
 class EocOptions(Part):

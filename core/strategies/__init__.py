@@ -6,6 +6,7 @@ from dataclasses import replace
 
 from railjoule.core.errors import SolverError, StrategyRefusedError
 from railjoule.core.scenario import STRATEGY_NAMES, Scenario, StrategyName
+from railjoule.core.strategies.bellman import bellman
 from railjoule.core.strategies.enoc import enoc
 from railjoule.core.strategies.eoc import eoc
 from railjoule.core.strategies.fastest import fastest
@@ -15,6 +16,7 @@ from railjoule.core.trajectory import Trajectory
 
 STRATEGIES: dict[StrategyName, Callable[[Task], Trajectory]] = {
     "optimal": optimal,
+    "bellman": bellman,
     "eoc": eoc,
     "enoc": enoc,
     "fastest": fastest,

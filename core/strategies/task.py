@@ -84,7 +84,11 @@ def prepare_task(
     InfeasibleLineError
         If no run passes the line at all.
     """
-    course = build_course(scenario, initial_speed_ms, final_speed_ms, position_m)
+    return task_over(scenario, build_course(scenario, initial_speed_ms, final_speed_ms, position_m))
+
+
+def task_over(scenario: Scenario, course: Course) -> Task:
+    """Return the task of a scenario over a course of its own; errors as `prepare_task`."""
     speed2, obstacle, braking = greatest_speeds(course.data)
     if obstacle != MOVED:
         raise InfeasibleLineError(_obstacle_sentence(course, obstacle, braking))

@@ -8,7 +8,6 @@ from typing import NamedTuple
 import pytest
 
 CORE = Path(__file__).parents[2] / "core"
-INTERIOR_POINT = "interior_point"
 
 UNITS = {
     "_a": "A",
@@ -44,7 +43,7 @@ UNITS = {
 WITHOUT_UNIT = {
     *("k1", "k3", "k5", "k6", "ka", "ks"),  # coefficients of a paper keep its names
     *("effort", "power", "speed"),  # compiled code of drives
-    *("linear", "quadratic", "resistance_linear", "resistance_quadratic", "loss_coefficient"),
+    *("inertia", "linear", "quadratic", "resistance_linear", "resistance_quadratic", "loss_coefficient"),
     "curve",  # pairs of two units
 }
 """Names whose unit only the file tells."""
@@ -97,7 +96,12 @@ def tables() -> dict[str, dict[str, list[str]]]:
 
 USES = uses()
 TABLES = tables()
-QUANTITIES, OTHERS, SCALED = TABLES.values()
+QUANTITIES, OTHERS, *_ = TABLES.values()
+INSIDE = {
+    "interior_point": TABLES["Inside the interior-point method"],
+    "dynamic_programming": TABLES["Inside the dynamic programming"],
+}
+"""The names that one package alone uses."""
 
 
 def test_every_name_is_in_the_file():
@@ -106,21 +110,21 @@ def test_every_name_is_in_the_file():
         for use in USES
         if use.name not in QUANTITIES
         and use.name not in OTHERS
-        and not (use.name in SCALED and use.place.startswith(INTERIOR_POINT))
+        and use.name not in INSIDE.get(use.place.split("/")[0], ())
     }
     assert not unknown, f"not in core/NOMENCLATURE.md: {unknown}"
 
 
 def test_every_row_is_used():
     names = {use.name for use in USES}
-    inside = {use.name for use in USES if use.place.startswith(INTERIOR_POINT)}
-    unused = sorted({*QUANTITIES, *OTHERS} - names) + sorted(SCALED.keys() - inside)
+    unused = sorted({*QUANTITIES, *OTHERS} - names)
+    for package, rows in INSIDE.items():
+        unused += sorted(rows.keys() - {use.name for use in USES if use.place.startswith(f"{package}/")})
     assert not unused, f"no code uses these rows of core/NOMENCLATURE.md: {unused}"
 
 
 def test_a_quantity_is_not_listed_as_none():
     assert not QUANTITIES.keys() & OTHERS.keys()
-    assert not QUANTITIES.keys() & SCALED.keys()
 
 
 @pytest.mark.parametrize("heading", TABLES)

@@ -188,7 +188,7 @@ def test_compare_prints_json(capsys):
     values = json.loads(answer(capsys, "compare", "ftorek-300s", "--set", "vehicle.load_factor=0.5", "--json"))
     assert list(values) == ["results", "refused"]
     strategies = [result["strategy"] for result in values["results"]]
-    assert strategies == ["optimal", "eoc", "enoc", "fastest"]
+    assert strategies == ["optimal", "bellman", "eoc", "enoc", "fastest"]
     assert values["refused"] == []
     best = values["results"][0]
     assert best["gap"] <= 1e-6
@@ -327,7 +327,7 @@ def test_a_bad_change(capsys, change, words):
     [
         ([], "the following arguments are required: COMMAND; see railjoule --help."),
         (["drive"], "invalid choice: 'drive'"),
-        (["simulate", "liashenko-ii"], "invalid choice: 'simulate'"),
+        (["study", "liashenko-ii"], "invalid choice: 'study'"),
         (["solve"], "FILE is missing"),
         (["solve", "--set", "a", "b"], "FILE is missing"),
         (["solve", "a", "b"], "unrecognized arguments: b; see railjoule --help."),
@@ -339,10 +339,10 @@ def test_a_bad_change(capsys, change, words):
         (["solve", "metro.toml"], "metro.toml: there is no such file."),
         (["solve", "."], "Is a directory"),
         (["solve", "x" * 5000], "File name too long"),
-        (["solve", "liashenko-ii", "--strategy", "bellman"], "bellman is not part of this version"),
+        (["solve", "liashenko-ii", "--strategy", "phases"], "phases is not part of this version"),
         (
             ["solve", "liashenko-ii", "--strategy", "best"],
-            "best is no strategy; there are optimal, eoc, enoc, fastest.",
+            "best is no strategy; there are optimal, bellman, eoc, enoc, fastest.",
         ),
         (["solve", "liashenko-ii", "--strategy", "eoc"], "eoc needs a drive with copper loss."),
         (["validate", "liashenko"], "'liashenko' is none of the papers of this version, which has ftorek."),
@@ -440,3 +440,19 @@ def test_solving_imports_nothing_of_the_screen():
     )
     process = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=300)
     assert process.stdout.splitlines()[-1] == "[]"
+
+
+def test_simulate_shows_the_plan_and_what_became_of_it(capsys):
+    changes = ["disturbance.coordinate_error_m=15", "disturbance.actual_load_factor=1"]
+    assert main(["simulate", "liashenko-ii", "--set", *changes, "--json"]) == OK
+    answer = json.loads(capsys.readouterr().out)
+    assert set(answer) == {"planned", "actual", "overconsumption", "stop_error_m", "stop_errors_m", "delay_s"}
+    more = answer["actual"]["energy_kwh"] / answer["planned"]["energy_kwh"] - 1
+    assert answer["overconsumption"] == pytest.approx(more)
+    assert main(["simulate", "liashenko-ii", "--set", *changes]) == OK
+    assert f"{100 * more:+.2f} % energy" in capsys.readouterr().out
+
+
+def test_a_simulation_that_is_not_there_is_named(capsys):
+    assert main(["simulate", "ftorek-300s", "--set", "simulation.kind=field_oriented"]) == BAD_INPUT
+    assert "field_oriented is not part of this version" in capsys.readouterr().err

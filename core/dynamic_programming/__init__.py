@@ -1,0 +1,1 @@
+"""Bellman's dynamic programming over the speeds of a mesh."""

@@ -1,0 +1,217 @@
+"""The price of time at which the cheapest run meets the timetable, on ever finer grids around the run found so far."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.dynamic_programming.backward import Steps, speed_grid, sweep_back, tabulate_steps
+from railjoule.core.dynamic_programming.rollout import roll_out, run_energy
+from railjoule.core.errors import SolverError
+from railjoule.core.motion import running_time
+from railjoule.core.motion.course import CourseData
+from railjoule.core.motion.passes import slowed_to_reach
+
+FIRST_POINTS, POINTS = 24, (13, 9, 7)
+"""Speeds at each node on the first grid, which spans all of them, and on the next; the last number stays."""
+FIRST_BAND_SHARE, NARROWING = 0.1, 0.3
+"""Half of the second grid's band over the greatest speed, and by what the band narrows once the run is steady."""
+STEADY_SHARE = 5e-4
+"""A run is steady if a new grid makes it cheaper by less than this share of its kinetic energy at the mean speed."""
+LEAST_BAND_MS, MOST_LEVELS = 0.02, 14
+FIRST_NEAR, LEAST_NEAR = 2e-3, 5e-5
+"""How close to the running time a level's run must come, as a share of it: at first, halved from level to level."""
+NARROWINGS = 4
+FIRST_FACTOR = 8.0
+"""By how much the first bracket of the price widens, step by step."""
+NEXT_FACTOR = 1.02
+LEAST_WIDTH = 1e-4
+MOST_WIDENINGS, MOST_SWEEPS = 20, 60
+PRICE_SHARES = (1e-6, 1e4)
+"""The least and the greatest price that is tried, over kinetic energy at the mean speed by running time."""
+
+
+@dataclass(frozen=True, eq=False)
+class Level:
+    """One grid with its steps, and the two runs on it whose times bracket the timetable.
+
+    Parameters
+    ----------
+    grid : array of shape (nodes, points)
+        Squares of speed [m2/s2].
+    steps : Steps
+        All steps between them.
+    price_w : float
+        Price of a second between those of the two runs [J/s].
+    slower, faster : array of shape (nodes,)
+        Squares of speed of both runs [m2/s2].
+    sweeps : int
+        How many backward inductions it took.
+    """
+
+    grid: FloatArray
+    steps: Steps
+    price_w: float
+    slower: FloatArray
+    faster: FloatArray
+    sweeps: int
+
+
+def search_level(
+    course: CourseData,
+    grid: FloatArray,
+    fastest_speed2: FloatArray,
+    time_s: float,
+    price_scale_w: float,
+    first_price_w: float,
+    factor: float,
+    near_s: float,
+) -> Level:
+    """Return the runs on one grid that bracket a running time.
+
+    Parameters
+    ----------
+    course : CourseData
+        What the run obeys.
+    grid : array of shape (nodes, points)
+        Squares of speed [m2/s2].
+    fastest_speed2 : array of shape (nodes,)
+        The fastest run [m2/s2], which bounds the search where the grid's own runs are all too slow.
+    time_s : float
+        Running time allowed [s].
+    price_scale_w, first_price_w, factor : float
+        A natural price of time, where the search begins [J/s], and by which factor its bracket widens.
+    near_s : float
+        The search ends with a run whose time is this close [s], or with prices that hardly differ.
+
+    Raises
+    ------
+    SolverError
+        If no run reaches the end on this grid.
+    """
+    steps = tabulate_steps(course, grid)
+    runs: dict[float, tuple[FloatArray, float]] = {}
+
+    def lateness(log_price: float) -> float:
+        if log_price not in runs:
+            price = math.exp(log_price)
+            cost, _ = sweep_back(steps, grid, price)
+            speed2 = roll_out(course, grid, cost, price, NARROWINGS)
+            if speed2[-1] < 0:
+                raise SolverError("dynamic programming found no run that reaches the end on its grid of speeds.")
+            runs[log_price] = speed2, running_time(course.cell_length_m, speed2) - time_s
+        return runs[log_price][1]
+
+    least, most = (math.log(price_scale_w * share) for share in PRICE_SHARES)
+    first = other = math.log(first_price_w)
+    for widening in range(MOST_WIDENINGS):
+        wider = other + math.copysign(math.log(factor) * 1.5**widening, lateness(first))
+        other = min(max(wider, least), most)
+        if lateness(first) * lateness(other) <= 0 or other != wider:
+            break
+        first = other
+    slow, fast = (first, other) if lateness(first) >= lateness(other) else (other, first)
+    if lateness(slow) <= 0:
+        # the cheapest run at any price is early
+        return Level(grid, steps, math.exp(slow), runs[slow][0], runs[slow][0], len(runs))
+    if lateness(fast) > 0:
+        return Level(grid, steps, math.exp(fast), runs[fast][0], fastest_speed2, len(runs))
+    for _ in range(MOST_SWEEPS):
+        if min(abs(lateness(slow)), abs(lateness(fast))) <= near_s or abs(slow - fast) <= LEAST_WIDTH:
+            break
+        # regula falsi, drawn to the middle: times jump where the cheapest run changes its kind
+        share = lateness(slow) / (lateness(slow) - lateness(fast))
+        between = slow + (0.5 * share + 0.25) * (fast - slow)
+        if lateness(between) >= 0:
+            slow = between
+        else:
+            fast = between
+    return Level(grid, steps, math.exp(0.5 * (slow + fast)), runs[slow][0], runs[fast][0], len(runs))
+
+
+def meet_time(course: CourseData, slower: FloatArray, faster: FloatArray, time_s: float) -> FloatArray:
+    """Return the run between two whose time is as asked for, within 1e-6 s; squares of speed of shape (nodes,).
+
+    The mean of two runs in the square of speed keeps all limits but those of power, which are met by slowing down.
+    """
+
+    def between(share: float) -> FloatArray:
+        return slowed_to_reach(course, slower + share * (faster - slower))
+
+    def lateness(share: float) -> float:
+        return running_time(course.cell_length_m, between(share)) - time_s
+
+    if lateness(0.0) <= 0:
+        return between(0.0)
+    if lateness(1.0) >= 0:
+        return between(1.0)
+    share = brentq(lateness, 0.0, 1.0, xtol=1e-14, rtol=1e-14)
+    return between(float(share))
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """The cheapest run.
+
+    Parameters
+    ----------
+    speed2 : array of shape (nodes,)
+        Squares of speed [m2/s2].
+    price_w : float
+        Price of a second [J/s].
+    first : Level
+        The first grid, which spans all speeds.
+    sweeps : int
+        Backward inductions on all grids together.
+    """
+
+    speed2: FloatArray
+    price_w: float
+    first: Level
+    sweeps: int
+
+
+def search(course: CourseData, greatest_speed2: FloatArray, time_s: float) -> Found:
+    """Return the cheapest run that meets a running time, by backward induction.
+
+    Parameters
+    ----------
+    course : CourseData
+        What the run obeys.
+    greatest_speed2 : array of shape (nodes,)
+        Greatest feasible squares of speed [m2/s2].
+    time_s : float
+        Running time allowed [s]; longer than the shortest possible.
+
+    Raises
+    ------
+    SolverError
+        If no run on the grid meets the timetable.
+    """
+    greatest = np.sqrt(greatest_speed2)
+    mean = course.cell_length_m.sum() / time_s
+    kinetic = course.half_inertia_kg * mean**2
+    scale = kinetic / time_s
+    half, points, near = float(greatest.max()), FIRST_POINTS, FIRST_NEAR * time_s
+    grid = speed_grid(greatest_speed2, course.fixed_speed2, 0.5 * greatest, half, points)
+    first = level = search_level(course, grid, greatest_speed2, time_s, scale, scale, FIRST_FACTOR, near)
+    speed2, sweeps, energy = meet_time(course, first.slower, first.faster, time_s), first.sweeps, math.inf
+    half *= FIRST_BAND_SHARE
+    for number in range(MOST_LEVELS):
+        points, near = POINTS[min(number, len(POINTS) - 1)], max(0.5 * near, LEAST_NEAR * time_s)
+        grid = speed_grid(greatest_speed2, course.fixed_speed2, np.sqrt(speed2), half, points)
+        try:
+            level = search_level(course, grid, greatest_speed2, time_s, scale, level.price_w, NEXT_FACTOR, near)
+        except SolverError:
+            # a band may be too narrow to lead on; the run found so far stands
+            break
+        found = meet_time(course, level.slower, level.faster, time_s)
+        before, energy = energy, min(energy, run_energy(course, found))
+        speed2, sweeps = found, sweeps + level.sweeps
+        if before - energy <= STEADY_SHARE * kinetic or number == 0:
+            if half < LEAST_BAND_MS:
+                break
+            half *= NARROWING
+    return Found(speed2, level.price_w, first, sweeps)

@@ -1,0 +1,260 @@
+"""A train that follows a planned speed with the load that it really carries, at the place where it believes to be.
+
+Source: Liashenko, Yatsko 2025, (10)-(11) and Figure 2. The plan is a speed over distance. The controller's law is
+Delta(s + h) = Delta(s) exp(-h / L): Delta is the square of the measured speed less that of the plan at the believed
+place, L the response length. On the plan it stays there, beside it it comes back without swinging, and it asks for
+the effort that this needs as long as the real train has it. Within the launch, until the plan's first acceleration
+ends, it follows the faster of the plan at the believed place and the plan at its own way, as a train that believes
+to stand before its station would else never start.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.compiled import njit
+from railjoule.core.errors import InfeasibleLineError, ScenarioError
+from railjoule.core.motion import Course, build_course
+from railjoule.core.motion.cell_step import FULL_BRAKE, FULL_TRACTION, cell_of, exit_speed2
+from railjoule.core.motion.course import CourseData
+from railjoule.core.motion.mesh import line_borders, with_nodes_at
+from railjoule.core.scenario import Scenario
+from railjoule.core.simulate.odometer import Stretch, believed_places, stopping_place, stretches
+from railjoule.core.strategies import Task, prepare_task, run_strategy
+from railjoule.core.strategies.task import task_over
+from railjoule.core.trajectory import Trajectory, make_trajectory
+
+OVERRUN_CELL_M, LONGEST_OVERRUN_CELLS = 5.0, 2000
+STANDING_SPEED2 = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Following:
+    """A plan and what became of it.
+
+    Parameters
+    ----------
+    planned, actual : Trajectory
+        The run as planned, and as driven.
+    stop_errors_m : tuple of float
+        How far beyond each stop the train came to stand [m].
+    """
+
+    planned: Trajectory
+    actual: Trajectory
+    stop_errors_m: tuple[float, ...]
+
+    @property
+    def stop_error_m(self) -> float:
+        """How far beyond the last stop the train came to stand [m]."""
+        return self.stop_errors_m[-1]
+
+    @property
+    def delay_s(self) -> float:
+        """How much later than planned it arrived [s]."""
+        return self.actual.travel_time_s - self.planned.travel_time_s
+
+    @property
+    def overconsumption(self) -> float:
+        """Energy over that of the plan, less 1."""
+        return self.actual.energy.net_j / self.planned.energy.net_j - 1
+
+
+def simulate_following(scenario: Scenario) -> Following:
+    """Plan a scenario, and follow the plan under its disturbance.
+
+    Raises
+    ------
+    RailjouleError
+        As `railjoule.core.solve` for the plan; InfeasibleLineError if the real train comes to a stand on its way.
+    """
+    return follow(plan_for(scenario), scenario)
+
+
+def plan_for(scenario: Scenario) -> Trajectory:
+    """Return the plan of a scenario, under the target braking curves unless they are off."""
+    return run_strategy(plannable_task(scenario), scenario.strategy)
+
+
+def plannable_task(scenario: Scenario) -> Task:
+    """Return the task of a scenario with the target braking curves (11) before its stops as speed limits."""
+    task = prepare_task(scenario)
+    options = scenario.simulation
+    if not options.target_braking:
+        return task
+    course = task.course
+    largest = course.data.largest_speed2.copy()
+    zone = options.reset_sensor_m or course.length_m
+    for stop in stops_of(scenario):
+        before = stop - course.position_m
+        inside = (before >= 0) & (before <= zone)
+        largest = np.where(inside, np.minimum(largest, 2 * options.target_deceleration_ms2 * before), largest)
+    return task_over(scenario, replace(course, data=course.data._replace(largest_speed2=largest)))
+
+
+def stops_of(scenario: Scenario) -> list[float]:
+    """Return where a run stops, its end included [m]."""
+    line = scenario.line.in_running_order()
+    return [*(station.position_m for station in line.inner_stations), line.length_m]
+
+
+def follow(planned: Trajectory, scenario: Scenario) -> Following:
+    """Return what becomes of a plan under the disturbance of a scenario.
+
+    Parameters
+    ----------
+    planned : Trajectory
+        The plan over the scenario's line.
+    scenario : Scenario
+        With its disturbance: the load really carried, the error of the place, the sensors.
+
+    Raises
+    ------
+    ScenarioError
+        If the error of the place or a sensor lies beyond the way from one stop to the next.
+    InfeasibleLineError
+        If the train comes to a stand on its way.
+    """
+    _require_places_on_the_way(scenario)
+    load = scenario.disturbance.actual_load_factor
+    real = scenario if load is None else scenario.with_(**{"vehicle.load_factor": load})
+    nodes, speeds, stop_nodes, errors = [np.zeros(1)], [np.zeros(1)], [], []
+    start, planned_start = 0.0, 0.0
+    for stop in stops_of(scenario):
+        way = stretches(start, stop, scenario.disturbance.coordinate_error_m, scenario.simulation)
+        leg, speed2 = _drive_leg(planned, real, way, (start, planned_start, stop))
+        nodes.append(leg[1:])
+        speeds.append(speed2[1:])
+        errors.append(float(leg[-1] - stop))
+        stop_nodes.append(sum(map(len, nodes)) - 1)
+        start, planned_start = float(leg[-1]), stop
+    course = build_course(real, position_m=np.concatenate(nodes))
+    dwell = np.zeros(course.cell_count + 1)
+    dwell[stop_nodes[:-1]] = [station.dwell_s for station in real.line.in_running_order().inner_stations]
+    actual = make_trajectory(real, replace(course, dwell_s=dwell), planned.strategy, np.concatenate(speeds))
+    return Following(planned, actual, tuple(errors))
+
+
+def _require_places_on_the_way(scenario: Scenario) -> None:
+    """Raise ScenarioError where an error of the place or a sensor lies beyond the way from one stop to the next."""
+    shortest = min(np.diff([0.0, *stops_of(scenario)]))
+    error, options = scenario.disturbance.coordinate_error_m, scenario.simulation
+    if abs(error) >= shortest:
+        raise ScenarioError(
+            f"disturbance.coordinate_error_m = {error:g} must be less than the shortest way between two stops, "
+            f"{shortest:g} m."
+        )
+    for name in ("reset_sensor_m", "stop_sensor_m"):
+        place = getattr(options, name)
+        if options.target_braking and place is not None and place >= shortest:
+            raise ScenarioError(
+                f"simulation.{name} = {place:g} must be less than the shortest way between two stops, {shortest:g} m."
+            )
+
+
+def _drive_leg(
+    planned: Trajectory, real: Scenario, way: list[Stretch], places: tuple[float, float, float]
+) -> tuple[FloatArray, FloatArray]:
+    """Return nodes [m] and squares of speed of the way from one stop to the next."""
+    start, planned_start, stop = places
+    inside = (planned.position_m >= planned_start - 1e-6) & (planned.position_m <= stop + 1e-6)
+    plan_m, plan2 = planned.position_m[inside], planned.speed_ms[inside] ** 2
+    place = stopping_place(way, stop)
+    nodes = _leg_mesh(plan_m, real, way, start, place)
+    believed, scale = believed_places(way, nodes)
+    wanted = np.interp(believed, plan_m, plan2) / scale**2
+    launch = _launch_end(planned, plan_m, plan2)
+    own_way = np.minimum(nodes - start + planned_start, plan_m[launch])
+    wanted = np.where(believed < plan_m[launch], np.maximum(wanted, np.interp(own_way, plan_m, plan2)), wanted)
+    wanted[[0, -1]] = 0.0
+    course = build_course(real, position_m=nodes)
+    speed2, stand = follow_cells(course.data, wanted, real.simulation.response_length_m)
+    if stand >= 0:
+        raise InfeasibleLineError(
+            f"At {nodes[stand]:.0f} m the train with its real load comes to a stand: its effort does not carry it on."
+        )
+    return (nodes, speed2) if speed2[-1] <= STANDING_SPEED2 else _overrun(nodes, speed2, real, course)
+
+
+def _leg_mesh(plan_m: FloatArray, real: Scenario, way: list[Stretch], start: float, end: float) -> FloatArray:
+    """Return nodes [m]: where the train passes the plan's nodes, where the line changes, where the sensors stand."""
+    passed = [
+        stretch.true(plan_m)[(stretch.true(plan_m) > stretch.from_m) & (stretch.true(plan_m) < until)]
+        for stretch, until in zip(way, [*(after.from_m for after in way[1:]), end], strict=True)
+    ]
+    own = np.unique(np.concatenate([[start], *passed, [end]]))
+    own = own[(own >= start) & (own <= end)]
+    fixed = [*line_borders(real.line.in_running_order()), *(stretch.from_m for stretch in way[1:])]
+    mesh = real.solver.mesh_m
+    # a believed start behind the station leaves the plan's first nodes out
+    fixed += list(np.arange(start, end, mesh))
+    return with_nodes_at(own, [place for place in fixed if start + 1e-3 < place < end - 1e-3])
+
+
+def _launch_end(planned: Trajectory, plan_m: FloatArray, plan2: FloatArray) -> int:
+    """Return the node of a leg at which the plan's first acceleration under power ends."""
+    first = int(np.searchsorted(planned.position_m, plan_m[0] - 1e-6))
+    effort = planned.tractive_effort_n[first : first + len(plan_m) - 1]
+    ended = np.flatnonzero((effort <= 0) | (np.diff(plan2) <= 0))
+    # a dwell before the leg is a cell without length
+    ended = ended[plan_m[ended] > plan_m[0]]
+    return int(ended[0]) if len(ended) else len(plan_m) - 1
+
+
+def _overrun(nodes: FloatArray, speed2: FloatArray, real: Scenario, course: Course) -> tuple[FloatArray, FloatArray]:
+    """Go on braking beyond a stop that the brakes did not reach."""
+    beyond = nodes[-1] + OVERRUN_CELL_M * np.arange(1, LONGEST_OVERRUN_CELLS)
+    further = build_course(real, position_m=np.concatenate([nodes[-2:-1], [nodes[-1]], beyond]))
+    data, speeds = further.data, [float(speed2[-1])]
+    for cell in range(1, len(beyond)):
+        after = exit_speed2(
+            cell_of(data, cell),
+            data.traction.table,
+            data.braking.table,
+            data.traction.table_step_ms,
+            speeds[-1],
+            FULL_BRAKE,
+        )
+        if after <= 0:
+            last = OVERRUN_CELL_M * speeds[-1] / (speeds[-1] - after)
+            ends = [*beyond[: cell - 1], (beyond[cell - 2] if cell > 1 else nodes[-1]) + last]
+            return np.concatenate([nodes, ends]), np.concatenate([speed2, speeds[1:], [0.0]])
+        speeds.append(after)
+    raise InfeasibleLineError(f"Beyond {nodes[-1]:.0f} m the brakes of the train with its real load cannot stop it.")
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def follow_cells(course: CourseData, wanted_speed2: FloatArray, response_length_m: float) -> tuple[FloatArray, int]:
+    """Return the squares of speed of a train that follows others, and the node where it comes to a stand.
+
+    Parameters
+    ----------
+    course : CourseData
+        What the real train obeys.
+    wanted_speed2 : array of shape (n + 1,)
+        Squares of speed to follow [m2/s2].
+    response_length_m : float
+        Over this length an error falls to 1/e [m].
+
+    Returns
+    -------
+    speed2 : array of shape (n + 1,)
+        Squares of speed [m2/s2].
+    stand : int
+        The node at which the train stands before its end; -1 if it does not.
+    """
+    n = course.cell_length_m.shape[0]
+    traction, braking, step_ms = course.traction.table, course.braking.table, course.traction.table_step_ms
+    speed2 = np.zeros(n + 1)
+    for i in range(n):
+        cell = cell_of(course, i)
+        left = math.exp(-cell.length_m / response_length_m) if response_length_m > 0.0 else 0.0
+        wish = wanted_speed2[i + 1] + (speed2[i] - wanted_speed2[i]) * left if i < n - 1 else wanted_speed2[n]
+        top = exit_speed2(cell, traction, braking, step_ms, speed2[i], FULL_TRACTION)
+        low = exit_speed2(cell, traction, braking, step_ms, speed2[i], FULL_BRAKE)
+        speed2[i + 1] = min(max(wish, low, 0.0), top)
+        if speed2[i + 1] <= 0.0 and i < n - 1:
+            return speed2, i + 1
+    return speed2, -1

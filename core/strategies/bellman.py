@@ -1,0 +1,93 @@
+"""Bellman's dynamic programming: the cheapest run by backward induction over the speeds of a mesh.
+
+Source: Liashenko, Yatsko 2025, (2) and (5)-(9). What is exact here and is not there: see
+`railjoule.core.dynamic_programming`.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.dynamic_programming.backward import sweep_back
+from railjoule.core.dynamic_programming.search import Level, search
+from railjoule.core.strategies.task import Task
+from railjoule.core.trajectory import Trajectory, make_trajectory
+
+
+@dataclass(frozen=True, eq=False)
+class ControlLaw:
+    """What to do at any speed and any place, and what is still to pay from there; n cells, k speeds.
+
+    Parameters
+    ----------
+    position_m : array of shape (n + 1,)
+        Nodes [m].
+    speed_ms : array of shape (n + 1, k)
+        Speeds at each node [m/s], up to the greatest possible one.
+    cost_to_go_j : array of shape (n + 1, k)
+        Energy and price of time from there to the end [J]; infinite where the end cannot be reached.
+    control : array of shape (n, k)
+        Effort over the largest one at that speed, braking negative; NaN where the end cannot be reached.
+    price_of_time_w : float
+        Price of a second [J/s].
+    """
+
+    position_m: FloatArray
+    speed_ms: FloatArray
+    cost_to_go_j: FloatArray
+    control: FloatArray
+    price_of_time_w: float
+
+
+def bellman(task: Task) -> Trajectory:
+    """Return the cheapest run that backward induction finds; it takes every scenario.
+
+    Raises
+    ------
+    TimetableError
+        If the timetable cannot be kept.
+    SolverError
+        If the grid holds no run.
+    """
+    return bellman_with_law(task)[0]
+
+
+def bellman_with_law(task: Task) -> tuple[Trajectory, ControlLaw]:
+    """Return the run and the control law of the grid that spans all speeds; errors as `bellman`."""
+    task.require_timetable()
+    data = task.course.data
+    found = search(data, task.greatest_speed2, task.running_time_s)
+    sparing = np.zeros(task.course.cell_count) if data.friction_effort_n > 0 else None
+    trajectory = make_trajectory(
+        task.scenario,
+        task.course,
+        "bellman",
+        found.speed2,
+        sparing,
+        price_of_time_w=found.price_w,
+        iterations=found.sweeps,
+    )
+    return trajectory, _control_law(task, found.first, found.price_w)
+
+
+def _control_law(task: Task, level: Level, price_w: float) -> ControlLaw:
+    course, data, entering_speed2 = task.course, task.course.data, level.grid[:-1]
+    cost, best = sweep_back(level.steps, level.grid, price_w)
+    leaving_speed2 = np.where(best >= 0, level.steps.leaving_speed2[best], np.nan)
+    mean_speed = 0.5 * (np.sqrt(entering_speed2) + np.sqrt(leaving_speed2))
+    force = (
+        data.half_inertia_kg * (leaving_speed2 - entering_speed2) / data.cell_length_m[:, None]
+        + data.line_force_n[:, None]
+    )
+    force += data.resistance_constant_n + data.resistance_linear * mean_speed
+    force += data.resistance_quadratic * 0.5 * (entering_speed2 + leaving_speed2)
+    traction = data.traction.effort_n(mean_speed)
+    braking = data.braking.effort_n(mean_speed) + data.friction_effort_n
+    return ControlLaw(
+        position_m=course.position_m,
+        speed_ms=frozen_array(np.sqrt(level.grid)),
+        cost_to_go_j=frozen_array(cost),
+        control=frozen_array(np.where(force > 0, force / traction, force / braking)),
+        price_of_time_w=price_w,
+    )

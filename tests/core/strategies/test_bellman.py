@@ -1,0 +1,88 @@
+"""Dynamic programming against the interior-point optimum, which is another method and proven."""
+
+import numpy as np
+import pytest
+from builders import COPPER_LOSS, HILLS, plain_scenario
+from random_scenarios import random_run
+
+from railjoule.core import TimetableError, load_scenario, solve
+from railjoule.core.strategies import prepare_task, run_strategy
+from railjoule.core.strategies.bellman import bellman_with_law
+
+CASES = [
+    (name, reverse)
+    for name in ("liashenko-0", "liashenko-i", "liashenko-ii", "liashenko-iii")
+    for reverse in (False, True)
+]
+
+
+@pytest.mark.parametrize(("name", "reverse"), CASES)
+def test_liashenkos_lines(name, reverse):
+    scenario = load_scenario(name).with_(**{"line.reverse": reverse})
+    run, optimum = solve(scenario, "bellman"), solve(scenario, "optimal")
+    assert optimum.energy_kwh * (1 - 1e-6) <= run.energy_kwh <= optimum.energy_kwh * 1.001
+    assert run.travel_time_s == pytest.approx(scenario.travel_time_s, abs=1e-3)
+    assert run.gap == pytest.approx(run.energy_kwh / optimum.lower_bound_kwh - 1, rel=1e-6)
+
+
+@pytest.mark.parametrize(("name", "share"), [("metro-with-limit", 0.003), ("ftorek-300s", 0.001)])
+def test_an_inner_limit_and_copper_loss(name, share):
+    scenario = load_scenario(name)
+    optimum = solve(scenario, "optimal").energy_kwh
+    assert solve(scenario, "bellman").energy_kwh == pytest.approx(optimum, rel=share)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"line.stations": [{"position_m": 900.0, "dwell_s": 20.0}], "timetable.travel_time_s": 240.0},
+        {
+            "line.sections": HILLS,
+            "vehicle.traction.max_acceleration_ms2": 0.7,
+            "vehicle.braking.max_deceleration_ms2": 0.6,
+        },
+        {
+            "vehicle.braking.max_effort_kn": 20.0,
+            "vehicle.braking.friction_effort_kn": 90.0,
+            "vehicle.drive": COPPER_LOSS,
+        },
+        {"vehicle.traction.curve": [[0, 100], [40, 90], [100, 30]], "vehicle.auxiliary_power_kw": 40.0},
+        {"timetable.travel_time_s": 111.0},
+        {"timetable.travel_time_s": 900.0},
+    ],
+    ids=["stop", "acceleration", "friction", "curve", "tight", "slow"],
+)
+def test_whatever_a_scenario_may_ask(changes):
+    scenario = plain_scenario(changes)
+    run, optimum = solve(scenario, "bellman"), solve(scenario, "optimal")
+    kinetic = 0.5 * scenario.vehicle.total_inertia_kg * (run.distance_m / run.travel_time_s) ** 2
+    assert run.energy.net_j - optimum.energy.net_j < 0.002 * max(optimum.energy.net_j, 0.1 * kinetic)
+    assert run.travel_time_s <= scenario.travel_time_s + 1e-3
+    assert abs(run.energy.imbalance) < 1e-9
+
+
+@pytest.mark.parametrize("seed", range(24))
+def test_random_scenarios(seed):
+    task = random_run(seed, stops=seed % 2 == 1).task
+    run, optimum = run_strategy(task, "bellman"), run_strategy(task, "optimal")
+    kinetic = 0.5 * task.scenario.vehicle.total_inertia_kg * (run.distance_m / run.travel_time_s) ** 2
+    above = (run.energy.net_j - optimum.energy.net_j) / max(abs(optimum.energy.net_j), 0.1 * kinetic)
+    assert -1e-6 < above < 0.003
+
+
+def test_the_control_law_drives_and_brakes_within_its_bounds():
+    task = prepare_task(load_scenario("liashenko-ii"))
+    run, law = bellman_with_law(task)
+    assert law.control.shape == law.speed_ms[:-1].shape == law.cost_to_go_j[:-1].shape
+    known = law.control[np.isfinite(law.control)]
+    assert -1 - 1e-6 <= known.min() < -0.9
+    assert 0.9 < known.max() <= 1 + 1e-6
+    assert law.price_of_time_w == run.price_of_time_w
+    # from the start: energy and price of time of the whole run, but for the width of its grid
+    whole = run.energy.net_j + law.price_of_time_w * run.travel_time_s
+    assert law.cost_to_go_j[0, 0] == pytest.approx(whole, rel=0.1)
+
+
+def test_an_impossible_timetable_is_refused():
+    with pytest.raises(TimetableError):
+        solve(plain_scenario({"timetable.travel_time_s": 60.0}), "bellman")
