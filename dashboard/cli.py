@@ -73,9 +73,11 @@ def _call(options: argparse.Namespace) -> None:
     if options.command == "serve":
         commands.serve(options.address, options.port)
         return
-    output = commands.Output(options.json)
+    output = commands.Output(getattr(options, "json", False))
     if options.command == "benchmark":
         commands.benchmark(output)
+    elif options.command == "study":
+        commands.study(options.study, options.file, commands.parsed_changes(options.set), options.output)
     elif options.command == "validate":
         commands.validate(options.paper, output)
     else:
@@ -102,6 +104,11 @@ def build_parser() -> argparse.ArgumentParser:
     solve.add_argument("--trajectory", metavar="OUT", help="write the run to OUT.csv or OUT.parquet")
     _add_scenario_command(commands, "compare", "run every strategy that fits a scenario")
     _add_scenario_command(commands, "simulate", "follow the plan of a scenario under its disturbance")
+    study = _add(commands, "study", "solve many scenarios, and write a labelled table")
+    study.add_argument("study", metavar="STUDY", choices=("tradeoff", "sensitivity"), help="tradeoff or sensitivity")
+    study.add_argument("file", metavar="FILE", help="a scenario file, or the name of a shipped scenario")
+    study.add_argument("-o", "--output", metavar="OUT", required=True, help="OUT.nc (netCDF), OUT.csv or OUT.parquet")
+    study.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help="as in solve")
     benchmark = _add(commands, "benchmark", "time every strategy on the shipped scenarios, beside CasADi with IPOPT")
     _add_json(benchmark)
     validate = _add(commands, "validate", "show the papers' printed numbers beside ours")

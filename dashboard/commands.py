@@ -93,6 +93,38 @@ def simulate(file: str, changes: Mapping[str, Any], output: Output) -> None:
     output.show(summary.summarise_following(following), terminal.following_text)
 
 
+def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None:
+    """Solve many variants of a scenario, and write them as a labelled table.
+
+    Raises
+    ------
+    RailjouleError
+        If anything is wrong with the scenario or the file to write.
+    """
+    from railjoule.core.studies import energy_time_frontier, frontier_times, sensitivity  # noqa: PLC0415
+
+    path = table_file(target, "-o", (".nc", *TABLE_SUFFIXES))
+    scenario = load(file, changes)
+    announce_compilation()
+    if name == "sensitivity":
+        table = sensitivity(scenario)
+    else:
+        task = prepare_task(scenario)
+        frontier = energy_time_frontier(task, frontier_times(task), with_bounds=True)
+        table = frontier.to_dataframe().set_index("travel_time_s").to_xarray()
+    try:
+        if path.suffix.lower() == ".nc":
+            table.to_netcdf(path, engine="scipy")
+        elif path.suffix.lower() == ".csv":
+            table.to_dataframe().to_csv(path)
+        else:
+            table.to_dataframe().to_parquet(path)
+    except OSError as error:
+        raise CommandError(f"{shortened(str(path))} cannot be written: {error.strerror or error}.") from None
+    shape = " x ".join(f"{size} {dimension}" for dimension, size in table.sizes.items())
+    print(f"{shortened(str(path))}: {shape}")
+
+
 def benchmark(output: Output) -> None:
     """Show how long all solvers take on the shipped scenarios."""
     from railjoule.core.validation.benchmark import benchmark as time_all  # noqa: PLC0415
@@ -185,8 +217,8 @@ def parsed_value(text: str) -> Any:
     return document["value"] if list(document) == ["value"] else text
 
 
-def table_file(name: str) -> Path:
-    """Return where a trajectory is to be written.
+def table_file(name: str, option: str = "--trajectory", suffixes: Sequence[str] = TABLE_SUFFIXES) -> Path:
+    """Return where a table is to be written.
 
     Raises
     ------
@@ -194,10 +226,10 @@ def table_file(name: str) -> Path:
         If the suffix is unknown, or what it needs is not installed.
     """
     path = Path(name)
-    if path.suffix.lower() not in TABLE_SUFFIXES:
-        raise CommandError(f"--trajectory {shortened(name)}: must end in {' or '.join(TABLE_SUFFIXES)}.")
+    if path.suffix.lower() not in suffixes:
+        raise CommandError(f"{option} {shortened(name)}: must end in {' or '.join(suffixes)}.")
     if path.suffix.lower() == ".parquet" and importlib.util.find_spec("pyarrow") is None:
-        raise CommandError(f"--trajectory {shortened(name)}: parquet needs pyarrow: pip install pyarrow.")
+        raise CommandError(f"{option} {shortened(name)}: parquet needs pyarrow: pip install pyarrow.")
     return path
 
 

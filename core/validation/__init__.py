@@ -3,9 +3,10 @@
 from collections.abc import Callable
 
 from railjoule.core.validation.ftorek import validate_ftorek
+from railjoule.core.validation.liashenko import validate_liashenko
 from railjoule.core.validation.table import Erratum, Row, Table, Validation
 
-PAPERS: dict[str, Callable[[], Validation]] = {"ftorek": validate_ftorek}
+PAPERS: dict[str, Callable[[], Validation]] = {"ftorek": validate_ftorek, "liashenko": validate_liashenko}
 """What `railjoule validate` knows, by its name there."""
 
-__all__ = ["PAPERS", "Erratum", "Row", "Table", "Validation", "validate_ftorek"]
+__all__ = ["PAPERS", "Erratum", "Row", "Table", "Validation", "validate_ftorek", "validate_liashenko"]

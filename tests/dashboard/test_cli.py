@@ -6,6 +6,7 @@ import types
 
 import numpy as np
 import pytest
+import xarray
 
 from railjoule.core import load_scenario, solve
 from railjoule.core.validation import benchmark as core_benchmark
@@ -215,9 +216,9 @@ def test_validate_prints_json(capsys):
 
 
 def test_validate_without_a_paper_shows_all(capsys):
-    assert json.loads(answer(capsys, "validate", "--json")) == json.loads(
-        answer(capsys, "validate", "ftorek", "--json")
-    )
+    whole = json.loads(answer(capsys, "validate", "--json"))["papers"]
+    single = [json.loads(answer(capsys, "validate", paper, "--json"))["papers"][0] for paper in ("ftorek", "liashenko")]
+    assert whole == single
 
 
 def test_validate_prints_tables(capsys):
@@ -327,7 +328,9 @@ def test_a_bad_change(capsys, change, words):
     [
         ([], "the following arguments are required: COMMAND; see railjoule --help."),
         (["drive"], "invalid choice: 'drive'"),
-        (["study", "liashenko-ii"], "invalid choice: 'study'"),
+        (["report", "liashenko-ii"], "invalid choice: 'report'"),
+        (["study", "montecarlo", "liashenko-ii", "-o", "x.nc"], "invalid choice: 'montecarlo'"),
+        (["study", "sensitivity", "liashenko-ii", "-o", "x.txt"], "must end in .nc or .csv or .parquet"),
         (["solve"], "FILE is missing"),
         (["solve", "--set", "a", "b"], "FILE is missing"),
         (["solve", "a", "b"], "unrecognized arguments: b; see railjoule --help."),
@@ -345,7 +348,7 @@ def test_a_bad_change(capsys, change, words):
             "best is no strategy; there are optimal, bellman, eoc, enoc, fastest.",
         ),
         (["solve", "liashenko-ii", "--strategy", "eoc"], "eoc needs a drive with copper loss."),
-        (["validate", "liashenko"], "'liashenko' is none of the papers of this version, which has ftorek."),
+        (["validate", "rawicki"], "'rawicki' is none of the papers of this version, which has ftorek, liashenko."),
         (["serve", "--port", "65536"], "'65536' is no port from 1 to 65535"),
         (["serve", "--port", "-1"], "port"),
         (["serve", "--port", "0"], "'0' is no port"),
@@ -456,3 +459,15 @@ def test_simulate_shows_the_plan_and_what_became_of_it(capsys):
 def test_a_simulation_that_is_not_there_is_named(capsys):
     assert main(["simulate", "ftorek-300s", "--set", "simulation.kind=field_oriented"]) == BAD_INPUT
     assert "field_oriented is not part of this version" in capsys.readouterr().err
+
+
+def test_a_study_becomes_a_labelled_table(tmp_path):
+    target = tmp_path / "table.nc"
+    assert main(["study", "sensitivity", "liashenko-0", "-o", str(target)]) == OK
+    with xarray.open_dataset(target, engine="scipy") as table:
+        assert dict(table.sizes) == {"load_factor": 5, "coordinate_error_m": 7}
+        assert table.overconsumption.sel(load_factor=0.5, coordinate_error_m=0.0).item() == pytest.approx(0, abs=1e-9)
+        assert table.energy_kwh.attrs["units"] == "kWh"
+    target = tmp_path / "frontier.csv"
+    assert main(["study", "tradeoff", "liashenko-0", "-o", str(target)]) == OK
+    assert target.read_text().startswith("travel_time_s,energy_kwh,price_of_time_wh_per_s,lower_bound_kwh")

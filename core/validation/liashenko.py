@@ -1,0 +1,75 @@
+"""The tables and figures of Liashenko, Yatsko 2025 beside ours."""
+
+from typing import Any
+
+import numpy as np
+
+from railjoule.core.scenario import load_scenario
+from railjoule.core.simulate.following import simulate_following
+from railjoule.core.studies.sensitivity import sensitivity
+from railjoule.core.validation.papers import citation, errata, printed_numbers
+from railjoule.core.validation.table import Row, Table, Validation
+
+CONTROLLER = (
+    "Ours is over the plan of a train that knows its load, as the printed load 0 is never cheaper. The paper tells "
+    "neither its controller nor the vehicle's effort and resistance, which are assumed here; nothing is tuned to it."
+)
+LOAD_EFFECT = "The paper's growth with the load did not come out of any controller that was tried."
+HEAVY = 0.75
+
+Printed = dict[str, Any]
+
+
+def validate_liashenko() -> Validation:
+    """Return Tables 4 to 7 of Liashenko, Yatsko 2025 and the examples of Figures 3 to 6 beside ours."""
+    paper = printed_numbers("liashenko-2025")
+    return Validation(
+        paper="liashenko",
+        citation=citation(paper),
+        tables=(
+            *(overconsumption(entry, paper) for entry in paper["table"]),
+            Table("Examples of followed plans; no numbers are printed", tuple(examples(paper["figure"]))),
+        ),
+        errata=errata(paper),
+    )
+
+
+def overconsumption(entry: Printed, paper: Printed) -> Table:
+    """Return one table of (12) beside ours, both directions together."""
+    loads, errors = paper["load_factors"], paper["coordinate_errors_m"]
+    ours = sensitivity(load_scenario(entry["scenario"]), loads, [float(error) for error in errors])
+    percent = 100 * np.asarray(ours["over_replanned"])
+    rows = [
+        Row(
+            f"{error:+g} m, load {load:g}",
+            "overconsumption",
+            "%",
+            entry["overconsumption_percent"][m][k],
+            float(percent[k, m]),
+            "" if error == 0 and load == 0.5 else LOAD_EFFECT if load >= HEAVY else CONTROLLER,
+        )
+        for m, error in enumerate(errors)
+        for k, load in enumerate(loads)
+    ]
+    title = load_scenario(entry["scenario"]).title
+    return Table(f"{title}, 35 km/h, followed with wrong load and place", tuple(rows), entry["place"])
+
+
+def examples(figures: list[Printed]) -> list[Row]:
+    """Return what becomes of the plans of Figures 3 to 6."""
+    rows = []
+    for figure in figures:
+        changes = {
+            "line.reverse": figure["reverse"],
+            "timetable.average_speed_kmh": figure["average_speed_kmh"],
+            "disturbance.actual_load_factor": figure["actual_load_factor"],
+            "disturbance.coordinate_error_m": figure["coordinate_error_m"],
+        }
+        result = simulate_following(load_scenario(figure["scenario"]).with_(**changes))
+        rows += [
+            Row(figure["place"], "planned energy", "kWh", None, result.planned.energy_kwh),
+            Row(figure["place"], "overconsumption", "%", None, 100 * result.overconsumption),
+            Row(figure["place"], "delay", "s", None, result.delay_s),
+            Row(figure["place"], "stopping error", "m", None, result.stop_error_m),
+        ]
+    return rows
