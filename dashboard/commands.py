@@ -5,17 +5,21 @@ import json
 import os
 import sys
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 
-from railjoule.core import RailjouleError, Scenario, StrategyRefusedError, Trajectory, compare, load_scenario
+from railjoule.core import RailjouleError, Scenario, StrategyRefusedError, compare, load_scenario
 from railjoule.core import solve as solve_scenario
 from railjoule.core.scenario import StrategyName, preset_names
 from railjoule.core.simulate.following import simulate_following
 from railjoule.core.strategies import prepare_task
 from railjoule.dashboard import summary, terminal
+
+if TYPE_CHECKING:
+    import pandas
 
 TABLE_SUFFIXES = (".csv", ".parquet")
 
@@ -48,13 +52,11 @@ def solve(
     target = None if trajectory_file is None else table_file(trajectory_file)
     scenario = load(file, changes)
     announce_compilation()
-    try:
+    with refusals_named(strategy or scenario.strategy):
         # a name that is none is refused by the core, in its own words
         trajectory = solve_scenario(scenario, cast("StrategyName | None", strategy))
-    except StrategyRefusedError as refusal:
-        raise CommandError(f"{strategy or scenario.strategy} {refusal}") from None
     if target is not None:
-        write_table(trajectory, target)
+        write_table(trajectory.to_dataframe(), target, index=False)
     values = summary.summarise(trajectory, prepare_task(scenario).shortest_travel_time_s)
     output.show(values, terminal.solution_text)
 
@@ -86,10 +88,8 @@ def simulate(file: str, changes: Mapping[str, Any], output: Output) -> None:
     if scenario.simulation.kind != "following":
         raise CommandError(f"simulation.kind = {scenario.simulation.kind} is not part of this version: following is.")
     announce_compilation()
-    try:
+    with refusals_named(scenario.strategy):
         following = simulate_following(scenario)
-    except StrategyRefusedError as refusal:
-        raise CommandError(f"{scenario.strategy} {refusal}") from None
     output.show(summary.summarise_following(following), terminal.following_text)
 
 
@@ -107,20 +107,17 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None
     scenario = load(file, changes)
     announce_compilation()
     if name == "sensitivity":
-        table = sensitivity(scenario)
+        with refusals_named(scenario.strategy):
+            table = sensitivity(scenario)
     else:
         task = prepare_task(scenario)
         frontier = energy_time_frontier(task, frontier_times(task), with_bounds=True)
         table = frontier.to_dataframe().set_index("travel_time_s").to_xarray()
-    try:
-        if path.suffix.lower() == ".nc":
+    if path.suffix.lower() == ".nc":
+        with failures_named(path):
             table.to_netcdf(path, engine="scipy")
-        elif path.suffix.lower() == ".csv":
-            table.to_dataframe().to_csv(path)
-        else:
-            table.to_dataframe().to_parquet(path)
-    except OSError as error:
-        raise CommandError(f"{shortened(str(path))} cannot be written: {error.strerror or error}.") from None
+    else:
+        write_table(table.to_dataframe(), path, index=True)
     shape = " x ".join(f"{size} {dimension}" for dimension, size in table.sizes.items())
     print(f"{shortened(str(path))}: {shape}")
 
@@ -233,22 +230,37 @@ def table_file(name: str, option: str = "--trajectory", suffixes: Sequence[str] 
     return path
 
 
-def write_table(trajectory: Trajectory, path: Path) -> None:
-    """Write a trajectory's nodes as a table.
+def write_table(table: "pandas.DataFrame", path: Path, index: bool) -> None:
+    """Write a table, with its index if asked for.
 
     Raises
     ------
     CommandError
         If the file cannot be written.
     """
-    table = trajectory.to_dataframe()
-    try:
+    with failures_named(path):
         if path.suffix.lower() == ".csv":
-            table.to_csv(path, index=False)
+            table.to_csv(path, index=index)
         else:
-            table.to_parquet(path, index=False)
+            table.to_parquet(path, index=index)
+
+
+@contextmanager
+def failures_named(path: Path) -> Iterator[None]:
+    """Turn a failure to write a file into a sentence that names it."""
+    try:
+        yield
     except OSError as error:
         raise CommandError(f"{shortened(str(path))} cannot be written: {error.strerror or error}.") from None
+
+
+@contextmanager
+def refusals_named(strategy: str) -> Iterator[None]:
+    """Turn a strategy's refusal into a sentence that names it."""
+    try:
+        yield
+    except StrategyRefusedError as refusal:
+        raise CommandError(f"{strategy} {refusal}") from None
 
 
 def announce_compilation() -> None:

@@ -32,9 +32,14 @@ def printable(text: str) -> str:
     return "".join(character if character.isprintable() else " " for character in text)
 
 
+def title_words(title: str) -> str:
+    """Return what a scenario is called."""
+    return printable(title) or "Untitled scenario"
+
+
 def solution_text(summary: Summary) -> str:
     """Return one run for people: energy, proof, time, account, what the driver does."""
-    title = printable(summary["title"]) or "Untitled scenario"
+    title = title_words(summary["title"])
     lines = [
         f"{title}: {STRATEGY_WORDS[summary['strategy']]}",
         f"{number(summary['distance_m'], 0)} m in {number(summary['travel_time_s'])} s, "
@@ -84,7 +89,7 @@ def following_text(following: Summary) -> str:
     share = "" if more is None else f"{100 * more:+.2f} % energy, "
     return "\n".join(
         [
-            f"{printable(planned['title']) or 'Untitled scenario'}: {STRATEGY_WORDS[planned['strategy']]}, followed",
+            f"{title_words(planned['title'])}: {STRATEGY_WORDS[planned['strategy']]}, followed",
             "",
             *table_lines(("run", "kWh", "time, s", "top, km/h", "recuperated, kWh"), rows),
             "",
@@ -195,7 +200,7 @@ def _comparison_table(results: Sequence[Summary]) -> list[str]:
     ]
     head = ("strategy", "kWh", "against the bound", "time, s", "top, km/h", "recuperated, kWh", "solved in, ms")
     return [
-        printable(first["title"]) or "Untitled scenario",
+        title_words(first["title"]),
         f"{number(first['distance_m'], 0)} m, {_time_words({**first, 'travel_time_s': first['allowed_time_s']})}",
         "",
         *table_lines(head, rows, left={0, 2}),

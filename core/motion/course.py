@@ -88,18 +88,27 @@ class Course:
 
     def running_resistance_n(self, speed2: FloatArray) -> FloatArray:
         """Return the running resistance [N] of each cell for squares of speed at the nodes; shape (n,)."""
-        data = self.data
-        speed = np.sqrt(speed2)
-        mean_speed = 0.5 * (speed[1:] + speed[:-1])
-        mean_speed2 = 0.5 * (speed2[1:] + speed2[:-1])
-        return (
-            data.resistance_constant_n + data.resistance_linear * mean_speed + data.resistance_quadratic * mean_speed2
-        )
+        return self._resistance_between_n(speed2[:-1], speed2[1:])
 
     def net_force_n(self, speed2: FloatArray) -> FloatArray:
         """Return the force at the wheels [N] that brings each cell from one node's square of speed to the next's."""
-        inertia = self.data.half_inertia_kg * np.diff(speed2) / self.data.cell_length_m
-        return inertia + self.running_resistance_n(speed2) + self.data.line_force_n
+        return self.force_between_n(speed2[:-1], speed2[1:])
+
+    def force_between_n(self, entering_speed2: FloatArray, leaving_speed2: FloatArray) -> FloatArray:
+        """Return the force at the wheels [N] from squares of speed at the starts of cells to those at their ends.
+
+        All of shape (..., n).
+        """
+        inertia = self.data.half_inertia_kg * (leaving_speed2 - entering_speed2) / self.data.cell_length_m
+        return inertia + self._resistance_between_n(entering_speed2, leaving_speed2) + self.data.line_force_n
+
+    def _resistance_between_n(self, entering_speed2: FloatArray, leaving_speed2: FloatArray) -> FloatArray:
+        data = self.data
+        mean_speed = 0.5 * (np.sqrt(leaving_speed2) + np.sqrt(entering_speed2))
+        mean_speed2 = 0.5 * (leaving_speed2 + entering_speed2)
+        return (
+            data.resistance_constant_n + data.resistance_linear * mean_speed + data.resistance_quadratic * mean_speed2
+        )
 
 
 def build_course(

@@ -16,13 +16,13 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.errors import InfeasibleLineError, ScenarioError
-from railjoule.core.motion import Course, build_course
+from railjoule.core.motion import build_course
 from railjoule.core.motion.cell_step import FULL_BRAKE, FULL_TRACTION, cell_of, exit_speed2
 from railjoule.core.motion.course import CourseData
 from railjoule.core.motion.mesh import line_borders, with_nodes_at
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.odometer import Stretch, believed_places, stopping_place, stretches
-from railjoule.core.strategies import Task, prepare_task, run_strategy
+from railjoule.core.strategies import Task, run_strategy
 from railjoule.core.strategies.task import task_over
 from railjoule.core.trajectory import Trajectory, make_trajectory
 
@@ -80,12 +80,10 @@ def plan_for(scenario: Scenario) -> Trajectory:
 
 def plannable_task(scenario: Scenario) -> Task:
     """Return the task of a scenario with the target braking curves (11) before its stops as speed limits."""
-    task = prepare_task(scenario)
-    options = scenario.simulation
+    course, options = build_course(scenario), scenario.simulation
     if not options.target_braking:
-        return task
-    course = task.course
-    largest = course.data.largest_speed2.copy()
+        return task_over(scenario, course)
+    largest = course.data.largest_speed2
     zone = options.reset_sensor_m or course.length_m
     for stop in stops_of(scenario):
         before = stop - course.position_m
@@ -175,21 +173,20 @@ def _drive_leg(
         raise InfeasibleLineError(
             f"At {nodes[stand]:.0f} m the train with its real load comes to a stand: its effort does not carry it on."
         )
-    return (nodes, speed2) if speed2[-1] <= STANDING_SPEED2 else _overrun(nodes, speed2, real, course)
+    return (nodes, speed2) if speed2[-1] <= STANDING_SPEED2 else _overrun(nodes, speed2, real)
 
 
 def _leg_mesh(plan_m: FloatArray, real: Scenario, way: list[Stretch], start: float, end: float) -> FloatArray:
     """Return nodes [m]: where the train passes the plan's nodes, where the line changes, where the sensors stand."""
-    passed = [
-        stretch.true(plan_m)[(stretch.true(plan_m) > stretch.from_m) & (stretch.true(plan_m) < until)]
-        for stretch, until in zip(way, [*(after.from_m for after in way[1:]), end], strict=True)
-    ]
+    passed = []
+    for stretch, until in zip(way, [*(after.from_m for after in way[1:]), end], strict=True):
+        places = stretch.true(plan_m)
+        passed.append(places[(places > stretch.from_m) & (places < until)])
     own = np.unique(np.concatenate([[start], *passed, [end]]))
     own = own[(own >= start) & (own <= end)]
     fixed = [*line_borders(real.line.in_running_order()), *(stretch.from_m for stretch in way[1:])]
-    mesh = real.solver.mesh_m
     # a believed start behind the station leaves the plan's first nodes out
-    fixed += list(np.arange(start, end, mesh))
+    fixed += list(np.arange(start, end, real.solver.mesh_m))
     return with_nodes_at(own, [place for place in fixed if start + 1e-3 < place < end - 1e-3])
 
 
@@ -203,10 +200,10 @@ def _launch_end(planned: Trajectory, plan_m: FloatArray, plan2: FloatArray) -> i
     return int(ended[0]) if len(ended) else len(plan_m) - 1
 
 
-def _overrun(nodes: FloatArray, speed2: FloatArray, real: Scenario, course: Course) -> tuple[FloatArray, FloatArray]:
+def _overrun(nodes: FloatArray, speed2: FloatArray, real: Scenario) -> tuple[FloatArray, FloatArray]:
     """Go on braking beyond a stop that the brakes did not reach."""
     beyond = nodes[-1] + OVERRUN_CELL_M * np.arange(1, LONGEST_OVERRUN_CELLS)
-    further = build_course(real, position_m=np.concatenate([nodes[-2:-1], [nodes[-1]], beyond]))
+    further = build_course(real, position_m=np.concatenate([nodes[-2:], beyond]))
     data, speeds = further.data, [float(speed2[-1])]
     for cell in range(1, len(beyond)):
         after = exit_speed2(

@@ -76,12 +76,7 @@ def _control_law(task: Task, level: Level, price_w: float) -> ControlLaw:
     cost, best = sweep_back(level.steps, level.grid, price_w)
     leaving_speed2 = np.where(best >= 0, level.steps.leaving_speed2[best], np.nan)
     mean_speed = 0.5 * (np.sqrt(entering_speed2) + np.sqrt(leaving_speed2))
-    force = (
-        data.half_inertia_kg * (leaving_speed2 - entering_speed2) / data.cell_length_m[:, None]
-        + data.line_force_n[:, None]
-    )
-    force += data.resistance_constant_n + data.resistance_linear * mean_speed
-    force += data.resistance_quadratic * 0.5 * (entering_speed2 + leaving_speed2)
+    force = course.force_between_n(entering_speed2.T, leaving_speed2.T).T
     traction = data.traction.effort_n(mean_speed)
     braking = data.braking.effort_n(mean_speed) + data.friction_effort_n
     return ControlLaw(
