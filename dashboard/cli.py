@@ -10,6 +10,7 @@ from typing import NoReturn
 
 DEFAULT_ADDRESS, DEFAULT_PORT = "127.0.0.1", 5006
 LARGEST_PORT = 65_535
+STUDIES = ("tradeoff", "sensitivity", "montecarlo")
 OK, BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 0, 2, 130, 141
 """Exit statuses; the last two are those of a shell for programs ended by such a signal."""
 
@@ -105,7 +106,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_scenario_command(commands, "compare", "run every strategy that fits a scenario")
     _add_scenario_command(commands, "simulate", "follow the plan of a scenario under its disturbance")
     study = _add(commands, "study", "solve many scenarios, and write a labelled table")
-    study.add_argument("study", metavar="STUDY", choices=("tradeoff", "sensitivity"), help="tradeoff or sensitivity")
+    study.add_argument("study", metavar="STUDY", choices=STUDIES, help=" or ".join(STUDIES))
     study.add_argument("file", metavar="FILE", help="a scenario file, or the name of a shipped scenario")
     study.add_argument("-o", "--output", metavar="OUT", required=True, help="OUT.nc (netCDF), OUT.csv or OUT.parquet")
     study.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help="as in solve")

@@ -101,14 +101,15 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None
     RailjouleError
         If anything is wrong with the scenario or the file to write.
     """
-    from railjoule.core.studies import energy_time_frontier, frontier_times, sensitivity  # noqa: PLC0415
+    from railjoule.core.studies import energy_time_frontier, frontier_times, monte_carlo, sensitivity  # noqa: PLC0415
 
     path = table_file(target, "-o", (".nc", *TABLE_SUFFIXES))
     scenario = load(file, changes)
     announce_compilation()
-    if name == "sensitivity":
+    if name in {"sensitivity", "montecarlo"}:
+        compute = sensitivity if name == "sensitivity" else monte_carlo
         with refusals_named(scenario.strategy):
-            table = sensitivity(scenario)
+            table = compute(scenario).to_dataset()
     else:
         task = prepare_task(scenario)
         frontier = energy_time_frontier(task, frontier_times(task), with_bounds=True)

@@ -6,6 +6,8 @@ from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
 
+from railjoule.core.scenario.options import MonteCarloOptions
+
 BOUNDS = {
     "greater_than": ("gt", "must be above"),
     "greater_than_equal": ("ge", "must be at least"),
@@ -26,6 +28,8 @@ KINDS = {
     "dict_type": "must be a table",
 }
 ALIASES = {"vehicle.drive": "drive"}
+OF_MANY_KINDS = {"drive", *MonteCarloOptions.model_fields}
+"""Tables of which a key tells the kind."""
 LONGEST_SHOWN = 60
 LONGEST_INTEGER_BITS = 4096
 
@@ -82,9 +86,9 @@ def _finding(finding: Mapping[str, Any], model: type[BaseModel]) -> str:
     if kind == "literal_error":
         return f"{path} = {show(value)} must be {context['expected']}"
     if kind == "union_tag_invalid":
-        return f"drive.model = {show(context['tag'])} must be one of {context['expected_tags']}"
+        return f"{_tag_path(path, context)} = {show(context['tag'])} must be one of {context['expected_tags']}"
     if kind == "union_tag_not_found":
-        return "drive.model is missing"
+        return f"{_tag_path(path, context)} is missing"
     if kind == "too_short":
         least = context["min_length"]
         return f"{path} is empty" if least == 1 else f"{path} has fewer than {least} entries"
@@ -97,6 +101,11 @@ def _finding(finding: Mapping[str, Any], model: type[BaseModel]) -> str:
     return f"{path} = {show(value)}: {finding['msg']}"
 
 
+def _tag_path(path: str, context: Mapping[str, Any]) -> str:
+    """Return the place of the key that tells the kind of a table."""
+    return f"{path}.{str(context['discriminator']).strip(chr(39))}"
+
+
 def _own_finding(path: str, words: str, keys: set[str]) -> str:
     """Join the place of a table with the words of one of our own checks on it."""
     begins_with_key = any(words.startswith(key) for key in keys)
@@ -104,12 +113,8 @@ def _own_finding(path: str, words: str, keys: set[str]) -> str:
 
 
 def _without_tags(location: Sequence[str | int]) -> list[str | int]:
-    """Drop the names of drive models, which are no keys of the file."""
-    return [
-        part
-        for index, part in enumerate(location)
-        if not (index and location[index - 1] == "drive" and index < len(location) - 1 and isinstance(part, str))
-    ]
+    """Drop the names of drive models and distributions, which are no keys of the file."""
+    return [part for index, part in enumerate(location) if not (index and location[index - 1] in OF_MANY_KINDS)]
 
 
 def _dotted(location: Sequence[str | int]) -> str:

@@ -32,4 +32,8 @@ class Disturbance(Part):
     actual_load_factor: Number | None = Field(None, ge=0, le=1, description="Share of the capacity really on board.")
     stops: tuple[UnplannedStop, ...] = Field((), max_length=100)
     speed_limits: tuple[UnplannedLimit, ...] = Field((), max_length=100)
+    resistance_factor: Number = Field(
+        1.0, ge=0, le=10, description="Running resistance over the planned one, as head wind makes it."
+    )
     line_voltage_factor: Number = Field(1.0, gt=0, le=2, description="Line voltage over its nominal value.")
+    departure_delay_s: Number = Field(0.0, ge=0, le=86400, description="How much later the train leaves [s].")

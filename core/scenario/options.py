@@ -5,7 +5,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from railjoule.core.scenario._base import Number, Part
+from railjoule.core.scenario._base import Count, Number, Part
+from railjoule.core.scenario.distribution import Distribution, Fixed, LogNormal, Normal
 
 
 class SolverOptions(Part):
@@ -66,6 +67,29 @@ class SimulationOptions(Part):
         if self.reset_sensor_m is None or self.calibration_length_m is None:
             return None
         return self.reset_sensor_m - self.calibration_length_m
+
+
+class MonteCarloOptions(Part):
+    """From what a Monte Carlo study draws reality; the defaults are assumed."""
+
+    runs: Count = Field(2000, ge=1, le=1_000_000, description="How many runs.")
+    seed: Count = Field(1, ge=0, le=2**63, description="The same seed draws the same runs.")
+    load_factor: Distribution = Field(
+        Normal(distribution="normal", standard_deviation=0.18), description="Load really carried, 0 to 1."
+    )
+    coordinate_error_m: Distribution = Field(
+        Normal(distribution="normal", standard_deviation=5.0), description="Error of the place [m]."
+    )
+    resistance_factor: Distribution = Field(
+        LogNormal(distribution="log_normal", median=1.0, log_standard_deviation=0.08),
+        description="Running resistance over the planned one.",
+    )
+    line_voltage_factor: Distribution = Field(
+        Normal(distribution="normal", standard_deviation=0.03), description="Line voltage over its nominal value."
+    )
+    departure_delay_s: Distribution = Field(
+        Fixed(distribution="fixed", value=0.0), description="How much later than planned the train leaves [s]."
+    )
 
 
 class EocOptions(Part):

@@ -7,7 +7,14 @@ from pydantic import Field
 from railjoule.core.scenario._base import Part
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.scenario.line import Line
-from railjoule.core.scenario.options import EnocOptions, EocOptions, SearchOptions, SimulationOptions, SolverOptions
+from railjoule.core.scenario.options import (
+    EnocOptions,
+    EocOptions,
+    MonteCarloOptions,
+    SearchOptions,
+    SimulationOptions,
+    SolverOptions,
+)
 from railjoule.core.scenario.timetable import Timetable
 from railjoule.core.scenario.vehicle import Vehicle
 
@@ -32,6 +39,7 @@ class Scenario(Part):
     enoc: EnocOptions = EnocOptions()
     search: SearchOptions = SearchOptions()
     simulation: SimulationOptions = SimulationOptions()
+    montecarlo: MonteCarloOptions = MonteCarloOptions()
     solver: SolverOptions = SolverOptions()
 
     @property

@@ -21,6 +21,7 @@ from railjoule.core.motion.cell_step import FULL_BRAKE, FULL_TRACTION, cell_of, 
 from railjoule.core.motion.course import CourseData
 from railjoule.core.motion.mesh import line_borders, with_nodes_at
 from railjoule.core.scenario import Scenario
+from railjoule.core.simulate.as_it_is import as_it_is
 from railjoule.core.simulate.odometer import Stretch, believed_places, stopping_place, stretches
 from railjoule.core.strategies import Task, run_strategy
 from railjoule.core.strategies.task import task_over
@@ -40,11 +41,17 @@ class Following:
         The run as planned, and as driven.
     stop_errors_m : tuple of float
         How far beyond each stop the train came to stand [m].
+    ways : tuple of list of Stretch
+        Where the train believed to be on its way to each stop.
+    departure_delay_s : float
+        How much later than planned it left [s].
     """
 
     planned: Trajectory
     actual: Trajectory
     stop_errors_m: tuple[float, ...]
+    ways: tuple[list[Stretch], ...]
+    departure_delay_s: float
 
     @property
     def stop_error_m(self) -> float:
@@ -54,7 +61,7 @@ class Following:
     @property
     def delay_s(self) -> float:
         """How much later than planned it arrived [s]."""
-        return self.actual.travel_time_s - self.planned.travel_time_s
+        return self.departure_delay_s + self.actual.travel_time_s - self.planned.travel_time_s
 
     @property
     def overconsumption(self) -> float:
@@ -116,9 +123,8 @@ def follow(planned: Trajectory, scenario: Scenario) -> Following:
         If the train comes to a stand on its way.
     """
     _require_places_on_the_way(scenario)
-    load = scenario.disturbance.actual_load_factor
-    real = scenario if load is None else scenario.with_(**{"vehicle.load_factor": load})
-    nodes, speeds, stop_nodes, errors = [np.zeros(1)], [np.zeros(1)], [], []
+    real = as_it_is(scenario)
+    nodes, speeds, stop_nodes, errors, ways = [np.zeros(1)], [np.zeros(1)], [], [], []
     start, planned_start = 0.0, 0.0
     for stop in stops_of(scenario):
         way = stretches(start, stop, scenario.disturbance.coordinate_error_m, scenario.simulation)
@@ -126,13 +132,14 @@ def follow(planned: Trajectory, scenario: Scenario) -> Following:
         nodes.append(leg[1:])
         speeds.append(speed2[1:])
         errors.append(float(leg[-1] - stop))
+        ways.append(way)
         stop_nodes.append(sum(map(len, nodes)) - 1)
         start, planned_start = float(leg[-1]), stop
     course = build_course(real, position_m=np.concatenate(nodes))
     dwell = np.zeros(course.cell_count + 1)
     dwell[stop_nodes[:-1]] = [station.dwell_s for station in real.line.in_running_order().inner_stations]
     actual = make_trajectory(real, replace(course, dwell_s=dwell), planned.strategy, np.concatenate(speeds))
-    return Following(planned, actual, tuple(errors))
+    return Following(planned, actual, tuple(errors), tuple(ways), scenario.disturbance.departure_delay_s)
 
 
 def _require_places_on_the_way(scenario: Scenario) -> None:

@@ -1,6 +1,18 @@
 """Many scenarios at once, as labelled tables."""
 
-from railjoule.core.studies.sensitivity import sensitivity
+from railjoule.core.studies.montecarlo import MonteCarloTable, monte_carlo, monte_carlo_steps
+from railjoule.core.studies.sensitivity import SensitivityTable, sensitivity, sensitivity_steps
 from railjoule.core.studies.tradeoff import Frontier, energy_time_frontier, enoc_frontier, frontier_times
 
-__all__ = ["Frontier", "energy_time_frontier", "enoc_frontier", "frontier_times", "sensitivity"]
+__all__ = [
+    "Frontier",
+    "MonteCarloTable",
+    "SensitivityTable",
+    "energy_time_frontier",
+    "enoc_frontier",
+    "frontier_times",
+    "monte_carlo",
+    "monte_carlo_steps",
+    "sensitivity",
+    "sensitivity_steps",
+]

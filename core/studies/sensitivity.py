@@ -3,13 +3,16 @@
 Source: Liashenko, Yatsko 2025, (12) and Tables 4 to 7.
 """
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from railjoule.core.errors import InfeasibleLineError, SolverError, TimetableError
+from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError, TimetableError
 from railjoule.core.scenario import Scenario
+from railjoule.core.simulate.as_it_is import changed
 from railjoule.core.simulate.following import follow, plan_for
 from railjoule.core.trajectory import Trajectory
 
@@ -20,14 +23,91 @@ LOAD_FACTORS = (0.0, 0.25, 0.5, 0.75, 1.0)
 COORDINATE_ERRORS_M = (-25.0, -20.0, -10.0, 0.0, 10.0, 20.0, 25.0)
 """Those of the paper."""
 
+Knows = Literal["nothing", "load", "place", "both"]
+"""What the train learns before its start, so that it plans anew in each cell."""
+DIMENSIONS = ("load_factor", "coordinate_error_m")
+
+
+@dataclass(frozen=True, eq=False)
+class SensitivityTable:
+    """Energy, delay and stopping error over k loads really carried and m errors of the place.
+
+    NaN stands where the real train cannot pass the line, and in cells that are not computed yet.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The plan is for its load.
+    both_directions : bool
+        Whether the line is driven there and back, as in (12).
+    knows : str
+        What the train knows.
+    load_factors, coordinate_errors_m : tuple of float
+        Loads, of length k, and errors [m], of length m.
+    planned_kwh : float
+        Energy of the plan [kWh].
+    knowing_kwh : array of shape (k,)
+        Energy of the plans of a train that knows its load [kWh].
+    energy_kwh, delay_s, stop_error_m : array of shape (k, m)
+        Energy as driven [kWh], the later arrival [s], the stopping error that is larger in size [m].
+    done : int
+        How many cells are computed, in the order of the loads.
+    """
+
+    scenario: Scenario
+    both_directions: bool
+    knows: Knows
+    load_factors: tuple[float, ...]
+    coordinate_errors_m: tuple[float, ...]
+    planned_kwh: float
+    knowing_kwh: FloatArray
+    energy_kwh: FloatArray
+    delay_s: FloatArray
+    stop_error_m: FloatArray
+    done: int = 0
+
+    @property
+    def overconsumption(self) -> FloatArray:
+        """Energy over that of the plan, less 1; shape (k, m)."""
+        return self.energy_kwh / self.planned_kwh - 1
+
+    @property
+    def over_replanned(self) -> FloatArray:
+        """Energy over that of the plan of a train that knows its load, less 1; shape (k, m)."""
+        return self.energy_kwh / self.knowing_kwh[:, None] - 1
+
+    def to_dataset(self) -> "xarray.Dataset":
+        """Return the table with its labels and units."""
+        import xarray  # noqa: PLC0415  (slow to import, and seldom needed)
+
+        columns = {
+            "energy_kwh": (self.energy_kwh, "kWh"),
+            "overconsumption": (self.overconsumption, "1"),
+            "over_replanned": (self.over_replanned, "1"),
+            "delay_s": (self.delay_s, "s"),
+            "stop_error_m": (self.stop_error_m, "m"),
+        }
+        return xarray.Dataset(
+            {name: (DIMENSIONS, values, {"units": unit}) for name, (values, unit) in columns.items()},
+            coords={"load_factor": list(self.load_factors), "coordinate_error_m": list(self.coordinate_errors_m)},
+            attrs={
+                "title": self.scenario.title,
+                "strategy": self.scenario.strategy,
+                "planned_load_factor": self.scenario.vehicle.load_factor,
+                "planned_energy_kwh": self.planned_kwh,
+                "both_directions": int(self.both_directions),
+                "knows": self.knows,
+            },
+        )
+
 
 def sensitivity(
     scenario: Scenario,
     load_factors: Sequence[float] = LOAD_FACTORS,
     coordinate_errors_m: Sequence[float] = COORDINATE_ERRORS_M,
     both_directions: bool = True,
-    replan: bool = False,
-) -> "xarray.Dataset":
+    knows: Knows = "nothing",
+) -> SensitivityTable:
     """Return energy, overconsumption (12), delay and stopping error over load factor and coordinate error.
 
     Parameters
@@ -35,69 +115,81 @@ def sensitivity(
     scenario : Scenario
         The plan is for its load; its own disturbance counts but for load and place.
     load_factors : sequence of float
-        Loads really carried, of length k.
+        Loads really carried.
     coordinate_errors_m : sequence of float
-        Errors of the place [m], of length m.
+        Errors of the place [m].
     both_directions : bool
         Whether the line is driven there and back, as in (12).
-    replan : bool
-        Whether each load has a plan of its own, as if the train knew what it carries.
-
-    Returns
-    -------
-    xarray.Dataset
-        Dimensions load_factor and coordinate_error_m: energy_kwh, overconsumption (over the plan for the scenario's
-        own load), over_replanned (over the plan of a train that knows its load), delay_s (the later arrival) and
-        stop_error_m (the larger in size); NaN where the real train cannot pass the line.
+    knows : str
+        What the train learns before its start, so that it plans anew: its load, its place, both or nothing.
 
     Raises
     ------
+    ScenarioError
+        If a load factor lies outside 0 to 1, or an error of the place beyond the way from one stop to the next.
     RailjouleError
         As `railjoule.core.solve` for the plan.
     """
-    import xarray  # noqa: PLC0415  (slow to import, and seldom needed)
+    *_, last = sensitivity_steps(scenario, load_factors, coordinate_errors_m, both_directions, knows)
+    return last
 
+
+def sensitivity_steps(
+    scenario: Scenario,
+    load_factors: Sequence[float] = LOAD_FACTORS,
+    coordinate_errors_m: Sequence[float] = COORDINATE_ERRORS_M,
+    both_directions: bool = True,
+    knows: Knows = "nothing",
+) -> Iterator[SensitivityTable]:
+    """Yield the table of `sensitivity` empty, and again after each cell; arguments and errors as there."""
+    wrong = next((load for load in load_factors if not 0 <= load <= 1), None)
+    if wrong is not None:
+        raise ScenarioError(f"a load factor of the table = {wrong:g} must lie between 0 and 1.")
     ways = [scenario, _turned(scenario)] if both_directions else [scenario]
     plans = [plan_for(way) for way in ways]
-    planned = sum(plan.energy_kwh for plan in plans)
-    values = np.full((3, len(load_factors), len(coordinate_errors_m)), np.nan)
-    knowing = np.full(len(load_factors), np.nan)
+    shape = len(load_factors), len(coordinate_errors_m)
+    knowing, values = np.full(shape[0], np.nan), np.full((3, *shape), np.nan)
+    table = SensitivityTable(
+        scenario,
+        both_directions,
+        knows,
+        tuple(load_factors),
+        tuple(coordinate_errors_m),
+        sum(plan.energy_kwh for plan in plans),
+        frozen_array(knowing),
+        *(frozen_array(values[0]),) * 3,
+    )
+    yield table
     for k, load in enumerate(load_factors):
-        loaded = [way.with_(**{"disturbance.actual_load_factor": load}) for way in ways]
         own = _plans_knowing(load, ways)
         knowing[k] = np.nan if own is None else sum(plan.energy_kwh for plan in own)
-        followed = own if replan else plans
+        followed = own if knows in {"load", "both"} else plans
         for m, error in enumerate(coordinate_errors_m):
-            changes = {"disturbance.coordinate_error_m": error}
             if followed is not None:
-                values[:, k, m] = _followed(followed, [way.with_(**changes) for way in loaded])
-    dimensions = ("load_factor", "coordinate_error_m")
-    return xarray.Dataset(
-        {
-            "energy_kwh": (dimensions, values[0], {"units": "kWh"}),
-            "overconsumption": (dimensions, values[0] / planned - 1, {"units": "1"}),
-            "over_replanned": (dimensions, values[0] / knowing[:, None] - 1, {"units": "1"}),
-            "delay_s": (dimensions, values[1], {"units": "s"}),
-            "stop_error_m": (dimensions, values[2], {"units": "m"}),
-        },
-        coords={"load_factor": list(load_factors), "coordinate_error_m": list(coordinate_errors_m)},
-        attrs={
-            "title": scenario.title,
-            "strategy": scenario.strategy,
-            "planned_load_factor": scenario.vehicle.load_factor,
-            "planned_energy_kwh": planned,
-            "both_directions": int(both_directions),
-            "replanned": int(replan),
-        },
-    )
+                believed = 0.0 if knows in {"place", "both"} else error
+                values[:, k, m] = _followed(followed, [_disturbed(way, load, believed) for way in ways])
+            yield replace(
+                table,
+                knowing_kwh=frozen_array(knowing),
+                energy_kwh=frozen_array(values[0]),
+                delay_s=frozen_array(values[1]),
+                stop_error_m=frozen_array(values[2]),
+                done=k * shape[1] + m + 1,
+            )
 
 
 def _plans_knowing(load_factor: float, ways: list[Scenario]) -> list[Trajectory] | None:
     """Return the plans of a train that knows its load, or None if there are none."""
+    known = [way.model_copy(update={"vehicle": changed(way.vehicle, load_factor=load_factor)}) for way in ways]
     try:
-        return [plan_for(way.with_(**{"vehicle.load_factor": load_factor})) for way in ways]
+        return [plan_for(way) for way in known]
     except (InfeasibleLineError, TimetableError, SolverError):
         return None
+
+
+def _disturbed(way: Scenario, load_factor: float, error_m: float) -> Scenario:
+    update = {"actual_load_factor": load_factor, "coordinate_error_m": error_m}
+    return way.model_copy(update={"disturbance": way.disturbance.model_copy(update=update)})
 
 
 def _turned(scenario: Scenario) -> Scenario:

@@ -2,8 +2,6 @@
 
 from typing import Any
 
-import numpy as np
-
 from railjoule.core.scenario import load_scenario
 from railjoule.core.simulate.following import simulate_following
 from railjoule.core.studies.sensitivity import sensitivity
@@ -38,7 +36,7 @@ def overconsumption(entry: Printed, paper: Printed) -> Table:
     """Return one table of (12) beside ours, both directions together."""
     loads, errors = paper["load_factors"], paper["coordinate_errors_m"]
     ours = sensitivity(load_scenario(entry["scenario"]), loads, [float(error) for error in errors])
-    percent = 100 * np.asarray(ours["over_replanned"])
+    percent = 100 * ours.over_replanned
     rows = [
         Row(
             f"{error:+g} m, load {load:g}",

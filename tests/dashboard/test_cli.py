@@ -329,7 +329,7 @@ def test_a_bad_change(capsys, change, words):
         ([], "the following arguments are required: COMMAND; see railjoule --help."),
         (["drive"], "invalid choice: 'drive'"),
         (["report", "liashenko-ii"], "invalid choice: 'report'"),
-        (["study", "montecarlo", "liashenko-ii", "-o", "x.nc"], "invalid choice: 'montecarlo'"),
+        (["study", "storage", "liashenko-ii", "-o", "x.nc"], "invalid choice: 'storage'"),
         (["study", "sensitivity", "liashenko-ii", "-o", "x.txt"], "must end in .nc or .csv or .parquet"),
         (["solve"], "FILE is missing"),
         (["solve", "--set", "a", "b"], "FILE is missing"),
@@ -471,3 +471,6 @@ def test_a_study_becomes_a_labelled_table(tmp_path):
     target = tmp_path / "frontier.csv"
     assert main(["study", "tradeoff", "liashenko-0", "-o", str(target)]) == OK
     assert target.read_text().startswith("travel_time_s,energy_kwh,price_of_time_wh_per_s,lower_bound_kwh")
+    target = tmp_path / "chance.csv"
+    assert main(["study", "montecarlo", "liashenko-0", "-o", str(target), "--set", "montecarlo.runs=20"]) == OK
+    assert len(target.read_text().splitlines()) == 21

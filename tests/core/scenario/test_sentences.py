@@ -43,7 +43,7 @@ CASES = {
         {"vehicle.braking.friction_efort_kn": 1},
         "unknown key vehicle.braking.friction_efort_kn, did you mean 'friction_effort_kn'",
     ),
-    "unknown key unlike any": ({"zzz": 1}, "unknown key zzz, known are disturbance, enoc, eoc, line, search, "),
+    "unknown key unlike any": ({"zzz": 1}, "unknown key zzz, known are disturbance, enoc, eoc, line, montecarlo, "),
     "unknown key of a drive": (
         {"drive.efficiency": 0.9},
         "unknown key drive.efficiency, did you mean 'braking_efficiency' or 'traction_efficiency'?",
@@ -84,6 +84,18 @@ CASES = {
         "line.stations must have rising positions, at least 1 m apart.",
     ),
     "unknown strategy": ({"strategy": "best"}, "strategy = 'best' must be 'optimal', 'bellman', 'eoc'"),
+    "unknown distribution": (
+        {"montecarlo.load_factor": {"distribution": "magic"}},
+        "montecarlo.load_factor.distribution = 'magic' must be one of 'fixed', 'uniform', ",
+    ),
+    "distribution in disorder": (
+        {"montecarlo.load_factor": {"distribution": "uniform", "low": 1.0, "high": 0.5}},
+        "montecarlo.load_factor.high = 0.5 must be above low = 1",
+    ),
+    "negative deviation": (
+        {"montecarlo.load_factor": {"distribution": "normal", "standard_deviation": -1.0}},
+        "montecarlo.load_factor.standard_deviation = -1 must be above 0",
+    ),
     "unknown drive": ({"drive.model": "magic"}, "drive.model = 'magic' must be one of 'constant_efficiency', "),
     "curve that falls back": (
         {"vehicle.traction.curve": [[0, 100], [50, 80], [50, 60]]},

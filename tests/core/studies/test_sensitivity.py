@@ -2,14 +2,14 @@ import numpy as np
 import pytest
 from builders import plain_scenario
 
-from railjoule.core import load_scenario
+from railjoule.core import ScenarioError, load_scenario
 from railjoule.core.simulate.following import plan_for, simulate_following
-from railjoule.core.studies import sensitivity
+from railjoule.core.studies import sensitivity, sensitivity_steps
 
 
 @pytest.fixture(scope="module")
 def table():
-    return sensitivity(load_scenario("liashenko-i"))
+    return sensitivity(load_scenario("liashenko-i")).to_dataset()
 
 
 def test_cells_are_single_simulations(table):
@@ -38,12 +38,27 @@ def test_overconsumption_grows_with_the_error(table):
     assert np.all(np.diff(planned.sel(coordinate_error_m=[0.0, -10.0, -20.0, -25.0]).values) > 0)
 
 
+def test_the_table_fills_cell_by_cell():
+    steps = list(sensitivity_steps(load_scenario("liashenko-0"), [0.0, 1.0], [-5.0, 5.0], both_directions=False))
+    assert [int(np.isfinite(step.energy_kwh).sum()) for step in steps] == [0, 1, 2, 3, 4]
+    assert [step.done for step in steps] == [0, 1, 2, 3, 4]
+
+
 def test_a_train_that_knows_its_load_loses_nothing_by_it():
     scenario = load_scenario("liashenko-ii")
-    table = sensitivity(scenario, [0.0, 1.0], [0.0], both_directions=False, replan=True)
-    assert table.over_replanned.values == pytest.approx(0, abs=1e-9)
+    table = sensitivity(scenario, [0.0, 1.0], [0.0], both_directions=False, knows="load")
+    assert table.over_replanned == pytest.approx(np.zeros((2, 1)), abs=1e-9)
     own = plan_for(scenario.with_(**{"vehicle.load_factor": 1.0})).energy_kwh
-    assert table.energy_kwh.sel(load_factor=1.0).item() == pytest.approx(own, rel=1e-9)
+    assert table.energy_kwh[1, 0] == pytest.approx(own, rel=1e-9)
+
+
+def test_a_train_that_knows_its_place_loses_nothing_by_its_error():
+    wrong = sensitivity(load_scenario("liashenko-i"), [0.5], [-20.0, 20.0], both_directions=False)
+    known = sensitivity(load_scenario("liashenko-i"), [0.5], [-20.0, 20.0], both_directions=False, knows="place")
+    both = sensitivity(load_scenario("liashenko-i"), [0.9], [20.0], both_directions=False, knows="both")
+    assert np.all(wrong.overconsumption > 0.005)
+    assert known.overconsumption == pytest.approx(np.zeros((1, 2)), abs=1e-9)
+    assert both.over_replanned == pytest.approx(np.zeros((1, 1)), abs=1e-9)
 
 
 def test_a_cell_that_cannot_be_driven_is_nan():
@@ -53,4 +68,9 @@ def test_a_cell_that_cannot_be_driven_is_nan():
         "timetable.travel_time_s": 300.0,
     }
     table = sensitivity(plain_scenario(changes), [0.0, 1.0], [0.0], both_directions=False)
-    assert np.isnan(table.energy_kwh.values).tolist() == [[False], [True]]
+    assert np.isnan(table.energy_kwh).tolist() == [[False], [True]]
+
+
+def test_a_load_above_the_capacity_is_refused():
+    with pytest.raises(ScenarioError, match=r"a load factor of the table = 1.2 must lie between 0 and 1."):
+        sensitivity(load_scenario("liashenko-0"), [1.2])

@@ -1,0 +1,46 @@
+"""The train as it really is: its load, its running resistance and the line voltage that it finds."""
+
+from railjoule.core.scenario import Scenario, Vehicle
+from railjoule.core.scenario.vehicle import Braking, Resistance, Traction
+
+RESISTANCE_TERMS = tuple(name for name in Resistance.model_fields if name != "curve_constant_m_n_per_kn")
+
+
+def as_it_is(scenario: Scenario) -> Scenario:
+    """Return a scenario whose vehicle is as its disturbance says.
+
+    At a lower line voltage the largest efforts stay, but are left at a lower speed: the power falls by the same
+    factor, and so do the speeds of a tabulated curve of effort.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With its disturbance.
+    """
+    disturbance, vehicle = scenario.disturbance, scenario.vehicle
+    if disturbance.actual_load_factor is not None:
+        vehicle = changed(vehicle, load_factor=disturbance.actual_load_factor)
+    if disturbance.resistance_factor != 1:
+        terms = {name: disturbance.resistance_factor * getattr(vehicle.resistance, name) for name in RESISTANCE_TERMS}
+        vehicle = changed(vehicle, resistance=vehicle.resistance.model_copy(update=terms))
+    if disturbance.line_voltage_factor != 1:
+        vehicle = _at_voltage(vehicle, disturbance.line_voltage_factor)
+    return scenario.model_copy(update={"vehicle": vehicle})
+
+
+def changed(vehicle: Vehicle, **fields: float | Resistance | Traction | Braking) -> Vehicle:
+    """Return a copy with other values, which were validated before."""
+    return vehicle.model_copy(update=fields)
+
+
+def _at_voltage(vehicle: Vehicle, factor: float) -> Vehicle:
+    traction, braking = vehicle.traction, vehicle.braking
+    power, curve = traction.max_power_kw, traction.curve
+    less_traction = {
+        "max_power_kw": None if power is None else factor * power,
+        "curve": None if curve is None else tuple((factor * speed, effort) for speed, effort in curve),
+    }
+    less_braking = {"max_power_kw": None if braking.max_power_kw is None else factor * braking.max_power_kw}
+    return changed(
+        vehicle, traction=traction.model_copy(update=less_traction), braking=braking.model_copy(update=less_braking)
+    )

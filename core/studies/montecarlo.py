@@ -1,0 +1,228 @@
+"""What chance makes of a plan: load, place, resistance, voltage and departure drawn from distributions."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError, TimetableError
+from railjoule.core.scenario import Scenario
+from railjoule.core.scenario.distribution import Distribution, Fixed, LogNormal, Normal, Triangular, Uniform
+from railjoule.core.simulate.as_it_is import changed
+from railjoule.core.simulate.following import follow, plan_for, stops_of
+
+if TYPE_CHECKING:
+    import xarray
+
+QUANTITIES = ("load_factor", "coordinate_error_m", "resistance_factor", "line_voltage_factor", "departure_delay_s")
+"""What is drawn, in the order of the random numbers."""
+UNITS = {"load_factor": "1", "coordinate_error_m": "m", "departure_delay_s": "s"}
+RESULTS = 3
+"""Energy, delay and stopping error."""
+FACTOR_BOUNDS = (0.05, 2.0)
+"""Between these drawn factors lie: a train without any voltage or resistance is not meant."""
+LONGEST_DELAY_S = 86400.0
+PLANNED_LOADS = np.linspace(0.0, 1.0, 9)
+"""Loads whose own plans are computed; between them their energy is interpolated."""
+RUNS_PER_STEP = 40
+
+
+@dataclass(frozen=True, eq=False)
+class MonteCarloTable:
+    """What was drawn and what came out, run by run; NaN where the real train cannot pass the line.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The plan, and the distributions in its `montecarlo`.
+    planned_kwh : float
+        Energy of the plan [kWh].
+    drawn : dict
+        What was drawn, by `QUANTITIES`: arrays of shape (runs,).
+    knowing_kwh : array of shape (runs,)
+        Energy of the plan of a train that knows its load [kWh].
+    energy_kwh, delay_s, stop_error_m : array of shape (done,)
+        Energy as driven [kWh], delay at the end [s], last stopping error [m] of the runs done so far.
+    """
+
+    scenario: Scenario
+    planned_kwh: float
+    drawn: dict[str, FloatArray]
+    knowing_kwh: FloatArray
+    energy_kwh: FloatArray
+    delay_s: FloatArray
+    stop_error_m: FloatArray
+
+    @property
+    def done(self) -> int:
+        """How many runs are done."""
+        return len(self.energy_kwh)
+
+    @property
+    def runs(self) -> int:
+        """How many runs are asked for."""
+        return len(self.knowing_kwh)
+
+    @property
+    def overconsumption(self) -> FloatArray:
+        """Energy over that of the plan, less 1; shape (done,)."""
+        return self.energy_kwh / self.planned_kwh - 1
+
+    @property
+    def over_replanned(self) -> FloatArray:
+        """Energy over that of the plan of a train that knows its load, less 1; shape (done,)."""
+        return self.energy_kwh / self.knowing_kwh[: self.done] - 1
+
+    def to_dataset(self) -> "xarray.Dataset":
+        """Return the runs done so far with labels and units."""
+        import xarray  # noqa: PLC0415  (slow to import, and seldom needed)
+
+        columns = {name: (values[: self.done], UNITS.get(name, "1")) for name, values in self.drawn.items()}
+        columns |= {
+            "energy_kwh": (self.energy_kwh, "kWh"),
+            "overconsumption": (self.overconsumption, "1"),
+            "over_replanned": (self.over_replanned, "1"),
+            "delay_s": (self.delay_s, "s"),
+            "stop_error_m": (self.stop_error_m, "m"),
+        }
+        return xarray.Dataset(
+            {name: ("run", values, {"units": unit}) for name, (values, unit) in columns.items()},
+            coords={"run": np.arange(self.done)},
+            attrs={
+                "title": self.scenario.title,
+                "strategy": self.scenario.strategy,
+                "planned_energy_kwh": self.planned_kwh,
+                "seed": self.scenario.montecarlo.seed,
+            },
+        )
+
+
+def monte_carlo(scenario: Scenario) -> MonteCarloTable:
+    """Return what chance makes of a plan.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The plan, and in `montecarlo` the distributions, the number of runs and the seed.
+
+    Raises
+    ------
+    ScenarioError
+        If a distribution has nothing within the bounds of its quantity.
+    RailjouleError
+        As `railjoule.core.solve` for the plan.
+    """
+    *_, last = monte_carlo_steps(scenario)
+    return last
+
+
+def monte_carlo_steps(scenario: Scenario) -> Iterator[MonteCarloTable]:
+    """Yield the table of `monte_carlo` empty, and again after every few runs; errors as there."""
+    planned = plan_for(scenario)
+    drawn = draw(scenario)
+    table = MonteCarloTable(
+        scenario,
+        planned.energy_kwh,
+        drawn,
+        frozen_array(_energies_knowing(scenario, drawn["load_factor"])),
+        *(frozen_array([]),) * RESULTS,
+    )
+    yield table
+    runs = scenario.montecarlo.runs
+    results = np.full((RESULTS, runs), np.nan)
+    for run in range(runs):
+        one = {name: float(values[run]) for name, values in drawn.items()}
+        one["actual_load_factor"] = one.pop("load_factor")
+        real = scenario.model_copy(update={"disturbance": scenario.disturbance.model_copy(update=one)})
+        try:
+            driven = follow(planned, real)
+            results[:, run] = driven.actual.energy_kwh, driven.delay_s, driven.stop_error_m
+        except InfeasibleLineError:
+            pass
+        done = run + 1
+        if done % RUNS_PER_STEP == 0 or done == runs:
+            energy, delay, stop_error = (frozen_array(row[:done]) for row in results)
+            yield replace(table, energy_kwh=energy, delay_s=delay, stop_error_m=stop_error)
+
+
+def draw(scenario: Scenario) -> dict[str, FloatArray]:
+    """Return values of all `QUANTITIES` from their distributions, each of shape (runs,).
+
+    A distribution is cut off at the bounds of its quantity. More runs with the same seed begin with the same values,
+    and another distribution of one quantity leaves the others as they were.
+
+    Raises
+    ------
+    ScenarioError
+        If a distribution has nothing within the bounds.
+    """
+    options = scenario.montecarlo
+    shares = np.random.default_rng(options.seed).random((options.runs, len(QUANTITIES)))
+    way = float(min(np.diff([0.0, *stops_of(scenario)])))
+    bounds = {
+        "load_factor": (0.0, 1.0),
+        "coordinate_error_m": (np.nextafter(-way, 0), np.nextafter(way, 0)),
+        "resistance_factor": FACTOR_BOUNDS,
+        "line_voltage_factor": FACTOR_BOUNDS,
+        "departure_delay_s": (0.0, LONGEST_DELAY_S),
+    }
+    disturbance = scenario.disturbance
+    planned = {"load_factor": scenario.vehicle.load_factor} | {
+        name: getattr(disturbance, name) for name in QUANTITIES if name != "load_factor"
+    }
+    return {
+        name: frozen_array(_cut_off(name, getattr(options, name), planned[name], bounds[name], shares[:, k]))
+        for k, name in enumerate(QUANTITIES)
+    }
+
+
+def _cut_off(
+    name: str, distribution: Distribution, planned: float, bounds: tuple[float, float], shares: FloatArray
+) -> FloatArray:
+    """Return the quantiles at `shares` of what a distribution has within the bounds."""
+    low, high = bounds
+    if isinstance(distribution, Fixed):
+        if not low <= distribution.value <= high:
+            value = distribution.value
+            raise ScenarioError(f"montecarlo.{name}.value = {value:g} must lie within {low:g} to {high:g}.")
+        return np.full(len(shares), distribution.value)
+    frozen = _frozen(distribution, planned)
+    first, last = frozen.cdf([low, high])
+    values: FloatArray = frozen.ppf(first + (last - first) * shares)
+    if not (last > first and np.all(np.isfinite(values))):
+        raise ScenarioError(f"montecarlo.{name}: the distribution has nothing within {low:g} to {high:g}.")
+    return np.clip(values, low, high)
+
+
+def _frozen(distribution: Distribution, planned: float) -> Any:
+    """Return a distribution as SciPy knows it."""
+    from scipy import stats  # noqa: PLC0415  (slow to import, and seldom needed)
+
+    if isinstance(distribution, Uniform):
+        return stats.uniform(distribution.low, distribution.high - distribution.low)
+    if isinstance(distribution, Triangular):
+        width = distribution.high - distribution.low
+        return stats.triang((distribution.mode - distribution.low) / width, distribution.low, width)
+    if isinstance(distribution, Normal):
+        mean = planned if distribution.mean is None else distribution.mean
+        return stats.norm(mean, distribution.standard_deviation)
+    if isinstance(distribution, LogNormal):
+        return stats.lognorm(distribution.log_standard_deviation, scale=distribution.median)
+    return stats.expon(scale=distribution.mean)  # type: ignore[union-attr]
+
+
+def _energies_knowing(scenario: Scenario, load_factors: FloatArray) -> FloatArray:
+    """Return the energy [kWh] of plans that know their load; NaN beyond the loads that can be planned for."""
+    loads, energies = [], []
+    for load in PLANNED_LOADS:
+        known = scenario.model_copy(update={"vehicle": changed(scenario.vehicle, load_factor=float(load))})
+        try:
+            energies.append(plan_for(known).energy_kwh)
+            loads.append(float(load))
+        except (InfeasibleLineError, TimetableError, SolverError):
+            continue
+    if not loads:
+        return np.full(len(load_factors), np.nan)
+    return np.interp(load_factors, loads, energies, left=np.nan, right=np.nan)
