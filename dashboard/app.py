@@ -10,6 +10,7 @@ from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.health import HealthHandler
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.robustness import Robustness
 from railjoule.dashboard.store import (
     Runs,
     RunsWish,
@@ -20,6 +21,7 @@ from railjoule.dashboard.store import (
     compute_trade_off,
 )
 from railjoule.dashboard.views.drive import DriveView
+from railjoule.dashboard.views.robustness import RobustnessView
 from railjoule.dashboard.views.shell import Page, Shell
 from railjoule.dashboard.views.trade_off import TradeOffView
 from railjoule.dashboard.warmup import warmup
@@ -29,6 +31,9 @@ pn.extension("plotly", notifications=False)
 POLL_MS = 300
 EXTRA_PATTERNS = [("/health", HealthHandler)]
 SLIDERS = ("load_percent", "recuperation_percent")
+View = DriveView | TradeOffView | RobustnessView
+VIEWS: dict[str, type[View]] = {"Drive": DriveView, "Trade-off": TradeOffView, "Robustness": RobustnessView}
+"""What draws each page."""
 
 
 class Session:
@@ -40,23 +45,23 @@ class Session:
         self.palette = Palette(self.state.dark)
         self.runs = Worker(compute_runs, self._take_runs, self._take_failure)
         self.trade_off = Worker(compute_trade_off, self._take_trade_off, self._take_failure)
-        self.views: dict[str, DriveView | TradeOffView] = {}
-        self.shell = Shell(
-            self.state, self.browser, {"Drive": self._make(DriveView), "Trade-off": self._make(TradeOffView)}
-        )
+        self.robustness = Robustness(self.state)
+        self.views: dict[str, View] = {}
+        self.shell = Shell(self.state, self.browser, {name: self._make(view) for name, view in VIEWS.items()})
         scenario = self.state.scenario
         scenario.param.watch(self._ask_runs, [*SLIDERS, "travel_time_s", "acceleration_time_s"])
         scenario.param.watch(self._ask_trade_off, [*SLIDERS, "travel_time_range_s"])
         self.state.param.watch(self._ask_runs, ["ticked", "chosen"])
         self.state.param.watch(self._ask_trade_off, ["page", "wide_map", "copper_weight"])
         self.state.param.watch(self._paint, "dark")
+        pn.state.on_session_destroyed(lambda _: self.robustness.end())
         self.shell.open()
         if warmup().ready.is_set():
             # a page that is sent with its first run is there a second earlier than one that asks for it
             self.runs.do(self._wish())
         pn.state.onload(self._load)
 
-    def _make(self, view: type[DriveView] | type[TradeOffView]) -> Callable[[], pn.viewable.Viewable]:
+    def _make(self, view: type[View]) -> Callable[[], pn.viewable.Viewable]:
         def make() -> pn.viewable.Viewable:
             made = view(self.state, self.browser, self.palette)
             self.views[view.__name__] = made
@@ -87,7 +92,8 @@ class Session:
         self.runs.ask(self._wish())
 
     def _wish(self) -> RunsWish:
-        return RunsWish(self.state.scenario.scenario(), self.state.drawn)
+        with_law = self.state.chosen == "bellman"
+        return RunsWish(self.state.scenario.scenario(), self.state.drawn, with_law)
 
     def _ask_trade_off(self, *_: Any) -> None:
         """Ask for the frontier, but only while its page is in sight."""

@@ -14,6 +14,7 @@ from numba.core.dispatcher import Dispatcher
 
 from railjoule.core import compare, load_scenario
 from railjoule.core.scenario import Scenario
+from railjoule.core.simulate.following import simulate_following
 
 LOG = logging.getLogger(__name__)
 SCENARIOS = ("liashenko-i", "ftorek-300s")
@@ -36,6 +37,7 @@ class Warmup:
         try:
             for scenario in scenarios():
                 compare(scenario)
+                simulate_following(scenario)
         except Exception:
             LOG.exception("the kernels could not be compiled")
         finally:

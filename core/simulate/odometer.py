@@ -27,11 +27,14 @@ class Stretch:
         Where the train believes to be there [m].
     scale : float
         Measured speed over the true one.
+    sensor : str
+        Which sensor it begins at: D1, D2, D3; empty at a start.
     """
 
     from_m: float
     believed_m: float
     scale: float
+    sensor: str = ""
 
     def believed(self, position_m: Place) -> Place:
         """Return the believed place [m] at a true one [m]."""
@@ -62,13 +65,13 @@ def stretches(start_m: float, stop_m: float, coordinate_error_m: float, options:
     scale = measured
     if reset is not None and stop_m - reset + errors[0] > start_m:
         first = stop_m - reset + errors[0]
-        way.append(Stretch(first, stop_m - reset, scale))
+        way.append(Stretch(first, stop_m - reset, scale, "D1"))
         second = stop_m - reset + (calibration or 0.0) + errors[1]
         if calibration is not None and second > first:
             scale *= calibration / (measured * (second - first))
-            way.append(Stretch(second, way[-1].believed(second), scale))
+            way.append(Stretch(second, way[-1].believed(second), scale, "D2"))
     if options.stop_sensor_m is not None and stop_m - options.stop_sensor_m + errors[2] > way[-1].from_m:
-        way.append(Stretch(stop_m - options.stop_sensor_m + errors[2], stop_m - options.stop_sensor_m, scale))
+        way.append(Stretch(stop_m - options.stop_sensor_m + errors[2], stop_m - options.stop_sensor_m, scale, "D3"))
     return way
 
 

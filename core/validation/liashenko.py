@@ -57,13 +57,7 @@ def examples(figures: list[Printed]) -> list[Row]:
     """Return what becomes of the plans of Figures 3 to 6."""
     rows = []
     for figure in figures:
-        changes = {
-            "line.reverse": figure["reverse"],
-            "timetable.average_speed_kmh": figure["average_speed_kmh"],
-            "disturbance.actual_load_factor": figure["actual_load_factor"],
-            "disturbance.coordinate_error_m": figure["coordinate_error_m"],
-        }
-        result = simulate_following(load_scenario(figure["scenario"]).with_(**changes))
+        result = simulate_following(load_scenario(figure["scenario"]))
         rows += [
             Row(figure["place"], "planned energy", "kWh", None, result.planned.energy_kwh),
             Row(figure["place"], "overconsumption", "%", None, 100 * result.overconsumption),

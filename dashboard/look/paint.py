@@ -2,7 +2,7 @@
 
 from bokeh.model import Model
 
-from railjoule.dashboard.look.tokens import THEMES, Tokens
+from railjoule.dashboard.look.tokens import COST_SCALES, THEMES, ThemeName, Tokens
 
 
 class Palette:
@@ -11,10 +11,12 @@ class Palette:
     def __init__(self, dark: bool) -> None:
         self._worn: list[tuple[Model, str, str]] = []
         self.tokens: Tokens = {}
+        self.costs: tuple[str, ...] = ()
         self._choose(dark)
 
     def _choose(self, dark: bool) -> None:
-        self.tokens = THEMES["dark" if dark else "light"]
+        theme: ThemeName = "dark" if dark else "light"
+        self.tokens, self.costs = THEMES[theme], COST_SCALES[theme]
 
     def paint(self, model: Model, **attributes: str) -> None:
         """Give attributes of a model the colours of tokens, now and after each change of theme."""

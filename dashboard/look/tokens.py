@@ -37,6 +37,7 @@ LIGHT: Tokens = {
     "speed_limits": "#D6409F",
     "fastest": "#1D242D",
     "pinned": "#8B95A1",
+    "driven": "#A0330F",
     "full_power": "#0B5BD3",
     "part_power": "#7FA9EA",
     "hold": "#BCD3F6",
@@ -75,6 +76,7 @@ DARK: Tokens = {
     "speed_limits": "#EE92C6",
     "fastest": "#EBF2FF",
     "pinned": "#77828F",
+    "driven": "#F0986A",
     "full_power": "#7AA2FF",
     "part_power": "#4A6BB0",
     "hold": "#2C4478",
@@ -89,6 +91,11 @@ DARK: Tokens = {
     "on_stand": "#B9C2CE",
 }
 THEMES: dict[ThemeName, Tokens] = {"light": LIGHT, "dark": DARK}
+COST_SCALES: dict[ThemeName, tuple[str, ...]] = {
+    "light": ("#FBF6F1", "#F8E7D8", "#F3CFB2", "#ECB188", "#E08F5E", "#CC6A37", "#AE4A1B", "#86330E"),
+    "dark": ("#1D1A19", "#33231B", "#4E2E1C", "#6E3C1E", "#934F25", "#BA6A35", "#DD8F56", "#F6BE8E"),
+}
+"""Overconsumption, from none to most."""
 
 DASHES: dict[StrategyName | Literal["pinned"], Dash] = {
     "optimal": "solid",

@@ -1,6 +1,5 @@
 """The scenario that a page edits: a shipped one and the fields that differ from it."""
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -9,6 +8,7 @@ import param
 from railjoule.core import Scenario, load_scenario
 from railjoule.core.scenario import parse_scenario, preset_names
 from railjoule.core.strategies import prepare_task
+from railjoule.dashboard.models.numbers import parse_number
 
 FIRST_SCENARIO = "metro-with-limit"
 TIME_FIELDS = {"travel_time_s": (1.0, 86_400.0), "acceleration_time_s": (1.0, 43_200.0)}
@@ -111,17 +111,4 @@ class ScenarioModel(param.Parameterized):
         ValueError
             With a sentence that names the bound that it misses.
         """
-        try:
-            value = float(text.replace("\u202f", "").replace("\u2212", "-").replace(",", "."))
-        except ValueError:
-            raise ValueError("Not a number.") from None
-        if not math.isfinite(value):
-            raise ValueError("Not a number.")
-        low, high = self.param[field].bounds or (None, None)
-        if field in TIME_FIELDS:
-            low, high = TIME_FIELDS[field]
-        if low is not None and value < low:
-            raise ValueError(f"At least {low:g}.")
-        if high is not None and value > high:
-            raise ValueError(f"At most {high:g}.")
-        return value
+        return parse_number(text, TIME_FIELDS.get(field) or self.param[field].bounds or (None, None))

@@ -7,10 +7,11 @@ import param
 from railjoule.core import RailjouleError, Trajectory
 from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
+from railjoule.dashboard.models.robustness import RobustnessModel
 from railjoule.dashboard.models.scenario import ScenarioModel
 from railjoule.dashboard.store import Runs, TradeOff
 
-PAGES = ("Drive", "Trade-off")
+PAGES = ("Drive", "Trade-off", "Robustness")
 
 
 class Workbench(param.Parameterized):
@@ -33,6 +34,7 @@ class Workbench(param.Parameterized):
 
     def __init__(self, **params: Any) -> None:
         self.scenario = ScenarioModel()
+        self.robustness = RobustnessModel()
         super().__init__(**params)
 
     @property

@@ -6,7 +6,7 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
-from railjoule.core import RailjouleError, ScenarioError, TimetableError
+from railjoule.core import TimetableError
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look import words
@@ -23,6 +23,8 @@ from railjoule.dashboard.views.drive_charts import (
     PhaseStrip,
     PowerChart,
 )
+from railjoule.dashboard.views.failures import failure_words
+from railjoule.dashboard.views.law_chart import LawChart
 from railjoule.dashboard.views.scene import Scene, SceneChart
 from railjoule.dashboard.views.speed_chart import SpeedChart
 
@@ -66,7 +68,8 @@ class DriveView:
         self.axis = Axis(palette)
         self.charts = self._charts()
         rail = parts.stack(self.account, self.runs, self.phases, self.notes, css=RAIL_CSS)
-        column = parts.stack(*(chart.place for chart in self.charts.values()))
+        self.law = LawChart(180, self.axis, palette)
+        column = parts.stack(*(chart.place for chart in self.charts.values()), self.law.place)
         body = parts.stack(column, rail, css=LAYOUT_CSS)
         tools = pn.Row(
             self.advice, self.over, margin=0, sizing_mode="stretch_width", styles={"align-items": "flex-start"}
@@ -102,7 +105,7 @@ class DriveView:
 
     def _sight(self) -> None:
         with pn.io.hold():
-            for name, chart in self.charts.items():
+            for name, chart in {**self.charts, "law": self.law}.items():
                 if name in self.browser.charts_in_sight and not chart.visible:
                     chart.appear()
                 elif name not in self.browser.charts_in_sight and chart.visible:
@@ -138,8 +141,10 @@ class DriveView:
             self.axis.fit(scene.end, roomy=not narrow)
             self.charts["difference"].place.visible = state.pinned is not None
             self.charts["current"].place.visible = run.current_a is not None
+            self.law.place.visible = runs.law is not None and not state.over_time
             for chart in self.charts.values():
                 chart.show(partial(chart.draw, scene))
+            self.law.show(partial(self.law.draw, scene, runs.law))
             self._settle_axis()
 
     def _show_texts(self) -> None:
@@ -167,13 +172,3 @@ class DriveView:
         self.runs.object = parts.runs_table(runs, run.strategy, state.pinned)
         self.phases.object = parts.phase_table(run)
         self.notes.object = f'<div class="block"><h2>What is proven</h2>{parts.notes(run)}</div>'
-
-
-def failure_words(failure: RailjouleError) -> tuple[str, str]:
-    """Return an error as what is wrong and why."""
-    if isinstance(failure, TimetableError):
-        asked, shortest = words.number(failure.travel_time_s), words.number(failure.shortest_time_s)
-        return f"{asked} s is too short.", f"The shortest possible run takes {shortest} s."
-    if isinstance(failure, ScenarioError):
-        return "This cannot be read.", str(failure)
-    return "This cannot be run.", str(failure)

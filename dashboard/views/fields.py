@@ -1,71 +1,54 @@
-"""A number with its slider, its text field and the sentence that says why a text was not taken."""
+"""A number with its text field, perhaps a slider, and the sentence that says why a text was not taken."""
 
 import html
-from typing import Any
+from typing import Any, Protocol
 
 import panel as pn
 import panel_material_ui as pmui
 import param
+from panel.viewable import Viewable
 
 from railjoule.dashboard.look import words
-from railjoule.dashboard.models.scenario import ScenarioModel
 from railjoule.dashboard.views.parts import html_pane
 
 HIDDEN_LABEL = {"position": "absolute", "clipPath": "inset(50%)", "width": "1px", "height": "1px", "overflow": "hidden"}
 
 
-class NumberField:
-    """Slider and text field for one number of the scenario.
+class Numbers(Protocol):
+    """A model that holds numbers and knows how they may be typed."""
+
+    @property
+    def param(self) -> Any:
+        """The parameters."""
+
+    def parse(self, field: str, text: str) -> float:
+        """Return the number that a text gives; raises ValueError with a sentence."""
+
+
+class TypedNumber:
+    """A text field for one number of a model, its label beside it.
 
     Parameters
     ----------
-    model : ScenarioModel
+    model : Numbers
         Holds the number.
     field : str
         Its name there.
     label : str
         Quantity and unit.
-    step : float
-        Step of the slider.
     digits : int
         Decimals in the text field.
     unit : str
         Unit in the sentence about what was kept.
-    ends : tuple of float
-        Ends of the slider.
     """
 
-    def __init__(
-        self,
-        model: ScenarioModel,
-        field: str,
-        label: str,
-        *,
-        step: float,
-        digits: int,
-        unit: str,
-        ends: tuple[float, float],
-    ) -> None:
-        self.model, self.field, self.digits, self.unit = model, field, digits, unit
+    def __init__(self, model: Numbers, field: str, label: str, *, digits: int, unit: str) -> None:
+        self.model, self.field, self.label, self.digits, self.unit = model, field, label, digits, unit
+        self._quiet = False
         number = getattr(model, field)
-        number = ends[0] if number is None else number
-        start, end = min(ends[0], number), max(ends[1], number)
-        self.slider = pmui.FloatSlider(
-            label=label,
-            value=number,
-            start=start,
-            end=end,
-            step=step,
-            show_value=False,
-            tooltips=False,
-            size="small",
-            margin=(0, 16, 0, 16),
-            sizing_mode="stretch_width",
-            sx={"& .MuiSlider-root": {"marginX": "6px", "width": "calc(100% - 12px)"}},
-        )
         self.text = pmui.TextInput(
             label=f"{label}, as a number",
-            value=words.number(number, digits),
+            value="" if number is None else words.number(number, digits),
             variant="standard",
             size="small",
             width=74,
@@ -85,34 +68,22 @@ class NumberField:
         )
         self.error = html_pane("", visible=False)
         self.view = pn.Column(
-            self.slider,
+            self.beside(),
             self.text,
             self.error,
             margin=(4, 0, 0, 0),
             sizing_mode="stretch_width",
             styles={"position": "relative"},
         )
-        self._quiet = False
-        self.slider.param.watch(self._slide, "value")
         self.text.param.watch(self._type, "value")
         model.param.watch(self._follow, field)
 
-    def set_ends(self, ends: tuple[float, float]) -> None:
-        """Move the ends of the slider."""
-        number = getattr(self.model, self.field)
-        number = self.slider.value if number is None else number
-        self._quiet = True
-        self.slider.param.update(start=min(ends[0], number), end=max(ends[1], number), value=number)
-        self._quiet = False
+    def beside(self) -> Viewable:
+        """Return what stands beside the text field."""
+        return html_pane(f'<div class="row">{html.escape(self.label)}</div>', height=25)
 
-    def suggest(self, number: float) -> None:
-        """Show a number that holds as long as the scenario names none."""
-        if getattr(self.model, self.field) is None:
-            self._show(number)
-
-    def _slide(self, event: param.parameterized.Event) -> None:
-        if not self._quiet:
-            setattr(self.model, self.field, round(event.new, 6))
+    def _kept(self) -> float:
+        return float(getattr(self.model, self.field))
 
     def _type(self, event: param.parameterized.Event) -> None:
         if self._quiet:
@@ -120,10 +91,7 @@ class NumberField:
         try:
             number = self.model.parse(self.field, event.new)
         except ValueError as error:
-            kept = getattr(self.model, self.field)
-            sentence = (
-                f"{error} Kept: {words.number(self.slider.value if kept is None else kept, self.digits)} {self.unit}."
-            )
+            sentence = f"{error} Kept: {words.number(self._kept(), self.digits)} {self.unit}".rstrip() + "."
             self.error.param.update(
                 object=f'<div class="error" role="alert">{html.escape(sentence)}</div>', visible=True
             )
@@ -132,18 +100,90 @@ class NumberField:
         self._follow()
 
     def _follow(self, *_: Any) -> None:
-        """Show the number that the scenario holds."""
+        """Show the number that the model holds."""
         number = getattr(self.model, self.field)
         if number is not None:
-            self._show(number)
+            self._quiet = True
+            try:
+                self._show(number)
+            finally:
+                self._quiet = False
 
     def _show(self, number: float) -> None:
+        self.error.visible = False
+        self.text.value = words.number(number, self.digits)
+
+
+class NumberField(TypedNumber):
+    """A text field with a slider.
+
+    Parameters
+    ----------
+    model, field, label, digits, unit
+        As in `TypedNumber`.
+    step : float
+        Step of the slider.
+    ends : tuple of float
+        Ends of the slider.
+    """
+
+    def __init__(
+        self,
+        model: Numbers,
+        field: str,
+        label: str,
+        *,
+        step: float,
+        digits: int,
+        unit: str,
+        ends: tuple[float, float],
+    ) -> None:
+        number = getattr(model, field)
+        number = ends[0] if number is None else number
+        start, end = min(ends[0], number), max(ends[1], number)
+        self.slider = pmui.FloatSlider(
+            label=label,
+            value=number,
+            start=start,
+            end=end,
+            step=step,
+            show_value=False,
+            tooltips=False,
+            size="small",
+            margin=(0, 16, 0, 16),
+            sizing_mode="stretch_width",
+            sx={"& .MuiSlider-root": {"marginX": "6px", "width": "calc(100% - 12px)"}},
+        )
+        super().__init__(model, field, label, digits=digits, unit=unit)
+        self.suggest(number)
+        self.slider.param.watch(self._slide, "value")
+
+    def beside(self) -> Viewable:
+        """Return the slider with its label."""
+        return self.slider
+
+    def set_ends(self, ends: tuple[float, float]) -> None:
+        """Move the ends of the slider."""
+        number = self._kept()
         self._quiet = True
-        try:
-            self.error.visible = False
-            self.text.value = words.number(number, self.digits)
-            self.slider.param.update(
-                start=min(self.slider.start, number), end=max(self.slider.end, number), value=number
-            )
-        finally:
+        self.slider.param.update(start=min(ends[0], number), end=max(ends[1], number), value=number)
+        self._quiet = False
+
+    def suggest(self, number: float) -> None:
+        """Show a number that holds as long as the model names none."""
+        if getattr(self.model, self.field) is None:
+            self._quiet = True
+            self._show(number)
             self._quiet = False
+
+    def _kept(self) -> float:
+        number = getattr(self.model, self.field)
+        return float(self.slider.value if number is None else number)
+
+    def _slide(self, event: param.parameterized.Event) -> None:
+        if not self._quiet:
+            setattr(self.model, self.field, round(event.new, 6))
+
+    def _show(self, number: float) -> None:
+        super()._show(number)
+        self.slider.param.update(start=min(self.slider.start, number), end=max(self.slider.end, number), value=number)

@@ -17,6 +17,7 @@ from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import Runs
 from railjoule.dashboard.views.fields import NumberField
 from railjoule.dashboard.views.parts import Words, html_pane, swatch
+from railjoule.dashboard.views.reality import RealityFields
 
 FROM_FILE = "from a file"
 HIDE_LABEL_CSS = """
@@ -80,6 +81,7 @@ class Sidebar:
         self.shortest = html_pane()
         self.vehicle = html_pane()
         self.enoc = EnocField(state)
+        self.reality = RealityFields(state)
         self.line = html_pane()
         self.strategies = StrategyList(state)
         self.changed = html_pane()
@@ -96,6 +98,7 @@ class Sidebar:
             self.load.view,
             self.recuperation.view,
             self.enoc.view,
+            self.reality.view,
             self.line,
             html_pane('<hr class="rule">'),
             self.strategies.view,

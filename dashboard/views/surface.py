@@ -68,7 +68,7 @@ class SurfacePane(Chart):
                 self._points([now] if now and now[2] < top else [], "present run", "accent", "circle", top - bottom),
                 self._printed(enoc_map, printed, bottom, top),
             ],
-            "layout": self._layout(bottom, top),
+            "layout": scene_layout(self.palette, ("Travel time, s", "Acceleration time, s"), bottom, top),
         }
 
     def _surface(self, enoc_map: EnocMap, bottom: float, top: float) -> dict[str, Any]:
@@ -136,35 +136,37 @@ class SurfacePane(Chart):
             "hovertemplate": name + ": %{x:.1f} s, %{y:.1f} s: %{customdata:.3f} kWh<extra></extra>",
         }
 
-    def _layout(self, bottom: float, top: float) -> dict[str, Any]:
-        tokens = self.palette.tokens
 
-        def axis(title: str, **more: Any) -> dict[str, Any]:
-            return {
-                "title": {"text": title, "font": {"size": 12, "color": tokens["ink2"], "family": FONT}},
-                "showbackground": False,
-                "gridcolor": tokens["line"],
-                "linecolor": tokens["line2"],
-                "zeroline": False,
-                "color": tokens["ink3"],
-                "tickfont": {"size": 11, "family": FONT},
-                "showspikes": False,
-                **more,
-            }
+def scene_layout(palette: Palette, titles: tuple[str, str], bottom: float, top: float) -> dict[str, Any]:
+    """Return the layout of a surface over two titled axes; its heights go from `bottom` to `top`."""
+    tokens = palette.tokens
 
+    def axis(title: str, **more: Any) -> dict[str, Any]:
         return {
-            "autosize": True,
-            "margin": {"l": 0, "r": 0, "t": 0, "b": 2},
-            "paper_bgcolor": tokens["surface"],
-            "showlegend": False,
-            "font": {"family": FONT},
-            "uirevision": "keep",
-            "scene": {
-                "bgcolor": tokens["surface"],
-                "camera": CAMERA,
-                "aspectratio": {"x": 1.3, "y": 1.05, "z": 0.8},
-                "xaxis": axis("Travel time, s"),
-                "yaxis": axis("Acceleration time, s"),
-                "zaxis": axis("", range=[bottom - 0.02 * (top - bottom), top], nticks=5),
-            },
+            "title": {"text": title, "font": {"size": 12, "color": tokens["ink2"], "family": FONT}},
+            "showbackground": False,
+            "gridcolor": tokens["line"],
+            "linecolor": tokens["line2"],
+            "zeroline": False,
+            "color": tokens["ink3"],
+            "tickfont": {"size": 11, "family": FONT},
+            "showspikes": False,
+            **more,
         }
+
+    return {
+        "autosize": True,
+        "margin": {"l": 0, "r": 0, "t": 0, "b": 2},
+        "paper_bgcolor": tokens["surface"],
+        "showlegend": False,
+        "font": {"family": FONT},
+        "uirevision": "keep",
+        "scene": {
+            "bgcolor": tokens["surface"],
+            "camera": CAMERA,
+            "aspectratio": {"x": 1.3, "y": 1.05, "z": 0.8},
+            "xaxis": axis(titles[0]),
+            "yaxis": axis(titles[1]),
+            "zaxis": axis("", range=[bottom - 0.02 * (top - bottom), top], nticks=5),
+        },
+    }

@@ -3,10 +3,8 @@
 from typing import Any
 
 import numpy as np
-import panel as pn
 from bokeh.events import Pan, Tap
 from bokeh.models import ColumnDataSource, ContourRenderer, Range1d, Span
-from bokeh.plotting import figure
 from bokeh.plotting.contour import contour_data
 
 from railjoule.core import Trajectory
@@ -17,8 +15,8 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import EnocMap, TradeOff
-from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.charts import Chart, clear, dress, nice_range, style_of, text_style, xy
+from railjoule.dashboard.views.charts import Chart, clear, nice_range, style_of, text_style, xy
+from railjoule.dashboard.views.figures import captioned, empty_figure, ink_on
 from railjoule.dashboard.views.surface import CIVIDIS
 
 STEEPEST_SHARE = 0.04
@@ -309,41 +307,3 @@ def contour_levels(energy_kwh: FloatArray) -> list[float]:
     step = 10 ** np.floor(np.log10(max(shares[-1] - shares[0], 1e-6))) / 20
     inner = sorted({float(round(level / step) * step) for level in shares})
     return [0.0, *(round(level, 6) for level in inner if level > 0), float(np.nanmax(energy_kwh)) * 10 + 1]
-
-
-def ink_on(colour: str) -> str:
-    """Return black or white, whichever contrasts more with a colour."""
-    red, green, blue = (int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
-    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in (red, green, blue)]
-    luminance = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
-    return "#161B22" if (luminance + 0.05) / 0.0603 > 1.05 / (luminance + 0.05) else "#FFFFFF"
-
-
-def captioned(text: str, f: figure) -> pn.Column:
-    """Return a figure under its caption."""
-    caption = parts.html_pane(f'<div style="font-size:12px;color:var(--rj-ink2);padding:2px 0 0 50px">{text}</div>')
-    return parts.stack(caption, pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_width"))
-
-
-def empty_figure(
-    height: int, x_range: Range1d, y_range: Range1d, name: str, palette: Palette, ticks: int = 6, digits: int = 0
-) -> figure:
-    """Return a figure with both axes and without tools."""
-    f = figure(
-        height=height,
-        sizing_mode="stretch_width",
-        x_range=x_range,
-        y_range=y_range,
-        toolbar_location=None,
-        tools="",
-        outline_line_color=None,
-        min_border_left=50,
-        min_border_right=14,
-        min_border_top=2,
-        min_border_bottom=24,
-        html_attributes={"role": "img", "aria-label": name},
-    )
-    f.toolbar.logo = None
-    dress(f, palette, ticks, digits)
-    palette.paint(f.xaxis[0], axis_line_color="line2")
-    return f

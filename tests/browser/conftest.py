@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, BrowserContext, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, expect, sync_playwright
 
 from browser.server import Server, serving
 from browser.user import User
@@ -20,6 +20,7 @@ ARGUMENTS = [
     "--use-gl=swiftshader",
     "--enable-unsafe-swiftshader",
 ]
+expect.set_options(timeout=20_000)
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 
 

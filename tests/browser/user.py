@@ -80,7 +80,7 @@ class User:
 
     def slider(self, name: str) -> Locator:
         """Return a slider by its label."""
-        return self.page.get_by_role("slider", name=name)
+        return self.page.get_by_role("slider", name=name, exact=True)
 
     def push(self, name: str, steps: int) -> None:
         """Move a slider with the arrow keys."""
@@ -91,7 +91,7 @@ class User:
 
     def type(self, name: str, text: str) -> None:
         """Type into the text field of a number."""
-        field = self.page.get_by_label(f"{name}, as a number")
+        field = self.page.get_by_label(f"{name}, as a number", exact=True)
         field.fill(text)
         field.press("Enter")
         self.rest(1000)

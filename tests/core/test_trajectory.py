@@ -47,7 +47,8 @@ def test_the_account_of_every_strategy_closes(name, additions, recuperation):
         assert run.line_energy_j[-1] == pytest.approx(energy.net_j, rel=1e-9)
         assert energy.auxiliary_j == pytest.approx(1e3 * vehicle.auxiliary_power_kw * run.travel_time_s)
         assert energy.kinetic_j == 0
-        climb = sum(section.length_m * section.gradient_permille for section in scenario.line.sections) / 1e3
+        sections = scenario.line.in_running_order().sections
+        climb = sum(section.length_m * section.gradient_permille for section in sections) / 1e3
         assert energy.potential_j == pytest.approx(vehicle.total_mass_kg * 9.81 * climb, abs=1.0)
         assert run.travel_time_s - np.diff(run.time_s)[np.diff(run.position_m) > 0].sum() == pytest.approx(dwell)
 

@@ -1,59 +1,14 @@
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
-import numpy as np
 import pytest
 from bokeh.document import Document
 from panel.io.state import set_curdoc
 
-from railjoule.core import RailjouleError, StrategyRefusedError, TimetableError, load_scenario, solve
-from railjoule.dashboard.store import RunsWish, TradeOffWish, Worker, compute_runs, compute_trade_off
+from railjoule.core import RailjouleError
+from railjoule.dashboard.store import Study, Worker
 
 PATIENCE_S = 20.0
-
-
-def test_runs_bear_the_bound_of_the_optimum() -> None:
-    runs = compute_runs(RunsWish(load_scenario("ftorek-300s"), ("eoc", "enoc")))
-    assert list(runs.runs) == ["optimal", "eoc", "enoc"]
-    assert all(run.bound is runs.runs["optimal"].bound for run in runs.runs.values())
-
-
-def test_a_strategy_that_refuses_says_why_and_the_others_run() -> None:
-    runs = compute_runs(RunsWish(load_scenario("liashenko-ii"), ("eoc", "fastest")))
-    assert list(runs.runs) == ["optimal", "fastest"]
-    assert "copper loss" in runs.refused["eoc"]
-
-
-def test_a_timetable_that_cannot_be_kept_is_refused() -> None:
-    scenario = load_scenario("ftorek-300s").with_(**{"timetable.travel_time_s": 100.0})
-    with pytest.raises(TimetableError, match="shortest"):
-        compute_runs(RunsWish(scenario, ()))
-
-
-def test_the_trade_off_agrees_with_single_solutions() -> None:
-    scenario = load_scenario("ftorek-300s")
-    trade_off = compute_trade_off(TradeOffWish(scenario, 400.0, wide_map=False, copper_weight=1.0))
-    assert trade_off.enoc is not None
-    assert trade_off.enoc_map is not None
-    time = trade_off.frontier.travel_time_s[30]
-    single = scenario.with_(**{"timetable.travel_time_s": float(time)})
-    assert trade_off.frontier.energy_kwh[30] == pytest.approx(solve(single).energy_kwh, rel=1e-4)
-    assert trade_off.enoc.energy_kwh[30] == pytest.approx(solve(single, strategy="enoc").energy_kwh, rel=1e-3)
-    taken = np.isfinite(trade_off.enoc.energy_kwh)
-    assert np.all(trade_off.enoc.energy_kwh[taken] >= trade_off.frontier.energy_kwh[taken] * (1 - 1e-4))
-    assert trade_off.enoc.refused
-    for refused, _ in trade_off.enoc.refused:
-        with pytest.raises(StrategyRefusedError):
-            solve(scenario.with_(**{"timetable.travel_time_s": refused}), strategy="enoc")
-    lowest = np.nanmin(trade_off.enoc_map.energy_kwh, axis=0)
-    assert np.all(trade_off.enoc_map.best_energy_kwh <= lowest * (1 + 1e-9))
-
-
-def test_without_enoc_there_is_a_frontier_but_no_map() -> None:
-    trade_off = compute_trade_off(TradeOffWish(load_scenario("liashenko-i"), 200.0, wide_map=False, copper_weight=1.0))
-    assert trade_off.enoc_map is None
-    assert "copper loss" in trade_off.refusal
-    assert np.all(np.diff(trade_off.frontier.energy_kwh) < 0)
 
 
 class Page:
@@ -133,3 +88,79 @@ def test_without_a_page_work_is_done_at_once() -> None:
     taken: list[int] = []
     Worker(gate, taken.append, pytest.fail).ask(5)
     assert taken == [50]
+
+
+class Counting:
+    """A study that counts up to its wish, each step when the test lets it."""
+
+    def __init__(self) -> None:
+        self.steps = threading.Semaphore(0)
+        self.ended = threading.Event()
+
+    def __call__(self, wish: int) -> Iterator[int]:
+        try:
+            for number in range(wish):
+                assert self.steps.acquire(timeout=PATIENCE_S)
+                yield number
+            if wish > 2:
+                raise RailjouleError("too far")
+        finally:
+            self.ended.set()
+
+
+def test_results_of_a_study_come_as_they_are_ready() -> None:
+    counting, page = Counting(), Page()
+    taken: list[tuple[int, bool]] = []
+    study = Study(counting, lambda number, last: taken.append((number, last)), pytest.fail)
+    with set_curdoc(page.document):
+        study.ask(2)
+    counting.steps.release()
+    page.take_turn()
+    assert taken == [(0, False)]
+    assert study.busy
+    counting.steps.release()
+    assert counting.ended.wait(PATIENCE_S)
+    while study.busy:
+        page.take_turn()
+    assert taken[-1] == (1, True)
+
+
+def test_a_stopped_study_ends_and_says_no_more() -> None:
+    counting, page = Counting(), Page()
+    taken: list[int] = []
+    study = Study(counting, lambda number, _: taken.append(number), pytest.fail)
+    with set_curdoc(page.document):
+        study.ask(2)
+    counting.steps.release()
+    page.take_turn()
+    study.stop()
+    counting.steps.release(5)
+    assert counting.ended.wait(PATIENCE_S)
+    assert taken == [0]
+    assert not study.busy
+
+
+def test_a_new_wish_ends_the_study_before() -> None:
+    taken: list[int] = []
+    study = Study(lambda wish: iter([wish]), lambda number, _: taken.append(number), pytest.fail)
+    first, page = Counting(), Page()
+    study._steps = lambda wish: first(wish) if wish == 2 else iter([wish])  # type: ignore[assignment]
+    with set_curdoc(page.document):
+        study.ask(2)
+        study.ask(7)
+    first.steps.release(5)
+    while study.busy:
+        page.take_turn()
+    assert set(taken) == {7}
+
+
+def test_an_error_of_a_study_is_told() -> None:
+    counting = Counting()
+    counting.steps.release(9)
+    taken: list[int] = []
+    failures: list[str] = []
+    study = Study(counting, lambda number, _: taken.append(number), lambda error: failures.append(str(error)))
+    study.ask(3)
+    assert taken == [0, 1, 2]
+    assert failures == ["too far"]
+    assert not study.busy

@@ -1,0 +1,25 @@
+"""Numbers as people type them."""
+
+import math
+
+
+def parse_number(text: str, bounds: tuple[float | None, float | None]) -> float:
+    """Return the number that a text gives.
+
+    Raises
+    ------
+    ValueError
+        With a sentence that names the bound that it misses.
+    """
+    try:
+        value = float(text.replace("\u202f", "").replace("\u2212", "-").replace(",", "."))
+    except ValueError:
+        raise ValueError("Not a number.") from None
+    if not math.isfinite(value):
+        raise ValueError("Not a number.")
+    low, high = bounds
+    if low is not None and value < low:
+        raise ValueError(f"At least {low:g}.")
+    if high is not None and value > high:
+        raise ValueError(f"At most {high:g}.")
+    return value

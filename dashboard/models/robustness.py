@@ -1,0 +1,123 @@
+"""What the page Robustness asks for: the reality that a plan meets, the table, and what chance draws."""
+
+from collections.abc import Mapping
+from typing import Any, get_args
+
+import param
+
+from railjoule.core import RailjouleError, Scenario
+from railjoule.core.scenario.options import MonteCarloOptions, SimulationOptions
+from railjoule.core.studies.montecarlo import MonteCarloTable
+from railjoule.core.studies.sensitivity import Knows, SensitivityTable
+from railjoule.dashboard.models.numbers import parse_number
+from railjoule.dashboard.store import Reality
+
+SENSORS = SimulationOptions()
+CHANCE = MonteCarloOptions()
+FIRST_LOAD_PERCENT, FIRST_ERROR_M = 100.0, 10.0
+"""The reality shown at first, where the scenario names none: one in which something goes wrong."""
+PREVIEW_RUNS, FULL_RUNS = 500, 10_000
+MEASURES = ("over_replanned", "overconsumption", "delay_s", "stop_error_m")
+
+
+class RobustnessModel(param.Parameterized):
+    """The settings of the page and its results, in the units that it shows."""
+
+    actual_load_percent = param.Number(default=FIRST_LOAD_PERCENT, bounds=(0, 100), doc="Actual load, % of capacity")
+    coordinate_error_m = param.Number(default=FIRST_ERROR_M, bounds=(-10_000, 10_000), doc="Coordinate error, m")
+    speed_error_percent = param.Number(default=0.0, bounds=(-49, 49), doc="Speed measured wrong by, %")
+    target_braking = param.Boolean(default=True, doc="Whether the train brakes along the target curve.")
+    reset_sensor_m = param.Number(default=SENSORS.reset_sensor_m, bounds=(0.1, 1e5), doc="D1, m before the stop")
+    calibration_length_m = param.Number(
+        default=SENSORS.calibration_length_m, bounds=(0.1, 1e5), doc="D1 to D2, m of calibration"
+    )
+    stop_sensor_m = param.Number(default=SENSORS.stop_sensor_m, bounds=(0.1, 1e5), doc="D3, m before the stop")
+    target_deceleration_ms2 = param.Number(
+        default=SENSORS.target_deceleration_ms2, bounds=(0.01, 10), doc="Target braking, m/s\u00b2"
+    )
+    load_deviation_percent = param.Number(default=18.0, bounds=(0.01, 100), doc="Load, \u00b1 %")
+    error_deviation_m = param.Number(default=5.0, bounds=(0.01, 1000), doc="Coordinate error, \u00b1 m")
+    resistance_deviation_percent = param.Number(default=8.0, bounds=(0.01, 100), doc="Resistance, \u00b1 %")
+    voltage_deviation_percent = param.Number(default=3.0, bounds=(0.01, 50), doc="Line voltage, \u00b1 %")
+    mean_departure_delay_s = param.Number(default=0.0, bounds=(0, 3600), doc="Late departure, s on average")
+    seed = param.Integer(default=CHANCE.seed, bounds=(0, 2**31), doc="Seed")
+    both_directions = param.Boolean(default=False, doc="Whether the table is for there and back.")
+    knows = param.Selector(default="nothing", objects=list(get_args(Knows)), doc="What the train knows.")
+    measure = param.Selector(default="over_replanned", objects=list(MEASURES), doc="What the table shows.")
+
+    reality = param.ClassSelector(class_=Reality, default=None, allow_None=True, doc="The last good run.")
+    table = param.ClassSelector(class_=SensitivityTable, default=None, allow_None=True, doc="The table so far.")
+    chance = param.ClassSelector(class_=MonteCarloTable, default=None, allow_None=True, doc="Runs drawn so far.")
+    drawing = param.Boolean(default=False, doc="Whether chance is drawing.")
+    draw_all = param.Event(doc="Let chance draw all its runs.")
+    stop_drawing = param.Event(doc="Stop chance; what it drew stands.")
+    failure = param.ClassSelector(
+        class_=RailjouleError, default=None, allow_None=True, doc="Why the last wish could not be met."
+    )
+
+    def take(self, scenario: Scenario) -> None:
+        """Take over what a scenario's file says of reality."""
+        disturbance, simulation = scenario.disturbance, scenario.simulation
+        named = disturbance.actual_load_factor is not None or disturbance.coordinate_error_m != 0
+        load = disturbance.actual_load_factor
+        load_percent = 100 * (scenario.vehicle.load_factor if load is None else load)
+        self.param.update(
+            actual_load_percent=load_percent if named else FIRST_LOAD_PERCENT,
+            coordinate_error_m=disturbance.coordinate_error_m if named else FIRST_ERROR_M,
+            speed_error_percent=100 * simulation.speed_error,
+            target_braking=simulation.target_braking,
+            target_deceleration_ms2=simulation.target_deceleration_ms2,
+            **{
+                name: getattr(simulation, name)
+                for name in ("reset_sensor_m", "calibration_length_m", "stop_sensor_m")
+                if getattr(simulation, name) is not None
+            },
+        )
+
+    @property
+    def changes(self) -> Mapping[str, Any]:
+        """The reality and the sensors, by the keys of the file."""
+        return {
+            "disturbance.actual_load_factor": self.actual_load_percent / 100,
+            "disturbance.coordinate_error_m": float(self.coordinate_error_m),
+            "simulation.speed_error": self.speed_error_percent / 100,
+            "simulation.target_braking": self.target_braking,
+            "simulation.target_deceleration_ms2": float(self.target_deceleration_ms2),
+            "simulation.reset_sensor_m": float(self.reset_sensor_m),
+            "simulation.calibration_length_m": float(self.calibration_length_m),
+            "simulation.stop_sensor_m": float(self.stop_sensor_m),
+        }
+
+    def chance_changes(self, runs: int) -> Mapping[str, Any]:
+        """Return the distributions, by the keys of the file: normal, but for resistance and departure."""
+
+        def normal(deviation: float) -> dict[str, Any]:
+            return {"distribution": "normal", "standard_deviation": deviation}
+
+        resistance = {
+            "distribution": "log_normal",
+            "median": 1.0,
+            "log_standard_deviation": self.resistance_deviation_percent / 100,
+        }
+        late = self.mean_departure_delay_s
+        departure = {"distribution": "exponential", "mean": late} if late else {"distribution": "fixed", "value": 0.0}
+        return {
+            **self.changes,
+            "disturbance.coordinate_error_m": 0.0,
+            "montecarlo.runs": runs,
+            "montecarlo.seed": self.seed,
+            "montecarlo.load_factor": normal(self.load_deviation_percent / 100),
+            "montecarlo.coordinate_error_m": normal(float(self.error_deviation_m)),
+            "montecarlo.resistance_factor": resistance,
+            "montecarlo.line_voltage_factor": normal(self.voltage_deviation_percent / 100),
+            "montecarlo.departure_delay_s": departure,
+        }
+
+    def parse(self, field: str, text: str) -> float:
+        """Return the number that a text gives for a field; raises ValueError with a sentence about its bound."""
+        number = parse_number(text, self.param[field].bounds)
+        if isinstance(self.param[field], param.Integer):
+            if number != int(number):
+                raise ValueError("A whole number.")
+            return int(number)
+        return number

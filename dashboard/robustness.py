@@ -1,0 +1,134 @@
+"""The work behind the page Robustness: what is asked for when, and where its results go."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from railjoule.core import RailjouleError
+from railjoule.core.studies.montecarlo import MonteCarloTable
+from railjoule.core.studies.sensitivity import SensitivityTable
+from railjoule.dashboard.models.robustness import FULL_RUNS, PREVIEW_RUNS
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.store import (
+    Reality,
+    RealityWish,
+    Study,
+    TableWish,
+    Worker,
+    compute_chance,
+    compute_reality,
+    compute_table,
+)
+
+PLAN = ("travel_time_s", "load_percent", "recuperation_percent")
+REALITY = ("actual_load_percent", "coordinate_error_m")
+FOLLOWER = (
+    "speed_error_percent",
+    "target_braking",
+    "reset_sensor_m",
+    "calibration_length_m",
+    "stop_sensor_m",
+    "target_deceleration_ms2",
+)
+CHANCE = (
+    "load_deviation_percent",
+    "error_deviation_m",
+    "resistance_deviation_percent",
+    "voltage_deviation_percent",
+    "mean_departure_delay_s",
+    "seed",
+)
+TABLE = ("both_directions", "knows")
+
+
+class Robustness:
+    """Asks for the run, the table and the draws of one page, while it is in sight."""
+
+    def __init__(self, state: Workbench) -> None:
+        self.state, self.model = state, state.robustness
+        self.run = Worker(compute_reality, self._take_run, self._take_failure)
+        self.table = Study(compute_table, self._take_table, self._take_failure)
+        self.chance = Study(compute_chance, self._take_chance, self._take_failure)
+        self._asked: dict[str, Any] = {}
+        self._waiting: dict[str, Any] = {}
+        state.scenario.param.watch(self._take_scenario, ["preset", "opened"])
+        state.scenario.param.watch(self._ask, list(PLAN))
+        state.param.watch(self._ask, ["page", "chosen"])
+        self.model.param.watch(self._ask, [*REALITY, *FOLLOWER, *CHANCE, *TABLE])
+        self.model.param.watch(self._draw_all, "draw_all")
+        self.model.param.watch(self._stop, "stop_drawing")
+
+    def end(self) -> None:
+        """End all studies: the page is gone."""
+        self.table.stop()
+        self.chance.stop()
+
+    def _take_scenario(self, *_: Any) -> None:
+        self.model.take(self.state.scenario.base)
+
+    def _wish(self, changes: Mapping[str, Any]) -> RealityWish:
+        return RealityWish(self.state.scenario.scenario(), {"strategy": self.state.chosen, **changes})
+
+    def _ask(self, *_: Any) -> None:
+        """Ask for what the last change concerns, and only while the page is in sight.
+
+        The run comes first, then the table, then chance: each waits until the one before is done.
+        """
+        if self.state.page != "Robustness":
+            return
+        run = self._wish(self.model.changes)
+        plan = self._wish({**self.model.changes, "disturbance.actual_load_factor": 0.0})
+        table = TableWish(
+            RealityWish(plan.scenario, {**plan.changes, "disturbance.coordinate_error_m": 0.0}),
+            self.model.both_directions,
+            self.model.knows,
+        )
+        draws = self._wish({**self.model.chance_changes(PREVIEW_RUNS), "disturbance.actual_load_factor": 0.0})
+        if self._news("table", table):
+            self.table.stop()
+            self._waiting["table"] = table
+        if self._news("chance", draws):
+            self.chance.stop()
+            self._waiting["chance"] = draws
+        if self._news("run", run):
+            self.run.ask(run)
+        else:
+            self._go_on()
+
+    def _go_on(self) -> None:
+        """Begin with the next study that waits."""
+        if "table" in self._waiting:
+            self.table.ask(self._waiting.pop("table"))
+        elif "chance" in self._waiting and not self.table.busy:
+            self._draw(self._waiting.pop("chance"))
+
+    def _news(self, kind: str, wish: Any) -> bool:
+        """Return whether a wish differs from the last one of its kind."""
+        before, self._asked[kind] = self._asked.get(kind), wish
+        return bool(before != wish)
+
+    def _draw(self, wish: RealityWish) -> None:
+        self.model.drawing = True
+        self.chance.ask(wish)
+
+    def _draw_all(self, *_: Any) -> None:
+        self._waiting.pop("chance", None)
+        self._draw(self._wish(self.model.chance_changes(FULL_RUNS)))
+
+    def _stop(self, *_: Any) -> None:
+        self.chance.stop()
+        self.model.drawing = False
+
+    def _take_run(self, reality: Reality) -> None:
+        self.model.param.update(reality=reality, failure=None)
+        self._go_on()
+
+    def _take_table(self, table: SensitivityTable, last: bool) -> None:
+        self.model.table = table
+        if last:
+            self._go_on()
+
+    def _take_chance(self, chance: MonteCarloTable, last: bool) -> None:
+        self.model.param.update(chance=chance, drawing=not last)
+
+    def _take_failure(self, failure: RailjouleError) -> None:
+        self.model.param.update(failure=failure, drawing=False)

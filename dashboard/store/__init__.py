@@ -1,0 +1,31 @@
+"""What the workbench computes: the only place of the dashboard that asks the core to solve."""
+
+from railjoule.dashboard.store.robustness import (
+    Reality,
+    RealityWish,
+    TableWish,
+    compute_chance,
+    compute_reality,
+    compute_table,
+)
+from railjoule.dashboard.store.runs import Runs, RunsWish, compute_runs
+from railjoule.dashboard.store.trade_off import EnocMap, TradeOff, TradeOffWish, compute_trade_off
+from railjoule.dashboard.store.worker import Study, Worker
+
+__all__ = [
+    "EnocMap",
+    "Reality",
+    "RealityWish",
+    "Runs",
+    "RunsWish",
+    "Study",
+    "TableWish",
+    "TradeOff",
+    "TradeOffWish",
+    "Worker",
+    "compute_chance",
+    "compute_reality",
+    "compute_runs",
+    "compute_table",
+    "compute_trade_off",
+]

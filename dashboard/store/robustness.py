@@ -1,0 +1,76 @@
+"""What becomes of a plan in reality: one run, a table of them, and what chance makes of it."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from railjoule.core import InfeasibleLineError, Scenario, SolverError, TimetableError
+from railjoule.core.simulate.following import Following, follow, plan_for
+from railjoule.core.studies.montecarlo import MonteCarloTable, monte_carlo_steps
+from railjoule.core.studies.sensitivity import Knows, SensitivityTable, sensitivity_steps
+
+
+@dataclass(frozen=True)
+class RealityWish:
+    """A scenario, and what is otherwise in reality, by the keys of the scenario's file."""
+
+    scenario: Scenario
+    changes: Mapping[str, Any]
+
+    def scenario_in_reality(self) -> Scenario:
+        """Return the scenario with its reality; raises ScenarioError if a value is out of its bounds."""
+        return self.scenario.with_(**self.changes)
+
+
+@dataclass(frozen=True, eq=False)
+class Reality:
+    """A plan, what became of it, and what a plan would have needed that knew the load.
+
+    Parameters
+    ----------
+    following : Following
+        The plan and the run.
+    knowing_kwh : float or None
+        Energy of the plan for the load that is really carried [kWh]; None if there is none.
+    """
+
+    following: Following
+    knowing_kwh: float | None
+
+
+def compute_reality(wish: RealityWish) -> Reality:
+    """Return what becomes of a plan.
+
+    Raises
+    ------
+    RailjouleError
+        If a value is out of its bounds, the timetable cannot be kept or the line not be passed.
+    """
+    scenario = wish.scenario_in_reality()
+    following = follow(plan_for(scenario), scenario)
+    load = scenario.disturbance.actual_load_factor
+    try:
+        knowing = plan_for(scenario.with_(**{"vehicle.load_factor": load})) if load is not None else following.planned
+    except (InfeasibleLineError, TimetableError, SolverError):
+        return Reality(following, None)
+    return Reality(following, knowing.energy_kwh)
+
+
+@dataclass(frozen=True)
+class TableWish:
+    """For which plan the table of loads and errors is asked, whether there and back, and what the train knows."""
+
+    reality: RealityWish
+    both_directions: bool
+    knows: Knows
+
+
+def compute_table(wish: TableWish) -> Iterator[SensitivityTable]:
+    """Yield the table of loads and errors as it fills; errors as `compute_reality`."""
+    scenario = wish.reality.scenario_in_reality()
+    yield from sensitivity_steps(scenario, both_directions=wish.both_directions, knows=wish.knows)
+
+
+def compute_chance(wish: RealityWish) -> Iterator[MonteCarloTable]:
+    """Yield the runs that chance draws as they come; errors as `compute_reality`."""
+    yield from monte_carlo_steps(wish.scenario_in_reality())

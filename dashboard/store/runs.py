@@ -1,0 +1,86 @@
+"""The runs of several strategies over one scenario."""
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from railjoule.core import Scenario, StrategyRefusedError, Trajectory
+from railjoule.core.scenario import StrategyName
+from railjoule.core.strategies import Task, prepare_task, run_strategy
+from railjoule.core.strategies.bellman import ControlLaw, bellman_with_law
+
+
+@dataclass(frozen=True, eq=False)
+class Runs:
+    """The runs of several strategies over one scenario.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What was asked for.
+    shortest_time_s : float
+        Shortest possible time, dwells included [s].
+    cell_count : int
+        Cells of the mesh.
+    runs : mapping
+        The runs by strategy, each with the bound of the optimum.
+    refused : mapping
+        Why a strategy does not take the scenario.
+    law : ControlLaw or None
+        What dynamic programming would do at any speed and place, if asked for.
+    """
+
+    scenario: Scenario
+    shortest_time_s: float
+    cell_count: int
+    runs: Mapping[StrategyName, Trajectory]
+    refused: Mapping[StrategyName, str]
+    law: ControlLaw | None = None
+
+
+@dataclass(frozen=True)
+class RunsWish:
+    """A scenario, the strategies to run on it, and whether the law of dynamic programming is asked for."""
+
+    scenario: Scenario
+    strategies: tuple[StrategyName, ...]
+    with_law: bool = False
+
+
+def compute_runs(wish: RunsWish) -> Runs:
+    """Return the runs of the wished strategies; the optimum, which proves the bound, is always among them.
+
+    Raises
+    ------
+    RailjouleError
+        If the timetable cannot be kept, or the line not be run over.
+    """
+    task = prepare_task(wish.scenario)
+    task.require_timetable()
+    runs: dict[StrategyName, Trajectory] = {}
+    refused: dict[StrategyName, str] = {}
+    law: ControlLaw | None = None
+    for name in dict.fromkeys(("optimal", *wish.strategies)):
+        try:
+            if name == "bellman" and wish.with_law:
+                runs[name], law = timed_with_law(task)
+            else:
+                runs[name] = run_strategy(task, name)
+        except StrategyRefusedError as refusal:
+            refused[name] = str(refusal)
+    bound = runs["optimal"].bound
+    return Runs(
+        scenario=wish.scenario,
+        shortest_time_s=task.shortest_travel_time_s,
+        cell_count=task.course.cell_count,
+        runs={name: run.with_bound(bound) for name, run in runs.items()},
+        refused=refused,
+        law=law,
+    )
+
+
+def timed_with_law(task: Task) -> tuple[Trajectory, ControlLaw]:
+    """Return the run of dynamic programming with the time that it took, and its control law."""
+    started = time.perf_counter()
+    run, law = bellman_with_law(task)
+    return replace(run, solve_time_s=time.perf_counter() - started), law

@@ -1,0 +1,123 @@
+"""The energy-time frontier of a scenario, and ENOC's map."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from railjoule.core import Scenario, StrategyRefusedError
+from railjoule.core.arrays import FloatArray
+from railjoule.core.strategies import prepare_task
+from railjoule.core.strategies.enoc import (
+    EnocCoefficients,
+    best_acceleration_time,
+    enoc_coefficients,
+    enoc_energy,
+    enoc_surface,
+)
+from railjoule.core.strategies.plain_line import plain_line
+from railjoule.core.studies.tradeoff import Frontier, energy_time_frontier, enoc_frontier, frontier_times
+from railjoule.core.units import J_PER_KWH
+
+
+@dataclass(frozen=True, eq=False)
+class EnocMap:
+    """ENOC's energy over travel time and acceleration time, with its valley.
+
+    Parameters
+    ----------
+    travel_time_s : array of shape (m,)
+        Travel times [s].
+    acceleration_time_s : array of shape (k,)
+        Acceleration times [s].
+    energy_kwh : array of shape (k, m)
+        Energies [kWh]; NaN where the ramps do not fit.
+    best_acceleration_s, best_energy_kwh : array of shape (m,)
+        The valley: the best acceleration time for each travel time [s], and its energy [kWh].
+    """
+
+    travel_time_s: FloatArray
+    acceleration_time_s: FloatArray
+    energy_kwh: FloatArray
+    best_acceleration_s: FloatArray
+    best_energy_kwh: FloatArray
+
+
+@dataclass(frozen=True)
+class TradeOffWish:
+    """A scenario, the longest time to look at [s], and what ENOC's map shall show."""
+
+    scenario: Scenario
+    longest_time_s: float
+    wide_map: bool
+    copper_weight: float
+
+
+@dataclass(frozen=True, eq=False)
+class TradeOff:
+    """The energy-time frontier of a scenario and, on plain lines, ENOC's map.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What was asked for; its own travel time does not matter.
+    frontier : Frontier
+        The optima.
+    enoc : Frontier or None
+        ENOC's energy with its best acceleration time at the frontier's times, and which of them it refuses.
+    coefficients : EnocCoefficients or None
+        ENOC's closed form, to ask for single points.
+    enoc_map : EnocMap or None
+        Its map, with the copper weight asked for.
+    refusal : str
+        Why there is no ENOC; empty where there is.
+    """
+
+    scenario: Scenario
+    frontier: Frontier
+    enoc: Frontier | None
+    coefficients: EnocCoefficients | None
+    enoc_map: EnocMap | None
+    refusal: str
+
+
+MAP_SIZE = 80
+NARROW_MAP_S = ((1.2, 2.5), (15.0, 110.0))
+"""Travel times of the map as multiples of the shortest time, and acceleration times [s], for real timetables."""
+WIDE_MAP_S = ((600.0, 5000.0), (10.0, 250.0))
+"""The same for Figure 6a of Ftorek 2025 [s]."""
+
+
+def compute_trade_off(wish: TradeOffWish) -> TradeOff:
+    """Return the frontier of a scenario and, on plain lines, ENOC's curve and map.
+
+    Raises
+    ------
+    RailjouleError
+        If the line cannot be run over at all.
+    """
+    task = prepare_task(wish.scenario)
+    share = max(2.0, (wish.longest_time_s - task.dwell_s) / task.shortest_time_s)
+    frontier = energy_time_frontier(task, frontier_times(task, longest_share=share))
+    try:
+        line = plain_line(task)
+    except StrategyRefusedError as refusal:
+        return TradeOff(wish.scenario, frontier, None, None, None, str(refusal))
+    weighted = replace(line, loss_coefficient=line.loss_coefficient * wish.copper_weight)
+    (first, last), ramps = WIDE_MAP_S if wish.wide_map else NARROW_MAP_S
+    unit = 1.0 if wish.wide_map else task.shortest_time_s
+    times = np.linspace(first * unit, last * unit, MAP_SIZE)
+    return TradeOff(
+        scenario=wish.scenario,
+        frontier=frontier,
+        enoc=enoc_frontier(task, frontier.travel_time_s),
+        coefficients=enoc_coefficients(line),
+        enoc_map=_enoc_map(enoc_coefficients(weighted), times, ramps),
+        refusal="",
+    )
+
+
+def _enoc_map(coefficients: EnocCoefficients, times: FloatArray, ends: tuple[float, float]) -> EnocMap:
+    ramps = np.linspace(*ends, MAP_SIZE)
+    best = np.array([best_acceleration_time(coefficients, time) for time in times])
+    energies = enoc_energy(coefficients, times, best) / J_PER_KWH
+    return EnocMap(times, ramps, enoc_surface(coefficients, times, ramps) / J_PER_KWH, best, energies)

@@ -1,0 +1,207 @@
+"""Work in threads, as the core's kernels release the interpreter.
+
+Each page has at most one piece of each kind of work under way, and of what it asks meanwhile only the last is done.
+"""
+
+import logging
+import threading
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from functools import partial
+from typing import Generic, TypeVar
+
+import panel as pn
+from bokeh.document import Document
+
+from railjoule.core import RailjouleError
+
+LOG = logging.getLogger(__name__)
+THREADS = ThreadPoolExecutor(max_workers=2, thread_name_prefix="railjoule")
+LONG_THREADS = ThreadPoolExecutor(max_workers=2, thread_name_prefix="railjoule-long")
+"""For studies of seconds, so that sliders need not wait for them."""
+PAUSE_S = 0.002
+"""A study sleeps this long after each step: the page's own turns come first."""
+UNKNOWN = "Something went wrong in the computation; the server's log has the details."
+
+Wish = TypeVar("Wish")
+Result = TypeVar("Result")
+
+
+class Worker(Generic[Wish, Result]):
+    """Does the last wish of one page in a thread, and delivers results in the order in which they were asked.
+
+    Parameters
+    ----------
+    compute : callable
+        Turns a wish into a result; runs in a thread.
+    deliver : callable
+        Takes a result into the page; runs in the page's own turn.
+    fail : callable
+        Takes an error that the user can mend.
+    """
+
+    def __init__(
+        self,
+        compute: Callable[[Wish], Result],
+        deliver: Callable[[Result], None],
+        fail: Callable[[RailjouleError], None],
+    ) -> None:
+        self._compute, self._deliver, self._fail = compute, deliver, fail
+        self._document: Document | None = None
+        self._wish: Wish | None = None
+        self._running = False
+        self.last_duration_s = 0.0
+
+    def ask(self, wish: Wish) -> None:
+        """Ask for a result; a wish that waits is forgotten."""
+        self._document = pn.state.curdoc
+        if self._document is None:
+            self.do(wish)
+        elif self._running:
+            self._wish = wish
+        else:
+            self._start(wish)
+
+    def do(self, wish: Wish) -> None:
+        """Compute and deliver in the caller's own turn."""
+        self._settle(self._timed(wish))
+
+    def _start(self, wish: Wish) -> None:
+        self._running = True
+        THREADS.submit(self._timed, wish).add_done_callback(self._hand_over)
+
+    def _timed(self, wish: Wish) -> Result | RailjouleError:
+        started = time.perf_counter()
+        try:
+            return self._compute(wish)
+        except RailjouleError as error:
+            return error
+        finally:
+            self.last_duration_s = time.perf_counter() - started
+
+    def _hand_over(self, future: "Future[Result | RailjouleError]") -> None:
+        if self._document is not None:
+            self._document.add_next_tick_callback(partial(self._finish, future))
+
+    def _finish(self, future: "Future[Result | RailjouleError]") -> None:
+        self._running = False
+        error = future.exception()
+        if error is None:
+            self._settle(future.result())
+        else:
+            LOG.error("a computation failed", exc_info=error)
+            self._fail(RailjouleError(UNKNOWN))
+        if self._wish is not None:
+            wish, self._wish = self._wish, None
+            self._start(wish)
+
+    def _settle(self, outcome: Result | RailjouleError) -> None:
+        with pn.io.hold():
+            if isinstance(outcome, RailjouleError):
+                self._fail(outcome)
+            else:
+                self._deliver(outcome)
+
+
+class Study(Generic[Wish, Result]):
+    """Does a long piece of work of one page step by step; each new wish, and `stop`, ends the one before.
+
+    Parameters
+    ----------
+    steps : callable
+        Turns a wish into results that become more complete; runs in a thread.
+    deliver : callable
+        Takes a result and whether it is the last into the page, in the page's own turn; steps that come faster than
+        the page takes them are left out.
+    fail : callable
+        Takes an error that the user can mend.
+    """
+
+    def __init__(
+        self,
+        steps: Callable[[Wish], Iterator[Result]],
+        deliver: Callable[[Result, bool], None],
+        fail: Callable[[RailjouleError], None],
+    ) -> None:
+        self._steps, self._deliver, self._fail = steps, deliver, fail
+        self._job: _Job[Result] | None = None
+
+    def ask(self, wish: Wish) -> None:
+        """Begin anew; without a page around it, in the caller's own turn."""
+        self.stop()
+        document = pn.state.curdoc
+        job: _Job[Result] = _Job(document)
+        self._job = job
+        if document is None:
+            self._work(wish, job)
+        else:
+            LONG_THREADS.submit(self._work, wish, job)
+
+    @property
+    def busy(self) -> bool:
+        """Whether work is under way."""
+        return self._job is not None
+
+    def stop(self) -> None:
+        """End the work under way; what came so far stands."""
+        if self._job is not None:
+            self._job.ended.set()
+            self._job = None
+
+    def _work(self, wish: Wish, job: "_Job[Result]") -> None:
+        result: Result | RailjouleError | None = None
+        try:
+            for result in self._steps(wish):
+                if job.ended.is_set():
+                    return
+                job.offer(result, False, self._take)
+                time.sleep(PAUSE_S if job.document is not None else 0)
+        except RailjouleError as error:
+            result = error
+        except Exception:
+            LOG.exception("a study failed")
+            result = RailjouleError(UNKNOWN)
+        if result is not None:
+            job.offer(result, True, self._take)
+
+    def _take(self, job: "_Job[Result]") -> None:
+        result, last = job.take()
+        if job is not self._job or result is None:
+            return
+        if last:
+            self._job = None
+        with pn.io.hold():
+            if isinstance(result, RailjouleError):
+                self._fail(result)
+            else:
+                self._deliver(result, last)
+
+
+class _Job(Generic[Result]):
+    """One piece of long work: its newest result waits here until the page takes it."""
+
+    def __init__(self, document: Document | None) -> None:
+        self.document, self.ended = document, threading.Event()
+        self._lock = threading.Lock()
+        self._result: Result | RailjouleError | None = None
+        self._last = False
+        self._called = False
+
+    def offer(self, result: Result | RailjouleError, last: bool, take: Callable[["_Job[Result]"], None]) -> None:
+        """Leave a result, and call the page unless it is already called."""
+        with self._lock:
+            self._result, self._last = result, last
+            called, self._called = self._called, True
+        if called:
+            return
+        if self.document is None:
+            take(self)
+        else:
+            self.document.add_next_tick_callback(partial(take, self))
+
+    def take(self) -> tuple[Result | RailjouleError | None, bool]:
+        """Return the newest result and whether it is the last."""
+        with self._lock:
+            result, self._result, self._called = self._result, None, False
+            return result, self._last

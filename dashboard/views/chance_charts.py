@@ -1,0 +1,149 @@
+"""What chance makes of a plan: histograms with their quantiles, energy over load."""
+
+import numpy as np
+from bokeh.models import ColumnDataSource, Range1d
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.studies.montecarlo import MonteCarloTable
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.views import parts
+from railjoule.dashboard.views.charts import Chart, clear, nice_range, text_style, xy
+from railjoule.dashboard.views.figures import captioned, empty_figure
+
+BINS = 36
+QUANTILES = {0.05: "5 %", 0.5: "median", 0.95: "95 %"}
+SHOWN = (0.003, 0.997)
+"""Of the values this part is drawn."""
+MOST_POINTS = 2000
+
+
+def finite(values: FloatArray) -> FloatArray:
+    """Return the values of runs that reached the end."""
+    return values[np.isfinite(values)]
+
+
+class HistogramChart(Chart):
+    """How often a value came out, with 5 %, median and 95 % as hairlines."""
+
+    def __init__(self, name: str, words: str, digits: int, height: int, palette: Palette) -> None:
+        super().__init__(name, words, height)
+        self.palette, self.digits = palette, digits
+        self.x_range, self.y_range = Range1d(0, 1), Range1d(0, 1)
+
+    def build(self) -> None:
+        """Make the figure."""
+        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=2)
+        self.figure = f
+        f.yaxis.visible = False
+        f.ygrid.visible = False
+        self.bars = ColumnDataSource({"left": [], "right": [], "top": []})
+        self.marks = ColumnDataSource({"x": [], "y": [], "text": [], "align": [], "offset": []})
+        bar = f.quad("left", "right", 0, "top", source=self.bars, line_width=1)
+        self.palette.paint(bar.glyph, fill_color="line2", line_color="surface")
+        line = f.segment("x", 0, "x", "y", source=self.marks, line_width=1.2)
+        self.palette.paint(line.glyph, line_color="ink")
+        sign = f.text(
+            "x",
+            "y",
+            "text",
+            text_align="align",
+            x_offset="offset",
+            source=self.marks,
+            y_offset=-2,
+            text_baseline="bottom",
+            **text_style(11),
+        )
+        self.palette.paint(sign.glyph, text_color="ink2")
+        self.content = captioned(self.words, f)
+
+    def draw(self, values: FloatArray) -> None:
+        """Draw the values so far."""
+        values = finite(values)
+        if not len(values):
+            clear(self.bars)
+            clear(self.marks)
+            return
+        low, high = np.quantile(values, SHOWN)
+        low, high = nice_range(float(low), float(max(high, low + 1e-3)))
+        counts, edges = np.histogram(values, bins=BINS, range=(low, high))
+        most = float(max(counts.max(), 1))
+        self.bars.data = {"left": edges[:-1].tolist(), "right": edges[1:].tolist(), "top": counts.tolist()}
+        self.x_range.update(start=low, end=high)
+        self.y_range.update(start=0, end=1.25 * most)
+        places = np.quantile(values, list(QUANTILES))
+        self.marks.data = {
+            "x": places.tolist(),
+            "y": [1.06 * most] * len(places),
+            "text": [
+                f"{word}: {words.number(place, self.digits)}"
+                for word, place in zip(QUANTILES.values(), places, strict=True)
+            ],
+            "align": ["right", "center", "left"],
+            "offset": [2, 0, -2],
+        }
+
+
+def chance_table(table: MonteCarloTable) -> str:
+    """Return the quantiles of all results of the runs so far, and how many runs there are."""
+    results = {
+        "Energy, kWh": (table.energy_kwh, 3),
+        "Above the plan, %": (100 * table.overconsumption, 1),
+        "Above a plan for that load, %": (100 * table.over_replanned, 1),
+        "Late at the stop, s": (table.delay_s, 1),
+        "Beyond the stop, m": (table.stop_error_m, 2),
+    }
+    rows = []
+    for name, (values, digits) in results.items():
+        reached = finite(values)
+        if len(reached):
+            places = [*np.quantile(reached, list(QUANTILES)), reached[np.argmax(np.abs(reached))]]
+            rows.append(((name, *(words.number(float(place), digits) for place in places)), False))
+    seed, stuck = table.scenario.montecarlo.seed, int(np.isnan(table.energy_kwh).sum())
+    text = f"{words.number(table.done, 0)} of {words.number(table.runs, 0)} runs, seed {seed}."
+    text += f" In {words.number(stuck, 0)} of them the train comes to a stand." if stuck else ""
+    quantiles = parts.table("Monte Carlo", ("Result", *QUANTILES.values(), "largest"), rows)
+    return f'<div style="padding:0 6px 0 50px">{quantiles}<p class="note">{text}</p></div>'
+
+
+class LoadScatter(Chart):
+    """Energy of each run over the load that it carried."""
+
+    def __init__(self, height: int, palette: Palette) -> None:
+        super().__init__("scatter", "Monte Carlo: energy, kWh, over load, %", height)
+        self.palette, self.x_range, self.y_range = palette, Range1d(0, 100), Range1d(0, 1)
+
+    def build(self) -> None:
+        """Make the figure."""
+        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=4, digits=1)
+        self.figure = f
+        self.points = ColumnDataSource({"x": [], "y": []})
+        self.line = ColumnDataSource({"x": [], "y": []})
+        points = f.scatter("x", "y", source=self.points, size=3.5, fill_alpha=0.35, line_color=None)
+        self.palette.paint(points.glyph, fill_color="driven")
+        line = f.line("x", "y", source=self.line, line_width=1.8)
+        self.palette.paint(line.glyph, line_color="accent")
+        self.sign = ColumnDataSource({"x": [], "y": [], "text": []})
+        sign = f.text(
+            "x", "y", "text", source=self.sign, text_align="right", text_baseline="top", y_offset=30, **text_style(11)
+        )
+        self.palette.paint(sign.glyph, text_color="accent")
+        self.content = captioned(self.words, f)
+
+    def draw(self, table: MonteCarloTable) -> None:
+        """Draw the runs so far, and what plans would need that knew the load."""
+        done = np.isfinite(table.energy_kwh)
+        load = 100 * table.drawn["load_factor"][: table.done][done]
+        energy = table.energy_kwh[done]
+        if not len(load):
+            for source in (self.points, self.line, self.sign):
+                clear(source)
+            return
+        self.points.data = xy(load[:MOST_POINTS], energy[:MOST_POINTS])
+        order = np.argsort(load)[:: max(1, len(load) // 60)]
+        knowing = table.knowing_kwh[: table.done][done][order]
+        self.line.data = xy(load[order], knowing)
+        self.sign.data = {"x": [float(load[order][-1])], "y": [float(knowing[-1])], "text": ["plan for the true load"]}
+        self.x_range.update(start=0, end=100)
+        low, high = nice_range(float(min(knowing.min(), energy.min())), float(np.quantile(energy, SHOWN[1])))
+        self.y_range.update(start=low, end=high)

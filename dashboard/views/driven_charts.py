@@ -1,0 +1,205 @@
+"""The plan and what was driven: speed, effort, the last metres before the stop, the place believed."""
+
+from typing import Any
+
+import numpy as np
+from bokeh.models import ColumnDataSource, Range1d, Span
+
+from railjoule.core import Trajectory
+from railjoule.core.arrays import FloatArray
+from railjoule.core.simulate.following import Following, stops_of
+from railjoule.core.units import MS_PER_KMH
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.views.charts import Axis, Chart, DistanceChart, nice_range, text_style, xy
+from railjoule.dashboard.views.figures import captioned, empty_figure
+
+DRIVEN_DASH = [6, 3]
+BEFORE_SENSOR_M, BEYOND_STOP_M = 60.0, 20.0
+"""How much of the way is drawn before the first sensor and beyond the stop [m]."""
+SENSOR_WORDS = {"D1": "D1 sets the place", "D2": "D2 calibrates", "D3": "D3 sets the place"}
+
+
+class DrivenChart(DistanceChart):
+    """A quantity of both runs: the plan solid, what was driven dashed."""
+
+    def __init__(
+        self, name: str, words: str, unit: str, digits: int, height: int, axis: Axis, palette: Palette, stepped: bool
+    ) -> None:
+        super().__init__(name, words, height, axis, palette)
+        self.unit, self.digits, self.stepped = unit, digits, stepped
+
+    def build(self) -> None:
+        """Make the figure."""
+        f = self.frame(with_axis=self.stepped, ticks=3 if self.stepped else 5)
+        if self.stepped:
+            zero = Span(location=0, dimension="width", line_width=1)
+            self.palette.paint(zero, line_color="line2")
+            f.add_layout(zero)
+            f.xaxis.axis_label = "Distance, m"
+        draw, mode = (f.step, {"mode": "before"}) if self.stepped else (f.line, {})
+        for name, token, style in (
+            ("planned", "accent", {"line_width": 2.2}),
+            ("driven", "driven", {"line_width": 1.7, "line_dash": DRIVEN_DASH}),
+        ):
+            self.sources[name] = ColumnDataSource({"x": [], "y": []})
+            line = draw("x", "y", source=self.sources[name], **style, **mode)
+            self.palette.paint(line.glyph, line_color=token)
+        self.sources["names"] = ColumnDataSource({"x": [], "y": [], "text": [], "colour": []})
+        f.text(
+            "x",
+            "y",
+            "text",
+            text_color="colour",
+            source=self.sources["names"],
+            text_align="center",
+            text_baseline="bottom",
+            y_offset=-3,
+            **text_style(),
+        )
+
+    def values(self, run: Trajectory) -> FloatArray:
+        """Return what is drawn of a run: its speed [km/h], or the effort of its cells [kN]."""
+        if self.stepped:
+            return np.append(run.effort_n[:1], run.effort_n) / 1e3
+        return run.speed_ms / MS_PER_KMH
+
+    def draw(self, following: Following, name: str) -> None:
+        """Draw both runs; `name` says what was driven."""
+        runs = {"planned": following.planned, "driven": following.actual}
+        values = {key: self.values(run) for key, run in runs.items()}
+        for key, run in runs.items():
+            self.sources[key].data = xy(run.position_m, values[key])
+        self.told["sources"] = [[key, self.sources[key]] for key in runs]
+        low, high = min(v.min() for v in values.values()), max(v.max() for v in values.values())
+        if self.stepped:
+            self.set_range(*nice_range(float(low), float(high), 0.08))
+            return
+        top = 1.22 * float(high)
+        self.set_range(0, top)
+        end = self.axis.end
+        self.sources["names"].data = {
+            "x": [0.24 * end, 0.72 * end],
+            "y": [0.88 * top, 0.88 * top],
+            "text": ["planned", f"driven: {name}"],
+            "colour": [self.palette.tokens["accent"], self.palette.tokens["driven"]],
+        }
+
+
+class BrakingChart(Chart):
+    """The last metres before the stop, with the sensors and the target curve."""
+
+    def __init__(self, height: int, palette: Palette) -> None:
+        super().__init__("braking", "Precision braking: speed, km/h, over metres to the stop", height)
+        self.palette, self.x_range, self.y_range = palette, Range1d(-1, 1), Range1d(0, 1)
+
+    def build(self) -> None:
+        """Make the figure."""
+        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=4)
+        self.figure = f
+        self.sources = {name: ColumnDataSource({"x": [], "y": []}) for name in ("target", "planned", "driven")}
+        for name, token, style in (
+            ("target", "ink3", {"line_width": 1.2, "line_dash": [2, 3]}),
+            ("planned", "accent", {"line_width": 2.2}),
+            ("driven", "driven", {"line_width": 1.7, "line_dash": DRIVEN_DASH}),
+        ):
+            line = f.line("x", "y", source=self.sources[name], **style)
+            self.palette.paint(line.glyph, line_color=token)
+        self.sensors = sensor_marks(f, self.palette)
+        self.content = captioned(self.words, f)
+
+    def draw(self, following: Following) -> None:
+        """Draw both runs near the last stop."""
+        scenario, way = following.actual.scenario, following.ways[-1]
+        stop = following.planned.position_m[-1]
+        options = scenario.simulation
+        zone = max([options.reset_sensor_m or 0.0, *(stop - stretch.from_m for stretch in way[1:])])
+        first = -min((zone or stop) + BEFORE_SENSOR_M, stop)
+        last = max(BEYOND_STOP_M, following.stop_error_m * 1.2)
+        top = 1.0
+        for name, run in (("planned", following.planned), ("driven", following.actual)):
+            near = run.position_m - stop >= first
+            speed = run.speed_ms[near] / MS_PER_KMH
+            self.sources[name].data = xy(run.position_m[near] - stop, speed)
+            top = max(top, float(speed.max()))
+        before = np.linspace(-zone, 0, 80) if options.target_braking and zone else np.zeros(0)
+        target = np.sqrt(-2 * options.target_deceleration_ms2 * before) / MS_PER_KMH
+        self.sources["target"].data = xy(before, target)
+        self.x_range.update(start=first, end=last)
+        self.y_range.update(start=0, end=1.3 * top)
+        mark_sensors(self.sensors, [(s.from_m - stop, s.sensor) for s in way[1:]], 1.3 * top)
+
+
+class PlaceErrorChart(Chart):
+    """By how much the train believes to be further on than it is, over time."""
+
+    def __init__(self, height: int, palette: Palette) -> None:
+        super().__init__("place", "Place believed less true place, m, over time, s", height)
+        self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
+
+    def build(self) -> None:
+        """Make the figure."""
+        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=3)
+        self.figure = f
+        zero = Span(location=0, dimension="width", line_width=1)
+        self.palette.paint(zero, line_color="line2")
+        f.add_layout(zero)
+        self.source = ColumnDataSource({"x": [], "y": []})
+        line = f.line("x", "y", source=self.source, line_width=1.7)
+        self.palette.paint(line.glyph, line_color="driven")
+        self.sensors = sensor_marks(f, self.palette)
+        self.content = captioned(self.words, f)
+
+    def draw(self, following: Following) -> None:
+        """Draw the error of the place; at a sensor it jumps."""
+        run, places, errors, marks = following.actual, [], [], []
+        ends = np.add(stops_of(run.scenario), following.stop_errors_m)
+        for way, end in zip(following.ways, ends, strict=True):
+            borders = [stretch.from_m for stretch in way[1:]]
+            for stretch, until in zip(way, [*borders, float(end)], strict=True):
+                places += [stretch.from_m, until]
+                errors += [stretch.believed_m - stretch.from_m, stretch.believed(until) - until]
+            marks += [(stretch.from_m, stretch.sensor) for stretch in way[1:]]
+        time = np.interp(places, run.position_m, run.time_s)
+        self.source.data = xy(time, np.array(errors))
+        size = max(1.0, float(np.max(np.abs(errors))))
+        self.x_range.update(start=0, end=run.travel_time_s)
+        self.y_range.update(start=-1.3 * size, end=1.6 * size)
+        passed = [(float(np.interp(place, run.position_m, run.time_s)), sensor) for place, sensor in marks]
+        mark_sensors(self.sensors, passed, 1.6 * size, short=True)
+
+
+def sensor_marks(f: Any, palette: Palette) -> ColumnDataSource:
+    """Add a hairline and a name for each sensor to a figure."""
+    source = ColumnDataSource({"x": [], "y": [], "text": [], "align": [], "offset": []})
+    line = f.vspan("x", source=source, line_width=1)
+    palette.paint(line.glyph, line_color="line2")
+    sign = f.text(
+        "x",
+        "y",
+        "text",
+        text_align="align",
+        x_offset="offset",
+        source=source,
+        text_baseline="top",
+        **text_style(11),
+    )
+    palette.paint(sign.glyph, text_color="ink2")
+    return source
+
+
+def mark_sensors(source: ColumnDataSource, marks: list[tuple[float, str]], top: float, short: bool = False) -> None:
+    """Put the hairlines where the sensors are, their names one below the other; the last ones left of their lines."""
+    left = [sensor == "D3" for _, sensor in marks]
+    source.data = {
+        "x": [place for place, _ in marks],
+        "y": [top * (0.98 - 0.1 * (k % 3)) for k in range(len(marks))],
+        "text": [sensor if short else SENSOR_WORDS[sensor] for _, sensor in marks],
+        "align": ["right" if aside else "left" for aside in left],
+        "offset": [-4 if aside else 4 for aside in left],
+    }
+
+
+def reality_words(load_factor: float, error_m: float) -> str:
+    """Return what is otherwise in reality, such as 'load 100 %, +10 m'."""
+    return f"load {words.number(100 * load_factor, 0)} %, {words.signed(error_m, 0)} m"

@@ -1,0 +1,226 @@
+"""The table of loads and errors: as a map whose cells can be pressed, as a surface, and beside the printed one."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import panel as pn
+from bokeh.core.properties import value
+from bokeh.events import Tap
+from bokeh.models import ColumnDataSource, FixedTicker, Range1d
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.scenario import load_scenario
+from railjoule.core.studies.sensitivity import COORDINATE_ERRORS_M, LOAD_FACTORS, SensitivityTable
+from railjoule.core.validation.papers import printed_numbers
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.views import parts
+from railjoule.dashboard.views.charts import Chart, text_style
+from railjoule.dashboard.views.figures import empty_figure, ink_on
+from railjoule.dashboard.views.surface import CAMERA, LIGHTING, scene_layout
+
+CELL = 0.96
+CAMERA_DISTANCE = 1.25
+"""How much further away than ENOC's surface this one stands: its column is narrower."""
+WARM_DIFFERENCE = 1.0
+"""Differences to printed figures above this are marked [percentage points]."""
+
+
+@dataclass(frozen=True)
+class Measure:
+    """What of the table is shown.
+
+    Parameters
+    ----------
+    words : str
+        Quantity and unit.
+    values : callable
+        Takes a table, gives an array of shape (loads, errors) in that unit.
+    digits : int
+        Decimals.
+    """
+
+    words: str
+    values: Callable[[SensitivityTable], FloatArray]
+    digits: int
+
+
+MEASURES = {
+    "over_replanned": Measure("Above a plan for that load, %", lambda table: 100 * table.over_replanned, 1),
+    "overconsumption": Measure("Above the plan, %", lambda table: 100 * table.overconsumption, 1),
+    "delay_s": Measure("Late at the stop, s", lambda table: table.delay_s, 1),
+    "stop_error_m": Measure("Beyond the stop, m", lambda table: table.stop_error_m, 2),
+}
+
+
+def colour_of(number: float, most: float, palette: Palette) -> str:
+    """Return the colour of a cell: the more, the warmer."""
+    if not np.isfinite(number):
+        return palette.tokens["ground"]
+    share = min(abs(number) / most, 1.0) if most > 0 else 0.0
+    return palette.costs[round(share * (len(palette.costs) - 1))]
+
+
+class HeatMapChart(Chart):
+    """Loads upwards, errors to the right, one number a cell; a press chooses the cell."""
+
+    def __init__(self, height: int, palette: Palette, choose: Callable[[float, float], None]) -> None:
+        super().__init__("heatmap", "", height)
+        self.palette, self._choose = palette, choose
+        self._table: SensitivityTable | None = None
+        self._drawn: tuple[object, ...] = ()
+
+    def build(self) -> None:
+        """Make the figure."""
+        ranges = Range1d(-0.52, len(COORDINATE_ERRORS_M) - 0.48), Range1d(-0.52, len(LOAD_FACTORS) - 0.48)
+        f = empty_figure(self.height, *ranges, "Table of loads and coordinate errors", self.palette)
+        self.figure = f
+        f.ygrid.visible = False
+        for axis, title in ((f.xaxis, "Coordinate error, m (+: it believes it is further on)"), (f.yaxis, "Load, %")):
+            axis.axis_line_color = None
+            axis.axis_label = title
+        self.cells = ColumnDataSource({key: [] for key in ("x", "y", "fill", "text", "ink")})
+        self.frame = ColumnDataSource({"x": [], "y": []})
+        self.plan = ColumnDataSource({"x": [], "y": [], "ink": []})
+        f.rect("x", "y", CELL, CELL, source=self.cells, fill_color="fill", line_color=None)
+        style: dict[str, Any] = {"text_align": "center", "text_baseline": "middle"}
+        f.text("x", "y", "text", source=self.cells, text_color="ink", **style, **text_style(13))
+        f.text("x", "y", value("plan"), source=self.plan, text_color="ink", y_offset=16, **style, **text_style(11))
+        frame = f.rect("x", "y", CELL, CELL, source=self.frame, fill_color=None, line_width=2.5)
+        self.palette.paint(frame.glyph, line_color="accent")
+        f.on_event(Tap, self._press)
+        self.content = pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_width")
+
+    def _press(self, event: Any) -> None:
+        table = self._table
+        if table is None or event.x is None:
+            return
+        column, row = round(event.x), round(event.y)
+        if 0 <= column < len(table.coordinate_errors_m) and 0 <= row < len(table.load_factors):
+            self._choose(table.load_factors[row], table.coordinate_errors_m[column])
+
+    def draw(self, table: SensitivityTable, measure: Measure, load_factor: float, error_m: float) -> None:
+        """Draw the table so far, and the frame around a load and an error."""
+        loads, errors = table.load_factors, table.coordinate_errors_m
+        state = (table, measure, self.palette.costs)
+        if state != self._drawn:
+            self._table, self._drawn = table, state
+            self._draw_cells(table, measure)
+        self.frame.data = {
+            "x": [float(np.interp(error_m, errors, np.arange(len(errors))))],
+            "y": [float(np.interp(load_factor, loads, np.arange(len(loads))))],
+        }
+
+    def _draw_cells(self, table: SensitivityTable, measure: Measure) -> None:
+        assert self.figure is not None
+        loads, errors, values = table.load_factors, table.coordinate_errors_m, measure.values(table)
+        most = float(np.nanmax(np.abs(values))) if np.any(np.isfinite(values)) else 0.0
+        done = np.arange(values.size).reshape(values.shape) < table.done
+        y, x = (index.ravel() for index in np.indices(values.shape))
+        fills = [
+            colour_of(number, most, self.palette) if known else self.palette.tokens["page"]
+            for number, known in zip(values.ravel(), done.ravel(), strict=True)
+        ]
+        texts = [
+            "" if not known else words.number(number, measure.digits) if np.isfinite(number) else "stands"
+            for number, known in zip(values.ravel(), done.ravel(), strict=True)
+        ]
+        self.cells.data = {
+            "x": x.tolist(),
+            "y": y.tolist(),
+            "fill": fills,
+            "text": texts,
+            "ink": [ink_on(fill) for fill in fills],
+        }
+        self._label(self.figure.xaxis[0], [words.signed(error, 0) for error in errors])
+        self._label(self.figure.yaxis[0], [words.number(100 * load, 0) for load in loads])
+        planned = table.scenario.vehicle.load_factor
+        if planned in loads and 0.0 in errors:
+            row, column = loads.index(planned), errors.index(0.0)
+            self.plan.data = {"x": [column], "y": [row], "ink": [ink_on(fills[row * len(errors) + column])]}
+        else:
+            self.plan.data = {"x": [], "y": [], "ink": []}
+
+    def _label(self, axis: Any, labels: list[str]) -> None:
+        told = dict(enumerate(labels))
+        if axis.major_label_overrides != told:
+            axis.update(ticker=FixedTicker(ticks=list(told)), major_label_overrides=told)
+
+
+class CostSurface(Chart):
+    """The same table as a surface that can be turned."""
+
+    def __init__(self, height: int, palette: Palette) -> None:
+        super().__init__("costs", "", height)
+        self.palette = palette
+        self._drawn: tuple[object, ...] = ()
+
+    def build(self) -> None:
+        """Make the pane."""
+        self.pane = pn.pane.Plotly(
+            config={"displayModeBar": False, "responsive": True},
+            sizing_mode="stretch_width",
+            height=self.height,
+            margin=0,
+        )
+        self.content, self.figure = self.pane, self.pane
+
+    def draw(self, table: SensitivityTable, measure: Measure) -> None:
+        """Draw a complete table."""
+        values, state = measure.values(table), (table, measure, self.palette.costs)
+        if state == self._drawn or not np.any(np.isfinite(values)):
+            return
+        self._drawn = state
+        bottom, top = float(np.nanmin(values)), float(np.nanmax(values))
+        room = max(top - bottom, 1e-6)
+        scale = self.palette.costs
+        self.pane.object = {
+            "data": [
+                {
+                    "type": "surface",
+                    "x": list(table.coordinate_errors_m),
+                    "y": [100 * load for load in table.load_factors],
+                    "z": values,
+                    "colorscale": [[k / (len(scale) - 1), colour] for k, colour in enumerate(scale)],
+                    "showscale": False,
+                    "lighting": LIGHTING,
+                    "hovertemplate": "%{x:+.0f} m, load %{y:.0f} %: %{z:.2f}<extra></extra>",
+                }
+            ],
+            "layout": self._layout(bottom - 0.05 * room, top + 0.05 * room),
+        }
+
+    def _layout(self, bottom: float, top: float) -> dict[str, Any]:
+        layout = scene_layout(self.palette, ("Coordinate error, m", "Load, %"), bottom, top)
+        eye = {axis: CAMERA_DISTANCE * place for axis, place in CAMERA["eye"].items()}
+        layout["scene"]["camera"] = {**CAMERA, "eye": eye}
+        return layout
+
+
+def printed_table(table: SensitivityTable) -> str:
+    """Return the paper's table beside ours, or nothing where the paper has none for this table's scenario."""
+    scenario, paper = table.scenario, printed_numbers("liashenko-2025")
+    entry = next((entry for entry in paper["table"] if entry["scenario"] == scenario.line.preset), None)
+    if entry is None or not table.both_directions or table.knows != "nothing":
+        return ""
+    base = load_scenario(entry["scenario"])
+    if scenario.vehicle != base.vehicle or scenario.timetable != base.timetable:
+        return ""
+    header = ("Error, m", *(f"load {words.number(100 * load, 0)} %" for load in paper["load_factors"]))
+    rows = []
+    for m, error in enumerate(paper["coordinate_errors_m"]):
+        column = table.coordinate_errors_m.index(float(error))
+        cells = [words.signed(error, 0)]
+        for k, load in enumerate(paper["load_factors"]):
+            ours = 100 * float(table.over_replanned[table.load_factors.index(load), column])
+            printed = entry["overconsumption_percent"][m][k]
+            kind = "open" if abs(ours - printed) > WARM_DIFFERENCE else "muted"
+            cells.append(
+                f'{words.number(ours)} <span class="muted">{words.number(printed)}</span> '
+                f'<span class="{kind}">{words.signed(ours - printed)}</span>'
+            )
+        rows.append((cells, False))
+    title = f"{entry['place']} of Liashenko 2025: ours, printed, difference, %"
+    return f'<div class="dense">{parts.table(title, header, rows)}</div>'

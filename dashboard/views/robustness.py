@@ -1,0 +1,242 @@
+"""Robustness: what a plan costs when load and place are not as planned, and what chance makes of it."""
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+import panel as pn
+import panel_material_ui as pmui
+
+from railjoule.dashboard.browser import Browser
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.store import Reality
+from railjoule.dashboard.views import parts
+from railjoule.dashboard.views.chance_charts import HistogramChart, LoadScatter, chance_table, finite
+from railjoule.dashboard.views.charts import Axis, Chart
+from railjoule.dashboard.views.driven_charts import BrakingChart, DrivenChart, PlaceErrorChart, reality_words
+from railjoule.dashboard.views.failures import failure_words
+from railjoule.dashboard.views.heat_map import MEASURES, CostSurface, HeatMapChart, printed_table
+
+WIDE_PX, NARROW_PX = 1600, 900
+HEIGHTS = {
+    "heatmap": (350, 440, 320),
+    "costs": (330, 400, 260),
+    "more": (190, 220, 170),
+    "late": (190, 220, 170),
+    "scatter": (220, 260, 200),
+    "driven_speed": (250, 310, 220),
+    "driven_effort": (134, 150, 120),
+    "braking": (240, 280, 220),
+    "place": (150, 170, 140),
+}
+"""Of each chart [px]: in usual, wide and narrow windows."""
+LAYOUT_CSS = """
+:host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: 28px;
+  padding: 10px 20px 12px 14px; align-items: start; }
+@media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); padding: 8px 12px; } }
+"""
+KNOWS_WORDS = {
+    "for nothing": "nothing",
+    "for the true load": "load",
+    "for the true place": "place",
+    "for both": "both",
+}
+SELECT: dict[str, Any] = {"size": "small", "margin": (6, 0, 6, 6), "sizing_mode": "stretch_width"}
+
+
+class RobustnessView:
+    """The page of what goes otherwise than planned."""
+
+    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
+        self.state, self.browser, self.palette = state, browser, palette
+        self.model = model = state.robustness
+        self.heading, self.figures, self.printed, self.chance_table = (parts.html_pane() for _ in range(4))
+        self.message = parts.html_pane(visible=False)
+        self.measure = pmui.Select(
+            label="Table of", options={m.words: key for key, m in MEASURES.items()}, value=model.measure, **SELECT
+        )
+        self.knows = pmui.Select(label="Planned anew", options=KNOWS_WORDS, value=model.knows, **SELECT)
+        self.ways = pmui.RadioButtonGroup(
+            options={"This way": False, "Both ways": True},
+            value=model.both_directions,
+            size="small",
+            margin=(10, 0, 0, 12),
+            sx={"& .MuiToggleButton-root": {"whiteSpace": "nowrap"}},
+        )
+        self.axis = Axis(palette)
+        self.heat_map = HeatMapChart(HEIGHTS["heatmap"][0], palette, self._choose)
+        self.costs = CostSurface(HEIGHTS["costs"][0], palette)
+        self.more = HistogramChart("more", "Monte Carlo: more energy than a plan for the true load, %", 1, 190, palette)
+        self.late = HistogramChart("late", "Monte Carlo: late at the stop, s", 1, 190, palette)
+        self.scatter = LoadScatter(HEIGHTS["scatter"][0], palette)
+        self.speed = DrivenChart("driven_speed", "Speed, km/h", "km/h", 1, 250, self.axis, palette, stepped=False)
+        self.effort = DrivenChart("driven_effort", "Effort, kN", "kN", 0, 134, self.axis, palette, stepped=True)
+        self.braking = BrakingChart(HEIGHTS["braking"][0], palette)
+        self.place = PlaceErrorChart(HEIGHTS["place"][0], palette)
+        note = '<p class="note" style="margin:10px 0 0 12px">Press a cell to see its run.</p>'
+        left = parts.stack(
+            pn.Row(self.measure, self.ways, margin=0, sizing_mode="stretch_width"),
+            self.heat_map.place,
+            pn.Row(self.knows, parts.html_pane(note), margin=0, sizing_mode="stretch_width"),
+            self.costs.place,
+            self.printed,
+        )
+        right = parts.stack(self.speed.place, self.effort.place, self.braking.place, self.place.place)
+        upper = parts.stack(left, right, css=LAYOUT_CSS)
+        lower = parts.stack(
+            parts.stack(self.more.place, self.scatter.place),
+            parts.stack(self.late.place, self.chance_table),
+            css=LAYOUT_CSS,
+        )
+        self.view = parts.stack(self.heading, self.message, self.figures, upper, lower)
+        self.measure.param.watch(lambda event: setattr(model, "measure", event.new), "value")
+        self.knows.param.watch(lambda event: setattr(model, "knows", event.new), "value")
+        self.ways.param.watch(lambda event: setattr(model, "both_directions", event.new), "value")
+        model.param.watch(self._show_run, ["reality", "failure"])
+        model.param.watch(self._show_table, ["table", "measure"])
+        model.param.watch(self._show_chance, ["chance", "drawing"])
+        browser.follow(["width"], self._fit)
+        browser.follow(["charts_in_sight"], self._sight)
+        self._fit()
+        self._sight()
+        self.redraw()
+
+    @property
+    def charts(self) -> tuple[Chart, ...]:
+        """All charts of the page."""
+        return (
+            self.heat_map,
+            self.costs,
+            self.more,
+            self.late,
+            self.scatter,
+            self.speed,
+            self.effort,
+            self.braking,
+            self.place,
+        )
+
+    def _choose(self, load_factor: float, error_m: float) -> None:
+        self.model.param.update(actual_load_percent=100 * load_factor, coordinate_error_m=error_m)
+
+    def _fit(self) -> None:
+        width = self.browser.width
+        size = 1 if width >= WIDE_PX else 2 if width < NARROW_PX else 0
+        with pn.io.hold():
+            for chart in self.charts:
+                chart.resize(HEIGHTS[chart.name][size])
+
+    def _sight(self) -> None:
+        with pn.io.hold():
+            for chart in self.charts:
+                if chart.name in self.browser.charts_in_sight and not chart.visible:
+                    chart.appear()
+                elif chart.name not in self.browser.charts_in_sight and chart.visible:
+                    chart.hide()
+            self.axis.settle("m", 0)
+
+    def redraw(self) -> None:
+        """Draw everything again, as after a change of theme."""
+        self._show_run()
+        self._show_table()
+        self._show_chance()
+
+    def _show_run(self, *_: Any) -> None:
+        reality = self.model.reality
+        with pn.io.hold():
+            self._show_failure()
+            if reality is None:
+                return
+            following = reality.following
+            disturbance = following.actual.scenario.disturbance
+            self.axis.fit(max(following.planned.position_m[-1], following.actual.position_m[-1]), roomy=False)
+            name = reality_words(disturbance.actual_load_factor or 0.0, disturbance.coordinate_error_m)
+            for chart in (self.speed, self.effort):
+                chart.show(partial(chart.draw, following, name))
+            for near in (self.braking, self.place):
+                near.show(partial(near.draw, following))
+            self._show_table()
+            self._show_texts()
+            self.axis.settle("m", 0)
+
+    def _show_failure(self) -> None:
+        failure = self.model.failure
+        self.message.visible = failure is not None
+        if failure is not None:
+            shown = "Shown: the last run that can be driven." if self.model.reality is not None else ""
+            self.message.object = parts.failure(*failure_words(failure), shown)
+
+    def _show_table(self, *_: Any) -> None:
+        table, reality = self.model.table, self.model.reality
+        if table is None or reality is None:
+            return
+        measure = MEASURES[self.model.measure]
+        disturbance = reality.following.actual.scenario.disturbance
+        load, error = disturbance.actual_load_factor or 0.0, disturbance.coordinate_error_m
+        with pn.io.hold():
+            self.heat_map.show(partial(self.heat_map.draw, table, measure, load, error))
+            if table.done == table.energy_kwh.size:
+                self.costs.show(partial(self.costs.draw, table, measure))
+                self.printed.object = printed_table(table)
+                self._show_texts()
+
+    def _show_chance(self, *_: Any) -> None:
+        chance = self.model.chance
+        if chance is None:
+            return
+        with pn.io.hold():
+            self.more.show(partial(self.more.draw, 100 * chance.over_replanned))
+            self.late.show(partial(self.late.draw, chance.delay_s))
+            self.scatter.show(partial(self.scatter.draw, chance))
+            self._show_texts()
+            self.chance_table.object = chance_table(chance)
+
+    def _show_texts(self) -> None:
+        reality = self.model.reality
+        if reality is None:
+            return
+        planned = reality.following.planned
+        scenario = planned.scenario
+        runs = self.model.table.done if self.model.table else 0
+        what = (
+            f"plan for load {100 * scenario.vehicle.load_factor:.0f} % and the right place, "
+            f"{words.number(planned.distance_m / 1000)} km in {words.number(planned.travel_time_s)} s; what is driven "
+            "when they are wrong"
+        )
+        self.heading.object = parts.heading(scenario.title, what, f"{runs} cells")
+        self.figures.object = parts.figures(self._cells(reality), self.model.failure is not None)
+
+    def _cells(self, reality: Reality) -> list[str]:
+        following = reality.following
+        energy, planned = following.actual.energy_kwh, following.planned.energy_kwh
+        disturbance = following.actual.scenario.disturbance
+        reference = planned if reality.knowing_kwh is None else reality.knowing_kwh
+        against = "planned" if reality.knowing_kwh is None else "for that load"
+        cells = [
+            parts.figure(
+                reality_words(disturbance.actual_load_factor or 0.0, disturbance.coordinate_error_m).capitalize(),
+                words.signed(100 * (energy / reference - 1)),
+                "%",
+                f"{words.energy(energy)} kWh, {against} {words.energy(reference)}",
+                "main",
+            ),
+            parts.figure("Arrival", words.signed(following.delay_s), "s", "at the end"),
+            parts.figure("Stands", words.signed(following.stop_error_m, 2), "m", "beyond the stop"),
+        ]
+        table = self.model.table
+        if table is not None and np.any(np.isfinite(table.over_replanned)):
+            k, m = np.unravel_index(np.nanargmax(table.over_replanned), table.over_replanned.shape)
+            worst = 100 * float(table.over_replanned[k, m])
+            place = reality_words(table.load_factors[k], table.coordinate_errors_m[m])
+            cells.append(parts.figure("Worst of the table", words.signed(worst), "%", place))
+        chance = self.model.chance
+        values = finite(chance.over_replanned) if chance is not None else np.zeros(0)
+        if chance is not None and len(values):
+            half, most = (100 * float(np.quantile(values, share)) for share in (0.5, 0.95))
+            drawn = f"of {words.number(chance.done, 0)} drawn"
+            cells.append(parts.figure("Half of all runs", f"&lt; {words.number(half)}", "%", drawn))
+            seed = f"seed {chance.scenario.montecarlo.seed}"
+            cells.append(parts.figure("19 of 20 runs", f"&lt; {words.number(most)}", "%", seed))
+        return cells

@@ -1,0 +1,33 @@
+import numpy as np
+import pytest
+
+from railjoule.core import TimetableError, load_scenario
+from railjoule.dashboard.store import RunsWish, compute_runs
+
+
+def test_runs_bear_the_bound_of_the_optimum() -> None:
+    runs = compute_runs(RunsWish(load_scenario("ftorek-300s"), ("eoc", "enoc")))
+    assert list(runs.runs) == ["optimal", "eoc", "enoc"]
+    assert all(run.bound is runs.runs["optimal"].bound for run in runs.runs.values())
+
+
+def test_a_strategy_that_refuses_says_why_and_the_others_run() -> None:
+    runs = compute_runs(RunsWish(load_scenario("liashenko-ii"), ("eoc", "fastest")))
+    assert list(runs.runs) == ["optimal", "fastest"]
+    assert "copper loss" in runs.refused["eoc"]
+
+
+def test_a_timetable_that_cannot_be_kept_is_refused() -> None:
+    scenario = load_scenario("ftorek-300s").with_(**{"timetable.travel_time_s": 100.0})
+    with pytest.raises(TimetableError, match="shortest"):
+        compute_runs(RunsWish(scenario, ()))
+
+
+def test_the_law_of_dynamic_programming_comes_if_asked_for() -> None:
+    scenario = load_scenario("liashenko-i")
+    with_law = compute_runs(RunsWish(scenario, ("bellman",), with_law=True))
+    without = compute_runs(RunsWish(scenario, ("bellman",)))
+    assert without.law is None
+    assert with_law.law is not None
+    assert with_law.runs["bellman"].solve_time_s > 0
+    assert np.array_equal(with_law.runs["bellman"].speed_ms, without.runs["bellman"].speed_ms)
