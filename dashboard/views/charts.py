@@ -1,6 +1,6 @@
 """The shared bones of all charts: frame, axes, zoom, one cursor through all of them."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 
 import numpy as np
 import panel as pn
@@ -180,6 +180,15 @@ class Chart:
     def build(self) -> None:
         """Make `figure` and `content`; subclasses add what they draw."""
         raise NotImplementedError
+
+
+def bring_into_sight(charts: Iterable[Chart], names: Collection[str]) -> None:
+    """Let charts draw whose names are in sight, and the others rest."""
+    for chart in charts:
+        if chart.name in names and not chart.visible:
+            chart.appear()
+        elif chart.name not in names and chart.visible:
+            chart.hide()
 
 
 class DistanceChart(Chart):

@@ -13,7 +13,7 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.charts import Axis
+from railjoule.dashboard.views.charts import Axis, bring_into_sight
 from railjoule.dashboard.views.drive_charts import (
     CurrentChart,
     DifferenceChart,
@@ -105,11 +105,7 @@ class DriveView:
 
     def _sight(self) -> None:
         with pn.io.hold():
-            for name, chart in {**self.charts, "law": self.law}.items():
-                if name in self.browser.charts_in_sight and not chart.visible:
-                    chart.appear()
-                elif name not in self.browser.charts_in_sight and chart.visible:
-                    chart.hide()
+            bring_into_sight([*self.charts.values(), self.law], self.browser.charts_in_sight)
             self._settle_axis()
 
     def _settle_axis(self) -> None:

@@ -14,7 +14,7 @@ from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import Reality
 from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.chance_charts import HistogramChart, LoadScatter, chance_table, finite
-from railjoule.dashboard.views.charts import Axis, Chart
+from railjoule.dashboard.views.charts import Axis, Chart, bring_into_sight
 from railjoule.dashboard.views.driven_charts import BrakingChart, DrivenChart, PlaceErrorChart, reality_words
 from railjoule.dashboard.views.failures import failure_words
 from railjoule.dashboard.views.heat_map import MEASURES, CostSurface, HeatMapChart, printed_table
@@ -130,11 +130,7 @@ class RobustnessView:
 
     def _sight(self) -> None:
         with pn.io.hold():
-            for chart in self.charts:
-                if chart.name in self.browser.charts_in_sight and not chart.visible:
-                    chart.appear()
-                elif chart.name not in self.browser.charts_in_sight and chart.visible:
-                    chart.hide()
+            bring_into_sight(self.charts, self.browser.charts_in_sight)
             self.axis.settle("m", 0)
 
     def redraw(self) -> None:

@@ -16,7 +16,7 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import TradeOff
 from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.charts import Chart
+from railjoule.dashboard.views.charts import Chart, bring_into_sight
 from railjoule.dashboard.views.surface import SurfacePane
 from railjoule.dashboard.views.trade_off_charts import ContourChart, FrontierChart, ShareChart, printed_points
 
@@ -85,11 +85,7 @@ class TradeOffView:
 
     def _sight(self) -> None:
         with pn.io.hold():
-            for chart in self.charts:
-                if chart.name in self.browser.charts_in_sight and not chart.visible:
-                    chart.appear()
-                elif chart.name not in self.browser.charts_in_sight and chart.visible:
-                    chart.hide()
+            bring_into_sight(self.charts, self.browser.charts_in_sight)
 
     def redraw(self) -> None:
         """Draw everything again, as after a change of theme."""
