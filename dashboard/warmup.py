@@ -16,8 +16,8 @@ from railjoule.core import compare, load_scenario
 from railjoule.core.scenario import Scenario
 
 LOG = logging.getLogger(__name__)
-SCENARIOS = ("liashenko-i", "ftorek-300s")
-"""Two small runs that use every kernel."""
+SCENARIOS = ("liashenko-i", "ftorek-300s", "tram-950m")
+"""Three small runs that use every kernel."""
 
 
 class Warmup:

@@ -7,7 +7,14 @@ from pydantic import Field
 from railjoule.core.scenario._base import Part
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.scenario.line import Line
-from railjoule.core.scenario.options import EnocOptions, EocOptions, SearchOptions, SimulationOptions, SolverOptions
+from railjoule.core.scenario.options import (
+    EnocOptions,
+    EocOptions,
+    PhasesOptions,
+    SearchOptions,
+    SimulationOptions,
+    SolverOptions,
+)
 from railjoule.core.scenario.timetable import Timetable
 from railjoule.core.scenario.vehicle import Vehicle
 
@@ -30,6 +37,7 @@ class Scenario(Part):
     disturbance: Disturbance = Disturbance()
     eoc: EocOptions = EocOptions()
     enoc: EnocOptions = EnocOptions()
+    phases: PhasesOptions = PhasesOptions()
     search: SearchOptions = SearchOptions()
     simulation: SimulationOptions = SimulationOptions()
     solver: SolverOptions = SolverOptions()

@@ -27,7 +27,7 @@ from railjoule.core.drive.induction.voltage import Quartic, value, voltage_quart
 
 LEAST_RATIO, GREATEST_RATIO = 1e-3, 1e3
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
-NARROWINGS = 75
+NARROWINGS = 50
 
 
 @njit(cache=True)
@@ -124,6 +124,8 @@ def corner_speed(parameters: FloatArray, braking: bool, current_a: float) -> flo
     """
     machine = machine_of(parameters)
     sign, flux_current = -1.0 if braking else 1.0, machine.magnetising_current_a
+    if current_a <= math.sqrt(2.0) * flux_current:  # so little current gives its most at less than rated flux
+        return 0.0
     q = math.sqrt(current_a * current_a / (flux_current * flux_current) - 1.0)
     # D of `voltage` is a quadratic in the frequency at a given ratio
     r, ls, g, sigma = (

@@ -43,7 +43,7 @@ CASES = {
         {"vehicle.braking.friction_efort_kn": 1},
         "unknown key vehicle.braking.friction_efort_kn, did you mean 'friction_effort_kn'",
     ),
-    "unknown key unlike any": ({"zzz": 1}, "unknown key zzz, known are disturbance, enoc, eoc, line, search, "),
+    "unknown key unlike any": ({"zzz": 1}, "unknown key zzz, known are disturbance, enoc, eoc, line, phases, search, "),
     "unknown key of a drive": (
         {"drive.efficiency": 0.9},
         "unknown key drive.efficiency, did you mean 'braking_efficiency' or 'traction_efficiency'?",
