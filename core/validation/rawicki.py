@@ -28,7 +28,7 @@ from railjoule.core.validation.table import Row, Table, Validation
 
 NOT_UNIQUE = (
     "The printed numbers leave the tram open: gear efficiencies of 0.95 to 0.99 and core losses of 300 to 1200 W fit "
-    "as well and move this by half a percent."
+    "almost as well and move this by half a percent."
 )
 BRAKING = "Distance and time of all printed braking cannot be met at once by one constant current."
 NAMEPLATE = "Voltage, current, power and power factor of the nameplate do not fit together better."
