@@ -17,7 +17,7 @@ from railjoule.core.scenario.options import PhasesOptions
 from railjoule.core.strategies.phase_choice import best_plan, equally_priced
 from railjoule.core.strategies.phase_plan import FIRST_PHASES, PhasePlan, PlannedPhase
 from railjoule.core.strategies.phase_search import START, between, search_run
-from railjoule.core.strategies.phase_tables import PhaseModel
+from railjoule.core.strategies.phase_tables import PhaseModel, start_table
 
 BOTTOM_SHARES = (0.4, 0.995)
 LEAST_CURRENT_SHARE = 0.15
@@ -89,10 +89,7 @@ class PhasePlanner:
         if running_time_s <= fastest.running_time_s * (1 + ON_TIME):
             return fastest
         task = np.array([distance_m, running_time_s, initial_speed_ms, final_speed_ms])
-        if self.options.free_starting_current:
-            plan = self._best_current(task)
-        else:
-            plan = self._with_current(task, self.options.starting_current_a)
+        plan = self._best(task)
         if not np.isfinite(plan.energy_j):
             raise StrategyRefusedError(f"has no run of {running_time_s:.1f} s with these phases.")
         return plan
@@ -213,7 +210,13 @@ class PhasePlanner:
         return price if np.isfinite(price) else None
 
     def _start(self, current_a: float | None) -> FloatArray:
-        return self.model.full_start if current_a is None else self.model.start(current_a)
+        return self.model.full_start if current_a is None else start_table(self.model, current_a)
+
+    def _best(self, task: FloatArray) -> PhasePlan:
+        """Return the best run for distance, time, initial and final speed; its energy is infinite if there is none."""
+        if self.options.free_starting_current:
+            return self._best_current(task)
+        return self._with_current(task, self.options.starting_current_a)
 
     def _with_current(self, task: FloatArray, current_a: float | None) -> PhasePlan:
         """Return the best run with one starting current, over all ways to begin and, if asked, over the cycles."""
@@ -286,7 +289,12 @@ class PhasePlanner:
     ) -> Callable[[float], float]:
         """Return what a second costs in a part, as a function of the time that it has beyond its shortest."""
         extra = slack_s * (np.arange(TIMES_A_PART) / (TIMES_A_PART - 1)) ** 2
-        energy = [self.plan(distance_m, shortest_s + more, initial_speed_ms).energy_j for more in extra]
+        energy = [self.fastest(distance_m, initial_speed_ms).energy_j]
+        energy += [
+            self._best(np.array([distance_m, shortest_s + more, initial_speed_ms, 0.0])).energy_j for more in extra[1:]
+        ]
+        if not np.isfinite(energy).all():
+            raise StrategyRefusedError(f"has no run of {shortest_s + slack_s:.1f} s over a part with these phases.")
         # over the square root of the slack, as the fastest run has an endless price
         curve = CubicSpline(np.sqrt(extra), energy).derivative()
         return lambda more: -float(curve(np.sqrt(more))) / (2 * np.sqrt(more))

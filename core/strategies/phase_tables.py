@@ -217,6 +217,12 @@ def phase_model(vehicle: Vehicle, line_force_n: float, top_speed_ms: float) -> P
     return PhaseModel(vehicle, make_drive(vehicle.drive), line_force_n, top_speed_ms)
 
 
+@lru_cache(maxsize=128)
+def start_table(model: PhaseModel, starting_current_a: float) -> FloatArray:
+    """Return the table of a start with a current [A]; kept for the next call, as searches begin with the same ones."""
+    return model.start(starting_current_a)
+
+
 def _at_points(
     motion: Callable[[FloatArray], tuple[FloatArray, FloatArray]], knots: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
