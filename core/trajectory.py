@@ -224,7 +224,7 @@ def make_trajectory(
     with_dwell = _DwellInserter(stops)
     durations = with_dwell.cells(duration, course.dwell_s[stops])
     power = with_dwell.cells(line_power) + data.auxiliary_power_w
-    current = course.drive.current_a(driving_or_braking)
+    current = course.drive.current_a(driving_or_braking, mean_speed)
     return Trajectory(
         scenario=scenario,
         strategy=strategy,

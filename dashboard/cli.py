@@ -113,7 +113,9 @@ def build_parser() -> argparse.ArgumentParser:
     benchmark = _add(commands, "benchmark", "time every strategy on the shipped scenarios, beside CasADi with IPOPT")
     _add_json(benchmark)
     validate = _add(commands, "validate", "show the papers' printed numbers beside ours")
-    validate.add_argument("paper", metavar="PAPER", nargs="?", help="ftorek or liashenko; all papers where absent")
+    validate.add_argument(
+        "paper", metavar="PAPER", nargs="?", help="ftorek, liashenko or rawicki; all papers where absent"
+    )
     _add_json(validate)
     return parser
 

@@ -17,8 +17,8 @@ from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.following import simulate_following
 
 LOG = logging.getLogger(__name__)
-SCENARIOS = ("liashenko-i", "ftorek-300s")
-"""Two small runs that use every kernel."""
+SCENARIOS = ("liashenko-i", "ftorek-300s", "tram-950m")
+"""Three small runs that use every kernel."""
 
 
 class Warmup:

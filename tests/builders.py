@@ -35,6 +35,31 @@ COPPER_LOSS: dict[str, Any] = {
     "recuperation_factor": 0.5,
 }
 
+INDUCTION: dict[str, Any] = {
+    "model": "induction",
+    "motors": 4,
+    "gear_ratio": 7.16,
+    "wheel_diameter_m": 0.654,
+    "gear_efficiency": 0.98,
+    "pole_pairs": 2,
+    "stator_resistance_ohm": 0.1116,
+    "rotor_resistance_ohm": 0.1266,
+    "stator_inductance_mh": 33.81,
+    "rotor_inductance_mh": 33.81,
+    "mutual_inductance_mh": 33.15,
+    "rated_magnetising_current_a": 23.03,
+    "rated_frequency_hz": 60.0,
+    "hysteresis_loss_w": 300.0,
+    "eddy_loss_w": 300.0,
+    "mechanical_loss_torque_nm": 4.05,
+    "max_phase_voltage_v": 310.27,
+    "starting_current_a": 201.05,
+    "braking_current_a": 148.67,
+    "standstill_brake": True,
+    "recuperation_factor": 0.5,
+}
+"""The tram that the findings identify; not the shipped one, so that their numbers can be told from ours."""
+
 HILLS: list[dict[str, Any]] = [
     {"length_m": 400.0},
     {"length_m": 300.0, "gradient_permille": 25.0},

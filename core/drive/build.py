@@ -2,14 +2,17 @@
 
 from railjoule.core.arrays import frozen_array
 from railjoule.core.drive.drive import Drive
+from railjoule.core.drive.induction.drive import make_induction_drive
 from railjoule.core.drive.kernels import CONSTANT_EFFICIENCY, COPPER_LOSS
-from railjoule.core.scenario.drive import ConstantEfficiency, CopperLoss
+from railjoule.core.scenario.drive import ConstantEfficiency, CopperLoss, Induction
 
 
-def make_drive(parameters: ConstantEfficiency | CopperLoss) -> Drive:
+def make_drive(parameters: ConstantEfficiency | CopperLoss | Induction) -> Drive:
     """Return the drive that the validated `parameters` of a scenario describe."""
     if isinstance(parameters, ConstantEfficiency):
         return _constant_efficiency(parameters)
+    if isinstance(parameters, Induction):
+        return make_induction_drive(parameters)
     return _copper_loss(parameters)
 
 

@@ -54,10 +54,22 @@ class Drive:
             "brake_resistors": -(1 - self.recuperation_factor) * np.minimum(power, 0),
         }
 
-    def current_a(self, effort_n: FloatArray) -> FloatArray | None:
-        """Return the current of one motor [A], or None if the model knows no current."""
+    def current_a(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray | None:
+        """Return the current of one motor [A], or None if the model knows no current; shape as the arguments'."""
         return None if self.amperes_per_newton is None else self.amperes_per_newton * np.asarray(effort_n)
 
     def effort_limit_n(self, speed_ms: FloatArray, braking: bool = False) -> FloatArray:
         """Return the largest effort that the drive itself allows [N]; infinite where it sets no limit."""
         return np.full(np.shape(speed_ms), np.inf)
+
+    def weakening_limit_n(self, speed_ms: FloatArray, braking: bool = False) -> FloatArray:
+        """Return the part of that limit that varies with speed [N], without the constant part that caps it."""
+        return self.effort_limit_n(speed_ms, braking)
+
+    def effort_at_current_n(self, current_a: float, speed_ms: FloatArray, braking: bool = False) -> FloatArray:
+        """Return the largest effort [N] of motors that carry at most a current [A]; shape as the speeds'.
+
+        Infinite where the model knows no current.
+        """
+        effort = np.inf if self.amperes_per_newton is None else current_a / self.amperes_per_newton
+        return np.full(np.shape(speed_ms), effort)

@@ -7,10 +7,12 @@ function in `build`; no solver changes.
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive import constant_efficiency, copper_loss
+from railjoule.core.drive.induction import power as induction
 from railjoule.core.drive.power_terms import PowerTerms
 
 CONSTANT_EFFICIENCY = 0
 COPPER_LOSS = 1
+INDUCTION = 2
 
 
 @njit(cache=True)
@@ -18,6 +20,8 @@ def driving_power(kind: int, parameters: FloatArray, effort: float, speed: float
     """Line power [W] at a tractive effort [N] and speed [m/s] with first and second derivatives."""
     if kind == CONSTANT_EFFICIENCY:
         return constant_efficiency.driving_power(parameters, effort, speed)
+    if kind == INDUCTION:
+        return induction.driving_power(parameters, effort, speed)
     return copper_loss.driving_power(parameters, effort, speed)
 
 
@@ -26,6 +30,8 @@ def generated_power(kind: int, parameters: FloatArray, effort: float, speed: flo
     """Electrical power [W] generated at a braking effort [N] and speed [m/s] with first and second derivatives."""
     if kind == CONSTANT_EFFICIENCY:
         return constant_efficiency.generated_power(parameters, effort, speed)
+    if kind == INDUCTION:
+        return induction.generated_power(parameters, effort, speed)
     return copper_loss.generated_power(parameters, effort, speed)
 
 
@@ -40,6 +46,8 @@ def work_bounds(kind: int, parameters: FloatArray) -> tuple[float, float]:
     """Return the least line energy per work of traction, and the most energy generated per work of braking."""
     if kind == CONSTANT_EFFICIENCY:
         return 1.0 / parameters[0], parameters[1]
+    if kind == INDUCTION:
+        return induction.work_bounds(parameters)
     return 1.0, 1.0
 
 

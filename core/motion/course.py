@@ -199,6 +199,24 @@ def resistance_coefficients(vehicle: Vehicle) -> tuple[float, float, float]:
     )
 
 
+def vehicle_limit_n(vehicle: Vehicle, speed_ms: FloatArray, braking: bool = False) -> FloatArray:
+    """Return the largest effort [N] that a vehicle's own limits allow, its drive's apart; shape as the speeds'.
+
+    Infinite where it sets none.
+    """
+    speed = np.asarray(speed_ms, dtype=float)
+    limits = vehicle.braking if braking else vehicle.traction
+    effort = np.full(speed.shape, np.inf)
+    if limits.max_effort_kn is not None:
+        effort = np.minimum(effort, limits.max_effort_kn * N_PER_KN)
+    if limits.max_power_kw is not None:
+        effort = np.minimum(effort, limits.max_power_kw * W_PER_KW / np.maximum(speed, 1e-3))
+    if not braking and vehicle.traction.curve:
+        knots = np.array(vehicle.traction.curve)
+        effort = np.minimum(effort, np.interp(speed, knots[:, 0] * MS_PER_KMH, knots[:, 1] * N_PER_KN))
+    return effort
+
+
 def _traction_limit(vehicle: Vehicle, drive: Drive) -> EffortLimit:
     traction = vehicle.traction
     curve = traction.curve or ()
@@ -232,7 +250,8 @@ def _effort_limit(
         raise ScenarioError(f"vehicle.{table}.max_effort_kn is missing: this drive sets no limit of effort.")
     if not curve and not np.isfinite(by_drive).any():
         return EffortLimit(constant, power, NO_TABLE, TABLE_STEP_MS)
-    limit = np.minimum(by_drive, power / np.maximum(speeds, 1e-3))
+    # the constant caps it: a corner there would be rounded by the table
+    limit = np.minimum(drive.weakening_limit_n(speeds, braking), power / np.maximum(speeds, 1e-3))
     if curve:
         knots = np.array(curve)
         limit = np.minimum(limit, np.interp(speeds, knots[:, 0] * MS_PER_KMH, knots[:, 1] * N_PER_KN))

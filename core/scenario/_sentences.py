@@ -71,13 +71,14 @@ def show(value: Any) -> str:
 
 
 def _finding(finding: Mapping[str, Any], model: type[BaseModel]) -> str:
-    location = _without_tags(finding["loc"])
+    place = finding["loc"]
+    location = _without_tags(place)
     path = _dotted(location)
     kind, value, context = finding["type"], finding["input"], finding.get("ctx", {})
     if kind == "missing":
         return f"{path} is missing"
     if kind == "extra_forbidden":
-        return f"unknown key {path}, {nearest(str(location[-1]), _keys_at(model, location[:-1]))}"
+        return f"unknown key {path}, {nearest(str(location[-1]), _keys_at(model, place[:-1]))}"
     if kind in BOUNDS:
         key, words = BOUNDS[kind]
         return f"{path} = {show(value)} {words} {context[key]:g}"
@@ -97,7 +98,7 @@ def _finding(finding: Mapping[str, Any], model: type[BaseModel]) -> str:
     if kind == "string_too_long":
         return f"{path} is longer than {context['max_length']} characters"
     if kind == "value_error":
-        return _own_finding(path, str(context["error"]), _keys_at(model, location))
+        return _own_finding(path, str(context["error"]), _keys_at(model, place))
     return f"{path} = {show(value)}: {finding['msg']}"
 
 
@@ -133,13 +134,20 @@ def _keys_at(model: type[BaseModel], location: Sequence[str | int]) -> set[str]:
     models = [model]
     for part in location:
         if isinstance(part, str):
-            models = [
+            inside = [
                 inner
                 for outer in models
                 if part in outer.model_fields
                 for inner in _models_in(outer.model_fields[part].annotation)
             ]
+            models = inside or [one for one in models if _is_tagged(one, part)]
     return {name for known in models for name in known.model_fields}
+
+
+def _is_tagged(model: type[BaseModel], tag: str) -> bool:
+    """Tell the drive model of a name from the others."""
+    field = model.model_fields.get("model")
+    return field is not None and tag in get_args(field.annotation)
 
 
 def _models_in(annotation: Any) -> list[type[BaseModel]]:

@@ -100,6 +100,28 @@ class EocOptions(Part):
     )
 
 
+class PhasesOptions(Part):
+    """Which start / cruise / coast / brake runs the strategy `phases` chooses from."""
+
+    starting_current_a: Number | None = Field(
+        None, gt=0, le=1e5, description="Current of a motor in a start [A]; the largest one where absent."
+    )
+    free_starting_current: bool = Field(False, strict=True, description="The run chooses its starting current.")
+    cruise: bool = Field(True, strict=True, description="It may hold its speed.")
+    coast: bool = Field(True, strict=True, description="It may coast.")
+    cycles: Count = Field(1, ge=1, le=20, description="How often it starts between two stops, coasting in between.")
+
+    @model_validator(mode="after")
+    def _has_a_choice(self) -> Self:
+        if self.free_starting_current and self.starting_current_a is not None:
+            raise ValueError("free_starting_current = true leaves no room for starting_current_a")
+        if not self.cruise and not self.coast:
+            raise ValueError("cruise and coast cannot both be false: nothing would meet the time")
+        if not self.coast and self.cycles > 1:
+            raise ValueError("coast = false leaves only one of cycles")
+        return self
+
+
 class EnocOptions(Part):
     """How Ftorek's near-optimal control accelerates."""
 

@@ -11,6 +11,7 @@ from railjoule.core.scenario.options import (
     EnocOptions,
     EocOptions,
     MonteCarloOptions,
+    PhasesOptions,
     SearchOptions,
     SimulationOptions,
     SolverOptions,
@@ -37,6 +38,7 @@ class Scenario(Part):
     disturbance: Disturbance = Disturbance()
     eoc: EocOptions = EocOptions()
     enoc: EnocOptions = EnocOptions()
+    phases: PhasesOptions = PhasesOptions()
     search: SearchOptions = SearchOptions()
     simulation: SimulationOptions = SimulationOptions()
     montecarlo: MonteCarloOptions = MonteCarloOptions()

@@ -5,7 +5,8 @@ References: the method is in `railjoule.core.interior_point.solver`, the proof i
 
 from dataclasses import dataclass
 
-from railjoule.core.errors import SolverError
+from railjoule.core.drive.kernels import INDUCTION
+from railjoule.core.errors import SolverError, StrategyRefusedError
 from railjoule.core.interior_point.proof import prove
 from railjoule.core.interior_point.solver import CONVERGED, Optimum, minimise_energy
 from railjoule.core.strategies.task import Task
@@ -19,6 +20,15 @@ FIRST_ITERATIONS, SECOND_ITERATIONS = 40, 60
 FREE_CENTRING, STEADY_CENTRING = 1e-6, 0.2
 PROOF_BUDGET = 2_000_000
 """Boxes of speed that a proof may look at; a proof hardly ever needs more than one a cell."""
+
+
+def can_prove(task: Task) -> bool:
+    """Return whether the method and its bound hold for a task's drive: whether its power is continuous at no effort.
+
+    An induction drive's is not. Taken as if it were always on, its optimum would cost more than the true one, and the
+    bound would be none.
+    """
+    return task.course.data.drive_kind != INDUCTION
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,9 +59,13 @@ def minimise(task: Task, tolerance: float = TOLERANCE) -> Solution:
 
     Raises
     ------
+    StrategyRefusedError
+        If the power of the drive jumps at zero effort.
     SolverError
         If neither of two attempts converges.
     """
+    if not can_prove(task):
+        raise StrategyRefusedError("needs a drive that takes no power when it is on without effort.")
     iterations = 0
     for allowed, centring in ((FIRST_ITERATIONS, FREE_CENTRING), (SECOND_ITERATIONS, STEADY_CENTRING)):
         optimum = minimise_energy(
@@ -71,7 +85,7 @@ def minimise(task: Task, tolerance: float = TOLERANCE) -> Solution:
 
 
 def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
-    """Return the run that needs the least energy, with its bound; it takes every scenario.
+    """Return the run that needs the least energy, with its bound; it takes every drive but induction motors.
 
     Parameters
     ----------
@@ -84,8 +98,8 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
     ------
     TimetableError
         If the timetable cannot be kept.
-    SolverError
-        If the method does not converge.
+    StrategyRefusedError, SolverError
+        As `minimise`.
     """
     task.require_timetable()
     solution = minimise(task)

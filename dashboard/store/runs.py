@@ -68,7 +68,7 @@ def compute_runs(wish: RunsWish) -> Runs:
                 runs[name] = run_strategy(task, name)
         except StrategyRefusedError as refusal:
             refused[name] = str(refusal)
-    bound = runs["optimal"].bound
+    bound = runs["optimal"].bound if "optimal" in runs else None
     return Runs(
         scenario=wish.scenario,
         shortest_time_s=task.shortest_travel_time_s,

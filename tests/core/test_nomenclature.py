@@ -11,6 +11,8 @@ CORE = Path(__file__).parents[2] / "core"
 
 UNITS = {
     "_a": "A",
+    "_h": "H",
+    "_hz": "Hz",
     "_j": "J",
     "_kg": "kg",
     "_km": "km",
@@ -20,6 +22,7 @@ UNITS = {
     "_kwh": "kWh",
     "_m": "m",
     "_m_n_per_kn": "N m/kN",
+    "_mh": "mH",
     "_ms": "m/s",
     "_ms2": "m/s2",
     "_n": "N",
@@ -28,12 +31,17 @@ UNITS = {
     "_n_per_kn": "N/kN",
     "_n_per_kn_per_kmh": "N/kN/(km/h)",
     "_n_per_kn_per_kmh2": "N/kN/(km/h)2",
+    "_nm": "N m",
     "_ohm": "ohm",
     "_per_m": "1/m",
     "_per_newton": "A/N",
     "_permille": "per mille",
+    "_rads": "rad/s",
     "_s": "s",
+    "_v": "V",
     "_w": "W",
+    "_ws": "W s",
+    "_ws2": "W s2",
     "speed2": "m2/s2",
     "torque_per_amp_nm": "N m/A",
 }
@@ -98,6 +106,7 @@ USES = uses()
 TABLES = tables()
 QUANTITIES, OTHERS, *_ = TABLES.values()
 INSIDE = {
+    "drive": TABLES["Inside the drives"],
     "interior_point": TABLES["Inside the interior-point method"],
     "dynamic_programming": TABLES["Inside the dynamic programming"],
 }

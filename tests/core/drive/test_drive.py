@@ -62,10 +62,10 @@ def test_braking_efficiency_is_that_of_traction_where_absent():
 def test_current_of_one_motor():
     """One of four motors: i = F r / (n k u) = 1e5 * 0.4 / (4 * 5 * 5)."""
     drive = make_drive(DRIVES["copper loss"])
-    assert drive.current_a(np.array([1e5, -5e4])) == pytest.approx([400.0, -200.0])
+    assert drive.current_a(np.array([1e5, -5e4]), np.array([3.0, 3.0])) == pytest.approx([400.0, -200.0])
     loss = drive.losses_w(np.array([1e5]), np.array([3.0]))["copper"]
     assert loss == pytest.approx([4 * 0.1 * 400.0**2])
-    assert make_drive(DRIVES["constant efficiency"]).current_a(np.array([1e5])) is None
+    assert make_drive(DRIVES["constant efficiency"]).current_a(np.array([1e5]), np.array([3.0])) is None
 
 
 @pytest.mark.parametrize("name", DRIVES)

@@ -53,7 +53,8 @@ def test_a_preset_is_a_fresh_copy():
 
 def test_an_unknown_preset():
     with pytest.raises(
-        ScenarioError, match=r"^there is no preset 'flat-6km' among the lines, did you mean 'flat-5km'\?$"
+        ScenarioError,
+        match=r"^there is no preset 'flat-6km' among the lines, did you mean 'flat-5km' or 'flat-950m'\?$",
     ):
         preset_document("lines", "flat-6km")
 

@@ -32,7 +32,7 @@ def test_as_printed_gives_table_1(printed):
     assert 1000 * run.energy_kwh == pytest.approx(printed["total_energy_wh"], rel=0.01)
     assert run.notes[0] == "EOC as printed: the work of drag is left out of its cost."
     _, over_time = solution(scenario)
-    current = prepare_task(scenario).course.drive.current_a(over_time.effort_n)
+    current = prepare_task(scenario).course.drive.current_a(over_time.effort_n, over_time.speed_ms)
     assert current.max() == pytest.approx(printed["max_current_a"], rel=0.01)
     assert current.min() == pytest.approx(printed["min_current_a"], rel=0.01)
     assert over_time.peak_energy_j / 3600 == pytest.approx(printed["peak_energy_wh"], rel=0.01)

@@ -1,0 +1,1 @@
+"""Induction machines, controlled along their rotor flux: steady state, least losses, limits."""

@@ -1,0 +1,176 @@
+"""The input power of a machine at a torque and a speed, with the flux that loses least.
+
+With kappa = Ix |Iy|, q = |Iy| / Ix, s = 1 driving or -1 generating, k_T = T / (Ix Iy) and g = R_W / L_W, the input
+power is kappa phi(q, w),
+
+    phi = s k_T w / p + (3/2) R_S (1/q + q) + k_T g q / p + [Ph' |w1| + Pe' w1^2] / q,      w1 = w + s g q.
+
+It is convex in 1/q, so the best ratio is that of the free minimum, a square root, or the nearest one that keeps
+Ix <= Imu and the voltage. All is closed but the root of a quartic where the voltage binds. First derivatives are
+continuous everywhere; second ones jump where a limit begins to bind, as they do in the machine.
+
+Source: Rawicki, (33)-(43), whose search over the flux this replaces.
+"""
+
+import math
+
+from railjoule.core.compiled import njit
+from railjoule.core.drive.induction.machine import Machine, leakage_share, slip_rate, torque_constant
+from railjoule.core.drive.induction.voltage import (
+    bend,
+    pull_out_ratio,
+    quartic_by_frequency,
+    ratio_within_voltage,
+    slope,
+    value,
+    voltage_quartic,
+)
+from railjoule.core.drive.power_terms import PowerTerms
+
+FREE, RATED_FLUX, FULL_VOLTAGE, BEYOND, STANDING_FIELD = range(5)
+"""What decides the flux: the losses, its rated value, the voltage, nothing that the machine could do, or w1 = 0."""
+
+NO_BEND = 1e-3
+
+
+@njit(cache=True)
+def best_ratio(machine: Machine, sign: float, strength: float, rotor_rads: float) -> tuple[float, int]:
+    """Return the ratio |Iy| / Ix of least loss and what decides it.
+
+    Parameters
+    ----------
+    machine : Machine
+        Its numbers.
+    sign : float
+        1 driving, -1 generating.
+    strength : float
+        Product of both currents, without sign [A2].
+    rotor_rads : float
+        Electrical angular frequency of the rotor [rad/s].
+    """
+    ratio, decider = _free_ratio(machine, sign, rotor_rads)
+    least = strength / (machine.magnetising_current_a * machine.magnetising_current_a)
+    if ratio < least:
+        ratio, decider = least, RATED_FLUX
+    voltage2 = machine.max_phase_voltage_v * machine.max_phase_voltage_v
+    quartic = voltage_quartic(machine, sign, rotor_rads)
+    if strength * value(quartic, ratio) <= voltage2 * ratio:
+        return ratio, decider
+    bound = ratio_within_voltage(quartic, strength, voltage2, ratio)
+    return (bound, FULL_VOLTAGE) if bound >= 0.0 else (pull_out_ratio(quartic), BEYOND)
+
+
+@njit(cache=True)
+def _loss_weights(machine: Machine, sign: float, rotor_rads: float, turning: float) -> tuple[float, float, float]:
+    """Return a, b, c of phi = s k_T w / p + a / q + b q + c; `turning` is the sign of w1."""
+    g, flux2 = slip_rate(machine), machine.magnetising_current_a * machine.magnetising_current_a
+    hysteresis, eddy = turning * machine.hysteresis_loss_ws / flux2, machine.eddy_loss_ws2 / flux2
+    r = 1.5 * machine.stator_resistance_ohm
+    return (
+        r + (hysteresis + eddy * rotor_rads) * rotor_rads,
+        r + torque_constant(machine) * g / machine.pole_pairs + eddy * g * g,
+        sign * g * (hysteresis + 2.0 * eddy * rotor_rads),
+    )
+
+
+@njit(cache=True)
+def _free_ratio(machine: Machine, sign: float, rotor_rads: float) -> tuple[float, int]:
+    """Return the ratio of least loss without limits: where a generator's field turns backwards, or stands, too."""
+    a, b, _ = _loss_weights(machine, sign, rotor_rads, 1.0)
+    ratio, still = math.sqrt(a / b), rotor_rads / slip_rate(machine)
+    if sign > 0.0 or ratio <= still:
+        return ratio, FREE
+    a, b, _ = _loss_weights(machine, sign, rotor_rads, -1.0)
+    ratio = math.sqrt(max(a, 0.0) / b)
+    return (ratio, FREE) if ratio > still else (still, STANDING_FIELD)
+
+
+@njit(cache=True)
+def _ratio_derivatives(
+    machine: Machine, sign: float, strength: float, rotor_rads: float, ratio: float, decider: int
+) -> PowerTerms:
+    """Return the best ratio and its derivatives by strength and frequency; not those of a free one, which cancel."""
+    if decider == RATED_FLUX:
+        per_strength = 1.0 / (machine.magnetising_current_a * machine.magnetising_current_a)
+        return ratio, per_strength, 0.0, 0.0, 0.0, 0.0
+    if decider == STANDING_FIELD:
+        return ratio, 0.0, 1.0 / slip_rate(machine), 0.0, 0.0, 0.0
+    d = voltage_quartic(machine, sign, rotor_rads)
+    d_w = quartic_by_frequency(machine, sign, rotor_rads)
+    # d2D/dw2 = 2 L_S^2 (1 + sigma^2 q^2)
+    q, sigma = ratio, leakage_share(machine)
+    d_ww0 = 2.0 * machine.stator_inductance_h * machine.stator_inductance_h
+    d_ww2 = d_ww0 * sigma * sigma
+    if decider == BEYOND:
+        if bend(d, q) <= NO_BEND * d.d2:  # a generator without a pull-out: its ratio goes on as it is
+            return q, 0.0, 0.0, 0.0, 0.0, 0.0
+        by_q = -q * bend(d, q)
+        by_w = value(d_w, q) - q * slope(d_w, q)
+        by_qq = -bend(d, q) - q * (24.0 * d.d4 * q + 6.0 * d.d3)
+        by_qw = -q * bend(d_w, q)
+        by_ww = d_ww0 - d_ww2 * q * q
+        q_w = -by_w / by_q
+        return q, 0.0, q_w, 0.0, 0.0, -(by_ww + 2.0 * by_qw * q_w + by_qq * q_w * q_w) / by_q
+    voltage2 = machine.max_phase_voltage_v * machine.max_phase_voltage_v
+    by_q = strength * slope(d, q) - voltage2
+    by_k, by_w = value(d, q), strength * value(d_w, q)
+    by_qq, by_qk, by_qw = strength * bend(d, q), slope(d, q), strength * slope(d_w, q)
+    by_kw, by_ww = value(d_w, q), strength * (d_ww0 + d_ww2 * q * q)
+    q_k, q_w = -by_k / by_q, -by_w / by_q
+    return (
+        q,
+        q_k,
+        q_w,
+        -(2.0 * by_qk * q_k + by_qq * q_k * q_k) / by_q,
+        -(by_kw + by_qk * q_w + by_qw * q_k + by_qq * q_k * q_w) / by_q,
+        -(by_ww + 2.0 * by_qw * q_w + by_qq * q_w * q_w) / by_q,
+    )
+
+
+@njit(cache=True)
+def least_input_power(machine: Machine, sign: float, strength: float, rotor_rads: float) -> PowerTerms:
+    """Return the least input power [W] and its derivatives by strength and frequency.
+
+    Parameters
+    ----------
+    machine : Machine
+        Its numbers.
+    sign : float
+        1 driving, -1 generating; the power is then negative unless the losses exceed what the shaft gives.
+    strength : float
+        kappa, product of both currents, without sign: |T| / k_T [A2].
+    rotor_rads : float
+        w, electrical angular frequency of the rotor [rad/s].
+
+    Returns
+    -------
+    tuple of float
+        p, p_k, p_w, p_kk, p_kw, p_ww. Beyond what the voltage carries, the ratio of the pull-out torque goes on.
+    """
+    ratio, decider = best_ratio(machine, sign, strength, rotor_rads)
+    q, k = ratio, strength
+    frequency = rotor_rads + sign * slip_rate(machine) * q
+    turning = 1.0 if frequency > 0.0 else -1.0 if frequency < 0.0 else 0.0
+    if decider == STANDING_FIELD:
+        turning = 0.0
+    a, b, c = _loss_weights(machine, sign, rotor_rads, turning)
+    flux2 = machine.magnetising_current_a * machine.magnetising_current_a
+    hysteresis, eddy = turning * machine.hysteresis_loss_ws / flux2, machine.eddy_loss_ws2 / flux2
+    a_w, a_ww = hysteresis + 2.0 * eddy * rotor_rads, 2.0 * eddy
+    shaft = sign * torque_constant(machine) / machine.pole_pairs
+    phi = shaft * rotor_rads + a / q + b * q + c
+    phi_w = shaft + a_w / q + 2.0 * sign * slip_rate(machine) * eddy
+    phi_ww, phi_qw = a_ww / q, -a_w / (q * q)
+    phi_q, phi_qq = b - a / (q * q), 2.0 * a / (q * q * q)
+    if decider == FREE:
+        q_w = -phi_qw / phi_qq
+        return k * phi, phi, k * phi_w, 0.0, phi_w, k * (phi_ww + phi_qw * q_w)
+    _, q_k, q_w, q_kk, q_kw, q_ww = _ratio_derivatives(machine, sign, k, rotor_rads, q, decider)
+    return (
+        k * phi,
+        phi + k * phi_q * q_k,
+        k * (phi_w + phi_q * q_w),
+        2.0 * phi_q * q_k + k * (phi_qq * q_k * q_k + phi_q * q_kk),
+        phi_w + phi_q * q_w + k * (phi_qw * q_k + phi_qq * q_k * q_w + phi_q * q_kw),
+        k * (phi_ww + 2.0 * phi_qw * q_w + phi_qq * q_w * q_w + phi_q * q_ww),
+    )

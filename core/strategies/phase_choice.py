@@ -1,0 +1,87 @@
+"""Choices between plans: the best one over a number, and the best division of a time over several."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from scipy.optimize import brentq
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.strategies.phase_plan import PhasePlan
+
+MOST_STEPS = 12
+
+
+def best_plan(plan_at: Callable[[float], PhasePlan], low: float, high: float, count: int, accuracy: float) -> PhasePlan:
+    """Return the best plan over one number: a scan, then parabolas through the three best points.
+
+    Parameters
+    ----------
+    plan_at : callable
+        The plan at a number; its energy is infinite where there is none.
+    low, high : float
+        Range of the number.
+    count : int
+        Points of the scan, at least 2.
+    accuracy : float
+        Share of the range within which the number is found.
+    """
+    points = {float(x): plan_at(float(x)) for x in np.linspace(low, high, count)}
+    for _ in range(MOST_STEPS):
+        best = min(points, key=lambda x: points[x].energy_j)
+        left = max((x for x in points if x < best), default=None)
+        right = min((x for x in points if x > best), default=None)
+        if left is None or right is None or not np.isfinite(points[best].energy_j):
+            sides = [x for x in (left, right) if x is not None]
+            middle = 0.5 * (best + sides[0])
+        elif not np.isfinite(points[left].energy_j + points[right].energy_j):
+            middle = 0.5 * (best + (left if np.isfinite(points[right].energy_j) else right))
+        else:
+            middle = _vertex(*((x, points[x].energy_j) for x in (left, best, right)))
+        if min(abs(middle - x) for x in points) < accuracy * (high - low):
+            break
+        points[middle] = plan_at(middle)
+    return min(points.values(), key=lambda plan: plan.energy_j)
+
+
+def _vertex(left: tuple[float, float], best: tuple[float, float], right: tuple[float, float]) -> float:
+    """Return where the parabola through three points is least; kept off the middle one while the sides are far."""
+    (a, fa), (b, fb), (c, fc) = left, best, right
+    down, up = (b - a) * (fb - fc), (b - c) * (fb - fa)
+    x = b - 0.5 * ((b - a) * down - (b - c) * up) / (down - up) if down != up else 0.5 * (a + c)
+    longer = a if b - a > c - b else c
+    # a parabola that always falls on one side leaves the other far away
+    return x if max(b - a, c - b) < 4 * min(b - a, c - b) else 0.5 * (b + longer)
+
+
+def equally_priced(
+    prices: Sequence[Callable[[float], float]], shortest_s: Sequence[float], slack_s: float
+) -> tuple[float, ...]:
+    """Return the times of parts in which a second costs the same, and which use all of the slack.
+
+    Parameters
+    ----------
+    prices : sequence of callable
+        What a second costs in each part [J/s] with a time beyond its shortest [s]; falling.
+    shortest_s : sequence of float
+        Shortest time of each part [s].
+    slack_s : float
+        Time of all parts beyond the sum of these [s].
+    """
+    least, most = 1e-9 * slack_s, slack_s
+
+    def extra_at(price: float) -> FloatArray:
+        extra = []
+        for price_of in prices:
+            if price_of(most) >= price:
+                extra.append(most)
+            elif price_of(least) <= price:
+                extra.append(least)
+            else:
+                extra.append(brentq(lambda more, at=price_of: at(more) - price, least, most, xtol=1e-9 * slack_s))
+        return np.array(extra)
+
+    low, high = min(price_of(most) for price_of in prices), max(price_of(least) for price_of in prices)
+    price = brentq(lambda price: extra_at(price).sum() - slack_s, low, high, xtol=1e-9 * high)
+    extra = extra_at(price)
+    extra *= slack_s / extra.sum()
+    return tuple(float(time + more) for time, more in zip(shortest_s, extra, strict=True))

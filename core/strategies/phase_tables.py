@@ -1,0 +1,256 @@
+"""Time, distance and energy of starting, coasting and braking, tabulated against speed.
+
+Over speed each is an integral of dv / a, of v dv / a and of P dv / a, so no time steps are needed: Gauss points between
+knots, a knot wherever a limit of effort has a corner, and cubics through the knots with their exact slopes.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.drive import Drive, make_drive
+from railjoule.core.drive.induction.drive import InductionDrive
+from railjoule.core.errors import StrategyRefusedError
+from railjoule.core.motion.course import resistance_coefficients, vehicle_limit_n
+from railjoule.core.scenario import Vehicle
+from railjoule.core.units import MS_PER_KMH
+
+KNOT_STEP_MS = 0.25
+LEAST_ACCELERATION_MS2 = 2e-3
+"""A start goes no further than to where the train still gains this much."""
+LEAST_BRAKING_SHARE = 1e-6
+POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseModel:
+    """A train on a line without changes, and the tables of its phases; efforts in N, speeds in m/s.
+
+    A table has the rows speed, time, distance, line energy, and the slopes of the last three over speed. The energy has
+    no auxiliaries, which a given time fixes.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle with its load.
+    drive : Drive
+        Its loss model.
+    line_force_n : float
+        Force of the line against the train [N].
+    top_speed_ms : float
+        Largest speed of vehicle and line [m/s].
+    holds_current : bool
+        Whether a start holds its current at all speeds, as printed by Rawicki, where less of it would pull more.
+    """
+
+    vehicle: Vehicle
+    drive: Drive
+    line_force_n: float
+    top_speed_ms: float
+    holds_current: bool = False
+
+    @property
+    def inertia_kg(self) -> float:
+        """Mass that resists acceleration [kg]."""
+        return self.vehicle.total_inertia_kg
+
+    def resistance_n(self, speed_ms: FloatArray, speed2: FloatArray | None = None) -> FloatArray:
+        """Return what resists at speeds [N], or at mean speeds of cells and their mean squares."""
+        constant, linear, quadratic = self.coefficients
+        squares = np.square(speed_ms) if speed2 is None else speed2
+        force: FloatArray = constant + linear * np.asarray(speed_ms) + quadratic * squares
+        return force
+
+    @cached_property
+    def coefficients(self) -> tuple[float, float, float]:
+        """Constant, linear and quadratic coefficient of all that resists."""
+        constant, linear, quadratic = resistance_coefficients(self.vehicle)
+        return constant + self.line_force_n, linear, quadratic
+
+    def starting_effort_n(self, speed_ms: FloatArray, starting_current_a: float | None = None) -> FloatArray:
+        """Return the effort of a start [N], full or with a current [A]; shape as the speeds'."""
+        if starting_current_a is None:
+            by_drive = self.drive.effort_limit_n(speed_ms)
+        else:
+            by_drive = self.drive.effort_at_current_n(starting_current_a, speed_ms)
+        effort = np.minimum(vehicle_limit_n(self.vehicle, speed_ms), by_drive)
+        most = self.vehicle.traction.max_acceleration_ms2
+        return effort if most is None else np.minimum(effort, self.resistance_n(speed_ms) + most * self.inertia_kg)
+
+    def braking_effort_n(self, speed_ms: FloatArray) -> FloatArray:
+        """Return the effort of the electric brake [N], or of the friction brakes where there is none."""
+        if self.brakes_with_friction:
+            effort = np.full(np.shape(speed_ms), 1e3 * self.vehicle.braking.friction_effort_kn)
+        else:
+            effort = np.minimum(
+                vehicle_limit_n(self.vehicle, speed_ms, braking=True), self.drive.effort_limit_n(speed_ms, braking=True)
+            )
+        most = self.vehicle.braking.max_deceleration_ms2
+        if most is not None:
+            effort = np.minimum(effort, most * self.inertia_kg - self.resistance_n(speed_ms))
+        at_least_none: FloatArray = np.maximum(effort, 0.0)
+        return at_least_none
+
+    @cached_property
+    def full_start(self) -> FloatArray:
+        """The table of a start with the largest effort; shape (7, k)."""
+        return self.start()
+
+    @cached_property
+    def brakes_with_friction(self) -> bool:
+        """Whether the vehicle has no electric brake."""
+        return self.vehicle.braking.max_effort_kn == 0
+
+    def braking_power_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
+        """Return the line power while braking [W]; friction brakes spare the drive what it would have to draw."""
+        if self.brakes_with_friction:
+            return np.zeros(np.shape(speed_ms))
+        power = self.drive.line_power_w(-effort_n, speed_ms)
+        spared = effort_n <= 1e3 * self.vehicle.braking.friction_effort_kn
+        return np.where(spared, np.minimum(power, 0.0), power)
+
+    def start(self, starting_current_a: float | None = None) -> FloatArray:
+        """Return the table of a start from rest; shape (7, k)."""
+
+        def motion(speed: FloatArray) -> tuple[FloatArray, FloatArray]:
+            effort, power = self.starting_law(speed, starting_current_a)
+            return (effort - self.resistance_n(speed)) / self.inertia_kg, power
+
+        knots = self._knots(self._corner_ms(starting_current_a, braking=False))
+        points, gain, power, knot_gain, knot_power = _at_points(motion, knots)
+        slow = np.flatnonzero(knot_gain < LEAST_ACCELERATION_MS2)
+        count = int(slow[0]) if len(slow) else len(knots)
+        if count < 2:
+            raise StrategyRefusedError("needs a train that its drive can start.")
+        cells = slice(count - 1)
+        return _integrate(
+            knots[:count], points[cells], gain[cells], power[cells], knot_gain[:count], knot_power[:count]
+        )
+
+    def starting_law(self, speed_ms: FloatArray, starting_current_a: float | None) -> tuple[FloatArray, FloatArray]:
+        """Return effort [N] and line power [W] of a start, full or with a current [A]."""
+        if self.holds_current and isinstance(self.drive, InductionDrive):
+            current = self.drive.starting_current_a if starting_current_a is None else starting_current_a
+            return self.drive.full_current_start(speed_ms, current)
+        effort = self.starting_effort_n(speed_ms, starting_current_a)
+        return effort, self.drive.line_power_w(effort, speed_ms)
+
+    @cached_property
+    def coasting(self) -> FloatArray:
+        """The table of coasting from a speed down to rest; shape (7, k)."""
+
+        def motion(speed: FloatArray) -> tuple[FloatArray, FloatArray]:
+            return self.resistance_n(speed) / self.inertia_kg, np.zeros(speed.shape)
+
+        knots = self._knots()
+        if np.min(self.resistance_n(knots)) <= 0:
+            raise StrategyRefusedError("needs a line on which a coasting train loses speed.")
+        return _integrate(knots, *_at_points(motion, knots))
+
+    @cached_property
+    def braking(self) -> FloatArray:
+        """The table of braking from a speed down to rest; shape (7, k)."""
+
+        def motion(speed: FloatArray) -> tuple[FloatArray, FloatArray]:
+            effort = self.braking_effort_n(speed)
+            loss = (effort + self.resistance_n(speed)) / self.inertia_kg
+            return loss, self.braking_power_w(effort, speed)
+
+        effort = self.braking_effort_n(self._knots())
+        if not np.isfinite(effort).all() or np.max(effort) <= LEAST_BRAKING_SHARE * self._largest_effort_n:
+            raise StrategyRefusedError("needs a brake whose largest effort is given.")
+        knots = self._knots(self._corner_ms(None, braking=True), self._drawing_until_ms())
+        return _integrate(knots, *_at_points(motion, knots))
+
+    @cached_property
+    def _largest_effort_n(self) -> float:
+        return float(np.max(self.starting_effort_n(self._knots())))
+
+    def _drawing_until_ms(self) -> float:
+        """Return the speed below which full braking gives nothing back [m/s]; 0 where there is none."""
+
+        def power(speed: float) -> float:
+            at = np.array([speed])
+            return float(self.drive.line_power_w(-self.braking_effort_n(at), at)[0])
+
+        knots = self._knots()[1:]
+        idle = np.flatnonzero(self.drive.line_power_w(-self.braking_effort_n(knots), knots) >= 0)
+        if self.drive.recuperation_factor == 0 or not len(idle) or idle[-1] + 1 >= len(knots):
+            return 0.0
+        low, high = knots[idle[-1]], knots[idle[-1] + 1]
+        for _ in range(40):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if power(middle) >= 0 else (low, middle)
+        return float(high)
+
+    def _corner_ms(self, starting_current_a: float | None, braking: bool) -> float:
+        """Return the speed at which the effort begins to fall [m/s]; 0 where it does not."""
+        own: float = 0.0
+        if isinstance(self.drive, InductionDrive):
+            full = self.drive.braking_current_a if braking else self.drive.starting_current_a
+            current = full if starting_current_a is None else min(full, starting_current_a)
+            own = self.drive.corner_speed_ms(current, braking)
+        return own
+
+    def _knots(self, *further_ms: float) -> FloatArray:
+        """Return speeds from 0 to the top one, with corners of the vehicle's limits and `further_ms` among them."""
+        corners = [*further_ms]
+        for limits in (self.vehicle.traction, self.vehicle.braking):
+            if limits.max_effort_kn and limits.max_power_kw:
+                corners.append(limits.max_power_kw / limits.max_effort_kn)
+        corners += [speed * MS_PER_KMH for speed, _ in self.vehicle.traction.curve or ()]
+        inside = [speed for speed in corners if 1e-3 < speed < self.top_speed_ms - 1e-3]
+        count = max(int(np.ceil(self.top_speed_ms / KNOT_STEP_MS)), 8)
+        uniform = np.linspace(0, self.top_speed_ms, count + 1)
+        if inside:
+            apart = np.min(np.abs(uniform[:, None] - np.array(inside)), axis=1) > 1e-3
+            uniform = uniform[apart]
+        return np.union1d(uniform, inside)
+
+
+@lru_cache(maxsize=32)
+def phase_model(vehicle: Vehicle, line_force_n: float, top_speed_ms: float) -> PhaseModel:
+    """Return the model of a vehicle; kept for the next call."""
+    return PhaseModel(vehicle, make_drive(vehicle.drive), line_force_n, top_speed_ms)
+
+
+@lru_cache(maxsize=128)
+def start_table(model: PhaseModel, starting_current_a: float) -> FloatArray:
+    """Return the table of a start with a current [A]; kept for the next call, as searches begin with the same ones."""
+    return model.start(starting_current_a)
+
+
+def _at_points(
+    motion: Callable[[FloatArray], tuple[FloatArray, FloatArray]], knots: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return speeds, accelerations and powers at the Gauss points, and accelerations and powers at the knots."""
+    half = 0.5 * np.diff(knots)[:, None]
+    points = knots[:-1, None] + half * (1 + POINTS)
+    acceleration, power = motion(np.append(points.ravel(), knots))
+    inner = points.size
+    return (
+        points,
+        acceleration[:inner].reshape(points.shape),
+        power[:inner].reshape(points.shape),
+        acceleration[inner:],
+        power[inner:],
+    )
+
+
+def _integrate(
+    knots: FloatArray,
+    points: FloatArray,
+    acceleration: FloatArray,
+    power: FloatArray,
+    knot_acceleration: FloatArray,
+    knot_power: FloatArray,
+) -> FloatArray:
+    half = 0.5 * np.diff(knots)[:, None]
+    rows = [knots]
+    for rate in (1 / acceleration, points / acceleration, power / acceleration):
+        rows.append(np.append(0.0, np.cumsum((half * WEIGHTS * rate).sum(axis=1))))
+    rows += [1 / knot_acceleration, knots / knot_acceleration, knot_power / knot_acceleration]
+    return frozen_array(np.array(rows))

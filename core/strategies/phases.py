@@ -1,0 +1,108 @@
+"""The run in four phases: start, cruise, coast, brake, as tram drivers know it; between stops, on a plain line.
+
+The start is at full effort or with a current that is given or free, braking is full electric braking, and between the
+two the train holds its speed, then coasts. Stops divide the line into parts whose times are chosen together.
+Source: Rawicki, (44)-(55). The searches are in `phase_search` and `phase_planner`.
+"""
+
+import numpy as np
+
+from railjoule.core.errors import StrategyRefusedError
+from railjoule.core.motion import Course, build_course
+from railjoule.core.strategies.phase_plan import PhasePlan
+from railjoule.core.strategies.phase_planner import PhasePlanner
+from railjoule.core.strategies.phase_run import lay_out
+from railjoule.core.strategies.phase_tables import phase_model
+from railjoule.core.strategies.task import Task
+from railjoule.core.trajectory import Trajectory, make_trajectory
+from railjoule.core.units import MS_PER_KMH
+
+UNEVEN = 1e-9
+
+
+def phases(task: Task) -> Trajectory:
+    """Return the best start / cruise / coast / brake run.
+
+    Raises
+    ------
+    TimetableError
+        If the timetable cannot be kept, or not with these phases.
+    StrategyRefusedError
+        If gradient, curve or limit change along the line, or the phases cannot be driven.
+    """
+    task.require_timetable()
+    planner = planner_of(task)
+    stops = [station.position_m for station in task.scenario.line.in_running_order().inner_stations]
+    distances = np.diff([0.0, *stops, task.course.length_m]).tolist()
+    initial, final = np.sqrt(task.course.data.fixed_speed2[[0, -1]]).tolist()
+    if len(distances) == 1:
+        plans: tuple[PhasePlan, ...] = (planner.plan(distances[0], task.running_time_s, initial, final),)
+    elif final > 0:
+        raise StrategyRefusedError("needs a run that ends at rest where it stops on its way.")
+    else:
+        plans = planner.plan_parts(distances, task.running_time_s, initial)
+    return trajectory_of(task, planner, plans)
+
+
+def planner_of(task: Task) -> PhasePlanner:
+    """Return the planner of a task's train and line.
+
+    Raises
+    ------
+    StrategyRefusedError
+        If gradient, curve or limit change along the line, or a starting current is asked for that there is not.
+    """
+    return PhasePlanner(
+        phase_model(task.scenario.vehicle, _line_force_n(task.course), _top_speed_ms(task.course)), task.scenario.phases
+    )
+
+
+def trajectory_of(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...]) -> Trajectory:
+    """Return the trajectory of plans for the parts of a task's line, in order."""
+    nodes, speeds = [np.zeros(1)], [np.array([plans[0].initial_speed_ms])]
+    for plan in plans:
+        run = lay_out(planner.model, plan)
+        nodes.append(nodes[-1][-1] + run.position_m[1:])
+        speeds.append(run.speed_ms[1:])
+    position = np.concatenate(nodes)
+    position[-1] = task.course.length_m
+    course = build_course(task.scenario, plans[0].initial_speed_ms, plans[-1].final_speed_ms, position)
+    price = planner.price_of_time_w(plans[0])
+    return make_trajectory(
+        task.scenario,
+        course,
+        "phases",
+        np.concatenate(speeds) ** 2,
+        np.zeros(course.cell_count) if course.data.friction_effort_n > 0 else None,
+        price_of_time_w=None if price is None else price - course.data.auxiliary_power_w,
+        notes=tuple(_sentence(plan) for plan in plans),
+    )
+
+
+def _line_force_n(course: Course) -> float:
+    """Return the force of a line that is the same everywhere [N]."""
+    force = course.data.line_force_n
+    if np.ptp(force) > UNEVEN * course.data.half_inertia_kg:
+        raise StrategyRefusedError("needs a line whose gradient and curve stay the same.")
+    return float(force[0])
+
+
+def _top_speed_ms(course: Course) -> float:
+    """Return the limit of a line that has one limit [m/s]."""
+    limits = course.data.largest_speed2
+    if np.ptp(limits) > UNEVEN * np.max(limits):
+        raise StrategyRefusedError("needs a line with one speed limit from end to end.")
+    return float(np.sqrt(limits[0]))
+
+
+def _sentence(plan: PhasePlan) -> str:
+    """Tell the numbers of a plan."""
+    first = {"start": "It starts", "coast": "It coasts", "brake": "It brakes"}[plan.first]
+    if plan.first == "start" and plan.starting_current_a is not None:
+        first += f" with {plan.starting_current_a:.0f} A"
+    words = f"{first} to {plan.cruise_speed_ms / MS_PER_KMH:.1f} km/h"
+    if plan.cycles > 1:
+        words += f", {plan.cycles} times in all, coasting to {plan.bottom_speed_ms / MS_PER_KMH:.1f} km/h in between"
+    if plan.cruise_m > 0:
+        words += f", cruises for {plan.cruise_m:.0f} m"
+    return f"{words} and brakes from {plan.brake_speed_ms / MS_PER_KMH:.1f} km/h."

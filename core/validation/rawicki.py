@@ -1,0 +1,222 @@
+"""The figures and phases of Rawicki's tram beside ours, and what had to be identified for them.
+
+His start holds its full current at all speeds; above 14 m/s the pull-out torque needs less, so the strategy `phases`
+needs a little less energy than his law. Here the runs are planned with his, and once with ours.
+"""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from railjoule.core.scenario import Vehicle, load_scenario
+from railjoule.core.strategies import solve
+from railjoule.core.strategies.phase_plan import PhasePlan
+from railjoule.core.strategies.phase_planner import PhasePlanner
+from railjoule.core.units import J_PER_KWH
+from railjoule.core.validation.papers import citation, errata, printed_numbers
+from railjoule.core.validation.rawicki_identification import (
+    Identification,
+    driven_values,
+    identify,
+    machine_values,
+    nameplate_values,
+    printed_planner,
+    value_names,
+)
+from railjoule.core.validation.table import Row, Table, Validation
+
+NOT_UNIQUE = (
+    "The printed numbers leave the tram open: gear efficiencies of 0.95 to 0.99 and core losses of 300 to 1200 W fit "
+    "almost as well and move this by half a percent."
+)
+BRAKING = "Distance and time of all printed braking cannot be met at once by one constant current."
+NAMEPLATE = "Voltage, current, power and power factor of the nameplate do not fit together better."
+TOGETHER = "Only the product with the inductances, the rated flux, is determined well: to {:.1f} %."
+DETERMINED = "Determined to about {:.1f} %."
+FLAT = "Ours needs the least energy in the same time. The optimum is flat: phases may change much, and energy little."
+FLUX = ("drive.mutual_inductance_mh", "drive.rated_magnetising_current_a")
+SYMBOLS = {"distance_m": ("s", "m"), "duration_s": ("t", "s"), "energy_kwh": ("En", "kWh")}
+
+Printed = dict[str, Any]
+
+
+def validate_rawicki() -> Validation:
+    """Return all printed numbers of Rawicki beside ours, and the identification behind ours."""
+    paper = printed_numbers("rawicki-2013")
+    scenario = load_scenario(paper["scenario"])
+    vehicle = scenario.vehicle
+    identification = identify(vehicle, paper)
+    distance, time = scenario.line.length_m, scenario.travel_time_s
+    return Validation(
+        paper="rawicki",
+        citation=citation(paper),
+        tables=(
+            figures(vehicle, paper, distance, time),
+            planned_phases(vehicle, paper),
+            free_current(vehicle, paper, distance, time),
+            driven_phases(vehicle, paper),
+            nameplate(vehicle, paper["nameplate"]),
+            parameters(vehicle, identification),
+            claims(paper),
+        ),
+        errata=errata(paper),
+    )
+
+
+def figures(vehicle: Vehicle, paper: Printed, distance_m: float, running_time_s: float) -> Table:
+    """Return the energies of Figures 1 to 4 beside ours; the ride with the stop as two plans."""
+    rows: list[Row] = []
+    alone: dict[float, float] = {}
+    for entry in paper["figure"]:
+        place, recuperation, printed = entry["place"], float(entry["recuperation_factor"]), entry["energy_kwh"]
+        planner = printed_planner(vehicle, recuperation)
+        case = f"{place}, kr = {recuperation:g}"
+        if "penalty_percent" not in entry:
+            alone[recuperation] = _kwh(planner.plan(distance_m, running_time_s))
+            rows.append(Row(case, "En", "kWh", printed, alone[recuperation], NOT_UNIQUE))
+            continue
+        first = _part_one(planner, paper)
+        second = _kwh(_part_two(planner, paper))
+        penalty = 100 * ((first + second) / alone[recuperation] - 1)
+        rows += [
+            Row(case, "En", "kWh", printed, first + second, NOT_UNIQUE),
+            Row(case, "En of part II", "kWh", _printed_part_two(entry, paper), second, NOT_UNIQUE),
+            Row(case, "penalty of the stop", "%", entry["penalty_percent"], penalty, NOT_UNIQUE),
+        ]
+    return Table("Energies of the rides", tuple(rows), "Figs. 1 to 4")
+
+
+def planned_phases(vehicle: Vehicle, paper: Printed) -> Table:
+    """Return the printed phases of part II beside those of our best run with the same distance and time."""
+    rows: list[Row] = []
+    for part, recuperation in (("part II, kr = 0", 0.0), ("part II, kr = 1", 1.0)):
+        planner = printed_planner(vehicle, recuperation)
+        ours = {phase.phase: phase for phase in planner.phases_of(_part_two(planner, paper))}
+        for printed in (phase for phase in paper["phase"] if phase["part"] == part):
+            own = ours[printed["phase"]]
+            case = f"{part}, {printed['phase']}"
+            rows += [
+                Row(case, "s", "m", printed["distance_m"], own.distance_m, FLAT),
+                Row(case, "t", "s", printed["duration_s"], own.duration_s, FLAT),
+                Row(case, "v at its start", "m/s", printed["start_ms"], own.start_ms, FLAT),
+            ]
+    return Table("Phases of part II as planned by us, 650 m in 56.01 s", tuple(rows), "below Figs. 3 and 4")
+
+
+def free_current(vehicle: Vehicle, paper: Printed, distance_m: float, running_time_s: float) -> Table:
+    """Return what the run of Figures 1 and 2 needs with a starting current of its choice, and at one speed."""
+    rows: list[Row] = []
+    for entry in paper["reference"]:
+        recuperation = float(entry["recuperation_factor"])
+        case = f"950 m in 95 s, kr = {recuperation:g}"
+        free = printed_planner(vehicle, recuperation, free_starting_current=True).plan(distance_m, running_time_s)
+        steady = printed_planner(vehicle, recuperation, coast=False).plan(distance_m, running_time_s)
+        assert free.starting_current_a is not None
+        rows += [
+            Row(case, "En, free starting current", "kWh", entry["energy_kwh"], _kwh(free)),
+            Row(case, "its starting current", "A", None, free.starting_current_a),
+            Row(case, "En at constant speed, without coasting", "kWh", None, _kwh(steady)),
+        ]
+    return Table("Other runs over 950 m in 95 s", tuple(rows), reference="independent")
+
+
+def driven_phases(vehicle: Vehicle, paper: Printed) -> Table:
+    """Return the 24 printed numbers of phases beside ours, each phase driven between its printed speeds."""
+    ours = iter(driven_values(vehicle, paper["phase"]))
+    rows = []
+    for phase in paper["phase"]:
+        for name in value_names(phase):
+            symbol, unit = SYMBOLS[name]
+            note = BRAKING if phase["phase"] == "brake" else ""
+            rows.append(Row(f"{phase['part']}, {phase['phase']}", symbol, unit, phase[name], float(next(ours)), note))
+    return Table("Phases between their printed speeds, with the identified tram", tuple(rows), "below Figs. 3 and 4")
+
+
+def nameplate(vehicle: Vehicle, plate: Printed) -> Table:
+    """Return the nameplate of a motor beside ours at rated flux, frequency and speed."""
+    quantities = (("U_m", "V"), ("I_m", "A"), ("P", "W"), ("cos phi", ""))
+    printed, ours = nameplate_values(plate), machine_values(vehicle, plate)
+    rows = tuple(
+        Row("1724 r/min at 60 Hz", name, unit, float(f"{a:.5g}"), float(b), NAMEPLATE)
+        for (name, unit), a, b in zip(quantities, printed, ours, strict=True)
+    )
+    return Table("Nameplate of a motor, amplitudes per phase", rows, "rated data")
+
+
+def parameters(vehicle: Vehicle, identification: Identification) -> Table:
+    """Return the numbers of the shipped tram beside those identified anew, and how well they are determined."""
+    shipped = vehicle.model_dump()
+    rows = []
+    for key, value in zip(identification.names, identification.values, strict=True):
+        *tables, last = key.split(".")
+        table = shipped
+        for name in tables:
+            table = table[name]
+        note = DETERMINED.format(identification.uncertainty_percent(key))
+        if key in FLUX or key == "drive.stator_inductance_mh":
+            note += " " + TOGETHER.format(identification.uncertainty_percent(*FLUX))
+        rows.append(Row("assets/vehicles/tram-105n.toml", key, "", table[last], float(value), note))
+    return Table("Parameters that the paper does not print, identified anew", tuple(rows), reference="shipped")
+
+
+def claims(paper: Printed) -> Table:
+    """Return what the strategy `phases` needs with its own start, which takes no more current than helps."""
+    rows = []
+    for entry, with_stop in zip(paper["figure"][:2], paper["figure"][2:], strict=True):
+        scenario = load_scenario(paper["scenario"]).with_(
+            **{"drive.recuperation_factor": float(entry["recuperation_factor"])}
+        )
+        run = solve(scenario, "phases")
+        case = f"{entry['place']}, whole trajectory"
+        rows.append(Row(case, "En", "kWh", entry["energy_kwh"], run.energy_kwh, NOT_UNIQUE))
+        part = scenario.with_(
+            **{
+                "line.sections": [{"length_m": paper["part_ii_length_m"]}],
+                "timetable.travel_time_s": _part_two_time_s(paper),
+            }
+        )
+        rows.append(
+            Row(
+                f"part II, kr = {entry['recuperation_factor']:g}, whole trajectory",
+                "En",
+                "kWh",
+                _printed_part_two(with_stop, paper),
+                solve(part, "phases").energy_kwh,
+                "Its start takes less than the full current where that pulls more.",
+            )
+        )
+    return Table("The strategy `phases`, with less than full current beyond the pull-out", tuple(rows), "Figs. 1 to 4")
+
+
+def _kwh(plan: PhasePlan) -> float:
+    return plan.energy_j / J_PER_KWH
+
+
+def _phases_of_part(paper: Printed, part: str) -> list[Printed]:
+    return [phase for phase in paper["phase"] if phase["part"] == part]
+
+
+def _part_two_time_s(paper: Printed) -> float:
+    """Return the printed time of part II for kr = 0, the sum of its phases [s]; that for kr = 1 is the same."""
+    return float(round(sum(phase["duration_s"] for phase in _phases_of_part(paper, "part II, kr = 0")), 6))
+
+
+def _part_two(planner: PhasePlanner, paper: Printed) -> PhasePlan:
+    return planner.plan(float(paper["part_ii_length_m"]), _part_two_time_s(paper))
+
+
+def _printed_part_two(figure: Printed, paper: Printed) -> float:
+    """Return the printed energy of a ride with the stop, less that of part I [kWh]."""
+    share, energies = figure["recuperation_factor"], [phase["energy_kwh"] for phase in _phases_of_part(paper, "part I")]
+    part_one = sum(energy if energy > 0 else share * energy for energy in energies)
+    return float(round(figure["energy_kwh"] - part_one, 3))
+
+
+def _part_one(planner: PhasePlanner, paper: Printed) -> float:
+    """Return the energy of part I [kWh], whose phases the driver chose: driven between their printed speeds."""
+    start, cruise, _ = _phases_of_part(paper, "part I")
+    speed, way = float(start["end_ms"]), float(cruise["distance_m"])
+    plan = planner.plan(float(paper["part_ii_length_m"]), _part_two_time_s(paper))
+    driven = replace(plan, cruise_speed_ms=speed, brake_speed_ms=speed, cruise_m=way)
+    return float(np.sum([phase.energy_j for phase in planner.phases_of(driven)])) / J_PER_KWH

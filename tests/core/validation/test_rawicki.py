@@ -1,0 +1,120 @@
+"""Every number of Rawicki that validation shows, held to the bars of the project's fifth issue."""
+
+import pytest
+
+from railjoule.core import load_scenario
+from railjoule.core.validation import PAPERS, validate_rawicki
+from railjoule.core.validation.papers import printed_numbers
+
+VALIDATION = validate_rawicki()
+FIGURES, PLANNED, OTHERS, DRIVEN, NAMEPLATE, PARAMETERS, STRATEGY = VALIDATION.tables
+
+
+def rows(*tables, **wanted):
+    return [
+        pytest.param(row, id=f"{row.case}, {row.quantity}")
+        for table in tables
+        for row in table.rows
+        if row.printed and all(getattr(row, name) == value for name, value in wanted.items())
+    ]
+
+
+@pytest.mark.parametrize("row", rows(FIGURES, STRATEGY, unit="kWh"))
+def test_figures_within_one_and_a_half_percent(row):
+    assert abs(row.difference_percent) < 1.5
+
+
+@pytest.mark.parametrize("row", rows(FIGURES, unit="%"))
+def test_penalties_within_two_points(row):
+    """In points of percent; the printed energies give 114.3 and 58.9 only to a tenth of a point themselves."""
+    assert abs(row.ours - row.printed) < 2
+
+
+@pytest.mark.parametrize("row", rows(DRIVEN))
+def test_every_phase_within_one_and_a_half_percent(row):
+    assert abs(row.difference_percent) < 1.5
+
+
+def test_all_24_numbers_of_phases_are_there():
+    assert len(DRIVEN.rows) == 24
+
+
+@pytest.mark.parametrize(
+    ("case", "energy_kwh"),
+    # findings on Rawicki, 'ours', of a tram identified with other weights
+    [
+        ("Fig. 1, kr = 0", 1.0516),
+        ("Fig. 2, kr = 1", 0.9051),
+        ("Fig. 3, kr = 0", 2.2719),
+        ("Fig. 4, kr = 1", 1.4288),
+    ],
+)
+def test_figures_are_those_of_the_findings(case, energy_kwh):
+    ours = next(row.ours for row in FIGURES.rows if row.case == case and row.quantity == "En")
+    assert ours == pytest.approx(energy_kwh, rel=3e-3)
+
+
+@pytest.mark.parametrize(("case", "energy_kwh"), [("Fig. 3, kr = 0", 1.3766), ("Fig. 4, kr = 1", 0.9268)])
+def test_part_two_is_that_of_the_findings(case, energy_kwh):
+    ours = next(row.ours for row in FIGURES.rows if row.case == case and row.quantity == "En of part II")
+    assert ours == pytest.approx(energy_kwh, rel=3e-3)
+
+
+@pytest.mark.parametrize("row", rows(OTHERS))
+def test_free_starting_current_within_three_per_mille(row):
+    assert abs(row.difference_percent) < 0.3
+
+
+@pytest.mark.parametrize(("recuperation", "saving_percent"), [(0, 17.8), (1, 6.6)])
+def test_saving_over_constant_speed(recuperation, saving_percent):
+    """Findings on Rawicki: the four phases save 17.8 and 6.6 %; the paper's 20 % are over an undefined driver."""
+    steady = next(
+        row.ours for row in OTHERS.rows if "constant speed" in row.quantity and row.case.endswith(f"= {recuperation}")
+    )
+    assert 100 * (1 - FIGURES.rows[recuperation].ours / steady) == pytest.approx(saving_percent, abs=0.2)
+
+
+@pytest.mark.parametrize("row", rows(NAMEPLATE))
+def test_nameplate_within_one_percent(row):
+    assert abs(row.difference_percent) < 1
+
+
+@pytest.mark.parametrize("row", rows(PARAMETERS))
+def test_the_shipped_tram_is_the_identified_one(row):
+    assert abs(row.difference_percent) < 0.02
+    assert "Determined to about" in row.note
+
+
+def test_the_tram_is_as_heavy_as_printed():
+    vehicle = load_scenario("tram-950m").vehicle
+    assert vehicle.total_mass_kg == pytest.approx(22_000)
+    assert vehicle.load_mass_kg / vehicle.passenger_mass_kg == pytest.approx(80)
+
+
+def test_printed_phases_add_up():
+    """950 m and 95 s with the stop of 5 s, below Figs. 3 and 4; ways and times are printed to four digits."""
+    phases = printed_numbers("rawicki-2013")["phase"]
+    for last in ("part II, kr = 0", "part II, kr = 1"):
+        ride = [phase for phase in phases if phase["part"] in ("part I", last)]
+        assert sum(phase["distance_m"] for phase in ride) == pytest.approx(950, abs=0.15)
+        assert sum(phase["duration_s"] for phase in ride) == pytest.approx(90, abs=0.02)
+
+
+def test_erratum_of_the_nameplate():
+    """Efficiency from the other five numbers."""
+    plate = printed_numbers("rawicki-2013")["nameplate"]
+    taken = 3**0.5 * plate["voltage_v"] * plate["current_a"] * plate["power_factor"]
+    assert 1e3 * plate["power_kw"] / taken == pytest.approx(0.910, abs=1e-3)
+
+
+def test_differences_that_stay_are_explained():
+    for table in VALIDATION.tables:
+        for row in table.rows:
+            if row.difference_percent and abs(row.difference_percent) > 0.31:
+                assert row.note.endswith("."), (table.title, row)
+
+
+def test_it_is_registered():
+    assert PAPERS["rawicki"] is validate_rawicki
+    assert VALIDATION.citation.startswith("Rawicki")
+    assert len(VALIDATION.errata) == 4
