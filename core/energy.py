@@ -1,6 +1,6 @@
 """The energy account of a run: what the line gives, and where it goes."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from types import MappingProxyType
 
@@ -67,3 +67,15 @@ class Energy:
         }
         values["losses"] = {kind: joules / J_PER_KWH for kind, joules in self.losses_j.items()}
         return values
+
+
+def total_energy(parts: Sequence[Energy]) -> Energy:
+    """Return the account of runs that follow one another."""
+    kinds = dict.fromkeys(kind for part in parts for kind in part.losses_j)
+    losses = {kind: sum(part.losses_j.get(kind, 0.0) for part in parts) for kind in kinds}
+    sums = {
+        field.name: sum(getattr(part, field.name) for part in parts)
+        for field in fields(Energy)
+        if field.name != "losses_j"
+    }
+    return Energy(losses_j=losses, **sums)

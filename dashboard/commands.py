@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, cast
 from railjoule.core import RailjouleError, Scenario, StrategyRefusedError, compare, load_scenario
 from railjoule.core import solve as solve_scenario
 from railjoule.core.scenario import StrategyName, preset_names
+from railjoule.core.simulate.disturbances import simulate_disturbances
 from railjoule.core.simulate.following import simulate_following
 from railjoule.core.strategies import prepare_task
 from railjoule.dashboard import summary, terminal
@@ -77,7 +78,7 @@ def compare_strategies(file: str, changes: Mapping[str, Any], output: Output) ->
 
 
 def simulate(file: str, changes: Mapping[str, Any], output: Output) -> None:
-    """Plan a scenario, follow the plan under its disturbance, and show both.
+    """Plan a scenario, drive it under its disturbance, and show both.
 
     Raises
     ------
@@ -89,8 +90,10 @@ def simulate(file: str, changes: Mapping[str, Any], output: Output) -> None:
         raise CommandError(f"simulation.kind = {scenario.simulation.kind} is not part of this version: following is.")
     announce_compilation()
     with refusals_named(scenario.strategy):
-        following = simulate_following(scenario)
-    output.show(summary.summarise_following(following), terminal.following_text)
+        if scenario.disturbance.events:
+            output.show(summary.summarise_ride(simulate_disturbances(scenario)), terminal.ride_text)
+        else:
+            output.show(summary.summarise_following(simulate_following(scenario)), terminal.following_text)
 
 
 def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None:

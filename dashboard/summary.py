@@ -12,6 +12,7 @@ from railjoule.core import Phase, Trajectory
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
 if TYPE_CHECKING:
+    from railjoule.core.simulate.disturbances import Ride
     from railjoule.core.simulate.following import Following
     from railjoule.core.validation.benchmark import Timing
     from railjoule.core.validation.table import Row, Table, Validation
@@ -85,6 +86,19 @@ def summarise_following(following: "Following") -> Summary:
         "stop_error_m": following.stop_error_m,
         "stop_errors_m": list(following.stop_errors_m),
         "delay_s": following.delay_s,
+    }
+
+
+def summarise_ride(ride: "Ride") -> Summary:
+    """Return a plan and a ride with events as plain values."""
+    return {
+        "planned": summarise(ride.planned),
+        "actual": summarise(ride.actual),
+        "overconsumption": _finite(ride.overconsumption),
+        "stop_error_m": 0.0,
+        "delay_s": ride.delay_s,
+        "notices": [{"position_m": place, "time_s": time, "event": words} for place, time, words in ride.notices],
+        "notes": list(ride.notes),
     }
 
 

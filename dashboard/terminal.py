@@ -75,6 +75,44 @@ def comparison_text(comparison: Summary) -> str:
 def following_text(following: Summary) -> str:
     """Return a plan and what became of it."""
     planned, actual = following["planned"], following["actual"]
+    more = following["overconsumption"]
+    share = "" if more is None else f"{100 * more:+.2f} % energy, "
+    return "\n".join(
+        [
+            f"{title_words(planned['title'])}: {STRATEGY_WORDS[planned['strategy']]}, followed",
+            "",
+            *_two_runs({"planned": planned, "driven": actual}),
+            "",
+            f"{share}{following['delay_s']:+.2f} s, stopped {following['stop_error_m']:+.2f} m from the place.",
+            f"Driver: {phase_words(actual['phases'])}",
+        ]
+    )
+
+
+def ride_text(ride: Summary) -> str:
+    """Return a plan, what the train learned on its way, and the ride."""
+    planned, actual = ride["planned"], ride["actual"]
+    more = ride["overconsumption"]
+    share = "" if more is None else f"{100 * more:+.2f} % energy, "
+    learned = [
+        f"At {number(notice['position_m'], 0)} m, after {number(notice['time_s'])} s: {notice['event']}."
+        for notice in ride["notices"]
+    ]
+    return "\n".join(
+        [
+            f"{title_words(planned['title'])}: {STRATEGY_WORDS[planned['strategy']]}, disturbed",
+            "",
+            *_two_runs({"undisturbed": planned, "driven": actual}),
+            "",
+            *learned,
+            f"{share}{ride['delay_s']:+.2f} s against the timetable.",
+            *ride["notes"],
+            f"Driver: {phase_words(actual['phases'])}",
+        ]
+    )
+
+
+def _two_runs(runs: dict[str, Summary]) -> list[str]:
     rows = [
         (
             name,
@@ -83,20 +121,9 @@ def following_text(following: Summary) -> str:
             number(run["max_speed_kmh"]),
             energy(run["recuperated_kwh"]),
         )
-        for name, run in (("planned", planned), ("driven", actual))
+        for name, run in runs.items()
     ]
-    more = following["overconsumption"]
-    share = "" if more is None else f"{100 * more:+.2f} % energy, "
-    return "\n".join(
-        [
-            f"{title_words(planned['title'])}: {STRATEGY_WORDS[planned['strategy']]}, followed",
-            "",
-            *table_lines(("run", "kWh", "time, s", "top, km/h", "recuperated, kWh"), rows),
-            "",
-            f"{share}{following['delay_s']:+.2f} s, stopped {following['stop_error_m']:+.2f} m from the place.",
-            f"Driver: {phase_words(actual['phases'])}",
-        ]
-    )
+    return table_lines(("run", "kWh", "time, s", "top, km/h", "recuperated, kWh"), rows)
 
 
 def validations_text(validations: Summary) -> str:

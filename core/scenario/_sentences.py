@@ -28,6 +28,8 @@ KINDS = {
     "dict_type": "must be a table",
 }
 ALIASES = {"vehicle.drive": "drive"}
+KIND_KEYS = ("model", "distribution")
+"""Keys that tell the kind of a table."""
 OF_MANY_KINDS = {"drive", *MonteCarloOptions.model_fields}
 """Tables of which a key tells the kind."""
 LONGEST_SHOWN = 60
@@ -145,9 +147,9 @@ def _keys_at(model: type[BaseModel], location: Sequence[str | int]) -> set[str]:
 
 
 def _is_tagged(model: type[BaseModel], tag: str) -> bool:
-    """Tell the drive model of a name from the others."""
-    field = model.model_fields.get("model")
-    return field is not None and tag in get_args(field.annotation)
+    """Tell the drive model or distribution of a name from the others."""
+    fields = [model.model_fields[name] for name in KIND_KEYS if name in model.model_fields]
+    return any(tag in get_args(field.annotation) for field in fields)
 
 
 def _models_in(annotation: Any) -> list[type[BaseModel]]:

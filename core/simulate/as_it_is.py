@@ -1,6 +1,7 @@
 """The train as it really is: its load, its running resistance and the line voltage that it finds."""
 
 from railjoule.core.scenario import Scenario, Vehicle
+from railjoule.core.scenario.drive import DriveParameters, Induction
 from railjoule.core.scenario.vehicle import Braking, Resistance, Traction
 
 RESISTANCE_TERMS = tuple(name for name in Resistance.model_fields if name != "curve_constant_m_n_per_kn")
@@ -10,7 +11,7 @@ def as_it_is(scenario: Scenario) -> Scenario:
     """Return a scenario whose vehicle is as its disturbance says.
 
     At a lower line voltage the largest efforts stay, but are left at a lower speed: the power falls by the same
-    factor, and so do the speeds of a tabulated curve of effort.
+    factor, and so do the speeds of a tabulated curve of effort and the voltage of induction motors.
 
     Parameters
     ----------
@@ -24,16 +25,17 @@ def as_it_is(scenario: Scenario) -> Scenario:
         terms = {name: disturbance.resistance_factor * getattr(vehicle.resistance, name) for name in RESISTANCE_TERMS}
         vehicle = changed(vehicle, resistance=vehicle.resistance.model_copy(update=terms))
     if disturbance.line_voltage_factor != 1:
-        vehicle = _at_voltage(vehicle, disturbance.line_voltage_factor)
+        vehicle = at_voltage(vehicle, disturbance.line_voltage_factor)
     return scenario.model_copy(update={"vehicle": vehicle})
 
 
-def changed(vehicle: Vehicle, **fields: float | Resistance | Traction | Braking) -> Vehicle:
+def changed(vehicle: Vehicle, **fields: float | Resistance | Traction | Braking | DriveParameters) -> Vehicle:
     """Return a copy with other values, which were validated before."""
     return vehicle.model_copy(update=fields)
 
 
-def _at_voltage(vehicle: Vehicle, factor: float) -> Vehicle:
+def at_voltage(vehicle: Vehicle, factor: float) -> Vehicle:
+    """Return a vehicle with the limits that it has at a line voltage, as a share of the nominal one."""
     traction, braking = vehicle.traction, vehicle.braking
     power, curve = traction.max_power_kw, traction.curve
     less_traction = {
@@ -41,6 +43,12 @@ def _at_voltage(vehicle: Vehicle, factor: float) -> Vehicle:
         "curve": None if curve is None else tuple((factor * speed, effort) for speed, effort in curve),
     }
     less_braking = {"max_power_kw": None if braking.max_power_kw is None else factor * braking.max_power_kw}
+    drive = vehicle.drive
+    if isinstance(drive, Induction):
+        drive = drive.model_copy(update={"max_phase_voltage_v": factor * drive.max_phase_voltage_v})
     return changed(
-        vehicle, traction=traction.model_copy(update=less_traction), braking=braking.model_copy(update=less_braking)
+        vehicle,
+        traction=traction.model_copy(update=less_traction),
+        braking=braking.model_copy(update=less_braking),
+        drive=drive,
     )

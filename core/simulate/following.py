@@ -230,7 +230,9 @@ def _overrun(nodes: FloatArray, speed2: FloatArray, real: Scenario) -> tuple[Flo
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def follow_cells(course: CourseData, wanted_speed2: FloatArray, response_length_m: float) -> tuple[FloatArray, int]:
+def follow_cells(
+    course: CourseData, wanted_speed2: FloatArray, response_length_m: float, initial_speed2: float = 0.0
+) -> tuple[FloatArray, int]:
     """Return the squares of speed of a train that follows others, and the node where it comes to a stand.
 
     Parameters
@@ -241,6 +243,8 @@ def follow_cells(course: CourseData, wanted_speed2: FloatArray, response_length_
         Squares of speed to follow [m2/s2].
     response_length_m : float
         Over this length an error falls to 1/e [m].
+    initial_speed2 : float
+        Square of speed at the first node [m2/s2].
 
     Returns
     -------
@@ -252,6 +256,7 @@ def follow_cells(course: CourseData, wanted_speed2: FloatArray, response_length_
     n = course.cell_length_m.shape[0]
     traction, braking, step_ms = course.traction.table, course.braking.table, course.traction.table_step_ms
     speed2 = np.zeros(n + 1)
+    speed2[0] = initial_speed2
     for i in range(n):
         cell = cell_of(course, i)
         left = math.exp(-cell.length_m / response_length_m) if response_length_m > 0.0 else 0.0

@@ -2,17 +2,17 @@
 
 The start is at full effort or with a current that is given or free, braking is full electric braking, and between the
 two the train holds its speed, then coasts. Stops divide the line into parts whose times are chosen together.
-Source: Rawicki, (44)-(55). The searches are in `phase_search` and `phase_planner`.
+Source: Rawicki, (44)-(55). The searches are in `railjoule.core.phase_planning`.
 """
 
 import numpy as np
 
 from railjoule.core.errors import StrategyRefusedError
 from railjoule.core.motion import Course, build_course
-from railjoule.core.strategies.phase_plan import PhasePlan
-from railjoule.core.strategies.phase_planner import PhasePlanner
-from railjoule.core.strategies.phase_run import lay_out
-from railjoule.core.strategies.phase_tables import phase_model
+from railjoule.core.phase_planning.plan import PhasePlan
+from railjoule.core.phase_planning.planner import PhasePlanner
+from railjoule.core.phase_planning.run import lay_out
+from railjoule.core.phase_planning.tables import phase_model
 from railjoule.core.strategies.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
@@ -32,8 +32,9 @@ def phases(task: Task) -> Trajectory:
     """
     task.require_timetable()
     planner = planner_of(task)
+    first, last = task.course.position_m[[0, -1]].tolist()
     stops = [station.position_m for station in task.scenario.line.in_running_order().inner_stations]
-    distances = np.diff([0.0, *stops, task.course.length_m]).tolist()
+    distances = np.diff([first, *stops, last]).tolist()
     initial, final = np.sqrt(task.course.data.fixed_speed2[[0, -1]]).tolist()
     if len(distances) == 1:
         plans: tuple[PhasePlan, ...] = (planner.plan(distances[0], task.running_time_s, initial, final),)
@@ -59,13 +60,13 @@ def planner_of(task: Task) -> PhasePlanner:
 
 def trajectory_of(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...]) -> Trajectory:
     """Return the trajectory of plans for the parts of a task's line, in order."""
-    nodes, speeds = [np.zeros(1)], [np.array([plans[0].initial_speed_ms])]
+    nodes, speeds = [task.course.position_m[:1]], [np.array([plans[0].initial_speed_ms])]
     for plan in plans:
         run = lay_out(planner.model, plan)
         nodes.append(nodes[-1][-1] + run.position_m[1:])
         speeds.append(run.speed_ms[1:])
     position = np.concatenate(nodes)
-    position[-1] = task.course.length_m
+    position[-1] = task.course.position_m[-1]
     course = build_course(task.scenario, plans[0].initial_speed_ms, plans[-1].final_speed_ms, position)
     price = planner.price_of_time_w(plans[0])
     return make_trajectory(

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from railjoule.core.phase_planning.plan import PhasePlan
+from railjoule.core.phase_planning.planner import PhasePlanner
 from railjoule.core.scenario import Vehicle, load_scenario
 from railjoule.core.strategies import solve
-from railjoule.core.strategies.phase_plan import PhasePlan
-from railjoule.core.strategies.phase_planner import PhasePlanner
 from railjoule.core.units import J_PER_KWH
 from railjoule.core.validation.papers import citation, errata, printed_numbers
 from railjoule.core.validation.rawicki_identification import (

@@ -17,11 +17,11 @@ from scipy.optimize import least_squares
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.drive import make_drive
 from railjoule.core.drive.induction.machine import machine_of, phase_voltage_v, steady_state
+from railjoule.core.phase_planning.planner import PhasePlanner
+from railjoule.core.phase_planning.search import between
+from railjoule.core.phase_planning.tables import PhaseModel
 from railjoule.core.scenario import Vehicle
 from railjoule.core.scenario.options import PhasesOptions
-from railjoule.core.strategies.phase_planner import PhasePlanner
-from railjoule.core.strategies.phase_search import between
-from railjoule.core.strategies.phase_tables import PhaseModel
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
 NAMEPLATE_WEIGHT = 0.5

@@ -9,6 +9,7 @@ import pytest
 import xarray
 
 from railjoule.core import load_scenario, solve
+from railjoule.core.validation import PAPERS
 from railjoule.core.validation import benchmark as core_benchmark
 from railjoule.core.validation.benchmark import Timing
 from railjoule.dashboard import commands
@@ -189,7 +190,7 @@ def test_compare_prints_json(capsys):
     values = json.loads(answer(capsys, "compare", "ftorek-300s", "--set", "vehicle.load_factor=0.5", "--json"))
     assert list(values) == ["results", "refused"]
     strategies = [result["strategy"] for result in values["results"]]
-    assert strategies == ["optimal", "bellman", "eoc", "enoc", "fastest"]
+    assert strategies == ["optimal", "bellman", "eoc", "enoc", "phases", "fastest"]
     assert values["refused"] == []
     best = values["results"][0]
     assert best["gap"] <= 1e-6
@@ -198,7 +199,7 @@ def test_compare_prints_json(capsys):
 
 def test_compare_tells_who_refuses(capsys):
     values = json.loads(answer(capsys, "compare", "metro-with-limit", "--json"))
-    assert [entry["strategy"] for entry in values["refused"]] == ["eoc", "enoc"]
+    assert [entry["strategy"] for entry in values["refused"]] == ["eoc", "enoc", "phases"]
     assert all(entry["reason"].endswith(".") for entry in values["refused"])
     text = answer(capsys, "compare", "metro-with-limit")
     assert "\nEOC: needs a line without limits.\nENOC: needs" in text
@@ -217,7 +218,7 @@ def test_validate_prints_json(capsys):
 
 def test_validate_without_a_paper_shows_all(capsys):
     whole = json.loads(answer(capsys, "validate", "--json"))["papers"]
-    single = [json.loads(answer(capsys, "validate", paper, "--json"))["papers"][0] for paper in ("ftorek", "liashenko")]
+    single = [json.loads(answer(capsys, "validate", paper, "--json"))["papers"][0] for paper in PAPERS]
     assert whole == single
 
 
@@ -342,13 +343,16 @@ def test_a_bad_change(capsys, change, words):
         (["solve", "metro.toml"], "metro.toml: there is no such file."),
         (["solve", "."], "Is a directory"),
         (["solve", "x" * 5000], "File name too long"),
-        (["solve", "liashenko-ii", "--strategy", "phases"], "phases is not part of this version"),
+        (["solve", "liashenko-ii", "--strategy", "speed_limits"], "speed_limits is not part of this version"),
         (
             ["solve", "liashenko-ii", "--strategy", "best"],
-            "best is no strategy; there are optimal, bellman, eoc, enoc, fastest.",
+            "best is no strategy; there are optimal, bellman, eoc, enoc, phases, fastest.",
         ),
         (["solve", "liashenko-ii", "--strategy", "eoc"], "eoc needs a drive with copper loss."),
-        (["validate", "rawicki"], "'rawicki' is none of the papers of this version, which has ftorek, liashenko."),
+        (
+            ["validate", "shtompel"],
+            "'shtompel' is none of the papers of this version, which has ftorek, liashenko, rawicki.",
+        ),
         (["serve", "--port", "65536"], "'65536' is no port from 1 to 65535"),
         (["serve", "--port", "-1"], "port"),
         (["serve", "--port", "0"], "'0' is no port"),

@@ -10,11 +10,11 @@ from scipy.integrate import solve_ivp
 from railjoule.core import StrategyRefusedError, TimetableError, load_scenario, solve
 from railjoule.core.drive import make_drive
 from railjoule.core.errors import ScenarioError
+from railjoule.core.phase_planning.planner import PhasePlanner
+from railjoule.core.phase_planning.search import between
+from railjoule.core.phase_planning.tables import PhaseModel
 from railjoule.core.scenario.options import PhasesOptions
 from railjoule.core.strategies import prepare_task, run_strategy
-from railjoule.core.strategies.phase_planner import PhasePlanner
-from railjoule.core.strategies.phase_search import between
-from railjoule.core.strategies.phase_tables import PhaseModel
 from railjoule.core.strategies.phases import planner_of
 from railjoule.core.validation.benchmark import warm_median_s
 

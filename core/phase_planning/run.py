@@ -10,8 +10,8 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import SolverError
-from railjoule.core.strategies.phase_plan import PhasePlan
-from railjoule.core.strategies.phase_tables import PhaseModel
+from railjoule.core.phase_planning.plan import PhasePlan
+from railjoule.core.phase_planning.tables import PhaseModel
 
 SPEED_STEP_MS = 0.1
 CRUISE_CELLS = 20

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.strategies.phase_plan import PhasePlan
+from railjoule.core.phase_planning.plan import PhasePlan
 
 MOST_STEPS = 12
 

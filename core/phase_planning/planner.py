@@ -9,21 +9,22 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import CubicSpline
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import StrategyRefusedError, TimetableError
+from railjoule.core.phase_planning.choice import best_plan, equally_priced
+from railjoule.core.phase_planning.plan import FIRST_PHASES, PhasePlan, PlannedPhase
+from railjoule.core.phase_planning.search import START, between, search_run
+from railjoule.core.phase_planning.tables import PhaseModel, start_table
 from railjoule.core.scenario.options import PhasesOptions
-from railjoule.core.strategies.phase_choice import best_plan, equally_priced
-from railjoule.core.strategies.phase_plan import FIRST_PHASES, PhasePlan, PlannedPhase
-from railjoule.core.strategies.phase_search import START, between, search_run
-from railjoule.core.strategies.phase_tables import PhaseModel, start_table
 
 BOTTOM_SHARES = (0.4, 0.995)
 LEAST_CURRENT_SHARE = 0.15
 CURRENTS, SHARES = 7, 9
 CURRENT_ACCURACY, SHARE_ACCURACY = 0.004, 0.004
 TIMES_A_PART = 25
+TWO, DIVISION_ACCURACY = 2, 1e-4
 ON_TIME = 1e-9
 NO_PHASE = 1e-6
 
@@ -157,6 +158,8 @@ class PhasePlanner:
         if len(distances_m) == 1 or slack <= ON_TIME * running_time_s:
             shares = [1 / len(distances_m)] * len(distances_m)
             return tuple(time + share * max(slack, 0.0) for time, share in zip(least, shares, strict=True))
+        if len(distances_m) == len(least) == TWO:
+            return self._two_times(tuple(distances_m), initial_speed_ms, tuple(least), slack)
         prices = [
             self._price_of_time(way, v, shortest, slack)
             for way, v, shortest in zip(distances_m, speeds, least, strict=True)
@@ -283,6 +286,22 @@ class PhasePlanner:
             starting_current_a=current_a,
             energy_j=energy,
         )
+
+    def _two_times(
+        self, distances_m: tuple[float, ...], initial_speed_ms: float, least_s: tuple[float, ...], slack_s: float
+    ) -> tuple[float, float]:
+        """Return the times of two parts, found by a search over the share of the first."""
+
+        def energy(more: float) -> float:
+            first = self._best(np.array([distances_m[0], least_s[0] + more, initial_speed_ms, 0.0])).energy_j
+            return first + self._best(np.array([distances_m[1], least_s[1] + slack_s - more, 0.0, 0.0])).energy_j
+
+        found = minimize_scalar(
+            energy, bounds=(0.0, slack_s), method="bounded", options={"xatol": DIVISION_ACCURACY * slack_s}
+        )
+        if not np.isfinite(found.fun):
+            raise StrategyRefusedError("has no run over these parts with these phases.")
+        return least_s[0] + found.x, least_s[1] + slack_s - found.x
 
     def _price_of_time(
         self, distance_m: float, initial_speed_ms: float, shortest_s: float, slack_s: float

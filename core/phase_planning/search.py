@@ -226,7 +226,7 @@ def search_run(
     Parameters
     ----------
     start, coast, brake : array of shape (7, k)
-        Tables of `phase_tables`.
+        Tables of `tables`.
     kind, parameters
         The drive.
     resistance : array of shape (3,)

@@ -1,0 +1,1 @@
+"""Start / cruise / coast / brake runs: planned by searches over tables against speed; behind the strategy `phases`."""

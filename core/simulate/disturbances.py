@@ -1,0 +1,427 @@
+"""A ride whose train learns on its way of stops, limits, another line voltage or another recuperation.
+
+Reactions, as defined for Rawicki's unplanned stops:
+
+driver
+    He holds his speed, or coasts on if he was coasting, and brakes fully to stop where he must; before a limit he
+    keeps to the plan. After that the rest is planned anew. Another voltage or recuperation he does not know of: he
+    keeps to the plan as far as the train can.
+computer
+    From the notice on, all of the rest is planned anew, the division of time between its parts included.
+known
+    The event is planned for before the start; another voltage or recuperation from its notice on, as by a computer.
+
+A rest that cannot be kept is driven as fast as allowed. A stop noticed too late is made as soon as the brakes can.
+Source: Rawicki, (44)-(55) and Figs. 3 and 4.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.errors import InfeasibleLineError, ScenarioError, TimetableError
+from railjoule.core.motion import build_course
+from railjoule.core.motion.mesh import line_mesh
+from railjoule.core.scenario import Scenario
+from railjoule.core.scenario.disturbance import (
+    Event,
+    Reaction,
+    RecuperationChange,
+    UnplannedLimit,
+    UnplannedStop,
+    VoltageChange,
+)
+from railjoule.core.scenario.line import SHORTEST_DISTANCE_M, SpeedLimit, Station
+from railjoule.core.scenario.timetable import Timetable
+from railjoule.core.simulate.as_it_is import as_it_is, at_voltage, changed
+from railjoule.core.simulate.driver import STANDING_SPEED2, braking_envelope, fully_braked, held
+from railjoule.core.simulate.following import follow_cells
+from railjoule.core.simulate.leg import SAME_PLACE_M, Leg, joined, leg_of
+from railjoule.core.strategies import run_strategy
+from railjoule.core.strategies.task import prepare_task
+from railjoule.core.trajectory import Trajectory
+
+LATE_S = 0.05
+"""A later arrival than this is told."""
+ROUNDING_M, ROUNDING_SHARE = 0.5, 1e-2
+"""By how much another mesh may miss a stop [m] or a square of speed that the train was just able to brake for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ride:
+    """A ride with its undisturbed plan.
+
+    Parameters
+    ----------
+    planned, actual : Trajectory
+        The plan of a train that knows of nothing, and the run.
+    allowed_time_s : float
+        Time that the timetable gives [s].
+    notices : tuple of (float, float, str)
+        Where [m] and when [s] the train learned of what.
+    notes : tuple of str
+        What could not be kept.
+    """
+
+    planned: Trajectory
+    actual: Trajectory
+    allowed_time_s: float
+    notices: tuple[tuple[float, float, str], ...]
+    notes: tuple[str, ...]
+
+    @property
+    def delay_s(self) -> float:
+        """Arrival less that of the timetable [s]."""
+        return self.actual.travel_time_s - self.allowed_time_s
+
+    @property
+    def overconsumption(self) -> float:
+        """Energy over that of the undisturbed plan, less 1."""
+        return self.actual.energy.net_j / self.planned.energy.net_j - 1
+
+
+@dataclass(frozen=True)
+class _State:
+    """A train on its way: place [m], square of speed [m2/s2], time [s], its scenario with all that is known."""
+
+    position_m: float
+    speed2: float
+    time_s: float
+    scenario: Scenario
+
+
+def simulate_disturbances(scenario: Scenario, reaction: Reaction | None = None) -> Ride:
+    """Drive a scenario whose train learns of its disturbances on the way.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        With its disturbance.
+    reaction : str, optional
+        Who reacts, in the place of what the events say.
+
+    Raises
+    ------
+    ScenarioError
+        If an event lies outside the line, or two stops at one place.
+    RailjouleError
+        As `railjoule.core.solve`, if the undisturbed plan or a rest cannot be driven at all.
+    """
+    return _Simulation(scenario, reaction).run()
+
+
+class _Simulation:
+    """One ride while it is driven: what is known, what has been driven, what could not be kept."""
+
+    def __init__(self, scenario: Scenario, reaction: Reaction | None) -> None:
+        _require_events_on_the_line(scenario)
+        self.scenario = scenario
+        events = scenario.disturbance.events
+        self.events = [event.model_copy(update={"reaction": reaction}) for event in events] if reaction else [*events]
+        self.notices: list[tuple[float, float, str]] = []
+        self.notes: list[str] = []
+        self.driven: list[Leg] = []
+
+    def run(self) -> Ride:
+        """Drive it."""
+        unknowing = as_it_is(replace_line(self.scenario, self.scenario.line.in_running_order()))
+        planned = run_strategy(prepare_task(unknowing), unknowing.strategy)
+        before = [event for event in self.events if event.reaction == "known" and _is_foreseeable(event)]
+        ahead = [event for event in self.events if not any(event is other for other in before)]
+        state = _State(0.0, 0.0, 0.0, unknowing)
+        for event in before:
+            state = _knowing(state, event)
+        plan = self._plan_rest(state) if before else leg_of(planned)
+        while ahead:
+            notice = self._next_notice(plan, state, ahead)
+            if notice is None:
+                break
+            place, event = notice
+            ahead = [other for other in ahead if other is not event]
+            self._drive(plan.until(place))
+            driven = plan.until(place)
+            state = _State(place, float(driven.speed2[-1]), state.time_s + driven.duration_s, state.scenario)
+            self.notices.append((place, state.time_s, event_words(event)))
+            plan = self._react(plan, state, event)
+            state = replace(state, scenario=plan.scenario)
+        self._drive(plan)
+        final = self.driven[-1].scenario.model_copy(update={"timetable": self.scenario.timetable})
+        actual = joined(self.driven, final, planned.strategy)
+        ride = Ride(planned, actual, self.scenario.travel_time_s, tuple(self.notices), ())
+        if ride.delay_s > self.scenario.disturbance.accepted_delay_s + LATE_S:
+            self.notes.append(f"It arrives {ride.delay_s:.1f} s late.")
+        return replace(ride, notes=tuple(self.notes))
+
+    def _drive(self, leg: Leg) -> None:
+        if len(leg.position_m) > 1:
+            self.driven.append(leg)
+        elif self.driven and leg.dwell_s[-1] > 0:
+            last = self.driven[-1]
+            dwell = last.dwell_s.copy()
+            dwell[-1] += leg.dwell_s[-1]
+            self.driven[-1] = replace(last, dwell_s=dwell)
+
+    def _next_notice(self, plan: Leg, state: _State, ahead: Sequence[Event]) -> tuple[float, Event] | None:
+        """Return where the next event becomes known on a plan, and which; None if none does before its end."""
+        found: list[tuple[float, int]] = []
+        for number, event in enumerate(ahead):
+            if event.noticed_at_s is not None:
+                since = event.noticed_at_s - state.time_s
+                if since <= plan.duration_s:
+                    found.append((plan.place_at(max(since, 0.0)), number))
+            else:
+                found.append((max(event.noticed_at_m or 0.0, state.position_m), number))
+        inside = [one for one in found if one[0] < plan.position_m[-1] - SAME_PLACE_M]
+        if not inside:
+            return None
+        place, number = min(inside)
+        return place, ahead[number]
+
+    def _react(self, plan: Leg, state: _State, event: Event) -> Leg:
+        """Return the leg from a state to the end, as the one who reacts to an event drives it."""
+        knowing = _knowing(state, event)
+        if event.reaction != "driver":
+            return self._plan_rest(knowing)
+        rest = _rest_of(plan, state)
+        if isinstance(event, UnplannedStop):
+            return self._stop_by_hand(rest, knowing, event)
+        if isinstance(event, UnplannedLimit):
+            return self._slow_by_hand(rest, knowing, event)
+        return _kept(rest, knowing)
+
+    def _stop_by_hand(self, rest: Leg, state: _State, stop: UnplannedStop) -> Leg:
+        """Hold the speed or coast on, brake fully before the stop, stand, plan the rest."""
+        nodes = _nodes(state, stop.position_m)
+        course = build_course(state.scenario, float(np.sqrt(state.speed2)), 0.0, nodes)
+        envelope = braking_envelope(course)
+        if state.speed2 > envelope[0] * (1 + 1e-9):
+            return self._plan_rest(state)
+        effort = rest.effort_at(state.position_m) if len(rest.position_m) > 1 else 0.0
+        moves_steadily = state.speed2 > STANDING_SPEED2 and effort >= -1e-6 * course.data.traction.constant_n
+        if moves_steadily:
+            wanted = held(course.data, state.speed2, abs(effort) <= 1e-6 * course.data.traction.constant_n)
+        else:
+            wanted = np.interp(nodes, rest.position_m, rest.speed2)
+        speed2 = np.minimum(wanted, envelope)
+        speed2[0] = state.speed2
+        # one who coasted too slowly to arrive drives on
+        if np.any(speed2[1:-1] <= STANDING_SPEED2):
+            return self._plan_rest(state)
+        leg = Leg(state.scenario, nodes, speed2, _dwell_at_end(nodes, stop.duration_s))
+        return self._and_the_rest(leg, state)
+
+    def _slow_by_hand(self, rest: Leg, state: _State, limit: UnplannedLimit) -> Leg:
+        """Keep to the plan, but under the limit and what braking before it takes; then plan the rest."""
+        end = min(limit.to_m, float(rest.position_m[-1]))
+        stops = rest.position_m[rest.dwell_s > 0]
+        beyond = stops[(stops > state.position_m + SAME_PLACE_M) & (stops < end)]
+        if len(beyond):
+            end = float(beyond[0])
+        nodes = _nodes(state, end)
+        course = build_course(state.scenario, float(np.sqrt(state.speed2)), 0.0, nodes)
+        final = float(np.interp(end, rest.position_m, rest.speed2))
+        fixed = course.data.fixed_speed2.copy()
+        fixed[-1] = min(final, float(course.data.largest_speed2[-1]))
+        course = replace(course, data=course.data._replace(fixed_speed2=fixed))
+        envelope = braking_envelope(course)
+        if state.speed2 > envelope[0] * (1 + 1e-9):
+            return self._plan_rest(state)
+        wanted = np.minimum(np.interp(nodes, rest.position_m, rest.speed2), envelope)
+        speed2, _ = follow_cells(course.data, wanted, 0.0, state.speed2)
+        dwell = np.zeros(len(nodes))
+        at_end = rest.dwell_s[np.abs(rest.position_m - end) <= SAME_PLACE_M]
+        dwell[-1] = at_end[0] if len(at_end) else 0.0
+        return self._and_the_rest(Leg(state.scenario, nodes, speed2, dwell), state)
+
+    def _and_the_rest(self, leg: Leg, state: _State) -> Leg:
+        """Return a leg and the best run from its end."""
+        end = float(leg.position_m[-1])
+        if end >= state.scenario.line.length_m - SAME_PLACE_M:
+            return leg
+        after = _State(end, float(leg.speed2[-1]), state.time_s + leg.duration_s, state.scenario)
+        return leg.then(self._plan_rest(after))
+
+    def _plan_rest(self, state: _State) -> Leg:
+        """Return the best run from a state to the end, or the fastest if the time is too short."""
+        allowed = self.scenario.travel_time_s + self.scenario.disturbance.accepted_delay_s
+        rest = _rest_scenario(state, allowed)
+        nodes = _nodes(state, rest.line.length_m)
+        try:
+            task = prepare_task(rest, float(np.sqrt(state.speed2)), 0.0, nodes)
+        except InfeasibleLineError:
+            if state.speed2 <= STANDING_SPEED2:
+                raise
+            return self._brake_at_once(state, nodes)
+        try:
+            return replace(leg_of(run_strategy(task, rest.strategy)), scenario=state.scenario)
+        except TimetableError:
+            return replace(leg_of(run_strategy(task, "fastest")), scenario=state.scenario)
+
+    def _brake_at_once(self, state: _State, nodes: FloatArray) -> Leg:
+        """Brake fully until all that lies ahead can be kept again, or to a stand beyond a stop."""
+        course = build_course(state.scenario, float(np.sqrt(state.speed2)), 0.0, nodes)
+        run, way = fully_braked(course.data, state.speed2)
+        stands = np.inf if np.isnan(way) else state.position_m + way
+        missed = [
+            station for station in state.scenario.line.inner_stations if state.position_m < station.position_m < stands
+        ]
+        scenario, dwell = state.scenario, 0.0
+        if not missed:
+            envelope = braking_envelope(course)
+            slow = np.flatnonzero((run <= envelope * (1 + 1e-9)) & (run > 0))
+            if not len(slow):
+                raise InfeasibleLineError(f"From {state.position_m:.0f} m on the brakes cannot keep what lies ahead.")
+            end = int(slow[0])
+            if run[0] > envelope[0] * (1 + ROUNDING_SHARE):
+                self.notes.append(
+                    f"A limit becomes known too late: only at {nodes[end]:.0f} m the train is slow enough."
+                )
+            leg = Leg(scenario, nodes[: end + 1], run[: end + 1], np.zeros(end + 1))
+            return self._and_the_rest(leg, state)
+        if stands - missed[0].position_m <= ROUNDING_M:
+            return self._and_the_rest(_shortened(scenario, nodes, run, missed[0]), state)
+        if not np.isfinite(stands):
+            raise InfeasibleLineError(f"From {state.position_m:.0f} m on the brakes do not stop the train on the line.")
+        for station in missed:
+            dwell += station.dwell_s
+        names = ", ".join(f"{station.position_m:.0f} m" for station in missed)
+        self.notes.append(f"The stop at {names} becomes known too late: the train stands at {stands:.1f} m.")
+        kept = tuple(station for station in scenario.line.stations if not any(station is one for one in missed))
+        scenario = replace_line(scenario, scenario.line.model_copy(update={"stations": kept}))
+        inside = nodes[nodes < stands - SAME_PLACE_M]
+        places = np.append(inside, stands)
+        leg = Leg(scenario, places, np.append(run[: len(inside)], 0.0), _dwell_at_end(places, dwell))
+        return self._and_the_rest(leg, replace(state, scenario=scenario))
+
+
+def _shortened(scenario: Scenario, nodes: FloatArray, run: FloatArray, station: Station) -> Leg:
+    """Return full braking that would end just beyond a stop, ended there."""
+    places = np.append(nodes[nodes < station.position_m - SAME_PLACE_M], station.position_m)
+    speed2 = np.interp(places, nodes, run)
+    speed2 -= speed2[-1] * (places - places[0]) / (places[-1] - places[0])
+    return Leg(scenario, places, speed2, _dwell_at_end(places, station.dwell_s))
+
+
+def event_words(event: Event) -> str:
+    """Return what an event is, in a few words."""
+    if isinstance(event, UnplannedStop):
+        return f"stop of {event.duration_s:g} s at {event.position_m:g} m"
+    if isinstance(event, UnplannedLimit):
+        return f"limit of {event.limit_kmh:g} km/h from {event.from_m:g} to {event.to_m:g} m"
+    if isinstance(event, VoltageChange):
+        return f"line voltage {100 * event.line_voltage_factor:g} %"
+    assert isinstance(event, RecuperationChange)
+    return f"recuperation {100 * event.recuperation_factor:g} %"
+
+
+def replace_line(scenario: Scenario, line: object) -> Scenario:
+    """Return a scenario with another line."""
+    return scenario.model_copy(update={"line": line})
+
+
+def _is_foreseeable(event: Event) -> bool:
+    return isinstance(event, UnplannedStop | UnplannedLimit)
+
+
+def _knowing(state: _State, event: Event) -> _State:
+    """Return a state in which an event is known."""
+    scenario, line = state.scenario, state.scenario.line
+    if isinstance(event, UnplannedStop):
+        added = Station(position_m=event.position_m, dwell_s=event.duration_s)
+        stations = tuple(sorted((*line.stations, added), key=lambda station: station.position_m))
+        return replace(state, scenario=replace_line(scenario, line.model_copy(update={"stations": stations})))
+    if isinstance(event, UnplannedLimit):
+        limit = SpeedLimit(from_m=event.from_m, to_m=event.to_m, limit_kmh=event.limit_kmh)
+        limits = (*line.speed_limits, limit)
+        return replace(state, scenario=replace_line(scenario, line.model_copy(update={"speed_limits": limits})))
+    vehicle = scenario.vehicle
+    if isinstance(event, VoltageChange):
+        vehicle = at_voltage(vehicle, event.line_voltage_factor)
+    elif isinstance(event, RecuperationChange):
+        drive = vehicle.drive.model_copy(update={"recuperation_factor": event.recuperation_factor})
+        vehicle = changed(vehicle, drive=drive)
+    return replace(state, scenario=scenario.model_copy(update={"vehicle": vehicle}))
+
+
+def _rest_scenario(state: _State, allowed_time_s: float) -> Scenario:
+    """Return the scenario of what is left: the stations ahead, and the time that remains."""
+    line = state.scenario.line
+    ahead = tuple(station for station in line.stations if station.position_m > state.position_m + SAME_PLACE_M)
+    left = max(allowed_time_s - state.time_s, 1e-3)
+    return state.scenario.model_copy(
+        update={
+            "line": line.model_copy(update={"stations": ahead}),
+            "timetable": Timetable(travel_time_s=left),
+        }
+    )
+
+
+def _nodes(state: _State, end_m: float) -> FloatArray:
+    """Return the nodes of what is left up to a place [m], finer where the train starts or stops."""
+    mesh = line_mesh(state.scenario.line, state.scenario.solver.mesh_m)
+    inside = mesh[(mesh > state.position_m + 1e-3) & (mesh < end_m - 1e-3)]
+    return np.concatenate([[state.position_m], inside, [end_m]])
+
+
+def _rest_of(plan: Leg, state: _State) -> Leg:
+    """Return what is left of a plan."""
+    beyond = plan.position_m > state.position_m + SAME_PLACE_M
+    return Leg(
+        plan.scenario,
+        np.append(state.position_m, plan.position_m[beyond]),
+        np.append(state.speed2, plan.speed2[beyond]),
+        np.append(0.0, plan.dwell_s[beyond]),
+    )
+
+
+def _kept(rest: Leg, state: _State) -> Leg:
+    """Return the rest of a plan as a train with another voltage or recuperation keeps to it."""
+    ends = [*np.flatnonzero(rest.dwell_s > 0).tolist(), len(rest.position_m) - 1]
+    speed2 = rest.speed2.copy()
+    first = 0
+    for last in dict.fromkeys(ends):
+        if last > first:
+            course = build_course(state.scenario, position_m=rest.position_m[first : last + 1])
+            driven, stand = follow_cells(course.data, rest.speed2[first : last + 1], 0.0, float(speed2[first]))
+            if stand >= 0:
+                raise InfeasibleLineError(f"At {course.position_m[stand]:.0f} m the train comes to a stand.")
+            speed2[first : last + 1] = driven
+        first = last
+    return replace(rest, scenario=state.scenario, speed2=speed2)
+
+
+def _dwell_at_end(nodes: FloatArray, dwell_s: float) -> FloatArray:
+    dwell = np.zeros(len(nodes))
+    dwell[-1] = dwell_s
+    return dwell
+
+
+def _require_events_on_the_line(scenario: Scenario) -> None:
+    """Raise ScenarioError for events outside the line and stops at one place."""
+    disturbance, length = scenario.disturbance, scenario.line.length_m
+    if disturbance.coordinate_error_m != 0:
+        raise ScenarioError(
+            f"disturbance.coordinate_error_m = {disturbance.coordinate_error_m:g} must be 0 where a train meets stops, "
+            "limits or other voltages: it is simulated for followed plans alone."
+        )
+    for index, stop in enumerate(disturbance.stops):
+        if stop.position_m > length - SHORTEST_DISTANCE_M:
+            raise ScenarioError(
+                f"disturbance.stops[{index}].position_m = {stop.position_m:g} must lie before the end of the line "
+                f"at {length:g} m."
+            )
+    for index, limit in enumerate(disturbance.speed_limits):
+        if limit.from_m >= length:
+            raise ScenarioError(
+                f"disturbance.speed_limits[{index}].from_m = {limit.from_m:g} must lie before the end of the line "
+                f"at {length:g} m."
+            )
+    places = [stop.position_m for stop in disturbance.stops]
+    places += [station.position_m for station in scenario.line.in_running_order().inner_stations]
+    if any(later - earlier < SHORTEST_DISTANCE_M for earlier, later in pairwise(sorted(places))):
+        raise ScenarioError(
+            f"disturbance.stops must be at least {SHORTEST_DISTANCE_M:g} m apart from one another and from stations."
+        )

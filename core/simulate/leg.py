@@ -1,0 +1,146 @@
+"""A part of a run as places and speeds, which can be cut, joined to others, and made a trajectory."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.energy import Energy, total_energy
+from railjoule.core.motion import build_course
+from railjoule.core.scenario import Scenario
+from railjoule.core.trajectory import Trajectory, make_trajectory
+
+SAME_PLACE_M = 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """A part of a run, driven by one vehicle.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The vehicle, and the line with what is known of it.
+    position_m, speed2 : array of shape (n + 1,)
+        Nodes [m] and squares of speed there [m2/s2].
+    dwell_s : array of shape (n + 1,)
+        How long the train stands at each node [s].
+    """
+
+    scenario: Scenario
+    position_m: FloatArray
+    speed2: FloatArray
+    dwell_s: FloatArray
+
+    @property
+    def arrival_s(self) -> FloatArray:
+        """Time of arrival at each node from the leg's start [s]; shape (n + 1,)."""
+        speed = np.sqrt(self.speed2)
+        duration = 2 * np.diff(self.position_m) / (speed[1:] + speed[:-1])
+        arrival: FloatArray = np.append(0.0, np.cumsum(duration + self.dwell_s[:-1]))
+        return arrival
+
+    @property
+    def duration_s(self) -> float:
+        """Time of the whole leg, dwells included [s]."""
+        return float(self.arrival_s[-1] + self.dwell_s[-1])
+
+    def place_at(self, time_s: float) -> float:
+        """Return where the train is at a time from the leg's start [m]; in a dwell, where it stands."""
+        arrival = self.arrival_s
+        node = int(np.searchsorted(arrival, time_s, side="right")) - 1
+        if node >= len(arrival) - 1:
+            return float(self.position_m[-1])
+        since = time_s - arrival[node] - self.dwell_s[node]
+        if since <= 0:
+            return float(self.position_m[node])
+        length = self.position_m[node + 1] - self.position_m[node]
+        before, after = np.sqrt(self.speed2[node]), np.sqrt(self.speed2[node + 1])
+        acceleration = (after**2 - before**2) / (2 * length)
+        return float(
+            min(self.position_m[node] + (before + 0.5 * acceleration * since) * since, self.position_m[node + 1])
+        )
+
+    def until(self, place_m: float) -> "Leg":
+        """Return the part up to a place [m], its dwell there included."""
+        last = int(np.searchsorted(self.position_m, place_m + SAME_PLACE_M, side="right")) - 1
+        if place_m - self.position_m[last] <= SAME_PLACE_M:
+            return replace(
+                self,
+                position_m=self.position_m[: last + 1],
+                speed2=self.speed2[: last + 1],
+                dwell_s=self.dwell_s[: last + 1],
+            )
+        speed2 = np.interp(place_m, self.position_m, self.speed2)
+        return replace(
+            self,
+            position_m=np.append(self.position_m[: last + 1], place_m),
+            speed2=np.append(self.speed2[: last + 1], speed2),
+            dwell_s=np.append(self.dwell_s[: last + 1], 0.0),
+        )
+
+    def then(self, other: "Leg") -> "Leg":
+        """Return this leg and one of the same vehicle that begins where this one ends."""
+        return Leg(
+            other.scenario,
+            np.append(self.position_m, other.position_m[1:]),
+            np.append(self.speed2, other.speed2[1:]),
+            np.concatenate([self.dwell_s[:-1], [self.dwell_s[-1] + other.dwell_s[0]], other.dwell_s[1:]]),
+        )
+
+    def effort_at(self, place_m: float) -> float:
+        """Return the effort at the wheels just before a place [N]; braking is negative."""
+        cell = int(np.clip(np.searchsorted(self.position_m, place_m, side="left") - 1, 0, len(self.position_m) - 2))
+        nodes = slice(cell, cell + 2)
+        course = build_course(self.scenario, position_m=self.position_m[nodes])
+        return float(course.net_force_n(self.speed2[nodes])[0])
+
+    def trajectory(self, strategy: str) -> Trajectory:
+        """Return the trajectory of this leg."""
+        course = build_course(self.scenario, position_m=self.position_m)
+        sparing = np.zeros(course.cell_count) if course.data.friction_effort_n > 0 else None
+        return make_trajectory(self.scenario, replace(course, dwell_s=self.dwell_s), strategy, self.speed2, sparing)
+
+
+def leg_of(run: Trajectory) -> Leg:
+    """Return the leg of a trajectory."""
+    standing = np.diff(run.position_m) == 0
+    kept = np.append(True, ~standing)
+    dwell = np.zeros(len(run.position_m))
+    dwell[:-1][standing] = np.diff(run.time_s)[standing]
+    return Leg(run.scenario, run.position_m[kept], run.speed_ms[kept] ** 2, dwell[kept])
+
+
+def joined(legs: Sequence[Leg], scenario: Scenario, strategy: str) -> Trajectory:
+    """Return one trajectory of legs that follow one another, whose vehicles may differ."""
+    runs = [leg.trajectory(strategy) for leg in legs if len(leg.position_m) > 1]
+    first = runs[0]
+    for run in runs[1:]:
+        first = _two_joined(first, run)
+    return replace(first, scenario=scenario)
+
+
+def _two_joined(one: Trajectory, other: Trajectory) -> Trajectory:
+    """Return two trajectories as one; the second begins where and when the first ends."""
+
+    def cells(name: str) -> FloatArray:
+        return frozen_array(np.append(getattr(one, name), getattr(other, name)))
+
+    has_current = one.current_a is not None and other.current_a is not None
+    energy: Energy = total_energy([one.energy, other.energy])
+    return replace(
+        one,
+        position_m=frozen_array(np.append(one.position_m, other.position_m[1:])),
+        speed_ms=frozen_array(np.append(one.speed_ms, other.speed_ms[1:])),
+        time_s=frozen_array(np.append(one.time_s, one.time_s[-1] + other.time_s[1:])),
+        line_energy_j=frozen_array(np.append(one.line_energy_j, one.line_energy_j[-1] + other.line_energy_j[1:])),
+        tractive_effort_n=cells("tractive_effort_n"),
+        electric_braking_n=cells("electric_braking_n"),
+        friction_braking_n=cells("friction_braking_n"),
+        largest_effort_n=cells("largest_effort_n"),
+        line_power_w=cells("line_power_w"),
+        current_a=cells("current_a") if has_current else None,
+        gradient_permille=cells("gradient_permille"),
+        energy=energy,
+    )
