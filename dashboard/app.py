@@ -7,6 +7,7 @@ import panel as pn
 
 from railjoule.core import RailjouleError
 from railjoule.dashboard.browser import Browser
+from railjoule.dashboard.disturbances import Disturbances
 from railjoule.dashboard.health import HealthHandler
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.workbench import Workbench
@@ -20,6 +21,7 @@ from railjoule.dashboard.store import (
     compute_runs,
     compute_trade_off,
 )
+from railjoule.dashboard.views.disturbances import DisturbancesView
 from railjoule.dashboard.views.drive import DriveView
 from railjoule.dashboard.views.robustness import RobustnessView
 from railjoule.dashboard.views.shell import Page, Shell
@@ -31,8 +33,13 @@ pn.extension("plotly", notifications=False)
 POLL_MS = 300
 EXTRA_PATTERNS = [("/health", HealthHandler)]
 SLIDERS = ("load_percent", "recuperation_percent")
-View = DriveView | TradeOffView | RobustnessView
-VIEWS: dict[str, type[View]] = {"Drive": DriveView, "Trade-off": TradeOffView, "Robustness": RobustnessView}
+View = DriveView | TradeOffView | RobustnessView | DisturbancesView
+VIEWS: dict[str, type[View]] = {
+    "Drive": DriveView,
+    "Trade-off": TradeOffView,
+    "Robustness": RobustnessView,
+    "Disturbances": DisturbancesView,
+}
 """What draws each page."""
 
 
@@ -46,6 +53,7 @@ class Session:
         self.runs = Worker(compute_runs, self._take_runs, self._take_failure)
         self.trade_off = Worker(compute_trade_off, self._take_trade_off, self._take_failure)
         self.robustness = Robustness(self.state)
+        self.disturbances = Disturbances(self.state)
         self.views: dict[str, View] = {}
         self.shell = Shell(self.state, self.browser, {name: self._make(view) for name, view in VIEWS.items()})
         scenario = self.state.scenario
@@ -54,12 +62,17 @@ class Session:
         self.state.param.watch(self._ask_runs, ["ticked", "chosen"])
         self.state.param.watch(self._ask_trade_off, ["page", "wide_map", "copper_weight"])
         self.state.param.watch(self._paint, "dark")
-        pn.state.on_session_destroyed(lambda _: self.robustness.end())
+        pn.state.on_session_destroyed(lambda _: self._end())
         self.shell.open()
         if warmup().ready.is_set():
             # a page that is sent with its first run is there a second earlier than one that asks for it
             self.runs.do(self._wish())
         pn.state.onload(self._load)
+
+    def _end(self) -> None:
+        """End what still runs: the page is gone."""
+        self.robustness.end()
+        self.disturbances.end()
 
     def _make(self, view: type[View]) -> Callable[[], pn.viewable.Viewable]:
         def make() -> pn.viewable.Viewable:

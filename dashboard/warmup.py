@@ -14,6 +14,7 @@ from numba.core.dispatcher import Dispatcher
 
 from railjoule.core import compare, load_scenario
 from railjoule.core.scenario import Scenario
+from railjoule.core.simulate.disturbances import simulate_disturbances
 from railjoule.core.simulate.following import simulate_following
 
 LOG = logging.getLogger(__name__)
@@ -37,7 +38,8 @@ class Warmup:
         try:
             for scenario in scenarios():
                 compare(scenario)
-                simulate_following(scenario)
+            simulate_following(load_scenario(SCENARIOS[0]))
+            simulate_disturbances(load_scenario("tram-950m-stop"))
         except Exception:
             LOG.exception("the kernels could not be compiled")
         finally:

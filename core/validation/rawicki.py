@@ -5,13 +5,15 @@ needs a little less energy than his law. Here the runs are planned with his, and
 """
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
 from railjoule.core.phase_planning.plan import PhasePlan
 from railjoule.core.phase_planning.planner import PhasePlanner
 from railjoule.core.scenario import Vehicle, load_scenario
+from railjoule.core.scenario.disturbance import Reaction
+from railjoule.core.simulate.disturbances import simulate_disturbances
 from railjoule.core.strategies import solve
 from railjoule.core.units import J_PER_KWH
 from railjoule.core.validation.papers import citation, errata, printed_numbers
@@ -56,6 +58,7 @@ def validate_rawicki() -> Validation:
             planned_phases(vehicle, paper),
             free_current(vehicle, paper, distance, time),
             driven_phases(vehicle, paper),
+            replanned(),
             nameplate(vehicle, paper["nameplate"]),
             parameters(vehicle, identification),
             claims(paper),
@@ -102,6 +105,21 @@ def planned_phases(vehicle: Vehicle, paper: Printed) -> Table:
                 Row(case, "v at its start", "m/s", printed["start_ms"], own.start_ms, FLAT),
             ]
     return Table("Phases of part II as planned by us, 650 m in 56.01 s", tuple(rows), "below Figs. 3 and 4")
+
+
+def replanned() -> Table:
+    """Return the ride with the stop as driver and computer replan it on the way; the paper prints the driver's."""
+    rows = []
+    for recuperation in (0.0, 1.0):
+        scenario = load_scenario("tram-950m-stop").with_(**{"drive.recuperation_factor": recuperation})
+        for reaction in get_args(Reaction):
+            ride = simulate_disturbances(scenario, reaction)
+            case = f"kr = {recuperation:g}, {reaction}"
+            rows += [
+                Row(case, "En", "kWh", None, ride.actual.energy_kwh),
+                Row(case, "late", "s", None, ride.delay_s),
+            ]
+    return Table("The ride replanned on the way, ours alone", tuple(rows))
 
 
 def free_current(vehicle: Vehicle, paper: Printed, distance_m: float, running_time_s: float) -> Table:

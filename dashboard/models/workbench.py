@@ -7,11 +7,12 @@ import param
 from railjoule.core import RailjouleError, Trajectory
 from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
+from railjoule.dashboard.models.disturbances import DisturbancesModel
 from railjoule.dashboard.models.robustness import RobustnessModel
 from railjoule.dashboard.models.scenario import ScenarioModel
 from railjoule.dashboard.store import Runs, TradeOff
 
-PAGES = ("Drive", "Trade-off", "Robustness")
+PAGES = ("Drive", "Trade-off", "Robustness", "Disturbances")
 
 
 class Workbench(param.Parameterized):
@@ -35,7 +36,14 @@ class Workbench(param.Parameterized):
     def __init__(self, **params: Any) -> None:
         self.scenario = ScenarioModel()
         self.robustness = RobustnessModel()
+        self.disturbances = DisturbancesModel()
         super().__init__(**params)
+        self.scenario.param.watch(self._take_strategy, ["preset", "opened"])
+
+    def _take_strategy(self, *_: Any) -> None:
+        """Show the strategy that a scenario's file names."""
+        if self.scenario.base.strategy in STRATEGIES:
+            self.chosen = self.scenario.base.strategy
 
     @property
     def drawn(self) -> tuple[StrategyName, ...]:

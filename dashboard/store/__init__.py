@@ -1,5 +1,12 @@
 """What the workbench computes: the only place of the dashboard that asks the core to solve."""
 
+from railjoule.dashboard.store.disturbances import (
+    LateArrivals,
+    Rides,
+    RidesWish,
+    compute_late_arrivals,
+    compute_rides,
+)
 from railjoule.dashboard.store.robustness import (
     Reality,
     RealityWish,
@@ -14,8 +21,11 @@ from railjoule.dashboard.store.worker import Study, Worker
 
 __all__ = [
     "EnocMap",
+    "LateArrivals",
     "Reality",
     "RealityWish",
+    "Rides",
+    "RidesWish",
     "Runs",
     "RunsWish",
     "Study",
@@ -24,7 +34,9 @@ __all__ = [
     "TradeOffWish",
     "Worker",
     "compute_chance",
+    "compute_late_arrivals",
     "compute_reality",
+    "compute_rides",
     "compute_runs",
     "compute_table",
     "compute_trade_off",

@@ -40,14 +40,16 @@ class TypedNumber:
         Decimals in the text field.
     unit : str
         Unit in the sentence about what was kept.
+    of : str
+        What the number belongs to, where the label alone does not tell; for those who listen.
     """
 
-    def __init__(self, model: Numbers, field: str, label: str, *, digits: int, unit: str) -> None:
+    def __init__(self, model: Numbers, field: str, label: str, *, digits: int, unit: str, of: str = "") -> None:
         self.model, self.field, self.label, self.digits, self.unit = model, field, label, digits, unit
         self._quiet = False
         number = getattr(model, field)
         self.text = pmui.TextInput(
-            label=f"{label}, as a number",
+            label=f"{of}{label}, as a number",
             value="" if number is None else words.number(number, digits),
             variant="standard",
             size="small",

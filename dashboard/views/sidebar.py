@@ -15,6 +15,7 @@ from railjoule.core.strategies.enoc import best_acceleration_time
 from railjoule.dashboard.look import words
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import Runs
+from railjoule.dashboard.views.events import EventFields
 from railjoule.dashboard.views.fields import NumberField
 from railjoule.dashboard.views.parts import Words, html_pane, swatch
 from railjoule.dashboard.views.reality import RealityFields
@@ -82,6 +83,7 @@ class Sidebar:
         self.vehicle = html_pane()
         self.enoc = EnocField(state)
         self.reality = RealityFields(state)
+        self.events = EventFields(state)
         self.line = html_pane()
         self.strategies = StrategyList(state)
         self.changed = html_pane()
@@ -99,6 +101,7 @@ class Sidebar:
             self.recuperation.view,
             self.enoc.view,
             self.reality.view,
+            self.events.view,
             self.line,
             html_pane('<hr class="rule">'),
             self.strategies.view,

@@ -7,7 +7,7 @@ from railjoule.core.validation import PAPERS, validate_rawicki
 from railjoule.core.validation.papers import printed_numbers
 
 VALIDATION = validate_rawicki()
-FIGURES, PLANNED, OTHERS, DRIVEN, NAMEPLATE, PARAMETERS, STRATEGY = VALIDATION.tables
+FIGURES, PLANNED, OTHERS, DRIVEN, REPLANNED, NAMEPLATE, PARAMETERS, STRATEGY = VALIDATION.tables
 
 
 def rows(*tables, **wanted):
@@ -58,6 +58,20 @@ def test_figures_are_those_of_the_findings(case, energy_kwh):
 def test_part_two_is_that_of_the_findings(case, energy_kwh):
     ours = next(row.ours for row in FIGURES.rows if row.case == case and row.quantity == "En of part II")
     assert ours == pytest.approx(energy_kwh, rel=3e-3)
+
+
+@pytest.mark.parametrize(
+    ("case", "energy_kwh"),
+    [
+        ("kr = 0, driver", 2.2641),
+        ("kr = 0, computer", 2.1949),
+        ("kr = 1, driver", 1.4250),
+        ("kr = 1, computer", 1.4066),
+    ],
+)
+def test_the_replanned_ride_is_that_of_the_findings(case, energy_kwh):
+    ours = next(row.ours for row in REPLANNED.rows if row.case == case and row.quantity == "En")
+    assert ours == pytest.approx(energy_kwh, rel=5e-3)
 
 
 @pytest.mark.parametrize("row", rows(OTHERS))

@@ -1,0 +1,72 @@
+"""The work behind the page Disturbances: what is asked for when, and where its results go."""
+
+from typing import Any
+
+from railjoule.core import RailjouleError
+from railjoule.dashboard.models.disturbances import EventModel
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.store import (
+    LateArrivals,
+    Rides,
+    RidesWish,
+    Study,
+    Worker,
+    compute_late_arrivals,
+    compute_rides,
+)
+
+PLAN = ("travel_time_s", "load_percent", "recuperation_percent")
+NUMBERS = ("position_m", "to_m", "duration_s", "limit_kmh", "share_percent", "noticed_at_m")
+
+
+class Disturbances:
+    """Asks for the rides of one page, then for what later arrivals save, while it is in sight."""
+
+    def __init__(self, state: Workbench) -> None:
+        self.state, self.model = state, state.disturbances
+        self.rides = Worker(compute_rides, self._take_rides, self._take_failure)
+        self.late = Study(compute_late_arrivals, self._take_late, self._take_failure)
+        self._asked: RidesWish | None = None
+        self._watched: list[EventModel] = []
+        state.scenario.param.watch(self._take_scenario, ["preset", "opened"])
+        state.scenario.param.watch(self._ask, list(PLAN))
+        state.param.watch(self._ask, ["page", "chosen"])
+        self.model.param.watch(self._watch_events, "events")
+        self.model.param.watch(self._ask, ["accepted_delay_s", "changed"])
+        self._take_scenario()
+
+    def end(self) -> None:
+        """End the study: the page is gone."""
+        self.late.stop()
+
+    def _take_scenario(self, *_: Any) -> None:
+        self.model.take(self.state.scenario.base)
+
+    def _watch_events(self, *_: Any) -> None:
+        """Listen to events that are new, then ask."""
+        for event in self.model.events:
+            if not any(event is known for known in self._watched):
+                event.param.watch(lambda *_: self.model.param.trigger("changed"), list(NUMBERS))
+        self._watched = list(self.model.events)
+        self._ask()
+
+    def _ask(self, *_: Any) -> None:
+        if self.state.page != "Disturbances":
+            return
+        changes = {"strategy": self.state.chosen, "disturbance.coordinate_error_m": 0.0, **self.model.changes}
+        wish = RidesWish(self.state.scenario.scenario(), changes)
+        if wish != self._asked:
+            self._asked = wish
+            self.late.stop()
+            self.rides.ask(wish)
+
+    def _take_rides(self, rides: Rides) -> None:
+        self.model.param.update(rides=rides, failure=None)
+        if self._asked is not None:
+            self.late.ask(self._asked)
+
+    def _take_late(self, late: LateArrivals, last: bool) -> None:
+        self.model.late = late
+
+    def _take_failure(self, failure: RailjouleError) -> None:
+        self.model.failure = failure

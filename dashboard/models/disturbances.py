@@ -1,0 +1,116 @@
+"""What the page Disturbances asks for: the events on the way, and the delay that is accepted."""
+
+from collections.abc import Mapping
+from typing import Any, get_args
+
+import param
+
+from railjoule.core import RailjouleError, Scenario
+from railjoule.core.scenario.disturbance import Event, Reaction, UnplannedLimit, UnplannedStop, VoltageChange
+from railjoule.dashboard.models.numbers import parse_number
+from railjoule.dashboard.store import LateArrivals, Rides
+
+REACTIONS: tuple[Reaction, ...] = get_args(Reaction)
+KINDS = ("stop", "limit", "voltage", "recuperation")
+TABLES = {
+    "stop": "stops",
+    "limit": "speed_limits",
+    "voltage": "voltage_changes",
+    "recuperation": "recuperation_changes",
+}
+"""Kinds of events, and where they stand in the file."""
+FIRST_PLACE, NOTICE_BEFORE_M, FIRST_LIMIT_M = 1 / 3, 230.0, 100.0
+"""A new stop stands here as a share of the way; an event is noticed this far ahead; a new limit is this long [m]."""
+LONGEST_M = 1e7
+
+
+class EventModel(param.Parameterized):
+    """One event, in the units that the page shows."""
+
+    kind = param.Selector(default="stop", objects=list(KINDS), doc="What happens.")
+    position_m = param.Number(default=300.0, bounds=(1.0, LONGEST_M), doc="Where, m")
+    to_m = param.Number(default=400.0, bounds=(1.0, LONGEST_M), doc="Until, m")
+    duration_s = param.Number(default=5.0, bounds=(0.0, 86_400.0), doc="Stands, s")
+    limit_kmh = param.Number(default=30.0, bounds=(1.0, 600.0), doc="Limit, km/h")
+    share_percent = param.Number(default=80.0, bounds=(0.0, 200.0), doc="Share, %")
+    noticed_at_m = param.Number(default=70.0, bounds=(0.0, LONGEST_M), doc="Noticed at, m")
+
+    def parse(self, field: str, text: str) -> float:
+        """Return the number that a text gives for a field; raises ValueError with a sentence about its bound."""
+        return parse_number(text, self.param[field].bounds)
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """The event as in the file."""
+        noticed = {"noticed_at_m": float(self.noticed_at_m)}
+        if self.kind == "stop":
+            return {"position_m": float(self.position_m), "duration_s": float(self.duration_s), **noticed}
+        if self.kind == "limit":
+            places = {"from_m": float(self.position_m), "to_m": float(self.to_m)}
+            return {**places, "limit_kmh": float(self.limit_kmh), **noticed}
+        key = "line_voltage_factor" if self.kind == "voltage" else "recuperation_factor"
+        return {key: self.share_percent / 100, **noticed}
+
+
+class DisturbancesModel(param.Parameterized):
+    """The events of the page and their results."""
+
+    events = param.List(default=[], item_type=EventModel, doc="What happens on the way.")
+    accepted_delay_s = param.Number(default=0.0, bounds=(0.0, 3600.0), doc="Accepted delay, s")
+    dropping = param.Selector(default="stop", objects=["stop", "limit"], doc="What a press on the line drops.")
+
+    rides = param.ClassSelector(class_=Rides, default=None, allow_None=True, doc="The last good rides.")
+    late = param.ClassSelector(class_=LateArrivals, default=None, allow_None=True, doc="Energy over lateness so far.")
+    failure = param.ClassSelector(
+        class_=RailjouleError, default=None, allow_None=True, doc="Why the last wish could not be met."
+    )
+    changed = param.Event(doc="An event has other numbers.")
+
+    def take(self, scenario: Scenario) -> None:
+        """Take over the events of a scenario's file; a stop on the way where it names none."""
+        events = [event_model(event) for event in scenario.disturbance.events]
+        if not events:
+            place = float(round(FIRST_PLACE * scenario.line.length_m))
+            events = [EventModel(kind="stop", position_m=place, noticed_at_m=max(place - NOTICE_BEFORE_M, 0.0))]
+        self.param.update(events=events, accepted_delay_s=scenario.disturbance.accepted_delay_s)
+
+    def drop(self, kind: str, place_m: float) -> None:
+        """Add an event of a kind at a place."""
+        place = float(max(round(place_m), 1))
+        event = EventModel(
+            kind=kind,
+            position_m=place,
+            to_m=place + FIRST_LIMIT_M,
+            noticed_at_m=max(place - NOTICE_BEFORE_M, 0.0) if kind in {"stop", "limit"} else place,
+        )
+        self.events = [*self.events, event]
+
+    def remove(self, event: EventModel) -> None:
+        """Take an event away."""
+        self.events = [other for other in self.events if other is not event]
+
+    def parse(self, field: str, text: str) -> float:
+        """Return the number that a text gives for a field; raises ValueError with a sentence about its bound."""
+        return parse_number(text, self.param[field].bounds)
+
+    @property
+    def changes(self) -> Mapping[str, Any]:
+        """The events by the keys of the file."""
+        tables: dict[str, Any] = {f"disturbance.{table}": [] for table in TABLES.values()}
+        for event in self.events:
+            tables[f"disturbance.{TABLES[event.kind]}"].append(event.document)
+        return {**tables, "disturbance.accepted_delay_s": float(self.accepted_delay_s)}
+
+
+def event_model(event: Event) -> EventModel:
+    """Return the page's model of an event of a file."""
+    noticed = {"noticed_at_m": event.noticed_at_m or 0.0}
+    if isinstance(event, UnplannedStop):
+        return EventModel(kind="stop", position_m=event.position_m, duration_s=event.duration_s, **noticed)
+    if isinstance(event, UnplannedLimit):
+        return EventModel(
+            kind="limit", position_m=max(event.from_m, 1.0), to_m=event.to_m, limit_kmh=event.limit_kmh, **noticed
+        )
+    if isinstance(event, VoltageChange):
+        return EventModel(kind="voltage", share_percent=100 * event.line_voltage_factor, **noticed)
+    return EventModel(kind="recuperation", share_percent=100 * event.recuperation_factor, **noticed)  # type: ignore[attr-defined]

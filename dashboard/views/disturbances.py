@@ -1,0 +1,206 @@
+"""Disturbances: events on the way, who reacts how, and what catching up costs."""
+
+from functools import partial
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+from railjoule.core import Trajectory
+from railjoule.core.scenario.disturbance import Reaction
+from railjoule.dashboard.browser import Browser
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.store import Rides
+from railjoule.dashboard.views import parts
+from railjoule.dashboard.views.charts import Axis, Chart, bring_into_sight
+from railjoule.dashboard.views.failures import failure_words
+from railjoule.dashboard.views.ride_charts import LateChart, RideEnergyChart, RideSpeedChart, saved_by
+
+WIDE_PX, NARROW_PX = 1600, 900
+HEIGHTS = {"ride_speed": (300, 380, 240), "ride_energy": (170, 200, 150), "late_arrival": (240, 280, 210)}
+"""Of each chart [px]: in usual, wide and narrow windows."""
+BODY_CSS = ":host { padding: 4px 20px 12px 14px; } @media (max-width: 899px) { :host { padding: 4px 10px 12px 6px; } }"
+LOWER_CSS = """
+:host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: 28px; align-items: start; }
+@media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); } }
+"""
+REACTION_WORDS: dict[Reaction, str] = {
+    "driver": "Driver",
+    "computer": "Computer",
+    "known": "Known before",
+}
+
+WHO = (
+    "The driver holds his speed or coasts on, brakes to the stop, then drives the best rest; the computer plans all of "
+    "the rest anew at the notice; who knows before plans for it from the start."
+)
+
+
+class DisturbancesView:
+    """The page of what happens on the way."""
+
+    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
+        self.state, self.browser, self.palette = state, browser, palette
+        self.model = model = state.disturbances
+        self.heading, self.figures, self.table, self.notes = (parts.html_pane() for _ in range(4))
+        self.message = parts.html_pane(visible=False)
+        self.dropping = pmui.RadioButtonGroup(
+            options={"Drop a stop": "stop", "Drop a limit": "limit"},
+            value=model.dropping,
+            size="small",
+            margin=(8, 8, 0, 20),
+            sx={"& .MuiToggleButton-root": {"whiteSpace": "nowrap"}},
+        )
+        self.over = pmui.RadioButtonGroup(
+            options={"Distance": False, "Time": True}, value=state.over_time, size="small", margin=(8, 20, 0, 0)
+        )
+        self.axis = Axis(palette)
+        self.speed = RideSpeedChart(HEIGHTS["ride_speed"][0], self.axis, palette, self._drop)
+        self.energy = RideEnergyChart(HEIGHTS["ride_energy"][0], self.axis, palette)
+        self.late = LateChart(HEIGHTS["late_arrival"][0], palette)
+        tools = pn.Row(self.dropping, pn.Spacer(sizing_mode="stretch_width"), self.over, margin=0)
+        tools.sizing_mode = "stretch_width"
+        lower = parts.stack(parts.stack(self.table, self.notes), self.late.place, css=LOWER_CSS)
+        body = parts.stack(self.speed.place, self.energy.place, lower, css=BODY_CSS)
+        self.view = parts.stack(self.heading, self.message, self.figures, tools, body)
+        self.dropping.param.watch(lambda event: setattr(model, "dropping", event.new), "value")
+        self.over.param.watch(lambda event: setattr(state, "over_time", event.new), "value")
+        state.param.watch(self._show, "over_time")
+        model.param.watch(self._show, ["rides", "failure"])
+        model.param.watch(self._show_late, "late")
+        browser.follow(["width"], self._fit)
+        browser.follow(["charts_in_sight"], self._sight)
+        self._fit()
+        self._sight()
+        self.redraw()
+
+    @property
+    def charts(self) -> tuple[Chart, ...]:
+        """All charts of the page."""
+        return self.speed, self.energy, self.late
+
+    def _drop(self, place_m: float) -> None:
+        self.model.drop(self.model.dropping, place_m)
+
+    def _fit(self) -> None:
+        width = self.browser.width
+        size = 1 if width >= WIDE_PX else 2 if width < NARROW_PX else 0
+        with pn.io.hold():
+            for chart in self.charts:
+                chart.resize(HEIGHTS[chart.name][size])
+
+    def _sight(self) -> None:
+        with pn.io.hold():
+            bring_into_sight(self.charts, self.browser.charts_in_sight)
+            self._settle_axis()
+
+    def _settle_axis(self) -> None:
+        if self.state.over_time:
+            self.axis.settle("s", 1)
+        else:
+            self.axis.settle("m", 0)
+
+    def redraw(self) -> None:
+        """Draw everything again, as after a change of theme."""
+        self._show()
+        self._show_late()
+
+    def _show(self, *_: Any) -> None:
+        rides = self.model.rides
+        with pn.io.hold():
+            self._show_failure()
+            if rides is None or self.state.page != "Disturbances":
+                return
+            over_time = self.state.over_time
+            runs = drawn(rides)
+            ends = [run.time_s[-1] if over_time else run.position_m[-1] for run in runs.values()]
+            self.axis.fit(float(max(ends)), roomy=False)
+            self.speed.show(partial(self.speed.draw, runs, list(self.model.events), over_time))
+            self.energy.show(partial(self.energy.draw, runs, over_time))
+            self._show_texts(rides)
+            self._settle_axis()
+
+    def _show_failure(self) -> None:
+        failure = self.model.failure
+        self.message.visible = failure is not None
+        if failure is not None:
+            shown = "Shown: the last rides that can be driven." if self.model.rides is not None else ""
+            self.message.object = parts.failure(*failure_words(failure), shown)
+
+    def _show_late(self, *_: Any) -> None:
+        late, rides = self.model.late, self.model.rides
+        if late is None or rides is None:
+            return
+        with pn.io.hold():
+            present = [(ride.delay_s, ride.actual.energy_kwh) for ride in rides.rides.values()]
+            self.late.show(partial(self.late.draw, late, present))
+            self.table.object = self._table(rides)
+
+    def _show_texts(self, rides: Rides) -> None:
+        planned = rides.undisturbed
+        scenario = planned.scenario
+        what = (
+            f"{words.number(planned.distance_m / 1000, 2)} km in {words.number(scenario.travel_time_s)} s, "
+            f"{len(self.model.events)} event{'' if len(self.model.events) == 1 else 's'} on the way, "
+            f"{words.STRATEGY_WORDS[planned.strategy].lower()} plans"
+        )
+        self.heading.object = parts.heading(scenario.title, what, "")
+        self.figures.object = parts.figures(self._cells(rides), self.model.failure is not None)
+        self.table.object = self._table(rides)
+        sentences = dict.fromkeys(note for ride in rides.rides.values() for note in ride.notes)
+        self.notes.object = "".join(f'<p class="note">{sentence}</p>' for sentence in (*sentences, WHO))
+
+    def _cells(self, rides: Rides) -> list[str]:
+        planned, driver, computer, known = rides.undisturbed, *(rides.rides[one] for one in REACTION_WORDS)
+        saved = 100 * (1 - computer.actual.energy_kwh / driver.actual.energy_kwh)
+        energy = f"{words.energy(driver.actual.energy_kwh)} kWh"
+        return [
+            parts.figure(
+                "The events cost the driver",
+                words.signed(100 * driver.overconsumption),
+                "%",
+                f"{energy}, undisturbed {words.energy(planned.energy_kwh)}",
+                "main",
+            ),
+            parts.figure("A computer saves", words.number(saved), "%", f"of the driver\u2019s {energy}"),
+            parts.figure("Known before", words.energy(known.actual.energy_kwh), "kWh", "planned from the start"),
+            parts.figure("Driver arrives", words.signed(driver.delay_s), "s", "against the timetable"),
+            parts.figure("Computer arrives", words.signed(computer.delay_s), "s", "against the timetable"),
+        ]
+
+    def _table(self, rides: Rides) -> str:
+        planned, late = rides.undisturbed, self.model.late
+        rows: list[tuple[tuple[str, ...], bool]] = [
+            (
+                (
+                    "Undisturbed",
+                    words.energy(planned.energy_kwh),
+                    "0",
+                    "0",
+                    words.number(planned.max_speed_kmh),
+                    "\u2013",
+                ),
+                False,
+            )
+        ]
+        for reaction, name in REACTION_WORDS.items():
+            ride = rides.rides[reaction]
+            saved = saved_by(late, reaction) if late is not None and reaction in late.energy_kwh else "\u2013"
+            cells = (
+                name,
+                words.energy(ride.actual.energy_kwh),
+                words.signed(100 * ride.overconsumption),
+                words.signed(ride.delay_s) if abs(ride.delay_s) >= 0.05 else "0",
+                words.number(ride.actual.max_speed_kmh),
+                saved,
+            )
+            rows.append((cells, reaction == "computer"))
+        header = ("Ride", "kWh", "more, %", "late, s", "top, km/h", "1 s saves, Wh")
+        return f'<div style="padding:0 6px">{parts.table("Who reacts", header, rows)}</div>'
+
+
+def drawn(rides: Rides) -> dict[str, Trajectory]:
+    """Return the runs to draw by the names of their lines."""
+    return {"undisturbed": rides.undisturbed, **{name: ride.actual for name, ride in rides.rides.items()}}

@@ -1,0 +1,92 @@
+"""The sidebar's part of Disturbances: the events one by one, and the delay that is accepted."""
+
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+from railjoule.dashboard.look import words
+from railjoule.dashboard.models.disturbances import EventModel
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.views.fields import NumberField, TypedNumber
+from railjoule.dashboard.views.parts import html_pane, stack
+
+FIELDS = {
+    "stop": (("position_m", "at, m", 0, "m"), ("duration_s", "stands, s", 0, "s")),
+    "limit": (("position_m", "from, m", 0, "m"), ("to_m", "to, m", 0, "m"), ("limit_kmh", "km/h", 0, "km/h")),
+    "voltage": (("share_percent", "of nominal, %", 0, "%"),),
+    "recuperation": (("share_percent", "taken back, %", 0, "%"),),
+}
+NOTICED = ("noticed_at_m", "noticed at, m", 0, "m")
+KIND_WORDS = {"stop": "Stop", "limit": "Limit", "voltage": "Line voltage", "recuperation": "Recuperation"}
+
+
+class EventFields:
+    """The fields of all events; in sight on Disturbances alone."""
+
+    def __init__(self, state: Workbench) -> None:
+        self.state, self.model = state, state.disturbances
+        self.list = stack()
+        self.delay = NumberField(
+            self.model, "accepted_delay_s", "Accepted delay, s", step=1, digits=0, unit="s", ends=(0, 60)
+        )
+        adders = [
+            pmui.Button(
+                label=f"+ {word.lower()}", variant="text", size="small", margin=(0, 2), on_click=self._adder(kind)
+            )
+            for kind, word in KIND_WORDS.items()
+        ]
+        self.view = stack(
+            html_pane('<div class="section">Events <span>\u00b7 press the line to drop one</span></div>'),
+            self.list,
+            pn.FlexBox(*adders, margin=(4, 8)),
+            self.delay.view,
+            html_pane('<hr class="rule">'),
+            visible=False,
+        )
+        self.model.param.watch(self._list_events, "events")
+        state.param.watch(self._show, "page")
+        self._list_events()
+
+    def _adder(self, kind: str) -> Any:
+        def add(_: Any) -> None:
+            self.model.drop(kind, self.state.scenario.base.line.length_m / 2)
+
+        return add
+
+    def _show(self, *_: Any) -> None:
+        self.view.visible = self.state.page == "Disturbances"
+
+    def _list_events(self, *_: Any) -> None:
+        self.list[:] = [self._rows(number, event) for number, event in enumerate(self.model.events, 1)]
+
+    def _rows(self, number: int, event: EventModel) -> pn.Column:
+        name = f"{number} {KIND_WORDS[event.kind]}"
+        fields = [
+            TypedNumber(event, field, label, digits=digits, unit=unit, of=f"{name}: ")
+            for field, label, digits, unit in (*FIELDS[event.kind], NOTICED)
+        ]
+        remove = pmui.IconButton(
+            icon="close",
+            size="small",
+            margin=0,
+            description=f"Remove {name}",
+            on_click=lambda _: self.model.remove(event),
+            color="default",
+        )
+        head = pn.Row(
+            html_pane(f'<div class="row"><b>{name}</b></div>', align="center"),
+            remove,
+            margin=(4, 8, 0, 0),
+            sizing_mode="stretch_width",
+        )
+        return stack(head, *(field.view for field in fields))
+
+
+def event_sign(event: EventModel) -> str:
+    """Return what a chart writes at an event."""
+    if event.kind == "stop":
+        return f"stop {words.number(event.duration_s, 0)} s"
+    if event.kind == "limit":
+        return f"limit {words.number(event.limit_kmh, 0)}"
+    return f"{KIND_WORDS[event.kind].lower()} {words.number(event.share_percent, 0)} %"

@@ -1,0 +1,58 @@
+"""Disturbances, as a user works with it."""
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import BrowserContext, expect
+
+from browser.server import Server
+from browser.user import User
+
+
+@pytest.fixture(scope="module")
+def user(server: Server, window: BrowserContext) -> Iterator[User]:
+    """One user, who stays on the page for all tests of this file."""
+    with User.on(window, server.url) as someone:
+        someone.turn_to("Disturbances")
+        yield someone
+
+
+def test_the_paper_s_ride(user: User) -> None:
+    user.choose("Tram, a signal at 300 m")
+    table = user.page.get_by_role("table").filter(has_text="1 s saves, Wh")
+    # 2.264 and 2.195 kWh with the tram of findings.md; the shipped one differs by half a per cent
+    expect(table).to_contain_text("Driver")
+    driver, computer = (
+        float(table.get_by_role("row").filter(has_text=name).get_by_role("cell").nth(1).inner_text())
+        for name in ("Driver", "Computer")
+    )
+    assert driver == pytest.approx(2.264, rel=0.01)
+    assert computer == pytest.approx(2.195, rel=0.01)
+    for chart in ("ride_speed", "ride_energy", "late_arrival"):
+        expect(user.page.locator(f".rj-chart-{chart} canvas").first).to_be_visible()
+
+
+def test_events_are_dropped_changed_and_removed(user: User) -> None:
+    user.choose("Metro, profile II")
+    chart = user.page.locator(".rj-chart-ride_speed canvas").first
+    box = chart.bounding_box()
+    assert box is not None
+    user.page.get_by_role("button", name="Drop a limit").click()
+    user.page.mouse.click(box["x"] + 0.7 * box["width"], box["y"] + 0.5 * box["height"])
+    expect(user.page.get_by_label("2 Limit: km/h, as a number")).to_have_value("30")
+    before = user.number("The events cost the driver")
+    user.type("1 Stop: stands, s", "25")
+    expect(user.figure_value("The events cost the driver")).not_to_have_text(before)
+    user.page.get_by_role("button", name="Remove 2 Limit").click()
+    expect(user.page.get_by_label("2 Limit: km/h, as a number")).to_have_count(0)
+    user.push("Accepted delay, s", 20)
+    expect(user.figure_value("Computer arrives")).to_have_text("+20.0s")
+
+
+def test_an_event_that_cannot_be_is_told(user: User) -> None:
+    user.choose("Metro, profile I")
+    user.type("1 Stop: at, m", "5000")
+    (alert,) = user.alerts()
+    assert "must lie before the end of the line" in alert
+    user.type("1 Stop: at, m", "400")
+    assert user.alerts() == []
