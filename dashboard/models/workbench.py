@@ -53,7 +53,9 @@ class Workbench(param.Parameterized):
     @property
     def chosen_now(self) -> StrategyName:
         """The strategy whose numbers are shown: the optimum where the chosen one refuses the scenario."""
-        return self.chosen if self.runs is not None and self.chosen in self.runs.runs else "optimal"
+        if self.runs is None or self.chosen in self.runs.runs:
+            return self.chosen
+        return next(name for name, run in self.runs.runs.items() if run is self.runs.best)
 
     @property
     def run(self) -> Trajectory | None:

@@ -4,7 +4,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from railjoule.core import Scenario, StrategyRefusedError, Trajectory
+from railjoule.core import Scenario, SolverError, StrategyRefusedError, Trajectory
 from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import Task, prepare_task, run_strategy
 from railjoule.core.strategies.bellman import ControlLaw, bellman_with_law
@@ -37,6 +37,13 @@ class Runs:
     refused: Mapping[StrategyName, str]
     law: ControlLaw | None = None
 
+    @property
+    def best(self) -> Trajectory:
+        """The optimum; where it refuses the scenario or fails, the run of least energy."""
+        if "optimal" in self.runs:
+            return self.runs["optimal"]
+        return min(self.runs.values(), key=lambda run: run.energy.net_j)
+
 
 @dataclass(frozen=True)
 class RunsWish:
@@ -66,8 +73,10 @@ def compute_runs(wish: RunsWish) -> Runs:
                 runs[name], law = timed_with_law(task)
             else:
                 runs[name] = run_strategy(task, name)
-        except StrategyRefusedError as refusal:
+        except (StrategyRefusedError, SolverError) as refusal:
             refused[name] = str(refusal)
+    if not runs:
+        raise StrategyRefusedError("; ".join(f"{name} {reason}" for name, reason in refused.items()))
     bound = runs["optimal"].bound if "optimal" in runs else None
     return Runs(
         scenario=wish.scenario,

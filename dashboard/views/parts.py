@@ -130,7 +130,7 @@ def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: b
         [
             figure("Energy at the line", words.energy(run.energy_kwh), "kWh", main, kind="main"),
             proof_figure(run),
-            price_figure(runs.runs["optimal"], runs.runs["optimal"].price_of_time_w),
+            price_figure(runs.best, runs.best.price_of_time_w),
             figure("Travel time", words.number(run.travel_time_s), "s", f"{words.number(slack)} s of slack"),
             figure("Highest speed", words.number(run.max_speed_kmh), "km/h", f"mean {words.number(mean)}"),
             figure(
@@ -226,7 +226,7 @@ def table(title: str, header: Sequence[str], rows: Iterable[tuple[Sequence[str],
 
 def runs_table(runs: Runs, chosen: str, pinned: Trajectory | None) -> str:
     """Return all runs of the scenario and the pinned one, side by side."""
-    reference = pinned.energy_kwh if pinned else runs.runs["optimal"].energy_kwh
+    reference = pinned.energy_kwh if pinned else runs.best.energy_kwh
     rows = []
     for name, run in runs.runs.items():
         word = words.STRATEGY_WORDS[name]

@@ -336,7 +336,7 @@ def strategy_numbers(runs: Runs, name: StrategyName, chosen: bool) -> str:
         return f'<div class="result"><span class="reason">{html.escape(runs.refused[name].rstrip("."))}</span></div>'
     if name not in runs.runs:
         return '<div class="result"><span class="reason">\u2013</span></div>'
-    run, optimum = runs.runs[name], runs.runs["optimal"]
+    run, optimum = runs.runs[name], runs.best
     share = 100 * (run.energy_kwh / optimum.energy_kwh - 1) if optimum.energy_kwh > 0 else 0.0
     above = "0" if name == "optimal" else f"{words.signed(share) if abs(share) >= 0.05 else '+0.0'} %"
     energy = words.energy(run.energy_kwh)

@@ -95,7 +95,7 @@ class TradeOffView:
         trade_off, runs = self.state.trade_off, self.state.runs
         if trade_off is None or runs is None or self.state.page != "Trade-off":
             return
-        run = runs.runs["optimal"]
+        run = runs.best
         now = self._present(trade_off, run.travel_time_s)
         with pn.io.hold():
             self._show_texts(trade_off, run, now)
