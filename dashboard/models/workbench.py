@@ -53,8 +53,9 @@ class Workbench(param.Parameterized):
     @property
     def chosen_now(self) -> StrategyName:
         """The strategy whose numbers are shown: the optimum where the chosen one refuses the scenario."""
-        if self.runs is None or self.chosen in self.runs.runs:
-            return self.chosen
+        chosen: StrategyName = self.chosen
+        if self.runs is None or chosen in self.runs.runs:
+            return chosen
         return next(name for name, run in self.runs.runs.items() if run is self.runs.best)
 
     @property
