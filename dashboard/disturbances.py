@@ -1,5 +1,6 @@
 """The work behind the page Disturbances: what is asked for when, and where its results go."""
 
+from dataclasses import replace
 from typing import Any
 
 from railjoule.core import RailjouleError
@@ -27,6 +28,7 @@ class Disturbances:
         self.rides = Worker(compute_rides, self._take_rides, self._take_failure)
         self.late = Study(compute_late_arrivals, self._take_late, self._take_failure)
         self._asked: RidesWish | None = None
+        self._drawn: RidesWish | None = None
         self._watched: list[EventModel] = []
         state.scenario.param.watch(self._take_scenario, ["preset", "opened"])
         state.scenario.param.watch(self._ask, list(PLAN))
@@ -57,13 +59,22 @@ class Disturbances:
         wish = RidesWish(self.state.scenario.scenario(), changes)
         if wish != self._asked:
             self._asked = wish
-            self.late.stop()
+            if self._curve() != self._drawn:
+                self.late.stop()
             self.rides.ask(wish)
+
+    def _curve(self) -> RidesWish | None:
+        """Return the wish on which energy over delay depends: all but the delay that is accepted."""
+        if self._asked is None:
+            return None
+        return replace(self._asked, changes={**self._asked.changes, "disturbance.accepted_delay_s": 0.0})
 
     def _take_rides(self, rides: Rides) -> None:
         self.model.param.update(rides=rides, failure=None)
-        if self._asked is not None:
-            self.late.ask(self._asked)
+        curve = self._curve()
+        if curve is not None and curve != self._drawn:
+            self._drawn = curve
+            self.late.ask(curve)
 
     def _take_late(self, late: LateArrivals, last: bool) -> None:
         self.model.late = late

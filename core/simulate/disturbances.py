@@ -93,7 +93,15 @@ class _State:
     scenario: Scenario
 
 
-def simulate_disturbances(scenario: Scenario, reaction: Reaction | None = None) -> Ride:
+def undisturbed_plan(scenario: Scenario) -> Trajectory:
+    """Return the plan of a train that knows of no event; errors as `railjoule.core.solve`."""
+    unknowing = _unknowing(scenario)
+    return run_strategy(prepare_task(unknowing), unknowing.strategy)
+
+
+def simulate_disturbances(
+    scenario: Scenario, reaction: Reaction | None = None, planned: Trajectory | None = None
+) -> Ride:
     """Drive a scenario whose train learns of its disturbances on the way.
 
     Parameters
@@ -102,6 +110,8 @@ def simulate_disturbances(scenario: Scenario, reaction: Reaction | None = None) 
         With its disturbance.
     reaction : str, optional
         Who reacts, in the place of what the events say.
+    planned : Trajectory, optional
+        The undisturbed plan, if it is known.
 
     Raises
     ------
@@ -110,7 +120,12 @@ def simulate_disturbances(scenario: Scenario, reaction: Reaction | None = None) 
     RailjouleError
         As `railjoule.core.solve`, if the undisturbed plan or a rest cannot be driven at all.
     """
-    return _Simulation(scenario, reaction).run()
+    return _Simulation(scenario, reaction).run(planned or undisturbed_plan(scenario))
+
+
+def _unknowing(scenario: Scenario) -> Scenario:
+    """Return a scenario in running order with the train as it is, nothing known of its events."""
+    return as_it_is(replace_line(scenario, scenario.line.in_running_order()))
 
 
 class _Simulation:
@@ -125,13 +140,11 @@ class _Simulation:
         self.notes: list[str] = []
         self.driven: list[Leg] = []
 
-    def run(self) -> Ride:
-        """Drive it."""
-        unknowing = as_it_is(replace_line(self.scenario, self.scenario.line.in_running_order()))
-        planned = run_strategy(prepare_task(unknowing), unknowing.strategy)
+    def run(self, planned: Trajectory) -> Ride:
+        """Drive it, with the plan of a train that knows of nothing."""
         before = [event for event in self.events if event.reaction == "known" and _is_foreseeable(event)]
         ahead = [event for event in self.events if not any(event is other for other in before)]
-        state = _State(0.0, 0.0, 0.0, unknowing)
+        state = _State(0.0, 0.0, 0.0, _unknowing(self.scenario))
         for event in before:
             state = _knowing(state, event)
         plan = self._plan_rest(state) if before else leg_of(planned)

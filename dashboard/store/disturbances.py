@@ -9,7 +9,7 @@ import numpy as np
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.scenario.disturbance import Reaction
-from railjoule.core.simulate.disturbances import Ride, simulate_disturbances
+from railjoule.core.simulate.disturbances import Ride, simulate_disturbances, undisturbed_plan
 
 REACTIONS: tuple[Reaction, ...] = ("driver", "computer", "known")
 DELAYS_S = (0.0, 1.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0)
@@ -54,7 +54,8 @@ def compute_rides(wish: RidesWish) -> Rides:
         If a value is out of its bounds, the plan cannot be kept or the line not be passed.
     """
     scenario = wish.disturbed()
-    return Rides({reaction: simulate_disturbances(scenario, reaction) for reaction in REACTIONS})
+    planned = undisturbed_plan(scenario)
+    return Rides({reaction: simulate_disturbances(scenario, reaction, planned) for reaction in REACTIONS})
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +78,7 @@ class LateArrivals:
 def compute_late_arrivals(wish: RidesWish) -> Iterator[LateArrivals]:
     """Yield energy over delay as it is computed; errors as `compute_rides`."""
     scenario = wish.disturbed()
+    planned = undisturbed_plan(scenario)
     delays = {reaction: np.full(len(DELAYS_S), np.nan) for reaction in REACTIONS}
     energies = {reaction: np.full(len(DELAYS_S), np.nan) for reaction in REACTIONS}
     late = LateArrivals(frozen_array(DELAYS_S), {}, {})
@@ -84,7 +86,7 @@ def compute_late_arrivals(wish: RidesWish) -> Iterator[LateArrivals]:
         relaxed = scenario.disturbance.model_copy(update={"accepted_delay_s": accepted})
         for reaction in REACTIONS:
             try:
-                ride = simulate_disturbances(scenario.model_copy(update={"disturbance": relaxed}), reaction)
+                ride = simulate_disturbances(scenario.model_copy(update={"disturbance": relaxed}), reaction, planned)
             except RailjouleError:
                 continue
             delays[reaction][k], energies[reaction][k] = ride.delay_s, ride.actual.energy_kwh

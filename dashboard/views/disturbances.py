@@ -119,6 +119,7 @@ class DisturbancesView:
             self.axis.fit(float(max(ends)), roomy=False)
             self.speed.show(partial(self.speed.draw, runs, list(self.model.events), over_time))
             self.energy.show(partial(self.energy.draw, runs, over_time))
+            self._show_late()
             self._show_texts(rides)
             self._settle_axis()
 
