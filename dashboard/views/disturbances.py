@@ -14,11 +14,10 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import Rides
 from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.charts import Axis, Chart, bring_into_sight
-from railjoule.dashboard.views.failures import failure_words
+from railjoule.dashboard.views.chart_page import ChartPage
+from railjoule.dashboard.views.charts import Axis, Chart
 from railjoule.dashboard.views.ride_charts import LateChart, RideEnergyChart, RideSpeedChart, saved_by
 
-WIDE_PX, NARROW_PX = 1600, 900
 HEIGHTS = {"ride_speed": (300, 380, 240), "ride_energy": (170, 200, 150), "late_arrival": (240, 280, 210)}
 """Of each chart [px]: in usual, wide and narrow windows."""
 BODY_CSS = ":host { padding: 4px 20px 12px 14px; } @media (max-width: 899px) { :host { padding: 4px 10px 12px 6px; } }"
@@ -38,14 +37,15 @@ WHO = (
 )
 
 
-class DisturbancesView:
+class DisturbancesView(ChartPage):
     """The page of what happens on the way."""
 
+    heights = HEIGHTS
+
     def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
-        self.state, self.browser, self.palette = state, browser, palette
+        super().__init__(state, browser, palette)
         self.model = model = state.disturbances
         self.heading, self.figures, self.table, self.notes = (parts.html_pane() for _ in range(4))
-        self.message = parts.html_pane(visible=False)
         self.dropping = pmui.RadioButtonGroup(
             options={"Drop a stop": "stop", "Drop a limit": "limit"},
             value=model.dropping,
@@ -70,11 +70,7 @@ class DisturbancesView:
         state.param.watch(self._show, "over_time")
         model.param.watch(self._show, ["rides", "failure"])
         model.param.watch(self._show_late, "late")
-        browser.follow(["width"], self._fit)
-        browser.follow(["charts_in_sight"], self._sight)
-        self._fit()
-        self._sight()
-        self.redraw()
+        self.begin()
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -84,19 +80,8 @@ class DisturbancesView:
     def _drop(self, place_m: float) -> None:
         self.model.drop(self.model.dropping, place_m)
 
-    def _fit(self) -> None:
-        width = self.browser.width
-        size = 1 if width >= WIDE_PX else 2 if width < NARROW_PX else 0
-        with pn.io.hold():
-            for chart in self.charts:
-                chart.resize(HEIGHTS[chart.name][size])
-
-    def _sight(self) -> None:
-        with pn.io.hold():
-            bring_into_sight(self.charts, self.browser.charts_in_sight)
-            self._settle_axis()
-
-    def _settle_axis(self) -> None:
+    def settle(self) -> None:
+        """Tell the cursor of the rides that it may meet new charts."""
         if self.state.over_time:
             self.axis.settle("s", 1)
         else:
@@ -110,7 +95,7 @@ class DisturbancesView:
     def _show(self, *_: Any) -> None:
         rides = self.model.rides
         with pn.io.hold():
-            self._show_failure()
+            self.tell(self.model.failure, "Shown: the last rides that can be driven." if rides is not None else "")
             if rides is None or self.state.page != "Disturbances":
                 return
             over_time = self.state.over_time
@@ -121,14 +106,7 @@ class DisturbancesView:
             self.energy.show(partial(self.energy.draw, runs, over_time))
             self._show_late()
             self._show_texts(rides)
-            self._settle_axis()
-
-    def _show_failure(self) -> None:
-        failure = self.model.failure
-        self.message.visible = failure is not None
-        if failure is not None:
-            shown = "Shown: the last rides that can be driven." if self.model.rides is not None else ""
-            self.message.object = parts.failure(*failure_words(failure), shown)
+            self.settle()
 
     def _show_late(self, *_: Any) -> None:
         late, rides = self.model.late, self.model.rides

@@ -14,12 +14,11 @@ from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import Reality
 from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.chance_charts import HistogramChart, LoadScatter, chance_table, finite
-from railjoule.dashboard.views.charts import Axis, Chart, bring_into_sight
+from railjoule.dashboard.views.chart_page import ChartPage
+from railjoule.dashboard.views.charts import Axis, Chart
 from railjoule.dashboard.views.driven_charts import BrakingChart, DrivenChart, PlaceErrorChart, reality_words
-from railjoule.dashboard.views.failures import failure_words
 from railjoule.dashboard.views.heat_map import MEASURES, CostSurface, HeatMapChart, printed_table
 
-WIDE_PX, NARROW_PX = 1600, 900
 HEIGHTS = {
     "heatmap": (350, 440, 320),
     "costs": (330, 400, 260),
@@ -46,14 +45,15 @@ KNOWS_WORDS = {
 SELECT: dict[str, Any] = {"size": "small", "margin": (6, 0, 6, 6), "sizing_mode": "stretch_width"}
 
 
-class RobustnessView:
+class RobustnessView(ChartPage):
     """The page of what goes otherwise than planned."""
 
+    heights = HEIGHTS
+
     def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
-        self.state, self.browser, self.palette = state, browser, palette
+        super().__init__(state, browser, palette)
         self.model = model = state.robustness
         self.heading, self.figures, self.printed, self.chance_table = (parts.html_pane() for _ in range(4))
-        self.message = parts.html_pane(visible=False)
         self.measure = pmui.Select(
             label="Table of", options={m.words: key for key, m in MEASURES.items()}, value=model.measure, **SELECT
         )
@@ -97,11 +97,7 @@ class RobustnessView:
         model.param.watch(self._show_run, ["reality", "failure"])
         model.param.watch(self._show_table, ["table", "measure"])
         model.param.watch(self._show_chance, ["chance", "drawing"])
-        browser.follow(["width"], self._fit)
-        browser.follow(["charts_in_sight"], self._sight)
-        self._fit()
-        self._sight()
-        self.redraw()
+        self.begin()
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -121,17 +117,9 @@ class RobustnessView:
     def _choose(self, load_factor: float, error_m: float) -> None:
         self.model.param.update(actual_load_percent=100 * load_factor, coordinate_error_m=error_m)
 
-    def _fit(self) -> None:
-        width = self.browser.width
-        size = 1 if width >= WIDE_PX else 2 if width < NARROW_PX else 0
-        with pn.io.hold():
-            for chart in self.charts:
-                chart.resize(HEIGHTS[chart.name][size])
-
-    def _sight(self) -> None:
-        with pn.io.hold():
-            bring_into_sight(self.charts, self.browser.charts_in_sight)
-            self.axis.settle("m", 0)
+    def settle(self) -> None:
+        """Tell the cursor of the runs that it may meet new charts."""
+        self.axis.settle("m", 0)
 
     def redraw(self) -> None:
         """Draw everything again, as after a change of theme."""
@@ -142,7 +130,7 @@ class RobustnessView:
     def _show_run(self, *_: Any) -> None:
         reality = self.model.reality
         with pn.io.hold():
-            self._show_failure()
+            self.tell(self.model.failure, "Shown: the last run that can be driven." if reality is not None else "")
             if reality is None:
                 return
             following = reality.following
@@ -155,14 +143,7 @@ class RobustnessView:
                 near.show(partial(near.draw, following))
             self._show_table()
             self._show_texts()
-            self.axis.settle("m", 0)
-
-    def _show_failure(self) -> None:
-        failure = self.model.failure
-        self.message.visible = failure is not None
-        if failure is not None:
-            shown = "Shown: the last run that can be driven." if self.model.reality is not None else ""
-            self.message.object = parts.failure(*failure_words(failure), shown)
+            self.settle()
 
     def _show_table(self, *_: Any) -> None:
         table, reality = self.model.table, self.model.reality

@@ -16,13 +16,18 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import TradeOff
 from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.charts import Chart, bring_into_sight
+from railjoule.dashboard.views.chart_page import ChartPage
+from railjoule.dashboard.views.charts import Chart
 from railjoule.dashboard.views.surface import SurfacePane
 from railjoule.dashboard.views.trade_off_charts import ContourChart, FrontierChart, ShareChart, printed_points
 
-WIDE_PX, NARROW_PX = 1600, 900
-HEIGHTS, WIDE_HEIGHTS, NARROW_HEIGHTS = (330, 110, 400, 330), (450, 150, 500, 380), (280, 110, 330, 260)
-"""Of frontier, share, surface and contour [px]."""
+HEIGHTS = {
+    "frontier": (330, 450, 280),
+    "share": (110, 150, 110),
+    "surface": (400, 500, 330),
+    "contour": (330, 380, 260),
+}
+"""Of each chart [px]: in usual, wide and narrow windows."""
 LAYOUT_CSS = """
 :host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: 28px;
   padding: 10px 20px 12px 14px; align-items: start; }
@@ -37,16 +42,18 @@ MAPS = {
 """What ENOC's map may show: up to 5000 s or not, and the copper loss over the vehicle's own."""
 
 
-class TradeOffView:
+class TradeOffView(ChartPage):
     """The page of the trade-off."""
 
+    heights = HEIGHTS
+
     def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
-        self.state, self.browser, self.palette = state, browser, palette
+        super().__init__(state, browser, palette)
         self.heading, self.figures, self.table, self.refusal = (parts.html_pane() for _ in range(4))
-        self.frontier = FrontierChart(HEIGHTS[0], state, palette)
-        self.share = ShareChart(HEIGHTS[1], self.frontier.x_range, palette)
-        self.surface = SurfacePane(HEIGHTS[2], palette)
-        self.contour = ContourChart(HEIGHTS[3], palette)
+        self.frontier = FrontierChart(HEIGHTS["frontier"][0], state, palette)
+        self.share = ShareChart(HEIGHTS["share"][0], self.frontier.x_range, palette)
+        self.surface = SurfacePane(HEIGHTS["surface"][0], palette)
+        self.contour = ContourChart(HEIGHTS["contour"][0], palette)
         self.map = pmui.Select(
             label="ENOC's map",
             options=MAPS,
@@ -61,11 +68,7 @@ class TradeOffView:
         self.view = parts.stack(self.heading, self.figures, self.refusal, self.body)
         self.map.param.watch(self._choose_map, "value")
         state.param.watch(self._show, ["trade_off", "runs"])
-        browser.follow(["width"], self._fit)
-        browser.follow(["charts_in_sight"], self._sight)
-        self._fit()
-        self._sight()
-        self._show()
+        self.begin()
 
     def _choose_map(self, event: Any) -> None:
         wide, weight = event.new
@@ -75,17 +78,6 @@ class TradeOffView:
     def charts(self) -> tuple[Chart, ...]:
         """All charts of the page."""
         return self.frontier, self.share, self.surface, self.contour
-
-    def _fit(self) -> None:
-        width = self.browser.width
-        heights = WIDE_HEIGHTS if width >= WIDE_PX else NARROW_HEIGHTS if width < NARROW_PX else HEIGHTS
-        with pn.io.hold():
-            for chart, height in zip(self.charts, heights, strict=True):
-                chart.resize(height)
-
-    def _sight(self) -> None:
-        with pn.io.hold():
-            bring_into_sight(self.charts, self.browser.charts_in_sight)
 
     def redraw(self) -> None:
         """Draw everything again, as after a change of theme."""
