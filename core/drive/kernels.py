@@ -36,6 +36,67 @@ def generated_power(kind: int, parameters: FloatArray, effort: float, speed: flo
 
 
 @njit(cache=True)
+def jumps_at_no_effort(kind: int) -> bool:
+    """Return whether a drive that is on takes power without effort, and none when it is off."""
+    return kind == INDUCTION
+
+
+@njit(cache=True)
+def idle_power(kind: int, parameters: FloatArray, speed: float) -> tuple[float, float, float]:
+    """Return the jump at zero effort: what a drive takes that is on without any [W], and two derivatives by speed."""
+    if kind == INDUCTION:
+        return induction.idle_power(parameters, speed)
+    return 0.0, 0.0, 0.0
+
+
+@njit(cache=True)
+def power_when_on(kind: int, parameters: FloatArray, braking: bool, effort: float, speed: float) -> PowerTerms:
+    """Power [W] of a drive that is on and falls to `idle_power` with the effort, negative where it generates."""
+    if not braking:
+        if kind == INDUCTION:
+            return induction.power_with_idle(parameters, effort, speed)
+        return driving_power(kind, parameters, effort, speed)
+    if kind == INDUCTION:
+        p, p_f, p_v, p_ff, p_fv, p_vv = induction.generated_with_idle(parameters, effort, speed)
+    else:
+        p, p_f, p_v, p_ff, p_fv, p_vv = generated_power(kind, parameters, effort, speed)
+    return -p, -p_f, -p_v, -p_ff, -p_fv, -p_vv
+
+
+@njit(cache=True)
+def shaft_force(kind: int, parameters: FloatArray, braking: bool, effort: float) -> tuple[float, float]:
+    """Return the work of the shafts over distance [N] and its derivative by effort, negative where they are driven.
+
+    Gear and friction are part of it; what power remains are losses that do not fall with speed.
+    """
+    if kind == INDUCTION:
+        return induction.shaft_force(parameters, -effort if braking else effort)
+    return (-effort, -1.0) if braking else (effort, 1.0)
+
+
+@njit(cache=True)
+def smooth_power_when_on(kind: int, parameters: FloatArray, braking: bool, effort: float, speed: float) -> PowerTerms:
+    """Power [W] of a drive that is on, with continuous first derivatives, never less than the true one.
+
+    Negative where it generates; for a solver that steps from derivative to derivative.
+    """
+    if kind == INDUCTION:
+        # at no effort the gear's loss changes its side
+        signed = max(effort, 1e-9) * (-1.0 if braking else 1.0)
+        p, p_f, p_v, p_ff, p_fv, p_vv = induction.smooth_power_with_idle(parameters, signed, speed)
+        if not braking:
+            return p, p_f, p_v, p_ff, p_fv, p_vv
+        return p, -p_f, p_v, p_ff, -p_fv, p_vv
+    return power_when_on(kind, parameters, braking, effort, speed)
+
+
+@njit(cache=True)
+def has_standstill_brake(kind: int, parameters: FloatArray) -> bool:
+    """Return whether another brake takes over where the electric one would draw power."""
+    return kind == INDUCTION and induction.has_standstill_brake(parameters)
+
+
+@njit(cache=True)
 def may_draw_while_braking(kind: int) -> bool:
     """Return whether a drive may need line power to brake, near standstill."""
     return kind != CONSTANT_EFFICIENCY

@@ -3,7 +3,7 @@
 import math
 
 from railjoule.core.compiled import njit
-from railjoule.core.drive.kernels import driving_power, generated_power
+from railjoule.core.drive.kernels import driving_power, generated_power, jumps_at_no_effort
 from railjoule.core.drive.power_terms import PowerTerms
 from railjoule.core.interior_point.layout import (
     ACCELERATION,
@@ -21,6 +21,7 @@ from railjoule.core.interior_point.layout import (
     TRACTION_POSITIVE,
     Work,
 )
+from railjoule.core.interior_point.switching import keep_larger_curvature, switched_powers
 from railjoule.core.motion.course import CourseData
 from railjoule.core.motion.effort_limit import limit_over_speed
 
@@ -64,7 +65,7 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
     cells, rows, used = work.cells, work.rows, work.used
     z, residual = rows.multiplier, rows.residual
     kind, parameters = course.drive_kind, course.drive_parameters
-    share = course.recuperation_factor
+    share, jumps = course.recuperation_factor, jumps_at_no_effort(course.drive_kind)
     friction = used[FRICTION_POSITIVE] > 0.0
     top_friction = course.friction_effort_n / scale
     top_braking = course.braking.constant_n / scale
@@ -91,8 +92,13 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
         # without friction brakes the electric brake does all: one variable less
         x = cells.braking[i] if friction else f - force
         cells.braking[i] = x
-        e, e_f, e_v, e_ff, e_fv, e_vv = per_metre(driving_power(kind, parameters, max(f, 0.0) * scale, v), scale, v)
-        g, g_x, g_v, g_xx, g_xv, g_vv = per_metre(generated_power(kind, parameters, max(x, 0.0) * scale, v), scale, v)
+        if jumps:
+            taken, generated = switched_powers(course, i, work.touching, max(f, 0.0) * scale, max(x, 0.0) * scale, v)
+        else:
+            taken = driving_power(kind, parameters, max(f, 0.0) * scale, v)
+            generated = generated_power(kind, parameters, max(x, 0.0) * scale, v)
+        e, e_f, e_v, e_ff, e_fv, e_vv = per_metre(taken, scale, v)
+        g, g_x, g_v, g_xx, g_xv, g_vv = per_metre(generated, scale, v)
         # of what braking generates, the line returns its share; the price of drawing counts as if it returned more
         drawn_price = z[DRAWN, i] if used[DRAWN] > 0.0 else 0.0
         returned = h[i] * share + drawn_price
@@ -151,6 +157,8 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
         curve[7, i] = -0.5 * slope * u0 / w[i] if u0 > 0.0 else 0.0
         curve[8, i] = -0.5 * slope * u1 / w[i + 1] if u1 > 0.0 else 0.0
         v0 = v1
+    if jumps:
+        keep_larger_curvature(work.curvature, work.last_curvature)
     _evaluate_rise(course, scale, work)
     return energy, gross, total_time, _finish_residuals(work)
 

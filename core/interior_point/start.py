@@ -6,7 +6,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.drive.kernels import generated_power, may_draw_while_braking
+from railjoule.core.drive.kernels import generated_power, has_standstill_brake, may_draw_while_braking
 from railjoule.core.interior_point.cell import per_metre
 from railjoule.core.interior_point.layout import (
     ACCELERATION,
@@ -82,6 +82,7 @@ def _use_limits(course: CourseData, scale: float, fastest: FloatArray, work: Wor
     h, weight = course.cell_length_m, work.rows.weight
     traction, braking = course.traction, course.braking
     kinked = may_draw_while_braking(course.drive_kind) and course.recuperation_factor < 1.0
+    kinked = kinked and not has_standstill_brake(course.drive_kind, course.drive_parameters)
     for i in range(h.shape[0]):
         top_speed = 0.5 * (math.sqrt(fastest[i]) + math.sqrt(fastest[i + 1]))
         for row in (TRACTION_POSITIVE, TRACTION_CONSTANT, BRAKING_POSITIVE, BRAKING_CONSTANT):

@@ -18,6 +18,7 @@ FREE = -1.0
 
 W_PER_KW = 1e3
 N_PER_KN = 1e3
+SWITCHED_AT_WILL = np.zeros(0)
 LEAST_BRAKING_SHARE = 1e-9
 """A missing electric brake counts as this share of the tractive effort: an interior point needs an inside."""
 
@@ -26,7 +27,9 @@ class CourseData(NamedTuple):
     """The numbers of a course in a form that compiled code takes; n cells, squares of speed in m2/s2.
 
     The net force of a cell is `half_inertia_kg` times the change of speed squared over its length. Running
-    resistance is constant + linear v + quadratic v^2, at the cell's mean v and mean v^2.
+    resistance is constant + linear v + quadratic v^2, at the cell's mean v and mean v^2. `machines_on` tells for each
+    cell whether a drive that takes power without effort is on, 1, or off, 0, while no brake is used; empty where it
+    may be switched at will within a cell.
     """
 
     cell_length_m: FloatArray
@@ -46,6 +49,7 @@ class CourseData(NamedTuple):
     drive_kind: int
     drive_parameters: FloatArray
     recuperation_factor: float
+    machines_on: FloatArray = SWITCHED_AT_WILL
 
 
 @dataclass(frozen=True, eq=False)

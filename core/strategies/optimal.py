@@ -5,30 +5,28 @@ References: the method is in `railjoule.core.interior_point.solver`, the proof i
 
 from dataclasses import dataclass
 
-from railjoule.core.drive.kernels import INDUCTION
-from railjoule.core.errors import SolverError, StrategyRefusedError
+import numpy as np
+
+from railjoule.core.errors import SolverError
 from railjoule.core.interior_point.proof import prove
 from railjoule.core.interior_point.solver import CONVERGED, Optimum, minimise_energy
+from railjoule.core.interior_point.switching_bound import switched_bound
+from railjoule.core.strategies.switching import TOLERANCE as SWITCHED_TOLERANCE
+from railjoule.core.strategies.switching import takes_power_idling, unswitched
 from railjoule.core.strategies.task import Task
 from railjoule.core.trajectory import Bound, Trajectory, make_trajectory
-from railjoule.core.units import MS_PER_KMH
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
 TOLERANCE = 1e-7
 PROVEN_GAP = 1e-6
 """A run this close to its bound, relatively, counts as proven optimal."""
 FIRST_ITERATIONS, SECOND_ITERATIONS = 40, 60
 FREE_CENTRING, STEADY_CENTRING = 1e-6, 0.2
+LOOSE_GAP = 1e-4
 PROOF_BUDGET = 2_000_000
 """Boxes of speed that a proof may look at; a proof hardly ever needs more than one a cell."""
-
-
-def can_prove(task: Task) -> bool:
-    """Return whether the method and its bound hold for a task's drive: whether its power is continuous at no effort.
-
-    An induction drive's is not. Taken as if it were always on, its optimum would cost more than the true one, and the
-    bound would be none.
-    """
-    return task.course.data.drive_kind != INDUCTION
+SWITCHED_PROOF_TOLERANCE, PIECES_A_CELL = 1e-4, 60
+"""How close the bound of a drive that takes power without effort shall come to its multipliers' best, if it can."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,25 +46,23 @@ class Solution:
 
 
 def minimise(task: Task, tolerance: float = TOLERANCE) -> Solution:
-    """Return the optimum of a task.
+    """Return the optimum of a task; a drive that takes power without effort may be switched at will within a cell.
 
     Parameters
     ----------
     task : Task
         Must have slack in its timetable.
     tolerance : float
-        Relative gap asked for.
+        Relative gap asked for, at least 1e-6 for such a drive.
 
     Raises
     ------
-    StrategyRefusedError
-        If the power of the drive jumps at zero effort.
     SolverError
-        If neither of two attempts converges.
+        If neither of two attempts converges; for such a drive, if the gap is above 1e-4.
     """
-    if not can_prove(task):
-        raise StrategyRefusedError("needs a drive that takes no power when it is on without effort.")
     iterations = 0
+    if takes_power_idling(task):
+        tolerance = max(tolerance, SWITCHED_TOLERANCE)
     for allowed, centring in ((FIRST_ITERATIONS, FREE_CENTRING), (SECOND_ITERATIONS, STEADY_CENTRING)):
         optimum = minimise_energy(
             task.course.data,
@@ -81,11 +77,17 @@ def minimise(task: Task, tolerance: float = TOLERANCE) -> Solution:
         iterations += optimum.iterations
         if optimum.status == CONVERGED:
             return Solution(optimum, iterations)
+    if takes_power_idling(task) and optimum.relative_gap < LOOSE_GAP:
+        # a relaxation is no run to drive: its multipliers are good enough for a bound and a decision where to drive
+        return Solution(optimum, iterations)
     raise SolverError(f"the optimum was not found within {iterations} iterations.")
 
 
 def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
-    """Return the run that needs the least energy, with its bound; it takes every drive but induction motors.
+    """Return the run that needs the least energy, with its bound; it takes every drive.
+
+    Of a drive that takes power without effort it is the best run found that is not switched within a cell. Its bound
+    and the energy in its notes are those of runs with free switching.
 
     Parameters
     ----------
@@ -98,38 +100,90 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
     ------
     TimetableError
         If the timetable cannot be kept.
-    StrategyRefusedError, SolverError
+    SolverError
         As `minimise`.
     """
     task.require_timetable()
     solution = minimise(task)
     optimum, data = solution.optimum, task.course.data
     bound = certify(task, optimum, proof_budget)
+    friction = data.friction_effort_n > 0
+    if takes_power_idling(task):
+        run = unswitched(task, optimum)
+        # friction spares the drive what it would have to draw
+        electric = np.zeros(task.course.cell_count) if friction else None
+        notes: tuple[str, ...] = (switching_note(task, optimum),)
+        speed2, price, iterations = run.speed2, run.price_of_time_w, run.iterations
+    else:
+        electric, notes = optimum.braking * data.traction.constant_n if friction else None, ()
+        speed2, price, iterations = (
+            optimum.speed2,
+            optimum.time_multiplier * data.traction.constant_n,
+            solution.iterations,
+        )
     return make_trajectory(
         task.scenario,
         task.course,
         "optimal",
-        optimum.speed2,
-        optimum.braking * data.traction.constant_n if data.friction_effort_n > 0 else None,
+        speed2,
+        electric,
         bound=bound,
-        price_of_time_w=optimum.time_multiplier * data.traction.constant_n,
-        iterations=solution.iterations,
+        price_of_time_w=price,
+        iterations=iterations,
+        notes=notes,
     )
 
 
 def certify(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> Bound:
     """Return the lower bound that the multipliers of an optimum prove, and what it covers."""
     data = task.course.data
-    proof = prove(data, optimum, task.greatest_speed2, task.running_time_s, 0.8 * PROVEN_GAP, proof_budget)
-    energy = proof.bound * data.traction.constant_n + data.auxiliary_power_w * task.dwell_s
-    return Bound(energy, bound_statement(task))
+    given = data, optimum, task.greatest_speed2, task.running_time_s
+    if takes_power_idling(task):
+        pieces = min(PIECES_A_CELL, proof_budget)
+        bound, _ = switched_bound(*given, SWITCHED_PROOF_TOLERANCE, pieces)
+        return Bound(_energy_j(task, bound), switched_bound_statement(task))
+    proof = prove(*given, 0.8 * PROVEN_GAP, proof_budget)
+    return Bound(_energy_j(task, proof.bound), bound_statement(task))
+
+
+def _energy_j(task: Task, scaled: float) -> float:
+    """Return the net energy [J] of a scaled one that knows no dwells."""
+    data = task.course.data
+    return scaled * data.traction.constant_n + data.auxiliary_power_w * task.dwell_s
 
 
 def bound_statement(task: Task) -> str:
     """Return in one sentence which runs a bound covers."""
+    return f"No run over this mesh of {task.course.cell_count} cells, with one effort in each, {_conditions(task)}."
+
+
+def switched_bound_statement(task: Task) -> str:
+    """Return in one sentence which runs the bound of a drive covers that takes power without effort."""
+    return (
+        f"No run over this mesh of {task.course.cell_count} cells, even if it switches between driving, coasting and "
+        f"braking at will within each, {_conditions(task)}; this takes for granted that the power of the drive rises "
+        "ever faster with its effort, and that its losses do not fall with speed."
+    )
+
+
+def switching_note(task: Task, optimum: Optimum) -> str:
+    """Return in one sentence what an optimal run is, and what free switching would save."""
+    energy = _energy_j(task, optimum.energy) / J_PER_KWH
+    friction = (
+        "friction brakes take what needs power otherwise"
+        if task.course.data.friction_effort_n > 0
+        else ("the vehicle has no friction brakes to share in")
+    )
+    return (
+        "Driven in one go wherever free switching between driving, coasting and braking would drive for a part of the "
+        f"way only, which is the best such run found, not proven; free switching would need {energy:.4f} kWh; "
+        f"{friction}."
+    )
+
+
+def _conditions(task: Task) -> str:
     slowest = 0.1 / MS_PER_KMH
     return (
-        f"No run over this mesh of {task.course.cell_count} cells, with one effort in each, that keeps all limits, "
-        f"arrives within {task.travel_time_s:.1f} s and goes nowhere slower than {slowest:.2f} km/h between "
-        "its stops needs less."
+        f"that keeps all limits, arrives within {task.travel_time_s:.1f} s and goes nowhere slower than "
+        f"{slowest:.2f} km/h between its stops needs less"
     )

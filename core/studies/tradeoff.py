@@ -15,6 +15,7 @@ from railjoule.core.errors import SolverError, StrategyRefusedError, TimetableEr
 from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.options import EnocOptions
 from railjoule.core.strategies import certify, minimise, prepare_task, run_strategy
+from railjoule.core.strategies.switching import takes_power_idling
 from railjoule.core.strategies.task import LEAST_SLACK, Task
 from railjoule.core.units import J_PER_KWH
 
@@ -118,6 +119,9 @@ def energy_time_frontier(
     most_cells : int
         A finer mesh is replaced by one with about this many cells.
     """
+    if takes_power_idling(task):
+        # its optimum with free switching is a bound, and no run
+        return strategy_frontier(task, travel_times_s, "optimal", most_cells)
     task = coarsened(task, most_cells)
     scale = task.course.data.traction.constant_n
     dwell_energy = task.course.data.auxiliary_power_w * task.dwell_s

@@ -15,7 +15,7 @@ from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.errors import SolverError
 from railjoule.core.interior_point.start import SLOWEST_SPEED2, start_speeds
 from railjoule.core.strategies.task import Task
-from railjoule.core.validation._program import Program
+from railjoule.core.validation._program import DRIVES, Program
 
 OPTIONS: dict[str, Any] = {
     "print_time": False,
@@ -59,13 +59,18 @@ def is_installed() -> bool:
     return importlib.util.find_spec("casadi") is not None
 
 
+def is_known(task: Task) -> bool:
+    """Return whether a task's drive can be written in symbols; one that searches for its flux cannot."""
+    return task.course.data.drive_kind in DRIVES
+
+
 def solve_with_ipopt(task: Task) -> IpoptRun:
     """Return IPOPT's optimum of a task.
 
     Raises
     ------
     SolverError
-        If CasADi is not installed.
+        If CasADi is not installed, or the drive is none that it takes.
     """
     return IpoptProblem(task).solve()
 
@@ -85,12 +90,14 @@ class IpoptProblem:
     Raises
     ------
     SolverError
-        If CasADi is not installed.
+        If CasADi is not installed, or the drive is none that it takes.
     """
 
     def __init__(self, task: Task, textbook: bool = False) -> None:
         if not is_installed():
             raise SolverError("IPOPT needs CasADi: pip install casadi.")
+        if not is_known(task):
+            raise SolverError("this drive has no formula in symbols for IPOPT: it searches for its flux.")
         data, near = task.course.data, _speeds_near_timetable(task)
         reachable = np.full_like(near, np.inf) if textbook else task.greatest_speed2
         first = _one_speed(task) if textbook else near

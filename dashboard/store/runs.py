@@ -4,7 +4,7 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from railjoule.core import Scenario, SolverError, StrategyRefusedError, Trajectory
+from railjoule.core import Scenario, SolverError, StrategyRefusedError, TimetableError, Trajectory
 from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import Task, prepare_task, run_strategy
 from railjoule.core.strategies.bellman import ControlLaw, bellman_with_law
@@ -73,7 +73,7 @@ def compute_runs(wish: RunsWish) -> Runs:
                 runs[name], law = timed_with_law(task)
             else:
                 runs[name] = run_strategy(task, name)
-        except (StrategyRefusedError, SolverError) as refusal:
+        except (StrategyRefusedError, SolverError, TimetableError) as refusal:
             refused[name] = str(refusal)
     if not runs:
         raise StrategyRefusedError("; ".join(f"{name} {reason}" for name, reason in refused.items()))

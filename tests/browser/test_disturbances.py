@@ -34,10 +34,10 @@ def test_the_paper_s_ride(user: User) -> None:
 
 def test_events_are_dropped_changed_and_removed(user: User) -> None:
     user.choose("Metro, profile II")
-    chart = user.page.locator(".rj-chart-ride_speed canvas").first
-    box = chart.bounding_box()
-    assert box is not None
     user.page.get_by_role("button", name="Drop a limit").click()
+    user.rest(1000)
+    box = user.page.locator(".rj-chart-ride_speed canvas").first.bounding_box()
+    assert box is not None
     user.page.mouse.click(box["x"] + 0.7 * box["width"], box["y"] + 0.5 * box["height"])
     expect(user.page.get_by_label("2 Limit: km/h, as a number")).to_have_value("30")
     before = user.number("The events cost the driver")

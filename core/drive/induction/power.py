@@ -11,7 +11,7 @@ brake: the standstill brake of the train does, where there is one. Else the draw
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.drive.induction.least_loss import best_ratio, least_input_power
+from railjoule.core.drive.induction.least_loss import best_ratio, least_input_power, smooth_input_power
 from railjoule.core.drive.induction.machine import MACHINE_SIZE, SteadyState, machine_of, steady_state, torque_constant
 from railjoule.core.drive.power_terms import PowerTerms
 
@@ -46,13 +46,19 @@ def braking_torque(parameters: FloatArray, effort: float) -> float:
 
 
 @njit(cache=True)
-def _train_power(parameters: FloatArray, torque: float, torque_by_effort: float, speed: float) -> PowerTerms:
+def _train_power(
+    parameters: FloatArray, torque: float, torque_by_effort: float, speed: float, smooth: bool
+) -> PowerTerms:
     """Return the input power of all machines [W] at a torque of each, with derivatives by effort and speed."""
     machine, motors = machine_of(parameters), parameters[MOTORS]
     per_torque = 1.0 / torque_constant(machine)
     sign = 1.0 if torque >= 0.0 else -1.0
     turns = machine.pole_pairs * parameters[TURNS]
-    p, p_k, p_w, p_kk, p_kw, p_ww = least_input_power(machine, sign, sign * torque * per_torque, turns * speed)
+    if smooth:
+        power = smooth_input_power(machine, sign, sign * torque * per_torque, turns * speed)
+    else:
+        power = least_input_power(machine, sign, sign * torque * per_torque, turns * speed)
+    p, p_k, p_w, p_kk, p_kw, p_ww = power
     by_effort = sign * torque_by_effort * per_torque
     return (
         motors * p,
@@ -68,7 +74,26 @@ def _train_power(parameters: FloatArray, torque: float, torque_by_effort: float,
 def power_with_idle(parameters: FloatArray, effort: float, speed: float) -> PowerTerms:
     """Return the line power of machines that are on [W] and its derivatives, without the jump at zero effort."""
     by_effort = 1.0 / (parameters[MOTORS] * parameters[TURNS] * parameters[GEAR])
-    return _train_power(parameters, driving_torque(parameters, effort), by_effort, speed)
+    return _train_power(parameters, driving_torque(parameters, effort), by_effort, speed, False)
+
+
+@njit(cache=True)
+def shaft_force(parameters: FloatArray, effort: float) -> tuple[float, float]:
+    """Return the work of all rotors over distance [N] at a signed effort [N], and how it grows with its size."""
+    machines = parameters[MOTORS] * parameters[TURNS]
+    if effort >= 0.0:
+        return machines * driving_torque(parameters, effort), 1.0 / parameters[GEAR]
+    return machines * braking_torque(parameters, -effort), -parameters[GEAR]
+
+
+@njit(cache=True)
+def smooth_power_with_idle(parameters: FloatArray, effort: float, speed: float) -> PowerTerms:
+    """Return a power with continuous first derivatives, for negative efforts as well; never less than the true one."""
+    if effort >= 0.0:
+        by_effort = 1.0 / (parameters[MOTORS] * parameters[TURNS] * parameters[GEAR])
+        return _train_power(parameters, driving_torque(parameters, effort), by_effort, speed, True)
+    by_effort = parameters[GEAR] / (parameters[MOTORS] * parameters[TURNS])
+    return _train_power(parameters, braking_torque(parameters, -effort), by_effort, speed, True)
 
 
 @njit(cache=True)
@@ -91,6 +116,22 @@ def driving_power(parameters: FloatArray, effort: float, speed: float) -> PowerT
 
 
 @njit(cache=True)
+def has_standstill_brake(parameters: FloatArray) -> bool:
+    """Return whether another brake takes over where the machines would draw power to brake."""
+    brake: bool = parameters[STANDSTILL_BRAKE] > 0.0
+    return brake
+
+
+@njit(cache=True)
+def generated_with_idle(parameters: FloatArray, effort: float, speed: float) -> PowerTerms:
+    """Return the power that machines generate that are on [W] and its derivatives; negative where they draw."""
+    by_effort = -parameters[GEAR] / (parameters[MOTORS] * parameters[TURNS])
+    torque = braking_torque(parameters, effort)
+    p, p_f, p_v, p_ff, p_fv, p_vv = _train_power(parameters, torque, by_effort, speed, False)
+    return -p, -p_f, -p_v, -p_ff, -p_fv, -p_vv
+
+
+@njit(cache=True)
 def generated_power(parameters: FloatArray, effort: float, speed: float) -> PowerTerms:
     """Electrical power [W] generated at an electric braking effort [N] and speed [m/s], and its derivatives.
 
@@ -98,11 +139,10 @@ def generated_power(parameters: FloatArray, effort: float, speed: float) -> Powe
     """
     if effort <= parameters[NEGLIGIBLE]:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    by_effort = -parameters[GEAR] / (parameters[MOTORS] * parameters[TURNS])
-    p, p_f, p_v, p_ff, p_fv, p_vv = _train_power(parameters, braking_torque(parameters, effort), by_effort, speed)
-    if p > 0.0 and parameters[STANDSTILL_BRAKE] > 0.0:
+    generated = generated_with_idle(parameters, effort, speed)
+    if generated[0] < 0.0 and parameters[STANDSTILL_BRAKE] > 0.0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    return -p, -p_f, -p_v, -p_ff, -p_fv, -p_vv
+    return generated
 
 
 @njit(cache=True)

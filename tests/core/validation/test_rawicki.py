@@ -132,3 +132,10 @@ def test_it_is_registered():
     assert PAPERS["rawicki"] is validate_rawicki
     assert VALIDATION.citation.startswith("Rawicki")
     assert len(VALIDATION.errata) == 4
+
+
+def test_bounds_lie_below_the_best_force_laws():
+    """Rows of `optimal`, each followed by free switching and by its bound."""
+    ours = [row.ours for row in OTHERS.rows if "force laws" in row.quantity or "bound" in row.quantity]
+    for without, switched, bound in (ours[:3], ours[3:]):
+        assert bound < switched < without * (1 + 1e-4)

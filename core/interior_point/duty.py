@@ -1,0 +1,68 @@
+"""What an optimum says on driving and coasting of a drive that takes power without effort."""
+
+import math
+
+import numpy as np
+
+from railjoule.core.arrays import BoolArray, FloatArray
+from railjoule.core.compiled import njit
+from railjoule.core.interior_point.solver import Optimum
+from railjoule.core.interior_point.switching import hull_power
+from railjoule.core.motion.cell_step import COAST, cell_of, exit_speed2
+from railjoule.core.motion.course import CourseData
+
+NEXT_TO_NOTHING = 1e-5
+"""Scaled efforts below this are what a barrier leaves of none."""
+
+
+@njit(cache=True, error_model="numpy")
+def duty(course: CourseData, optimum: Optimum) -> tuple[FloatArray, FloatArray]:
+    """Return on which share of each cell a drive that is switched at will is on, and what driving is worth there.
+
+    Parameters
+    ----------
+    course : CourseData
+    optimum : Optimum
+        Of any decision where the drive is on.
+
+    Returns
+    -------
+    share : array of shape (n,)
+        From 0 to 1.
+    worth : array of shape (n,)
+        Price of force over least power per effort: above 1 driving pays, below it coasting.
+    """
+    h, w, scale = course.cell_length_m, optimum.speed2, course.traction.constant_n
+    share, worth = np.empty(h.shape[0]), np.empty(h.shape[0])
+    for i in range(h.shape[0]):
+        v = 0.5 * (math.sqrt(w[i]) + math.sqrt(w[i + 1]))
+        kind, parameters = course.drive_kind, course.drive_parameters
+        power, touch = hull_power(kind, parameters, False, course.traction, 0.0, v, 0.0)
+        share[i] = min(optimum.traction[i] * scale / touch, 1.0)
+        worth[i] = optimum.force_price[i] * v / (h[i] * power[1])
+    return share, worth
+
+
+@njit(cache=True, error_model="numpy")
+def coasting_exactly(course: CourseData, optimum: Optimum, off: BoolArray) -> FloatArray:
+    """Return squares of speed [m2/s2] of a run that coasts where it all but coasts; shape (n + 1,).
+
+    The method leaves tiny efforts everywhere, and with any effort the drive would count as on.
+
+    Parameters
+    ----------
+    course : CourseData
+    optimum : Optimum
+    off : array of shape (n,)
+        Where the drive is off.
+    """
+    speed2 = optimum.speed2.copy()
+    traction, braking, step_ms = course.traction.table, course.braking.table, course.traction.table_step_ms
+    for i in range(off.shape[0]):
+        small = optimum.traction[i] < NEXT_TO_NOTHING and optimum.braking[i] < NEXT_TO_NOTHING
+        if off[i] and small and course.fixed_speed2[i + 1] < 0.0 and speed2[i] > 0.0:
+            leaving = exit_speed2(cell_of(course, i), traction, braking, step_ms, speed2[i], COAST)
+            # never so far that the next cell would notice, nor beyond a limit
+            if abs(leaving - speed2[i + 1]) < NEXT_TO_NOTHING * speed2[i + 1]:
+                speed2[i + 1] = min(leaving, course.largest_speed2[i + 1])
+    return speed2

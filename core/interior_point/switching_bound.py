@@ -1,0 +1,369 @@
+"""A lower bound for drives whose power jumps at zero effort, of all runs that may switch them at will.
+
+As in `certificate`, nodes are doubled and priced, and so is the net force of a cell. Then the least that efforts can
+cost in a cell is a function of its mean speed v alone, and what remains is
+
+    a0 v0^2 + a1 v1^2 + kappa / v + beta v + h gamma(v),    gamma(v) = min(0, min_f [p(f, v) / v - price f]) + braking.
+
+Two properties of a drive that is on make this provable piece by piece: its power is convex in the effort, so that the
+inner minimum has a tangent as its bound, and with the work of the shaft taken off, its losses do not fall with speed.
+With losses as at the slower end of a piece, gamma is the least of functions that are linear in 1 / v, hence lies above
+its chord over 1 / v. Pieces are halved until they are good enough.
+"""
+
+import math
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.compiled import njit
+from railjoule.core.drive.kernels import power_when_on, shaft_force, work_bounds
+from railjoule.core.interior_point.cell import per_metre
+from railjoule.core.interior_point.certificate import node_prices
+from railjoule.core.interior_point.layout import (
+    ACCELERATION,
+    BRAKING_OVER_SPEED,
+    DECELERATION,
+    DRAWN,
+    TRACTION_OVER_SPEED,
+)
+from railjoule.core.interior_point.solver import Optimum
+from railjoule.core.interior_point.start import SLOWEST_SPEED2
+from railjoule.core.interior_point.switching import switched_powers
+from railjoule.core.motion.course import CourseData
+from railjoule.core.motion.effort_limit import EffortLimit, largest_effort
+
+NARROWEST_SHARE = 1e-9
+FIRST_WIDTHS = (0.5, 0.25, 0.1, 0.04, 0.015)
+"""Edges of the first pieces, as shares of the speed at which the least is expected."""
+PRECISION = 0.1
+"""How much of the tolerance the search for the cheapest effort may use up."""
+STEPS = 60
+EXACT = 1e-9
+
+START, END, CONSTANT, TIME, BY_SPEED, PRICE, RETURNED, LENGTH = range(8)
+"""What a priced cell is, scaled: START w0 + END w1 + CONSTANT + TIME / v + BY_SPEED v, and over its LENGTH [m] efforts
+at a PRICE per metre; RETURNED is the share of generated energy that counts."""
+COLUMNS = 8
+
+
+@njit(cache=True, error_model="numpy")
+def cheapest_effort(
+    course: CourseData,
+    braking: bool,
+    share: float,
+    price: float,
+    loss_speed: float,
+    speed: float,
+    most: float,
+    near: float,
+    precision: float,
+) -> tuple[float, float]:
+    """Return a lower bound of energy per metre less a price times effort [N], at most 0, and the effort [N].
+
+    Parameters
+    ----------
+    course : CourseData
+        The drive.
+    braking : bool
+        Whether it brakes; then a `share` of what it generates counts, and the price is what braking costs.
+    share, price : float
+        Weight of the energy, and energy per work that an effort is worth.
+    loss_speed, speed : float
+        The losses are those at the first speed, the way is made at the second [m/s].
+    most, near : float
+        Largest effort, and where to begin [N].
+    precision : float
+        How far the bound may lie below the least [N].
+    """
+    kind, parameters = course.drive_kind, course.drive_parameters
+    worth = -price if braking else price
+    drawn, returned = work_bounds(kind, parameters)
+    if share <= 0.0:
+        return min(0.0, -worth * most), near
+    if worth <= (-share * returned if braking else drawn):
+        return 0.0, near
+    low, high, reach = 0.0, most, most
+    value_low, slope_low = -math.inf, -math.inf
+    value_high, slope_high = math.inf, math.inf
+    y = near if 0.0 < near < most else 0.3 * most
+    least = -math.inf
+    for _ in range(STEPS):
+        p, p_f, _, p_ff, _, _ = power_when_on(kind, parameters, braking, y, loss_speed)
+        work, work_f = shaft_force(kind, parameters, braking, y)
+        value = share * (work + (p - work * loss_speed) / speed) - worth * y
+        slope = share * (work_f + (p_f - work_f * loss_speed) / speed) - worth
+        if slope >= 0.0:
+            high = reach = y
+            value_high, slope_high = value, slope
+        elif slope >= slope_low:
+            low, value_low, slope_low = y, value, slope
+        else:
+            # beyond the pull-out torque power is no longer convex: the tangent from below goes on
+            reach = y
+        # by convexity no effort is cheaper than where the tangents meet
+        if slope_high == math.inf:
+            least = value_low + slope_low * (most - low)
+        elif slope_low == -math.inf:
+            least = value_high - slope_high * high
+        else:
+            meet = (value_low - value_high + slope_high * high - slope_low * low) / (slope_high - slope_low)
+            least = value_low + slope_low * (min(max(meet, low), high) - low)
+        if least >= 0.0 or min(value_low if slope_low > -math.inf else math.inf, value_high) - least <= precision:
+            break
+        if reach - low <= EXACT * most:
+            break
+        step = y - slope * speed / (share * p_ff) if p_ff > 0.0 and reach == high else -1.0
+        if slope < 0.0 and step >= reach and value_high == math.inf:
+            step = 0.1 * low + 0.9 * reach
+        if not low < step < reach:
+            step = 0.5 * (low + reach)
+        y = step
+    return min(0.0, least), y
+
+
+@njit(cache=True, error_model="numpy")
+def effort_value(
+    course: CourseData, cell: FloatArray, near: FloatArray, loss_speed: float, speed: float, precision: float
+) -> float:
+    """Return what the cheapest efforts of a cell add to it, with losses at one speed and limits as well [scaled].
+
+    Parameters
+    ----------
+    course : CourseData
+    cell : array of shape (COLUMNS,)
+    near : array of shape (2,)
+        The cheapest efforts found last [N]; brought up to date.
+    loss_speed, speed : float
+        The losses are those at the first speed, the way is made at the second [m/s].
+    precision : float
+        How far it may lie below the least, scaled.
+    """
+    price, share, scale = cell[PRICE], cell[RETURNED], course.traction.constant_n
+    precision *= scale / cell[LENGTH]
+    most = _greatest(course.traction, loss_speed, speed)
+    total, near[0] = cheapest_effort(course, False, 1.0, price, loss_speed, speed, most, near[0], precision)
+    most = _greatest(course.braking, loss_speed, speed)
+    braking, near[1] = cheapest_effort(course, True, share, price, loss_speed, speed, most, near[1], precision)
+    # a standstill brake does it without a loss that counts
+    total += min(braking, price * most) + min(price, 0.0) * course.friction_effort_n
+    value: float = cell[LENGTH] * total / scale
+    return value
+
+
+@njit(cache=True)
+def _greatest(limit: EffortLimit, slow: float, fast: float) -> float:
+    """Return the largest effort [N] at either of two speeds."""
+    return max(largest_effort(limit, slow), largest_effort(limit, fast))
+
+
+@njit(cache=True, error_model="numpy")
+def piece_bound(
+    cell: FloatArray, box: tuple[float, float, float, float], low: float, high: float, first: float, last: float
+) -> tuple[float, float]:
+    """Return a lower bound of a priced cell over mean speeds from `low` to `high` [m/s], and its value at `low`.
+
+    Parameters
+    ----------
+    cell : array of shape (COLUMNS,)
+    box : tuple
+        Least and greatest speed at its start, then at its end [m/s].
+    low, high : float
+    first, last : float
+        What efforts add at `low` and, with losses as there, at `high`.
+    """
+    # the chord over 1 / v
+    by_inverse = (first - last) / (1.0 / low - 1.0 / high)
+    constant = cell[CONSTANT] + first - by_inverse / low
+    kappa, beta = cell[TIME] + by_inverse, cell[BY_SPEED]
+    here = cell[CONSTANT] + first + cell[TIME] / low + beta * low
+    a0, a1 = cell[START], cell[END]
+    low0, high0, low1, high1 = box
+    if a0 > 0.0 and a1 > 0.0 and low0 < high0 and low1 < high1:
+        # the best pair of speeds with a given mean, whether it lies in the box or not
+        square = 4.0 * a0 * a1 / (a0 + a1)
+        start = 2.0 * low * a1 / (a0 + a1)
+        inside = low0 <= start <= high0 and low1 <= 2.0 * low - start <= high1
+        value = here + square * low * low if inside else np.inf
+        return constant + curve_bound(square, beta, kappa, low, high), value
+    # else one of the two speeds of the best pair is at an end of its range
+    bound, value = np.inf, np.inf
+    for side in range(4):
+        fixed = box[side]
+        own, other = (a0, a1) if side < 2 else (a1, a0)
+        least, most = (low1, high1) if side < 2 else (low0, high0)
+        left, right = max(low, 0.5 * (fixed + least)), min(high, 0.5 * (fixed + most))
+        if left > right:
+            continue
+        offset = (own + other) * fixed * fixed
+        curve = curve_bound(4.0 * other, beta - 4.0 * other * fixed, kappa, left, right)
+        bound = min(bound, constant + offset + curve)
+        if left == low:
+            value = min(value, here + offset + 4.0 * other * low * (low - fixed))
+    return bound, value
+
+
+@njit(cache=True, error_model="numpy")
+def curve_bound(square: float, linear: float, kappa: float, low: float, high: float) -> float:
+    """Return a lower bound of square v^2 + linear v + kappa / v over [low, high], exact as the ends meet."""
+    at_low, at_high = 2.0 * (square + kappa / low**3), 2.0 * (square + kappa / high**3)
+    half = 0.5 * (high - low)
+    if min(at_low, at_high) >= 0.0:
+        v = 0.5 * (low + high)
+        return (square * v + linear) * v + kappa / v - half * abs(2.0 * square * v + linear - kappa / (v * v))
+    ends = min((square * low + linear) * low + kappa / low, (square * high + linear) * high + kappa / high)
+    return ends - 0.5 * max(at_low, at_high, 0.0) * half * half
+
+
+@njit(cache=True, error_model="numpy")
+def least_of_cell(
+    course: CourseData,
+    cell: FloatArray,
+    box: tuple[float, float, float, float],
+    mean_speed: float,
+    tolerance: float,
+    budget: int,
+) -> tuple[float, int]:
+    """Return a lower bound of a priced cell over a box of its speeds, and how many pieces it took.
+
+    Parameters
+    ----------
+    course : CourseData
+    cell : array of shape (COLUMNS,)
+    box : tuple
+        Least and greatest speed at its start, then at its end [m/s].
+    mean_speed : float
+        Where the least is expected [m/s]; pieces are narrower there from the beginning.
+    tolerance : float
+        How much the bound may lie below the least.
+    budget : int
+        After so many pieces it is what it is.
+    """
+    bottom, top = 0.5 * (box[0] + box[2]), 0.5 * (box[1] + box[3])
+    top = max(top, bottom * (1.0 + 1e-9))
+    middle = min(max(mean_speed, bottom), top)
+    edges = np.empty(2 * len(FIRST_WIDTHS) + 3)
+    edges[0] = bottom
+    count = 1
+    for k in range(len(FIRST_WIDTHS)):
+        edges[count] = middle * (1.0 - FIRST_WIDTHS[k])
+        count += 1 if bottom < edges[count] < top else 0
+    edges[count] = middle
+    count += 1 if bottom < middle < top else 0
+    for k in range(len(FIRST_WIDTHS) - 1, -1, -1):
+        edges[count] = middle * (1.0 + FIRST_WIDTHS[k])
+        count += 1 if bottom < edges[count] < top else 0
+    edges[count] = top
+    near, precision = np.zeros(2), PRECISION * tolerance
+    size = max(budget, count) + 1
+    lows, highs, firsts, bounds = np.empty(size), np.empty(size), np.empty(size), np.empty(size)
+    best = np.inf
+    for k in range(count):
+        low, high = edges[k], edges[k + 1]
+        first = effort_value(course, cell, near, low, low, precision)
+        last = effort_value(course, cell, near, low, high, precision)
+        bound, value = piece_bound(cell, box, low, high, first, last)
+        best = min(best, value)
+        lows[k], highs[k], firsts[k], bounds[k] = low, high, first, bound
+    while True:
+        worst = 0
+        for k in range(count):
+            if bounds[k] < bounds[worst]:
+                worst = k
+        low, high = lows[worst], highs[worst]
+        if bounds[worst] >= best - tolerance or count >= budget or high - low < NARROWEST_SHARE * high:
+            return bounds[worst], count
+        middle = math.sqrt(low * high) if low < 0.5 * high else 0.5 * (low + high)
+        for start, end, place in ((low, middle, worst), (middle, high, count)):
+            first = firsts[worst] if place == worst else effort_value(course, cell, near, start, start, precision)
+            last = effort_value(course, cell, near, start, end, precision)
+            bound, value = piece_bound(cell, box, start, end, first, last)
+            best = min(best, value)
+            lows[place], highs[place], firsts[place], bounds[place] = start, end, first, bound
+        count += 1
+
+
+@njit(cache=True, error_model="numpy")
+def price_switched_cells(course: CourseData, optimum: Optimum, scale: float) -> tuple[FloatArray, float]:
+    """Return the priced cells of a point, shape (n, COLUMNS), and the sum of the prices at both ends."""
+    h, w, z = course.cell_length_m, optimum.speed2, optimum.multiplier
+    n = h.shape[0]
+    price_of_time = optimum.time_multiplier + course.auxiliary_power_w / scale
+    tangents, over, near = np.zeros((4, n)), np.empty((2, n)), np.zeros((2, n))
+    over[0], over[1] = z[TRACTION_OVER_SPEED], z[BRAKING_OVER_SPEED]
+    returned = np.empty(n)
+    for i in range(n):
+        v = 0.5 * (math.sqrt(w[i]) + math.sqrt(w[i + 1]))
+        f, x = max(optimum.traction[i], 0.0) * scale, max(optimum.braking[i], 0.0) * scale
+        taken, generated = switched_powers(course, i, near, f, x, v)
+        share = course.recuperation_factor
+        # where it draws, all of it counts: any mixture of the two rates is a lower bound
+        returned[i] = share + min(max(z[DRAWN, i] / h[i], 0.0), 1.0 - share)
+        tangents[3, i] = h[i] * (per_metre(taken, scale, v)[2] - returned[i] * per_metre(generated, scale, v)[2])
+    node = node_prices(course, optimum, scale, price_of_time, over, tangents)
+    cells = np.zeros((n, COLUMNS))
+    bend, linear = 0.5 * course.resistance_quadratic / scale, course.resistance_linear / scale
+    inertia = 2.0 * course.half_inertia_kg / scale
+    for i in range(n):
+        c, force = cells[i], optimum.force_price[i]
+        k = course.half_inertia_kg / (h[i] * scale)
+        rise = z[ACCELERATION, i] - z[DECELERATION, i]
+        c[CONSTANT] = force * (course.line_force_n[i] + course.resistance_constant_n) / scale
+        for row, limit in ((ACCELERATION, course.max_acceleration_ms2), (DECELERATION, course.max_deceleration_ms2)):
+            if z[row, i] > 0.0:
+                c[CONSTANT] -= z[row, i] * inertia * limit
+        c[START] = node[i] - force * (k - bend) - rise * k
+        c[END] = force * (k + bend) + rise * k - node[i + 1]
+        c[TIME], c[BY_SPEED] = price_of_time * h[i], force * linear
+        c[PRICE], c[RETURNED], c[LENGTH] = force / h[i], returned[i], h[i]
+    return cells, node[n] * w[n] - node[0] * w[0]
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def switched_bound(
+    course: CourseData, optimum: Optimum, fastest: FloatArray, running_time: float, tolerance: float, budget: int
+) -> tuple[float, int]:
+    """Return a lower bound of the scaled energy, and how many pieces of speed it took.
+
+    Parameters
+    ----------
+    course : CourseData
+        Its machines are switched at will.
+    optimum : Optimum
+        Any point with multipliers.
+    fastest : array of shape (n + 1,)
+        Squares of speed of the fastest run [m2/s2].
+    running_time : float
+        Time allowed without dwells [s].
+    tolerance : float
+        How far the bound may lie below what the multipliers could prove, as a share of the energy.
+    budget : int
+        Pieces that may be looked at in each cell.
+    """
+    scale, w, h = course.traction.constant_n, optimum.speed2, course.cell_length_m
+    cells, ends = price_switched_cells(course, optimum, scale)
+    kinetic = course.half_inertia_kg * (h.sum() / running_time) ** 2 / scale
+    allowed = tolerance * max(abs(optimum.energy), 0.1 * kinetic) / h.sum()
+    bound, pieces = ends - optimum.time_multiplier * running_time, 0
+    slowest = math.sqrt(SLOWEST_SPEED2)
+    for i in range(h.shape[0]):
+        low0, high0 = _range(course, fastest, w, slowest, i)
+        low1, high1 = _range(course, fastest, w, slowest, i + 1)
+        v = 0.5 * (math.sqrt(w[i]) + math.sqrt(w[i + 1]))
+        box = low0, high0, low1, high1
+        least, seen = least_of_cell(course, cells[i], box, v, allowed * h[i], budget)
+        bound += least
+        pieces += seen
+    return min(bound, optimum.energy), pieces
+
+
+@njit(cache=True)
+def _range(
+    course: CourseData, fastest: FloatArray, speed2: FloatArray, slowest: float, node: int
+) -> tuple[float, float]:
+    """Return the least and the greatest speed at a node [m/s]."""
+    fixed = course.fixed_speed2[node]
+    if fixed >= 0.0:
+        return math.sqrt(fixed), math.sqrt(fixed)
+    high = math.sqrt(fastest[node])
+    return min(slowest, math.sqrt(speed2[node]), high), high
