@@ -13,7 +13,7 @@ STRATEGY_WORDS: dict[StrategyName, str] = {
     "bellman": "Bellman",
     "eoc": "EOC",
     "enoc": "ENOC",
-    "phases": "Four phases",
+    "phases": "Phases",
     "speed_limits": "Speed limits",
     "fastest": "Fastest",
 }

@@ -10,6 +10,7 @@ from railjoule.core import RailjouleError, Scenario
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.scenario.disturbance import Reaction
 from railjoule.core.simulate.disturbances import Ride, simulate_disturbances, undisturbed_plan
+from railjoule.dashboard.store.refusals import named_refusals
 
 REACTIONS: tuple[Reaction, ...] = ("driver", "computer", "known")
 DELAYS_S = (0.0, 1.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0)
@@ -54,8 +55,9 @@ def compute_rides(wish: RidesWish) -> Rides:
         If a value is out of its bounds, the plan cannot be kept or the line not be passed.
     """
     scenario = wish.disturbed()
-    planned = undisturbed_plan(scenario)
-    return Rides({reaction: simulate_disturbances(scenario, reaction, planned) for reaction in REACTIONS})
+    with named_refusals(scenario):
+        planned = undisturbed_plan(scenario)
+        return Rides({reaction: simulate_disturbances(scenario, reaction, planned) for reaction in REACTIONS})
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,6 +8,7 @@ from railjoule.core import InfeasibleLineError, Scenario, SolverError, Timetable
 from railjoule.core.simulate.following import Following, follow, plan_for
 from railjoule.core.studies.montecarlo import MonteCarloTable, monte_carlo_steps
 from railjoule.core.studies.sensitivity import Knows, SensitivityTable, sensitivity_steps
+from railjoule.dashboard.store.refusals import named_refusals
 
 
 @dataclass(frozen=True)
@@ -47,7 +48,8 @@ def compute_reality(wish: RealityWish) -> Reality:
         If a value is out of its bounds, the timetable cannot be kept or the line not be passed.
     """
     scenario = wish.scenario_in_reality()
-    following = follow(plan_for(scenario), scenario)
+    with named_refusals(scenario):
+        following = follow(plan_for(scenario), scenario)
     load = scenario.disturbance.actual_load_factor
     try:
         knowing = plan_for(scenario.with_(**{"vehicle.load_factor": load})) if load is not None else following.planned
@@ -68,9 +70,12 @@ class TableWish:
 def compute_table(wish: TableWish) -> Iterator[SensitivityTable]:
     """Yield the table of loads and errors as it fills; errors as `compute_reality`."""
     scenario = wish.reality.scenario_in_reality()
-    yield from sensitivity_steps(scenario, both_directions=wish.both_directions, knows=wish.knows)
+    with named_refusals(scenario):
+        yield from sensitivity_steps(scenario, both_directions=wish.both_directions, knows=wish.knows)
 
 
 def compute_chance(wish: RealityWish) -> Iterator[MonteCarloTable]:
     """Yield the runs that chance draws as they come; errors as `compute_reality`."""
-    yield from monte_carlo_steps(wish.scenario_in_reality())
+    scenario = wish.scenario_in_reality()
+    with named_refusals(scenario):
+        yield from monte_carlo_steps(scenario)

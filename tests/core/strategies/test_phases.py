@@ -297,13 +297,10 @@ def test_options_that_leave_no_run(options, words):
         plain_scenario(options)
 
 
-def test_optimal_does_not_prove_what_it_cannot():
+def test_the_bound_of_the_optimum_lies_below_the_four_phases():
     run = solve(load_scenario("tram-950m"))
-    assert (run.strategy, run.bound) == ("phases", None)
-    with pytest.raises(
-        StrategyRefusedError, match=r"^needs a drive that takes no power when it is on without effort\.$"
-    ):
-        solve(load_scenario("tram-950m"), "optimal")
+    assert run.strategy == "phases"
+    assert 0.02 < run.gap < 0.1
 
 
 def test_bellman_takes_the_tram():
