@@ -297,13 +297,12 @@ def test_options_that_leave_no_run(options, words):
         plain_scenario(options)
 
 
-def test_optimal_does_not_prove_what_it_cannot():
+def test_a_plan_carries_the_bound_with_free_switching():
     run = solve(load_scenario("tram-950m"))
-    assert (run.strategy, run.bound) == ("phases", None)
-    with pytest.raises(
-        StrategyRefusedError, match=r"^needs a drive that takes no power when it is on without effort\.$"
-    ):
-        solve(load_scenario("tram-950m"), "optimal")
+    assert run.strategy == "phases"
+    assert "switches between driving, coasting and braking at will" in run.bound.statement
+    # four phases with one full current need 5 to 6 % more: findings on Rawicki
+    assert 0.05 < run.gap < 0.07
 
 
 def test_bellman_takes_the_tram():
