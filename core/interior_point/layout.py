@@ -48,6 +48,8 @@ from railjoule.core.compiled import njit
     DECELERATION,
 ) = range(12)
 ROWS = 12
+RAY_COUNT = 200
+"""Speeds of the table of a drive that takes power without effort."""
 
 FAST = {"contract", "reassoc", "nsz", "arcp"}
 """Liberties of the compiler; NaN and infinity keep their meaning."""
@@ -127,7 +129,7 @@ class Work(NamedTuple):
 
     `curvature` has shape (9, n): second derivatives of the driving energy by (f, v): ff, fv, vv; of the braking
     energy by (x, v): xx, xv, vv; of time and limits by v; and two by w that the concave mean speed brings.
-    Of a drive that takes power without effort, `touching`, shape (2, n), are efforts of least power per effort [N], and
+    Of a drive that takes power without effort, `rays` is the table of `switching.tabulate_rays`, and
     `last_curvature`, shape (6, n), is what the first six rows of `curvature` were an iteration ago.
     `time_step` holds the steps of the timetable's slack and multiplier; `used` which rows occur at all.
     """
@@ -137,7 +139,7 @@ class Work(NamedTuple):
     nodes: Nodes
     bounds: Rows
     curvature: FloatArray
-    touching: FloatArray
+    rays: FloatArray
     last_curvature: FloatArray
     time_step: FloatArray
     used: FloatArray
@@ -170,7 +172,7 @@ def allocate(n: int) -> Work:
         c[20], c[21], c[22], c[23], c[24], c[25], c[26], c[27], c[28], c[29],
     )  # fmt: skip
     nodes = Nodes(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9])
-    curvature, touching, last_curvature = np.zeros((9, n)), np.zeros((2, n)), np.zeros((6, n))
+    curvature, rays, last_curvature = np.zeros((9, n)), np.zeros((2, RAY_COUNT, 3)), np.zeros((6, n))
     return Work(
-        cells, _rows(ROWS, n), nodes, _rows(2, n + 1), curvature, touching, last_curvature, np.zeros(2), np.zeros(ROWS)
+        cells, _rows(ROWS, n), nodes, _rows(2, n + 1), curvature, rays, last_curvature, np.zeros(2), np.zeros(ROWS)
     )

@@ -6,7 +6,12 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.drive.kernels import generated_power, has_standstill_brake, may_draw_while_braking
+from railjoule.core.drive.kernels import (
+    generated_power,
+    has_standstill_brake,
+    jumps_at_no_effort,
+    may_draw_while_braking,
+)
 from railjoule.core.interior_point.cell import per_metre
 from railjoule.core.interior_point.layout import (
     ACCELERATION,
@@ -23,6 +28,7 @@ from railjoule.core.interior_point.layout import (
     TRACTION_POSITIVE,
     Work,
 )
+from railjoule.core.interior_point.switching import tabulate_rays
 from railjoule.core.motion.course import CourseData
 from railjoule.core.motion.effort_limit import EffortLimit, limit_over_speed
 from railjoule.core.motion.passes import running_time as running_time_of
@@ -132,6 +138,8 @@ def prepare(
     n, w = h.shape[0], work.nodes.speed2
     start_speeds(course, fastest, shortest_time, running_time, w)
     _use_limits(course, scale, fastest, work)
+    if jumps_at_no_effort(course.drive_kind):
+        tabulate_rays(course, work.rays)
     for i in range(n + 1):
         nodes.free[i] = 1.0 if course.fixed_speed2[i] < 0.0 else 0.0
         nodes.floor[i] = min(SLOWEST_SPEED2, 0.25 * w[i])

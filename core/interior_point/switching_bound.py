@@ -25,11 +25,12 @@ from railjoule.core.interior_point.layout import (
     BRAKING_OVER_SPEED,
     DECELERATION,
     DRAWN,
+    RAY_COUNT,
     TRACTION_OVER_SPEED,
 )
 from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.interior_point.start import SLOWEST_SPEED2
-from railjoule.core.interior_point.switching import switched_powers
+from railjoule.core.interior_point.switching import switched_powers, tabulate_rays
 from railjoule.core.motion.course import CourseData
 from railjoule.core.motion.effort_limit import EffortLimit, largest_effort
 
@@ -289,13 +290,14 @@ def price_switched_cells(course: CourseData, optimum: Optimum, scale: float) -> 
     h, w, z = course.cell_length_m, optimum.speed2, optimum.multiplier
     n = h.shape[0]
     price_of_time = optimum.time_multiplier + course.auxiliary_power_w / scale
-    tangents, over, near = np.zeros((4, n)), np.empty((2, n)), np.zeros((2, n))
+    tangents, over, rays = np.zeros((4, n)), np.empty((2, n)), np.empty((2, RAY_COUNT, 3))
+    tabulate_rays(course, rays)
     over[0], over[1] = z[TRACTION_OVER_SPEED], z[BRAKING_OVER_SPEED]
     returned = np.empty(n)
     for i in range(n):
         v = 0.5 * (math.sqrt(w[i]) + math.sqrt(w[i + 1]))
         f, x = max(optimum.traction[i], 0.0) * scale, max(optimum.braking[i], 0.0) * scale
-        taken, generated = switched_powers(course, i, near, f, x, v)
+        taken, generated = switched_powers(course, i, rays, f, x, v)
         share = course.recuperation_factor
         # where it draws, all of it counts: any mixture of the two rates is a lower bound
         returned[i] = share + min(max(z[DRAWN, i] / h[i], 0.0), 1.0 - share)

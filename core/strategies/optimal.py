@@ -25,7 +25,7 @@ FREE_CENTRING, STEADY_CENTRING = 1e-6, 0.2
 LOOSE_GAP = 1e-4
 PROOF_BUDGET = 2_000_000
 """Boxes of speed that a proof may look at; a proof hardly ever needs more than one a cell."""
-SWITCHED_PROOF_TOLERANCE, PIECES_A_CELL = 1e-4, 60
+SWITCHED_PROOF_TOLERANCE, PIECES_A_CELL = 2e-4, 44
 """How close the bound of a drive that takes power without effort shall come to its multipliers' best, if it can."""
 
 

@@ -25,10 +25,10 @@ TOLERANCE = 1e-6
 ITERATIONS, CENTRING = 60, 1e-6
 FULL, NONE = 0.98, 0.02
 """Shares of driving from which a cell counts as driven, and up to which as coasted."""
-BALANCED = 2e-3
+BALANCED = 5e-3
 """The price of force may differ from the least power per effort by this share at the end of a stretch."""
 TIME_SHARE, TIME_ROUNDING = 1e-7, 1e-9
-FIRST_MOVE, MOST_SOLUTIONS = 4, 5
+FIRST_MOVE, MOST_SOLUTIONS = 4, 3
 
 
 def takes_power_idling(task: Task) -> bool:

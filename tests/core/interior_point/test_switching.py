@@ -12,10 +12,13 @@ from railjoule.core.drive.kernels import (
     shaft_force,
     smooth_power_when_on,
 )
+from railjoule.core.interior_point.layout import RAY_COUNT
 from railjoule.core.interior_point.switching import (
     hull_power,
     hull_with_standstill_brake,
     keep_larger_curvature,
+    tabulate_rays,
+    tabulated_power,
     tangent,
 )
 from railjoule.core.interior_point.switching_bound import cheapest_effort, curve_bound
@@ -137,3 +140,16 @@ def test_the_larger_curvature_is_kept_for_one_iteration():
 
 def test_the_drive_of_these_tests_is_an_induction_drive():
     assert make_drive(TASK.scenario.vehicle.drive).kind == DATA.drive_kind == 2
+
+
+@pytest.mark.parametrize(("braking", "limit"), SIDES, ids=["driving", "braking"])
+def test_tabulated_rays_are_those_of_the_hull(braking, limit):
+    """Between the speeds of the table, the cubic through values and slopes is exact to 1e-5."""
+    rays = np.empty((2, RAY_COUNT, 3))
+    tabulate_rays(DATA, rays)
+    for speed in np.linspace(1.0, 19.0, 37):
+        effort = 0.05 * largest_effort(limit, speed)
+        found, _ = tabulated_power(DATA, braking, rays[int(braking)], effort, speed)
+        hull, _ = hull_power(*DRIVE, braking, limit, effort, speed, 0.0)
+        assert found[:2] == pytest.approx(hull[:2], rel=1e-5)
+        assert found[2] == pytest.approx(hull[2], rel=1e-3, abs=1e-2 * abs(hull[1]))
