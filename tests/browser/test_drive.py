@@ -1,11 +1,28 @@
 """Drive, as a user works with it."""
 
+from collections.abc import Iterator
+
 import pytest
-from playwright.sync_api import Browser, expect
+from playwright.sync_api import Browser, BrowserContext, expect
 
 from browser.server import Server
 from browser.user import User
 from railjoule.dashboard.look.tokens import THEMES
+
+
+@pytest.fixture(scope="module")
+def opened(server: Server, window: BrowserContext) -> Iterator[User]:
+    """A page that all tests of this file share."""
+    with User.on(window, server.url) as someone:
+        yield someone
+
+
+@pytest.fixture
+def user(opened: User) -> User:
+    """A user before what a new page shows."""
+    opened.begin_anew()
+    return opened
+
 
 SLIDERS = ("Travel time, s", "Load, % of capacity", "Recuperation, %")
 
@@ -42,6 +59,8 @@ def test_a_bad_number_is_refused_beneath_its_field(user: User) -> None:
         user.type("Load, % of capacity", text)
         assert f"{refusal} Kept: 50 %." in user.alerts()
         assert user.number("Energy at the line") == energy
+    user.type("Load, % of capacity", "50")
+    assert user.alerts() == []
 
 
 def test_a_timetable_that_no_train_can_keep(user: User) -> None:
@@ -123,6 +142,9 @@ def test_a_zoom_survives_a_slider(user: User) -> None:
     assert zoomed[1] - zoomed[0] < 0.6 * (whole[1] - whole[0])
     user.push("Travel time, s", 5)
     assert x_range(user) == zoomed
+    user.page.mouse.dblclick(box["x"] + 300, middle)
+    user.rest()
+    assert x_range(user) == whole
 
 
 def test_one_cursor_through_all_charts(user: User) -> None:
