@@ -55,7 +55,12 @@ class Disturbances:
     def _ask(self, *_: Any) -> None:
         if self.state.page != "Disturbances":
             return
-        changes = {"strategy": self.state.chosen, "disturbance.coordinate_error_m": 0.0, **self.model.changes}
+        changes = {
+            "strategy": self.state.chosen,
+            "disturbance.coordinate_error_m": 0.0,
+            "disturbance.departure_delay_s": 0.0,
+            **self.model.changes,
+        }
         wish = RidesWish(self.state.scenario.scenario(), changes)
         if wish != self._asked:
             self._asked = wish

@@ -17,29 +17,35 @@ Source: Rawicki, (44)-(55) and Figs. 3 and 4.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.errors import InfeasibleLineError, ScenarioError, TimetableError
+from railjoule.core.errors import InfeasibleLineError, TimetableError
 from railjoule.core.motion import build_course
-from railjoule.core.motion.mesh import line_mesh
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import (
     Event,
     Reaction,
-    RecuperationChange,
     UnplannedLimit,
     UnplannedStop,
-    VoltageChange,
 )
-from railjoule.core.scenario.line import SHORTEST_DISTANCE_M, SpeedLimit, Station
-from railjoule.core.scenario.timetable import Timetable
-from railjoule.core.simulate.as_it_is import as_it_is, at_voltage, changed
+from railjoule.core.scenario.line import Station
+from railjoule.core.simulate.as_it_is import as_it_is
 from railjoule.core.simulate.driver import STANDING_SPEED2, braking_envelope, fully_braked, held
 from railjoule.core.simulate.following import follow_cells
 from railjoule.core.simulate.leg import SAME_PLACE_M, Leg, joined, leg_of
+from railjoule.core.simulate.train_on_its_way import (
+    State,
+    event_words,
+    is_foreseeable,
+    knowing,
+    nodes_ahead,
+    replace_line,
+    require_events_on_the_line,
+    rest_of,
+    rest_scenario,
+)
 from railjoule.core.strategies import run_strategy
 from railjoule.core.strategies.task import prepare_task
 from railjoule.core.trajectory import Trajectory
@@ -83,16 +89,6 @@ class Ride:
         return self.actual.energy.net_j / self.planned.energy.net_j - 1
 
 
-@dataclass(frozen=True)
-class _State:
-    """A train on its way: place [m], square of speed [m2/s2], time [s], its scenario with all that is known."""
-
-    position_m: float
-    speed2: float
-    time_s: float
-    scenario: Scenario
-
-
 def undisturbed_plan(scenario: Scenario) -> Trajectory:
     """Return the plan of a train that knows of no event; errors as `railjoule.core.solve`."""
     unknowing = _unknowing(scenario)
@@ -132,7 +128,7 @@ class _Simulation:
     """One ride while it is driven: what is known, what has been driven, what could not be kept."""
 
     def __init__(self, scenario: Scenario, reaction: Reaction | None) -> None:
-        _require_events_on_the_line(scenario)
+        require_events_on_the_line(scenario)
         self.scenario = scenario
         events = scenario.disturbance.events
         self.events = [event.model_copy(update={"reaction": reaction}) for event in events] if reaction else [*events]
@@ -142,11 +138,11 @@ class _Simulation:
 
     def run(self, planned: Trajectory) -> Ride:
         """Drive it, with the plan of a train that knows of nothing."""
-        before = [event for event in self.events if event.reaction == "known" and _is_foreseeable(event)]
+        before = [event for event in self.events if event.reaction == "known" and is_foreseeable(event)]
         ahead = [event for event in self.events if not any(event is other for other in before)]
-        state = _State(0.0, 0.0, 0.0, _unknowing(self.scenario))
+        state = State(0.0, 0.0, 0.0, _unknowing(self.scenario))
         for event in before:
-            state = _knowing(state, event)
+            state = knowing(state, event)
         plan = self._plan_rest(state) if before else leg_of(planned)
         while ahead:
             notice = self._next_notice(plan, state, ahead)
@@ -156,7 +152,7 @@ class _Simulation:
             ahead = [other for other in ahead if other is not event]
             self._drive(plan.until(place))
             driven = plan.until(place)
-            state = _State(place, float(driven.speed2[-1]), state.time_s + driven.duration_s, state.scenario)
+            state = State(place, float(driven.speed2[-1]), state.time_s + driven.duration_s, state.scenario)
             self.notices.append((place, state.time_s, event_words(event)))
             plan = self._react(plan, state, event)
             state = replace(state, scenario=plan.scenario)
@@ -177,7 +173,7 @@ class _Simulation:
             dwell[-1] += leg.dwell_s[-1]
             self.driven[-1] = replace(last, dwell_s=dwell)
 
-    def _next_notice(self, plan: Leg, state: _State, ahead: Sequence[Event]) -> tuple[float, Event] | None:
+    def _next_notice(self, plan: Leg, state: State, ahead: Sequence[Event]) -> tuple[float, Event] | None:
         """Return where the next event becomes known on a plan, and which; None if none does before its end."""
         found: list[tuple[float, int]] = []
         for number, event in enumerate(ahead):
@@ -193,21 +189,21 @@ class _Simulation:
         place, number = min(inside)
         return place, ahead[number]
 
-    def _react(self, plan: Leg, state: _State, event: Event) -> Leg:
+    def _react(self, plan: Leg, state: State, event: Event) -> Leg:
         """Return the leg from a state to the end, as the one who reacts to an event drives it."""
-        knowing = _knowing(state, event)
+        informed = knowing(state, event)
         if event.reaction != "driver":
-            return self._plan_rest(knowing)
-        rest = _rest_of(plan, state)
+            return self._plan_rest(informed)
+        rest = rest_of(plan, state)
         if isinstance(event, UnplannedStop):
-            return self._stop_by_hand(rest, knowing, event)
+            return self._stop_by_hand(rest, informed, event)
         if isinstance(event, UnplannedLimit):
-            return self._slow_by_hand(rest, knowing, event)
-        return _kept(rest, knowing)
+            return self._slow_by_hand(rest, informed, event)
+        return _kept(rest, informed)
 
-    def _stop_by_hand(self, rest: Leg, state: _State, stop: UnplannedStop) -> Leg:
+    def _stop_by_hand(self, rest: Leg, state: State, stop: UnplannedStop) -> Leg:
         """Hold the speed or coast on, brake fully before the stop, stand, plan the rest."""
-        nodes = _nodes(state, stop.position_m)
+        nodes = nodes_ahead(state, stop.position_m)
         course = build_course(state.scenario, float(np.sqrt(state.speed2)), 0.0, nodes)
         envelope = braking_envelope(course)
         if state.speed2 > envelope[0] * (1 + 1e-9):
@@ -226,14 +222,14 @@ class _Simulation:
         leg = Leg(state.scenario, nodes, speed2, _dwell_at_end(nodes, stop.duration_s))
         return self._and_the_rest(leg, state)
 
-    def _slow_by_hand(self, rest: Leg, state: _State, limit: UnplannedLimit) -> Leg:
+    def _slow_by_hand(self, rest: Leg, state: State, limit: UnplannedLimit) -> Leg:
         """Keep to the plan, but under the limit and what braking before it takes; then plan the rest."""
         end = min(limit.to_m, float(rest.position_m[-1]))
         stops = rest.position_m[rest.dwell_s > 0]
         beyond = stops[(stops > state.position_m + SAME_PLACE_M) & (stops < end)]
         if len(beyond):
             end = float(beyond[0])
-        nodes = _nodes(state, end)
+        nodes = nodes_ahead(state, end)
         course = build_course(state.scenario, float(np.sqrt(state.speed2)), 0.0, nodes)
         final = float(np.interp(end, rest.position_m, rest.speed2))
         fixed = course.data.fixed_speed2.copy()
@@ -249,19 +245,19 @@ class _Simulation:
         dwell[-1] = at_end[0] if len(at_end) else 0.0
         return self._and_the_rest(Leg(state.scenario, nodes, speed2, dwell), state)
 
-    def _and_the_rest(self, leg: Leg, state: _State) -> Leg:
+    def _and_the_rest(self, leg: Leg, state: State) -> Leg:
         """Return a leg and the best run from its end."""
         end = float(leg.position_m[-1])
         if end >= state.scenario.line.length_m - SAME_PLACE_M:
             return leg
-        after = _State(end, float(leg.speed2[-1]), state.time_s + leg.duration_s, state.scenario)
+        after = State(end, float(leg.speed2[-1]), state.time_s + leg.duration_s, state.scenario)
         return leg.then(self._plan_rest(after))
 
-    def _plan_rest(self, state: _State) -> Leg:
+    def _plan_rest(self, state: State) -> Leg:
         """Return the best run from a state to the end, or the fastest if the time is too short."""
         allowed = self.scenario.travel_time_s + self.scenario.disturbance.accepted_delay_s
-        rest = _rest_scenario(state, allowed)
-        nodes = _nodes(state, rest.line.length_m)
+        rest = rest_scenario(state, allowed)
+        nodes = nodes_ahead(state, rest.line.length_m)
         try:
             task = prepare_task(rest, float(np.sqrt(state.speed2)), 0.0, nodes)
         except InfeasibleLineError:
@@ -273,7 +269,7 @@ class _Simulation:
         except TimetableError:
             return replace(leg_of(run_strategy(task, "fastest")), scenario=state.scenario)
 
-    def _brake_at_once(self, state: _State, nodes: FloatArray) -> Leg:
+    def _brake_at_once(self, state: State, nodes: FloatArray) -> Leg:
         """Brake fully until all that lies ahead can be kept again, or to a stand beyond a stop."""
         course = build_course(state.scenario, float(np.sqrt(state.speed2)), 0.0, nodes)
         run, way = fully_braked(course.data, state.speed2)
@@ -318,79 +314,7 @@ def _shortened(scenario: Scenario, nodes: FloatArray, run: FloatArray, station: 
     return Leg(scenario, places, speed2, _dwell_at_end(places, station.dwell_s))
 
 
-def event_words(event: Event) -> str:
-    """Return what an event is, in a few words."""
-    if isinstance(event, UnplannedStop):
-        return f"stop of {event.duration_s:g} s at {event.position_m:g} m"
-    if isinstance(event, UnplannedLimit):
-        return f"limit of {event.limit_kmh:g} km/h from {event.from_m:g} to {event.to_m:g} m"
-    if isinstance(event, VoltageChange):
-        return f"line voltage {100 * event.line_voltage_factor:g} %"
-    assert isinstance(event, RecuperationChange)
-    return f"recuperation {100 * event.recuperation_factor:g} %"
-
-
-def replace_line(scenario: Scenario, line: object) -> Scenario:
-    """Return a scenario with another line."""
-    return scenario.model_copy(update={"line": line})
-
-
-def _is_foreseeable(event: Event) -> bool:
-    return isinstance(event, UnplannedStop | UnplannedLimit)
-
-
-def _knowing(state: _State, event: Event) -> _State:
-    """Return a state in which an event is known."""
-    scenario, line = state.scenario, state.scenario.line
-    if isinstance(event, UnplannedStop):
-        added = Station(position_m=event.position_m, dwell_s=event.duration_s)
-        stations = tuple(sorted((*line.stations, added), key=lambda station: station.position_m))
-        return replace(state, scenario=replace_line(scenario, line.model_copy(update={"stations": stations})))
-    if isinstance(event, UnplannedLimit):
-        limit = SpeedLimit(from_m=event.from_m, to_m=event.to_m, limit_kmh=event.limit_kmh)
-        limits = (*line.speed_limits, limit)
-        return replace(state, scenario=replace_line(scenario, line.model_copy(update={"speed_limits": limits})))
-    vehicle = scenario.vehicle
-    if isinstance(event, VoltageChange):
-        vehicle = at_voltage(vehicle, event.line_voltage_factor)
-    elif isinstance(event, RecuperationChange):
-        drive = vehicle.drive.model_copy(update={"recuperation_factor": event.recuperation_factor})
-        vehicle = changed(vehicle, drive=drive)
-    return replace(state, scenario=scenario.model_copy(update={"vehicle": vehicle}))
-
-
-def _rest_scenario(state: _State, allowed_time_s: float) -> Scenario:
-    """Return the scenario of what is left: the stations ahead, and the time that remains."""
-    line = state.scenario.line
-    ahead = tuple(station for station in line.stations if station.position_m > state.position_m + SAME_PLACE_M)
-    left = max(allowed_time_s - state.time_s, 1e-3)
-    return state.scenario.model_copy(
-        update={
-            "line": line.model_copy(update={"stations": ahead}),
-            "timetable": Timetable(travel_time_s=left),
-        }
-    )
-
-
-def _nodes(state: _State, end_m: float) -> FloatArray:
-    """Return the nodes of what is left up to a place [m], finer where the train starts or stops."""
-    mesh = line_mesh(state.scenario.line, state.scenario.solver.mesh_m)
-    inside = mesh[(mesh > state.position_m + 1e-3) & (mesh < end_m - 1e-3)]
-    return np.concatenate([[state.position_m], inside, [end_m]])
-
-
-def _rest_of(plan: Leg, state: _State) -> Leg:
-    """Return what is left of a plan."""
-    beyond = plan.position_m > state.position_m + SAME_PLACE_M
-    return Leg(
-        plan.scenario,
-        np.append(state.position_m, plan.position_m[beyond]),
-        np.append(state.speed2, plan.speed2[beyond]),
-        np.append(0.0, plan.dwell_s[beyond]),
-    )
-
-
-def _kept(rest: Leg, state: _State) -> Leg:
+def _kept(rest: Leg, state: State) -> Leg:
     """Return the rest of a plan as a train with another voltage or recuperation keeps to it."""
     ends = [*np.flatnonzero(rest.dwell_s > 0).tolist(), len(rest.position_m) - 1]
     speed2 = rest.speed2.copy()
@@ -410,31 +334,3 @@ def _dwell_at_end(nodes: FloatArray, dwell_s: float) -> FloatArray:
     dwell = np.zeros(len(nodes))
     dwell[-1] = dwell_s
     return dwell
-
-
-def _require_events_on_the_line(scenario: Scenario) -> None:
-    """Raise ScenarioError for events outside the line and stops at one place."""
-    disturbance, length = scenario.disturbance, scenario.line.length_m
-    if disturbance.coordinate_error_m != 0:
-        raise ScenarioError(
-            f"disturbance.coordinate_error_m = {disturbance.coordinate_error_m:g} must be 0 where a train meets stops, "
-            "limits or other voltages: it is simulated for followed plans alone."
-        )
-    for index, stop in enumerate(disturbance.stops):
-        if stop.position_m > length - SHORTEST_DISTANCE_M:
-            raise ScenarioError(
-                f"disturbance.stops[{index}].position_m = {stop.position_m:g} must lie before the end of the line "
-                f"at {length:g} m."
-            )
-    for index, limit in enumerate(disturbance.speed_limits):
-        if limit.from_m >= length:
-            raise ScenarioError(
-                f"disturbance.speed_limits[{index}].from_m = {limit.from_m:g} must lie before the end of the line "
-                f"at {length:g} m."
-            )
-    places = [stop.position_m for stop in disturbance.stops]
-    places += [station.position_m for station in scenario.line.in_running_order().inner_stations]
-    if any(later - earlier < SHORTEST_DISTANCE_M for earlier, later in pairwise(sorted(places))):
-        raise ScenarioError(
-            f"disturbance.stops must be at least {SHORTEST_DISTANCE_M:g} m apart from one another and from stations."
-        )

@@ -1,0 +1,135 @@
+"""A train on its way: where it is, how fast, what it knows, and what is left of its line and its time."""
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.errors import ScenarioError
+from railjoule.core.motion.mesh import line_mesh
+from railjoule.core.scenario import Line, Scenario
+from railjoule.core.scenario.disturbance import (
+    Event,
+    RecuperationChange,
+    UnplannedLimit,
+    UnplannedStop,
+    VoltageChange,
+)
+from railjoule.core.scenario.line import SHORTEST_DISTANCE_M, SpeedLimit, Station
+from railjoule.core.scenario.timetable import Timetable
+from railjoule.core.simulate.as_it_is import at_voltage, changed
+from railjoule.core.simulate.leg import SAME_PLACE_M, Leg
+
+
+@dataclass(frozen=True)
+class State:
+    """A train on its way: place [m], square of speed [m2/s2], time [s], its scenario with all that is known."""
+
+    position_m: float
+    speed2: float
+    time_s: float
+    scenario: Scenario
+
+
+def event_words(event: Event) -> str:
+    """Return what an event is, in a few words."""
+    if isinstance(event, UnplannedStop):
+        return f"stop of {event.duration_s:g} s at {event.position_m:g} m"
+    if isinstance(event, UnplannedLimit):
+        return f"limit of {event.limit_kmh:g} km/h from {event.from_m:g} to {event.to_m:g} m"
+    if isinstance(event, VoltageChange):
+        return f"line voltage {100 * event.line_voltage_factor:g} %"
+    assert isinstance(event, RecuperationChange)
+    return f"recuperation {100 * event.recuperation_factor:g} %"
+
+
+def replace_line(scenario: Scenario, line: Line) -> Scenario:
+    """Return a scenario with another line."""
+    return scenario.model_copy(update={"line": line})
+
+
+def is_foreseeable(event: Event) -> bool:
+    """Return whether a plan can take an event into account before it begins."""
+    return isinstance(event, UnplannedStop | UnplannedLimit)
+
+
+def knowing(state: State, event: Event) -> State:
+    """Return a state in which an event is known."""
+    scenario, line = state.scenario, state.scenario.line
+    if isinstance(event, UnplannedStop):
+        added = Station(position_m=event.position_m, dwell_s=event.duration_s)
+        stations = tuple(sorted((*line.stations, added), key=lambda station: station.position_m))
+        return replace(state, scenario=replace_line(scenario, line.model_copy(update={"stations": stations})))
+    if isinstance(event, UnplannedLimit):
+        limit = SpeedLimit(from_m=event.from_m, to_m=event.to_m, limit_kmh=event.limit_kmh)
+        limits = (*line.speed_limits, limit)
+        return replace(state, scenario=replace_line(scenario, line.model_copy(update={"speed_limits": limits})))
+    vehicle = scenario.vehicle
+    if isinstance(event, VoltageChange):
+        vehicle = at_voltage(vehicle, event.line_voltage_factor)
+    elif isinstance(event, RecuperationChange):
+        drive = vehicle.drive.model_copy(update={"recuperation_factor": event.recuperation_factor})
+        vehicle = changed(vehicle, drive=drive)
+    return replace(state, scenario=scenario.model_copy(update={"vehicle": vehicle}))
+
+
+def rest_scenario(state: State, allowed_time_s: float) -> Scenario:
+    """Return the scenario of what is left: the stations ahead, and the time that remains."""
+    line = state.scenario.line
+    ahead = tuple(station for station in line.stations if station.position_m > state.position_m + SAME_PLACE_M)
+    left = max(allowed_time_s - state.time_s, 1e-3)
+    return state.scenario.model_copy(
+        update={
+            "line": line.model_copy(update={"stations": ahead}),
+            "timetable": Timetable(travel_time_s=left),
+        }
+    )
+
+
+def nodes_ahead(state: State, end_m: float) -> FloatArray:
+    """Return the nodes of what is left up to a place [m], finer where the train starts or stops."""
+    mesh = line_mesh(state.scenario.line, state.scenario.solver.mesh_m)
+    inside = mesh[(mesh > state.position_m + 1e-3) & (mesh < end_m - 1e-3)]
+    return np.concatenate([[state.position_m], inside, [end_m]])
+
+
+def rest_of(plan: Leg, state: State) -> Leg:
+    """Return what is left of a plan."""
+    beyond = plan.position_m > state.position_m + SAME_PLACE_M
+    return Leg(
+        plan.scenario,
+        np.append(state.position_m, plan.position_m[beyond]),
+        np.append(state.speed2, plan.speed2[beyond]),
+        np.append(0.0, plan.dwell_s[beyond]),
+    )
+
+
+def require_events_on_the_line(scenario: Scenario) -> None:
+    """Raise ScenarioError for events outside the line and stops at one place."""
+    disturbance, length = scenario.disturbance, scenario.line.length_m
+    for name in ("coordinate_error_m", "departure_delay_s"):
+        value = getattr(disturbance, name)
+        if value != 0:
+            raise ScenarioError(
+                f"disturbance.{name} = {value:g} must be 0 where a train meets stops, limits or other voltages: it is "
+                "simulated for followed plans alone."
+            )
+    for index, stop in enumerate(disturbance.stops):
+        if stop.position_m > length - SHORTEST_DISTANCE_M:
+            raise ScenarioError(
+                f"disturbance.stops[{index}].position_m = {stop.position_m:g} must lie before the end of the line "
+                f"at {length:g} m."
+            )
+    for index, limit in enumerate(disturbance.speed_limits):
+        if limit.from_m >= length:
+            raise ScenarioError(
+                f"disturbance.speed_limits[{index}].from_m = {limit.from_m:g} must lie before the end of the line "
+                f"at {length:g} m."
+            )
+    places = [stop.position_m for stop in disturbance.stops]
+    places += [station.position_m for station in scenario.line.in_running_order().inner_stations]
+    if any(later - earlier < SHORTEST_DISTANCE_M for earlier, later in pairwise(sorted(places))):
+        raise ScenarioError(
+            f"disturbance.stops must be at least {SHORTEST_DISTANCE_M:g} m apart from one another and from stations."
+        )
