@@ -144,9 +144,9 @@ class DisturbancesView(ChartPage):
                 "main",
             ),
             parts.figure("A computer saves", words.number(saved), "%", f"of the driver\u2019s {energy}"),
-            parts.figure("Known before", words.energy(known.actual.energy_kwh), "kWh", "planned from the start"),
-            parts.figure("Driver arrives", words.signed(driver.delay_s), "s", "against the timetable"),
-            parts.figure("Computer arrives", words.signed(computer.delay_s), "s", "against the timetable"),
+            parts.figure("Known before", words.energy(known.actual.energy_kwh), "kWh", "from the start"),
+            parts.figure("Driver arrives", words.signed(driver.delay_s), "s", "of delay"),
+            parts.figure("Computer arrives", words.signed(computer.delay_s), "s", "of delay"),
         ]
 
     def _table(self, rides: Rides) -> str:
