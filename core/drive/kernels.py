@@ -6,13 +6,16 @@ function in `build`; no solver changes.
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.drive import constant_efficiency, copper_loss
+from railjoule.core.drive import constant_efficiency, copper_loss, loss_polynomial
 from railjoule.core.drive.induction import power as induction
+from railjoule.core.drive.loss_map import power as loss_map
 from railjoule.core.drive.power_terms import PowerTerms
 
 CONSTANT_EFFICIENCY = 0
 COPPER_LOSS = 1
 INDUCTION = 2
+LOSS_POLYNOMIAL = 3
+LOSS_MAP = 4
 
 
 @njit(cache=True)
@@ -22,6 +25,10 @@ def driving_power(kind: int, parameters: FloatArray, effort: float, speed: float
         return constant_efficiency.driving_power(parameters, effort, speed)
     if kind == INDUCTION:
         return induction.driving_power(parameters, effort, speed)
+    if kind == LOSS_POLYNOMIAL:
+        return loss_polynomial.driving_power(parameters, effort, speed)
+    if kind == LOSS_MAP:
+        return loss_map.driving_power(parameters, effort, speed)
     return copper_loss.driving_power(parameters, effort, speed)
 
 
@@ -32,7 +39,17 @@ def generated_power(kind: int, parameters: FloatArray, effort: float, speed: flo
         return constant_efficiency.generated_power(parameters, effort, speed)
     if kind == INDUCTION:
         return induction.generated_power(parameters, effort, speed)
+    if kind == LOSS_POLYNOMIAL:
+        return loss_polynomial.generated_power(parameters, effort, speed)
+    if kind == LOSS_MAP:
+        return loss_map.generated_power(parameters, effort, speed)
     return copper_loss.generated_power(parameters, effort, speed)
+
+
+@njit(cache=True)
+def jumps_at_no_effort(kind: int) -> bool:
+    """Return whether a drive that is on takes power without effort, and none when it is off."""
+    return kind >= INDUCTION
 
 
 @njit(cache=True)
@@ -48,6 +65,10 @@ def work_bounds(kind: int, parameters: FloatArray) -> tuple[float, float]:
         return 1.0 / parameters[0], parameters[1]
     if kind == INDUCTION:
         return induction.work_bounds(parameters)
+    if kind == LOSS_POLYNOMIAL:
+        return loss_polynomial.work_bounds(parameters)
+    if kind == LOSS_MAP:
+        return loss_map.work_bounds(parameters)
     return 1.0, 1.0
 
 

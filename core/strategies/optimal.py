@@ -5,7 +5,7 @@ References: the method is in `railjoule.core.interior_point.solver`, the proof i
 
 from dataclasses import dataclass
 
-from railjoule.core.drive.kernels import INDUCTION
+from railjoule.core.drive.kernels import jumps_at_no_effort
 from railjoule.core.errors import SolverError, StrategyRefusedError
 from railjoule.core.interior_point.proof import prove
 from railjoule.core.interior_point.solver import CONVERGED, Optimum, minimise_energy
@@ -25,10 +25,10 @@ PROOF_BUDGET = 2_000_000
 def can_prove(task: Task) -> bool:
     """Return whether the method and its bound hold for a task's drive: whether its power is continuous at no effort.
 
-    An induction drive's is not. Taken as if it were always on, its optimum would cost more than the true one, and the
-    bound would be none.
+    That of induction motors, loss polynomials and maps is not. Taken as if it were always on, its optimum would cost
+    more than the true one, and the bound would be none.
     """
-    return task.course.data.drive_kind != INDUCTION
+    return not jumps_at_no_effort(task.course.data.drive_kind)
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +85,7 @@ def minimise(task: Task, tolerance: float = TOLERANCE) -> Solution:
 
 
 def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
-    """Return the run that needs the least energy, with its bound; it takes every drive but induction motors.
+    """Return the run that needs the least energy, with its bound, for drives whose power does not jump.
 
     Parameters
     ----------
