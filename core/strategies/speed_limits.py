@@ -62,8 +62,7 @@ def speed_limits_with_search(task: Task) -> tuple[Trajectory, LimitSearch]:
             raise StrategyRefusedError("needs limits under which the train does not come to a stand.")
         return _trajectory(task, problem, given, ()), LimitSearch((given,), given)
     task.require_timetable()
-    latest = (1 + options.time_window) * task.running_time_s
-    problem = _problem(task, latest)
+    problem = limit_problem_of(task)
     found = search_limits(problem, borders, options.free_boundaries)
     if not np.isfinite(found.best.energy_j):
         least = found.best.running_time_s + task.dwell_s
@@ -112,6 +111,11 @@ def _given_limits(scenario: Scenario, sections: int) -> FloatArray:
             bound = f"at least {LEAST_LIMIT_KMH:g}" if limit < LEAST_LIMIT_KMH else f"at most the vehicle's {most:g}"
             raise ScenarioError(f"search.limits_kmh[{index}] = {limit:g} must be {bound}.")
     return np.array(given) * MS_PER_KMH
+
+
+def limit_problem_of(task: Task) -> LimitProblem:
+    """Return the problem that the search of a task solves: trips within the latest time that its window allows."""
+    return _problem(task, (1 + task.scenario.search.time_window) * task.running_time_s)
 
 
 def _problem(task: Task, running_time_s: float) -> LimitProblem:
