@@ -21,7 +21,7 @@ from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH
 
 W_PER_KW = 1e3
-S_PER_H = 3600.0
+DAY_S = 86_400.0
 MOST_REPEATS, SAME_CHARGE = 200, 1e-9
 
 
@@ -133,15 +133,15 @@ def link_power_w(run: Trajectory) -> tuple[FloatArray, FloatArray]:
     return power, duration
 
 
-def storage_need(run: Trajectory, service_h: float = 18.0, turnaround_s: float = 30.0) -> StorageNeed:
+def storage_need(run: Trajectory, service_time_s: float = 64_800.0, turnaround_s: float = 30.0) -> StorageNeed:
     """Return what a run asks of a storage.
 
     Parameters
     ----------
     run : Trajectory
         Over one run or a whole line with its stations.
-    service_h : float
-        Hours of service in a day [h].
+    service_time_s : float
+        Service in a day [s].
     turnaround_s : float
         Standing time between two such runs [s].
 
@@ -150,7 +150,7 @@ def storage_need(run: Trajectory, service_h: float = 18.0, turnaround_s: float =
     ScenarioError
         If a time is negative, or there is none at all.
     """
-    for name, value, most in (("service_h", service_h, 24.0), ("turnaround_s", turnaround_s, 86400.0)):
+    for name, value, most in (("service_time_s", service_time_s, DAY_S), ("turnaround_s", turnaround_s, DAY_S)):
         if not 0 <= value <= most:
             raise ScenarioError(f"{name} = {value:g} must be from 0 to {most:g}.")
     power, duration = link_power_w(run)
@@ -164,7 +164,7 @@ def storage_need(run: Trajectory, service_h: float = 18.0, turnaround_s: float =
         discharging_peak_kw=float(np.max(power, initial=0.0)) / W_PER_KW,
         generated_kwh=generated / J_PER_KWH,
         cycles=cycles,
-        cycles_per_day=cycles * service_h * S_PER_H / (run.travel_time_s + turnaround_s),
+        cycles_per_day=cycles * service_time_s / (run.travel_time_s + turnaround_s),
     )
 
 
