@@ -19,8 +19,8 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.limit_search.problem import LEAST_SECTION_M, Evaluation, LimitProblem
 
 SAMPLES_PER_SECTION = 64
-MOST_SAMPLES = 640
-REFINEMENTS_PER_DIMENSION = 60
+MOST_SAMPLES = 256
+REFINEMENTS_PER_DIMENSION, MOST_REFINEMENTS = 60, 240
 STARTS = 2
 RATIO_STEP, BORDER_STEP_SHARE = 0.1, 0.08
 RATIO_EXACT, ENERGY_EXACT = 1e-4, 1e-6
@@ -112,6 +112,6 @@ def _refine(problem: LimitProblem, found: list[Evaluation], start: Evaluation, m
         "initial_simplex": simplex,
         "xatol": RATIO_EXACT,
         "fatol": ENERGY_EXACT * start.energy_j,
-        "maxfev": REFINEMENTS_PER_DIMENSION * len(origin),
+        "maxfev": min(REFINEMENTS_PER_DIMENSION * len(origin), MOST_REFINEMENTS),
     }
     minimize(cost, origin, method="Nelder-Mead", options=options)
