@@ -114,7 +114,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_json(benchmark)
     validate = _add(commands, "validate", "show the papers' printed numbers beside ours")
     validate.add_argument(
-        "paper", metavar="PAPER", nargs="?", help="ftorek, liashenko or rawicki; all papers where absent"
+        "paper", metavar="PAPER", nargs="?", help="ftorek, liashenko, rawicki or shtompel; all papers where absent"
     )
     _add_json(validate)
     return parser

@@ -60,6 +60,21 @@ INDUCTION: dict[str, Any] = {
 }
 """The tram that the findings identify; not the shipped one, so that their numbers can be told from ours."""
 
+LOSS_POLYNOMIAL: dict[str, Any] = {
+    "model": "loss_polynomial",
+    "motors": 12,
+    "gear_ratio": 5.33,
+    "wheel_diameter_m": 0.78,
+    "gear_loss_share": 0.025,
+    "no_load_loss_w": 350.0,
+    "speed_loss_w_per_rads": 2.0,
+    "speed_loss_w_per_rads2": 0.03,
+    "torque_loss_w_per_nm": 0.55,
+    "torque_loss_w_per_nm2": 0.0046,
+    "recuperation_factor": 1.0,
+}
+"""The metro's drive that the findings assume; gear and number of motors are ours."""
+
 HILLS: list[dict[str, Any]] = [
     {"length_m": 400.0},
     {"length_m": 300.0, "gradient_permille": 25.0},

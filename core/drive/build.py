@@ -1,18 +1,39 @@
 """Make a drive from the parameters of a scenario."""
 
+from functools import lru_cache
+
 from railjoule.core.arrays import frozen_array
 from railjoule.core.drive.drive import Drive
+from railjoule.core.drive.efficiency_map import make_efficiency_map_drive
+from railjoule.core.drive.geared import NEGLIGIBLE_SHARE, GearedDrive
 from railjoule.core.drive.induction.drive import make_induction_drive
-from railjoule.core.drive.kernels import CONSTANT_EFFICIENCY, COPPER_LOSS
-from railjoule.core.scenario.drive import ConstantEfficiency, CopperLoss, Induction
+from railjoule.core.drive.kernels import CONSTANT_EFFICIENCY, COPPER_LOSS, LOSS_POLYNOMIAL
+from railjoule.core.drive.synchronous.drive import make_synchronous_drive
+from railjoule.core.scenario.drive import (
+    ConstantEfficiency,
+    CopperLoss,
+    DriveParameters,
+    EfficiencyMap,
+    Induction,
+    LossPolynomial,
+    Synchronous,
+)
 
 
-def make_drive(parameters: ConstantEfficiency | CopperLoss | Induction) -> Drive:
-    """Return the drive that the validated `parameters` of a scenario describe."""
+@lru_cache(maxsize=32)
+def make_drive(parameters: DriveParameters) -> Drive:
+    """Return the drive that the validated `parameters` of a scenario describe; kept for the next call."""
     if isinstance(parameters, ConstantEfficiency):
         return _constant_efficiency(parameters)
     if isinstance(parameters, Induction):
         return make_induction_drive(parameters)
+    if isinstance(parameters, LossPolynomial):
+        return _loss_polynomial(parameters)
+    if isinstance(parameters, EfficiencyMap):
+        return make_efficiency_map_drive(parameters)
+    if isinstance(parameters, Synchronous):
+        return make_synchronous_drive(parameters)
+    assert isinstance(parameters, CopperLoss)
     return _copper_loss(parameters)
 
 
@@ -38,4 +59,30 @@ def _copper_loss(parameters: CopperLoss) -> Drive:
         recuperation_factor=parameters.recuperation_factor,
         loss_kind="copper",
         amperes_per_newton=amperes_per_newton,
+    )
+
+
+def _loss_polynomial(parameters: LossPolynomial) -> GearedDrive:
+    """Return a drive whose effort counts as rounding beside that of a hundred newton metres of each motor."""
+    turns_per_metre = parameters.gear_ratio / (0.5 * parameters.wheel_diameter_m)
+    large_effort_n = 100 * parameters.motors * turns_per_metre
+    return GearedDrive(
+        kind=LOSS_POLYNOMIAL,
+        parameters=frozen_array(
+            [
+                parameters.no_load_loss_w,
+                parameters.speed_loss_w_per_rads,
+                parameters.speed_loss_w_per_rads2,
+                parameters.torque_loss_w_per_nm,
+                parameters.torque_loss_w_per_nm2,
+                parameters.motors,
+                turns_per_metre,
+                parameters.gear_loss_share,
+                NEGLIGIBLE_SHARE * large_effort_n,
+            ]
+        ),
+        recuperation_factor=parameters.recuperation_factor,
+        loss_kind="motors_and_inverters",
+        amperes_per_newton=None,
+        gear_loss_share=parameters.gear_loss_share,
     )

@@ -66,6 +66,9 @@ class Drive:
         """Return the part of that limit that varies with speed [N], without the constant part that caps it."""
         return self.effort_limit_n(speed_ms, braking)
 
+    def require_speed(self, speed_ms: float) -> None:
+        """Raise ScenarioError if the model knows nothing of a speed [m/s]; most know all speeds."""
+
     def effort_at_current_n(self, current_a: float, speed_ms: FloatArray, braking: bool = False) -> FloatArray:
         """Return the largest effort [N] of motors that carry at most a current [A]; shape as the speeds'.
 

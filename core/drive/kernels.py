@@ -6,13 +6,16 @@ function in `build`; no solver changes.
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.drive import constant_efficiency, copper_loss
+from railjoule.core.drive import constant_efficiency, copper_loss, loss_polynomial
 from railjoule.core.drive.induction import power as induction
+from railjoule.core.drive.loss_map import power as loss_map
 from railjoule.core.drive.power_terms import PowerTerms
 
 CONSTANT_EFFICIENCY = 0
 COPPER_LOSS = 1
 INDUCTION = 2
+LOSS_POLYNOMIAL = 3
+LOSS_MAP = 4
 
 
 @njit(cache=True)
@@ -22,6 +25,10 @@ def driving_power(kind: int, parameters: FloatArray, effort: float, speed: float
         return constant_efficiency.driving_power(parameters, effort, speed)
     if kind == INDUCTION:
         return induction.driving_power(parameters, effort, speed)
+    if kind == LOSS_POLYNOMIAL:
+        return loss_polynomial.driving_power(parameters, effort, speed)
+    if kind == LOSS_MAP:
+        return loss_map.driving_power(parameters, effort, speed)
     return copper_loss.driving_power(parameters, effort, speed)
 
 
@@ -32,13 +39,17 @@ def generated_power(kind: int, parameters: FloatArray, effort: float, speed: flo
         return constant_efficiency.generated_power(parameters, effort, speed)
     if kind == INDUCTION:
         return induction.generated_power(parameters, effort, speed)
+    if kind == LOSS_POLYNOMIAL:
+        return loss_polynomial.generated_power(parameters, effort, speed)
+    if kind == LOSS_MAP:
+        return loss_map.generated_power(parameters, effort, speed)
     return copper_loss.generated_power(parameters, effort, speed)
 
 
 @njit(cache=True)
 def jumps_at_no_effort(kind: int) -> bool:
     """Return whether a drive that is on takes power without effort, and none when it is off."""
-    return kind == INDUCTION
+    return kind >= INDUCTION
 
 
 @njit(cache=True)
@@ -46,6 +57,10 @@ def idle_power(kind: int, parameters: FloatArray, speed: float) -> tuple[float, 
     """Return the jump at zero effort: what a drive takes that is on without any [W], and two derivatives by speed."""
     if kind == INDUCTION:
         return induction.idle_power(parameters, speed)
+    if kind == LOSS_POLYNOMIAL:
+        return loss_polynomial.idle_power(parameters, speed)
+    if kind == LOSS_MAP:
+        return loss_map.idle_power(parameters, speed)
     return 0.0, 0.0, 0.0
 
 
@@ -55,12 +70,34 @@ def power_when_on(kind: int, parameters: FloatArray, braking: bool, effort: floa
     if not braking:
         if kind == INDUCTION:
             return induction.power_with_idle(parameters, effort, speed)
+        if kind == LOSS_POLYNOMIAL:
+            return loss_polynomial.power_with_idle(parameters, effort, speed)
+        if kind == LOSS_MAP:
+            return loss_map.power_with_idle(parameters, effort, speed)
         return driving_power(kind, parameters, effort, speed)
     if kind == INDUCTION:
         p, p_f, p_v, p_ff, p_fv, p_vv = induction.generated_with_idle(parameters, effort, speed)
+    elif kind == LOSS_POLYNOMIAL:
+        p, p_f, p_v, p_ff, p_fv, p_vv = loss_polynomial.generated_with_idle(parameters, effort, speed)
+    elif kind == LOSS_MAP:
+        p, p_f, p_v, p_ff, p_fv, p_vv = loss_map.generated_with_idle(parameters, effort, speed)
     else:
         p, p_f, p_v, p_ff, p_fv, p_vv = generated_power(kind, parameters, effort, speed)
     return -p, -p_f, -p_v, -p_ff, -p_fv, -p_vv
+
+
+@njit(cache=True)
+def work_bounds(kind: int, parameters: FloatArray) -> tuple[float, float]:
+    """Return the least line energy per work of traction, and the most energy generated per work of braking."""
+    if kind == CONSTANT_EFFICIENCY:
+        return 1.0 / parameters[0], parameters[1]
+    if kind == INDUCTION:
+        return induction.work_bounds(parameters)
+    if kind == LOSS_POLYNOMIAL:
+        return loss_polynomial.work_bounds(parameters)
+    if kind == LOSS_MAP:
+        return loss_map.work_bounds(parameters)
+    return 1.0, 1.0
 
 
 @njit(cache=True)
@@ -71,6 +108,9 @@ def shaft_force(kind: int, parameters: FloatArray, braking: bool, effort: float)
     """
     if kind == INDUCTION:
         return induction.shaft_force(parameters, -effort if braking else effort)
+    if kind >= LOSS_POLYNOMIAL:
+        share = work_bounds(kind, parameters)[1 if braking else 0]
+        return (-share * effort, -share) if braking else (share * effort, share)
     return (-effort, -1.0) if braking else (effort, 1.0)
 
 
@@ -100,16 +140,6 @@ def has_standstill_brake(kind: int, parameters: FloatArray) -> bool:
 def may_draw_while_braking(kind: int) -> bool:
     """Return whether a drive may need line power to brake, near standstill."""
     return kind != CONSTANT_EFFICIENCY
-
-
-@njit(cache=True)
-def work_bounds(kind: int, parameters: FloatArray) -> tuple[float, float]:
-    """Return the least line energy per work of traction, and the most energy generated per work of braking."""
-    if kind == CONSTANT_EFFICIENCY:
-        return 1.0 / parameters[0], parameters[1]
-    if kind == INDUCTION:
-        return induction.work_bounds(parameters)
-    return 1.0, 1.0
 
 
 @njit(cache=True, nogil=True)

@@ -72,7 +72,6 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
     work.nodes.time_gradient[:] = 0.0
     work.nodes.gradient[:] = 0.0
     linear = course.resistance_linear / scale
-    bend = 0.5 * course.resistance_quadratic / scale
     energy = gross = total_time = 0.0
     v0 = math.sqrt(w[0])
     for i in range(h.shape[0]):
@@ -84,6 +83,7 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
         u0 = 0.25 / v0 if free[i] > 0.0 else 0.0
         u1 = 0.25 / v1 if free[i + 1] > 0.0 else 0.0
         k = course.half_inertia_kg / (h[i] * scale)
+        bend = 0.5 * course.resistance_quadratic[i] / scale
         against = (course.resistance_constant_n + course.line_force_n[i]) / scale + linear * v
         force = k * (w[i + 1] - w[i]) + against + bend * (w[i] + w[i + 1])
         d0 = linear * u0 - (k - bend)

@@ -141,11 +141,12 @@ def node_prices(
     h, w, z = course.cell_length_m, optimum.speed2, optimum.multiplier
     n = h.shape[0]
     left, right = np.zeros(n + 1), np.zeros(n + 1)
-    bend, linear = 0.5 * course.resistance_quadratic / scale, course.resistance_linear / scale
+    linear = course.resistance_linear / scale
     for i in range(n):
         v0, v1 = math.sqrt(w[i]), math.sqrt(w[i + 1])
         v = 0.5 * (v0 + v1)
         k = course.half_inertia_kg / (h[i] * scale)
+        bend = 0.5 * course.resistance_quadratic[i] / scale
         force = optimum.force_price[i]
         rise = (z[ACCELERATION, i] - z[DECELERATION, i]) * k
         by_speed = force * linear - price_of_time * h[i] / (v * v) + tangents[3, i]
@@ -171,11 +172,12 @@ def price_cells(course: CourseData, optimum: Optimum, scale: float) -> tuple[Flo
     tangents = energy_tangents(course, optimum, scale)
     node = node_prices(course, optimum, scale, price_of_time, over, tangents)
     cells = np.zeros((n, COLUMNS))
-    bend, linear = 0.5 * course.resistance_quadratic / scale, course.resistance_linear / scale
+    linear = course.resistance_linear / scale
     inertia = 2.0 * course.half_inertia_kg / scale
     for i in range(n):
         c = cells[i]
         k = course.half_inertia_kg / (h[i] * scale)
+        bend = 0.5 * course.resistance_quadratic[i] / scale
         force = optimum.force_price[i]
         rise = z[ACCELERATION, i] - z[DECELERATION, i]
         c[INERTIA], c[LINEAR], c[BEND] = k, 0.5 * linear, bend
@@ -385,7 +387,7 @@ def fastest_of_better_runs(
     work = h * (course.resistance_constant_n + course.line_force_n) / scale
     length = h.sum()
     mean = length / running_time
-    drag = (course.resistance_quadratic * mean + course.resistance_linear) * mean * length / scale
+    drag = (course.resistance_quadratic.min() * mean + course.resistance_linear) * mean * length / scale
     energy = optimum.energy - returned * drag
     before, after = 0.0, work.sum()
     for i in range(n + 1):

@@ -169,7 +169,7 @@ def _start_cells(course: CourseData, scale: float, work: Work) -> None:
         v = 0.5 * (math.sqrt(w[i]) + math.sqrt(w[i + 1]))
         rise = inertia / h[i] * (w[i + 1] - w[i])
         against = course.line_force_n[i] + course.resistance_constant_n + course.resistance_linear * v
-        force = rise + (against + 0.5 * course.resistance_quadratic * (w[i] + w[i + 1])) / scale
+        force = rise + (against + 0.5 * course.resistance_quadratic[i] * (w[i] + w[i + 1])) / scale
         over_traction, over_braking = np.inf, np.inf
         if rows.weight[TRACTION_OVER_SPEED, i] > 0.0:
             over_traction = limit_over_speed(course.traction, v)[0] / scale

@@ -304,10 +304,11 @@ def price_switched_cells(course: CourseData, optimum: Optimum, scale: float) -> 
         tangents[3, i] = h[i] * (per_metre(taken, scale, v)[2] - returned[i] * per_metre(generated, scale, v)[2])
     node = node_prices(course, optimum, scale, price_of_time, over, tangents)
     cells = np.zeros((n, COLUMNS))
-    bend, linear = 0.5 * course.resistance_quadratic / scale, course.resistance_linear / scale
+    linear = course.resistance_linear / scale
     inertia = 2.0 * course.half_inertia_kg / scale
     for i in range(n):
         c, force = cells[i], optimum.force_price[i]
+        bend = 0.5 * course.resistance_quadratic[i] / scale
         k = course.half_inertia_kg / (h[i] * scale)
         rise = z[ACCELERATION, i] - z[DECELERATION, i]
         c[CONSTANT] = force * (course.line_force_n[i] + course.resistance_constant_n) / scale

@@ -45,7 +45,7 @@ def cell_of(course: CourseData, number: int) -> Cell:
         course.half_inertia_kg / course.cell_length_m[number],
         course.resistance_constant_n + course.line_force_n[number],
         course.resistance_linear,
-        course.resistance_quadratic,
+        course.resistance_quadratic[number],
         course.traction.constant_n,
         course.traction.power_w,
         course.braking.constant_n,

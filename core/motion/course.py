@@ -27,9 +27,9 @@ class CourseData(NamedTuple):
     """The numbers of a course in a form that compiled code takes; n cells, squares of speed in m2/s2.
 
     The net force of a cell is `half_inertia_kg` times the change of speed squared over its length. Running
-    resistance is constant + linear v + quadratic v^2, at the cell's mean v and mean v^2. `machines_on` tells for each
-    cell whether a drive that takes power without effort is on, 1, or off, 0, while no brake is used; empty where it
-    may be switched at will within a cell.
+    resistance is constant + linear v + quadratic v^2, at the cell's mean v and mean v^2; its quadratic part rises in
+    tunnels. `machines_on` tells for each cell whether a drive that takes power without effort is on, 1, or off, 0,
+    while no brake is used; empty where it may be switched at will within a cell.
     """
 
     cell_length_m: FloatArray
@@ -39,7 +39,7 @@ class CourseData(NamedTuple):
     half_inertia_kg: float
     resistance_constant_n: float
     resistance_linear: float
-    resistance_quadratic: float
+    resistance_quadratic: FloatArray
     traction: EffortLimit
     braking: EffortLimit
     friction_effort_n: float
@@ -62,8 +62,12 @@ class Course:
         Nodes of the mesh [m].
     gradient_permille : array of shape (n,)
         Mean gradient under the train in each cell.
+    tunnel_factor : array of shape (n,)
+        Mean factor of tunnels on the quadratic resistance under the train.
     gradient_force_n, curve_force_n : array of shape (n,)
         Forces of the line against the train [N].
+    cell_limit_ms : array of shape (n,)
+        Limit of line and vehicle within each cell [m/s].
     dwell_s : array of shape (n + 1,)
         How long the train stands at each node [s].
     drive : Drive
@@ -74,8 +78,10 @@ class Course:
 
     position_m: FloatArray
     gradient_permille: FloatArray
+    tunnel_factor: FloatArray
     gradient_force_n: FloatArray
     curve_force_n: FloatArray
+    cell_limit_ms: FloatArray
     dwell_s: FloatArray
     drive: Drive
     data: CourseData
@@ -156,8 +162,10 @@ def build_course(
     return Course(
         position_m=line.position_m,
         gradient_permille=line.gradient_permille,
+        tunnel_factor=line.tunnel_factor,
         gradient_force_n=frozen_array(gradient_force),
         curve_force_n=frozen_array(curve_force),
+        cell_limit_ms=frozen_array(np.minimum(line.cell_limit_ms, vehicle.traction.max_speed_kmh * MS_PER_KMH)),
         dwell_s=line.dwell_s,
         drive=drive,
         data=_course_data(vehicle, drive, line, gradient_force + curve_force, fixed),
@@ -169,6 +177,7 @@ def _course_data(
 ) -> CourseData:
     constant, linear, quadratic = resistance_coefficients(vehicle)
     traction, braking = vehicle.traction, vehicle.braking
+    drive.require_speed(traction.max_speed_kmh * MS_PER_KMH)
     pulling, electric = _traction_limit(vehicle, drive), _braking_limit(vehicle, drive)
     least_braking = LEAST_BRAKING_SHARE * pulling.constant_n
     return CourseData(
@@ -179,7 +188,7 @@ def _course_data(
         half_inertia_kg=0.5 * vehicle.total_inertia_kg,
         resistance_constant_n=constant,
         resistance_linear=linear,
-        resistance_quadratic=quadratic,
+        resistance_quadratic=quadratic * line.tunnel_factor,
         traction=pulling,
         braking=electric._replace(constant_n=max(electric.constant_n, least_braking)),
         friction_effort_n=braking.friction_effort_kn * N_PER_KN,
@@ -252,10 +261,11 @@ def _effort_limit(
     constant = min(constant_n, float(np.max(by_drive)))
     if not np.isfinite(constant):
         raise ScenarioError(f"vehicle.{table}.max_effort_kn is missing: this drive sets no limit of effort.")
-    if not curve and not np.isfinite(by_drive).any():
+    weakening = drive.weakening_limit_n(speeds, braking)
+    if not curve and not np.isfinite(weakening).any():
         return EffortLimit(constant, power, NO_TABLE, TABLE_STEP_MS)
     # the constant caps it: a corner there would be rounded by the table
-    limit = np.minimum(drive.weakening_limit_n(speeds, braking), power / np.maximum(speeds, 1e-3))
+    limit = np.minimum(weakening, power / np.maximum(speeds, 1e-3))
     if curve:
         knots = np.array(curve)
         limit = np.minimum(limit, np.interp(speeds, knots[:, 0] * MS_PER_KMH, knots[:, 1] * N_PER_KN))

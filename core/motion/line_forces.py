@@ -57,6 +57,20 @@ def mean_over_length(line: Line, values: FloatArray, position_m: FloatArray, len
     return means
 
 
+def car_offsets_m(length_m: float, car_count: int) -> FloatArray:
+    """Return how far the centres of equal cars lie behind the front of a train of `length_m` [m]; shape (cars,)."""
+    offsets: FloatArray = (np.arange(car_count) + 0.5) * length_m / car_count
+    return offsets
+
+
+def car_crossings(line: Line, length_m: float, car_count: int) -> FloatArray:
+    """Return where the front is when a car's centre enters another section [m], rising, ends not included."""
+    borders = section_borders(line)
+    places = np.unique(np.add.outer(borders[1:-1], car_offsets_m(length_m, car_count)))
+    inside: FloatArray = places[(places > 1.0) & (places < borders[-1] - 1.0)]
+    return inside
+
+
 def mean_over_train(
     line: Line, values: FloatArray, position_m: FloatArray, length_m: float | None, car_count: int | None
 ) -> FloatArray:
@@ -75,4 +89,4 @@ def mean_over_train(
         return cell_means(line, values, position_m, np.zeros(1))
     if car_count is None:
         return mean_over_length(line, values, position_m, length_m)
-    return cell_means(line, values, position_m, (np.arange(car_count) + 0.5) * length_m / car_count)
+    return cell_means(line, values, position_m, car_offsets_m(length_m, car_count))

@@ -6,9 +6,9 @@ from functools import lru_cache
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
-from railjoule.core.motion.line_forces import mean_over_train
+from railjoule.core.motion.line_forces import car_crossings, mean_over_train
 from railjoule.core.motion.line_profile import speed_limit_at
-from railjoule.core.motion.mesh import line_mesh
+from railjoule.core.motion.mesh import line_mesh, with_nodes_at
 from railjoule.core.scenario import Line, Section
 from railjoule.core.units import MS_PER_KMH
 
@@ -25,8 +25,12 @@ class LineGeometry:
         Mean gradient under the train.
     curvature_per_m : array of shape (n,)
         Mean curvature under the train [1/m].
+    tunnel_factor : array of shape (n,)
+        Mean factor of tunnels on the quadratic resistance; 1 in the open.
     speed_limit_ms : array of shape (n + 1,)
         Limit of the line [m/s], infinite where there is none; the lower one where two cells meet.
+    cell_limit_ms : array of shape (n,)
+        The same within each cell [m/s].
     stop_nodes : tuple of int
         Nodes of the stations between the ends.
     dwell_s : array of shape (n + 1,)
@@ -36,7 +40,9 @@ class LineGeometry:
     position_m: FloatArray
     gradient_permille: FloatArray
     curvature_per_m: FloatArray
+    tunnel_factor: FloatArray
     speed_limit_ms: FloatArray
+    cell_limit_ms: FloatArray
     stop_nodes: tuple[int, ...]
     dwell_s: FloatArray
 
@@ -60,7 +66,11 @@ def meshed_geometry(line: Line, mesh_m: float, length_m: float | None, car_count
         If the mesh would need too many cells.
     """
     running = line.in_running_order()
-    return geometry_at(running, line_mesh(running, mesh_m), length_m, car_count)
+    nodes = line_mesh(running, mesh_m)
+    if length_m is not None and car_count is not None:
+        # each car's step of force falls on a node, or cells that it cuts would mix driving and coasting
+        nodes = with_nodes_at(nodes, car_crossings(running, length_m, car_count))
+    return geometry_at(running, nodes, length_m, car_count)
 
 
 def geometry_at(line: Line, position_m: FloatArray, length_m: float | None, car_count: int | None) -> LineGeometry:
@@ -72,11 +82,14 @@ def geometry_at(line: Line, position_m: FloatArray, length_m: float | None, car_
     stops = [int(np.argmin(np.abs(position_m - station.position_m))) for station in line.inner_stations]
     dwell = np.zeros(len(position_m))
     dwell[stops] = [station.dwell_s for station in line.inner_stations]
+    limits = speed_limit_at(line, 0.5 * (position_m[1:] + position_m[:-1])) * MS_PER_KMH
     return LineGeometry(
         position_m=frozen_array(position_m),
         gradient_permille=over_train([section.gradient_permille for section in line.sections]),
         curvature_per_m=over_train([_curvature(section) for section in line.sections]),
-        speed_limit_ms=frozen_array(_speed_limits(line, position_m)),
+        tunnel_factor=over_train([section.tunnel_factor for section in line.sections]),
+        speed_limit_ms=frozen_array(np.minimum(np.append(limits[0], limits), np.append(limits, limits[-1]))),
+        cell_limit_ms=frozen_array(limits),
         stop_nodes=tuple(stops),
         dwell_s=frozen_array(dwell),
     )
@@ -84,9 +97,3 @@ def geometry_at(line: Line, position_m: FloatArray, length_m: float | None, car_
 
 def _curvature(section: Section) -> float:
     return 1 / section.curve_radius_m if section.curve_radius_m > 0 else 0.0
-
-
-def _speed_limits(line: Line, nodes: FloatArray) -> FloatArray:
-    cells = speed_limit_at(line, 0.5 * (nodes[1:] + nodes[:-1]))
-    at_nodes: FloatArray = np.minimum(np.append(cells[0], cells), np.append(cells, cells[-1]))
-    return at_nodes * MS_PER_KMH

@@ -51,7 +51,7 @@ def line_mesh(line: Line, mesh_m: float) -> FloatArray:
     return _graded(uniform, np.asarray(stops))
 
 
-def with_nodes_at(position_m: FloatArray, places_m: Sequence[float]) -> FloatArray:
+def with_nodes_at(position_m: FloatArray, places_m: Sequence[float] | FloatArray) -> FloatArray:
     """Return nodes [m] with further ones at places between the ends; shape (k,).
 
     A node that all but falls on a place gives way to it: over a shorter cell rounding makes forces of its own.
@@ -59,6 +59,18 @@ def with_nodes_at(position_m: FloatArray, places_m: Sequence[float]) -> FloatArr
     distance = np.abs(position_m[:, None] - np.asarray(places_m)[None, :]).min(axis=1)
     distance[[0, -1]] = np.inf
     return np.union1d(position_m[distance > SHORTEST_CELL_M], places_m)
+
+
+def finer_at_stops(position_m: FloatArray, stops_m: Sequence[float], halvings: int) -> FloatArray:
+    """Return nodes [m] with the cells beside each stop halved again and again towards it; shape (k,)."""
+    extra: list[float] = []
+    shares = 0.5 ** np.arange(1.0, halvings + 1)
+    for stop in stops_m:
+        node = int(np.argmin(np.abs(position_m - stop)))
+        for neighbour in (node - 1, node + 1):
+            if 0 <= neighbour < len(position_m):
+                extra += (position_m[node] + (position_m[neighbour] - position_m[node]) * shares).tolist()
+    return with_nodes_at(position_m, extra)
 
 
 def _graded(nodes: FloatArray, stops: FloatArray) -> FloatArray:

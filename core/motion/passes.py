@@ -128,7 +128,7 @@ def _take_off_unsteady(course: CourseData, speed2: FloatArray) -> None:
         h = course.cell_length_m[i]
         inertia = course.half_inertia_kg / h
         against = course.line_force_n[i] + course.resistance_constant_n
-        linear, quadratic = course.resistance_linear, course.resistance_quadratic
+        linear, quadratic = course.resistance_linear, course.resistance_quadratic[i]
         if course.max_deceleration_ms2 < np.inf:
             change = 2.0 * course.max_deceleration_ms2 * h
             speed2[i] = _greatest_steady(course.traction, inertia, against, linear, quadratic, speed2[i], change, 1.0)
@@ -150,7 +150,7 @@ def _forward(course: CourseData, speed2: FloatArray) -> int:
             course.half_inertia_kg / h,
             course.line_force_n[i] + course.resistance_constant_n,
             course.resistance_linear,
-            course.resistance_quadratic,
+            course.resistance_quadratic[i],
             speed2[i],
             min(speed2[i + 1], speed2[i] + 2.0 * course.max_acceleration_ms2 * h),
             1.0,
@@ -159,6 +159,27 @@ def _forward(course: CourseData, speed2: FloatArray) -> int:
             return i
         speed2[i + 1] = reached
     return MOVED
+
+
+@njit(cache=True)
+def entering_speed2_under_brakes(
+    course: CourseData, number: int, leaving_speed2: float, largest_speed2: float
+) -> float:
+    """Return the greatest square of speed, up to `largest_speed2`, at the start of a cell that full braking leaves.
+
+    Negative where full braking does not slow the train down to `leaving_speed2` at all; all in [m2/s2].
+    """
+    h = course.cell_length_m[number]
+    return _greatest_reachable(
+        course.braking,
+        course.half_inertia_kg / h,
+        course.line_force_n[number] + course.resistance_constant_n + course.friction_effort_n,
+        course.resistance_linear,
+        course.resistance_quadratic[number],
+        leaving_speed2,
+        largest_speed2,
+        -1.0,
+    )
 
 
 @njit(cache=True)
@@ -171,7 +192,7 @@ def _backward(course: CourseData, speed2: FloatArray) -> int:
             course.half_inertia_kg / h,
             course.line_force_n[i] + course.resistance_constant_n + course.friction_effort_n,
             course.resistance_linear,
-            course.resistance_quadratic,
+            course.resistance_quadratic[i],
             speed2[i + 1],
             min(speed2[i], speed2[i + 1] + 2.0 * course.max_deceleration_ms2 * h),
             -1.0,

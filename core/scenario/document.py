@@ -10,6 +10,7 @@ from pydantic import BaseModel, ValidationError
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario._sentences import sentence_of, show
 from railjoule.core.scenario.line import Line
+from railjoule.core.scenario.map_csv import read_map
 from railjoule.core.scenario.presets import PresetKind, preset_document
 from railjoule.core.scenario.scenario import Scenario
 from railjoule.core.scenario.sections_csv import read_sections
@@ -45,7 +46,7 @@ def scenario_from_document(
     """
     filled = deepcopy(dict(document))
     try:
-        _fill_vehicle(filled)
+        _fill_vehicle(filled, folder)
         _fill_line(filled, folder)
     except ScenarioError as error:
         raise ScenarioError(f"{source}: {error}") from None
@@ -112,7 +113,7 @@ def _drop_alternatives(table: Document, key: str) -> None:
                 table.pop(other, None)
 
 
-def _fill_vehicle(document: Document) -> None:
+def _fill_vehicle(document: Document, folder: Path | None) -> None:
     vehicle = document.get("vehicle")
     if not isinstance(vehicle, dict):
         return
@@ -122,7 +123,21 @@ def _fill_vehicle(document: Document) -> None:
         vehicle["drive"] = _merged_drive(vehicle.get("drive", {}), drive)
     elif drive is not None:
         raise ScenarioError(f"drive = {show(drive)} must be a table.")
+    if isinstance(vehicle.get("drive"), dict):
+        _fill_map(vehicle["drive"], folder)
     document["vehicle"] = vehicle
+
+
+def _fill_map(drive: Document, folder: Path | None) -> None:
+    """Put the points of a map's file in its place."""
+    if drive.get("model") != "efficiency_map" or "file" not in drive:
+        return
+    name = drive.pop("file")
+    if not isinstance(name, str):
+        raise ScenarioError(f"drive.file = {show(name)} must be the name of a CSV file.")
+    if "points" in drive:
+        raise ScenarioError("drive needs only one of file and points.")
+    drive["points"] = read_map(name, folder)
 
 
 def _fill_line(document: Document, folder: Path | None) -> None:

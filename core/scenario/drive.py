@@ -10,6 +10,13 @@ Efficiency = Annotated[Number, Field(gt=0, le=1)]
 Resistance = Annotated[Number, Field(gt=0, le=100)]
 Inductance = Annotated[Number, Field(gt=0, le=1e5)]
 Current = Annotated[Number, Field(gt=0, le=1e5)]
+MapPoint = tuple[
+    Annotated[Number, Field(ge=-1e6, le=1e6)],
+    Annotated[Number, Field(ge=0, le=1e5)],
+    Annotated[Number, Field(ge=0, le=1)],
+]
+LEAST_MAP_POINTS = 3
+"""Torques and speeds that an efficiency map has at least."""
 
 
 class DriveParameters(Part):
@@ -86,5 +93,103 @@ class Induction(DriveParameters):
         return self
 
 
-Drive = Annotated[ConstantEfficiency | CopperLoss | Induction, Field(discriminator="model")]
+class GearedMotors(DriveParameters):
+    """What drives have whose losses are told for each motor with its inverter."""
+
+    motors: Count = Field(ge=1, le=200, description="Number of traction motors of the train.")
+    gear_ratio: Number = Field(gt=0, le=50, description="Turns of the motor in one turn of the wheel.")
+    wheel_diameter_m: Number = Field(gt=0, le=5, description="Mean diameter of the driving wheels [m].")
+    gear_loss_share: Number = Field(0.0, ge=0, lt=1, description="Lost in the gears, over the power at the wheels.")
+
+
+class LossPolynomial(GearedMotors):
+    """A drive whose losses are a polynomial of torque and speed of a motor, zero when it is off."""
+
+    model: Literal["loss_polynomial"]
+    no_load_loss_w: Number = Field(0.0, ge=0, le=1e6, description="Of one motor that is on [W].")
+    speed_loss_w_per_rads: Number = Field(0.0, ge=0, le=1e5, description="Loss over speed of the motor [W/(rad/s)].")
+    speed_loss_w_per_rads2: Number = Field(0.0, ge=0, le=1e4, description="Loss over its square [W/(rad/s)2].")
+    torque_loss_w_per_nm: Number = Field(0.0, ge=0, le=1e5, description="Loss over torque of the motor [W/(N m)].")
+    torque_loss_w_per_nm2: Number = Field(0.0, ge=0, le=1e4, description="Loss over its square [W/(N m)2].")
+
+
+class EfficiencyMap(GearedMotors):
+    """A drive whose efficiency is known over torque and speed of a motor, from zero; negative torque brakes."""
+
+    model: Literal["efficiency_map"]
+    points: tuple[MapPoint, ...] = Field(
+        min_length=9, max_length=100_000, description="Torque [N m], speed [rad/s], efficiency; rising."
+    )
+
+    @model_validator(mode="after")
+    def _has_no_holes(self) -> Self:
+        places = [(torque, speed) for torque, speed, _ in self.points]
+        if places != sorted(places) and places != sorted(places, key=lambda place: place[::-1]):
+            raise ValueError("points must rise in torque_nm and then in speed_rads, or the other way round")
+        torques, speeds = sorted({torque for torque, _ in places}), sorted({speed for _, speed in places})
+        there = set(places)
+        if len(there) < len(places):
+            raise ValueError("points has one place twice")
+        for torque in torques:
+            for speed in speeds:
+                if (torque, speed) not in there:
+                    raise ValueError(f"points has a hole at torque_nm = {torque:g}, speed_rads = {speed:g}")
+        if 0 not in torques or speeds[0] != 0:
+            raise ValueError("points must begin at torque_nm = 0 and speed_rads = 0, where a train starts")
+        for first, least in (("torque_nm", [t for t in torques if t >= 0]), ("speed_rads", speeds)):
+            if len(least) < LEAST_MAP_POINTS:
+                raise ValueError(f"points need {LEAST_MAP_POINTS} values of {first} from 0 on")
+        for torque, speed, efficiency in self.points:
+            if efficiency <= 0 < torque * speed:
+                raise ValueError(
+                    f"points has efficiency = {efficiency:g} at torque_nm = {torque:g}, speed_rads = {speed:g}; "
+                    "where it drives it must be above 0"
+                )
+        return self
+
+
+class Synchronous(GearedMotors):
+    """Permanent-magnet-assisted synchronous reluctance machines, each with its inverter; amplitudes per phase."""
+
+    model: Literal["synchronous"]
+    pole_pairs: Count = Field(ge=1, le=50, description="Pole pairs of a motor.")
+    magnet_flux_vs: Number = Field(gt=0, le=100, description="Flux linkage of the magnets in a phase [V s].")
+    direct_inductance_mh: Inductance = Field(description="Inductance along the magnets [mH].")
+    quadrature_inductance_mh: Inductance = Field(description="Inductance across the magnets [mH].")
+    stator_resistance_ohm: Resistance = Field(description="Resistance of a stator phase to direct current [ohm].")
+    conductor_height_mm: Number = Field(gt=0, le=50, description="Height of a conductor in its slot [mm].")
+    conductor_layers: Count = Field(ge=1, le=100, description="Conductors on one another in a slot.")
+    max_current_a: Current = Field(description="Largest current of a phase [A].")
+    max_speed_rads: Number = Field(gt=0, le=1e4, description="Largest speed of the motor [rad/s].")
+    rated_frequency_hz: Number = Field(gt=0, le=1000, description="Frequency at which the iron losses hold [Hz].")
+    rated_flux_vs: Number = Field(gt=0, le=100, description="Flux linkage at which the iron losses hold [V s].")
+    hysteresis_loss_w: Number = Field(ge=0, le=1e6, description="Of one motor at rated flux and frequency [W].")
+    eddy_loss_w: Number = Field(ge=0, le=1e6, description="Of one motor at rated flux and frequency [W].")
+    mechanical_loss_torque_nm: Number = Field(ge=0, le=1e5, description="Torque that friction in a motor takes [N m].")
+    ventilation_loss_w_per_rads3: Number = Field(0.0, ge=0, le=1, description="Loss over the cube of speed.")
+    modulation: Literal["space_vector", "six_step"] = Field(
+        "six_step", description="Space vectors alone, or whole blocks where they do not give enough voltage."
+    )
+    link_voltage_v: Number = Field(gt=0, le=1e5, description="Voltage of the direct-current link [V].")
+    switching_frequency_hz: Number = Field(ge=50, le=1e5, description="Carrier of the modulation [Hz].")
+    device_threshold_v: Number = Field(ge=0, le=100, description="Voltage of a conducting device at no current [V].")
+    device_resistance_ohm: Number = Field(ge=0, le=1, description="By which that voltage rises with current [ohm].")
+    switching_energy_j: Number = Field(ge=0, le=100, description="On, off and recovery of one leg together [J].")
+    switching_current_a: Current = Field(description="Current at which that energy holds [A].")
+    switching_voltage_v: Number = Field(gt=0, le=1e5, description="Voltage at which that energy holds [V].")
+
+    @model_validator(mode="after")
+    def _is_a_machine(self) -> Self:
+        if self.quadrature_inductance_mh <= self.direct_inductance_mh:
+            raise ValueError(
+                f"quadrature_inductance_mh = {self.quadrature_inductance_mh:g} must be above "
+                f"direct_inductance_mh = {self.direct_inductance_mh:g}"
+            )
+        return self
+
+
+Drive = Annotated[
+    ConstantEfficiency | CopperLoss | Induction | LossPolynomial | EfficiencyMap | Synchronous,
+    Field(discriminator="model"),
+]
 """Any kind of drive; the key `model` tells which."""

@@ -18,6 +18,7 @@ class Section(Part):
     gradient_permille: Number = Field(0.0, ge=-200, le=200, description="Gradient, uphill positive [per mille].")
     speed_limit_kmh: Number | None = Field(None, gt=0, le=600, description="Speed limit [km/h].")
     curve_radius_m: Number = Field(0.0, ge=0, le=1e6, description="Radius of the curve [m]; 0 means straight.")
+    tunnel_factor: Number = Field(1.0, ge=0.1, le=20, description="On the quadratic resistance; 1 means no tunnel.")
 
 
 class SpeedLimit(Part):

@@ -24,6 +24,30 @@ class SearchOptions(Part):
     limits_kmh: tuple[Annotated[Number, Field(gt=0, le=600)], ...] | None = Field(None, max_length=51)
     time_window: Number = Field(0.01, gt=0, le=0.5, description="Allowed share of early or late arrival.")
     stop_deceleration_ms2: Number = Field(0.8, gt=0, le=20, description="Deceleration of look-ahead braking [m/s2].")
+    dead_zone_kmh: Number = Field(
+        1.0, gt=0, le=50, description="Of the literal regulator: no effort this close to a limit [km/h]."
+    )
+    regulation_speed_kmh: Number = Field(
+        5.0, ge=0, le=100, description="Of the literal regulator: up to there effort changes fastest [km/h]."
+    )
+    full_effort_time_s: Number = Field(
+        2.0, gt=0, le=60, description="Of the literal regulator: from none to full effort at its fastest [s]."
+    )
+    effort_rate_share: Number = Field(
+        0.5, gt=0, le=1, description="Of the literal regulator: rate of effort at higher speed over the fastest."
+    )
+    time_step_s: Number = Field(0.05, ge=0.0005, le=1, description="Of the literal regulator [s].")
+
+    @model_validator(mode="after")
+    def _fits_together(self) -> Self:
+        if any(later <= earlier for earlier, later in pairwise(self.boundaries_m)):
+            raise ValueError("boundaries_m must rise")
+        if self.limits_kmh is not None and self.boundaries_m and len(self.limits_kmh) != len(self.boundaries_m) + 1:
+            raise ValueError(
+                f"limits_kmh has {len(self.limits_kmh)} entries for the {len(self.boundaries_m) + 1} sections "
+                "between boundaries_m"
+            )
+        return self
 
 
 class SimulationOptions(Part):

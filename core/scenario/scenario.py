@@ -1,8 +1,8 @@
 """A scenario: everything that a strategy needs to know, as one frozen value."""
 
-from typing import Any, Literal, get_args
+from typing import Any, Literal, Self, get_args
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from railjoule.core.scenario._base import Part
 from railjoule.core.scenario.disturbance import Disturbance
@@ -43,6 +43,16 @@ class Scenario(Part):
     simulation: SimulationOptions = SimulationOptions()
     montecarlo: MonteCarloOptions = MonteCarloOptions()
     solver: SolverOptions = SolverOptions()
+
+    @model_validator(mode="after")
+    def _sections_cover_the_line(self) -> Self:
+        length = self.line.length_m
+        for index, border in enumerate(self.search.boundaries_m):
+            if border >= length:
+                raise ValueError(
+                    f"search.boundaries_m[{index}] = {border:g} must lie before the end of the line at {length:g} m"
+                )
+        return self
 
     @property
     def travel_time_s(self) -> float:

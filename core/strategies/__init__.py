@@ -12,6 +12,7 @@ from railjoule.core.strategies.eoc import eoc
 from railjoule.core.strategies.fastest import fastest
 from railjoule.core.strategies.optimal import certify, minimise, optimal
 from railjoule.core.strategies.phases import phases
+from railjoule.core.strategies.speed_limits import speed_limits
 from railjoule.core.strategies.task import Task, prepare_task
 from railjoule.core.trajectory import Trajectory
 
@@ -21,6 +22,7 @@ STRATEGIES: dict[StrategyName, Callable[[Task], Trajectory]] = {
     "eoc": eoc,
     "enoc": enoc,
     "phases": phases,
+    "speed_limits": speed_limits,
     "fastest": fastest,
 }
 """The strategies of this version, in the order in which they are shown."""
@@ -100,7 +102,8 @@ def compare(scenario: Scenario) -> tuple[list[Trajectory], dict[StrategyName, st
             # a strategy may need more time than the fastest run
             refused[name] = str(refusal)
     bound = next((run.bound for run in runs if run.bound is not None), None)
-    return [run.with_bound(bound) for run in runs], refused
+    # a run that may be late has a bound of its own
+    return [run if run.bound is not None else run.with_bound(bound) for run in runs], refused
 
 
 __all__ = ["STRATEGIES", "Task", "certify", "compare", "minimise", "prepare_task", "run_strategy", "solve"]

@@ -82,7 +82,9 @@ def trajectory_of(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...
 
 def _line_force_n(course: Course) -> float:
     """Return the force of a line that is the same everywhere [N]."""
-    force = course.data.line_force_n
+    force, tunnels = course.data.line_force_n, course.tunnel_factor
+    if np.any(np.abs(tunnels - 1) > UNEVEN):
+        raise StrategyRefusedError("needs a line without tunnels.")
     if np.ptp(force) > UNEVEN * course.data.half_inertia_kg:
         raise StrategyRefusedError("needs a line whose gradient and curve stay the same.")
     return float(force[0])

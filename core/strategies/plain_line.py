@@ -60,6 +60,8 @@ def plain_line(task: Task) -> PlainLine:
         raise StrategyRefusedError("needs a line without limits.")
     if data.drive_kind != COPPER_LOSS or data.drive_parameters[0] <= 0:
         raise StrategyRefusedError("needs a drive with copper loss.")
+    if np.ptp(data.resistance_quadratic) > 1e-9 * data.resistance_quadratic[0]:
+        raise StrategyRefusedError("needs a line without tunnels, or one that lies in a tunnel from end to end.")
     line_force = float(np.average(data.line_force_n, weights=data.cell_length_m))
     notes = []
     if np.ptp(data.line_force_n) > 1e-9 * max(1.0, abs(line_force)):
@@ -71,7 +73,7 @@ def plain_line(task: Task) -> PlainLine:
         inertia_kg=2 * data.half_inertia_kg,
         constant_n=data.resistance_constant_n + line_force,
         linear=data.resistance_linear,
-        quadratic=data.resistance_quadratic,
+        quadratic=float(data.resistance_quadratic[0]),
         loss_coefficient=float(data.drive_parameters[0]),
         notes=tuple(notes),
     )

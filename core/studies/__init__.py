@@ -2,17 +2,31 @@
 
 from railjoule.core.studies.montecarlo import MonteCarloTable, monte_carlo, monte_carlo_steps
 from railjoule.core.studies.sensitivity import SensitivityTable, sensitivity, sensitivity_steps
+from railjoule.core.studies.storage import (
+    Storage,
+    StorageNeed,
+    StorageRun,
+    saving_over_size,
+    storage_need,
+    with_storage,
+)
 from railjoule.core.studies.tradeoff import Frontier, energy_time_frontier, enoc_frontier, frontier_times
 
 __all__ = [
     "Frontier",
     "MonteCarloTable",
     "SensitivityTable",
+    "Storage",
+    "StorageNeed",
+    "StorageRun",
     "energy_time_frontier",
     "enoc_frontier",
     "frontier_times",
     "monte_carlo",
     "monte_carlo_steps",
+    "saving_over_size",
     "sensitivity",
     "sensitivity_steps",
+    "storage_need",
+    "with_storage",
 ]

@@ -33,7 +33,7 @@ def reference(course):
     def force(i, before, after):
         mean_speed = 0.5 * (math.sqrt(before) + math.sqrt(after))
         rolling = data.resistance_constant_n + data.resistance_linear * mean_speed
-        rolling += data.resistance_quadratic * 0.5 * (before + after)
+        rolling += data.resistance_quadratic[i] * 0.5 * (before + after)
         return data.half_inertia_kg * (after - before) / data.cell_length_m[i] + rolling + data.line_force_n[
             i
         ], mean_speed
@@ -129,7 +129,7 @@ def test_order_of_convergence(initial_speed_ms, order):
     data = build_course(scenario).data
 
     def motion(_, y):
-        drag = data.resistance_constant_n + data.resistance_linear * y[1] + data.resistance_quadratic * y[1] ** 2
+        drag = data.resistance_constant_n + data.resistance_linear * y[1] + data.resistance_quadratic[0] * y[1] ** 2
         return [y[1], (100e3 - drag) / (2 * data.half_inertia_kg)]
 
     def arrived(_, y):

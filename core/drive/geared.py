@@ -1,0 +1,35 @@
+"""A drive of several motors whose gears lose a share of the power at the wheels."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.drive.drive import Drive
+
+NEGLIGIBLE_SHARE = 1e-7
+"""An effort below this share of a large one is rounding, and the motors are off."""
+
+
+@dataclass(frozen=True, eq=False)
+class GearedDrive(Drive):
+    """A drive whose account tells the gears' losses from those of motors and inverters.
+
+    Parameters
+    ----------
+    gear_loss_share : float
+        Lost in the gears, over the power at the wheels.
+    """
+
+    gear_loss_share: float
+
+    def losses_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> dict[str, FloatArray]:
+        """Return the losses by kind [W]: of motors with their inverters, of gears, and what brake resistors burn."""
+        power = self.electrical_power_w(effort_n, speed_ms)
+        work = np.multiply(effort_n, speed_ms)
+        gear = np.where(power == 0, 0.0, self.gear_loss_share * np.abs(work))
+        return {
+            self.loss_kind: power - work - gear,
+            "gear": gear,
+            "brake_resistors": -(1 - self.recuperation_factor) * np.minimum(power, 0),
+        }

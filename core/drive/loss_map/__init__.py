@@ -1,0 +1,1 @@
+"""Drives whose losses are given as a map over torque and speed."""

@@ -1,0 +1,1 @@
+"""A permanent-magnet-assisted synchronous reluctance machine with its own inverter."""

@@ -1,0 +1,117 @@
+"""The limits of sections that cost least: an even search, then a simplex.
+
+Problem: least energy of a trip over limits u of k sections, and their borders if they are free, with T(u) <= t_max.
+Every vector is scaled until its trip takes t_max: only 0 to 5 % of unscaled vectors lie within the window of the time,
+and where energy is smooth its optimum is at the window's late edge. That leaves k - 1 ratios and the borders.
+Method: Weyl's sequence, whose points k a_j mod 1 fill a cube evenly, finds where to begin; Nelder and Mead's simplex
+goes on in the logarithms of the ratios. Neither proves anything: a search may end beside the best.
+
+Sources: Shtompel, Khvorost 2025, (14)-(16); Nelder, Mead: A simplex method for function minimization, The Computer
+Journal 7, 1965; the steps of the sequence are the powers of the root of x^(k + 1) = x + 1.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import minimize
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.limit_search.problem import LEAST_SECTION_M, Evaluation, LimitProblem
+
+SAMPLES_PER_SECTION = 64
+MOST_SAMPLES = 256
+REFINEMENTS_PER_DIMENSION, MOST_REFINEMENTS = 60, 240
+STARTS = 2
+RATIO_STEP, BORDER_STEP_SHARE = 0.1, 0.08
+RATIO_EXACT, ENERGY_EXACT = 1e-4, 1e-6
+
+
+@dataclass(frozen=True, eq=False)
+class LimitSearch:
+    """A search's path and its end.
+
+    Parameters
+    ----------
+    evaluations : tuple of Evaluation
+        Everything it looked at, in order.
+    best : Evaluation
+        What costs least of it.
+    """
+
+    evaluations: tuple[Evaluation, ...]
+    best: Evaluation
+
+
+def search_limits(problem: LimitProblem, boundaries_m: FloatArray, free_boundaries: bool) -> LimitSearch:
+    """Return the search for the best limits.
+
+    Parameters
+    ----------
+    problem : LimitProblem
+    boundaries_m : array of shape (k - 1,)
+        Borders between sections, where they begin if they are free [m].
+    free_boundaries : bool
+        Whether the search may move them.
+    """
+    sections = len(boundaries_m) + 1
+    moved = len(boundaries_m) if free_boundaries else 0
+    found: list[Evaluation] = []
+    count = min(SAMPLES_PER_SECTION * sections, MOST_SAMPLES) if sections > 1 else 1
+    for point in weyl_points(count, sections + moved):
+        limits = problem.least_ms + point[:sections] * (problem.most_ms - problem.least_ms)
+        borders = _borders_at(problem, point[sections:]) if moved else boundaries_m
+        found.append(problem.evaluate("sample", limits, borders))
+    if sections > 1:
+        # a simplex that has shrunk beside the best gets a second start from there, where there is more than one way
+        for _ in range(1 if sections + moved == 2 else STARTS):
+            _refine(problem, found, min(found, key=_energy), moved)
+    return LimitSearch(tuple(found), min(found, key=_energy))
+
+
+def weyl_points(count: int, dimensions: int) -> FloatArray:
+    """Return points of Weyl's sequence in the unit cube; shape (count, dimensions)."""
+    root = 1.5
+    for _ in range(60):
+        root = (1 + root) ** (1 / (dimensions + 1))
+    steps = root ** -np.arange(1.0, dimensions + 1)
+    points: FloatArray = (0.5 + np.outer(np.arange(1, count + 1), steps)) % 1.0
+    return points
+
+
+def _energy(evaluation: Evaluation) -> float:
+    return evaluation.energy_j
+
+
+def _borders_at(problem: LimitProblem, shares: FloatArray) -> FloatArray:
+    """Return rising borders [m] at shares of the line, in any order, none closer than the shortest section."""
+    first, last = problem.course.position_m[[0, -1]]
+    borders = np.sort(first + shares * (last - first))
+    for index in range(len(borders)):
+        least = (borders[index - 1] if index else first) + LEAST_SECTION_M
+        borders[index] = min(max(borders[index], least), last - LEAST_SECTION_M * (len(borders) - index))
+    return borders
+
+
+def _refine(problem: LimitProblem, found: list[Evaluation], start: Evaluation, moved: int) -> None:
+    """Let a simplex go on from the best of what was found, and add what it looks at."""
+    first, last = problem.course.position_m[[0, -1]]
+    ratios = np.log(start.limits_ms[1:] / start.limits_ms[0])
+    origin = np.concatenate([ratios, (start.boundaries_m - first) / (last - first)]) if moved else ratios
+    steps = np.concatenate([np.full(len(ratios), RATIO_STEP), np.full(moved, BORDER_STEP_SHARE)])
+
+    def cost(place: FloatArray) -> float:
+        limits = start.limits_ms[0] * np.exp(np.append(0.0, place[: len(ratios)]))
+        borders = _borders_at(problem, place[len(ratios) :]) if moved else start.boundaries_m
+        found.append(problem.evaluate("refine", limits, borders))
+        return min(found[-1].energy_j, 1e30)
+
+    if not np.isfinite(start.energy_j):
+        return
+    simplex = np.vstack([origin, origin + np.diag(steps)])
+    options = {
+        "initial_simplex": simplex,
+        "xatol": RATIO_EXACT,
+        "fatol": ENERGY_EXACT * start.energy_j,
+        "maxfev": min(REFINEMENTS_PER_DIMENSION * len(origin), MOST_REFINEMENTS),
+    }
+    minimize(cost, origin, method="Nelder-Mead", options=options)

@@ -1,0 +1,218 @@
+"""One trip under the limits of sections, over distance, by a regulator that is never off its mark.
+
+Below the limit of the section in which its front is, the train drives at full effort; at the limit with just enough to
+hold it; above it, it coasts, if the regulator coasts. It brakes along the curves of `railjoule.core.limit_search.way`
+and where it would run faster than the line allows. Within a cell the net force is constant; a cell in which the
+regulator changes its mind is cut there, so that time and energy do not jump with limits and borders.
+
+Source: Shtompel, Khvorost 2025, (5) in the limit of no dead zone and no ramp; the rule before a stop is ours.
+"""
+
+import math
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.compiled import njit
+from railjoule.core.limit_search.way import Way, braking_curves, section_at
+from railjoule.core.motion.cell_step import COAST, FULL_TRACTION, Cell, cell_cost, cell_of, exit_speed2
+from railjoule.core.motion.course import CourseData
+
+ROUNDING = 1e-7
+LEAST_SHARE = 1e-7
+"""A cut this close to the end of a cell, as a share of it, is none."""
+CORRECTIONS, EXACT_CUT = 4, 1e-10
+HOLD = 3
+"""A control beside those of `railjoule.core.motion.cell_step`."""
+MOST_CUTS = 12
+
+
+@njit(cache=True, error_model="numpy")
+def _part(cell: Cell, length_m: float) -> Cell:
+    """Return a part of a cell."""
+    return Cell(
+        length_m,
+        cell.inertia * (cell.length_m / length_m),
+        cell.against_n,
+        cell.linear,
+        cell.quadratic,
+        cell.traction_n,
+        cell.traction_w,
+        cell.braking_n,
+        cell.braking_w,
+        cell.friction_n,
+        cell.max_acceleration_ms2,
+        cell.max_deceleration_ms2,
+        cell.drive_kind,
+        cell.recuperation_factor,
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def _cut(
+    cell: Cell,
+    traction: FloatArray,
+    braking: FloatArray,
+    step_ms: float,
+    speed2: float,
+    control: int,
+    share: float,
+    end2: float,
+    fall: float,
+) -> tuple[float, float]:
+    """Return the share of a cell after which a control meets a line of squares of speed, and that square.
+
+    The line falls by `fall` a metre to `end2` at the end of the cell. Over part of a cell the resistance is another
+    than over all of it, so a first share is corrected; what is left of the difference is rounding.
+    """
+    after = speed2
+    for _ in range(CORRECTIONS):
+        after = exit_speed2(_part(cell, share * cell.length_m), traction, braking, step_ms, speed2, control)
+        line2 = end2 + fall * cell.length_m * (1.0 - share)
+        steepness = (after - speed2) / share + fall * cell.length_m
+        if abs(line2 - after) <= EXACT_CUT * max(line2, 1.0) or steepness == 0.0:
+            break
+        share = min(max(share + (line2 - after) / steepness, 0.5 * share), 1.0)
+    return share, after
+
+
+@njit(cache=True, error_model="numpy")
+def _next(
+    cell: Cell,
+    traction: FloatArray,
+    braking: FloatArray,
+    step_ms: float,
+    speed2: float,
+    wanted2: float,
+    top2: float,
+    end2: float,
+    fall: float,
+) -> tuple[float, float]:
+    """Return what share of a cell the regulator goes on as it does now, and the square of speed after it.
+
+    `wanted2` is the limit of the section, `top2` that of the line, `end2` the braking curve at the end of the cell.
+    """
+    level2 = min(wanted2, top2)
+    small = ROUNDING * max(level2, 1.0)
+    start2 = end2 + fall * cell.length_m
+    control, share = FULL_TRACTION, 1.0
+    if speed2 < level2 - small:
+        after = exit_speed2(cell, traction, braking, step_ms, speed2, FULL_TRACTION)
+        if after > level2:
+            share = (level2 - speed2) / (after - speed2)
+    else:
+        after = exit_speed2(cell, traction, braking, step_ms, speed2, COAST)
+        control = COAST
+        if speed2 <= level2 + small and (after < level2 or level2 == top2):
+            # held by effort, as far as it reaches, or by the brake that the line asks for
+            full2 = exit_speed2(cell, traction, braking, step_ms, speed2, FULL_TRACTION) if after < level2 else level2
+            after = min(level2, full2)
+            control = HOLD if after == level2 else FULL_TRACTION
+        elif after < level2:
+            share = (speed2 - level2) / (speed2 - after)
+        elif after > top2:
+            if speed2 >= top2 - small:
+                after, control = top2, HOLD
+            else:
+                share, level2 = (top2 - speed2) / (after - speed2), top2
+    if share < 1.0:
+        share, after = _cut(cell, traction, braking, step_ms, speed2, control, share, level2, 0.0)
+    if after <= start2 + (end2 - start2) * share + small:
+        return (1.0, after) if share >= 1.0 - LEAST_SHARE else (share, after)
+    # from here on the braking curve is in the way
+    if speed2 >= start2 - small:
+        return 1.0, end2
+    share = (start2 - speed2) / ((after - speed2) / share + start2 - end2)
+    if share >= 1.0 - LEAST_SHARE:
+        return 1.0, end2
+    if control == HOLD:
+        return share, speed2 + (after - speed2) * share
+    return _cut(cell, traction, braking, step_ms, speed2, control, share, end2, fall)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def trip(
+    course: CourseData,
+    way: Way,
+    borders_m: FloatArray,
+    limits_ms: FloatArray,
+    position_m: FloatArray,
+    speed2: FloatArray,
+) -> tuple[int, float, float]:
+    """Drive once under limits; fill places [m] and squares of speed [m2/s2], whose arrays must be long enough.
+
+    Parameters
+    ----------
+    course, way : CourseData, Way
+        What the train obeys.
+    borders_m : array of shape (k - 1,)
+        Between sections, rising [m].
+    limits_ms : array of shape (k,)
+        Of the sections [m/s].
+    position_m, speed2 : array of shape (m,)
+        What is filled; empty if nobody asks for it.
+
+    Returns
+    -------
+    (nodes, running_time_s, energy_j) : int and floats
+        How many nodes the trip has, its time [s], infinite where it comes to a stand, and its line energy without
+        auxiliaries [J].
+    """
+    curve, fall = braking_curves(course, way, borders_m, limits_ms)
+    traction, braking, step_ms = course.traction.table, course.braking.table, course.traction.table_step_ms
+    drive = course.drive_parameters
+    record = position_m.shape[0] > 0
+    sections = limits_ms.shape[0]
+    w = max(course.fixed_speed2[0], 0.0)
+    section = section_at(borders_m, way.position_m[0])
+    time = energy = 0.0
+    nodes = 1
+    if record:
+        position_m[0], speed2[0] = way.position_m[0], w
+    for i in range(way.top_speed2.shape[0]):
+        whole = cell_of(course, i)
+        place, end = way.position_m[i], way.position_m[i + 1]
+        while section < sections - 1 and borders_m[section] <= place:
+            section += 1
+        done = False
+        for _ in range(MOST_CUTS + sections):
+            until, until2 = end, curve[i + 1]
+            limit2, top2 = limits_ms[section] * limits_ms[section], way.top_speed2[i]
+            if section < sections - 1 and borders_m[section] < end:
+                until = borders_m[section]
+                until2 += fall[i] * (end - until)
+                if way.brakes:
+                    until2 = min(until2, limits_ms[section + 1] * limits_ms[section + 1])
+            if way.brakes:
+                top2 = min(top2, limit2)
+            cell = _part(whole, until - place)
+            share, after = _next(cell, traction, braking, step_ms, w, limit2, top2, until2, fall[i])
+            if after <= 0.0 and not (share == 1.0 and until == end and curve[i + 1] == 0.0):
+                return nodes, math.inf, math.inf
+            after = max(after, 0.0)
+            step = (until - place) * share
+            if step > 0.0:
+                cost, duration, _ = cell_cost(_part(whole, step), traction, braking, step_ms, drive, w, after)
+                time += duration
+                energy += cost
+            w = after
+            place = until if share == 1.0 else place + step
+            if record and step > 0.0 and nodes < position_m.shape[0]:
+                position_m[nodes], speed2[nodes] = place, w
+                nodes += 1
+            if share == 1.0:
+                if until == end:
+                    done = True
+                    break
+                section += 1
+        if not done:
+            return nodes, math.inf, math.inf
+    return nodes, time, energy
+
+
+@njit(cache=True, nogil=True)
+def trip_cost(course: CourseData, way: Way, borders_m: FloatArray, limits_ms: FloatArray) -> tuple[float, float]:
+    """Return running time [s] and line energy without auxiliaries [J] of a trip; arguments as `trip`."""
+    nothing = np.empty(0)
+    _, time, energy = trip(course, way, borders_m, limits_ms, nothing, nothing)
+    return time, energy

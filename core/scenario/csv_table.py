@@ -1,0 +1,61 @@
+"""Tables of numbers in CSV files that a scenario names."""
+
+import csv
+from collections.abc import Iterable
+from pathlib import Path
+
+from railjoule.core.errors import ScenarioError
+from railjoule.core.scenario._sentences import nearest, show
+from railjoule.core.scenario.text_file import read_text
+
+
+def read_rows(key: str, name: str, folder: Path | None, columns: Iterable[str]) -> list[dict[str, float]]:
+    """Return the rows of a CSV file by column; empty cells are left out.
+
+    Parameters
+    ----------
+    key : str
+        The scenario's key that names the file, such as 'line.file'.
+    name : str
+        The file, relative to `folder`.
+    folder : Path or None
+        Where scenario files may name other files; None where they may not.
+    columns : iterable of str
+        Columns that it may have.
+
+    Raises
+    ------
+    ScenarioError
+        If the file cannot be read, a column is unknown, or a cell is not a number.
+    """
+    known = tuple(columns)
+    if folder is None:
+        raise ScenarioError(f"{key} = {name!r} can only be read from a scenario file on disk.")
+    try:
+        rows = list(csv.reader(read_text(folder / name).splitlines()))
+    except csv.Error as error:
+        raise ScenarioError(f"{key} {name!r}: not a table in CSV: {error}.") from None
+    if not rows:
+        raise ScenarioError(f"{key} {name!r} is empty.")
+    header = [column.strip() for column in rows[0]]
+    for column in header:
+        if column not in known:
+            hint = nearest(column, known)
+            end = "" if hint.endswith("?") else "."
+            raise ScenarioError(f"{key} {name!r}: unknown column {show(column)}, {hint}{end}")
+    if len(set(header)) < len(header):
+        raise ScenarioError(f"{key} {name!r}: a column stands there twice.")
+    return [_row(header, row, f"{key} {name!r}, row {number}") for number, row in enumerate(rows[1:], 2) if row]
+
+
+def _row(header: list[str], row: list[str], place: str) -> dict[str, float]:
+    if len(row) != len(header):
+        raise ScenarioError(f"{place}: {len(row)} cells under {len(header)} columns.")
+    values = {}
+    for column, cell in zip(header, row, strict=True):
+        if cell.strip():
+            try:
+                values[column] = float(cell)
+            except ValueError:
+                raise ScenarioError(f"{place}: {column} = {show(cell.strip())} must be a number.") from None
+    return values

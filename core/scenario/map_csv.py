@@ -1,0 +1,32 @@
+"""Efficiency maps of drives as tables in CSV files."""
+
+from pathlib import Path
+
+from railjoule.core.errors import ScenarioError
+from railjoule.core.scenario.csv_table import read_rows
+
+COLUMNS = ("torque_nm", "speed_rads", "efficiency")
+
+
+def read_map(name: str, folder: Path | None) -> list[list[float]]:
+    """Return the points of a CSV file with the columns torque_nm, speed_rads and efficiency.
+
+    Parameters
+    ----------
+    name : str
+        The file, relative to `folder`.
+    folder : Path or None
+        Where scenario files may name other files; None where they may not.
+
+    Raises
+    ------
+    ScenarioError
+        If the file cannot be read, a column is unknown or missing, or a cell is empty or not a number.
+    """
+    points = []
+    for number, row in enumerate(read_rows("drive.file", name, folder, COLUMNS), 1):
+        missing = [column for column in COLUMNS if column not in row]
+        if missing:
+            raise ScenarioError(f"drive.file {name!r}: point {number} has no {missing[0]}.")
+        points.append([row[column] for column in COLUMNS])
+    return points

@@ -1,0 +1,276 @@
+"""The claims of Shtompel, Khvorost 2025, each with the numbers that support or refute it.
+
+The paper prints a method and hardly any number. Train and line are assumed, so what counts here are ratios and signs.
+The optimum beside which limits are judged is that of Bellman's recursion over the same time, window included.
+"""
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+from scipy.optimize import differential_evolution
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.drive import make_drive
+from railjoule.core.drive.synchronous.drive import efficiency_maps, torque_envelope
+from railjoule.core.limit_search.search import LimitSearch
+from railjoule.core.scenario import Scenario, load_scenario
+from railjoule.core.scenario.drive import Synchronous
+from railjoule.core.simulate.regulator import literal_spread
+from railjoule.core.strategies import solve
+from railjoule.core.strategies.speed_limits import limit_problem_of, speed_limits_with_search
+from railjoule.core.strategies.task import prepare_task
+from railjoule.core.studies.storage import storage_need
+from railjoule.core.trajectory import Trajectory
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.core.validation.papers import citation, errata, printed_numbers
+from railjoule.core.validation.table import Row, Table, Validation
+
+SCENARIOS = {20: "kharkiv-like-20kmh", 40: "kharkiv-like-40kmh"}
+TIGHT_KMH = 54
+MAP_POINTS = 120
+FULL_SHARE = 0.97
+TIME_STEPS_S = (0.1, 0.05, 0.02, 0.01)
+FREE = {"search.boundaries_m": [800, 1600], "search.free_boundaries": True}
+ASSUMED = "Train and line are assumed."
+SUPPORTED, REFUTED, PARTLY = "Supports the claim.", "Refutes the claim.", "Supports it in part."
+
+Printed = dict[str, Any]
+
+
+def validate_shtompel() -> Validation:
+    """Return the paper's claims beside numbers of the assumed train and line."""
+    paper = printed_numbers("shtompel-2025")
+    claims = {claim["name"]: claim for claim in paper["claim"]}
+    return Validation(
+        paper="shtompel",
+        citation=citation(paper),
+        tables=(
+            _table(claims["efficiency"], efficiency()),
+            _table(claims["fewest_evaluations"], evaluations()),
+            _table(claims["near_full_effort"], near_full_effort()),
+            _table(claims["regenerative_stop"], regenerative_stop()),
+            _table(claims["storage_size"], storage_sizes()),
+            _table(claims["near_full_power"], near_full_power()),
+            Table("What limits cost beside the optimum over the same time", tuple(costs())),
+            Table("The printed regulator hangs on its step of time", tuple(spread())),
+            Table("Braking by (8) and (9) as they are printed", tuple(literal_braking())),
+        ),
+        errata=errata(paper),
+    )
+
+
+def efficiency() -> list[Row]:
+    """Return peaks and ends of the efficiency maps of motor and drive."""
+    drive = _scenario(20).vehicle.drive
+    assert isinstance(drive, Synchronous)
+    speed = np.linspace(0.0, drive.max_speed_rads, MAP_POINTS)
+    torque = np.linspace(0.0, float(torque_envelope(drive, speed).max()), MAP_POINTS)
+    maps = efficiency_maps(drive, torque, speed)
+    least = float(np.nanmin((maps.motor - maps.drive)[1:, 1:]))
+    return [
+        Row("motor", "greatest efficiency", "", None, float(np.nanmax(maps.motor)), ASSUMED),
+        Row("drive", "greatest efficiency", "", None, float(np.nanmax(maps.drive)), ASSUMED),
+        Row("motor less drive", "least difference", "", None, least, SUPPORTED if least > 0 else REFUTED),
+        Row("drive without torque", "efficiency", "", None, float(np.nanmax(maps.drive[0])), SUPPORTED),
+    ]
+
+
+def evaluations() -> list[Row]:
+    """Return how many trips' vectors the search looks at, and another method for the same energy."""
+    rows = []
+    for speed in SCENARIOS:
+        search = _search(speed, "coast")
+        window = _scenario(speed).search.time_window
+        task = prepare_task(_scenario(speed))
+        problem = limit_problem_of(task)
+        samples = [one for one in search.evaluations if one.stage == "sample"]
+        borders = search.best.boundaries_m
+        times = np.array([problem.as_given(one.asked_ms, borders).running_time_s for one in samples])
+        inside = float(np.mean(np.abs(times / task.running_time_s - 1) <= window))
+
+        def cost(place: FloatArray, problem: Any = problem, borders: FloatArray = borders) -> float:
+            return float(min(problem.evaluate("sample", place, borders).energy_j, 1e30))
+
+        bounds = [(problem.least_ms, problem.most_ms)] * (len(borders) + 1)
+        other = differential_evolution(cost, bounds, seed=1, maxiter=20, polish=False)
+        case = f"{speed} km/h, two sections"
+        rows += [
+            Row(case, "vectors that the search looks at", "", None, len(search.evaluations)),
+            Row(case, "samples within the window before they are scaled", "%", None, 100 * inside),
+            Row(case, "vectors that differential evolution looks at", "", None, int(other.nfev)),
+            Row(
+                case,
+                "its energy over ours less 1",
+                "%",
+                None,
+                100 * (other.fun / search.best.energy_j - 1),
+                "An even search over one ratio is enough: it says nothing of more sections.",
+            ),
+        ]
+    return rows
+
+
+def near_full_effort() -> list[Row]:
+    """Return how much of the traction energy is taken at full effort, by limits and by the optimum."""
+    rows = []
+    for speed in SCENARIOS:
+        for case, run in (("two sections, coast", _limits(speed, "coast")), ("optimum", _optimum(speed))):
+            share = 100 * _full_share(run)
+            note = "The regulator knows nothing else below its limit." if case != "optimum" else _judged(share, 80, 40)
+            rows.append(Row(f"{speed} km/h, {case}", "traction energy at full effort", "%", None, share, note))
+    return rows
+
+
+def regenerative_stop() -> list[Row]:
+    """Return what the electric brake brings back."""
+    rows = []
+    for speed in SCENARIOS:
+        run = _limits(speed, "coast")
+        share = 100 * run.energy.recuperated_j / run.energy.traction_j
+        rows.append(Row(f"{speed} km/h, two sections", "comes back of what is taken", "%", None, share, SUPPORTED))
+    return rows
+
+
+def storage_sizes() -> list[Row]:
+    """Return the largest drops of cumulative energy."""
+    rows = []
+    for speed in SCENARIOS:
+        runs = {
+            "brake limits": _limits(speed, "brake"),
+            "coast limits, two sections": _limits(speed, "coast"),
+            "optimum": _optimum(speed),
+        }
+        for case, run in runs.items():
+            drop = storage_need(run).largest_drop_kwh
+            note = "Sized by a regulator that brakes it comes out too large." if case == "brake limits" else ASSUMED
+            rows.append(Row(f"{speed} km/h, {case}", "largest drop", "kWh", None, drop, note))
+    return rows
+
+
+def near_full_power() -> list[Row]:
+    """Return the optimum's largest power, and what a drive of half the power would cost more."""
+    rows = []
+    for speed in (*SCENARIOS, TIGHT_KMH):
+        scenario = _scenario(speed)
+        full = _optimum(speed)
+        power = scenario.vehicle.traction.max_power_kw
+        assert power is not None
+        half = solve(_late(scenario).with_(**{"vehicle.traction.max_power_kw": 0.5 * power}), "bellman")
+        speeds = 0.5 * (full.speed_ms[1:] + full.speed_ms[:-1])
+        largest = float(np.max(full.tractive_effort_n * speeds)) / 1e3
+        more = 100 * (half.energy_kwh / full.energy_kwh - 1)
+        case = f"{speed} km/h, optimum"
+        rows += [
+            Row(
+                case,
+                "largest power at the wheels",
+                "kW",
+                None,
+                largest,
+                "It is touched once, where effort and power meet.",
+            ),
+            Row(case, "more energy with half the power", "%", None, more, _judged(more, 2, 0.5)),
+        ]
+    return rows
+
+
+def costs() -> list[Row]:
+    """Return energies under limits over that of the optimum."""
+    rows = []
+    for speed in SCENARIOS:
+        best = _optimum(speed).energy_kwh
+        rows.append(Row(f"{speed} km/h, optimum", "energy", "kWh", None, best, ASSUMED))
+        runs = {
+            "brake limits, two sections": _limits(speed, "brake"),
+            "coast limits, two sections": _limits(speed, "coast"),
+            "coast limits, three sections, free borders": _limits(speed, "coast", True),
+        }
+        for case, run in runs.items():
+            more = 100 * (run.energy_kwh / best - 1)
+            rows.append(Row(f"{speed} km/h, {case}", "more than the optimum", "%", None, more, ASSUMED))
+    return rows
+
+
+def spread() -> list[Row]:
+    """Return the printed regulator's energies and times with different steps of time."""
+    limits = [limit / MS_PER_KMH for limit in _search(40, "brake").best.limits_ms]
+    rows = []
+    for run in literal_spread(_scenario(40), limits, TIME_STEPS_S):
+        case = f"40 km/h, steps of {run.time_step_s:g} s"
+        rows.append(Row(case, "energy", "kWh", None, run.energy_kwh))
+        rows.append(Row(case, "time", "s", None, run.travel_time_s))
+    return rows
+
+
+def literal_braking() -> list[Row]:
+    """Return what the brake brings back by the printed formulas: power over efficiency, and a gear that gives power."""
+    run = _limits(40, "brake")
+    drive = make_drive(run.scenario.vehicle.drive)
+    share = run.scenario.vehicle.drive.gear_loss_share  # type: ignore[union-attr]
+    duration, length = np.diff(run.time_s), np.diff(run.position_m)
+    speed = length / duration
+    wheel = run.electric_braking_n * speed
+    generated = np.maximum(-drive.electrical_power_w(-run.electric_braking_n, speed), 0.0)
+    useful = generated > 0
+    efficiency = generated[useful] / (wheel[useful] * (1 - share))
+    printed = np.sum((wheel[useful] / efficiency + share * wheel[useful]) * duration[useful])
+    case = "40 km/h, brake limits"
+    supplied = float(np.sum(wheel * duration)) / J_PER_KWH
+    return [
+        Row(case, "work that the wheels supply", "kWh", None, supplied),
+        Row(
+            case,
+            "comes back by (8) and (9)",
+            "kWh",
+            None,
+            float(printed) / J_PER_KWH,
+            "More than there is: a drive that brakes multiplies by its efficiency.",
+        ),
+        Row(case, "comes back", "kWh", None, float(np.sum(generated * duration)) / J_PER_KWH),
+    ]
+
+
+def _table(claim: Printed, rows: list[Row]) -> Table:
+    return Table(claim["text"].rstrip("."), tuple(rows), claim["place"])
+
+
+def _judged(share: float, supports: float, refutes: float) -> str:
+    return SUPPORTED if share >= supports else REFUTED if share < refutes else PARTLY
+
+
+def _full_share(run: Trajectory) -> float:
+    """Return the share of traction energy that is taken at full effort."""
+    power = np.maximum(run.line_power_w, 0.0) * np.diff(run.time_s) * (run.tractive_effort_n > 0)
+    return float(np.sum(power[run.tractive_effort_n > FULL_SHARE * run.largest_effort_n]) / np.sum(power))
+
+
+def _scenario(speed_kmh: int) -> Scenario:
+    if speed_kmh in SCENARIOS:
+        return load_scenario(SCENARIOS[speed_kmh])
+    return load_scenario(SCENARIOS[40]).with_(**{"timetable.average_speed_kmh": speed_kmh})
+
+
+def _late(scenario: Scenario) -> Scenario:
+    """Return a scenario with the time that a search for limits may take."""
+    time = (1 + scenario.search.time_window) * scenario.travel_time_s
+    return scenario.with_(**{"timetable.travel_time_s": time})
+
+
+@cache
+def _optimum(speed_kmh: int) -> Trajectory:
+    return solve(_late(_scenario(speed_kmh)), "bellman")
+
+
+@cache
+def _searched(speed_kmh: int, regulator: str, free: bool) -> tuple[Trajectory, LimitSearch]:
+    changes: dict[str, Any] = {"search.regulator": regulator} | (FREE if free else {})
+    return speed_limits_with_search(prepare_task(_scenario(speed_kmh).with_(**changes)))
+
+
+def _limits(speed_kmh: int, regulator: str, free: bool = False) -> Trajectory:
+    return _searched(speed_kmh, regulator, free)[0]
+
+
+def _search(speed_kmh: int, regulator: str) -> LimitSearch:
+    return _searched(speed_kmh, regulator, False)[1]

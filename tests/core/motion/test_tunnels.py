@@ -1,0 +1,72 @@
+"""Tunnels raise the quadratic resistance of the cells under them, for every strategy alike."""
+
+import numpy as np
+import pytest
+from builders import COPPER_LOSS, plain_scenario
+
+from railjoule.core import StrategyRefusedError, load_scenario, solve
+from railjoule.core.motion import build_course
+from railjoule.core.motion.line_forces import car_crossings
+from railjoule.core.scenario import Line
+
+TUNNEL = [{"length_m": 800.0}, {"length_m": 400.0, "tunnel_factor": 3.0}, {"length_m": 800.0}]
+
+
+def test_only_the_cells_in_the_tunnel():
+    course = build_course(plain_scenario({"line.sections": TUNNEL}))
+    middle = 0.5 * (course.position_m[1:] + course.position_m[:-1])
+    inside = (middle > 800) & (middle < 1200)
+    open_line = build_course(plain_scenario()).data.resistance_quadratic[0]
+    assert course.data.resistance_quadratic[inside] == pytest.approx(3 * open_line)
+    assert course.data.resistance_quadratic[~inside] == pytest.approx(open_line)
+
+
+def test_a_long_train_is_in_it_bit_by_bit():
+    """The mean over 100 m of train: half of it is inside when its front is 50 m in."""
+    course = build_course(plain_scenario({"line.sections": TUNNEL, "vehicle.length_m": 100.0}))
+    middle = 0.5 * (course.position_m[1:] + course.position_m[:-1])
+    assert np.interp(850, middle, course.tunnel_factor) == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("drive", [plain_scenario().vehicle.drive.model_dump(exclude_none=True), COPPER_LOSS])
+def test_optimum_and_bellman_agree_and_the_proof_holds(drive):
+    scenario = plain_scenario({"line.sections": TUNNEL, "vehicle.drive": drive})
+    optimum, other = solve(scenario, "optimal"), solve(scenario, "bellman")
+    assert optimum.gap < 1e-6
+    assert optimum.energy_kwh * (1 - 1e-6) <= other.energy_kwh <= optimum.energy_kwh * 1.002
+    assert optimum.energy_kwh > solve(plain_scenario({"vehicle.drive": drive}), "optimal").energy_kwh * 1.001
+
+
+def test_work_of_resistance_by_hand():
+    """Steady 54 km/h under a limit; q v^2 over 2000 m of open line and twice more over 400 m of tunnel."""
+    changes = {"line.sections": TUNNEL, "search.limits_kmh": [54.0], "search.boundaries_m": []}
+    held = solve(plain_scenario({**changes, "search.limits_kmh": [54.0] * 3}), "speed_limits")
+    free = solve(plain_scenario({"search.limits_kmh": [54.0]}), "speed_limits")
+    quadratic = build_course(plain_scenario()).data.resistance_quadratic[0]
+    more = held.energy.running_resistance_j - free.energy.running_resistance_j
+    assert more == pytest.approx(2 * quadratic * 15**2 * 400, rel=1e-9)
+
+
+@pytest.mark.parametrize("strategy", ["eoc", "enoc", "phases"])
+def test_who_cannot_tunnels_says_so(strategy):
+    scenario = plain_scenario({"line.sections": TUNNEL, "vehicle.drive": COPPER_LOSS})
+    with pytest.raises(StrategyRefusedError, match="needs a line without tunnels"):
+        solve(scenario, strategy)
+
+
+def test_nodes_where_a_cars_centre_changes_its_section():
+    line = Line.model_validate({"sections": [{"length_m": 500.0}, {"length_m": 500.0, "gradient_permille": 10.0}]})
+    assert car_crossings(line, 100.0, 4) == pytest.approx([512.5, 537.5, 562.5, 587.5])
+    course = build_course(
+        plain_scenario(
+            {"line.sections": line.model_dump()["sections"], "vehicle.length_m": 100.0, "vehicle.car_count": 4}
+        )
+    )
+    assert np.isin([512.5, 537.5, 562.5, 587.5], course.position_m).all()
+    # a quarter of the weight after another
+    assert set(np.round(course.gradient_permille, 9)) == {0.0, 2.5, 5.0, 7.5, 10.0}
+
+
+def test_the_metro_lies_in_a_tunnel():
+    course = build_course(load_scenario("kharkiv-like-20kmh"))
+    assert course.tunnel_factor == pytest.approx(1.5)

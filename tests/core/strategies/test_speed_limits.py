@@ -1,0 +1,98 @@
+"""The strategy: sections from anywhere, stops, bounds, and what it refuses."""
+
+import numpy as np
+import pytest
+from builders import HILLS, plain_scenario
+
+from railjoule.core import ScenarioError, StrategyRefusedError, load_scenario, solve
+from railjoule.core.strategies import compare, prepare_task
+from railjoule.core.strategies.speed_limits import section_boundaries, speed_limits_with_search
+
+SHORT = {"line.sections": HILLS, "timetable.travel_time_s": 180.0, "strategy": "speed_limits"}
+METRO = load_scenario("kharkiv-like-40kmh")
+
+
+def test_sections_of_the_line_where_none_are_given():
+    scenario = plain_scenario(SHORT)
+    assert section_boundaries(scenario) == pytest.approx([400, 700, 1200, 1700])
+    run = solve(scenario)
+    assert run.travel_time_s == pytest.approx(1.01 * 180, rel=1e-6)
+    assert run.notes[0].startswith("Limits: ")
+    assert "proves nothing" in run.notes[1]
+
+
+def test_its_bound_is_that_of_its_own_time():
+    """A run that may be late could otherwise undercut the bound of the timetable."""
+    scenario = plain_scenario(SHORT)
+    run = solve(scenario)
+    late = solve(scenario.with_(**{"timetable.travel_time_s": 1.01 * 180}), "optimal")
+    assert run.lower_bound_kwh == pytest.approx(late.lower_bound_kwh, rel=1e-6)
+    assert run.gap > 0
+    runs, _ = compare(scenario)
+    bounds = {one.strategy: one.lower_bound_kwh for one in runs}
+    assert bounds["speed_limits"] < bounds["optimal"] == bounds["bellman"]
+
+
+def test_stops_on_the_way():
+    stations = [{"name": "Middle", "position_m": 900.0, "dwell_s": 20.0}]
+    scenario = plain_scenario({"line.stations": stations, "timetable.travel_time_s": 220.0, "strategy": "speed_limits"})
+    run = solve(scenario)
+    assert run.travel_time_s == pytest.approx(1.01 * 200 + 20, rel=1e-6)
+    assert run.speed_ms[np.isclose(run.position_m, 900)] == pytest.approx(0, abs=1e-9)
+    assert [phase.phase for phase in run.phases].count("stand") == 1
+
+
+def test_one_section_needs_no_search():
+    run, search = speed_limits_with_search(prepare_task(plain_scenario({"strategy": "speed_limits"})))
+    assert len(search.evaluations) == 1
+    assert run.notes[0].startswith("Limit: ")
+
+
+def test_given_limits_are_one_trip():
+    run, search = speed_limits_with_search(prepare_task(METRO.with_(**{"search.limits_kmh": [40.0, 35.0]})))
+    assert [one.stage for one in search.evaluations] == ["given"]
+    assert run.notes == ("Limits: 40.0, 35.0 km/h, changing at 1200 m.",)
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"search.boundaries_m": [1200.0, 2400.0]}, r"search.boundaries_m\[1\] = 2400 must lie before the end of the"),
+        ({"search.boundaries_m": [1200.0, 900.0]}, r"search.boundaries_m must rise"),
+        ({"search.limits_kmh": [40.0]}, r"search.limits_kmh has 1 entries for the 2 sections between boundaries_m"),
+        ({"search.time_window": 0.0}, r"search.time_window = 0 must be above 0"),
+    ],
+)
+def test_bad_sections_and_windows(changes, expected):
+    with pytest.raises(ScenarioError, match=expected):
+        METRO.with_(**changes)
+
+
+@pytest.mark.parametrize(
+    ("limits", "expected"),
+    [
+        ([0.5, 40.0], r"^search.limits_kmh\[0\] = 0.5 must be at least 1.$"),
+        ([40.0, 95.0], r"^search.limits_kmh\[1\] = 95 must be at most the vehicle's 80.$"),
+    ],
+)
+def test_limits_out_of_bounds(limits, expected):
+    with pytest.raises(ScenarioError, match=expected):
+        solve(METRO.with_(**{"search.limits_kmh": limits}))
+
+
+def test_too_tight_for_the_regulator():
+    """132 s are possible with full brakes, not at 0.3 m/s2."""
+    tight = METRO.with_(**{"timetable.travel_time_s": 140.0, "search.stop_deceleration_ms2": 0.3})
+    with pytest.raises(StrategyRefusedError, match=r"needs at least \d+\.\d s with its regulator, which brakes at 0.3"):
+        solve(tight)
+
+
+def test_too_many_sections():
+    many = plain_scenario({"line.sections": [{"length_m": 100.0}] * 20, "strategy": "speed_limits"})
+    with pytest.raises(StrategyRefusedError, match=r"needs search.boundaries_m: the line has 20 sections"):
+        solve(many)
+
+
+def test_the_optimum_is_not_claimed_for_these_drives():
+    with pytest.raises(StrategyRefusedError, match=r"needs a drive that takes no power when it is on without effort"):
+        solve(METRO, "optimal")

@@ -1,0 +1,51 @@
+"""The claims of Shtompel 2025: each has numbers, and those that the findings tell come out alike."""
+
+import pytest
+
+from railjoule.core.validation import validate_shtompel
+
+
+@pytest.fixture(scope="module")
+def rows():
+    tables = validate_shtompel().tables
+    return {(row.case, row.quantity): row.ours for table in tables for row in table.rows}
+
+
+def test_nothing_is_said_to_be_printed(rows):
+    assert len(rows) >= 40
+    assert all(row.printed is None for table in validate_shtompel().tables for row in table.rows)
+
+
+def test_costs_beside_the_optimum(rows):
+    """findings.md, on another assumed line: 20 and 19 % for braked limits, 3 and 1 % with free borders."""
+    more = "more than the optimum"
+    assert 15 < rows["20 km/h, brake limits, two sections", more] < 30
+    assert 15 < rows["40 km/h, brake limits, two sections", more] < 30
+    assert 0 < rows["20 km/h, coast limits, three sections, free borders", more] < 4
+    assert 0 < rows["40 km/h, coast limits, three sections, free borders", more] < 2
+
+
+def test_near_full_power_is_best_in_tight_timetables_only(rows):
+    """findings.md: from about 48 km/h."""
+    more = "more energy with half the power"
+    assert rows["20 km/h, optimum", more] < 0.5
+    assert rows["54 km/h, optimum", more] > 2
+
+
+def test_printed_braking_gives_more_than_there_is(rows):
+    """findings.md, on another assumed line: 11.11 kWh where the wheel supplies 9.92 and the truth is 8.84."""
+    case = "40 km/h, brake limits"
+    supplied = rows[case, "work that the wheels supply"]
+    assert rows[case, "comes back by (8) and (9)"] / supplied == pytest.approx(11.11 / 9.92, rel=0.06)
+    assert rows[case, "comes back"] / supplied == pytest.approx(8.84 / 9.92, rel=0.06)
+
+
+def test_braked_limits_ask_for_too_large_a_storage(rows):
+    """findings.md: 4.4 kWh beside 1 to 2 for the optimum at 40 km/h."""
+    drop = "largest drop"
+    assert rows["40 km/h, brake limits", drop] > 3 * rows["40 km/h, optimum", drop]
+
+
+def test_few_samples_lie_in_the_window(rows):
+    """findings.md: 0 to 5 %."""
+    assert all(share <= 5 for (_, quantity), share in rows.items() if quantity.startswith("samples within"))
