@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
-from railjoule.core.errors import ScenarioError, StrategyRefusedError
+from railjoule.core.errors import ScenarioError, SolverError, StrategyRefusedError
 from railjoule.core.limit_search.literal import ARRIVED, Relay, literal_trip
 from railjoule.core.limit_search.problem import Evaluation, LimitProblem, limit_problem
 from railjoule.core.limit_search.search import LimitSearch, search_limits
@@ -17,7 +17,7 @@ from railjoule.core.motion import Course, build_course
 from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.motion.mesh import finer_at_stops, with_nodes_at
 from railjoule.core.scenario import Scenario
-from railjoule.core.strategies.optimal import can_prove, certify, minimise
+from railjoule.core.strategies.optimal import certify, minimise
 from railjoule.core.strategies.task import Task
 from railjoule.core.trajectory import Bound, Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
@@ -238,11 +238,15 @@ def _made(task: Task, course: Course, speed2: FloatArray, notes: tuple[str, ...]
     sparing = np.zeros(course.cell_count) if course.data.friction_effort_n > 0 else None
     run = make_trajectory(task.scenario, course, "speed_limits", speed2, sparing, notes=notes)
     late = replace(task, running_time_s=run.travel_time_s - task.dwell_s)
-    return run.with_bound(_bound(late)) if late.has_slack and can_prove(task) else run
+    return run.with_bound(_bound(late)) if late.has_slack else run
 
 
-def _bound(task: Task) -> Bound:
-    return certify(task, minimise(task).optimum)
+def _bound(task: Task) -> Bound | None:
+    """Return the bound of a task, or None if its optimum is not found."""
+    try:
+        return certify(task, minimise(task).optimum)
+    except SolverError:
+        return None
 
 
 def limit_words(limits_ms: FloatArray, boundaries_m: FloatArray) -> str:

@@ -93,6 +93,7 @@ def test_too_many_sections():
         solve(many)
 
 
-def test_the_optimum_is_not_claimed_for_these_drives():
-    with pytest.raises(StrategyRefusedError, match=r"needs a drive that takes no power when it is on without effort"):
-        solve(METRO, "optimal")
+def test_the_bound_lies_below_every_run():
+    tight = load_scenario("kharkiv-like-40kmh")
+    bound = solve(tight, "optimal").lower_bound_kwh
+    assert bound < solve(tight, "bellman").energy_kwh < solve(tight).energy_kwh
