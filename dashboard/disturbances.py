@@ -5,6 +5,7 @@ from typing import Any
 
 from railjoule.core import RailjouleError
 from railjoule.dashboard.models.disturbances import EventModel
+from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import (
     LateArrivals,
@@ -16,7 +17,6 @@ from railjoule.dashboard.store import (
     compute_rides,
 )
 
-PLAN = ("travel_time_s", "load_percent", "recuperation_percent")
 NUMBERS = ("position_m", "to_m", "duration_s", "limit_kmh", "share_percent", "noticed_at_m")
 
 
@@ -31,7 +31,7 @@ class Disturbances:
         self._drawn: RidesWish | None = None
         self._watched: list[EventModel] = []
         state.scenario.param.watch(self._take_scenario, ["preset", "opened"])
-        state.scenario.param.watch(self._ask, list(PLAN))
+        state.scenario.param.watch(self._ask, list(PLAN_FIELDS))
         state.param.watch(self._ask, ["page", "chosen"])
         self.model.param.watch(self._watch_events, "events")
         self.model.param.watch(self._ask, ["accepted_delay_s", "changed"])

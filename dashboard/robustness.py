@@ -3,10 +3,11 @@
 from collections.abc import Mapping
 from typing import Any
 
-from railjoule.core import RailjouleError
+from railjoule.core import RailjouleError, Scenario
 from railjoule.core.studies.montecarlo import MonteCarloTable
 from railjoule.core.studies.sensitivity import SensitivityTable
 from railjoule.dashboard.models.robustness import FULL_RUNS, PREVIEW_RUNS
+from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import (
     Reality,
@@ -19,7 +20,6 @@ from railjoule.dashboard.store import (
     compute_table,
 )
 
-PLAN = ("travel_time_s", "load_percent", "recuperation_percent")
 REALITY = ("actual_load_percent", "coordinate_error_m")
 FOLLOWER = (
     "speed_error_percent",
@@ -38,6 +38,7 @@ CHANCE = (
     "seed",
 )
 TABLE = ("both_directions", "knows")
+NOTHING_WRONG = {"disturbance.actual_load_factor": 0.0, "disturbance.coordinate_error_m": 0.0}
 
 
 class Robustness:
@@ -51,7 +52,7 @@ class Robustness:
         self._asked: dict[str, Any] = {}
         self._waiting: dict[str, Any] = {}
         state.scenario.param.watch(self._take_scenario, ["preset", "opened"])
-        state.scenario.param.watch(self._ask, list(PLAN))
+        state.scenario.param.watch(self._ask, list(PLAN_FIELDS))
         state.param.watch(self._ask, ["page", "chosen"])
         self.model.param.watch(self._ask, [*REALITY, *FOLLOWER, *CHANCE, *TABLE])
         self.model.param.watch(self._draw_all, "draw_all")
@@ -65,8 +66,12 @@ class Robustness:
     def _take_scenario(self, *_: Any) -> None:
         self.model.take(self.state.scenario.base)
 
-    def _wish(self, changes: Mapping[str, Any]) -> RealityWish:
-        return RealityWish(self.state.scenario.scenario(), {"strategy": self.state.chosen, **changes})
+    def _with_strategy(self, changes: Mapping[str, Any]) -> Mapping[str, Any]:
+        return {"strategy": self.state.chosen, **changes}
+
+    def _draws(self, scenario: Scenario, runs: int) -> RealityWish:
+        """Return the wish for what chance draws."""
+        return RealityWish(scenario, self._with_strategy({**self.model.chance_changes(runs), **NOTHING_WRONG}))
 
     def _ask(self, *_: Any) -> None:
         """Ask for what the last change concerns, and only while the page is in sight.
@@ -75,14 +80,12 @@ class Robustness:
         """
         if self.state.page != "Robustness":
             return
-        run = self._wish(self.model.changes)
-        plan = self._wish({**self.model.changes, "disturbance.actual_load_factor": 0.0})
-        table = TableWish(
-            RealityWish(plan.scenario, {**plan.changes, "disturbance.coordinate_error_m": 0.0}),
-            self.model.both_directions,
-            self.model.knows,
-        )
-        draws = self._wish({**self.model.chance_changes(PREVIEW_RUNS), "disturbance.actual_load_factor": 0.0})
+        scenario, changes = self.state.scenario.scenario(), self._with_strategy(self.model.changes)
+        run = RealityWish(scenario, changes)
+        # a table and what chance draws have loads and errors of their own
+        plan = RealityWish(scenario, {**changes, **NOTHING_WRONG})
+        table = TableWish(plan, self.model.both_directions, self.model.knows)
+        draws = self._draws(scenario, PREVIEW_RUNS)
         if self._news("table", table):
             self.table.stop()
             self._waiting["table"] = table
@@ -112,7 +115,7 @@ class Robustness:
 
     def _draw_all(self, *_: Any) -> None:
         self._waiting.pop("chance", None)
-        self._draw(self._wish(self.model.chance_changes(FULL_RUNS)))
+        self._draw(self._draws(self.state.scenario.scenario(), FULL_RUNS))
 
     def _stop(self, *_: Any) -> None:
         self.chance.stop()

@@ -95,7 +95,7 @@ def summarise_ride(ride: "Ride") -> Summary:
         "planned": summarise(ride.planned),
         "actual": summarise(ride.actual),
         "overconsumption": _finite(ride.overconsumption),
-        "stop_error_m": 0.0,
+        "stop_error_m": ride.stop_error_m,
         "delay_s": ride.delay_s,
         "notices": [{"position_m": place, "time_s": time, "event": words} for place, time, words in ride.notices],
         "notes": list(ride.notes),

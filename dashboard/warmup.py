@@ -34,6 +34,10 @@ class Warmup:
         if self._thread.ident is None:
             self._thread.start()
 
+    def wait(self) -> None:
+        """Wait until it is done."""
+        self._thread.join()
+
     def _run(self) -> None:
         try:
             for scenario in scenarios():
@@ -73,3 +77,8 @@ def all_kernels() -> Iterator[Any]:
 def warmup() -> Warmup:
     """Return the warm-up of this process."""
     return Warmup()
+
+
+if __name__ == "__main__":
+    warmup().start()
+    warmup().wait()

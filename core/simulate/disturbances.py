@@ -43,12 +43,12 @@ from railjoule.core.simulate.train_on_its_way import (
     nodes_ahead,
     replace_line,
     require_events_on_the_line,
-    rest_of,
     rest_scenario,
 )
 from railjoule.core.strategies import run_strategy
 from railjoule.core.strategies.task import prepare_task
 from railjoule.core.trajectory import Trajectory
+from railjoule.core.units import MS_PER_KMH
 
 LATE_S = 0.05
 """A later arrival than this is told."""
@@ -82,6 +82,11 @@ class Ride:
     def delay_s(self) -> float:
         """Arrival less that of the timetable [s]."""
         return self.actual.travel_time_s - self.allowed_time_s
+
+    @property
+    def stop_error_m(self) -> float:
+        """How far beyond the end of its plan the train stands [m]."""
+        return float(self.actual.position_m[-1] - self.planned.position_m[-1])
 
     @property
     def overconsumption(self) -> float:
@@ -150,8 +155,8 @@ class _Simulation:
                 break
             place, event = notice
             ahead = [other for other in ahead if other is not event]
-            self._drive(plan.until(place))
             driven = plan.until(place)
+            self._drive(driven)
             state = State(place, float(driven.speed2[-1]), state.time_s + driven.duration_s, state.scenario)
             self.notices.append((place, state.time_s, event_words(event)))
             plan = self._react(plan, state, event)
@@ -159,10 +164,11 @@ class _Simulation:
         self._drive(plan)
         final = self.driven[-1].scenario.model_copy(update={"timetable": self.scenario.timetable})
         actual = joined(self.driven, final, planned.strategy)
-        ride = Ride(planned, actual, self.scenario.travel_time_s, tuple(self.notices), ())
-        if ride.delay_s > self.scenario.disturbance.accepted_delay_s + LATE_S:
-            self.notes.append(f"It arrives {ride.delay_s:.1f} s late.")
-        return replace(ride, notes=tuple(self.notes))
+        allowed = self.scenario.travel_time_s
+        delay = actual.travel_time_s - allowed
+        if delay > self.scenario.disturbance.accepted_delay_s + LATE_S:
+            self.notes.append(f"It arrives {delay:.1f} s late.")
+        return Ride(planned, actual, allowed, tuple(self.notices), tuple(self.notes))
 
     def _drive(self, leg: Leg) -> None:
         if len(leg.position_m) > 1:
@@ -194,7 +200,7 @@ class _Simulation:
         informed = knowing(state, event)
         if event.reaction != "driver":
             return self._plan_rest(informed)
-        rest = rest_of(plan, state)
+        rest = plan.beyond(state.position_m)
         if isinstance(event, UnplannedStop):
             return self._stop_by_hand(rest, informed, event)
         if isinstance(event, UnplannedLimit):
@@ -204,7 +210,7 @@ class _Simulation:
     def _stop_by_hand(self, rest: Leg, state: State, stop: UnplannedStop) -> Leg:
         """Hold the speed or coast on, brake fully before the stop, stand, plan the rest."""
         nodes = nodes_ahead(state, stop.position_m)
-        course = build_course(state.scenario, float(np.sqrt(state.speed2)), 0.0, nodes)
+        course = build_course(state.scenario, state.speed_ms, 0.0, nodes)
         envelope = braking_envelope(course)
         if state.speed2 > envelope[0] * (1 + 1e-9):
             return self._plan_rest(state)
@@ -230,20 +236,15 @@ class _Simulation:
         if len(beyond):
             end = float(beyond[0])
         nodes = nodes_ahead(state, end)
-        course = build_course(state.scenario, float(np.sqrt(state.speed2)), 0.0, nodes)
-        final = float(np.interp(end, rest.position_m, rest.speed2))
-        fixed = course.data.fixed_speed2.copy()
-        fixed[-1] = min(final, float(course.data.largest_speed2[-1]))
-        course = replace(course, data=course.data._replace(fixed_speed2=fixed))
+        final = min(float(np.sqrt(np.interp(end, rest.position_m, rest.speed2))), limit.limit_kmh * MS_PER_KMH)
+        course = build_course(state.scenario, state.speed_ms, final, nodes)
         envelope = braking_envelope(course)
         if state.speed2 > envelope[0] * (1 + 1e-9):
             return self._plan_rest(state)
         wanted = np.minimum(np.interp(nodes, rest.position_m, rest.speed2), envelope)
         speed2, _ = follow_cells(course.data, wanted, 0.0, state.speed2)
-        dwell = np.zeros(len(nodes))
-        at_end = rest.dwell_s[np.abs(rest.position_m - end) <= SAME_PLACE_M]
-        dwell[-1] = at_end[0] if len(at_end) else 0.0
-        return self._and_the_rest(Leg(state.scenario, nodes, speed2, dwell), state)
+        stands = float(rest.dwell_s[np.abs(rest.position_m - end) <= SAME_PLACE_M].sum())
+        return self._and_the_rest(Leg(state.scenario, nodes, speed2, _dwell_at_end(nodes, stands)), state)
 
     def _and_the_rest(self, leg: Leg, state: State) -> Leg:
         """Return a leg and the best run from its end."""
@@ -259,7 +260,7 @@ class _Simulation:
         rest = rest_scenario(state, allowed)
         nodes = nodes_ahead(state, rest.line.length_m)
         try:
-            task = prepare_task(rest, float(np.sqrt(state.speed2)), 0.0, nodes)
+            task = prepare_task(rest, state.speed_ms, 0.0, nodes)
         except InfeasibleLineError:
             if state.speed2 <= STANDING_SPEED2:
                 raise
@@ -271,38 +272,38 @@ class _Simulation:
 
     def _brake_at_once(self, state: State, nodes: FloatArray) -> Leg:
         """Brake fully until all that lies ahead can be kept again, or to a stand beyond a stop."""
-        course = build_course(state.scenario, float(np.sqrt(state.speed2)), 0.0, nodes)
+        course = build_course(state.scenario, state.speed_ms, 0.0, nodes)
         run, way = fully_braked(course.data, state.speed2)
         stands = np.inf if np.isnan(way) else state.position_m + way
-        missed = [
-            station for station in state.scenario.line.inner_stations if state.position_m < station.position_m < stands
-        ]
-        scenario, dwell = state.scenario, 0.0
+        stations = state.scenario.line.inner_stations
+        missed = [station for station in stations if state.position_m < station.position_m < stands]
         if not missed:
-            envelope = braking_envelope(course)
-            slow = np.flatnonzero((run <= envelope * (1 + 1e-9)) & (run > 0))
-            if not len(slow):
-                raise InfeasibleLineError(f"From {state.position_m:.0f} m on the brakes cannot keep what lies ahead.")
-            end = int(slow[0])
-            if run[0] > envelope[0] * (1 + ROUNDING_SHARE):
-                self.notes.append(
-                    f"A limit becomes known too late: only at {nodes[end]:.0f} m the train is slow enough."
-                )
-            leg = Leg(scenario, nodes[: end + 1], run[: end + 1], np.zeros(end + 1))
-            return self._and_the_rest(leg, state)
+            return self._and_the_rest(self._slowed(state, nodes, run, braking_envelope(course)), state)
         if stands - missed[0].position_m <= ROUNDING_M:
-            return self._and_the_rest(_shortened(scenario, nodes, run, missed[0]), state)
+            return self._and_the_rest(_shortened(state.scenario, nodes, run, missed[0]), state)
         if not np.isfinite(stands):
             raise InfeasibleLineError(f"From {state.position_m:.0f} m on the brakes do not stop the train on the line.")
-        for station in missed:
-            dwell += station.dwell_s
+        return self._beyond(state, np.append(nodes[nodes < stands - SAME_PLACE_M], stands), run, missed)
+
+    def _slowed(self, state: State, nodes: FloatArray, run: FloatArray, envelope: FloatArray) -> Leg:
+        """Return full braking until the limits ahead can be kept."""
+        slow = np.flatnonzero((run <= envelope * (1 + 1e-9)) & (run > 0))
+        if not len(slow):
+            raise InfeasibleLineError(f"From {state.position_m:.0f} m on the brakes cannot keep what lies ahead.")
+        end = int(slow[0])
+        if run[0] > envelope[0] * (1 + ROUNDING_SHARE):
+            self.notes.append(f"A limit becomes known too late: only at {nodes[end]:.0f} m the train is slow enough.")
+        return Leg(state.scenario, nodes[: end + 1], run[: end + 1], np.zeros(end + 1))
+
+    def _beyond(self, state: State, places: FloatArray, run: FloatArray, missed: list[Station]) -> Leg:
+        """Return full braking to a stand beyond stops, which are made there, and the rest."""
         names = ", ".join(f"{station.position_m:.0f} m" for station in missed)
-        self.notes.append(f"The stop at {names} becomes known too late: the train stands at {stands:.1f} m.")
-        kept = tuple(station for station in scenario.line.stations if not any(station is one for one in missed))
-        scenario = replace_line(scenario, scenario.line.model_copy(update={"stations": kept}))
-        inside = nodes[nodes < stands - SAME_PLACE_M]
-        places = np.append(inside, stands)
-        leg = Leg(scenario, places, np.append(run[: len(inside)], 0.0), _dwell_at_end(places, dwell))
+        self.notes.append(f"The stop at {names} becomes known too late: the train stands at {places[-1]:.1f} m.")
+        line = state.scenario.line
+        kept = tuple(station for station in line.stations if station not in missed)
+        scenario = replace_line(state.scenario, line.model_copy(update={"stations": kept}))
+        dwell = _dwell_at_end(places, sum(station.dwell_s for station in missed))
+        leg = Leg(scenario, places, np.append(run[: len(places) - 1], 0.0), dwell)
         return self._and_the_rest(leg, replace(state, scenario=scenario))
 
 

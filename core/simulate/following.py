@@ -15,13 +15,13 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.errors import InfeasibleLineError, ScenarioError
+from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError, TimetableError
 from railjoule.core.motion import build_course
 from railjoule.core.motion.cell_step import FULL_BRAKE, FULL_TRACTION, cell_of, exit_speed2
 from railjoule.core.motion.course import CourseData
 from railjoule.core.motion.mesh import line_borders, with_nodes_at
 from railjoule.core.scenario import Scenario
-from railjoule.core.simulate.as_it_is import as_it_is
+from railjoule.core.simulate.as_it_is import as_it_is, changed
 from railjoule.core.simulate.odometer import Stretch, believed_places, stopping_place, stretches
 from railjoule.core.strategies import Task, run_strategy
 from railjoule.core.strategies.task import task_over
@@ -83,6 +83,15 @@ def simulate_following(scenario: Scenario) -> Following:
 def plan_for(scenario: Scenario) -> Trajectory:
     """Return the plan of a scenario, under the target braking curves unless they are off."""
     return run_strategy(plannable_task(scenario), scenario.strategy)
+
+
+def plan_knowing_load(scenario: Scenario, load_factor: float) -> Trajectory | None:
+    """Return the plan of a train that knows its load, or None if there is none."""
+    known = scenario.model_copy(update={"vehicle": changed(scenario.vehicle, load_factor=load_factor)})
+    try:
+        return plan_for(known)
+    except (InfeasibleLineError, TimetableError, SolverError):
+        return None
 
 
 def plannable_task(scenario: Scenario) -> Task:

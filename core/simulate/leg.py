@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import reduce
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
-from railjoule.core.energy import Energy, total_energy
+from railjoule.core.energy import total_energy
 from railjoule.core.motion import build_course
 from railjoule.core.scenario import Scenario
 from railjoule.core.trajectory import Trajectory, make_trajectory
@@ -80,6 +81,16 @@ class Leg:
             dwell_s=np.append(self.dwell_s[: last + 1], 0.0),
         )
 
+    def beyond(self, place_m: float) -> "Leg":
+        """Return what is left of it from a place [m] on, without the dwell there."""
+        beyond = self.position_m > place_m + SAME_PLACE_M
+        return replace(
+            self,
+            position_m=np.append(place_m, self.position_m[beyond]),
+            speed2=np.append(np.interp(place_m, self.position_m, self.speed2), self.speed2[beyond]),
+            dwell_s=np.append(0.0, self.dwell_s[beyond]),
+        )
+
     def then(self, other: "Leg") -> "Leg":
         """Return this leg and one of the same vehicle that begins where this one ends."""
         return Leg(
@@ -99,8 +110,8 @@ class Leg:
     def trajectory(self, strategy: str) -> Trajectory:
         """Return the trajectory of this leg."""
         course = build_course(self.scenario, position_m=self.position_m)
-        sparing = np.zeros(course.cell_count) if course.data.friction_effort_n > 0 else None
-        return make_trajectory(self.scenario, replace(course, dwell_s=self.dwell_s), strategy, self.speed2, sparing)
+        course = replace(course, dwell_s=self.dwell_s)
+        return make_trajectory(self.scenario, course, strategy, self.speed2, np.zeros(course.cell_count))
 
 
 def leg_of(run: Trajectory) -> Leg:
@@ -114,11 +125,8 @@ def leg_of(run: Trajectory) -> Leg:
 
 def joined(legs: Sequence[Leg], scenario: Scenario, strategy: str) -> Trajectory:
     """Return one trajectory of legs that follow one another, whose vehicles may differ."""
-    runs = [leg.trajectory(strategy) for leg in legs if len(leg.position_m) > 1]
-    first = runs[0]
-    for run in runs[1:]:
-        first = _two_joined(first, run)
-    return replace(first, scenario=scenario)
+    whole = reduce(_two_joined, (leg.trajectory(strategy) for leg in legs))
+    return replace(whole, scenario=scenario)
 
 
 def _two_joined(one: Trajectory, other: Trajectory) -> Trajectory:
@@ -128,7 +136,6 @@ def _two_joined(one: Trajectory, other: Trajectory) -> Trajectory:
         return frozen_array(np.append(getattr(one, name), getattr(other, name)))
 
     has_current = one.current_a is not None and other.current_a is not None
-    energy: Energy = total_energy([one.energy, other.energy])
     return replace(
         one,
         position_m=frozen_array(np.append(one.position_m, other.position_m[1:])),
@@ -142,5 +149,5 @@ def _two_joined(one: Trajectory, other: Trajectory) -> Trajectory:
         line_power_w=cells("line_power_w"),
         current_a=cells("current_a") if has_current else None,
         gradient_permille=cells("gradient_permille"),
-        energy=energy,
+        energy=total_energy([one.energy, other.energy]),
     )

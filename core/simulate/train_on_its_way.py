@@ -1,5 +1,6 @@
 """A train on its way: where it is, how fast, what it knows, and what is left of its line and its time."""
 
+import math
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -19,7 +20,7 @@ from railjoule.core.scenario.disturbance import (
 from railjoule.core.scenario.line import SHORTEST_DISTANCE_M, SpeedLimit, Station
 from railjoule.core.scenario.timetable import Timetable
 from railjoule.core.simulate.as_it_is import at_voltage, changed
-from railjoule.core.simulate.leg import SAME_PLACE_M, Leg
+from railjoule.core.simulate.leg import SAME_PLACE_M
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,11 @@ class State:
     speed2: float
     time_s: float
     scenario: Scenario
+
+    @property
+    def speed_ms(self) -> float:
+        """Speed [m/s]."""
+        return math.sqrt(self.speed2)
 
 
 def event_words(event: Event) -> str:
@@ -92,17 +98,6 @@ def nodes_ahead(state: State, end_m: float) -> FloatArray:
     mesh = line_mesh(state.scenario.line, state.scenario.solver.mesh_m)
     inside = mesh[(mesh > state.position_m + 1e-3) & (mesh < end_m - 1e-3)]
     return np.concatenate([[state.position_m], inside, [end_m]])
-
-
-def rest_of(plan: Leg, state: State) -> Leg:
-    """Return what is left of a plan."""
-    beyond = plan.position_m > state.position_m + SAME_PLACE_M
-    return Leg(
-        plan.scenario,
-        np.append(state.position_m, plan.position_m[beyond]),
-        np.append(state.speed2, plan.speed2[beyond]),
-        np.append(0.0, plan.dwell_s[beyond]),
-    )
 
 
 def require_events_on_the_line(scenario: Scenario) -> None:

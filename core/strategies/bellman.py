@@ -58,13 +58,12 @@ def bellman_with_law(task: Task) -> tuple[Trajectory, ControlLaw]:
     task.require_timetable()
     data = task.course.data
     found = search(data, task.greatest_speed2, task.running_time_s)
-    sparing = np.zeros(task.course.cell_count) if data.friction_effort_n > 0 else None
     trajectory = make_trajectory(
         task.scenario,
         task.course,
         "bellman",
         found.speed2,
-        sparing,
+        np.zeros(task.course.cell_count),
         price_of_time_w=found.price_w,
         iterations=found.sweeps,
     )

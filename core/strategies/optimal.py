@@ -107,15 +107,14 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
     solution = minimise(task)
     optimum, data = solution.optimum, task.course.data
     bound = certify(task, optimum, proof_budget)
-    friction = data.friction_effort_n > 0
     if takes_power_idling(task):
         run = unswitched(task, optimum)
         # friction spares the drive what it would have to draw
-        electric = np.zeros(task.course.cell_count) if friction else None
+        electric = np.zeros(task.course.cell_count)
         notes: tuple[str, ...] = (switching_note(task, optimum),)
         speed2, price, iterations = run.speed2, run.price_of_time_w, run.iterations
     else:
-        electric, notes = optimum.braking * data.traction.constant_n if friction else None, ()
+        electric, notes = optimum.braking * data.traction.constant_n, ()
         speed2, price, iterations = (
             optimum.speed2,
             optimum.time_multiplier * data.traction.constant_n,

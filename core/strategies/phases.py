@@ -74,7 +74,7 @@ def trajectory_of(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...
         course,
         "phases",
         np.concatenate(speeds) ** 2,
-        np.zeros(course.cell_count) if course.data.friction_effort_n > 0 else None,
+        np.zeros(course.cell_count),
         price_of_time_w=None if price is None else price - course.data.auxiliary_power_w,
         notes=tuple(_sentence(plan) for plan in plans),
     )

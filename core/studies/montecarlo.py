@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
-from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError, TimetableError
+from railjoule.core.errors import InfeasibleLineError, ScenarioError
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.distribution import Distribution, Fixed, LogNormal, Normal, Triangular, Uniform
-from railjoule.core.simulate.as_it_is import changed
-from railjoule.core.simulate.following import follow, plan_for, stops_of
+from railjoule.core.simulate.following import follow, plan_for, plan_knowing_load, stops_of
 
 if TYPE_CHECKING:
     import xarray
@@ -215,14 +214,8 @@ def _frozen(distribution: Distribution, planned: float) -> Any:
 
 def _energies_knowing(scenario: Scenario, load_factors: FloatArray) -> FloatArray:
     """Return the energy [kWh] of plans that know their load; NaN beyond the loads that can be planned for."""
-    loads, energies = [], []
-    for load in PLANNED_LOADS:
-        known = scenario.model_copy(update={"vehicle": changed(scenario.vehicle, load_factor=float(load))})
-        try:
-            energies.append(plan_for(known).energy_kwh)
-            loads.append(float(load))
-        except (InfeasibleLineError, TimetableError, SolverError):
-            continue
-    if not loads:
+    planned = {load: plan_knowing_load(scenario, load) for load in PLANNED_LOADS.tolist()}
+    known = {load: plan.energy_kwh for load, plan in planned.items() if plan is not None}
+    if not known:
         return np.full(len(load_factors), np.nan)
-    return np.interp(load_factors, loads, energies, left=np.nan, right=np.nan)
+    return np.interp(load_factors, list(known), list(known.values()), left=np.nan, right=np.nan)

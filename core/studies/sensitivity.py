@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
-from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError, TimetableError
+from railjoule.core.errors import InfeasibleLineError, ScenarioError
 from railjoule.core.scenario import Scenario
-from railjoule.core.simulate.as_it_is import changed
-from railjoule.core.simulate.following import follow, plan_for
+from railjoule.core.simulate.following import follow, plan_for, plan_knowing_load
 from railjoule.core.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -161,9 +160,10 @@ def sensitivity_steps(
     )
     yield table
     for k, load in enumerate(load_factors):
-        own = _plans_knowing(load, ways)
-        knowing[k] = np.nan if own is None else sum(plan.energy_kwh for plan in own)
-        followed = own if knows in {"load", "both"} else plans
+        own = [plan for plan in (plan_knowing_load(way, load) for way in ways) if plan is not None]
+        complete = len(own) == len(ways)
+        knowing[k] = sum(plan.energy_kwh for plan in own) if complete else np.nan
+        followed = plans if knows in {"nothing", "place"} else own if complete else None
         for m, error in enumerate(coordinate_errors_m):
             if followed is not None:
                 believed = 0.0 if knows in {"place", "both"} else error
@@ -176,15 +176,6 @@ def sensitivity_steps(
                 stop_error_m=frozen_array(values[2]),
                 done=k * shape[1] + m + 1,
             )
-
-
-def _plans_knowing(load_factor: float, ways: list[Scenario]) -> list[Trajectory] | None:
-    """Return the plans of a train that knows its load, or None if there are none."""
-    known = [way.model_copy(update={"vehicle": changed(way.vehicle, load_factor=load_factor)}) for way in ways]
-    try:
-        return [plan_for(way) for way in known]
-    except (InfeasibleLineError, TimetableError, SolverError):
-        return None
 
 
 def _disturbed(way: Scenario, load_factor: float, error_m: float) -> Scenario:

@@ -1,16 +1,15 @@
 """What the page Disturbances asks for: the events on the way, and the delay that is accepted."""
 
 from collections.abc import Mapping
-from typing import Any, get_args
+from typing import Any
 
 import param
 
 from railjoule.core import RailjouleError, Scenario
-from railjoule.core.scenario.disturbance import Event, Reaction, UnplannedLimit, UnplannedStop, VoltageChange
-from railjoule.dashboard.models.numbers import parse_number
+from railjoule.core.scenario.disturbance import Event, UnplannedLimit, UnplannedStop, VoltageChange
+from railjoule.dashboard.models.numbers import TypedParameters
 from railjoule.dashboard.store import LateArrivals, Rides
 
-REACTIONS: tuple[Reaction, ...] = get_args(Reaction)
 KINDS = ("stop", "limit", "voltage", "recuperation")
 TABLES = {
     "stop": "stops",
@@ -24,7 +23,7 @@ FIRST_PLACE, NOTICE_BEFORE_M, FIRST_LIMIT_M = 1 / 3, 230.0, 100.0
 LONGEST_M = 1e7
 
 
-class EventModel(param.Parameterized):
+class EventModel(TypedParameters):
     """One event, in the units that the page shows."""
 
     kind = param.Selector(default="stop", objects=list(KINDS), doc="What happens.")
@@ -34,10 +33,6 @@ class EventModel(param.Parameterized):
     limit_kmh = param.Number(default=30.0, bounds=(1.0, 600.0), doc="Limit, km/h")
     share_percent = param.Number(default=80.0, bounds=(0.0, 200.0), doc="Share, %")
     noticed_at_m = param.Number(default=70.0, bounds=(0.0, LONGEST_M), doc="Noticed at, m")
-
-    def parse(self, field: str, text: str) -> float:
-        """Return the number that a text gives for a field; raises ValueError with a sentence about its bound."""
-        return parse_number(text, self.param[field].bounds)
 
     @property
     def document(self) -> dict[str, Any]:
@@ -52,7 +47,7 @@ class EventModel(param.Parameterized):
         return {key: self.share_percent / 100, **noticed}
 
 
-class DisturbancesModel(param.Parameterized):
+class DisturbancesModel(TypedParameters):
     """The events of the page and their results."""
 
     events = param.List(default=[], item_type=EventModel, doc="What happens on the way.")
@@ -88,10 +83,6 @@ class DisturbancesModel(param.Parameterized):
     def remove(self, event: EventModel) -> None:
         """Take an event away."""
         self.events = [other for other in self.events if other is not event]
-
-    def parse(self, field: str, text: str) -> float:
-        """Return the number that a text gives for a field; raises ValueError with a sentence about its bound."""
-        return parse_number(text, self.param[field].bounds)
 
     @property
     def changes(self) -> Mapping[str, Any]:

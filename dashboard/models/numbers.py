@@ -2,6 +2,8 @@
 
 import math
 
+import param
+
 
 def parse_number(text: str, bounds: tuple[float | None, float | None]) -> float:
     """Return the number that a text gives.
@@ -23,3 +25,22 @@ def parse_number(text: str, bounds: tuple[float | None, float | None]) -> float:
     if high is not None and value > high:
         raise ValueError(f"At most {high:g}.")
     return value
+
+
+class TypedParameters(param.Parameterized):
+    """Parameters whose numbers can be typed."""
+
+    def parse(self, field: str, text: str) -> float:
+        """Return the number that a text gives for a field.
+
+        Raises
+        ------
+        ValueError
+            With a sentence that names the bound that it misses.
+        """
+        number = parse_number(text, self.param[field].bounds or (None, None))
+        if not isinstance(self.param[field], param.Integer):
+            return number
+        if number != int(number):
+            raise ValueError("A whole number.")
+        return int(number)

@@ -9,7 +9,7 @@ from railjoule.core import RailjouleError, Scenario
 from railjoule.core.scenario.options import MonteCarloOptions, SimulationOptions
 from railjoule.core.studies.montecarlo import MonteCarloTable
 from railjoule.core.studies.sensitivity import Knows, SensitivityTable
-from railjoule.dashboard.models.numbers import parse_number
+from railjoule.dashboard.models.numbers import TypedParameters
 from railjoule.dashboard.store import Reality
 
 SENSORS = SimulationOptions()
@@ -20,7 +20,7 @@ PREVIEW_RUNS, FULL_RUNS = 500, 10_000
 MEASURES = ("over_replanned", "overconsumption", "delay_s", "stop_error_m")
 
 
-class RobustnessModel(param.Parameterized):
+class RobustnessModel(TypedParameters):
     """The settings of the page and its results, in the units that it shows."""
 
     actual_load_percent = param.Number(default=FIRST_LOAD_PERCENT, bounds=(0, 100), doc="Actual load, % of capacity")
@@ -103,7 +103,6 @@ class RobustnessModel(param.Parameterized):
         departure = {"distribution": "exponential", "mean": late} if late else {"distribution": "fixed", "value": 0.0}
         return {
             **self.changes,
-            "disturbance.coordinate_error_m": 0.0,
             "montecarlo.runs": runs,
             "montecarlo.seed": self.seed,
             "montecarlo.load_factor": normal(self.load_deviation_percent / 100),
@@ -112,12 +111,3 @@ class RobustnessModel(param.Parameterized):
             "montecarlo.line_voltage_factor": normal(self.voltage_deviation_percent / 100),
             "montecarlo.departure_delay_s": departure,
         }
-
-    def parse(self, field: str, text: str) -> float:
-        """Return the number that a text gives for a field; raises ValueError with a sentence about its bound."""
-        number = parse_number(text, self.param[field].bounds)
-        if isinstance(self.param[field], param.Integer):
-            if number != int(number):
-                raise ValueError("A whole number.")
-            return int(number)
-        return number

@@ -8,16 +8,18 @@ import param
 from railjoule.core import Scenario, load_scenario
 from railjoule.core.scenario import parse_scenario, preset_names
 from railjoule.core.strategies import prepare_task
-from railjoule.dashboard.models.numbers import parse_number
+from railjoule.dashboard.models.numbers import TypedParameters, parse_number
 
 FIRST_SCENARIO = "metro-with-limit"
 TIME_FIELDS = {"travel_time_s": (1.0, 86_400.0), "acceleration_time_s": (1.0, 43_200.0)}
 """Bounds of the fields that a slider shows only in part [s]."""
+PLAN_FIELDS = ("travel_time_s", "load_percent", "recuperation_percent")
+"""What every plan depends on."""
 TIMETABLE_RANGE = 2.0
 """The slider of the travel time ends at this many times the shortest time."""
 
 
-class ScenarioModel(param.Parameterized):
+class ScenarioModel(TypedParameters):
     """A shipped scenario, or one from a file, with the values of the page's sliders laid over it.
 
     The values are in the units that the page shows.
@@ -111,4 +113,6 @@ class ScenarioModel(param.Parameterized):
         ValueError
             With a sentence that names the bound that it misses.
         """
-        return parse_number(text, TIME_FIELDS.get(field) or self.param[field].bounds or (None, None))
+        if field in TIME_FIELDS:
+            return parse_number(text, TIME_FIELDS[field])
+        return super().parse(field, text)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from railjoule.core.scenario.disturbance import Reaction
 from railjoule.core.simulate.disturbances import Ride, simulate_disturbances, undisturbed_plan
 from railjoule.dashboard.store.refusals import named_refusals
 
-REACTIONS: tuple[Reaction, ...] = ("driver", "computer", "known")
+REACTIONS: tuple[Reaction, ...] = get_args(Reaction)
 DELAYS_S = (0.0, 1.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0)
 
 

@@ -4,8 +4,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from railjoule.core import InfeasibleLineError, Scenario, SolverError, TimetableError
-from railjoule.core.simulate.following import Following, follow, plan_for
+from railjoule.core import Scenario
+from railjoule.core.simulate.following import Following, follow, plan_for, plan_knowing_load
 from railjoule.core.studies.montecarlo import MonteCarloTable, monte_carlo_steps
 from railjoule.core.studies.sensitivity import Knows, SensitivityTable, sensitivity_steps
 from railjoule.dashboard.store.refusals import named_refusals
@@ -51,11 +51,8 @@ def compute_reality(wish: RealityWish) -> Reality:
     with named_refusals(scenario):
         following = follow(plan_for(scenario), scenario)
     load = scenario.disturbance.actual_load_factor
-    try:
-        knowing = plan_for(scenario.with_(**{"vehicle.load_factor": load})) if load is not None else following.planned
-    except (InfeasibleLineError, TimetableError, SolverError):
-        return Reality(following, None)
-    return Reality(following, knowing.energy_kwh)
+    knowing = following.planned if load is None else plan_knowing_load(scenario, load)
+    return Reality(following, None if knowing is None else knowing.energy_kwh)
 
 
 @dataclass(frozen=True)

@@ -280,6 +280,13 @@ def dress(f: figure, palette: Palette, ticks: int, digits: int) -> None:
     palette.paint(f.ygrid[0], grid_line_color="grid")
 
 
+def add_zero(f: figure, palette: Palette) -> None:
+    """Add the zero line to a figure."""
+    zero = Span(location=0, dimension="width", line_width=1)
+    palette.paint(zero, line_color="line2")
+    f.add_layout(zero)
+
+
 def text_style(size: int = 12) -> dict[str, object]:
     """Return the properties of text glyphs in charts."""
     return {"text_font": value(FONT), "text_font_size": value(f"{size}px")}

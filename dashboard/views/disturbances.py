@@ -104,18 +104,21 @@ class DisturbancesView(ChartPage):
             self.axis.fit(float(max(ends)), roomy=False)
             self.speed.show(partial(self.speed.draw, runs, list(self.model.events), over_time))
             self.energy.show(partial(self.energy.draw, runs, over_time))
-            self._show_late()
+            self._draw_late(rides)
             self._show_texts(rides)
             self.settle()
 
     def _show_late(self, *_: Any) -> None:
-        late, rides = self.model.late, self.model.rides
-        if late is None or rides is None:
-            return
-        with pn.io.hold():
+        rides = self.model.rides
+        if rides is not None:
+            with pn.io.hold():
+                self._draw_late(rides)
+                self.table.object = self._table(rides)
+
+    def _draw_late(self, rides: Rides) -> None:
+        if self.model.late is not None:
             present = [(ride.delay_s, ride.actual.energy_kwh) for ride in rides.rides.values()]
-            self.late.show(partial(self.late.draw, late, present))
-            self.table.object = self._table(rides)
+            self.late.show(partial(self.late.draw, self.model.late, present))
 
     def _show_texts(self, rides: Rides) -> None:
         planned = rides.undisturbed

@@ -1,9 +1,10 @@
 """The plan and what was driven: speed, effort, the last metres before the stop, the place believed."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from bokeh.models import ColumnDataSource, Range1d, Span
+from bokeh.models import ColumnDataSource, Range1d
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
@@ -11,40 +12,43 @@ from railjoule.core.simulate.following import Following, stops_of
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.views.charts import Axis, Chart, DistanceChart, nice_range, text_style, xy
+from railjoule.dashboard.views.charts import Axis, Chart, add_zero, nice_range, text_style, xy
 from railjoule.dashboard.views.figures import captioned, empty_figure
+from railjoule.dashboard.views.run_lines import DRIVEN_DASH, RunLinesChart
 
-DRIVEN_DASH = [6, 3]
 BEFORE_SENSOR_M, BEYOND_STOP_M = 60.0, 20.0
 """How much of the way is drawn before the first sensor and beyond the stop [m]."""
 SENSOR_WORDS = {"D1": "D1 sets the place", "D2": "D2 calibrates", "D3": "D3 sets the place"}
 
 
-class DrivenChart(DistanceChart):
+STROKES: Mapping[str, tuple[str, dict[str, Any]]] = {
+    "planned": ("accent", {"line_width": 2.2}),
+    "driven": ("driven", {"line_width": 1.7, "line_dash": DRIVEN_DASH}),
+}
+
+
+class DrivenChart(RunLinesChart):
     """A quantity of both runs: the plan solid, what was driven dashed."""
 
-    def __init__(
-        self, name: str, words: str, unit: str, digits: int, height: int, axis: Axis, palette: Palette, stepped: bool
-    ) -> None:
-        super().__init__(name, words, height, axis, palette)
-        self.unit, self.digits, self.stepped = unit, digits, stepped
+    strokes = STROKES
+
+    def fill_both(self, following: Following) -> tuple[float, float]:
+        """Fill both lines; return the least and the greatest value."""
+        return self.fill({"planned": following.planned, "driven": following.actual})
+
+
+class DrivenSpeedChart(DrivenChart):
+    """Speeds, with what was driven in words."""
+
+    unit, digits = "km/h", 1
+
+    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
+        super().__init__("driven_speed", "Speed, km/h", height, axis, palette)
 
     def build(self) -> None:
         """Make the figure."""
-        f = self.frame(with_axis=self.stepped, ticks=3 if self.stepped else 5)
-        if self.stepped:
-            zero = Span(location=0, dimension="width", line_width=1)
-            self.palette.paint(zero, line_color="line2")
-            f.add_layout(zero)
-            f.xaxis.axis_label = "Distance, m"
-        draw, mode = (f.step, {"mode": "before"}) if self.stepped else (f.line, {})
-        for name, token, style in (
-            ("planned", "accent", {"line_width": 2.2}),
-            ("driven", "driven", {"line_width": 1.7, "line_dash": DRIVEN_DASH}),
-        ):
-            self.sources[name] = ColumnDataSource({"x": [], "y": []})
-            line = draw("x", "y", source=self.sources[name], **style, **mode)
-            self.palette.paint(line.glyph, line_color=token)
+        f = self.frame(ticks=5)
+        self.add_lines()
         self.sources["names"] = ColumnDataSource({"x": [], "y": [], "text": [], "colour": []})
         f.text(
             "x",
@@ -59,31 +63,44 @@ class DrivenChart(DistanceChart):
         )
 
     def values(self, run: Trajectory) -> FloatArray:
-        """Return what is drawn of a run: its speed [km/h], or the effort of its cells [kN]."""
-        if self.stepped:
-            return np.append(run.effort_n[:1], run.effort_n) / 1e3
+        """Speed [km/h]."""
         return run.speed_ms / MS_PER_KMH
 
     def draw(self, following: Following, name: str) -> None:
         """Draw both runs; `name` says what was driven."""
-        runs = {"planned": following.planned, "driven": following.actual}
-        values = {key: self.values(run) for key, run in runs.items()}
-        for key, run in runs.items():
-            self.sources[key].data = xy(run.position_m, values[key])
-        self.told["sources"] = [[key, self.sources[key]] for key in runs]
-        low, high = min(v.min() for v in values.values()), max(v.max() for v in values.values())
-        if self.stepped:
-            self.set_range(*nice_range(float(low), float(high), 0.08))
-            return
-        top = 1.22 * float(high)
+        _, high = self.fill_both(following)
+        top, end = 1.22 * high, self.axis.end
         self.set_range(0, top)
-        end = self.axis.end
         self.sources["names"].data = {
             "x": [0.24 * end, 0.72 * end],
             "y": [0.88 * top, 0.88 * top],
             "text": ["planned", f"driven: {name}"],
             "colour": [self.palette.tokens["accent"], self.palette.tokens["driven"]],
         }
+
+
+class DrivenEffortChart(DrivenChart):
+    """Efforts in the cells."""
+
+    unit, digits, stepped = "kN", 0, True
+
+    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
+        super().__init__("driven_effort", "Effort, kN", height, axis, palette)
+
+    def build(self) -> None:
+        """Make the figure."""
+        f = self.frame(with_axis=True, ticks=3)
+        add_zero(f, self.palette)
+        f.xaxis.axis_label = "Distance, m"
+        self.add_lines()
+
+    def values(self, run: Trajectory) -> FloatArray:
+        """Effort [kN]; each node has that of the cell before it."""
+        return np.append(run.effort_n[:1], run.effort_n) / 1e3
+
+    def draw(self, following: Following) -> None:
+        """Draw both runs."""
+        self.set_range(*nice_range(*self.fill_both(following), 0.08))
 
 
 class BrakingChart(Chart):
@@ -141,9 +158,7 @@ class PlaceErrorChart(Chart):
         """Make the figure."""
         f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=3)
         self.figure = f
-        zero = Span(location=0, dimension="width", line_width=1)
-        self.palette.paint(zero, line_color="line2")
-        f.add_layout(zero)
+        add_zero(f, self.palette)
         self.source = ColumnDataSource({"x": [], "y": []})
         line = f.line("x", "y", source=self.source, line_width=1.7)
         self.palette.paint(line.glyph, line_color="driven")

@@ -14,49 +14,24 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.disturbances import EventModel
 from railjoule.dashboard.store import LateArrivals
-from railjoule.dashboard.views.charts import Axis, Chart, DistanceChart, nice_range, spread, text_style, xy
+from railjoule.dashboard.views.charts import Axis, Chart, nice_range, spread, text_style, xy
 from railjoule.dashboard.views.events import event_sign
 from railjoule.dashboard.views.figures import captioned, empty_figure
+from railjoule.dashboard.views.run_lines import DRIVEN_DASH, RunLinesChart
 
 LINES: Mapping[str, tuple[str, dict[str, Any]]] = {
     "undisturbed": ("pinned", {"line_width": 1.8}),
-    "driver": ("driven", {"line_width": 1.8, "line_dash": [6, 3]}),
+    "driver": ("driven", {"line_width": 1.8, "line_dash": DRIVEN_DASH}),
     "known": ("phases", {"line_width": 2.0, "line_dash": [2, 2]}),
     "computer": ("accent", {"line_width": 2.2}),
 }
 """Colour and stroke of each ride, in the order of drawing."""
 
 
-class RideChart(DistanceChart):
-    """A quantity of all rides."""
-
-    def add_lines(self) -> None:
-        """Add a line for each ride."""
-        assert self.figure is not None
-        for name, (token, style) in LINES.items():
-            self.sources[name] = ColumnDataSource({"x": [], "y": []})
-            line = self.figure.line("x", "y", source=self.sources[name], **style)
-            self.palette.paint(line.glyph, line_color=token)
-
-    def values(self, run: Trajectory) -> FloatArray:
-        """Return what is drawn of a run, at its nodes."""
-        raise NotImplementedError
-
-    def draw_lines(self, runs: Mapping[str, Trajectory], over_time: bool) -> tuple[float, float]:
-        """Fill the lines; return the least and the greatest value."""
-        low, high = np.inf, -np.inf
-        for name, run in runs.items():
-            values = self.values(run)
-            self.sources[name].data = xy(run.time_s if over_time else run.position_m, values)
-            low, high = min(low, float(values.min())), max(high, float(values.max()))
-        self.told["sources"] = [[name, self.sources[name]] for name in runs]
-        return low, high
-
-
-class RideSpeedChart(RideChart):
+class RideSpeedChart(RunLinesChart):
     """Speeds, with the events where they happen; a press drops a new one."""
 
-    unit, digits = "km/h", 1
+    unit, digits, strokes = "km/h", 1, LINES
 
     def __init__(self, height: int, axis: Axis, palette: Palette, drop: Callable[[float], None]) -> None:
         super().__init__("ride_speed", "Speed, km/h", height, axis, palette)
@@ -95,7 +70,7 @@ class RideSpeedChart(RideChart):
     def draw(self, runs: Mapping[str, Trajectory], events: list[EventModel], over_time: bool) -> None:
         """Draw all rides, the events and where they become known."""
         self._over_time = over_time
-        _, high = self.draw_lines(runs, over_time)
+        _, high = self.fill(runs, over_time)
         top = 1.28 * high
         self.set_range(0, top)
         shown = [] if over_time else [event for event in events if event.kind in {"stop", "limit"}]
@@ -130,10 +105,10 @@ class RideSpeedChart(RideChart):
         }
 
 
-class RideEnergyChart(RideChart):
+class RideEnergyChart(RunLinesChart):
     """Energy drawn so far."""
 
-    unit, digits = "kWh", 2
+    unit, digits, strokes = "kWh", 2, LINES
 
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
         super().__init__("ride_energy", "Energy drawn so far, kWh", height, axis, palette)
@@ -150,7 +125,7 @@ class RideEnergyChart(RideChart):
     def draw(self, runs: Mapping[str, Trajectory], over_time: bool) -> None:
         """Draw the energies and name the axis."""
         assert self.figure is not None
-        self.set_range(*nice_range(*self.draw_lines(runs, over_time)))
+        self.set_range(*nice_range(*self.fill(runs, over_time)))
         self.figure.xaxis.axis_label = "Time, s" if over_time else "Distance, m"
 
 

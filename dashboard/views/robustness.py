@@ -16,7 +16,13 @@ from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.chance_charts import HistogramChart, LoadScatter, chance_table, finite
 from railjoule.dashboard.views.chart_page import ChartPage
 from railjoule.dashboard.views.charts import Axis, Chart
-from railjoule.dashboard.views.driven_charts import BrakingChart, DrivenChart, PlaceErrorChart, reality_words
+from railjoule.dashboard.views.driven_charts import (
+    BrakingChart,
+    DrivenEffortChart,
+    DrivenSpeedChart,
+    PlaceErrorChart,
+    reality_words,
+)
 from railjoule.dashboard.views.heat_map import MEASURES, CostSurface, HeatMapChart, printed_table
 
 HEIGHTS = {
@@ -68,11 +74,12 @@ class RobustnessView(ChartPage):
         self.axis = Axis(palette)
         self.heat_map = HeatMapChart(HEIGHTS["heatmap"][0], palette, self._choose)
         self.costs = CostSurface(HEIGHTS["costs"][0], palette)
-        self.more = HistogramChart("more", "Monte Carlo: more energy than a plan for the true load, %", 1, 190, palette)
-        self.late = HistogramChart("late", "Monte Carlo: late at the stop, s", 1, 190, palette)
+        more, late = "Monte Carlo: more energy than a plan for the true load, %", "Monte Carlo: late at the stop, s"
+        self.more = HistogramChart("more", more, 1, HEIGHTS["more"][0], palette)
+        self.late = HistogramChart("late", late, 1, HEIGHTS["late"][0], palette)
         self.scatter = LoadScatter(HEIGHTS["scatter"][0], palette)
-        self.speed = DrivenChart("driven_speed", "Speed, km/h", "km/h", 1, 250, self.axis, palette, stepped=False)
-        self.effort = DrivenChart("driven_effort", "Effort, kN", "kN", 0, 134, self.axis, palette, stepped=True)
+        self.speed = DrivenSpeedChart(HEIGHTS["driven_speed"][0], self.axis, palette)
+        self.effort = DrivenEffortChart(HEIGHTS["driven_effort"][0], self.axis, palette)
         self.braking = BrakingChart(HEIGHTS["braking"][0], palette)
         self.place = PlaceErrorChart(HEIGHTS["place"][0], palette)
         note = '<p class="note" style="margin:10px 0 0 12px">Press a cell to see its run.</p>'
@@ -137,27 +144,32 @@ class RobustnessView(ChartPage):
             disturbance = following.actual.scenario.disturbance
             self.axis.fit(max(following.planned.position_m[-1], following.actual.position_m[-1]), roomy=False)
             name = reality_words(disturbance.actual_load_factor or 0.0, disturbance.coordinate_error_m)
-            for chart in (self.speed, self.effort):
-                chart.show(partial(chart.draw, following, name))
-            for near in (self.braking, self.place):
-                near.show(partial(near.draw, following))
-            self._show_table()
+            self.speed.show(partial(self.speed.draw, following, name))
+            self.effort.show(partial(self.effort.draw, following))
+            self.braking.show(partial(self.braking.draw, following))
+            self.place.show(partial(self.place.draw, following))
+            self._draw_map()
             self._show_texts()
             self.settle()
 
     def _show_table(self, *_: Any) -> None:
-        table, reality = self.model.table, self.model.reality
-        if table is None or reality is None:
+        table = self.model.table
+        if table is None or self.model.reality is None:
             return
-        measure = MEASURES[self.model.measure]
-        disturbance = reality.following.actual.scenario.disturbance
-        load, error = disturbance.actual_load_factor or 0.0, disturbance.coordinate_error_m
         with pn.io.hold():
-            self.heat_map.show(partial(self.heat_map.draw, table, measure, load, error))
+            self._draw_map()
             if table.done == table.energy_kwh.size:
-                self.costs.show(partial(self.costs.draw, table, measure))
+                self.costs.show(partial(self.costs.draw, table, MEASURES[self.model.measure]))
                 self.printed.object = printed_table(table)
                 self._show_texts()
+
+    def _draw_map(self) -> None:
+        """Draw the map of the table with the run's cell framed."""
+        table, reality = self.model.table, self.model.reality
+        if table is not None and reality is not None:
+            disturbance = reality.following.actual.scenario.disturbance
+            framed = disturbance.actual_load_factor or 0.0, disturbance.coordinate_error_m
+            self.heat_map.show(partial(self.heat_map.draw, table, MEASURES[self.model.measure], *framed))
 
     def _show_chance(self, *_: Any) -> None:
         chance = self.model.chance

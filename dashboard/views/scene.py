@@ -4,13 +4,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from bokeh.models import ColumnDataSource, Span
+from bokeh.models import ColumnDataSource
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import StrategyName
 from railjoule.dashboard.look import words
-from railjoule.dashboard.views.charts import DistanceChart, clear, columns, nice_range, style_of, xy
+from railjoule.dashboard.views.charts import DistanceChart, add_zero, clear, columns, nice_range, style_of, xy
 
 PINNED = "pinned"
 
@@ -129,9 +129,7 @@ class RunChart(SceneChart):
     def add_zero(self) -> None:
         """Add the zero line."""
         assert self.figure is not None
-        zero = Span(location=0, dimension="width", line_width=1)
-        self.palette.paint(zero, line_color="line2")
-        self.figure.add_layout(zero)
+        add_zero(self.figure, self.palette)
 
 
 class CellChart(RunChart):

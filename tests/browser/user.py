@@ -137,7 +137,7 @@ class User:
     def open_file(self, path: Path) -> None:
         """Open a scenario file."""
         self.page.locator("input[type=file]").set_input_files(path)
-        self.rest(1500)
+        self.rest(1000)
 
     def alerts(self) -> list[str]:
         """Return the messages in sight."""

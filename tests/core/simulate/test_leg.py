@@ -1,5 +1,3 @@
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from builders import plain_scenario
@@ -30,13 +28,7 @@ def test_cut_and_joined_it_is_the_same_run(run):
     leg = leg_of(run)
     first = leg.until(433.3)
     assert first.position_m[-1] == 433.3
-    beyond = leg.position_m > 433.3
-    rest = replace(
-        leg,
-        position_m=np.append(433.3, leg.position_m[beyond]),
-        speed2=np.append(first.speed2[-1], leg.speed2[beyond]),
-        dwell_s=np.append(0.0, leg.dwell_s[beyond]),
-    )
+    rest = leg.beyond(433.3)
     again = joined([first, rest], run.scenario, run.strategy)
     assert again.travel_time_s == pytest.approx(run.travel_time_s, abs=1e-6)
     assert again.energy_kwh == pytest.approx(run.energy_kwh, rel=1e-4)
