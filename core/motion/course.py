@@ -203,12 +203,12 @@ def _course_data(
 
 def resistance_coefficients(vehicle: Vehicle) -> tuple[float, float, float]:
     """Return constant [N], linear [N s/m] and quadratic [N s2/m2] coefficient of running resistance."""
-    resistance = vehicle.resistance
+    resistance, specific = vehicle.resistance, vehicle.specific_resistance
     weight_kn = vehicle.total_mass_kg * STANDARD_GRAVITY_MS2 / N_PER_KN
     return (
-        weight_kn * resistance.constant_n_per_kn + resistance.constant_n,
-        (weight_kn * resistance.linear_n_per_kn_per_kmh + resistance.linear_n_per_kmh) / MS_PER_KMH,
-        (weight_kn * resistance.quadratic_n_per_kn_per_kmh2 + resistance.quadratic_n_per_kmh2) / MS_PER_KMH**2,
+        weight_kn * specific.constant_n_per_kn + resistance.constant_n,
+        (weight_kn * specific.linear_n_per_kn_per_kmh + resistance.linear_n_per_kmh) / MS_PER_KMH,
+        (weight_kn * specific.quadratic_n_per_kn_per_kmh2 + resistance.quadratic_n_per_kmh2) / MS_PER_KMH**2,
     )
 
 

@@ -11,12 +11,26 @@ from railjoule.core.scenario.drive import Drive
 CurvePoint = tuple[Annotated[Number, Field(ge=0, le=600)], Annotated[Number, Field(ge=0, le=1e4)]]
 
 
-class Resistance(Part):
-    """Running resistance: specific terms times weight plus absolute terms, speed in km/h."""
+class SpecificResistance(Part):
+    """Running resistance over weight, speed in km/h."""
 
     constant_n_per_kn: Number = Field(0.0, ge=0, le=100, description="Specific, constant [N per kN of weight].")
     linear_n_per_kn_per_kmh: Number = Field(0.0, ge=0, le=10, description="Specific, linear in speed.")
     quadratic_n_per_kn_per_kmh2: Number = Field(0.0, ge=0, le=1, description="Specific, quadratic in speed.")
+
+
+class CarKind(SpecificResistance):
+    """Cars of a train that run alike, as its motor cars do; what they have beside what all cars have."""
+
+    cars: Count = Field(ge=1, le=200, description="How many of the vehicle's equally heavy cars are of this kind.")
+
+
+class Resistance(SpecificResistance):
+    """Running resistance: specific terms times weight plus absolute terms, speed in km/h."""
+
+    car_kinds: tuple[CarKind, ...] = Field(
+        (), max_length=20, description="Kinds of cars with specific terms of their own, added to those of all cars."
+    )
     constant_n: Number = Field(0.0, ge=0, le=1e6, description="Absolute, constant [N].")
     linear_n_per_kmh: Number = Field(0.0, ge=0, le=1e5, description="Absolute, linear in speed.")
     quadratic_n_per_kmh2: Number = Field(0.0, ge=0, le=1e4, description="Absolute, quadratic in speed.")
@@ -86,9 +100,26 @@ class Vehicle(Part):
             raise ValueError(
                 f"inertial_mass_kg = {self.inertial_mass_kg:g} is below tare_kg = {self.tare_kg:g}, which it includes"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _cars_make_the_train(self) -> Self:
         if self.car_count is not None and self.length_m is None:
             raise ValueError("car_count needs length_m")
+        cars = sum(kind.cars for kind in self.resistance.car_kinds)
+        if cars and cars != self.car_count:
+            raise ValueError(f"resistance.car_kinds have {cars} cars, but car_count is {self.car_count or 'not given'}")
         return self
+
+    @property
+    def specific_resistance(self) -> SpecificResistance:
+        """Running resistance over the weight of the whole train: the mean over its equally heavy cars."""
+        terms = {
+            name: getattr(self.resistance, name)
+            + sum(kind.cars * getattr(kind, name) for kind in self.resistance.car_kinds) / (self.car_count or 1)
+            for name in SpecificResistance.model_fields
+        }
+        return SpecificResistance.model_construct(**terms)
 
     @property
     def load_mass_kg(self) -> float:

@@ -1,17 +1,18 @@
 """The train as it really is: its load, its running resistance and the line voltage that it finds."""
 
 from railjoule.core.scenario import Scenario, Vehicle
-from railjoule.core.scenario.drive import DriveParameters, Induction
-from railjoule.core.scenario.vehicle import Braking, Resistance, Traction
+from railjoule.core.scenario.drive import DriveParameters, Induction, Synchronous
+from railjoule.core.scenario.vehicle import Braking, Resistance, SpecificResistance, Traction
 
-RESISTANCE_TERMS = tuple(name for name in Resistance.model_fields if name != "curve_constant_m_n_per_kn")
+SPECIFIC_TERMS = tuple(SpecificResistance.model_fields)
+RESISTANCE_TERMS = (*SPECIFIC_TERMS, "constant_n", "linear_n_per_kmh", "quadratic_n_per_kmh2")
 
 
 def as_it_is(scenario: Scenario) -> Scenario:
     """Return a scenario whose vehicle is as its disturbance says.
 
     At a lower line voltage the largest efforts stay, but are left at a lower speed: the power falls by the same
-    factor, and so do the speeds of a tabulated curve of effort and the voltage of induction motors.
+    factor, and so do the speeds of a tabulated curve of effort and the voltage of induction and synchronous motors.
 
     Parameters
     ----------
@@ -22,11 +23,20 @@ def as_it_is(scenario: Scenario) -> Scenario:
     if disturbance.actual_load_factor is not None:
         vehicle = changed(vehicle, load_factor=disturbance.actual_load_factor)
     if disturbance.resistance_factor != 1:
-        terms = {name: disturbance.resistance_factor * getattr(vehicle.resistance, name) for name in RESISTANCE_TERMS}
-        vehicle = changed(vehicle, resistance=vehicle.resistance.model_copy(update=terms))
+        vehicle = changed(vehicle, resistance=_times(vehicle.resistance, disturbance.resistance_factor))
     if disturbance.line_voltage_factor != 1:
         vehicle = at_voltage(vehicle, disturbance.line_voltage_factor)
     return scenario.model_copy(update={"vehicle": vehicle})
+
+
+def _times(resistance: Resistance, factor: float) -> Resistance:
+    """Return a running resistance with all its terms but that of curves multiplied."""
+    kinds = tuple(
+        kind.model_copy(update={name: factor * getattr(kind, name) for name in SPECIFIC_TERMS})
+        for kind in resistance.car_kinds
+    )
+    terms = {name: factor * getattr(resistance, name) for name in RESISTANCE_TERMS}
+    return resistance.model_copy(update={**terms, "car_kinds": kinds})
 
 
 def changed(vehicle: Vehicle, **fields: float | Resistance | Traction | Braking | DriveParameters) -> Vehicle:
@@ -46,6 +56,8 @@ def at_voltage(vehicle: Vehicle, factor: float) -> Vehicle:
     drive = vehicle.drive
     if isinstance(drive, Induction):
         drive = drive.model_copy(update={"max_phase_voltage_v": factor * drive.max_phase_voltage_v})
+    elif isinstance(drive, Synchronous):
+        drive = drive.model_copy(update={"link_voltage_v": factor * drive.link_voltage_v})
     return changed(
         vehicle,
         traction=traction.model_copy(update=less_traction),

@@ -47,3 +47,18 @@ def test_head_wind_costs_energy_and_less_voltage_costs_time():
     late = simulate_following(scenario.with_(**{"disturbance.departure_delay_s": 12.0}))
     assert late.delay_s == pytest.approx(12.0, abs=1e-6)
     assert late.overconsumption == pytest.approx(0, abs=1e-9)
+
+
+def test_kinds_of_cars_and_a_synchronous_drive_are_disturbed_as_well():
+    kinds = [{"cars": 3, "constant_n_per_kn": 1.2}, {"cars": 2, "constant_n_per_kn": 0.8}]
+    scenario = load_scenario("kharkiv-like-40kmh").with_(
+        **{
+            "vehicle.resistance.car_kinds": kinds,
+            "disturbance.resistance_factor": 1.5,
+            "disturbance.line_voltage_factor": 0.9,
+        }
+    )
+    real = as_it_is(scenario).vehicle
+    assert real.drive.link_voltage_v == pytest.approx(0.9 * scenario.vehicle.drive.link_voltage_v)
+    wanted = 1.5 * scenario.vehicle.specific_resistance.constant_n_per_kn
+    assert real.specific_resistance.constant_n_per_kn == pytest.approx(wanted)

@@ -9,7 +9,7 @@ from random_scenarios import random_run
 
 from railjoule.core import SolverError, load_scenario, solve
 from railjoule.core.strategies import minimise, prepare_task, run_strategy
-from railjoule.core.strategies.optimal import PROVEN_GAP, TOLERANCE, optimal
+from railjoule.core.strategies.optimal import PROVEN_GAP, TOLERANCE, optimal, work_floor_j
 from railjoule.core.strategies.task import Task
 
 SAME = 1e-6
@@ -188,3 +188,24 @@ def test_a_coarser_tolerance_takes_fewer_iterations():
 def test_an_accuracy_that_rounding_does_not_allow_is_an_error():
     with pytest.raises(SolverError, match=r"^the optimum was not found within 100 iterations\.$"):
         minimise(prepare_task(load_scenario("liashenko-iii")), 1e-30)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_no_run_needs_less_than_the_work_at_its_wheels(seed):
+    task = random_run(seed, stops=bool(seed % 2)).task
+    best = optimal(task)
+    assert work_floor_j(task) <= best.bound.energy_j <= best.energy.net_j * (1 + 1e-9) + 1e-6
+
+
+def test_the_work_at_the_wheels_by_hand():
+    """1000 m at 2 N/kN of 40 t, 5 per mille uphill, from rest to rest, without auxiliaries."""
+    task = prepare_task(
+        plain_scenario(
+            {
+                "vehicle.tare_kg": 40e3,
+                "vehicle.resistance": {"constant_n_per_kn": 2.0},
+                "line.sections": [{"length_m": 1000.0, "gradient_permille": 5.0}],
+            }
+        )
+    )
+    assert work_floor_j(task) == pytest.approx(40e3 * 9.81 * (0.002 + 0.005) * 1000.0)
