@@ -28,8 +28,8 @@ TOLERANCE = 1e-6
 ITERATIONS, CENTRING = 60, 1e-6
 FULL, NONE = 0.98, 0.02
 """Shares of driving from which a cell counts as driven, and up to which as coasted."""
-WORTH_ANOTHER = 1e-4
-"""A run this far above free switching, relatively, is worth another decision."""
+FAR = 1e-3
+"""A run this far above free switching, relatively, is worth a second decision."""
 TIME_SHARE, TIME_ROUNDING = 1e-7, 1e-9
 
 
@@ -80,8 +80,8 @@ def unswitched(task: Task, optimum: Optimum) -> Unswitched:
     if optimum.status != CONVERGED:
         best = replace(best, energy_j=np.inf)
     iterations = optimum.iterations
-    for on in (summed_up(share, task.course.data.cell_length_m), share > NONE):
-        if not _worth_another(task, optimum, best.energy_j):
+    for on, apart in ((summed_up(share, task.course.data.cell_length_m), 0.0), (share > NONE, FAR)):
+        if _apart(task, optimum, best.energy_j) <= apart:
             break
         found = _solved(task, on)
         iterations += found.iterations
@@ -112,12 +112,12 @@ def summed_up(driven_share: FloatArray, cell_length_m: FloatArray) -> BoolArray:
     return on
 
 
-def _worth_another(task: Task, optimum: Optimum, energy_j: float) -> bool:
-    """Return whether an energy [J] lies so far above the optimum with free switching that more decisions may pay."""
+def _apart(task: Task, optimum: Optimum, energy_j: float) -> float:
+    """Return how far an energy [J] lies above the optimum with free switching, relatively."""
     data = task.course.data
     least = optimum.energy * data.traction.constant_n
     kinetic = data.half_inertia_kg * (data.cell_length_m.sum() / task.running_time_s) ** 2
-    return bool(energy_j - least > WORTH_ANOTHER * max(abs(least), 0.1 * kinetic))
+    return float(energy_j - least) / max(abs(least), 0.1 * kinetic)
 
 
 def _solved(task: Task, on: BoolArray) -> Optimum:
