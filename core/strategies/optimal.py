@@ -22,9 +22,11 @@ PROVEN_GAP = 1e-6
 """A run this close to its bound, relatively, counts as proven optimal."""
 FIRST_ITERATIONS, SECOND_ITERATIONS = 40, 60
 FREE_CENTRING, STEADY_CENTRING = 1e-6, 0.2
-LOOSE_GAP = 1e-4
+LOOSE_GAP = 0.1
 PROOF_BUDGET = 2_000_000
 """Boxes of speed that a proof may look at; a proof hardly ever needs more than one a cell."""
+SMOOTHED = 1e-4
+"""By so much the smoothed power of a drive may put its optimum above a run, as a share."""
 SWITCHED_PROOF_TOLERANCE, PIECES_A_CELL = 2e-4, 44
 """How close the bound of a drive that takes power without effort shall come to its multipliers' best, if it can."""
 
@@ -58,7 +60,7 @@ def minimise(task: Task, tolerance: float = TOLERANCE) -> Solution:
     Raises
     ------
     SolverError
-        If neither of two attempts converges; for such a drive, if the gap is above 1e-4.
+        If neither of two attempts converges; for such a drive, if the second does not come near it.
     """
     iterations = 0
     if takes_power_idling(task):
@@ -111,7 +113,7 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
         run = unswitched(task, optimum)
         # friction spares the drive what it would have to draw
         electric = np.zeros(task.course.cell_count)
-        notes: tuple[str, ...] = (switching_note(task, optimum),)
+        notes: tuple[str, ...] = (switching_note(task, optimum, run.energy_j),)
         speed2, price, iterations = run.speed2, run.price_of_time_w, run.iterations
     else:
         electric, notes = optimum.braking * data.traction.constant_n, ()
@@ -179,18 +181,21 @@ def switched_bound_statement(task: Task) -> str:
     )
 
 
-def switching_note(task: Task, optimum: Optimum) -> str:
-    """Return in one sentence what an optimal run is, and what free switching would save."""
-    energy = _energy_j(task, optimum.energy) / J_PER_KWH
+def switching_note(task: Task, optimum: Optimum, energy_j: float) -> str:
+    """Return in one sentence what an optimal run of an energy [J] is, and what free switching needs if it is less."""
+    data = task.course.data
+    free = optimum.energy * data.traction.constant_n
     friction = (
         "friction brakes take what needs power otherwise"
-        if task.course.data.friction_effort_n > 0
-        else ("the vehicle has no friction brakes to share in")
+        if data.friction_effort_n > 0
+        else "the vehicle has no friction brakes to share in"
     )
+    known = ""
+    if free <= energy_j + SMOOTHED * abs(energy_j):
+        known = f"free switching would need {_energy_j(task, optimum.energy) / J_PER_KWH:.4f} kWh; "
     return (
         "Driven or coasted cell by cell where free switching between driving, coasting and braking would drive for a "
-        f"part of each, which is the best such run found, not proven; free switching would need {energy:.4f} kWh; "
-        f"{friction}."
+        f"part of each, which is the best such run found, not proven; {known}{friction}."
     )
 
 

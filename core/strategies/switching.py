@@ -17,9 +17,9 @@ import numpy as np
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.drive.kernels import jumps_at_no_effort
 from railjoule.core.dynamic_programming.rollout import run_energy
-from railjoule.core.errors import SolverError
+from railjoule.core.dynamic_programming.search import search
 from railjoule.core.interior_point.duty import coasting_exactly, duty
-from railjoule.core.interior_point.solver import CONVERGED, LARGEST_VIOLATION, Optimum, minimise_energy
+from railjoule.core.interior_point.solver import LARGEST_VIOLATION, Optimum, minimise_energy
 from railjoule.core.motion import running_time
 from railjoule.core.strategies.task import Task
 
@@ -73,24 +73,21 @@ def unswitched(task: Task, optimum: Optimum) -> Unswitched:
     Raises
     ------
     SolverError
-        If the method converges for no decision.
+        If Bellman's recursion, the last resort, finds no run either.
     """
     share, _ = duty(task.course.data, optimum)
-    best = _drivable(task, optimum, share <= NONE)
-    if optimum.status != CONVERGED:
-        best = replace(best, energy_j=np.inf)
-    iterations = optimum.iterations
+    runs = [_drivable(task, optimum, share <= NONE)]
     for on, apart in ((summed_up(share, task.course.data.cell_length_m), 0.0), (share > NONE, FAR)):
-        if _apart(task, optimum, best.energy_j) <= apart:
+        if _apart(task, optimum, _cheapest(runs).energy_j) <= apart:
             break
-        found = _solved(task, on)
-        iterations += found.iterations
-        run = _drivable(task, found, ~on)
-        if found.status == CONVERGED and run.energy_j < best.energy_j:
-            best = run
-    if best.energy_j == np.inf:
-        raise SolverError(f"no run without switching was found within {iterations} iterations.")
-    return replace(best, iterations=iterations)
+        runs.append(_drivable(task, _solved(task, on), ~on))
+    if _cheapest(runs).energy_j == np.inf:
+        runs.append(_by_recursion(task))
+    return replace(_cheapest(runs), iterations=sum(run.iterations for run in runs))
+
+
+def _cheapest(runs: list[Unswitched]) -> Unswitched:
+    return min(runs, key=lambda run: run.energy_j)
 
 
 def summed_up(driven_share: FloatArray, cell_length_m: FloatArray) -> BoolArray:
@@ -117,7 +114,7 @@ def _apart(task: Task, optimum: Optimum, energy_j: float) -> float:
     data = task.course.data
     least = optimum.energy * data.traction.constant_n
     kinetic = data.half_inertia_kg * (data.cell_length_m.sum() / task.running_time_s) ** 2
-    return float(energy_j - least) / max(abs(least), 0.1 * kinetic)
+    return float((energy_j - least) / max(abs(least), 0.1 * kinetic))
 
 
 def _solved(task: Task, on: BoolArray) -> Optimum:
@@ -130,13 +127,24 @@ def _solved(task: Task, on: BoolArray) -> Optimum:
 
 
 def _drivable(task: Task, optimum: Optimum, off: BoolArray) -> Unswitched:
-    """Return a run with its exact energy, coasting exactly where it all but coasts."""
+    """Return a run with its exact energy, coasting exactly where it all but coasts; infinite if none keeps all limits.
+
+    A point that has not converged is a run as well, if it keeps them.
+    """
     data = task.course.data
-    speed2 = coasting_exactly(data, optimum, off)
-    if not _keeps_limits(task, speed2):
-        speed2 = optimum.speed2
-    energy = float(run_energy(data, speed2))
+    for speed2 in (coasting_exactly(data, optimum, off), optimum.speed2):
+        if _keeps_limits(task, speed2):
+            energy = float(run_energy(data, speed2))
+            break
+    else:
+        energy = np.inf
     return Unswitched(speed2, energy, optimum.time_multiplier * data.traction.constant_n, optimum.iterations)
+
+
+def _by_recursion(task: Task) -> Unswitched:
+    """Return the run that Bellman's recursion finds, which needs nothing to be smooth."""
+    found = search(task.course.data, task.greatest_speed2, task.running_time_s)
+    return Unswitched(found.speed2, float(run_energy(task.course.data, found.speed2)), found.price_w, found.sweeps)
 
 
 def _keeps_limits(task: Task, speed2: FloatArray) -> bool:
