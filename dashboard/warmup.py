@@ -18,8 +18,8 @@ from railjoule.core.simulate.disturbances import simulate_disturbances
 from railjoule.core.simulate.following import simulate_following
 
 LOG = logging.getLogger(__name__)
-SCENARIOS = ("liashenko-i", "ftorek-300s", "tram-950m")
-"""Three small runs that use every kernel."""
+SCENARIOS = ("liashenko-i", "ftorek-300s", "tram-950m", "kharkiv-like-40kmh")
+"""Small runs that use every kernel."""
 
 
 class Warmup:

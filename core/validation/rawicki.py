@@ -39,7 +39,7 @@ DETERMINED = "Determined to about {:.1f} %."
 FLAT = "Ours needs the least energy in the same time. The optimum is flat: phases may change much, and energy little."
 FLUX = ("drive.mutual_inductance_mh", "drive.rated_magnetising_current_a")
 BEST_LAW = "best of all force laws"
-LOCAL = "Both are local optima; ours drives once, then coasts and brakes."
+LOCAL = "Printed is a local optimum of a smoothed power; ours drives and coasts cell by cell."
 SYMBOLS = {"distance_m": ("s", "m"), "duration_s": ("t", "s"), "energy_kwh": ("En", "kWh")}
 
 Printed = dict[str, Any]

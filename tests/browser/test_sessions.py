@@ -39,7 +39,7 @@ def test_ten_open_pages(chromium: Browser) -> None:
             for page in others:
                 page.goto(server.url, wait_until="commit")
             for page in others:
-                page.locator("html.rj-started").wait_for(timeout=PATIENCE_MS)
+                page.locator("html.rj-started").wait_for(timeout=PAGES * PATIENCE_MS)
             mover.rest(2000)
             assert pages_alive(server) == PAGES
             assert cost_of_a_move(server, mover) < LARGEST_COST * alone

@@ -24,7 +24,18 @@ def one_scenario(monkeypatch):
 def test_every_solver_is_timed_on_the_same_problem(one_scenario):
     pytest.importorskip("casadi", reason="CasADi is not installed, so there is no IPOPT to time")
     timings = {timing.solver: timing for timing in benchmark(budget_s=0.0)}
-    assert list(timings) == ["optimal", "bellman", "eoc", "enoc", "phases", "fastest", ALONE, TEXTBOOK, TUNED]
+    assert list(timings) == [
+        "optimal",
+        "bellman",
+        "eoc",
+        "enoc",
+        "phases",
+        "speed_limits",
+        "fastest",
+        ALONE,
+        TEXTBOOK,
+        TUNED,
+    ]
     energy = timings["optimal"].energy_kwh
     for solver in (ALONE, TEXTBOOK, TUNED):
         # they solve one problem, each to a relative 1e-7 or better
@@ -37,4 +48,11 @@ def test_every_solver_is_timed_on_the_same_problem(one_scenario):
 def test_strategies_that_refuse_are_left_out(monkeypatch):
     monkeypatch.setattr(module, "preset_names", lambda _: ("liashenko-0",))
     monkeypatch.setattr(module, "is_installed", lambda: False)
-    assert [timing.solver for timing in benchmark(budget_s=0.0)] == ["optimal", "bellman", "phases", "fastest", ALONE]
+    assert [timing.solver for timing in benchmark(budget_s=0.0)] == [
+        "optimal",
+        "bellman",
+        "phases",
+        "speed_limits",
+        "fastest",
+        ALONE,
+    ]
