@@ -51,6 +51,7 @@ export function render({model}) {
       if (!element.isConnected) { seen.delete(element); observer.unobserve(element); }
     }
     for (const bar of deep("[role=progressbar]:not([aria-label])")) { bar.setAttribute("aria-label", "Progress"); }
+    for (const region of deep(".main-content:not([tabindex])")) { region.tabIndex = 0; }
     for (const heading of deep("h5")) {
       if (!heading.textContent.trim()) { heading.setAttribute("role", "presentation"); }
     }

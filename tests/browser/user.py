@@ -53,8 +53,9 @@ class User:
         try:
             user.open()
             yield user
-            assert [error for error in user.errors if not error.startswith(HARMLESS)] == []
-            assert user.foreign == []
+            grave = [error for error in user.errors if not error.startswith(HARMLESS)]
+            assert grave == [], grave
+            assert user.foreign == [], user.foreign
         finally:
             user.page.close()
 
