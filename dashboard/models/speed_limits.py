@@ -45,9 +45,7 @@ class SpeedLimitsModel(TypedParameters):
     shown_map = param.Selector(default="drive", objects=list(MAPS), doc="Whose efficiency is shown.")
 
     run = param.ClassSelector(class_=LimitRun, default=None, allow_None=True, doc="The last good run.")
-    path = param.ClassSelector(
-        class_=LimitRun, default=None, allow_None=True, doc="The last run that was searched for."
-    )
+    path = param.ClassSelector(class_=LimitRun, default=None, allow_None=True, doc="The last run searched for.")
     trip = param.ClassSelector(class_=LimitTrip, default=None, allow_None=True, doc="The trip while a step is moved.")
     storage = param.ClassSelector(class_=StorageCurve, default=None, allow_None=True, doc="What storages save.")
     motor_map = param.ClassSelector(class_=MotorMap, default=None, allow_None=True, doc="Efficiencies of the drive.")
