@@ -103,7 +103,7 @@ class SpeedLimits:
         searched = run.run.scenario.search.limits_kmh is None
         if searched and self.model.found and len(run.limits_kmh) == len(self.model.sections):
             self._quiet = True
-            self.model.set(run.limits_kmh, run.borders_m)
+            self.model.set(run.limits_kmh.tolist(), run.borders_m.tolist())
             self._quiet = False
             # where the search moves borders, those that it found are no new wish
             self._asked = self._wish()

@@ -83,7 +83,8 @@ def drive_the_metro() -> None:
     """Use the kernels of maps, regulators and storages."""
     scenario = load_scenario(METRO)
     saving_over_size(solve(scenario), [1.0], 1e3)
-    drive_under_limits(scenario, [45.0, 30.0], "literal")
+    for regulator in ("coast", "literal"):
+        drive_under_limits(scenario, [45.0, 30.0], regulator)
     motor_map(scenario)
 
 

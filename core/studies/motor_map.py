@@ -115,7 +115,8 @@ def _map_of_losses(scenario: Scenario, parameters: GearedMotors, speed_rads: Flo
     asked_ms = np.maximum(speed_ms, SLOWEST_SHARE * speed_ms[-1])
     driving, braking = course.traction.effort_n(asked_ms), course.braking.effort_n(asked_ms)
     ends = np.array([-braking.max(), driving.max()])
-    torque = np.linspace(*(ends * _shaft_share(parameters, ends) / _newtons_per_nm(parameters)), TORQUES)
+    least, most = (ends * _shaft_share(parameters, ends) / _newtons_per_nm(parameters)).tolist()
+    torque = np.linspace(least, most, TORQUES)
     effort = (torque * _newtons_per_nm(parameters) / _shaft_share(parameters, torque))[:, None]
     possible = (effort <= driving * (1 + ROUNDING)) & (effort >= -braking * (1 + ROUNDING))
     power = drive.electrical_power_w(np.where(possible, effort, 0.0), np.broadcast_to(speed_ms, possible.shape))

@@ -11,7 +11,7 @@ from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.limit_search.search import LimitSearch
 from railjoule.core.scenario.drive import GearedMotors
 from railjoule.core.strategies import prepare_task, run_strategy
-from railjoule.core.strategies.speed_limits import limit_problem_of, speed_limits_with_search
+from railjoule.core.strategies.speed_limits import limit_problem_of, section_boundaries, speed_limits_with_search
 from railjoule.core.studies.motor_map import OperatingPoints, operating_points
 from railjoule.core.studies.storage import (
     Storage,
@@ -50,7 +50,9 @@ class LimitRun:
     search : LimitSearch
         How its limits were found; one trip alone where they were given.
     optimum : Trajectory or None
-        In the time that the run takes; None where that leaves no slack or no optimum is found.
+        In the time that the run takes.
+    no_optimum : str
+        Why there is none.
     need : StorageNeed
         What the run asks of a storage.
     points : OperatingPoints or None
@@ -62,6 +64,7 @@ class LimitRun:
     run: Trajectory
     search: LimitSearch
     optimum: Trajectory | None
+    no_optimum: str
     need: StorageNeed
     points: OperatingPoints | None
     planned_s: float
@@ -101,24 +104,26 @@ def compute_limit_run(wish: LimitsWish) -> LimitRun:
     scenario = wish.limited()
     with named_refusals(scenario):
         run, search = speed_limits_with_search(prepare_task(scenario))
+    optimum, reason = optimum_over(scenario, run.travel_time_s)
     return LimitRun(
         run=run,
         search=search,
-        optimum=optimum_over(scenario, run.travel_time_s),
+        optimum=optimum,
+        no_optimum=reason,
         need=storage_need(run),
         points=operating_points(run) if isinstance(scenario.vehicle.drive, GearedMotors) else None,
         planned_s=scenario.travel_time_s,
     )
 
 
-def optimum_over(scenario: Scenario, travel_time_s: float) -> Trajectory | None:
-    """Return the optimum of a scenario over another time, or None if there is none."""
+def optimum_over(scenario: Scenario, travel_time_s: float) -> tuple[Trajectory | None, str]:
+    """Return the optimum of a scenario over another time, or None and why there is none."""
     try:
         task = prepare_task(scenario.with_(**{"timetable.travel_time_s": travel_time_s}))
         task.require_timetable()
-        return run_strategy(task, "optimal")
-    except (TimetableError, SolverError, StrategyRefusedError):
-        return None
+        return run_strategy(task, "optimal"), ""
+    except (TimetableError, SolverError, StrategyRefusedError) as refusal:
+        return None, str(refusal)
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +158,7 @@ def compute_limit_trip(wish: LimitsWish) -> LimitTrip | None:
         return None
     task = prepare_task(scenario)
     problem = limit_problem_of(task)
-    given = np.array(limits) * MS_PER_KMH, np.array(options.boundaries_m)
+    given = np.array(limits) * MS_PER_KMH, section_boundaries(scenario)
     trip = problem.as_given(*given)
     if not np.isfinite(trip.running_time_s):
         return None

@@ -19,9 +19,9 @@ from railjoule.dashboard.views.run_lines import DRIVEN_DASH, RunLinesChart
 
 LINES: Mapping[str, tuple[str, dict[str, Any]]] = {
     "optimum": ("optimal", {"line_width": 1.8, "line_dash": DRIVEN_DASH}),
-    "limited": ("speed_limits", {"line_width": 2.4}),
+    "run": ("speed_limits", {"line_width": 2.4}),
 }
-LINE_WORDS = {"optimum": "optimum in the same time", "limited": "under the limits"}
+LINE_WORDS = {"optimum": "optimum in the same time", "run": "under the limits"}
 HEADROOM = 1.09
 FAR_ABOVE = 9e3
 LEAST_SECTION_M = 10
@@ -116,12 +116,22 @@ class LimitSpeedChart(RunLinesChart):
         rise = f.segment("x", "low", "x", "high", source=borders, line_width=2)
         grip = f.scatter("middle", "limit", source=sections, size=11, line_width=2)
         square = f.scatter("x", "y", source=handles, size=10, line_width=2, marker="square")
-        sign = f.text("middle", "limit", "text", source=sections, text_align="center", y_offset=-9, **text_style())
+        sign = f.text(
+            "middle",
+            "limit",
+            "text",
+            source=sections,
+            text_align="center",
+            y_offset=-10,
+            background_fill_alpha=0.8,
+            padding=1,
+            **text_style(),
+        )
         for drawn in (step, rise):
             self.palette.paint(drawn.glyph, line_color="limit")
         for drawn in (grip, square):
             self.palette.paint(drawn.glyph, line_color="limit", fill_color="surface")
-        self.palette.paint(sign.glyph, text_color="limit")
+        self.palette.paint(sign.glyph, text_color="limit", background_fill_color="surface")
         bounds = {"least": LEAST_LIMIT_KMH, "shortest": LEAST_SECTION_M}
         drag = CustomJS(
             args={"f": f, "sections": sections, "borders": borders, "handles": handles, **bounds}, code=DRAG_JS
@@ -181,7 +191,7 @@ class LimitSpeedChart(RunLinesChart):
 
     def draw_trip(self, trip: LimitTrip) -> None:
         """Draw the trip of the step as it is being moved."""
-        self.sources["limited"].data = xy(trip.position_m, trip.speed_ms / MS_PER_KMH)
+        self.sources["run"].data = xy(trip.position_m, trip.speed_ms / MS_PER_KMH)
 
 
 class LimitEffortChart(RunLinesChart):
@@ -234,7 +244,7 @@ class LimitEnergyChart(RunLinesChart):
 def both(shown: LimitRun) -> dict[str, Trajectory]:
     """Return the runs to draw by the names of their lines: the optimum only where there is one."""
     optimum = {} if shown.optimum is None else {"optimum": shown.optimum}
-    return {**optimum, "limited": shown.run}
+    return {**optimum, "run": shown.run}
 
 
 def fill_both(chart: RunLinesChart, shown: LimitRun) -> tuple[float, float]:

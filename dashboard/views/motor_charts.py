@@ -14,9 +14,9 @@ from railjoule.dashboard.views.charts import Chart, add_zero, clear, nice_range,
 from railjoule.dashboard.views.figures import captioned, empty_figure, ink_on
 from railjoule.dashboard.views.surface import CIVIDIS
 
-POOR = 0.6
+POOR = 0.8
 """Efficiencies below this share the darkest colour."""
-LEVELS = (0.7, 0.8, 0.85, 0.9, 0.92, 0.94, 0.95, 0.96, 0.97, 0.98)
+LEVELS = (0.8, 0.85, 0.9, 0.92, 0.94, 0.95, 0.96, 0.97, 0.98)
 LABEL_PLACE = 0.6
 """Share of the speeds at which levels bear their numbers."""
 NEAR_NM_SHARE = 0.06
@@ -27,9 +27,7 @@ class MotorMapChart(Chart):
     """Efficiency over speed and torque of one motor, with the run's cells as points."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__(
-            "motor_map", "Efficiency, %, over torque, N m, and speed of one motor, rad/s; points: the run", height
-        )
+        super().__init__("motor_map", "Efficiency, %, over torque and speed of one motor; points: the run", height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
         self._drawn: FloatArray | None = None
 

@@ -13,7 +13,7 @@ from railjoule.dashboard.views.charts import Chart, clear, columns, nice_range, 
 from railjoule.dashboard.views.figures import captioned, empty_figure
 from railjoule.dashboard.views.surface import CIVIDIS
 
-DEAR = 0.9
+DEAR = 0.75
 """Colours and the axis of energy end at this quantile: the dearest limits of an even search say little."""
 
 
@@ -21,7 +21,7 @@ class SearchPlaneChart(Chart):
     """Limits of two neighbouring sections, as the search drew them and as it drove them."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        text = "Search: limit of a section, km/h, over that of the one before; dark is cheap, hollow as first drawn"
+        text = "Search: limits of two sections, km/h; dark is cheap, hollow as drawn at first"
         super().__init__("search_plane", text, height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
 
@@ -107,9 +107,11 @@ class SearchPathChart(Chart):
             text_align="align",
             x_offset="offset",
             text_baseline="top",
+            background_fill_alpha=0.8,
+            padding=1,
             **text_style(11),
         )
-        self.palette.paint(sign.glyph, text_color="ink2")
+        self.palette.paint(sign.glyph, text_color="ink2", background_fill_color="surface")
         self.content = captioned(self.words, f)
 
     def draw(self, search: LimitSearch) -> None:
@@ -131,12 +133,13 @@ class SearchPathChart(Chart):
         self.x_range.update(start=0, end=len(energy) + 1)
         self.y_range.update(start=low, end=high)
         samples = int((stage == "sample").sum())
+        aside = samples > 0.5 * len(energy)
         self.border.data = {
-            "x": [samples + 0.5] * 2,
-            "y": [high] * 2,
-            "text": [f"even, {samples} trips", f"simplex, {len(energy) - samples}"],
-            "align": ["right", "left"],
-            "offset": [-5, 5],
+            "x": [samples + 0.5],
+            "y": [high],
+            "text": [f"{samples} evenly spread, then {len(energy) - samples} of a simplex"],
+            "align": ["right" if aside else "left"],
+            "offset": [-5 if aside else 5],
         }
 
 

@@ -286,7 +286,7 @@ class StrategyList:
             variant="text",
             size="small",
             margin=0,
-            width=84,
+            width=92,
             align="center",
             on_click=self._chooser(name),
             sx={
@@ -295,6 +295,7 @@ class StrategyList:
                 "fontWeight": 400,
                 "height": "28px",
                 "padding": "0 4px",
+                "whiteSpace": "nowrap",
             },
         )
         numbers = html_pane("", align="center")

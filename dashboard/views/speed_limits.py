@@ -39,6 +39,7 @@ LOWER_CSS = """
   padding: 14px 20px 12px 14px; align-items: start; }
 @media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); padding: 8px 10px 12px 6px; } }
 """
+GAP_CSS = ":host { row-gap: 10px; }"
 REGULATOR_WORDS = {"coast": "Coasts", "brake": "Brakes", "literal": "As printed"}
 REGULATOR_DOES = {"coast": "coasts above a limit", "brake": "brakes for a limit", "literal": "is the printed relay"}
 SMALL: dict[str, Any] = {"size": "small", "sx": {"& .MuiToggleButton-root": {"whiteSpace": "nowrap"}}}
@@ -74,14 +75,15 @@ class SpeedLimitsView(ChartPage):
             label="Borders may move",
             value=model.free_borders,
             size="small",
-            margin=(6, 8, 0, 4),
-            sx={"& .MuiTypography-root": {"fontSize": "13px"}},
+            margin=(8, 8, 0, 4),
+            sx={"& .MuiFormControlLabel-label": {"fontSize": "13px"}},
         )
         self.search = pmui.Button(
             label="Search limits",
             variant="outlined",
             size="small",
             margin=(8, 20, 0, 8),
+            height=28,
             on_click=lambda _: setattr(model, "found", True),
         )
         self.pair = pmui.Select(
@@ -95,10 +97,12 @@ class SpeedLimitsView(ChartPage):
         self.begin()
 
     def _laid_out(self) -> pn.Column:
-        tools = pn.FlexBox(self.regulator, self.free, self.search, margin=0, sizing_mode="stretch_width")
+        tools = pn.FlexBox(
+            self.regulator, self.free, self.search, align_items="center", margin=0, sizing_mode="stretch_width"
+        )
         body = parts.stack(*(chart.place for chart in (self.speed, self.line, self.effort, self.energy)), css=BODY_CSS)
-        left = parts.stack(self.table, self.plane.place, self.pair, self.path.place, self.search_text)
-        right = parts.stack(self.no_map, self.map.place, self.whose, self.storage.place, self.storage_text)
+        left = parts.stack(self.table, self.plane.place, self.pair, self.path.place, self.search_text, css=GAP_CSS)
+        right = parts.stack(self.no_map, self.map.place, self.whose, self.storage.place, self.storage_text, css=GAP_CSS)
         lower = parts.stack(left, right, css=LOWER_CSS)
         notes = parts.stack(self.notes, css=":host { padding: 0 20px 16px; }")
         return parts.stack(self.heading, self.message, self.figures, tools, body, lower, notes)
@@ -229,18 +233,13 @@ class SpeedLimitsView(ChartPage):
         self.heading.object = parts.heading(scenario.title, what, "")
         self.figures.object = parts.figures(self._cells(run), self.model.failure is not None)
         self.table.object = sections_table(run)
-        self.notes.object = parts.notes(run.run)
+        without = run.no_optimum and f"No optimum in the time of the run: {run.no_optimum}"
+        self.notes.object = f'<p class="note">{parts.escaped(without)}</p>{parts.notes(run.run)}'
 
     def _cells(self, run: LimitRun) -> list[str]:
-        need, cost = run.need, run.cost_share
+        need = run.need
         return [
-            parts.figure(
-                "Limits cost",
-                "\u2013" if cost is None else words.signed(100 * cost),
-                "" if cost is None else "%",
-                "no optimum to compare with" if cost is None else "above the optimum in the same time",
-                "main",
-            ),
+            cost_figure(run),
             parts.figure("Energy", words.energy(run.run.energy_kwh), "kWh", "at the line"),
             optimum_figure(run),
             self._time_figure(run.run.travel_time_s),
@@ -259,26 +258,36 @@ class SpeedLimitsView(ChartPage):
         first, last = planned * (1 - share), planned * (1 + share)
         rounding = 1e-5 * planned
         if first - rounding <= time_s <= last + rounding:
-            detail = f"window {words.number(first)}\u2013{words.number(last)}"
+            detail = f"in {words.number(first)}\u2013{words.number(last)}"
         elif time_s > last:
-            detail = f'<span class="worse">{words.number(time_s - last)} s beyond the window</span>'
+            detail = f'<span class="worse">{words.number(time_s - last)} s too late</span>'
         else:
-            detail = f'<span class="open">{words.number(first - time_s)} s before the window</span>'
+            detail = f'<span class="open">{words.number(first - time_s)} s too early</span>'
         return parts.figure("Travel time", words.number(time_s), "s", detail)
+
+
+def cost_figure(run: LimitRun) -> str:
+    """Return what the limits cost beside the optimum; beside its bound where the optimum is not found."""
+    cost, gap = run.cost_share, run.run.gap
+    if cost is not None:
+        return parts.figure("Limits cost", words.signed(100 * cost), "%", "above the optimum in the same time", "main")
+    if gap is None:
+        return parts.figure("Limits cost", "\u2013", "", "no optimum to compare with", "main")
+    return parts.figure("Limits cost", f"\u2264 {words.number(100 * gap)}", "%", "above the bound in that time", "main")
 
 
 def optimum_figure(run: LimitRun) -> str:
     """Return the energy of the optimum in the time that the run takes, and how far it is proven."""
     optimum = run.optimum
     if optimum is None:
-        return parts.figure("Optimum", "\u2013", "", "no slack for one")
+        return parts.figure("Optimum", "\u2013", "", "not found")
     gap = optimum.gap
     if gap is None:
         detail = "no bound is known"
     elif gap <= PROVEN_GAP:
         detail = '<span class="proven">\u2713 proven</span>'
     else:
-        detail = f'<span class="open">\u25d0</span> \u2264 {words.number(100 * gap, 2)} % above its bound'
+        detail = f'<span class="open">\u25d0</span> bound {words.energy(optimum.lower_bound_kwh or 0)} kWh'
     return parts.figure("Optimum", words.energy(optimum.energy_kwh), "kWh", detail)
 
 
