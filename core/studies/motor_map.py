@@ -110,7 +110,7 @@ def _geared(scenario: Scenario) -> GearedMotors:
 
 def _map_of_losses(scenario: Scenario, parameters: GearedMotors, speed_rads: FloatArray) -> MotorMap:
     """Return the map of a drive that knows the losses of all motors, within the limits of the vehicle's effort."""
-    drive, course = make_drive(parameters), build_course(scenario).data  # type: ignore[arg-type]
+    drive, course = make_drive(parameters), build_course(scenario).data
     speed_ms = speed_rads / _turns_per_metre(parameters)
     asked_ms = np.maximum(speed_ms, SLOWEST_SHARE * speed_ms[-1])
     driving, braking = course.traction.effort_n(asked_ms), course.braking.effort_n(asked_ms)

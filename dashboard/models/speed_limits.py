@@ -7,6 +7,7 @@ import numpy as np
 import param
 
 from railjoule.core import RailjouleError, Scenario
+from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.scenario.options import SearchOptions
 from railjoule.core.strategies.speed_limits import LEAST_LIMIT_KMH, MOST_SECTIONS
 from railjoule.core.studies.motor_map import MotorMap
@@ -60,11 +61,14 @@ class SpeedLimitsModel(TypedParameters):
         """Take over what a scenario's file says of sections and search."""
         options, length = scenario.search, scenario.line.length_m
         most = scenario.vehicle.traction.max_speed_kmh
+        own_borders = section_borders(scenario.line.in_running_order())[1:-1].tolist()
         limits = options.limits_kmh
-        borders = list(options.boundaries_m)
-        if not borders:
-            borders = even_borders(length, len(limits) if limits else FIRST_SECTIONS)
+        borders = list(options.boundaries_m) or (own_borders if limits else even_borders(length, FIRST_SECTIONS))
+        if limits is not None and len(limits) != len(borders) + 1:
+            limits = None
         self._length_m, self._most_kmh = length, most
+        # a search without borders takes those of the line
+        self.param.section_count.bounds = (2 if own_borders else 1, max(MOST_SECTIONS, len(borders) + 1))
         self.param.update(
             sections=self._made(limits or [most] * (len(borders) + 1), borders),
             section_count=len(borders) + 1,

@@ -1,6 +1,7 @@
 """The run under limits beside the optimum: speed with limits that can be dragged, effort, energy."""
 
 from collections.abc import Callable, Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -178,7 +179,7 @@ class LimitSpeedChart(RunLinesChart):
         left, right, limits = list(ends_m[:-1]), list(ends_m[1:]), [float(limit) for limit in limits_kmh]
         self._drawing = True
         self.sources["borders"].data = {"x": right[:-1], "low": limits[:-1], "high": limits[1:]}
-        self.sources["handles"].data = {"x": right[:-1], "y": np.convolve(limits, [0.5, 0.5], "valid").tolist()}
+        self.sources["handles"].data = {"x": right[:-1], "y": [0.5 * (one + other) for one, other in pairwise(limits)]}
         self.sources["sections"].data = {
             "left": left,
             "right": right,
