@@ -38,7 +38,10 @@ class SearchPlaneChart(Chart):
         hollow = f.scatter("x", "y", source=self.asked, size=4, fill_color=None, line_width=1)
         self.palette.paint(hollow.glyph, line_color="groundline")
         self.mapper = LinearColorMapper(palette=list(CIVIDIS), low=0, high=1)
-        f.scatter("x", "y", source=self.driven, size=6, line_color=None, fill_color=transform("energy", self.mapper))
+        dots = f.scatter("x", "y", source=self.driven, size=6.5, fill_color=transform("energy", self.mapper))
+        # the cheapest would vanish in the dark
+        dots.glyph.line_width = 0.7
+        self.palette.paint(dots.glyph, line_color="ink3")
         path = f.line("x", "y", source=self.path, line_width=1)
         self.palette.paint(path.glyph, line_color="ink3")
         ends = f.scatter("x", "y", source=self.ends, marker="marker", size=11, line_width=2)

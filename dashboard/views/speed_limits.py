@@ -68,14 +68,14 @@ class SpeedLimitsView(ChartPage):
         self.regulator = pmui.RadioButtonGroup(
             options={word: name for name, word in REGULATOR_WORDS.items()},
             value=model.regulator,
-            margin=(8, 8, 0, 20),
+            margin=(8, 4, 0, 20),
             **SMALL,
         )
         self.free = pmui.Checkbox(
             label="Borders may move",
             value=model.free_borders,
             size="small",
-            margin=(8, 8, 0, 4),
+            margin=(8, 8, 0, 16),
             sx={"& .MuiFormControlLabel-label": {"fontSize": "13px"}},
         )
         self.search = pmui.Button(
