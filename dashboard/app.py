@@ -12,6 +12,7 @@ from railjoule.dashboard.health import HealthHandler
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.robustness import Robustness
+from railjoule.dashboard.speed_limits import SpeedLimits
 from railjoule.dashboard.store import (
     Runs,
     RunsWish,
@@ -25,6 +26,7 @@ from railjoule.dashboard.views.disturbances import DisturbancesView
 from railjoule.dashboard.views.drive import DriveView
 from railjoule.dashboard.views.robustness import RobustnessView
 from railjoule.dashboard.views.shell import Page, Shell
+from railjoule.dashboard.views.speed_limits import SpeedLimitsView
 from railjoule.dashboard.views.trade_off import TradeOffView
 from railjoule.dashboard.warmup import warmup
 
@@ -33,12 +35,13 @@ pn.extension("plotly", notifications=False)
 POLL_MS = 300
 EXTRA_PATTERNS = [("/health", HealthHandler)]
 SLIDERS = ("load_percent", "recuperation_percent")
-View = DriveView | TradeOffView | RobustnessView | DisturbancesView
+View = DriveView | TradeOffView | RobustnessView | DisturbancesView | SpeedLimitsView
 VIEWS: dict[str, type[View]] = {
     "Drive": DriveView,
     "Trade-off": TradeOffView,
     "Robustness": RobustnessView,
     "Disturbances": DisturbancesView,
+    "Speed limits": SpeedLimitsView,
 }
 """What draws each page."""
 
@@ -54,6 +57,7 @@ class Session:
         self.trade_off = Worker(compute_trade_off, self._take_trade_off, self._take_failure)
         self.robustness = Robustness(self.state)
         self.disturbances = Disturbances(self.state)
+        self.speed_limits = SpeedLimits(self.state)
         self.views: dict[str, View] = {}
         self.shell = Shell(self.state, self.browser, {name: self._make(view) for name, view in VIEWS.items()})
         scenario = self.state.scenario

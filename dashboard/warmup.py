@@ -12,14 +12,19 @@ from typing import Any
 
 from numba.core.dispatcher import Dispatcher
 
-from railjoule.core import compare, load_scenario
+from railjoule.core import compare, load_scenario, solve
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.disturbances import simulate_disturbances
 from railjoule.core.simulate.following import simulate_following
+from railjoule.core.simulate.regulator import drive_under_limits
+from railjoule.core.studies.motor_map import motor_map
+from railjoule.core.studies.storage import saving_over_size
 
 LOG = logging.getLogger(__name__)
-SCENARIOS = ("liashenko-i", "ftorek-300s", "tram-950m", "kharkiv-like-40kmh")
-"""Small runs that use every kernel."""
+SCENARIOS = ("liashenko-i", "ftorek-300s", "tram-950m")
+"""Three small runs that use every kernel but those of maps and regulators."""
+METRO = "kharkiv-like-40kmh"
+"""A run for the kernels of maps, regulators and storages."""
 
 
 class Warmup:
@@ -44,6 +49,7 @@ class Warmup:
                 compare(scenario)
             simulate_following(load_scenario(SCENARIOS[0]))
             simulate_disturbances(load_scenario("tram-950m-stop"))
+            drive_the_metro()
         except Exception:
             LOG.exception("the kernels could not be compiled")
         finally:
@@ -71,6 +77,15 @@ def all_kernels() -> Iterator[Any]:
                 if isinstance(member, Dispatcher) and id(member) not in seen:
                     seen.add(id(member))
                     yield member
+
+
+def drive_the_metro() -> None:
+    """Use the kernels of maps, regulators and storages."""
+    scenario = load_scenario(METRO)
+    saving_over_size(solve(scenario), [1.0], 1e3)
+    for regulator in ("coast", "literal"):
+        drive_under_limits(scenario, [45.0, 30.0], regulator)
+    motor_map(scenario)
 
 
 @cache

@@ -10,9 +10,10 @@ from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.models.disturbances import DisturbancesModel
 from railjoule.dashboard.models.robustness import RobustnessModel
 from railjoule.dashboard.models.scenario import ScenarioModel
+from railjoule.dashboard.models.speed_limits import SpeedLimitsModel
 from railjoule.dashboard.store import Runs, TradeOff
 
-PAGES = ("Drive", "Trade-off", "Robustness", "Disturbances")
+PAGES = ("Drive", "Trade-off", "Robustness", "Disturbances", "Speed limits")
 
 
 class Workbench(param.Parameterized):
@@ -37,6 +38,7 @@ class Workbench(param.Parameterized):
         self.scenario = ScenarioModel()
         self.robustness = RobustnessModel()
         self.disturbances = DisturbancesModel()
+        self.speed_limits = SpeedLimitsModel()
         super().__init__(**params)
         self.scenario.param.watch(self._take_strategy, ["preset", "opened"])
 

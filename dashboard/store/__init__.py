@@ -16,18 +16,33 @@ from railjoule.dashboard.store.robustness import (
     compute_table,
 )
 from railjoule.dashboard.store.runs import Runs, RunsWish, compute_runs
+from railjoule.dashboard.store.speed_limits import (
+    LimitRun,
+    LimitsWish,
+    LimitTrip,
+    StorageCurve,
+    StorageWish,
+    compute_limit_run,
+    compute_limit_trip,
+    compute_storage,
+)
 from railjoule.dashboard.store.trade_off import EnocMap, TradeOff, TradeOffWish, compute_trade_off
 from railjoule.dashboard.store.worker import Study, Worker
 
 __all__ = [
     "EnocMap",
     "LateArrivals",
+    "LimitRun",
+    "LimitTrip",
+    "LimitsWish",
     "Reality",
     "RealityWish",
     "Rides",
     "RidesWish",
     "Runs",
     "RunsWish",
+    "StorageCurve",
+    "StorageWish",
     "Study",
     "TableWish",
     "TradeOff",
@@ -35,9 +50,12 @@ __all__ = [
     "Worker",
     "compute_chance",
     "compute_late_arrivals",
+    "compute_limit_run",
+    "compute_limit_trip",
     "compute_reality",
     "compute_rides",
     "compute_runs",
+    "compute_storage",
     "compute_table",
     "compute_trade_off",
 ]

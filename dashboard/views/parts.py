@@ -41,6 +41,11 @@ def stack(*objects: Any, css: str = "", **params: Any) -> pn.Column:
     return pn.Column(*objects, **{"margin": 0, "sizing_mode": "stretch_width", "stylesheets": [free + css], **params})
 
 
+def escaped(text: str) -> str:
+    """Return a text that may come from a user, fit for HTML."""
+    return html.escape(text)
+
+
 def swatch(name: str) -> str:
     """Return a sample of a strategy's line."""
     dash = DASHES[name]  # type: ignore[index]

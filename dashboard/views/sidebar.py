@@ -19,6 +19,7 @@ from railjoule.dashboard.views.events import EventFields
 from railjoule.dashboard.views.fields import NumberField
 from railjoule.dashboard.views.parts import Words, html_pane, swatch
 from railjoule.dashboard.views.reality import RealityFields
+from railjoule.dashboard.views.sections import SectionFields
 
 FROM_FILE = "from a file"
 HIDE_LABEL_CSS = """
@@ -84,6 +85,7 @@ class Sidebar:
         self.enoc = EnocField(state)
         self.reality = RealityFields(state)
         self.events = EventFields(state)
+        self.sections = SectionFields(state)
         self.line = html_pane()
         self.strategies = StrategyList(state)
         self.changed = html_pane()
@@ -102,6 +104,7 @@ class Sidebar:
             self.enoc.view,
             self.reality.view,
             self.events.view,
+            self.sections.view,
             self.line,
             html_pane('<hr class="rule">'),
             self.strategies.view,
@@ -283,7 +286,7 @@ class StrategyList:
             variant="text",
             size="small",
             margin=0,
-            width=84,
+            width=92,
             align="center",
             on_click=self._chooser(name),
             sx={
@@ -292,6 +295,7 @@ class StrategyList:
                 "fontWeight": 400,
                 "height": "28px",
                 "padding": "0 4px",
+                "whiteSpace": "nowrap",
             },
         )
         numbers = html_pane("", align="center")

@@ -6,7 +6,10 @@ from railjoule.dashboard.warmup import Warmup, all_kernels
 EVERY_STRATEGY = """
 from railjoule.core import compare, load_scenario
 from railjoule.core.scenario import preset_names
-from railjoule.dashboard.store import TradeOffWish, compute_trade_off
+from railjoule.core.studies.motor_map import motor_map
+from railjoule.dashboard.store import (
+    LimitsWish, StorageWish, TradeOffWish, compute_limit_run, compute_limit_trip, compute_storage, compute_trade_off
+)
 from railjoule.dashboard.warmup import all_kernels, warmup
 
 def compiled():
@@ -18,6 +21,12 @@ before = compiled()
 for name in preset_names("scenarios"):
     compare(load_scenario(name))
     compute_trade_off(TradeOffWish(load_scenario(name), 400.0, False, 1.0))
+metro = load_scenario("kharkiv-like-20kmh")
+motor_map(metro)
+for regulator in ("coast", "brake", "literal"):
+    wish = LimitsWish(metro, {"search.regulator": regulator, "search.limits_kmh": [40.0, 30.0]})
+    compute_limit_trip(wish)
+    compute_storage(StorageWish(compute_limit_run(wish), None, None, 0.95, 0.95))
 after = compiled()
 print({name: count for name, count in after.items() if count != before.get(name)})
 """

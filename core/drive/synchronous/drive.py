@@ -61,8 +61,8 @@ def efficiency_maps(parameters: Synchronous, torque_nm: FloatArray, speed_rads: 
     return EfficiencyMaps(
         torque_nm=frozen_array(torque),
         speed_rads=frozen_array(speed),
-        motor=frozen_array(_efficiency(shaft, losses[..., :MOTOR_KINDS].sum(axis=-1))),
-        drive=frozen_array(_efficiency(shaft, losses.sum(axis=-1))),
+        motor=frozen_array(output_over_input(shaft, losses[..., :MOTOR_KINDS].sum(axis=-1))),
+        drive=frozen_array(output_over_input(shaft, losses.sum(axis=-1))),
         losses_w=frozen_array(losses),
     )
 
@@ -128,8 +128,16 @@ def _loss_map(parameters: Synchronous, speed: FloatArray, envelope: FloatArray, 
     return LossMap(torque, speed, loss)
 
 
-def _efficiency(shaft_w: FloatArray, loss_w: FloatArray) -> FloatArray:
-    """Return output over input: driving, shaft over shaft and loss; braking, what is generated over the shaft's."""
+def output_over_input(shaft_w: FloatArray, loss_w: FloatArray) -> FloatArray:
+    """Return output over input: driving, shaft over shaft and loss; braking, what is generated over the shaft's.
+
+    Parameters
+    ----------
+    shaft_w : array of shape (n, m)
+        Power of the shaft [W]; negative brakes.
+    loss_w : array of shape (n, m)
+        What is lost there [W]; not a number where there is no such torque.
+    """
     with np.errstate(divide="ignore", invalid="ignore"):
         driving = shaft_w / (shaft_w + loss_w)
         braking = np.maximum(-shaft_w - loss_w, 0.0) / -shaft_w

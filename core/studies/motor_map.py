@@ -1,0 +1,140 @@
+"""Efficiency over torque and speed of one motor for every drive that has it, and where in it a run works.
+
+A gear that loses a share g of the power at the wheels makes the shaft carry F v (1 + g) in driving and F v (1 - g) in
+braking, over all motors.
+
+Source: Shtompel, Khvorost 2025, Figure 1 and (8)-(12), with the sign of the gear's loss in braking put right.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.drive import make_drive
+from railjoule.core.drive.synchronous.drive import efficiency_maps, output_over_input, torque_envelope
+from railjoule.core.errors import ScenarioError
+from railjoule.core.motion import build_course
+from railjoule.core.scenario import Scenario
+from railjoule.core.scenario.drive import GearedMotors, Synchronous
+from railjoule.core.trajectory import Trajectory
+from railjoule.core.units import MS_PER_KMH
+
+TORQUES, SPEEDS = 121, 96
+"""Of a map, braking and driving together."""
+SLOWEST_SHARE = 1e-3
+"""Where efforts are limited by power, the slowest speed at which they are asked for, over the greatest."""
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class MotorMap:
+    """Efficiencies over torque and speed of one motor; not a number where there is no such torque.
+
+    Parameters
+    ----------
+    torque_nm : array of shape (n,)
+        Torques of the shaft, rising [N m]; negative brakes.
+    speed_rads : array of shape (m,)
+        Its speeds, rising from 0 [rad/s].
+    drive : array of shape (n, m)
+        Of motor and inverter.
+    motor : array of shape (n, m), optional
+        Of the motor alone, where the drive tells it apart.
+    """
+
+    torque_nm: FloatArray
+    speed_rads: FloatArray
+    drive: FloatArray
+    motor: FloatArray | None
+
+
+@dataclass(frozen=True, eq=False)
+class OperatingPoints:
+    """Where one motor works in each cell of a run in which it is on.
+
+    Parameters
+    ----------
+    torque_nm, speed_rads : array of shape (k,)
+        Torque of the shaft [N m], negative where it brakes, and its speed [rad/s].
+    """
+
+    torque_nm: FloatArray
+    speed_rads: FloatArray
+
+
+def motor_map(scenario: Scenario) -> MotorMap:
+    """Return the efficiency map of a scenario's drive, the gear not included.
+
+    Raises
+    ------
+    ScenarioError
+        If its drive tells no losses over torque and speed of a motor.
+    """
+    drive = _geared(scenario)
+    top_rads = scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH * _turns_per_metre(drive)
+    if not isinstance(drive, Synchronous):
+        return _map_of_losses(scenario, drive, np.linspace(0.0, top_rads, SPEEDS))
+    speed = np.linspace(0.0, min(top_rads, drive.max_speed_rads), SPEEDS)
+    most, least = torque_envelope(drive, speed).max(), -torque_envelope(drive, speed, braking=True).max()
+    maps = efficiency_maps(drive, np.linspace(least, most, TORQUES), speed)
+    return MotorMap(maps.torque_nm, maps.speed_rads, maps.drive, maps.motor)
+
+
+def operating_points(run: Trajectory) -> OperatingPoints:
+    """Return where one motor works in the cells of a run, at their mean speeds.
+
+    Raises
+    ------
+    ScenarioError
+        As `motor_map`.
+    """
+    drive = _geared(run.scenario)
+    duration, length = np.diff(run.time_s), np.diff(run.position_m)
+    speed = np.divide(length, duration, out=np.zeros_like(duration), where=duration > 0)
+    effort = run.tractive_effort_n - run.electric_braking_n
+    on = (effort != 0) & (speed > 0)
+    torque = effort[on] * _shaft_share(drive, effort[on]) / _newtons_per_nm(drive)
+    return OperatingPoints(frozen_array(torque), frozen_array(speed[on] * _turns_per_metre(drive)))
+
+
+def _geared(scenario: Scenario) -> GearedMotors:
+    drive = scenario.vehicle.drive
+    if not isinstance(drive, GearedMotors):
+        raise ScenarioError(
+            f"drive.model = '{drive.model}' has no efficiency map over torque and speed of a motor; 'synchronous', "
+            "'loss_polynomial' and 'efficiency_map' have one."
+        )
+    return drive
+
+
+def _map_of_losses(scenario: Scenario, parameters: GearedMotors, speed_rads: FloatArray) -> MotorMap:
+    """Return the map of a drive that knows the losses of all motors, within the limits of the vehicle's effort."""
+    drive, course = make_drive(parameters), build_course(scenario).data
+    speed_ms = speed_rads / _turns_per_metre(parameters)
+    asked_ms = np.maximum(speed_ms, SLOWEST_SHARE * speed_ms[-1])
+    driving, braking = course.traction.effort_n(asked_ms), course.braking.effort_n(asked_ms)
+    ends = np.array([-braking.max(), driving.max()])
+    least, most = (ends * _shaft_share(parameters, ends) / _newtons_per_nm(parameters)).tolist()
+    torque = np.linspace(least, most, TORQUES)
+    effort = (torque * _newtons_per_nm(parameters) / _shaft_share(parameters, torque))[:, None]
+    possible = (effort <= driving * (1 + ROUNDING)) & (effort >= -braking * (1 + ROUNDING))
+    power = drive.electrical_power_w(np.where(possible, effort, 0.0), np.broadcast_to(speed_ms, possible.shape))
+    shaft = torque[:, None] * speed_rads[None, :]
+    loss = np.where(possible, power / parameters.motors - shaft, np.nan)
+    return MotorMap(frozen_array(torque), frozen_array(speed_rads), frozen_array(output_over_input(shaft, loss)), None)
+
+
+def _turns_per_metre(drive: GearedMotors) -> float:
+    """Return the angle of the motor over way of the train [1/m]."""
+    return drive.gear_ratio / (0.5 * drive.wheel_diameter_m)
+
+
+def _newtons_per_nm(drive: GearedMotors) -> float:
+    """Return effort of the train over torque of one motor, without loss in the gear [N/(N m)]."""
+    return drive.motors * _turns_per_metre(drive)
+
+
+def _shaft_share(drive: GearedMotors, sign: FloatArray) -> FloatArray:
+    """Return power of the shafts over power at the wheels; negative signs brake."""
+    return np.where(np.asarray(sign) < 0, 1 - drive.gear_loss_share, 1 + drive.gear_loss_share)

@@ -1,0 +1,140 @@
+"""What the page Speed limits asks for: sections with their limits, who drives under them, a storage on board."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, get_args
+
+import numpy as np
+import param
+
+from railjoule.core import RailjouleError, Scenario
+from railjoule.core.motion.line_profile import section_borders
+from railjoule.core.scenario.options import SearchOptions
+from railjoule.core.strategies.speed_limits import LEAST_LIMIT_KMH, MOST_SECTIONS
+from railjoule.core.studies.motor_map import MotorMap
+from railjoule.dashboard.models.numbers import TypedParameters
+from railjoule.dashboard.store import LimitRun, LimitTrip, StorageCurve
+
+REGULATORS = get_args(SearchOptions.model_fields["regulator"].annotation)
+FIRST_SECTIONS = 2
+"""Of a scenario that names no borders; as in the paper."""
+LONGEST_M = 1e7
+MAPS = ("drive", "motor")
+STORAGE_FIELDS = ("storage_size_kwh", "storage_power_kw", "charging_percent", "discharging_percent")
+
+
+class SectionModel(TypedParameters):
+    """One section: its limit, and where it ends."""
+
+    limit_kmh = param.Number(default=80.0, bounds=(LEAST_LIMIT_KMH, 600.0), doc="Limit, km/h")
+    to_m = param.Number(default=1000.0, bounds=(1.0, LONGEST_M), doc="Ends at, m")
+
+
+class SpeedLimitsModel(TypedParameters):
+    """The sections of the page, the search's settings, and the results, in the units that the page shows."""
+
+    sections = param.List(default=[], item_type=SectionModel, doc="From the start to the end of the line.")
+    found = param.Boolean(default=True, doc="Whether the limits are those that the search finds, not given ones.")
+    regulator = param.Selector(default="coast", objects=list(REGULATORS), doc="Who drives under the limits.")
+    free_borders = param.Boolean(default=False, doc="Whether the search may move the borders.")
+    section_count = param.Integer(default=FIRST_SECTIONS, bounds=(1, MOST_SECTIONS), doc="Sections")
+    time_window_percent = param.Number(default=1.0, bounds=(0.01, 50.0), doc="Window of the time, \u00b1 %")
+    stop_deceleration_ms2 = param.Number(default=0.8, bounds=(0.01, 20.0), doc="Braking for stops, m/s\u00b2")
+    storage_size_kwh = param.Number(default=None, allow_None=True, bounds=(0.0, 1e4), doc="Storage, kWh")
+    storage_power_kw = param.Number(default=None, allow_None=True, bounds=(0.0, 1e5), doc="Its power, kW")
+    charging_percent = param.Number(default=95.0, bounds=(1.0, 100.0), doc="Charging, % kept")
+    discharging_percent = param.Number(default=95.0, bounds=(1.0, 100.0), doc="Discharging, % given")
+    shown_map = param.Selector(default="drive", objects=list(MAPS), doc="Whose efficiency is shown.")
+
+    run = param.ClassSelector(class_=LimitRun, default=None, allow_None=True, doc="The last good run.")
+    path = param.ClassSelector(class_=LimitRun, default=None, allow_None=True, doc="The last run searched for.")
+    trip = param.ClassSelector(class_=LimitTrip, default=None, allow_None=True, doc="The trip while a step is moved.")
+    storage = param.ClassSelector(class_=StorageCurve, default=None, allow_None=True, doc="What storages save.")
+    motor_map = param.ClassSelector(class_=MotorMap, default=None, allow_None=True, doc="Efficiencies of the drive.")
+    no_map = param.String(default="", doc="Why there is no such map.")
+    failure = param.ClassSelector(
+        class_=RailjouleError, default=None, allow_None=True, doc="Why the last wish could not be met."
+    )
+    moving = param.Boolean(default=False, doc="Whether a step is being moved.")
+    moved = param.Event(doc="A step has been moved a little further.")
+
+    def take(self, scenario: Scenario) -> None:
+        """Take over what a scenario's file says of sections and search."""
+        options, length = scenario.search, scenario.line.length_m
+        most = scenario.vehicle.traction.max_speed_kmh
+        own_borders = section_borders(scenario.line.in_running_order())[1:-1].tolist()
+        limits = options.limits_kmh
+        borders = list(options.boundaries_m) or (own_borders if limits else even_borders(length, FIRST_SECTIONS))
+        if limits is not None and len(limits) != len(borders) + 1:
+            limits = None
+        self._length_m, self._most_kmh = length, most
+        # a search without borders takes those of the line
+        self.param.section_count.bounds = (2 if own_borders else 1, max(MOST_SECTIONS, len(borders) + 1))
+        self.param.update(
+            sections=self._made(limits or [most] * (len(borders) + 1), borders),
+            section_count=len(borders) + 1,
+            found=limits is None,
+            regulator=options.regulator,
+            free_borders=options.free_boundaries,
+            time_window_percent=100 * options.time_window,
+            stop_deceleration_ms2=options.stop_deceleration_ms2,
+            storage_size_kwh=None,
+            storage_power_kw=None,
+        )
+
+    def _made(self, limits_kmh: Sequence[float], borders_m: Sequence[float]) -> list[SectionModel]:
+        """Return sections whose fields know the vehicle's own limit."""
+        made = []
+        for limit, end in zip(limits_kmh, [*borders_m, self._length_m], strict=True):
+            section = SectionModel(to_m=float(end))
+            section.param.limit_kmh.bounds = (LEAST_LIMIT_KMH, self._most_kmh)
+            section.limit_kmh = float(np.clip(limit, *section.param.limit_kmh.bounds))
+            made.append(section)
+        return made
+
+    def cut(self, count: int) -> None:
+        """Cut the line into equal sections, whose limits the search shall find."""
+        borders = even_borders(self._length_m, count)
+        self.param.update(sections=self._made([self._most_kmh] * count, borders), found=True)
+
+    def move(self, limits_kmh: Sequence[float], borders_m: Sequence[float]) -> None:
+        """Set limits [km/h] and borders [m] while a step is being moved."""
+        self.moving = True
+        self.set(limits_kmh, borders_m)
+        self.found = False
+        self.param.trigger("moved")
+
+    def set(self, limits_kmh: Sequence[float], borders_m: Sequence[float]) -> None:
+        """Set all limits [km/h] and borders [m] of the sections that there are."""
+        for section, limit in zip(self.sections, limits_kmh, strict=True):
+            section.limit_kmh = float(limit)
+        for section, border in zip(self.sections, borders_m, strict=False):
+            section.to_m = float(border)
+
+    @property
+    def limits_kmh(self) -> tuple[float, ...]:
+        """The limits of the sections [km/h]."""
+        return tuple(float(section.limit_kmh) for section in self.sections)
+
+    @property
+    def borders_m(self) -> tuple[float, ...]:
+        """The borders between the sections [m]."""
+        return tuple(float(section.to_m) for section in self.sections[:-1])
+
+    @property
+    def changes(self) -> Mapping[str, Any]:
+        """Sections and search by the keys of the file; limits are given unless the search finds them."""
+        return {
+            "strategy": "speed_limits",
+            "search.regulator": self.regulator,
+            "search.boundaries_m": list(self.borders_m),
+            "search.free_boundaries": self.free_borders,
+            "search.limits_kmh": None if self.found else list(self.limits_kmh),
+            "search.time_window": self.time_window_percent / 100,
+            "search.stop_deceleration_ms2": float(self.stop_deceleration_ms2),
+        }
+
+
+def even_borders(length_m: float, count: int) -> list[float]:
+    """Return the borders of equal sections of a line, in whole metres where these are long enough [m]."""
+    borders = [length_m * number / count for number in range(1, count)]
+    return [float(round(border)) for border in borders] if length_m > 10 * count else borders

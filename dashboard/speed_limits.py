@@ -1,0 +1,134 @@
+"""The work behind the page Speed limits: what is asked for when, and where its results go."""
+
+from typing import Any
+
+from railjoule.core import RailjouleError, Scenario
+from railjoule.core.studies.motor_map import MotorMap, motor_map
+from railjoule.dashboard.models.scenario import PLAN_FIELDS
+from railjoule.dashboard.models.speed_limits import STORAGE_FIELDS, SectionModel
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.store import (
+    LimitRun,
+    LimitsWish,
+    LimitTrip,
+    StorageCurve,
+    StorageWish,
+    Worker,
+    compute_limit_run,
+    compute_limit_trip,
+    compute_storage,
+)
+
+PAGE = "Speed limits"
+SEARCH = ("found", "regulator", "free_borders", "time_window_percent", "stop_deceleration_ms2")
+
+
+class SpeedLimits:
+    """Asks for the run under the limits of one page, and for what hangs on it, while it is in sight."""
+
+    def __init__(self, state: Workbench) -> None:
+        self.state, self.model = state, state.speed_limits
+        self.run = Worker(compute_limit_run, self._take_run, self._take_failure)
+        self.trip = Worker(compute_limit_trip, self._take_trip, self._take_failure)
+        self.storage = Worker(compute_storage, self._take_storage, self._take_failure)
+        self.motor = Worker(motor_map, self._take_map, self._take_no_map)
+        self._asked: LimitsWish | None = None
+        self._vehicle: Any = None
+        self._watched: list[SectionModel] = []
+        self._quiet = False
+        state.scenario.param.watch(self._take_scenario, ["preset", "opened"])
+        state.scenario.param.watch(self._ask, list(PLAN_FIELDS))
+        state.param.watch(self._ask, "page")
+        self.model.param.watch(self._watch_sections, "sections")
+        self.model.param.watch(self._cut, "section_count")
+        self.model.param.watch(self._ask, list(SEARCH))
+        self.model.param.watch(self._ask_trip, "moved")
+        self.model.param.watch(self._let_go, "moving")
+        self.model.param.watch(self._ask_storage, list(STORAGE_FIELDS))
+        self._take_scenario()
+
+    def _take_scenario(self, *_: Any) -> None:
+        self._quiet = True
+        self.model.take(self.state.scenario.base)
+        self._quiet = False
+
+    def _watch_sections(self, *_: Any) -> None:
+        """Listen to sections that are new."""
+        for section in self.model.sections:
+            if not any(section is known for known in self._watched):
+                section.param.watch(self._take_section, ["limit_kmh", "to_m"])
+        self._watched = list(self.model.sections)
+
+    def _take_section(self, *_: Any) -> None:
+        """Drive under a limit that was typed."""
+        if not self._quiet and not self.model.moving:
+            self._quiet = True
+            self.model.found = False
+            self._quiet = False
+            self._ask()
+
+    def _cut(self, *_: Any) -> None:
+        if not self._quiet and self.model.section_count != len(self.model.sections):
+            self._quiet = True
+            self.model.cut(self.model.section_count)
+            self._quiet = False
+            self._ask()
+
+    def _wish(self) -> LimitsWish:
+        return LimitsWish(self.state.scenario.scenario(), self.model.changes)
+
+    def _ask(self, *_: Any) -> None:
+        if self.state.page != PAGE or self._quiet or self.model.moving:
+            return
+        wish = self._wish()
+        if wish != self._asked:
+            self._asked = wish
+            self.run.ask(wish)
+
+    def _ask_trip(self, *_: Any) -> None:
+        self.trip.ask(self._wish())
+
+    def _let_go(self, *_: Any) -> None:
+        self.model.trip = None
+        self._ask()
+
+    def _ask_storage(self, *_: Any) -> None:
+        model = self.model
+        if model.run is not None:
+            efficiencies = model.charging_percent / 100, model.discharging_percent / 100
+            self.storage.ask(StorageWish(model.run, model.storage_size_kwh, model.storage_power_kw, *efficiencies))
+
+    def _take_run(self, run: LimitRun) -> None:
+        """Take a run; a search also sets the limits, unless others were asked for meanwhile."""
+        searched = run.run.scenario.search.limits_kmh is None
+        if searched and self.model.found and len(run.limits_kmh) == len(self.model.sections):
+            self._quiet = True
+            self.model.set(run.limits_kmh.tolist(), run.borders_m.tolist())
+            self._quiet = False
+            # where the search moves borders, those that it found are no new wish
+            self._asked = self._wish()
+        self.model.param.update(run=run, failure=None, **({"path": run} if searched else {}))
+        self._ask_storage()
+        self._ask_map(run.run.scenario)
+
+    def _ask_map(self, scenario: Scenario) -> None:
+        vehicle = scenario.vehicle.drive, scenario.vehicle.traction, scenario.vehicle.braking
+        if vehicle != self._vehicle:
+            self._vehicle = vehicle
+            self.motor.ask(scenario)
+
+    def _take_trip(self, trip: LimitTrip | None) -> None:
+        if self.model.moving and trip is not None:
+            self.model.trip = trip
+
+    def _take_storage(self, storage: StorageCurve) -> None:
+        self.model.storage = storage
+
+    def _take_map(self, found: MotorMap) -> None:
+        self.model.param.update(motor_map=found, no_map="")
+
+    def _take_no_map(self, refusal: RailjouleError) -> None:
+        self.model.param.update(motor_map=None, no_map=str(refusal))
+
+    def _take_failure(self, failure: RailjouleError) -> None:
+        self.model.failure = failure

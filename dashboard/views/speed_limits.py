@@ -1,0 +1,304 @@
+"""Speed limits: one for each section, their cost beside the optimum, what the drive and a storage make of it."""
+
+from functools import partial
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+from railjoule.core.strategies.optimal import PROVEN_GAP
+from railjoule.dashboard.browser import Browser
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.store import LimitRun
+from railjoule.dashboard.views import parts
+from railjoule.dashboard.views.chart_page import NARROW_PX, ChartPage
+from railjoule.dashboard.views.charts import Axis, Chart
+from railjoule.dashboard.views.drive_charts import LineStrip
+from railjoule.dashboard.views.limit_charts import LimitEffortChart, LimitEnergyChart, LimitSpeedChart
+from railjoule.dashboard.views.motor_charts import MotorMapChart, StorageChart, storage_table
+from railjoule.dashboard.views.scene import Scene
+from railjoule.dashboard.views.search_charts import SearchPathChart, SearchPlaneChart, search_words
+from railjoule.dashboard.views.sections import PAGE
+
+HEIGHTS = {
+    "limit_speed": (290, 360, 240),
+    "line": (86, 96, 80),
+    "limit_effort": (104, 120, 96),
+    "limit_energy": (130, 150, 120),
+    "search_plane": (280, 330, 260),
+    "search_path": (220, 260, 200),
+    "motor_map": (300, 360, 280),
+    "storage": (220, 260, 200),
+}
+"""Of each chart [px]: in usual, wide and narrow windows."""
+BODY_CSS = ":host { padding: 4px 20px 0 14px; } @media (max-width: 899px) { :host { padding: 4px 10px 0 6px; } }"
+LOWER_CSS = """
+:host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: 28px;
+  padding: 14px 20px 12px 14px; align-items: start; }
+@media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); padding: 8px 10px 12px 6px; } }
+"""
+GAP_CSS = ":host { row-gap: 10px; }"
+REGULATOR_WORDS = {"coast": "Coasts", "brake": "Brakes", "literal": "As printed"}
+REGULATOR_DOES = {"coast": "coasts above a limit", "brake": "brakes for a limit", "literal": "is the printed relay"}
+SMALL: dict[str, Any] = {"size": "small", "sx": {"& .MuiToggleButton-root": {"whiteSpace": "nowrap"}}}
+
+
+class SpeedLimitsView(ChartPage):
+    """The page of limits of sections."""
+
+    heights = HEIGHTS
+
+    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
+        super().__init__(state, browser, palette)
+        self.model = model = state.speed_limits
+        self.heading, self.figures, self.table, self.search_text, self.storage_text, self.no_map, self.notes = (
+            parts.html_pane() for _ in range(7)
+        )
+        self.axis = Axis(palette)
+        self.speed = LimitSpeedChart(HEIGHTS["limit_speed"][0], self.axis, palette, model.move, self._release)
+        self.line = LineStrip(HEIGHTS["line"][0], self.axis, palette)
+        self.effort = LimitEffortChart(HEIGHTS["limit_effort"][0], self.axis, palette)
+        self.energy = LimitEnergyChart(HEIGHTS["limit_energy"][0], self.axis, palette)
+        self.plane = SearchPlaneChart(HEIGHTS["search_plane"][0], palette)
+        self.path = SearchPathChart(HEIGHTS["search_path"][0], palette)
+        self.map = MotorMapChart(HEIGHTS["motor_map"][0], palette)
+        self.storage = StorageChart(HEIGHTS["storage"][0], palette)
+        self.regulator = pmui.RadioButtonGroup(
+            options={word: name for name, word in REGULATOR_WORDS.items()},
+            value=model.regulator,
+            margin=(8, 4, 0, 20),
+            **SMALL,
+        )
+        self.free = pmui.Checkbox(
+            label="Borders may move",
+            value=model.free_borders,
+            size="small",
+            margin=(8, 8, 0, 16),
+            sx={"& .MuiFormControlLabel-label": {"fontSize": "13px"}},
+        )
+        self.search = pmui.Button(
+            label="Search limits",
+            variant="outlined",
+            size="small",
+            margin=(8, 20, 0, 8),
+            height=28,
+            on_click=lambda _: setattr(model, "found", True),
+        )
+        self.pair = pmui.Select(
+            label="Sections", options={"1 and 2": 0}, value=0, size="small", margin=(6, 0, 0, 46), width=130
+        )
+        self.whose = pmui.RadioButtonGroup(
+            options={"Drive": "drive", "Motor": "motor"}, value=model.shown_map, margin=(6, 0, 0, 46), **SMALL
+        )
+        self.view = self._laid_out()
+        self._listen()
+        self.begin()
+
+    def _laid_out(self) -> pn.Column:
+        tools = pn.FlexBox(
+            self.regulator, self.free, self.search, align_items="center", margin=0, sizing_mode="stretch_width"
+        )
+        body = parts.stack(*(chart.place for chart in (self.speed, self.line, self.effort, self.energy)), css=BODY_CSS)
+        left = parts.stack(self.table, self.plane.place, self.pair, self.path.place, self.search_text, css=GAP_CSS)
+        right = parts.stack(self.no_map, self.map.place, self.whose, self.storage.place, self.storage_text, css=GAP_CSS)
+        lower = parts.stack(left, right, css=LOWER_CSS)
+        notes = parts.stack(self.notes, css=":host { padding: 0 20px 16px; }")
+        return parts.stack(self.heading, self.message, self.figures, tools, body, lower, notes)
+
+    def _listen(self) -> None:
+        model = self.model
+        self.regulator.param.watch(lambda event: setattr(model, "regulator", event.new), "value")
+        self.free.param.watch(lambda event: setattr(model, "free_borders", event.new), "value")
+        self.whose.param.watch(lambda event: setattr(model, "shown_map", event.new), "value")
+        self.pair.param.watch(self._show_search, "value")
+        for widget, field in ((self.regulator, "regulator"), (self.free, "free_borders"), (self.whose, "shown_map")):
+            model.param.watch(partial(self._follow, widget), field)
+        model.param.watch(self._show_run, ["run", "failure"])
+        model.param.watch(self._show_trip, "trip")
+        model.param.watch(self._show_search, "path")
+        model.param.watch(self._show_found, "found")
+        model.param.watch(self._show_map, ["motor_map", "no_map", "shown_map"])
+        model.param.watch(self._show_storage, "storage")
+
+    def _follow(self, widget: Any, event: Any) -> None:
+        widget.value = event.new
+
+    @property
+    def charts(self) -> tuple[Chart, ...]:
+        """All charts of the page."""
+        return self.speed, self.line, self.effort, self.energy, self.plane, self.path, self.map, self.storage
+
+    def _release(self) -> None:
+        self.model.moving = False
+
+    def settle(self) -> None:
+        """Tell the cursor of the runs that it may meet new charts."""
+        self.axis.settle("m", 0)
+
+    def redraw(self) -> None:
+        """Draw everything again, as after a change of theme."""
+        self._show_run()
+        self._show_search()
+        self._show_found()
+        self._show_storage()
+
+    def _show_found(self, *_: Any) -> None:
+        self.search.disabled = self.model.found
+
+    def _show_run(self, *_: Any) -> None:
+        run = self.model.run
+        with pn.io.hold():
+            self.tell(self.model.failure, "Shown: the last run that can be driven." if run is not None else "")
+            if run is None or self.state.page != PAGE:
+                return
+            self.axis.fit(run.run.distance_m, roomy=False)
+            if not self.model.moving:
+                self.speed.show(partial(self.speed.draw, run, *self._steps()))
+            self.effort.show(partial(self.effort.draw, run))
+            self.energy.show(partial(self.energy.draw, run))
+            self.line.show(partial(self.line.draw, self._scene(run)))
+            self._show_texts(run)
+            self._show_map()
+            self.settle()
+
+    def _steps(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Return the limits and borders that stand now, be they possible or not."""
+        return self.model.limits_kmh, self.model.borders_m
+
+    def _scene(self, run: LimitRun) -> Scene:
+        width = self.browser.width
+        room = width - (80 if width < NARROW_PX else 360)
+        return Scene("speed_limits", {"speed_limits": run.run}, None, False, width < NARROW_PX, room)
+
+    def _show_trip(self, *_: Any) -> None:
+        """Show the trip of a step that is being moved: its speeds, time and energy; the rest waits."""
+        trip = self.model.trip
+        if trip is None:
+            return
+        with pn.io.hold():
+            self.speed.show(partial(self.speed.draw_trip, trip))
+            wait = "let the step go to compare"
+            cells = [
+                parts.figure("Limits cost", "\u2013", "", wait, "main"),
+                parts.figure("Energy", words.energy(trip.energy_kwh), "kWh", "at the line"),
+                parts.figure("Optimum", "\u2013", "", ""),
+                self._time_figure(trip.travel_time_s),
+                parts.figure("Storage needed", "\u2013", "", ""),
+            ]
+            self.figures.object = parts.figures(cells)
+
+    def _show_search(self, *_: Any) -> None:
+        path = self.model.path
+        if path is None or self.state.page != PAGE:
+            return
+        sections = len(path.limits_kmh)
+        with pn.io.hold():
+            pairs = {f"{k} and {k + 1}": k - 1 for k in range(1, max(sections, 2))}
+            if self.pair.options != pairs:
+                self.pair.param.update(options=pairs, value=0)
+            self.pair.visible = sections > 2
+            self.plane.place.visible = sections > 1
+            self.plane.show(partial(self.plane.draw, path.search, self.pair.value))
+            self.path.show(partial(self.path.draw, path.search))
+            self.search_text.object = f'<p class="note" style="padding-left:50px">{search_words(path.search)}</p>'
+
+    def _show_map(self, *_: Any) -> None:
+        found, run, refusal = self.model.motor_map, self.model.run, self.model.no_map
+        with pn.io.hold():
+            self.map.place.visible = found is not None
+            self.whose.visible = found is not None and found.motor is not None
+            self.no_map.visible = bool(refusal)
+            if refusal:
+                self.no_map.object = f'<p class="note" style="padding-left:50px">{parts.escaped(refusal)}</p>'
+            if found is not None and run is not None:
+                self.map.show(partial(self.map.draw, found, self.model.shown_map, run.points))
+
+    def _show_storage(self, *_: Any) -> None:
+        storage = self.model.storage
+        if storage is not None:
+            with pn.io.hold():
+                self.storage.show(partial(self.storage.draw, storage))
+                self.storage_text.object = storage_table(storage)
+
+    def _show_texts(self, run: LimitRun) -> None:
+        scenario, count = run.run.scenario, len(run.limits_kmh)
+        how = "found by search" if scenario.search.limits_kmh is None else "given"
+        what = (
+            f"{words.number(run.run.distance_m / 1000)} km in {words.number(run.planned_s)} s, {count} "
+            f"section{'' if count == 1 else 's'}, limits {how}; the regulator "
+            f"{REGULATOR_DOES[scenario.search.regulator]}"
+        )
+        self.heading.object = parts.heading(scenario.title, what, "")
+        self.figures.object = parts.figures(self._cells(run), self.model.failure is not None)
+        self.table.object = sections_table(run)
+        without = run.no_optimum and f"No optimum in the time of the run: {run.no_optimum}"
+        self.notes.object = f'<p class="note">{parts.escaped(without)}</p>{parts.notes(run.run)}'
+
+    def _cells(self, run: LimitRun) -> list[str]:
+        need = run.need
+        return [
+            cost_figure(run),
+            parts.figure("Energy", words.energy(run.run.energy_kwh), "kWh", "at the line"),
+            optimum_figure(run),
+            self._time_figure(run.run.travel_time_s),
+            parts.figure(
+                "Storage needed",
+                words.energy(need.largest_drop_kwh),
+                "kWh",
+                f"{words.number(need.charging_peak_kw, 0)} kW at most",
+            ),
+        ]
+
+    def _time_figure(self, time_s: float) -> str:
+        """Return the travel time, and whether the window allows it."""
+        planned = self.state.scenario.travel_time_s
+        share = self.model.time_window_percent / 100
+        first, last = planned * (1 - share), planned * (1 + share)
+        rounding = 1e-5 * planned
+        if first - rounding <= time_s <= last + rounding:
+            detail = f"in {words.number(first)}\u2013{words.number(last)}"
+        elif time_s > last:
+            detail = f'<span class="worse">{words.number(time_s - last)} s too late</span>'
+        else:
+            detail = f'<span class="open">{words.number(first - time_s)} s too early</span>'
+        return parts.figure("Travel time", words.number(time_s), "s", detail)
+
+
+def cost_figure(run: LimitRun) -> str:
+    """Return what the limits cost beside the optimum; beside its bound where the optimum is not found."""
+    cost, gap = run.cost_share, run.run.gap
+    if cost is not None:
+        return parts.figure("Limits cost", words.signed(100 * cost), "%", "above the optimum in the same time", "main")
+    if gap is None:
+        return parts.figure("Limits cost", "\u2013", "", "no optimum to compare with", "main")
+    return parts.figure("Limits cost", f"\u2264 {words.number(100 * gap)}", "%", "above the bound in that time", "main")
+
+
+def optimum_figure(run: LimitRun) -> str:
+    """Return the energy of the optimum in the time that the run takes, and how far it is proven."""
+    optimum = run.optimum
+    if optimum is None:
+        return parts.figure("Optimum", "\u2013", "", "not found")
+    gap = optimum.gap
+    if gap is None:
+        detail = "no bound is known"
+    elif gap <= PROVEN_GAP:
+        detail = '<span class="proven">\u2713 proven</span>'
+    else:
+        detail = f'<span class="open">\u25d0</span> bound {words.energy(optimum.lower_bound_kwh or 0)} kWh'
+    return parts.figure("Optimum", words.energy(optimum.energy_kwh), "kWh", detail)
+
+
+def sections_table(run: LimitRun) -> str:
+    """Return the limits of the sections with the speeds that the run reaches in them."""
+    ends = [0.0, *run.borders_m.tolist(), run.run.distance_m]
+    rows = []
+    for number, (limit, start, end) in enumerate(zip(run.limits_kmh, ends[:-1], ends[1:], strict=True), 1):
+        inside = (run.run.position_m >= start) & (run.run.position_m <= end)
+        top = words.speed(float(run.run.speed_ms[inside].max()), 1) if inside.any() else "\u2013"
+        cells = (str(number), words.number(start, 0), words.number(end, 0), words.number(float(limit)), top)
+        rows.append((cells, False))
+    table = parts.table("Sections", ("Section", "from, m", "to, m", "limit, km/h", "top, km/h"), rows)
+    return f'<div style="padding:0 6px 0 50px">{table}</div>'
