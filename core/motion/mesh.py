@@ -56,7 +56,7 @@ def with_nodes_at(position_m: FloatArray, places_m: Sequence[float] | FloatArray
 
     A node that all but falls on a place gives way to it: over a shorter cell rounding makes forces of its own.
     """
-    distance = np.abs(position_m[:, None] - np.asarray(places_m)[None, :]).min(axis=1)
+    distance = np.abs(position_m[:, None] - np.asarray(places_m)[None, :]).min(axis=1, initial=np.inf)
     distance[[0, -1]] = np.inf
     return np.union1d(position_m[distance > SHORTEST_CELL_M], places_m)
 

@@ -70,3 +70,9 @@ def test_nodes_where_a_cars_centre_changes_its_section():
 def test_the_metro_lies_in_a_tunnel():
     course = build_course(load_scenario("kharkiv-like-20kmh"))
     assert course.tunnel_factor == pytest.approx(1.5)
+
+
+def test_cars_on_a_line_of_one_section():
+    """No place where a car's centre would meet another gradient."""
+    scenario = load_scenario("kharkiv-like-40kmh").with_(**{"line.sections": [{"length_m": 600.0}]})
+    assert build_course(scenario).cell_count >= 60
