@@ -20,7 +20,7 @@ ARGUMENTS = [
     "--use-gl=swiftshader",
     "--enable-unsafe-swiftshader",
 ]
-expect.set_options(timeout=20_000)
+expect.set_options(timeout=60_000)
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 
 

@@ -170,20 +170,16 @@ def test_colours_follow_the_system(server: Server, chromium: Browser, dark: bool
         labels = "[...Bokeh.documents[0].all_models].find((m) => m.type === 'LinearAxis').major_label_text_color"
         assert user.page.evaluate(labels) == THEMES["dark" if dark else "light"]["ink3"]
         user.page.get_by_role("button", name="Toggle theme").click()
-        user.rest(1000)
-        assert user.page.evaluate("getComputedStyle(document.body).backgroundColor") != colour
+        user.page.wait_for_function("colour => getComputedStyle(document.body).backgroundColor !== colour", arg=colour)
 
 
 def test_nothing_overflows_and_the_sidebar_makes_room(server: Server, chromium: Browser) -> None:
     with User.at(chromium, server.url, width=360) as user:
         for width in (360, 390, 768, 2560):
             user.page.set_viewport_size({"width": width, "height": 900})
-            user.rest(1000)
-            check_width(user, width)
-
-
-def check_width(user: User, width: int) -> None:
-    assert user.page.evaluate("document.documentElement.scrollWidth - window.innerWidth") <= 0
-    assert user.slider("Travel time, s").is_visible() == (width >= 900)
-    menu = user.page.get_by_role("button", name="Drive", exact=True)
-    assert menu.is_visible() == (width < 700)
+            # the menu of pages shows that the server has heard of the width
+            menu = user.page.get_by_role("button", name="Drive", exact=True)
+            expect(menu).to_be_visible(visible=width < 700)
+            expect(user.slider("Travel time, s")).to_be_visible(visible=width >= 900)
+            user.rest(500)
+            assert user.page.evaluate("document.documentElement.scrollWidth - window.innerWidth") <= 0

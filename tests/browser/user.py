@@ -10,7 +10,7 @@ from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look.words import STRATEGY_WORDS
 
-PATIENCE_MS = 30_000
+PATIENCE_MS = 90_000
 REST_MS = 400
 FIRST_TITLE, FIRST_TICKED = "Metro, profile II + I", ("optimal", "fastest")
 """What a new page shows."""
