@@ -15,7 +15,7 @@ REST_MS = 400
 FIRST_TITLE, FIRST_TICKED = "Metro, profile II + I", ("optimal", "fastest")
 """What a new page shows."""
 HARMLESS = ("Upload error", "Cannot read properties of undefined (reading '_guiEditing')")
-"""A file too large to send is refused by the browser; plotly stumbles where its page is left while it still draws."""
+"""The browser refuses a file too large to send; plotly stumbles where its page is left while it draws."""
 
 
 class User:
