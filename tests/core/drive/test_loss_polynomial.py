@@ -82,7 +82,7 @@ def test_derivatives_against_differences(name, braking, effort, speed):
 
 @given(effort=efforts, speed=speeds)
 def test_a_map_of_the_polynomial_gives_its_power(effort, speed):
-    """Within one percent of the losses, as between points of the map; at the lowest speeds efficiency says nothing of them."""
+    """Within one percent of the losses; at the lowest speeds efficiency says nothing of them."""
     exact = DRIVES["polynomial"].electrical_power_w(effort, speed)
     loss = 12 * loss_by_hand(1.025 * effort / 12 / TURNS, speed * TURNS)
     assert DRIVES["map"].electrical_power_w(effort, speed) == pytest.approx(exact, abs=1e-2 * loss)
