@@ -47,7 +47,7 @@ class Unswitched:
     speed2 : array of shape (n + 1,)
         Squares of speed at the nodes [m2/s2].
     energy_j : float
-        Line energy without auxiliaries [J].
+        Line energy with auxiliaries, infinite if it keeps not all limits [J].
     price_of_time_w : float
         Price of a second [J/s].
     iterations : int
@@ -132,19 +132,24 @@ def _drivable(task: Task, optimum: Optimum, off: BoolArray) -> Unswitched:
     A point that has not converged is a run as well, if it keeps them.
     """
     data = task.course.data
-    for speed2 in (coasting_exactly(data, optimum, off), optimum.speed2):
-        if _keeps_limits(task, speed2):
-            energy = float(run_energy(data, speed2))
-            break
-    else:
-        energy = np.inf
-    return Unswitched(speed2, energy, optimum.time_multiplier * data.traction.constant_n, optimum.iterations)
+    points = coasting_exactly(data, optimum, off), optimum.speed2
+    speed2 = next((point for point in points if _keeps_limits(task, point)), None)
+    energy = np.inf if speed2 is None else _energy_j(task, speed2)
+    price = optimum.time_multiplier * data.traction.constant_n
+    return Unswitched(optimum.speed2 if speed2 is None else speed2, energy, price, optimum.iterations)
 
 
 def _by_recursion(task: Task) -> Unswitched:
     """Return the run that Bellman's recursion finds, which needs nothing to be smooth."""
     found = search(task.course.data, task.greatest_speed2, task.running_time_s)
-    return Unswitched(found.speed2, float(run_energy(task.course.data, found.speed2)), found.price_w, found.sweeps)
+    return Unswitched(found.speed2, _energy_j(task, found.speed2), found.price_w, found.sweeps)
+
+
+def _energy_j(task: Task, speed2: FloatArray) -> float:
+    """Return the line energy of a run with auxiliaries on its way [J], as the optimum counts it."""
+    data = task.course.data
+    auxiliaries = data.auxiliary_power_w * running_time(data.cell_length_m, speed2)
+    return float(run_energy(data, speed2) + auxiliaries)
 
 
 def _keeps_limits(task: Task, speed2: FloatArray) -> bool:

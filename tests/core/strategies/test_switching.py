@@ -174,3 +174,10 @@ def test_the_shipped_tram_is_near_the_findings():
         assert relaxed_kwh(task) == pytest.approx(switched, rel=3e-3)
         energy = unswitched(task, minimise(task).optimum).energy_j
         assert energy / J_PER_KWH == pytest.approx(switched, rel=3e-3)
+
+
+@pytest.mark.parametrize("auxiliary_kw", [30.0, 100.0])
+def test_auxiliaries_do_not_spoil_the_decision(auxiliary_kw):
+    """What runs on the way counts on both sides, as no run is late."""
+    task = prepare_task(tram(recuperation=1.0, vehicle__auxiliary_power_kw=auxiliary_kw))
+    assert optimal(task).energy_kwh == pytest.approx(relaxed_kwh(task), rel=1e-3)
