@@ -10,6 +10,7 @@ from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.disturbances import Disturbances
 from railjoule.dashboard.health import HealthHandler
 from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.robustness import Robustness
 from railjoule.dashboard.speed_limits import SpeedLimits
@@ -34,7 +35,6 @@ pn.extension("plotly", notifications=False)
 
 POLL_MS = 300
 EXTRA_PATTERNS = [("/health", HealthHandler)]
-SLIDERS = ("load_percent", "recuperation_percent")
 View = DriveView | TradeOffView | RobustnessView | DisturbancesView | SpeedLimitsView
 VIEWS: dict[str, type[View]] = {
     "Drive": DriveView,
@@ -61,8 +61,10 @@ class Session:
         self.views: dict[str, View] = {}
         self.shell = Shell(self.state, self.browser, {name: self._make(view) for name, view in VIEWS.items()})
         scenario = self.state.scenario
-        scenario.param.watch(self._ask_runs, [*SLIDERS, "travel_time_s", "acceleration_time_s"])
-        scenario.param.watch(self._ask_trade_off, [*SLIDERS, "travel_time_range_s"])
+        scenario.param.watch(self._ask_runs, [*PLAN_FIELDS, "acceleration_time_s"])
+        scenario.param.watch(
+            self._ask_trade_off, ["load_percent", "recuperation_percent", "edits", "travel_time_range_s"]
+        )
         self.state.param.watch(self._ask_runs, ["ticked", "chosen"])
         self.state.param.watch(self._ask_trade_off, ["page", "wide_map", "copper_weight"])
         self.state.param.watch(self._paint, "dark")

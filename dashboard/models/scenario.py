@@ -13,16 +13,23 @@ from railjoule.dashboard.models.numbers import TypedParameters, parse_number
 FIRST_SCENARIO = "metro-with-limit"
 TIME_FIELDS = {"travel_time_s": (1.0, 86_400.0), "acceleration_time_s": (1.0, 43_200.0)}
 """Bounds of the fields that a slider shows only in part [s]."""
-PLAN_FIELDS = ("travel_time_s", "load_percent", "recuperation_percent")
+PLAN_FIELDS = ("travel_time_s", "load_percent", "recuperation_percent", "edits")
 """What every plan depends on."""
+FIELD_KEYS = {
+    "timetable.travel_time_s": "travel_time_s",
+    "vehicle.load_factor": "load_percent",
+    "drive.recuperation_factor": "recuperation_percent",
+    "enoc.acceleration_time_s": "acceleration_time_s",
+}
+"""Keys of the file that have a field of their own beside every page."""
 TIMETABLE_RANGE = 2.0
 """The slider of the travel time ends at this many times the shortest time."""
 
 
 class ScenarioModel(TypedParameters):
-    """A shipped scenario, or one from a file, with the values of the page's sliders laid over it.
+    """A shipped scenario, or one from a file, with edited keys and the values of the page's sliders laid over it.
 
-    The values are in the units that the page shows.
+    The sliders' values are in the units that the page shows, those of other keys in the units of the file.
     """
 
     preset = param.Selector(default=FIRST_SCENARIO, objects=list(preset_names("scenarios")), doc="Shipped scenario.")
@@ -32,6 +39,7 @@ class ScenarioModel(TypedParameters):
     recuperation_percent = param.Number(default=0.0, bounds=(0, 100), doc="Recuperation, %")
     acceleration_time_s = param.Number(default=None, allow_None=True, doc="Acceleration time, s")
     travel_time_range_s = param.Range(default=(50.0, 200.0), doc="Ends of the travel time's slider.")
+    edits = param.Dict(default={}, doc="Other keys of the file that were edited, with their values.")
 
     def __init__(self, **params: Any) -> None:
         super().__init__(**params)
@@ -64,16 +72,51 @@ class ScenarioModel(TypedParameters):
 
     def restore(self) -> None:
         """Take over the values of the shipped scenario or the file."""
-        base = self.base
-        shortest = prepare_task(base).shortest_travel_time_s
+        self._take(self.base, {})
+
+    def edit(self, changes: Mapping[str, Any]) -> None:
+        """Lay values over keys of the file, all of them or none.
+
+        Parameters
+        ----------
+        changes : mapping
+            Dotted keys with their values; None takes a key away, and a whole table replaces what was edited in it.
+
+        Raises
+        ------
+        RailjouleError
+            If a value is out of its bounds, or no train can run what comes out; then nothing changes.
+        """
+        replaced = tuple(f"{key}." for key in changes)
+        kept = {key: value for key, value in self.changes.items() if not key.startswith(replaced)}
+        everything = {**kept, **changes}
+        scenario = self.base.with_(**everything)
+        self._take(scenario, {key: value for key, value in everything.items() if key not in FIELD_KEYS})
+
+    def take_back(self, key: str) -> None:
+        """Give a key the value of the shipped scenario or the file again.
+
+        Raises
+        ------
+        RailjouleError
+            If no train can run what is left.
+        """
+        left = {name: value for name, value in self.changes.items() if name != key}
+        edits = {name: value for name, value in left.items() if name not in FIELD_KEYS}
+        self._take(self.base.with_(**left), edits)
+
+    def _take(self, scenario: Scenario, edits: Mapping[str, Any]) -> None:
+        """Show a scenario that comes from edits of the base."""
+        shortest = prepare_task(scenario).shortest_travel_time_s
         start = float(int(0.97 * shortest))
-        end = float(int(TIMETABLE_RANGE * max(shortest, 0.75 * base.travel_time_s)) + 1)
+        end = float(int(TIMETABLE_RANGE * max(shortest, 0.75 * scenario.travel_time_s)) + 1)
         self.param.update(
+            edits=dict(edits),
             travel_time_range_s=(start, end),
-            travel_time_s=round(base.travel_time_s, 1),
-            load_percent=100 * base.vehicle.load_factor,
-            recuperation_percent=100 * base.vehicle.drive.recuperation_factor,
-            acceleration_time_s=base.enoc.acceleration_time_s,
+            travel_time_s=round(scenario.travel_time_s, 1),
+            load_percent=100 * scenario.vehicle.load_factor,
+            recuperation_percent=100 * scenario.vehicle.drive.recuperation_factor,
+            acceleration_time_s=scenario.enoc.acceleration_time_s,
         )
         self.param.trigger("travel_time_s")
 
@@ -83,16 +126,21 @@ class ScenarioModel(TypedParameters):
         return self.opened or load_scenario(self.preset)
 
     @property
+    def edited(self) -> Scenario:
+        """The base with its edited keys, without the sliders' values."""
+        return self.base.with_(**self.edits) if self.edits else self.base
+
+    @property
     def changes(self) -> Mapping[str, Any]:
-        """The keys of the file that differ from the shipped scenario."""
-        base = self.base
+        """The keys of the file that differ from the shipped scenario, in the order in which they count."""
+        before = self.edited
         values = {
-            "timetable.travel_time_s": (self.travel_time_s, round(base.travel_time_s, 1)),
-            "vehicle.load_factor": (self.load_percent / 100, base.vehicle.load_factor),
-            "drive.recuperation_factor": (self.recuperation_percent / 100, base.vehicle.drive.recuperation_factor),
-            "enoc.acceleration_time_s": (self.acceleration_time_s, base.enoc.acceleration_time_s),
+            "timetable.travel_time_s": (self.travel_time_s, round(before.travel_time_s, 1)),
+            "vehicle.load_factor": (self.load_percent / 100, before.vehicle.load_factor),
+            "drive.recuperation_factor": (self.recuperation_percent / 100, before.vehicle.drive.recuperation_factor),
+            "enoc.acceleration_time_s": (self.acceleration_time_s, before.enoc.acceleration_time_s),
         }
-        return {key: now for key, (now, before) in values.items() if now != before}
+        return {**self.edits, **{key: now for key, (now, old) in values.items() if now != old}}
 
     def scenario(self) -> Scenario:
         """Return the scenario as it stands.

@@ -118,7 +118,7 @@ class Sidebar:
         self.file.param.watch(self._open, "value")
         scenario.param.watch(self._name_scenario, ["preset", "opened"])
         scenario.param.watch(
-            self._describe, ["preset", "opened", "load_percent", "travel_time_s", "recuperation_percent"]
+            self._describe, ["preset", "opened", "edits", "load_percent", "travel_time_s", "recuperation_percent"]
         )
         scenario.param.watch(self._move_ends, "travel_time_range_s")
         state.param.watch(self._show_runs, "runs")
@@ -156,7 +156,7 @@ class Sidebar:
 
     def _describe(self, *_: Any) -> None:
         """Say which vehicle and line these are, and how many fields differ from the preset."""
-        base = self.state.scenario.base
+        base = self.state.scenario.edited
         name = html.escape(base.vehicle.name)
         self.vehicle.object = f'<div class="section">Vehicle <span>\u00b7 {name}</span></div>'
         self.line.object = f'<div class="section">Line</div>{line_rows(self.state)}'
@@ -240,7 +240,7 @@ class EnocField:
 
 def line_rows(state: Workbench) -> str:
     """Return what the line is like, in rows."""
-    line = state.scenario.base.line.in_running_order()
+    line = state.scenario.edited.line.in_running_order()
     gradients = [section.gradient_permille for section in line.sections]
     length = words.number(line.length_m / 1000, 1 if line.length_m >= 1000 else 2)
     if min(gradients) == max(gradients):

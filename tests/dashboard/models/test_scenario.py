@@ -73,3 +73,29 @@ def test_numbers_as_people_type_them(model: ScenarioModel, text: str, number: fl
 def test_what_is_no_value_is_refused_with_its_bound(model: ScenarioModel, field: str, text: str, sentence: str) -> None:
     with pytest.raises(ValueError, match=f"^{sentence}$"):
         model.parse(field, text)
+
+
+def test_edited_keys_lie_under_the_sliders(model: ScenarioModel) -> None:
+    model.load_percent = 30.0
+    model.edit({"vehicle.auxiliary_power_kw": 40.0, "vehicle.load_factor": 0.6})
+    assert dict(model.edits) == {"vehicle.auxiliary_power_kw": 40.0}
+    assert model.load_percent == 60.0
+    assert model.scenario().vehicle.auxiliary_power_kw == 40.0
+    model.take_back("vehicle.auxiliary_power_kw")
+    assert dict(model.changes) == {"vehicle.load_factor": 0.6}
+
+
+def test_a_table_replaces_what_was_edited_in_it(model: ScenarioModel) -> None:
+    model.edit({"line.speed_limits": [{"from_m": 100.0, "to_m": 200.0, "limit_kmh": 50.0}]})
+    model.edit({"line": {"preset": "liashenko-i"}})
+    assert dict(model.edits) == {"line": {"preset": "liashenko-i"}}
+    assert model.scenario().line == load_scenario("liashenko-i").line
+
+
+@pytest.mark.parametrize("changes", [{"vehicle.load_factor": 2.0}, {"vehicle.tare_kg": 1e9}, {"vehicle.wings": 2}])
+def test_an_edit_out_of_bounds_changes_nothing(model: ScenarioModel, changes: dict[str, float]) -> None:
+    model.edit({"vehicle.auxiliary_power_kw": 40.0})
+    before = model.scenario()
+    with pytest.raises(RailjouleError):
+        model.edit({**changes, "vehicle.auxiliary_power_kw": 10.0})
+    assert model.scenario() == before
