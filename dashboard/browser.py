@@ -10,7 +10,7 @@ from typing import Any
 import param
 from panel.custom import JSComponent
 
-ESM = """
+DEEP_JS = """
 const deep = (selector) => {
   const found = [];
   const walk = (root) => {
@@ -21,7 +21,11 @@ const deep = (selector) => {
   return found;
 };
 const chart_of = (element) => [...element.classList].find((name) => name.startsWith("rj-chart-"))?.slice(9);
-
+"""
+"""Finds elements in all shadow roots, and the name of a chart."""
+ESM = (
+    DEEP_JS
+    + """
 export function render({model}) {
   const dark = window.matchMedia("(prefers-color-scheme: dark)");
   const theme = () => document.documentElement.classList.toggle("rj-dark", model.dark);
@@ -67,7 +71,7 @@ export function render({model}) {
   return document.createElement("span");
 }
 """
-
+)
 
 FIRST_CHARTS = ("energy", "line", "phases", "speed")
 """What a desktop window shows at first; the page is sent with these charts drawn."""
