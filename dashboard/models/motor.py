@@ -33,10 +33,10 @@ class MotorModel(TypedParameters):
     precompensator = param.Boolean(default=True, doc="Whether the reference leads by the lag of the loop.")
     bandwidth_rads = param.Number(default=LOOP.bandwidth_rads, bounds=(1.0, 50.0), doc="Bandwidth of the loop, rad/s")
     rotor_resistance_factor = param.Number(
-        default=LOOP.rotor_resistance_factor, bounds=(0.25, 4.0), doc="Real rotor resistance over the one believed."
+        default=LOOP.rotor_resistance_factor, bounds=(0.2, 5.0), doc="Rotor resistance believed, over the true one."
     )
     flux = param.Selector(default=LOOP.flux, objects=list(FLUXES), doc="How the rotor flux is chosen.")
-    speed_noise_rads = param.Number(default=0.0, bounds=(0.0, 10.0), doc="Noise of the measured speed, rad/s")
+    speed_noise_rads = param.Number(default=0.0, bounds=(0.0, 100.0), doc="Noise of the measured speed, rad/s")
     noise_seed = param.Integer(default=LOOP.noise_seed, bounds=(0, 2**31), doc="Seed of the noise")
     max_phase_voltage_v = param.Number(default=None, allow_None=True, bounds=(1.0, 1e5), doc="Largest voltage, V")
     max_current_a = param.Number(default=None, allow_None=True, bounds=(1.0, 1e5), doc="Largest current, A")

@@ -192,7 +192,7 @@ class RippleWish:
 
 def compute_ripple(wish: RippleWish) -> Ripple:
     """Return currents under switched voltage around a time, which is kept within the run."""
-    return current_ripple(wish.run, min(max(wish.at_s, 0.0), float(wish.run.time_s[-1])))
+    return current_ripple(wish.run, min(max(wish.at_s, float(wish.run.time_s[0])), float(wish.run.time_s[-1])))
 
 
 def compute_detuning(wish: LoopWish) -> Iterator[DetuningTable]:

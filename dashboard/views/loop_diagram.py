@@ -174,6 +174,7 @@ DRAWINGS = (WIDE, NARROW)
 
 STYLE = """
 :host { display: block; font-family: var(--rj-font); }
+:host > div { width: 100%; }
 svg { display: block; width: 100%; height: auto; }
 svg.wide { max-width: 1180px; } svg.narrow { max-width: 420px; display: none; }
 @media (max-width: 899px) { svg.wide { display: none; } svg.narrow { display: block; } }

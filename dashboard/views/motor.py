@@ -70,9 +70,9 @@ PART_WORDS = {
     "shaft": "Shaft",
     "stator_copper": "Stator copper, torque current",
     "rotor_copper": "Rotor copper",
-    "magnetising_copper": "Stator copper, magnetising",
+    "magnetising": "Stator copper, magnetising",
     "iron": "Iron",
-    "stored": "Stored in the fields",
+    "stored": "Stored in the magnetic fields",
 }
 LIMIT_WORDS = {"current": "The current limit", "voltage": "The voltage limit"}
 
@@ -119,7 +119,7 @@ class MotorView(ChartPage):
             label="Open the scenario that has one",
             variant="outlined",
             size="small",
-            margin=(4, 20),
+            margin=(10, 20),
             on_click=lambda _: state.scenario.choose(MACHINE_SCENARIO),
         )
         self.missing = parts.stack(self.no_machine, self.open, visible=False)
@@ -263,7 +263,7 @@ def run_figures(run: FieldOrientedRun) -> list[str]:
             "Magnetising loss",
             words.energy(magnetising),
             "kWh",
-            f"{words.number(100 * magnetising / by_input if by_input else 0.0)} %, not in the plan",
+            f"{words.energy(run.paper_energy_kwh)} kWh without it",
         ),
         parts.figure(
             "Tracking error", *length(run.max_tracking_error_m), f"{' '.join(length(run.final_error_m))} at the end"
@@ -272,7 +272,7 @@ def run_figures(run: FieldOrientedRun) -> list[str]:
             "Peak current",
             words.number(run.max_current_a, 0),
             "A",
-            f"least torque current {words.number(run.min_torque_current_a, 0)}",
+            f"torque {words.number(run.min_torque_current_a, 0)} to {words.number(run.max_torque_current_a, 0)}",
         ),
         parts.figure("Peak voltage", words.number(run.max_phase_voltage_v, 0), "V", "of a phase"),
         parts.figure("Arrival", words.signed(run.delay_s, 2), "s", "against the plan", "extra"),

@@ -36,7 +36,7 @@ class MotorFields:
         )
         self.control = [
             TypedNumber(model, "bandwidth_rads", "Bandwidth, rad/s", digits=1, unit="rad/s"),
-            TypedNumber(model, "rotor_resistance_factor", "Rotor resistance, real / believed", digits=2, unit=""),
+            TypedNumber(model, "rotor_resistance_factor", "Believed resistance, \u00d7", digits=2, unit=""),
             TypedNumber(model, "speed_noise_rads", "Noise of speed, rad/s", digits=2, unit="rad/s"),
             TypedNumber(model, "noise_seed", "Its seed", digits=0, unit=""),
         ]
@@ -63,7 +63,7 @@ class MotorFields:
             value=0, variant="determinate", margin=(0, 16, 4, 16), sizing_mode="stretch_width", visible=False
         )
         self.view = stack(
-            html_pane('<div class="section">Controller</div>'),
+            html_pane('<div class="section">Controller <span>\u00b7 rotor resistance \u00d7 true</span></div>'),
             self.precompensator,
             self.flux,
             *(field.view for field in self.control),
@@ -92,4 +92,4 @@ class MotorFields:
         self.progress.visible = self.stop.visible = model.studying
         if model.studying:
             table = model.detuning
-            self.progress.value = 0 if table is None else int(100 * table.done / len(table.rotor_resistance_factors))
+            self.progress.value = 0 if table is None else int(100 * table.done / len(table.rotor_resistance_factor))

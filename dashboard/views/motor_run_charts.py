@@ -9,6 +9,7 @@ from bokeh.models import ColumnDataSource, Range1d
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.simulate.field_oriented import FieldOrientedRun, Ripple
+from railjoule.core.studies.detuning import DetuningTable
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import DASHES
@@ -16,8 +17,8 @@ from railjoule.dashboard.views.charts import Axis, Chart, DistanceChart, add_zer
 from railjoule.dashboard.views.figures import captioned, empty_figure
 from railjoule.dashboard.views.run_lines import DRIVEN_DASH
 
-HEADROOM, NAME_PLACE = 0.24, 0.97
-"""Room above the lines for their names, over the lines' range; height of the names."""
+NAMES_PX, BORDERS_PX = 22, 9
+"""Room above the lines for their names; what a figure takes above and below its frame."""
 BAND_ALPHA = 0.16
 MS_PER_S = 1e3
 
@@ -128,17 +129,17 @@ TRACKING_FINE = Quantity(
     "The same with pre-compensator, mm",
     "mm",
     3,
-    (Line("with", "accent", over_time("tracking_error_m", 1e3), "with"),),
+    (Line("", "accent", over_time("tracking_error_m", 1e3), "with"),),
     ticks=3,
 )
 CURRENTS = Quantity(
     "loop_currents",
-    "Currents of one motor, A: torque i\u209b, flux i\u2090",
+    "Currents of one motor, A",
     "A",
     1,
     (
-        Line("flux current", "phases", over_time("flux_current_a"), stroke=DASHED),
-        Line("torque current", "accent", over_time("torque_current_a")),
+        Line("flux current, d axis", "phases", over_time("flux_current_a"), stroke=DASHED),
+        Line("torque current, q axis", "accent", over_time("torque_current_a")),
     ),
 )
 VOLTAGE = Quantity(
@@ -206,6 +207,7 @@ class LoopChart(DistanceChart):
             text_color="colour",
             source=self.sources["names"],
             text_baseline="top",
+            y_offset=2,
             **text_style(),
         )
 
@@ -222,10 +224,13 @@ class LoopChart(DistanceChart):
             low, high = min(low, float(values.min())), max(high, float(values.max()))
             drawn.append(line)
         self.told["sources"] = [[line.word, self.sources[line.word]] for line in drawn]
-        bottom, _ = nice_range(low, high)
-        top = high + HEADROOM * max(high - low, 1e-9)
-        self.set_range(bottom if low < 0 else 0.0, top)
-        self._name(drawn, bottom + NAME_PLACE * (top - bottom))
+        bottom, top = nice_range(low, high)
+        bottom = bottom if low < 0 else 0.0
+        if any(line.word for line in drawn):
+            frame_px = self.height - BORDERS_PX
+            top = high + (high - bottom) * NAMES_PX / (frame_px - NAMES_PX)
+        self.set_range(bottom, top)
+        self._name(drawn, top)
         self._mark(runs.get("run"))
 
     def _name(self, lines: list[Line], height: float) -> None:
@@ -247,7 +252,7 @@ class PlaceChart(Chart):
     """Speed over position, planned and actual."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("loop_place", "Speed, km/h, over position, m", height)
+        super().__init__("loop_place", "Speed, km/h, over position, m; dashed: actual", height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
 
     def build(self) -> None:
@@ -274,7 +279,7 @@ class RippleChart(Chart):
     """Current of one phase under switched voltage, and its average."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("ripple", "Current of one phase, A, over milliseconds: switched, and as averaged", height)
+        super().__init__("ripple", "Switched current of one phase, A, over milliseconds; dashed: averaged", height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
 
     def build(self) -> None:
@@ -304,7 +309,7 @@ class DetuningChart(Chart):
     """What a rotor resistance costs that is not the one that the controller believes."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        words = "More energy, %, over real rotor resistance / believed"
+        words = "More energy, %, over rotor resistance believed / true"
         super().__init__("detuning", words, height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
 
@@ -320,3 +325,17 @@ class DetuningChart(Chart):
         self.palette.paint(line.glyph, line_color="accent")
         self.palette.paint(points.glyph, fill_color="accent", line_color="surface")
         self.content = captioned(self.words, f)
+
+    def draw(self, table: DetuningTable) -> None:
+        """Draw what is known so far, against the controller that believes the true resistance."""
+        factors, energy = table.rotor_resistance_factor, table.energy_kwh
+        known = np.isfinite(energy)
+        tuned = float(energy[np.argmin(np.abs(factors - 1))])
+        self.x_range.update(start=float(factors[0]), end=float(factors[-1]))
+        if not np.isfinite(tuned):
+            clear(self.curve)
+            return
+        more = 100 * (energy[known] / tuned - 1)
+        self.curve.data = xy(factors[known], more)
+        low, high = nice_range(min(0.0, float(more.min())), max(1e-3, float(more.max())), 0.1)
+        self.y_range.update(start=low, end=high)

@@ -1,0 +1,103 @@
+"""The page Motor without a browser: what its charts, numbers and sentences show."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+
+from railjoule.dashboard.browser import Browser
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.motor import Motor
+from railjoule.dashboard.views.motor import HEIGHTS, MotorView, length
+
+
+@pytest.fixture(scope="module")
+def opened() -> MotorView:
+    """The page with all its charts in sight."""
+    state = Workbench()
+    Motor(state)
+    state.scenario.choose("ftorek-300s")
+    state.chosen = "enoc"
+    state.page = "Motor"
+    return MotorView(state, Browser(started=True, charts_in_sight=sorted(HEIGHTS)), Palette(dark=False))
+
+
+@pytest.fixture
+def view(opened: MotorView) -> Iterator[MotorView]:
+    """The same page; what a test changes is put back."""
+    yield opened
+    opened.model.param.update(precompensator=True, max_phase_voltage_v=1732.0)
+
+
+def test_charts_draw_the_run(view: MotorView) -> None:
+    run = view.model.run
+    assert run is not None
+    charts = view.loops
+    assert charts["loop_speed"].sources["planned"].data["y"][-1] == pytest.approx(0.0, abs=1e-6)
+    assert max(charts["loop_currents"].sources["torque current, q axis"].data["y"]) == pytest.approx(
+        run.torque_current_a.max()
+    )
+    energy = charts["loop_energy"].sources
+    assert energy["by input power"].data["y"][-1] == pytest.approx(energy["by parts"].data["y"][-1], rel=5e-4)
+    assert list(charts["loop_speed"].sources["bands"].data["from"]) == []
+    assert charts["loop_speed"].sources["names"].data["text"] == ["planned", "actual"]
+    assert len(view.place.actual.data["x"]) == len(run.position_m)
+    assert len(view.map.points.data["x"]) > 100
+
+
+def test_the_precompensator_is_what_keeps_the_train_on_its_reference(view: MotorView) -> None:
+    lines = view.loops["tracking"].sources
+    # findings on Ftorek: without it up to 7.2 m
+    assert np.abs(lines["without pre-compensator"].data["y"]).max() == pytest.approx(7.2, abs=0.1)
+    assert np.abs(lines["with"].data["y"]).max() < 0.05
+    fine = view.loops["tracking_fine"].sources[""].data["y"]
+    assert np.abs(fine).max() < 50.0
+    assert "mm" in view.figures.object
+    view.model.precompensator = False
+    assert '<span>m</span></div><div class="detail">' in view.figures.object
+
+
+def test_both_strategies_of_the_paper_go_through_the_loop(view: MotorView) -> None:
+    currents = view.loops["rival_current"].sources
+    # Table 2 of the paper: greatest torque current of ENOC at 300 s, here with its corners
+    assert max(currents["ENOC"].data["y"]) == pytest.approx(228.0, rel=0.1)
+    assert max(currents["EOC"].data["y"]) > max(currents["ENOC"].data["y"])
+
+
+def test_a_limit_that_holds_the_drive_is_told_and_marked(view: MotorView) -> None:
+    assert view.held.object == ""
+    view.model.max_phase_voltage_v = 400.0
+    assert "The voltage limit</span> held the drive from" in view.held.object
+    assert len(view.loops["loop_voltage"].sources["bands"].data["from"]) > 0
+
+
+def test_parts_of_the_energy_are_listed_with_the_magnetising_loss_by_name(view: MotorView) -> None:
+    assert "Stator copper, magnetising" in view.account.object
+    assert "Magnetising loss" in view.figures.object
+    assert "Input power, integrated" in view.account.object
+
+
+def test_a_scenario_without_machine_offers_one_that_has(view: MotorView) -> None:
+    view.state.scenario.choose("liashenko-ii")
+    assert view.missing.visible
+    assert not view.body.visible
+    assert "has no induction machine" in view.no_machine.object
+    view.open.clicks += 1
+    assert not view.missing.visible
+    assert view.body.visible
+    assert view.model.run is not None
+
+
+def test_the_study_shows_what_came(view: MotorView) -> None:
+    assert not view.detuning.place.visible
+    view.model.param.trigger("study")
+    assert view.detuning.place.visible
+    assert len(view.detuning.curve.data["x"]) > 3
+
+
+@pytest.mark.parametrize(
+    ("metres", "expected"), [(5.5e-5, ("0.06", "mm")), (0.05, ("50.00", "mm")), (7.175, ("7.17", "m"))]
+)
+def test_small_lengths_are_told_in_millimetres(metres: float, expected: tuple[str, str]) -> None:
+    assert length(metres) == expected
