@@ -42,7 +42,7 @@ class Motor:
         self._taken: Any = None
         state.scenario.param.watch(self._take_scenario, ["preset", "opened"])
         state.scenario.param.watch(self._take_edits, "edits")
-        state.scenario.param.watch(self._ask, list(PLAN_FIELDS))
+        state.scenario.param.watch(self._ask, [*PLAN_FIELDS, "acceleration_time_s"])
         state.param.watch(self._ask, ["page", "chosen"])
         self.model.param.watch(self._ask, list(CONTROL_FIELDS))
         self.model.param.watch(self._ask_ripple, "ripple_at_s")

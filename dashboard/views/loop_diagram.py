@@ -258,7 +258,9 @@ class LoopDiagram(JSComponent):
     def __init__(self, **params: object) -> None:
         charts = {name: list(block.charts) for name, block in BLOCKS.items()}
         drawing = "".join(diagram(kind) for kind in DRAWINGS)
-        super().__init__(**{"drawing": drawing, "charts": charts, "stylesheets": [STYLE], **params})
+        super().__init__(
+            **{"drawing": drawing, "charts": charts, "sizing_mode": "stretch_width", "stylesheets": [STYLE], **params}
+        )
 
 
 def diagram(drawing: Drawing) -> str:

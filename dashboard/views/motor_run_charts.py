@@ -138,8 +138,8 @@ CURRENTS = Quantity(
     "A",
     1,
     (
-        Line("flux current, d axis", "phases", over_time("flux_current_a"), stroke=DASHED),
-        Line("torque current, q axis", "accent", over_time("torque_current_a")),
+        Line("flux current", "phases", over_time("flux_current_a"), stroke=DASHED),
+        Line("torque current", "accent", over_time("torque_current_a")),
     ),
 )
 VOLTAGE = Quantity(
@@ -155,7 +155,7 @@ VOLTAGE = Quantity(
 FLUX = Quantity("loop_flux", "Rotor flux, V s", "V s", 3, (Line("", "accent", over_time("rotor_flux_vs")),), 3, 1)
 ENERGY = Quantity(
     "loop_energy",
-    "Energy drawn so far, kWh: input power integrated, and the sum of its parts",
+    "Energy drawn so far, kWh",
     "kWh",
     3,
     (
