@@ -55,9 +55,7 @@ class SimulationOptions(Part):
 
     kind: Literal["following", "field_oriented"] = Field("following", description="Which simulation.")
     precompensator: bool = Field(True, strict=True, description="Cancel the lag of the position control.")
-    bandwidth_rads: Number = Field(
-        10.0, ge=1, le=50, description="Threefold pole of the closed position loop [rad/s]."
-    )
+    bandwidth_rads: Number = Field(10.0, ge=1, le=50, description="Threefold pole of the closed position loop [rad/s].")
     rotor_resistance_factor: Number = Field(
         1.0, ge=0.2, le=5, description="Rotor resistance that the motor control believes in, over the true one."
     )

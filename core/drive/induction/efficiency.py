@@ -50,9 +50,8 @@ def fill_efficiency(
             current = math.hypot(flux_current, torque_current)
             largest = driving_current_a if torque >= 0.0 else braking_current_a
             shaft = torque_nm[i] * speed_rads[j]
-            if (
-                current > largest * (1.0 + ALLOWED_EXCESS)
-                or phase_voltage_v(state) > machine.max_phase_voltage_v * (1.0 + ALLOWED_EXCESS)
+            if current > largest * (1.0 + ALLOWED_EXCESS) or phase_voltage_v(state) > machine.max_phase_voltage_v * (
+                1.0 + ALLOWED_EXCESS
             ):
                 efficiency[i, j] = np.nan
             elif shaft > 0.0:

@@ -117,7 +117,9 @@ def traction_machines(drive: DriveParameters) -> TractionMachines:
         )
     if not isinstance(drive, CopperLoss):
         model = getattr(drive, "model", "")
-        raise ScenarioError(f"drive.model = '{model}' has no induction machine; 'induction' and 'copper_loss' may have one.")
+        raise ScenarioError(
+            f"drive.model = '{model}' has no induction machine; 'induction' and 'copper_loss' may have one."
+        )
     if drive.machine is None:
         raise ScenarioError("drive.machine is missing: of its motors this drive knows only the resistance.")
     return TractionMachines(

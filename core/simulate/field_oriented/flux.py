@@ -11,7 +11,7 @@ from railjoule.core.drive.induction.traction import TractionMachines
 from railjoule.core.motion import Course
 from railjoule.core.simulate.field_oriented.reference import Reference
 
-VOLTAGE_RESERVE = 0.05
+VOLTAGE_RESERVE = 0.02
 """Share of the voltage that is kept for the control."""
 LEAST_FLUX_SHARE = 0.2
 """Of the rated flux, so that the machine is ready."""

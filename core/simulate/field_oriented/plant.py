@@ -215,7 +215,9 @@ def fill_rates(
     r_both, a_believed = r_s + believed_r, believed_r / l_m
     error_d, error_q = wanted_i_d - i_d, allowed_i_q - i_q
     wanted_u_d = l_s * (fast * error_d + state[SUM_D]) + r_both * i_d - frame * l_s * i_q - a_believed * believed_psi
-    wanted_u_q = l_s * (fast * error_q + state[SUM_Q]) + r_both * i_q + frame * l_s * i_d + p * believed_w * believed_psi
+    wanted_u_q = (
+        l_s * (fast * error_q + state[SUM_Q]) + r_both * i_q + frame * l_s * i_d + p * believed_w * believed_psi
+    )
     u_max = plant.max_phase_voltage_v
     u_d = min(max(wanted_u_d, -u_max), u_max)
     left = math.sqrt(max(u_max * u_max - u_d * u_d, 0.0))
@@ -230,7 +232,7 @@ def fill_rates(
 
     # the train
     moving = min(max(v / CREEP_MS, -1.0), 1.0)
-    running = (plant.resistance_constant_n + (plant.resistance_linear + way.resistance_quadratic[cell] * abs(v)) * abs(v))
+    running = plant.resistance_constant_n + (plant.resistance_linear + way.resistance_quadratic[cell] * abs(v)) * abs(v)
     running *= moving
     curve = way.curve_force_n[cell] * moving
     friction = plant.mechanical_loss_torque_nm * moving

@@ -21,6 +21,8 @@ CARRIER_HZ = 1000.0
 """Assumed: what traction inverters of this size reach."""
 SAMPLES_A_PERIOD = 100
 LONGEST_WINDOW_S = 1.0
+LEAD_IN_PERIODS = 300
+"""So many periods of the carrier before the window, the direct current of switching on dies away."""
 THIRD = 2.0 * math.pi / 3.0
 
 
@@ -74,7 +76,7 @@ def current_ripple(run: FieldOrientedRun, at_s: float, window_s: float = 0.01) -
     )
     psi = flux * circuit.magnetising_inductance_h / machine.mutual_inductance_h
     rotor_rads = machine.pole_pairs * machines.turns_per_metre * speed
-    steps = max(int(round(window_s * CARRIER_HZ * SAMPLES_A_PERIOD)), 2)
+    steps = max(round(window_s * CARRIER_HZ * SAMPLES_A_PERIOD), 2)
     found = np.empty((3, steps))
     fill_ripple(
         np.array(
@@ -143,19 +145,24 @@ def fill_ripple(
     frame = rotor_rads + slip
     u_d = r_s * flux_current_a - frame * l_s * torque_current_a
     u_q = r_s * torque_current_a + frame * (l_s * flux_current_a + flux_vs)
-    switched_i, switched_psi = complex(flux_current_a, torque_current_a), complex(flux_vs, 0.0)
+    lead = LEAD_IN_PERIODS * SAMPLES_A_PERIOD
+    back = complex(math.cos(frame * lead * step_s), -math.sin(frame * lead * step_s))
+    switched_i, switched_psi = complex(flux_current_a, torque_current_a) * back, flux_vs * back
     average_i, average_psi = switched_i, switched_psi
     duty_a = duty_b = duty_c = 0.5
     reach = 0.5 * SAMPLES_A_PERIOD
+    # a voltage that stands still for a period is worth less than one that turns with the flux
+    half_turn = frame * reach * step_s
+    raised = half_turn / math.sin(half_turn) if abs(half_turn) > 1e-6 else 1.0
     decay = complex(-(r_s + r_r), 0.0)
     pull = complex(r_r / l_m, -rotor_rads)
     turn = complex(-r_r / l_m, rotor_rads)
-    for i in range(found.shape[1]):
+    for i in range(-lead, found.shape[1]):
         inside = i % SAMPLES_A_PERIOD
         if inside == 0:
             # the voltage wanted in the middle of the period, at its two levels on average over it
             angle = frame * (i + reach) * step_s
-            wanted = complex(u_d, u_q) * complex(math.cos(angle), math.sin(angle))
+            wanted = raised * complex(u_d, u_q) * complex(math.cos(angle), math.sin(angle))
             duty_a, duty_b, duty_c = _leg_duties(link_v, wanted.real, wanted.imag)
         # a leg is up where the triangle lies below its duty; within a sample the share of it counts
         a = _share_up(duty_a, inside)
@@ -164,7 +171,8 @@ def fill_ripple(
         voltage = complex(link_v * (2.0 * a - b - c) / 3.0, link_v * (b - c) / math.sqrt(3.0))
         angle = frame * (i + 0.5) * step_s
         smooth = complex(u_d, u_q) * complex(math.cos(angle), math.sin(angle))
-        found[0, i], found[1, i], found[2, i] = switched_i.real, voltage.real, average_i.real
+        if i >= 0:
+            found[0, i], found[1, i], found[2, i] = switched_i.real, voltage.real, average_i.real
         for part in range(2):
             current = switched_i if part == 0 else average_i
             psi = switched_psi if part == 0 else average_psi

@@ -20,7 +20,7 @@ class Saturation(NamedTuple):
     what : str
         Which limit.
     lag_m : float
-        How far the train was behind the plan at most meanwhile [m].
+        How far the train was behind the plan at most meanwhile, negative where it was ahead [m].
     """
 
     start_s: float
@@ -64,6 +64,8 @@ class FieldOrientedRun:
         Energy so far, as the integral of the machines' input power [J].
     energy_by_parts_j : array
         The same as the sum of its parts [J].
+    magnetising_so_far_j : array
+        What of it the magnetising current has lost in the stator so far; the paper's account leaves that out [J].
     parts_j : dict of str to float
         Those parts at the end: shaft, stator_copper, rotor_copper, magnetising, iron, stored [J].
     max_tracking_error_m, final_error_m : float
@@ -75,7 +77,8 @@ class FieldOrientedRun:
     max_phase_voltage_v : float
         Largest amplitude of the voltage [V].
     delay_s : float
-        How much later than planned it passes the place a tenth of a metre before its end [s].
+        How much later than planned it passes the place a tenth of a metre before its end [s]; where it overruns its
+        end, how much later it stands.
     saturated : tuple of Saturation
         When limits held the machines back.
     notes : tuple of str
@@ -100,6 +103,7 @@ class FieldOrientedRun:
     line_power_w: FloatArray
     energy_by_input_power_j: FloatArray
     energy_by_parts_j: FloatArray
+    magnetising_so_far_j: FloatArray
     parts_j: dict[str, float]
     max_tracking_error_m: float
     final_error_m: float

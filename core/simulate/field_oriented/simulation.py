@@ -155,8 +155,10 @@ def _run(
     time = reference.start_s + step * keep_every * np.arange(kept)
     # the last sample is that of the stop, and lies between two others
     time[-1] = max(reference.start_s + states[kept - 1, p.ELAPSED], time[-2] + step)
-    planned_arrival = float(np.interp(arrival, planned, reference.time_s))
-    delay = reference.start_s + float(peaks[p.ARRIVAL]) - planned_arrival
+    if states[kept - 1, p.X] > end + ARRIVAL_M:
+        delay = float(time[-1] - plan.time_s[-1])
+    else:
+        delay = reference.start_s + float(peaks[p.ARRIVAL]) - float(np.interp(arrival, planned, reference.time_s))
     return _Record(time, states[:kept], extras[:kept], peaks, plan.position_at(time), delay)
 
 
@@ -244,6 +246,7 @@ def _told(
         line_power_w=frozen_array(extras[:, p.LINE_POWER] + course.data.auxiliary_power_w),
         energy_by_input_power_j=frozen_array(states[:, p.INPUT]),
         energy_by_parts_j=frozen_array(by_parts),
+        magnetising_so_far_j=frozen_array(states[:, p.MAGNETISING]),
         parts_j={
             "shaft": float(states[-1, p.SHAFT]),
             "stator_copper": float(states[-1, p.STATOR]),
@@ -260,7 +263,7 @@ def _told(
         max_phase_voltage_v=float(peaks[p.MAX_VOLTAGE]),
         delay_s=record.delay_s,
         saturated=saturated,
-        notes=_notes(scenario, machines, flux, record, saturated),
+        notes=_notes(scenario, machines, flux, record, saturated, float(planned.position_m[-1])),
     )
 
 
@@ -301,6 +304,7 @@ def _notes(
     flux: FluxPlan,
     record: _Record,
     saturated: tuple[Saturation, ...],
+    end_m: float,
 ) -> tuple[str, ...]:
     notes = ["The machines are magnetised before the departure; the account begins with it."]
     machine = machines.machine
@@ -314,14 +318,23 @@ def _notes(
         "voltage": f"{machine.max_phase_voltage_v:.0f} V a phase",
     }
     for span in saturated:
+        if abs(span.lag_m) < NOTICEABLE_LAG_M:
+            continue
+        behind = "behind" if span.lag_m > 0 else "ahead of"
         place = float(np.interp(span.start_s, record.time_s, record.states[:, p.X]))
         notes.append(
             f"From {place:.0f} m, {span.start_s:.1f} s to {span.end_s:.1f} s, the {span.what} limit of "
-            f"{limits[span.what]} holds the train back; it is up to {span.lag_m:.2f} m behind the plan."
+            f"{limits[span.what]} holds the machines back; the train is up to {abs(span.lag_m):.2f} m {behind} "
+            "the plan."
         )
+    beyond = float(record.states[-1, p.X]) - end_m
+    if beyond > ARRIVAL_M:
+        notes.append(f"The train stands {beyond:.1f} m beyond its end: its machines do not brake as planned.")
     factor = scenario.simulation.rotor_resistance_factor
     if factor != 1:
-        notes.append(f"The control takes the rotor resistance for {factor:g} times what it is: its flux is off its axis.")
+        notes.append(
+            f"The control takes the rotor resistance for {factor:g} times what it is: its flux is off its axis."
+        )
     return tuple(notes)
 
 
