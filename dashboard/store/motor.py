@@ -1,10 +1,12 @@
 """A plan through the control loop of its motors, what it is compared with, and what a detuned controller costs."""
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from railjoule.core import Scenario, SolverError, StrategyRefusedError, TimetableError, Trajectory
+from railjoule.core.arrays import frozen_array
 from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.drive import CopperLoss, Induction
 from railjoule.core.simulate.field_oriented import (
@@ -14,8 +16,8 @@ from railjoule.core.simulate.field_oriented import (
     simulate_field_oriented,
 )
 from railjoule.core.strategies import prepare_task, run_strategy
-from railjoule.core.studies.detuning import DetuningTable, detuning_steps
-from railjoule.core.studies.induction_map import induction_map, induction_points
+from railjoule.core.studies.detuning import FACTORS, DetuningTable, detuning_steps
+from railjoule.core.studies.induction_map import induction_map, machine_points
 from railjoule.core.studies.motor_map import MotorMap, OperatingPoints
 from railjoule.dashboard.store.refusals import named_refusals
 
@@ -23,6 +25,10 @@ MACHINE_SCENARIO = "ftorek-300s"
 """A shipped scenario whose drive has a machine."""
 RIVALS: tuple[StrategyName, ...] = ("eoc", "enoc")
 """The strategies that the paper compares."""
+MOST_POINTS = 150
+"""About so many points of a run are drawn in its machine's map."""
+NEAREST_FIRST = tuple(sorted(FACTORS, key=lambda factor: abs(math.log(factor))))
+"""Factors of the study, the right one first: the others are told against it."""
 
 
 @dataclass(frozen=True)
@@ -179,7 +185,10 @@ class MachineMap:
 
 def compute_machine_map(run: FieldOrientedRun) -> MachineMap:
     """Return the map of a run's machine with the run in it."""
-    return MachineMap(run, induction_map(run.scenario), induction_points(run))
+    points = machine_points(run)
+    every = slice(None, None, max(len(points.torque_nm) // MOST_POINTS, 1))
+    thinned = OperatingPoints(frozen_array(points.torque_nm[every]), frozen_array(points.speed_rads[every]))
+    return MachineMap(run, induction_map(run.scenario), thinned)
 
 
 @dataclass(frozen=True)
@@ -197,4 +206,4 @@ def compute_ripple(wish: RippleWish) -> Ripple:
 
 def compute_detuning(wish: LoopWish) -> Iterator[DetuningTable]:
     """Yield what a wrong rotor resistance costs as it is computed; errors as `compute_loop_run`."""
-    yield from detuning_steps(wish.in_loop(), wish.plan())
+    yield from detuning_steps(wish.in_loop(), NEAREST_FIRST, wish.plan())

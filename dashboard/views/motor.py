@@ -34,6 +34,7 @@ from railjoule.dashboard.views.motor_run_charts import (
     LoopChart,
     PlaceChart,
     RippleChart,
+    detuning_table,
 )
 
 HEIGHTS = {
@@ -85,8 +86,8 @@ class MotorView(ChartPage):
     def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
         super().__init__(state, browser, palette)
         self.model = state.motor
-        self.heading, self.figures, self.held, self.account, self.refusals, self.notes, self.no_machine = (
-            parts.html_pane() for _ in range(7)
+        self.heading, self.figures, self.held, self.account, self.refusals, self.notes, self.no_machine, self.costs = (
+            parts.html_pane() for _ in range(8)
         )
         self.diagram = LoopDiagram()
         self.axis = Axis(palette)
@@ -152,6 +153,7 @@ class MotorView(ChartPage):
             self.ripple.place,
             self.at.view,
             self.detuning.place,
+            self.costs,
             css=COLUMN_CSS,
         )
         diagram = parts.stack(self.diagram, css=DIAGRAM_CSS)
@@ -231,8 +233,9 @@ class MotorView(ChartPage):
     def _show_detuning(self, *_: Any) -> None:
         table = self.model.detuning
         with pn.io.hold():
-            self.detuning.place.visible = table is not None
+            self.detuning.place.visible = self.costs.visible = table is not None
             if table is not None:
+                self.costs.object = detuning_table(table)
                 self.detuning.show(partial(self.detuning.draw, table))
 
     def _show_texts(self, run: FieldOrientedRun) -> None:

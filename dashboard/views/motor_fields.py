@@ -92,4 +92,4 @@ class MotorFields:
         self.progress.visible = self.stop.visible = model.studying
         if model.studying:
             table = model.detuning
-            self.progress.value = 0 if table is None else int(100 * table.done / len(table.rotor_resistance_factor))
+            self.progress.value = 0 if table is None else int(100 * table.done / len(table.rotor_resistance_factors))

@@ -11,8 +11,10 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.simulate.field_oriented import FieldOrientedRun, Ripple
 from railjoule.core.studies.detuning import DetuningTable
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import DASHES
+from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.charts import Axis, Chart, DistanceChart, add_zero, clear, nice_range, text_style, xy
 from railjoule.dashboard.views.figures import captioned, empty_figure
 from railjoule.dashboard.views.run_lines import DRIVEN_DASH
@@ -328,14 +330,36 @@ class DetuningChart(Chart):
 
     def draw(self, table: DetuningTable) -> None:
         """Draw what is known so far, against the controller that believes the true resistance."""
-        factors, energy = table.rotor_resistance_factor, table.energy_kwh
-        known = np.isfinite(energy)
-        tuned = float(energy[np.argmin(np.abs(factors - 1))])
-        self.x_range.update(start=float(factors[0]), end=float(factors[-1]))
-        if not np.isfinite(tuned):
-            clear(self.curve)
-            return
-        more = 100 * (energy[known] / tuned - 1)
-        self.curve.data = xy(factors[known], more)
-        low, high = nice_range(min(0.0, float(more.min())), max(1e-3, float(more.max())), 0.1)
+        factors, more = detuning_cost(table)
+        self.curve.data = xy(factors, more)
+        ends = table.rotor_resistance_factors
+        self.x_range.update(start=min(ends), end=max(ends))
+        low, high = nice_range(float(np.min(more, initial=0.0)), float(np.max(more, initial=1e-3)), 0.1)
         self.y_range.update(start=low, end=high)
+
+
+def detuning_cost(table: DetuningTable) -> tuple[FloatArray, FloatArray]:
+    """Return the factors that are computed, rising, and how much more energy each takes than the right one [%]."""
+    factors = np.array(table.rotor_resistance_factors)
+    right = table.energy_kwh[np.argmin(np.abs(factors - 1))]
+    known = np.flatnonzero(np.isfinite(table.energy_kwh) & np.isfinite(right))
+    known = known[np.argsort(factors[known])]
+    return factors[known], 100 * (table.energy_kwh[known] / right - 1)
+
+
+def detuning_table(table: DetuningTable) -> str:
+    """Return what each factor that is computed makes of the run."""
+    rows = []
+    for factor, more in zip(*detuning_cost(table), strict=True):
+        k = table.rotor_resistance_factors.index(factor)
+        cells = (
+            f"{words.number(factor, 2)} \u00d7",
+            words.signed(more, 2),
+            words.number(table.max_current_a[k], 0),
+            words.number(table.max_phase_voltage_v[k], 0),
+            words.number(1e3 * table.max_tracking_error_m[k], 2),
+        )
+        rows.append((cells, factor == 1))
+    title = "A controller that believes in another rotor resistance"
+    header = ("Believed", "energy, %", "peak, A", "peak, V", "error, mm")
+    return f'<div style="padding:0 6px 0 50px">{parts.table(title, header, rows)}</div>'

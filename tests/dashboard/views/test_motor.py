@@ -1,6 +1,7 @@
 """The page Motor without a browser: what its charts, numbers and sentences show."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.motor import Motor
+from railjoule.dashboard.store import LoopWish, compute_detuning
 from railjoule.dashboard.views.motor import HEIGHTS, MotorView, length
 
 
@@ -37,9 +39,7 @@ def test_charts_draw_the_run(view: MotorView) -> None:
     assert run is not None
     charts = view.loops
     assert charts["loop_speed"].sources["planned"].data["y"][-1] == pytest.approx(0.0, abs=1e-6)
-    assert max(charts["loop_currents"].sources["torque current"].data["y"]) == pytest.approx(
-        run.torque_current_a.max()
-    )
+    assert max(charts["loop_currents"].sources["torque current"].data["y"]) == pytest.approx(run.torque_current_a.max())
     energy = charts["loop_energy"].sources
     assert energy["by input power"].data["y"][-1] == pytest.approx(energy["by parts"].data["y"][-1], rel=5e-4)
     assert list(charts["loop_speed"].sources["bands"].data["from"]) == []
@@ -64,8 +64,8 @@ def test_the_precompensator_is_what_keeps_the_train_on_its_reference(view: Motor
 
 def test_both_strategies_of_the_paper_go_through_the_loop(view: MotorView) -> None:
     currents = view.loops["rival_current"].sources
-    # Table 2 of the paper: greatest torque current of ENOC at 300 s, here with its corners
-    assert max(currents["ENOC"].data["y"]) == pytest.approx(228.0, rel=0.1)
+    # Table 2 of the paper, ENOC at 300 s; corners of the speed add a little
+    assert max(currents["ENOC"].data["y"]) == pytest.approx(196.2, rel=0.01)
     assert max(currents["EOC"].data["y"]) > max(currents["ENOC"].data["y"])
 
 
@@ -95,9 +95,17 @@ def test_a_scenario_without_machine_offers_one_that_has(view: MotorView) -> None
 
 def test_the_study_shows_what_came(view: MotorView) -> None:
     assert not view.detuning.place.visible
-    view.model.param.trigger("study")
+    empty = next(compute_detuning(LoopWish(view.state.scenario.scenario(), "enoc", {})))
+    energy = np.full(len(empty.energy_kwh), np.nan)
+    energy[:3] = 4.0, 4.4, 5.0
+    view.model.detuning = replace(empty, energy_kwh=energy, done=3)
     assert view.detuning.place.visible
-    assert len(view.detuning.curve.data["x"]) > 3
+    # in the order of the factors, against the right one
+    nearest = empty.rotor_resistance_factors[:3]
+    assert view.detuning.curve.data["x"] == sorted(nearest)
+    cost = dict(zip(view.detuning.curve.data["x"], view.detuning.curve.data["y"], strict=True))
+    assert [cost[factor] for factor in nearest] == pytest.approx([0.0, 10.0, 25.0])
+    assert view.costs.object.count("<tr") == 4
 
 
 @pytest.mark.parametrize(
