@@ -85,6 +85,8 @@ class Motor:
         if wish == self._asked:
             return
         self._asked = wish
+        self._stop()
+        self.model.detuning = None
         if not self.model.no_machine:
             self.run.ask(wish)
 

@@ -10,7 +10,7 @@ from railjoule.core.scenario.options import SimulationOptions
 from railjoule.core.simulate.field_oriented import FieldOrientedRun, Ripple
 from railjoule.core.studies.detuning import DetuningTable
 from railjoule.dashboard.models.numbers import TypedParameters
-from railjoule.dashboard.store import LoopRivals, MachineMap, limit_keys, limits_of
+from railjoule.dashboard.store import Limits, LoopRivals, MachineMap, limit_changes, limits_of
 
 LOOP = SimulationOptions()
 FLUXES = ("constant", "least_loss")
@@ -55,12 +55,10 @@ class MotorModel(TypedParameters):
     )
     no_machine = param.String(default="", doc="Why this scenario has no motor to show.")
 
-    _keys: Mapping[str, str] = {}
-
     def take(self, scenario: Scenario) -> None:
         """Take over what a scenario's file says of controller and machine."""
         options, limits = scenario.simulation, limits_of(scenario)
-        self._keys = limit_keys(scenario)
+        self._scenario = scenario
         self.param.update(
             precompensator=options.precompensator,
             bandwidth_rads=options.bandwidth_rads,
@@ -83,5 +81,11 @@ class MotorModel(TypedParameters):
             "simulation.flux": self.flux,
             "simulation.speed_noise_rads": float(self.speed_noise_rads),
             "simulation.noise_seed": int(self.noise_seed),
-            **{key: float(getattr(self, field)) for key, field in self._keys.items()},
+            **self._limits(),
         }
+
+    def _limits(self) -> Mapping[str, float]:
+        """Return the limits of the inverter, where there is one."""
+        if self.max_phase_voltage_v is None or self.max_current_a is None:
+            return {}
+        return limit_changes(self._scenario, Limits(float(self.max_phase_voltage_v), float(self.max_current_a)))

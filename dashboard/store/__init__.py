@@ -9,6 +9,7 @@ from railjoule.dashboard.store.disturbances import (
 )
 from railjoule.dashboard.store.motor import (
     MACHINE_SCENARIO,
+    Limits,
     LoopRivals,
     LoopRun,
     LoopWish,
@@ -19,7 +20,7 @@ from railjoule.dashboard.store.motor import (
     compute_machine_map,
     compute_ripple,
     compute_rivals,
-    limit_keys,
+    limit_changes,
     limits_of,
     machine_refusal,
 )
@@ -51,6 +52,7 @@ __all__ = [
     "LateArrivals",
     "LimitRun",
     "LimitTrip",
+    "Limits",
     "LimitsWish",
     "LoopRivals",
     "LoopRun",
@@ -85,7 +87,7 @@ __all__ = [
     "compute_storage",
     "compute_table",
     "compute_trade_off",
-    "limit_keys",
+    "limit_changes",
     "limits_of",
     "machine_refusal",
 ]

@@ -2,8 +2,10 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
+
+import numpy as np
 
 from railjoule.core import Scenario, SolverError, StrategyRefusedError, TimetableError, Trajectory
 from railjoule.core.arrays import frozen_array
@@ -25,8 +27,8 @@ MACHINE_SCENARIO = "ftorek-300s"
 """A shipped scenario whose drive has a machine."""
 RIVALS: tuple[StrategyName, ...] = ("eoc", "enoc")
 """The strategies that the paper compares."""
-MOST_POINTS = 150
-"""About so many points of a run are drawn in its machine's map."""
+DRAWN_POINTS = 120
+"""Of a run in its machine's map, at most."""
 NEAREST_FIRST = tuple(sorted(FACTORS, key=lambda factor: abs(math.log(factor))))
 """Factors of the study, the right one first: the others are told against it."""
 
@@ -65,20 +67,22 @@ def limits_of(scenario: Scenario) -> Limits | None:
     return None
 
 
-def limit_keys(scenario: Scenario) -> Mapping[str, str]:
-    """Return the limit behind each key of the file that sets one."""
+def limit_changes(scenario: Scenario, limits: Limits) -> Mapping[str, float]:
+    """Return limits of a scenario's inverter by the keys of its file.
+
+    Where driving and braking have currents of their own, the larger one is the limit, and bounds the other.
+    """
     drive = scenario.vehicle.drive
-    if isinstance(drive, Induction):
-        return {
-            "drive.max_phase_voltage_v": "max_phase_voltage_v",
-            "drive.starting_current_a": "max_current_a",
-            "drive.braking_current_a": "max_current_a",
-        }
-    if limits_of(scenario) is None:
-        return {}
+    if not isinstance(drive, Induction):
+        return {f"drive.machine.{name}": value for name, value in asdict(limits).items()}
+    currents = {
+        "drive.starting_current_a": drive.starting_current_a,
+        "drive.braking_current_a": drive.braking_current_a,
+    }
+    largest, limit = max(currents.values()), limits.max_current_a
     return {
-        "drive.machine.max_phase_voltage_v": "max_phase_voltage_v",
-        "drive.machine.max_current_a": "max_current_a",
+        "drive.max_phase_voltage_v": limits.max_phase_voltage_v,
+        **{key: limit if own == largest else min(own, limit) for key, own in currents.items()},
     }
 
 
@@ -185,10 +189,17 @@ class MachineMap:
 
 def compute_machine_map(run: FieldOrientedRun) -> MachineMap:
     """Return the map of a run's machine with the run in it."""
-    points = machine_points(run)
-    every = slice(None, None, max(len(points.torque_nm) // MOST_POINTS, 1))
-    thinned = OperatingPoints(frozen_array(points.torque_nm[every]), frozen_array(points.speed_rads[every]))
-    return MachineMap(run, induction_map(run.scenario), thinned)
+    found = induction_map(run.scenario)
+    return MachineMap(run, found, spread_points(machine_points(run), found))
+
+
+def spread_points(points: OperatingPoints, over: MotorMap) -> OperatingPoints:
+    """Return fewer points that lie evenly along the way of a run through a map."""
+    sizes = np.ptp(over.torque_nm), np.ptp(over.speed_rads)
+    steps = np.hypot(np.diff(points.torque_nm) / sizes[0], np.diff(points.speed_rads) / sizes[1])
+    way = np.append(0.0, np.cumsum(steps))
+    chosen = np.unique(np.searchsorted(way, np.linspace(0.0, way[-1], DRAWN_POINTS)).clip(max=len(way) - 1))
+    return OperatingPoints(frozen_array(points.torque_nm[chosen]), frozen_array(points.speed_rads[chosen]))
 
 
 @dataclass(frozen=True)

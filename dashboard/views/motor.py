@@ -35,6 +35,7 @@ from railjoule.dashboard.views.motor_run_charts import (
     PlaceChart,
     RippleChart,
     detuning_table,
+    length,
 )
 
 HEIGHTS = {
@@ -55,7 +56,9 @@ HEIGHTS = {
 }
 """Of each chart [px]: in usual, wide and narrow windows."""
 OF_RUN = ("loop_speed", "loop_currents", "loop_voltage", "loop_flux", "loop_energy")
-OF_RIVALS = ("tracking", "tracking_fine", "rival_speed", "rival_current", "rival_energy")
+LEFT = ("loop_speed", "tracking", "tracking_fine", "loop_currents", "loop_voltage", "loop_flux", "loop_energy")
+OF_TRACKING = ("tracking", "tracking_fine")
+OF_STRATEGIES = ("rival_speed", "rival_current", "rival_energy")
 LAYOUT_CSS = """
 :host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: 28px;
   padding: 8px 20px 12px 14px; align-items: start; }
@@ -75,6 +78,11 @@ PART_WORDS = {
     "iron": "Iron",
     "stored": "Stored in the magnetic fields",
 }
+QUESTION = (
+    '<div style="padding:8px 6px 0 50px"><h2>A wrong rotor resistance</h2><p class="note">The flux is found from the '
+    "rotor\u2019s resistance, which a warm rotor changes by up to a half. The study drives the plan with controllers "
+    "that believe in half to twice the true one.</p></div>"
+)
 LIMIT_WORDS = {"current": "The current limit", "voltage": "The voltage limit"}
 
 
@@ -123,6 +131,25 @@ class MotorView(ChartPage):
             margin=(10, 20),
             on_click=lambda _: state.scenario.choose(MACHINE_SCENARIO),
         )
+        self.question = parts.html_pane(QUESTION)
+        self.study = pmui.Button(
+            label="Run the study",
+            variant="outlined",
+            size="small",
+            margin=(8, 8, 4, 50),
+            on_click=lambda _: self.model.param.trigger("study"),
+        )
+        self.stop = pmui.Button(
+            label="Stop",
+            variant="text",
+            size="small",
+            margin=(8, 8, 4, 8),
+            visible=False,
+            on_click=lambda _: self.model.param.trigger("stop_study"),
+        )
+        self.progress = pmui.LinearProgress(
+            value=0, variant="determinate", margin=(4, 14, 4, 50), sizing_mode="stretch_width", visible=False
+        )
         self.missing = parts.stack(self.no_machine, self.open, visible=False)
         self.body = self._laid_out()
         self.view = parts.stack(self.heading, self.missing, self.message, self.body)
@@ -130,21 +157,12 @@ class MotorView(ChartPage):
         self.model.param.watch(self._show_rivals, "rivals")
         self.model.param.watch(self._show_map, "machine_map")
         self.model.param.watch(self._show_ripple, "ripple")
-        self.model.param.watch(self._show_detuning, "detuning")
+        self.model.param.watch(self._show_detuning, ["detuning", "studying"])
         self.begin()
 
     def _laid_out(self) -> pn.Column:
-        of_run = (
-            "loop_speed",
-            "tracking",
-            "tracking_fine",
-            "loop_currents",
-            "loop_voltage",
-            "loop_flux",
-            "loop_energy",
-        )
-        left = parts.stack(*(self.loops[name].place for name in of_run), self.account, css=COLUMN_CSS)
-        rivals = (self.loops[name].place for name in ("rival_speed", "rival_current", "rival_energy"))
+        left = parts.stack(*(self.loops[name].place for name in LEFT), self.account, css=COLUMN_CSS)
+        rivals = (self.loops[name].place for name in OF_STRATEGIES)
         right = parts.stack(
             self.place.place,
             *rivals,
@@ -152,13 +170,19 @@ class MotorView(ChartPage):
             self.map.place,
             self.ripple.place,
             self.at.view,
-            self.detuning.place,
-            self.costs,
             css=COLUMN_CSS,
         )
         diagram = parts.stack(self.diagram, css=DIAGRAM_CSS)
+        study = parts.stack(
+            self.question,
+            pn.Row(self.study, self.stop, margin=0, sizing_mode="stretch_width"),
+            self.progress,
+            self.detuning.place,
+            css=COLUMN_CSS,
+        )
         notes = parts.stack(self.notes, css=":host { padding: 0 20px 16px; }")
-        return parts.stack(self.figures, self.held, diagram, parts.stack(left, right, css=LAYOUT_CSS), notes)
+        upper, lower = parts.stack(left, right, css=LAYOUT_CSS), parts.stack(study, self.costs, css=LAYOUT_CSS)
+        return parts.stack(self.figures, self.held, diagram, upper, lower, notes)
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -208,7 +232,9 @@ class MotorView(ChartPage):
         if rivals is None:
             return
         with pn.io.hold():
-            for name in OF_RIVALS:
+            for name in OF_STRATEGIES:
+                self.loops[name].place.visible = bool(rivals.strategies)
+            for name in (*OF_STRATEGIES, *OF_TRACKING):
                 self.loops[name].show(partial(self.loops[name].draw, rivals.named))
             refused = "".join(
                 f'<p class="note" style="padding-left:50px">{parts.escaped(words.STRATEGY_WORDS[name] + " " + why)}</p>'
@@ -231,8 +257,12 @@ class MotorView(ChartPage):
                 self.ripple.show(partial(self.ripple.draw, ripple))
 
     def _show_detuning(self, *_: Any) -> None:
-        table = self.model.detuning
+        table, studying = self.model.detuning, self.model.studying
         with pn.io.hold():
+            self.progress.visible = self.stop.visible = studying
+            if studying:
+                done = 0.0 if table is None else table.done / len(table.rotor_resistance_factors)
+                self.progress.value = int(100 * done)
             self.detuning.place.visible = self.costs.visible = table is not None
             if table is not None:
                 self.costs.object = detuning_table(table)
@@ -282,19 +312,12 @@ def run_figures(run: FieldOrientedRun) -> list[str]:
     ]
 
 
-def length(metres: float) -> tuple[str, str]:
-    """Return a small length as number and unit."""
-    if abs(metres) < 0.1:
-        return words.number(1e3 * metres, 2), "mm"
-    return words.number(metres, 2), "m"
-
-
 def held_words(run: FieldOrientedRun) -> str:
     """Return where a limit held the drive and by how much it fell behind; nothing where none did."""
     rows = [
         f'<p class="note"><span class="open">{LIMIT_WORDS[span.what]}</span> held the drive from '
         f"{words.number(span.start_s)} to {words.number(span.end_s)} s: "
-        f"{' '.join(length(span.lag_m))} behind at most.</p>"
+        f"{' '.join(length(max(span.lag_m, 0.0)))} behind at most.</p>"
         for span in run.saturated
     ]
     return f'<div role="status" style="padding:0 20px 6px">{"".join(rows)}</div>' if rows else ""

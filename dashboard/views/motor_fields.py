@@ -1,8 +1,7 @@
-"""The sidebar's part of Motor: the controller, the limits of the inverter, the study of a detuned controller."""
+"""The sidebar's part of Motor: the controller, and the limits of the inverter."""
 
 from typing import Any
 
-import panel as pn
 import panel_material_ui as pmui
 
 from railjoule.dashboard.models.workbench import Workbench
@@ -44,24 +43,6 @@ class MotorFields:
             TypedNumber(model, "max_phase_voltage_v", "Phase voltage, V", digits=0, unit="V"),
             TypedNumber(model, "max_current_a", "Current, A", digits=0, unit="A"),
         ]
-        self.study = pmui.Button(
-            label="What detuning costs",
-            variant="outlined",
-            size="small",
-            margin=(8, 8, 8, 16),
-            on_click=lambda _: model.param.trigger("study"),
-        )
-        self.stop = pmui.Button(
-            label="Stop",
-            variant="text",
-            size="small",
-            margin=(8, 8),
-            visible=False,
-            on_click=lambda _: model.param.trigger("stop_study"),
-        )
-        self.progress = pmui.LinearProgress(
-            value=0, variant="determinate", margin=(0, 16, 4, 16), sizing_mode="stretch_width", visible=False
-        )
         self.view = stack(
             html_pane('<div class="section">Controller <span>\u00b7 rotor resistance \u00d7 true</span></div>'),
             self.precompensator,
@@ -69,15 +50,12 @@ class MotorFields:
             *(field.view for field in self.control),
             html_pane('<div class="section">Inverter <span>\u00b7 at most, each phase</span></div>'),
             *(field.view for field in self.limits),
-            pn.Row(self.study, self.stop, margin=0, sizing_mode="stretch_width"),
-            self.progress,
             html_pane('<hr class="rule">'),
             visible=False,
         )
         self.precompensator.param.watch(lambda event: setattr(model, "precompensator", event.new), "value")
         self.flux.param.watch(lambda event: setattr(model, "flux", event.new), "value")
         model.param.watch(self._follow, ["precompensator", "flux"])
-        model.param.watch(self._show_progress, ["detuning", "studying"])
         model.param.watch(self._show, "no_machine")
         state.param.watch(self._show, "page")
 
@@ -86,10 +64,3 @@ class MotorFields:
 
     def _follow(self, *_: Any) -> None:
         self.precompensator.value, self.flux.value = self.model.precompensator, self.model.flux
-
-    def _show_progress(self, *_: Any) -> None:
-        model = self.model
-        self.progress.visible = self.stop.visible = model.studying
-        if model.studying:
-            table = model.detuning
-            self.progress.value = 0 if table is None else int(100 * table.done / len(table.rotor_resistance_factors))

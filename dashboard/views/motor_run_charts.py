@@ -22,7 +22,10 @@ from railjoule.dashboard.views.run_lines import DRIVEN_DASH
 NAMES_PX, BORDERS_PX = 22, 9
 """Room above the lines for their names; what a figure takes above and below its frame."""
 BAND_ALPHA = 0.16
+BEYOND_END = 0.02
+"""Share of the way beyond its end, for the last number of the axis."""
 MS_PER_S = 1e3
+SMALL_LENGTH_M = 0.1
 
 Values = Callable[[FieldOrientedRun], tuple[FloatArray, FloatArray]]
 
@@ -157,12 +160,12 @@ VOLTAGE = Quantity(
 FLUX = Quantity("loop_flux", "Rotor flux, V s", "V s", 3, (Line("", "accent", over_time("rotor_flux_vs")),), 3, 1)
 ENERGY = Quantity(
     "loop_energy",
-    "Energy drawn so far, kWh",
+    "Energy so far, kWh",
     "kWh",
     3,
     (
-        Line("by input power", "accent", over_time("energy_by_input_power_j", 1 / J_PER_KWH), stroke={"line_width": 3}),
-        Line("by parts", "driven", over_time("energy_by_parts_j", 1 / J_PER_KWH), stroke=DASHED),
+        Line("input power", "accent", over_time("energy_by_input_power_j", 1 / J_PER_KWH), stroke={"line_width": 3}),
+        Line("parts", "driven", over_time("energy_by_parts_j", 1 / J_PER_KWH), stroke=DASHED),
     ),
     tick_digits=1,
 )
@@ -178,6 +181,13 @@ RIVAL_ENERGY = Quantity(
     rival_lines("energy_by_input_power_j", 1 / J_PER_KWH),
     tick_digits=1,
 )
+
+
+def length(metres: float) -> tuple[str, str]:
+    """Return a length as number and unit, a small one in millimetres."""
+    if abs(metres) < SMALL_LENGTH_M:
+        return words.number(1e3 * metres, 2), "mm"
+    return words.number(metres, 2), "m"
 
 
 class LoopChart(DistanceChart):
@@ -273,7 +283,8 @@ class PlaceChart(Chart):
         self.planned.data = xy(run.planned.position_m, run.planned.speed_ms / MS_PER_KMH)
         self.actual.data = xy(run.position_m, run.speed_ms / MS_PER_KMH)
         top = max(float(run.planned.speed_ms.max()), float(run.speed_ms.max())) / MS_PER_KMH
-        self.x_range.update(start=0, end=float(max(run.planned.position_m[-1], run.position_m[-1])))
+        end = float(max(run.planned.position_m[-1], run.position_m[-1]))
+        self.x_range.update(start=0, end=(1 + BEYOND_END) * end)
         self.y_range.update(start=0, end=1.08 * top)
 
 
@@ -357,9 +368,9 @@ def detuning_table(table: DetuningTable) -> str:
             words.signed(more, 2),
             words.number(table.max_current_a[k], 0),
             words.number(table.max_phase_voltage_v[k], 0),
-            words.number(1e3 * table.max_tracking_error_m[k], 2),
+            " ".join(length(table.max_tracking_error_m[k])),
         )
         rows.append((cells, factor == 1))
     title = "A controller that believes in another rotor resistance"
-    header = ("Believed", "energy, %", "peak, A", "peak, V", "error, mm")
+    header = ("Believed", "energy, %", "peak, A", "peak, V", "tracking error")
     return f'<div style="padding:0 6px 0 50px">{parts.table(title, header, rows)}</div>'

@@ -68,3 +68,11 @@ def test_a_limit_that_is_too_low_is_told(user: User) -> None:
     expect(user.page.get_by_text("The voltage limit")).to_be_visible()
     user.type("Phase voltage, V", "1732")
     expect(user.page.get_by_text("The voltage limit")).to_be_hidden()
+
+
+def test_the_study_of_detuning_runs_and_shows_its_table(user: User) -> None:
+    user.page.get_by_role("button", name="Run the study").click()
+    expect(user.page.get_by_text("2.00 \u00d7")).to_be_visible()
+    expect(user.page.get_by_role("button", name="Stop", exact=True)).to_be_hidden()
+    user.page.locator(".rj-chart-detuning").scroll_into_view_if_needed()
+    expect(user.page.locator(".rj-chart-detuning canvas").first).to_be_visible()

@@ -1,8 +1,13 @@
+from collections.abc import Iterator
+
 import pytest
 
 from railjoule.core import ScenarioError
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.motor import Motor
+
+SHORT = {"line": {"sections": [{"length_m": 1000.0}]}, "timetable.travel_time_s": 75.0}
+"""A run that takes little time to compute."""
 
 
 @pytest.fixture(scope="module")
@@ -12,19 +17,20 @@ def opened() -> Workbench:
     Motor(state)
     state.scenario.choose("ftorek-300s")
     state.chosen = "enoc"
-    # the ramps of the paper
-    state.scenario.acceleration_time_s = 62.713
+    state.scenario.edit(SHORT)
     state.page = "Motor"
     return state
 
 
 @pytest.fixture
-def state(opened: Workbench) -> Workbench:
-    """The same as it came."""
+def state(opened: Workbench) -> Iterator[Workbench]:
+    """The same; what a test changes is put back."""
+    yield opened
+    opened.page = "Drive"
     opened.scenario.choose("ftorek-300s")
-    opened.chosen = "enoc"
-    opened.scenario.acceleration_time_s = 62.713
-    return opened
+    opened.motor.take(opened.scenario.base)
+    opened.scenario.edit(SHORT)
+    opened.page = "Motor"
 
 
 def test_a_run_brings_what_hangs_on_it(state: Workbench) -> None:
@@ -70,7 +76,7 @@ def test_a_scenario_without_machine_says_so_and_shows_no_run(state: Workbench) -
 def test_an_edited_machine_is_taken_over_and_other_edits_leave_the_controller(state: Workbench) -> None:
     model = state.motor
     model.bandwidth_rads = 8.0
-    state.scenario.edit({"line.speed_limits": []})
+    state.scenario.edit({"solver.mesh_m": 4.0})
     assert model.bandwidth_rads == 8.0
     state.scenario.edit({"drive.machine.max_phase_voltage_v": 1500.0})
     assert model.max_phase_voltage_v == 1500.0
@@ -84,5 +90,6 @@ def test_the_study_runs_when_it_is_asked_for(state: Workbench) -> None:
     model.param.trigger("study")
     assert model.detuning is not None
     assert not model.studying
-    state.scenario.choose("tram-950m")
+    # of another controller
+    model.bandwidth_rads = 8.0
     assert model.detuning is None

@@ -29,8 +29,13 @@ def test_the_limits_of_a_tram_are_keys_of_its_drive() -> None:
     model, tram = MotorModel(), load_scenario("tram-950m")
     model.take(tram)
     assert model.max_phase_voltage_v == tram.vehicle.drive.max_phase_voltage_v
+    assert tram.with_(**model.changes).vehicle == tram.vehicle
     model.max_phase_voltage_v = 250.0
-    assert tram.with_(**model.changes).vehicle.drive.max_phase_voltage_v == 250.0
+    model.max_current_a = 140.0
+    drive = tram.with_(**model.changes).vehicle.drive
+    assert drive.max_phase_voltage_v == 250.0
+    # braking has less of its own, and bends to a limit below that
+    assert (drive.starting_current_a, drive.braking_current_a) == (140.0, 140.0)
 
 
 def test_a_drive_without_machine_has_no_limits() -> None:

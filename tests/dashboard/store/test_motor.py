@@ -35,6 +35,8 @@ def test_the_plan_is_that_of_the_strategy(loop: LoopRun) -> None:
     assert loop.run.planned.strategy == "enoc"
     assert loop.run.planned.energy_kwh == pytest.approx(solve(SUBURBAN, "enoc").energy_kwh, rel=1e-9)
     assert loop.run.saturated == ()
+    # Table 2 of the paper, ENOC at 300 s; corners of the speed add a little
+    assert loop.run.torque_current_a.max() == pytest.approx(196.2, rel=0.01)
 
 
 def test_a_run_is_compared_with_its_like_and_with_the_paper_s_strategies(loop: LoopRun, rivals: LoopRivals) -> None:

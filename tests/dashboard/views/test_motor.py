@@ -11,7 +11,11 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.motor import Motor
 from railjoule.dashboard.store import LoopWish, compute_detuning
-from railjoule.dashboard.views.motor import HEIGHTS, MotorView, length
+from railjoule.dashboard.views.motor import HEIGHTS, MotorView
+from railjoule.dashboard.views.motor_run_charts import length
+
+SHORT = {"line": {"sections": [{"length_m": 1000.0}]}, "timetable.travel_time_s": 75.0}
+"""A run that takes little time to compute."""
 
 
 @pytest.fixture(scope="module")
@@ -21,8 +25,7 @@ def opened() -> MotorView:
     Motor(state)
     state.scenario.choose("ftorek-300s")
     state.chosen = "enoc"
-    # the ramps of the paper
-    state.scenario.acceleration_time_s = 62.713
+    state.scenario.edit(SHORT)
     state.page = "Motor"
     return MotorView(state, Browser(started=True, charts_in_sight=sorted(HEIGHTS)), Palette(dark=False))
 
@@ -41,11 +44,11 @@ def test_charts_draw_the_run(view: MotorView) -> None:
     assert charts["loop_speed"].sources["planned"].data["y"][-1] == pytest.approx(0.0, abs=1e-6)
     assert max(charts["loop_currents"].sources["torque current"].data["y"]) == pytest.approx(run.torque_current_a.max())
     energy = charts["loop_energy"].sources
-    assert energy["by input power"].data["y"][-1] == pytest.approx(energy["by parts"].data["y"][-1], rel=5e-4)
+    assert energy["input power"].data["y"][-1] == pytest.approx(energy["parts"].data["y"][-1], rel=5e-4)
     assert list(charts["loop_speed"].sources["bands"].data["from"]) == []
     assert charts["loop_speed"].sources["names"].data["text"] == ["planned", "actual"]
     assert len(view.place.actual.data["x"]) == len(run.position_m)
-    assert len(view.map.points.data["x"]) > 100
+    assert 50 < len(view.map.points.data["x"]) <= 120
 
 
 def test_the_precompensator_is_what_keeps_the_train_on_its_reference(view: MotorView) -> None:
@@ -64,9 +67,12 @@ def test_the_precompensator_is_what_keeps_the_train_on_its_reference(view: Motor
 
 def test_both_strategies_of_the_paper_go_through_the_loop(view: MotorView) -> None:
     currents = view.loops["rival_current"].sources
-    # Table 2 of the paper, ENOC at 300 s; corners of the speed add a little
-    assert max(currents["ENOC"].data["y"]) == pytest.approx(196.2, rel=0.01)
-    assert max(currents["EOC"].data["y"]) > max(currents["ENOC"].data["y"])
+    # the optimum begins with more than a ramp needs
+    assert max(currents["EOC"].data["y"]) > 1.2 * max(currents["ENOC"].data["y"])
+    assert (
+        view.loops["rival_energy"].sources["EOC"].data["y"][-1]
+        < view.loops["rival_energy"].sources["ENOC"].data["y"][-1]
+    )
 
 
 def test_a_limit_that_holds_the_drive_is_told_and_marked(view: MotorView) -> None:
