@@ -101,10 +101,10 @@ def _run(
     options, step = scenario.simulation, scenario.simulation.time_step_s
     planned = plan.position_at(reference.time_s)
     way = p.Way(
-        border_m=np.asarray(course.position_m),
-        gradient_force_n=np.asarray(course.gradient_force_n),
-        curve_force_n=np.asarray(course.curve_force_n),
-        resistance_quadratic=np.asarray(course.data.resistance_quadratic),
+        border_m=np.array(course.position_m),
+        gradient_force_n=np.array(course.gradient_force_n),
+        curve_force_n=np.array(course.curve_force_n),
+        resistance_quadratic=np.array(course.data.resistance_quadratic),
         reference=np.ascontiguousarray(
             np.stack(
                 [
