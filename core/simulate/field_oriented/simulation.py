@@ -152,7 +152,7 @@ def _run(
             f"with {machines.driving_current_a:g} A and {machines.machine.max_phase_voltage_v:g} V its machines do "
             "not carry it on."
         )
-    time = reference.start_s + step * keep_every * np.arange(kept)
+    time: FloatArray = reference.start_s + step * keep_every * np.arange(kept, dtype=np.float64)
     # the last sample is that of the stop, and lies between two others
     time[-1] = max(reference.start_s + states[kept - 1, p.ELAPSED], time[-2] + step)
     if states[kept - 1, p.X] > end + ARRIVAL_M:
