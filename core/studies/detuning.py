@@ -102,21 +102,26 @@ def detuning_steps(
     variants = [scenario.with_(**{"simulation.rotor_resistance_factor": float(factor)}) for factor in factors]
     planned = plan if plan is not None else solve(scenario)
     values = np.full((5, len(factors)), np.nan)
-    table = DetuningTable(scenario, tuple(factors), *(frozen_array(row) for row in values))
+    table = _filled(DetuningTable(scenario, tuple(factors), *(frozen_array(values[0]),) * 5), values, 0)
     yield table
     for k, variant in enumerate(variants):
         with suppress(InfeasibleLineError, SolverError):
             values[:, k] = _told(simulate_field_oriented(variant, planned))
-        columns = [frozen_array(row) for row in values]
-        yield replace(
-            table,
-            energy_kwh=columns[0],
-            magnetising_loss_kwh=columns[1],
-            max_current_a=columns[2],
-            max_phase_voltage_v=columns[3],
-            max_tracking_error_m=columns[4],
-            done=k + 1,
-        )
+        yield _filled(table, values, k + 1)
+
+
+def _filled(table: DetuningTable, values: FloatArray, done: int) -> DetuningTable:
+    """Return a table with other values, rows of which are its columns."""
+    energy, magnetising, current, voltage, tracking = (frozen_array(row) for row in values)
+    return replace(
+        table,
+        energy_kwh=energy,
+        magnetising_loss_kwh=magnetising,
+        max_current_a=current,
+        max_phase_voltage_v=voltage,
+        max_tracking_error_m=tracking,
+        done=done,
+    )
 
 
 def _told(run: FieldOrientedRun) -> tuple[float, float, float, float, float]:

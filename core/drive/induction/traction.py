@@ -91,8 +91,8 @@ class TractionMachines:
             least_loss,
             self.driving_current_a,
             self.braking_current_a,
-            np.asarray(torque_nm, dtype=float),
-            np.asarray(speed_rads, dtype=float),
+            np.array(torque_nm, dtype=float),
+            np.array(speed_rads, dtype=float),
             found,
         )
         return found

@@ -59,7 +59,7 @@ def plan_flux(reference: Reference, course: Course, machines: TractionMachines, 
     rotor_rads = machine.pole_pairs * machines.turns_per_metre * speed
     found = np.empty_like(speed)
     fill_flux_currents(machine, False, torque, rotor_rads, found)
-    half = max(int(round(0.5 * WINDOW_S / (COARSE * reference.step_s))), 1)
+    half = max(round(0.5 * WINDOW_S / (COARSE * reference.step_s)), 1)
     within = _spread(minimum_filter1d(found, 2 * half + 1, mode="nearest"), half)
     current = within
     if least_loss:

@@ -14,10 +14,11 @@ The loop. Position control makes of the reference x* a wanted acceleration ad wi
 
     dad/dt = wp^3 (x* - x) - 3 wp^2 v - 3 wp ad,
 
-and an observer of the load adds what the train needs beside its own inertia. The pre-compensator cancels the loop's lag:
-x* = x + (3/wp) v + (3/wp^2) a + (1/wp^3) j of the reference. Currents have PI control with decoupling; the limit of the
-voltage lets the flux's axis go first, and what it cuts off is kept from the integrals. Where a limit holds the train
-back, the clock of the reference is slowed down, so that it goes on along its plan, later, and never faster than planned.
+and an observer of the load adds what the train needs beside its own inertia. The pre-compensator cancels the lag of the
+loop: x* = x + (3/wp) v + (3/wp^2) a + (1/wp^3) j of the reference. Currents have PI control with decoupling; the limit
+of the voltage lets the flux's axis go first, and what it cuts off is kept from the integrals. Where a limit holds the
+train back, the clock of the reference is slowed down, so that it goes on along its plan, later, and never faster than
+planned.
 
 Source: Ftorek et al. 2025, Figure 1; Vittek et al. 2017, "Position tracking systems for AC drives employing forced
 dynamics control".

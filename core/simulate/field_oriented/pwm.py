@@ -78,7 +78,7 @@ def current_ripple(run: FieldOrientedRun, at_s: float, window_s: float = 0.01) -
     rotor_rads = machine.pole_pairs * machines.turns_per_metre * speed
     steps = max(round(window_s * CARRIER_HZ * SAMPLES_A_PERIOD), 2)
     found = np.empty((3, steps))
-    fill_ripple(
+    _fill_ripple(
         np.array(
             [
                 circuit.stator_resistance_ohm,
@@ -113,7 +113,7 @@ def _leg_duties(link_v: float, alpha_v: float, beta_v: float) -> tuple[float, fl
 
 
 @njit(cache=True)
-def fill_ripple(
+def _fill_ripple(
     circuit: FloatArray,
     link_v: float,
     rotor_rads: float,

@@ -41,7 +41,8 @@ class Reference:
     @property
     def time_s(self) -> FloatArray:
         """Return the times of the samples on the plan's clock [s]; shape (n,)."""
-        return self.start_s + self.step_s * np.arange(len(self.position_m))
+        time: FloatArray = self.start_s + self.step_s * np.arange(len(self.position_m), dtype=np.float64)
+        return time
 
 
 def make_reference(planned: Trajectory, window_s: float, step_s: float = STEP_S) -> Reference:

@@ -101,10 +101,10 @@ def _run(
     options, step = scenario.simulation, scenario.simulation.time_step_s
     planned = plan.position_at(reference.time_s)
     way = p.Way(
-        border_m=np.asarray(course.position_m),
-        gradient_force_n=np.asarray(course.gradient_force_n),
-        curve_force_n=np.asarray(course.curve_force_n),
-        resistance_quadratic=np.asarray(course.data.resistance_quadratic),
+        border_m=np.array(course.position_m),
+        gradient_force_n=np.array(course.gradient_force_n),
+        curve_force_n=np.array(course.curve_force_n),
+        resistance_quadratic=np.array(course.data.resistance_quadratic),
         reference=np.ascontiguousarray(
             np.stack(
                 [
@@ -152,7 +152,7 @@ def _run(
             f"with {machines.driving_current_a:g} A and {machines.machine.max_phase_voltage_v:g} V its machines do "
             "not carry it on."
         )
-    time = reference.start_s + step * keep_every * np.arange(kept)
+    time: FloatArray = reference.start_s + step * keep_every * np.arange(kept, dtype=np.float64)
     # the last sample is that of the stop, and lies between two others
     time[-1] = max(reference.start_s + states[kept - 1, p.ELAPSED], time[-2] + step)
     if states[kept - 1, p.X] > end + ARRIVAL_M:
