@@ -155,7 +155,7 @@ class LoopRivals:
             "run": self.run,
             "with": self.with_precompensator,
             "without": self.without_precompensator,
-            **self.strategies,
+            **{str(name): run for name, run in self.strategies.items()},
         }
 
 

@@ -175,7 +175,7 @@ RIVAL_SPEED = Quantity(
 RIVAL_CURRENT = Quantity("rival_current", "Torque current of one motor, A", "A", 1, rival_lines("torque_current_a"))
 RIVAL_ENERGY = Quantity(
     "rival_energy",
-    "Energy drawn so far, kWh",
+    "Energy so far, kWh",
     "kWh",
     3,
     rival_lines("energy_by_input_power_j", 1 / J_PER_KWH),

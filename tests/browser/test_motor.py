@@ -64,10 +64,15 @@ def test_blocks_and_figures_light_each_other(user: User) -> None:
 
 
 def test_a_limit_that_is_too_low_is_told(user: User) -> None:
-    user.type("Phase voltage, V", "400")
-    expect(user.page.get_by_text("The voltage limit")).to_be_visible()
-    user.type("Phase voltage, V", "1732")
-    expect(user.page.get_by_text("The voltage limit")).to_be_hidden()
+    held = user.page.get_by_text("held the drive from")
+    user.type("Current, A", "300")
+    expect(held.first).to_be_visible()
+    user.type("Current, A", "100")
+    (alert,) = user.alerts()
+    assert "max_current_a = 100 must be above" in alert
+    user.type("Current, A", "810")
+    expect(held).to_have_count(0)
+    assert user.alerts() == []
 
 
 def test_the_study_of_detuning_runs_and_shows_its_table(user: User) -> None:
