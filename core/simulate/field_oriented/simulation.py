@@ -28,6 +28,8 @@ OVERTIME_S, OVERTIME_SHARE = 60.0, 1.0
 ARRIVAL_M = 0.1
 """So far before its end a train's delay is measured."""
 NOISE_SAMPLES = 1 << 18
+LARGEST_NOISY_STEP_S = 0.0005
+"""Currents that follow noise never come to rest between two steps."""
 GAP_S, SHORT_S = 1.0, 0.1
 """Limits at work less than the first apart are one event; alone, less than the second they are none."""
 NOTICEABLE_LAG_M = 0.05
@@ -99,6 +101,8 @@ def _run(
     plan: PlannedMotion,
 ) -> _Record:
     options, step = scenario.simulation, scenario.simulation.time_step_s
+    if options.speed_noise_rads > 0:
+        step = min(step, LARGEST_NOISY_STEP_S)
     planned = plan.position_at(reference.time_s)
     way = p.Way(
         border_m=np.array(course.position_m),

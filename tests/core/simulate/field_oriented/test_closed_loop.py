@@ -175,6 +175,9 @@ def test_accounts_agree_for_random_settings(number):
         "simulation.speed_noise_rads": float(draw.choice([0.0, 0.1])),
         "simulation.reference_window_s": float(draw.uniform(0.05, 1)),
         "disturbance.resistance_factor": float(draw.uniform(0.5, 2)),
+        # what the machines carry beside their flux, so that the train stops in its place
+        "vehicle.traction.max_effort_kn": 60.0,
+        "vehicle.braking.max_effort_kn": 50.0,
     }
     run = simulate_field_oriented(load_scenario("ftorek-300s", changes))
     assert run.energy_by_parts_j[-1] == pytest.approx(
