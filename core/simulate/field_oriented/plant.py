@@ -17,10 +17,10 @@ The loop. Position control makes of the reference x* a wanted acceleration ad wi
 and an observer, which also smooths the measured speed, adds what the train needs beside its own inertia. The
 pre-compensator cancels the lag of the loop: x* = x + (3/wp) v + (3/wp^2) a + (1/wp^3) j of the reference.
 
-Currents have PI control with decoupling. Where the voltage does not suffice, the axis of the flux goes first, the
+Currents have PI control with decoupling. Where the voltage does not suffice, it keeps its direction, the
 integrals keep free of what is cut off, the current along the flux is taken back, and that along the torque never asks
 for more than the pull-out torque. Where a limit holds the train back, the clock of the reference is slowed down, so
-that it goes on along its plan, later, and never faster than planned.
+that it goes on along its plan, later, and but for catching up the last metre no faster than planned.
 
 Source: Ftorek et al. 2025, Figure 1; Vittek et al. 2017, "Position tracking systems for AC drives employing forced
 dynamics control".
@@ -229,9 +229,8 @@ def fill_rates(
         l_s * (fast * error_q + state[SUM_Q]) + r_both * i_q + frame * l_s * i_d + p * believed_w * believed_psi
     )
     u_max = plant.max_phase_voltage_v
-    u_d = min(max(wanted_u_d, -u_max), u_max)
-    left = math.sqrt(max(u_max * u_max - u_d * u_d, 0.0))
-    u_q = min(max(wanted_u_q, -left), left)
+    scale = min(1.0, u_max / max(math.hypot(wanted_u_d, wanted_u_q), 1e-9))
+    u_d, u_q = scale * wanted_u_d, scale * wanted_u_q
     held = u_d != wanted_u_d or u_q != wanted_u_q
     excess = min(max(math.hypot(wanted_u_d, wanted_u_q) / u_max - 1.0, 0.0), 1.0)
 

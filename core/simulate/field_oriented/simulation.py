@@ -33,6 +33,8 @@ LARGEST_NOISY_STEP_S = 0.0005
 GAP_S, SHORT_S = 1.0, 0.1
 """Limits at work less than the first apart are one event; alone, less than the second they are none."""
 NOTICEABLE_LAG_M = 0.05
+OVERSHOOT = 1.02
+"""A current beyond its limit by more than this factor is told."""
 SLOWEST_MS = 1e-3
 WEAKENED_SHARE = 1 - 1e-6
 
@@ -330,6 +332,12 @@ def _notes(
             f"From {place:.0f} m, {span.start_s:.1f} s to {span.end_s:.1f} s, the {span.what} limit of "
             f"{limits[span.what]} holds the machines back; the train is up to {abs(span.lag_m):.2f} m {behind} "
             "the plan."
+        )
+    current, largest = float(record.peaks[p.MAX_CURRENT]), max(machines.driving_current_a, machines.braking_current_a)
+    if current > OVERSHOOT * largest:
+        notes.append(
+            f"The current reaches {current:.0f} A, beyond the limit of {largest:g} A, where the voltage or a noisy "
+            "speed leaves the control no hold of it."
         )
     beyond = float(record.states[-1, p.X]) - end_m
     if beyond > ARRIVAL_M:

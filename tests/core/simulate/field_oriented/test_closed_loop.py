@@ -103,10 +103,10 @@ def test_a_current_that_the_profile_exceeds_is_told():
     assert span.lag_m == pytest.approx(held.max_tracking_error_m, rel=0.1)
     assert abs(held.final_error_m) <= 0.01
     assert held.delay_s > 1
-    # it goes on along its plan, never faster
-    planned = np.interp(held.position_m, held.planned.position_m, held.planned.speed_ms)
+    # it goes on along its plan, no faster but for catching up the last metre
+    planned = np.sqrt(np.interp(held.position_m, held.planned.position_m, held.planned.speed_ms**2))
     inner = (held.position_m > 10) & (held.position_m < 4990)
-    assert np.all(held.speed_ms[inner] <= planned[inner] + 0.1)
+    assert np.all(held.speed_ms[inner] <= planned[inner] + 0.2)
     assert any(f"up to {span.lag_m:.2f} m behind the plan" in note for note in held.notes)
 
 
