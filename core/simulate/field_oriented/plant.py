@@ -12,13 +12,15 @@ are states like any other, so that both accounts come from the same stages.
 
 The loop. Position control makes of the reference x* a wanted acceleration ad with the closed loop (1 + s/wp)^-3,
 
-    dad/dt = wp^3 (x* - x) - 3 wp^2 v - 3 wp ad,
+    dad/dt = wp^3 (x* - x) - 3 wp^2 v' - 3 wp ad,
 
-and an observer of the load adds what the train needs beside its own inertia. The pre-compensator cancels the lag of the
-loop: x* = x + (3/wp) v + (3/wp^2) a + (1/wp^3) j of the reference. Currents have PI control with decoupling; the limit
-of the voltage lets the flux's axis go first, and what it cuts off is kept from the integrals. Where a limit holds the
-train back, the clock of the reference is slowed down, so that it goes on along its plan, later, and never faster than
-planned.
+and an observer, which also smooths the measured speed, adds what the train needs beside its own inertia. The
+pre-compensator cancels the lag of the loop: x* = x + (3/wp) v + (3/wp^2) a + (1/wp^3) j of the reference.
+
+Currents have PI control with decoupling. Where the voltage does not suffice, it keeps its direction, the
+integrals keep free of what is cut off, the current along the flux is taken back, and that along the torque never asks
+for more than the pull-out torque. Where a limit holds the train back, the clock of the reference is slowed down, so
+that it goes on along its plan, later, and but for catching up the last metre no faster than planned.
 
 Source: Ftorek et al. 2025, Figure 1; Vittek et al. 2017, "Position tracking systems for AC drives employing forced
 dynamics control".
@@ -41,20 +43,23 @@ OBSERVER_SHARE = 3.0
 """Bandwidth of the load observer over that of the position loop."""
 UNWINDING_SHARE = 5.0
 """How fast a wanted acceleration beyond the limits is taken back, over the bandwidth of the position loop."""
+WEAKENING_SHARE, WEAKENING_TIME_S = 20.0, 0.2
+"""How fast a current along the flux that takes it back grows, in largest currents a second where the control wants
+twice the voltage there is, and how long it lasts."""
 ALLOWED_LAG_M, STOPPING_LAG_M = 0.1, 1.0
 """Lag behind the reference at which its clock becomes slower, and how much more of it stops the clock."""
 CREEP_MS = 0.01
 """Below this speed running resistance fades out."""
 NOISE_STEP_S = 0.001
-"""How long a measured speed holds."""
+"""Between two independent errors of the measured speed, which goes straight from one to the next."""
 LEAST_FLUX_SHARE = 0.01
 FAR_A = 1e6
 STANDING_MS, STANDING_M = 1e-3, 2e-3
 
 (
-    X, V, ID, IQ, PSI_D, PSI_Q, BELIEVED_PSI, SUM_D, SUM_Q, WANTED, SEEN_SPEED, SEEN_LOAD, CLOCK, ELAPSED,
+    X, V, ID, IQ, PSI_D, PSI_Q, BELIEVED_PSI, SUM_D, SUM_Q, WANTED, SEEN_SPEED, SEEN_LOAD, CLOCK, ELAPSED, WEAKENING,
     INPUT, SHAFT, STATOR, ROTOR, MAGNETISING, IRON, DRAWN, RETURNED, MECHANICAL, GEAR, RUNNING, CURVE, CLIMB, STATES,
-) = range(28)  # fmt: skip
+) = range(29)  # fmt: skip
 """What the states are; from INPUT on energies of all machines and of the train [J]."""
 
 VOLTAGE, TORQUE, LINE_POWER, CURRENT_HELD, VOLTAGE_HELD, EXTRAS = range(6)
@@ -202,14 +207,18 @@ def fill_rates(
     believed_w = turns * measured
     frame = p * believed_w + believed_r * i_q / believed_psi
     torque_per_a = 1.5 * p * believed_psi
-    wanted_i_d = ref[4] / l_m + ref[5] / believed_r
     largest_i = plant.driving_current_a
-    wanted_i_d = min(max(wanted_i_d, 0.0), largest_i)
+    wanted_i_d = ref[4] / l_m + ref[5] / believed_r
+    wanted_i_d = min(max(wanted_i_d, 0.0), largest_i) - state[WEAKENING]
+    wanted_i_d = max(wanted_i_d, -math.sqrt(0.5) * largest_i)
     wanted_force = plant.believed_inertia_kg * state[WANTED] + state[SEEN_LOAD]
     wanted_i_q = (shaft_torque_nm(plant, wanted_force) + plant.mechanical_loss_torque_nm) / torque_per_a
     pulling = math.sqrt(max(plant.driving_current_a**2 - wanted_i_d**2, 0.0))
     braking = -math.sqrt(max(plant.braking_current_a**2 - wanted_i_d**2, 0.0))
-    allowed_i_q = min(max(wanted_i_q, braking), pulling)
+    # most torque for a voltage is where its parts along both axes are alike
+    by_voltage = math.sqrt(0.5) * plant.max_phase_voltage_v / (max(abs(frame), 1e-6) * l_s)
+    allowed_i_q = min(max(wanted_i_q, braking, -by_voltage), pulling, by_voltage)
+    too_much = wanted_i_q != allowed_i_q
 
     # current control with decoupling
     fast = max(CURRENT_BANDWIDTH_RADS, CURRENT_BANDWIDTH_SHARE * wp)
@@ -220,10 +229,10 @@ def fill_rates(
         l_s * (fast * error_q + state[SUM_Q]) + r_both * i_q + frame * l_s * i_d + p * believed_w * believed_psi
     )
     u_max = plant.max_phase_voltage_v
-    u_d = min(max(wanted_u_d, -u_max), u_max)
-    left = math.sqrt(max(u_max * u_max - u_d * u_d, 0.0))
-    u_q = min(max(wanted_u_q, -left), left)
+    scale = min(1.0, u_max / max(math.hypot(wanted_u_d, wanted_u_q), 1e-9))
+    u_d, u_q = scale * wanted_u_d, scale * wanted_u_q
     held = u_d != wanted_u_d or u_q != wanted_u_q
+    excess = min(max(math.hypot(wanted_u_d, wanted_u_q) / u_max - 1.0, 0.0), 1.0)
 
     # the machine
     slip = frame - p * w
@@ -245,8 +254,8 @@ def fill_rates(
     seen_force = wheel_force_n(plant, seen_torque)
     wo = OBSERVER_SHARE * wp
     miss = measured - state[SEEN_SPEED]
-    rate_wanted = wp * wp * (wp * (aim - state[X]) - 3.0 * measured) - 3.0 * wp * state[WANTED]
-    if wanted_i_q != allowed_i_q or held:
+    rate_wanted = wp * wp * (wp * (aim - state[X]) - 3.0 * state[SEEN_SPEED]) - 3.0 * wp * state[WANTED]
+    if too_much or held:
         possible = (seen_force - state[SEEN_LOAD]) / plant.believed_inertia_kg
         rate_wanted += UNWINDING_SHARE * wp * (possible - state[WANTED])
 
@@ -264,6 +273,7 @@ def fill_rates(
     rates[SEEN_LOAD] = -plant.believed_inertia_kg * wo * wo * miss
     rates[CLOCK] = clock
     rates[ELAPSED] = 1.0
+    rates[WEAKENING] = WEAKENING_SHARE * largest_i * excess - state[WEAKENING] / WEAKENING_TIME_S
 
     # where the energy goes
     flux2 = psi_d * psi_d + psi_q * psi_q
@@ -291,8 +301,9 @@ def fill_rates(
     extras[VOLTAGE] = math.hypot(u_d, u_q)
     extras[TORQUE] = torque
     extras[LINE_POWER] = power if power > 0.0 else plant.recuperation_factor * power
-    extras[CURRENT_HELD] = 1.0 if wanted_i_q != allowed_i_q else 0.0
-    extras[VOLTAGE_HELD] = 1.0 if held else 0.0
+    by_current = too_much and abs(allowed_i_q) < by_voltage
+    extras[CURRENT_HELD] = 1.0 if by_current else 0.0
+    extras[VOLTAGE_HELD] = 1.0 if held or (too_much and not by_current) else 0.0
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -348,7 +359,13 @@ def run_plant(
             cell += 1
         while cell > 0 and now[X] < way.border_m[cell]:
             cell -= 1
-        noise = noise_ms[int(time / NOISE_STEP_S + 1e-9) % noise_ms.shape[0]]
+        instant = time / NOISE_STEP_S
+        drawn = int(instant)
+        share = instant - drawn
+        first, second = noise_ms[drawn % noise_ms.shape[0]], noise_ms[(drawn + 1) % noise_ms.shape[0]]
+        noise = first + share * (second - first)
+        half_way = noise + 0.5 * h / NOISE_STEP_S * (second - first)
+        afterwards = noise + h / NOISE_STEP_S * (second - first)
         fill_rates(plant, way, cell, noise, now, k1, extra)
         held_current, held_voltage = max(held_current, extra[CURRENT_HELD]), max(held_voltage, extra[VOLTAGE_HELD])
         current = math.hypot(now[ID], now[IQ])
@@ -378,11 +395,11 @@ def run_plant(
             return TOO_LONG, kept
         before = now[X]
         trial[:] = now + 0.5 * h * k1
-        fill_rates(plant, way, cell, noise, trial, k2, unused)
+        fill_rates(plant, way, cell, half_way, trial, k2, unused)
         trial[:] = now + 0.5 * h * k2
-        fill_rates(plant, way, cell, noise, trial, k3, unused)
+        fill_rates(plant, way, cell, half_way, trial, k3, unused)
         trial[:] = now + h * k3
-        fill_rates(plant, way, cell, noise, trial, k4, unused)
+        fill_rates(plant, way, cell, afterwards, trial, k4, unused)
         now += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
         step += 1
         if before < arrival_m <= now[X] and math.isnan(peaks[ARRIVAL]):

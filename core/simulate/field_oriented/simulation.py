@@ -28,9 +28,13 @@ OVERTIME_S, OVERTIME_SHARE = 60.0, 1.0
 ARRIVAL_M = 0.1
 """So far before its end a train's delay is measured."""
 NOISE_SAMPLES = 1 << 18
+LARGEST_NOISY_STEP_S = 0.0005
+"""Currents that follow noise never come to rest between two steps."""
 GAP_S, SHORT_S = 1.0, 0.1
 """Limits at work less than the first apart are one event; alone, less than the second they are none."""
 NOTICEABLE_LAG_M = 0.05
+OVERSHOOT = 1.02
+"""A current beyond its limit by more than this factor is told."""
 SLOWEST_MS = 1e-3
 WEAKENED_SHARE = 1 - 1e-6
 
@@ -99,6 +103,8 @@ def _run(
     plan: PlannedMotion,
 ) -> _Record:
     options, step = scenario.simulation, scenario.simulation.time_step_s
+    if options.speed_noise_rads > 0:
+        step = min(step, LARGEST_NOISY_STEP_S)
     planned = plan.position_at(reference.time_s)
     way = p.Way(
         border_m=np.array(course.position_m),
@@ -326,6 +332,12 @@ def _notes(
             f"From {place:.0f} m, {span.start_s:.1f} s to {span.end_s:.1f} s, the {span.what} limit of "
             f"{limits[span.what]} holds the machines back; the train is up to {abs(span.lag_m):.2f} m {behind} "
             "the plan."
+        )
+    current, largest = float(record.peaks[p.MAX_CURRENT]), max(machines.driving_current_a, machines.braking_current_a)
+    if current > OVERSHOOT * largest:
+        notes.append(
+            f"The current reaches {current:.0f} A, beyond the limit of {largest:g} A, where the voltage or a noisy "
+            "speed leaves the control no hold of it."
         )
     beyond = float(record.states[-1, p.X]) - end_m
     if beyond > ARRIVAL_M:

@@ -103,10 +103,10 @@ def test_a_current_that_the_profile_exceeds_is_told():
     assert span.lag_m == pytest.approx(held.max_tracking_error_m, rel=0.1)
     assert abs(held.final_error_m) <= 0.01
     assert held.delay_s > 1
-    # it goes on along its plan, never faster
-    planned = np.interp(held.position_m, held.planned.position_m, held.planned.speed_ms)
+    # it goes on along its plan, no faster but for catching up the last metre
+    planned = np.sqrt(np.interp(held.position_m, held.planned.position_m, held.planned.speed_ms**2))
     inner = (held.position_m > 10) & (held.position_m < 4990)
-    assert np.all(held.speed_ms[inner] <= planned[inner] + 0.1)
+    assert np.all(held.speed_ms[inner] <= planned[inner] + 0.2)
     assert any(f"up to {span.lag_m:.2f} m behind the plan" in note for note in held.notes)
 
 
@@ -175,6 +175,9 @@ def test_accounts_agree_for_random_settings(number):
         "simulation.speed_noise_rads": float(draw.choice([0.0, 0.1])),
         "simulation.reference_window_s": float(draw.uniform(0.05, 1)),
         "disturbance.resistance_factor": float(draw.uniform(0.5, 2)),
+        # what the machines carry beside their flux, so that the train stops in its place
+        "vehicle.traction.max_effort_kn": 60.0,
+        "vehicle.braking.max_effort_kn": 50.0,
     }
     run = simulate_field_oriented(load_scenario("ftorek-300s", changes))
     assert run.energy_by_parts_j[-1] == pytest.approx(

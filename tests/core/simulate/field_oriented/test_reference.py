@@ -35,8 +35,9 @@ def test_each_is_the_derivative_of_the_one_before(reference):
         (reference.acceleration_ms2, reference.jerk_ms3),
     ):
         difference = (values[2:] - values[:-2]) / (2 * step)
-        # a central difference misses by step^2 of the third derivative, or by step where jerk has a corner
-        assert difference == pytest.approx(derivative[1:-1], abs=2 * step * np.abs(reference.jerk_ms3).max())
+        # a derivative that is linear between corners: its difference misses by half of a step of its slope there
+        largest_slope = np.abs(np.diff(derivative)).max() / step
+        assert np.abs(difference - derivative[1:-1]).max() <= 0.6 * step * largest_slope
 
 
 def test_nothing_rings(plan, reference):
