@@ -73,6 +73,7 @@ export function render({model}) {
 """
 )
 
+NO_WIDTH_CSS = ":host { width: 0 !important; overflow: hidden; }"
 FIRST_CHARTS = ("energy", "line", "phases", "speed")
 """What a desktop window shows at first; the page is sent with these charts drawn."""
 
@@ -93,7 +94,8 @@ class Browser(JSComponent):
     _esm = ESM
 
     def __init__(self, **params: object) -> None:
-        super().__init__(**params)
+        # its width is that of the window: shown, it would make the page scroll sideways
+        super().__init__(**{"stylesheets": [NO_WIDTH_CSS], **params})
         self._followers: list[tuple[list[str], list[Any], Callable[[], None]]] = []
 
     def follow(self, names: list[str], callback: Callable[[], None]) -> None:

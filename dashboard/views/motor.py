@@ -6,6 +6,7 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
+from railjoule.core import load_scenario
 from railjoule.core.simulate.field_oriented import FieldOrientedRun
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.browser import Browser
@@ -125,7 +126,7 @@ class MotorView(ChartPage):
             self.model, "ripple_at_s", "Picture of ripple at, s", step=0.5, digits=1, unit="s", ends=(0, 100)
         )
         self.open = pmui.Button(
-            label="Open the scenario that has one",
+            label=f"Open {load_scenario(MACHINE_SCENARIO).title}",
             variant="outlined",
             size="small",
             margin=(10, 20),
@@ -225,7 +226,9 @@ class MotorView(ChartPage):
     def _show_heading(self) -> None:
         scenario = self.state.scenario.scenario()
         what = "the plan through the control loop of its motors"
-        self.heading.object = parts.heading(scenario.title, what, scenario.vehicle.name)
+        run = self.model.run
+        aside = "" if run is None else f"arrives {words.signed(run.delay_s, 2)} s against the plan"
+        self.heading.object = parts.heading(scenario.title, what, aside)
 
     def _show_rivals(self, *_: Any) -> None:
         rivals = self.model.rivals

@@ -6,6 +6,7 @@ import pytest
 from playwright.sync_api import BrowserContext, expect
 
 from browser.server import Server
+from browser.test_accessibility import grave_findings
 from browser.user import User
 
 CHARTS = ("loop_speed", "tracking", "loop_currents", "loop_place", "rival_speed", "machine_map", "ripple")
@@ -17,7 +18,7 @@ def user(server: Server, window: BrowserContext) -> Iterator[User]:
     with User.on(window, server.url) as someone:
         someone.turn_to("Motor")
         expect(someone.page.get_by_text("has no induction machine")).to_be_visible()
-        someone.page.get_by_role("button", name="Open the scenario that has one").click()
+        someone.page.get_by_role("button", name="Open Suburban, flat 5 km").click()
         expect(someone.figure_value("Tracking error")).not_to_be_empty()
         yield someone
 
@@ -28,6 +29,10 @@ def test_figures_are_drawn(user: User) -> None:
         place.scroll_into_view_if_needed()
         expect(place.locator("canvas").first).to_be_visible()
     user.page.locator(".rj-chart-loop_speed").scroll_into_view_if_needed()
+
+
+def test_nothing_grave_once_all_is_drawn(user: User) -> None:
+    assert grave_findings(user) == {}
 
 
 def test_without_the_precompensator_the_train_lags_by_metres(user: User) -> None:
