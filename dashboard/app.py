@@ -12,6 +12,7 @@ from railjoule.dashboard.health import HealthHandler
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.motor import Motor
 from railjoule.dashboard.robustness import Robustness
 from railjoule.dashboard.speed_limits import SpeedLimits
 from railjoule.dashboard.store import (
@@ -25,6 +26,7 @@ from railjoule.dashboard.store import (
 )
 from railjoule.dashboard.views.disturbances import DisturbancesView
 from railjoule.dashboard.views.drive import DriveView
+from railjoule.dashboard.views.motor import MotorView
 from railjoule.dashboard.views.robustness import RobustnessView
 from railjoule.dashboard.views.shell import Page, Shell
 from railjoule.dashboard.views.speed_limits import SpeedLimitsView
@@ -35,13 +37,14 @@ pn.extension("plotly", notifications=False)
 
 POLL_MS = 300
 EXTRA_PATTERNS = [("/health", HealthHandler)]
-View = DriveView | TradeOffView | RobustnessView | DisturbancesView | SpeedLimitsView
+View = DriveView | TradeOffView | RobustnessView | DisturbancesView | SpeedLimitsView | MotorView
 VIEWS: dict[str, type[View]] = {
     "Drive": DriveView,
     "Trade-off": TradeOffView,
     "Robustness": RobustnessView,
     "Disturbances": DisturbancesView,
     "Speed limits": SpeedLimitsView,
+    "Motor": MotorView,
 }
 """What draws each page."""
 
@@ -58,6 +61,7 @@ class Session:
         self.robustness = Robustness(self.state)
         self.disturbances = Disturbances(self.state)
         self.speed_limits = SpeedLimits(self.state)
+        self.motor = Motor(self.state)
         self.views: dict[str, View] = {}
         self.shell = Shell(self.state, self.browser, {name: self._make(view) for name, view in VIEWS.items()})
         scenario = self.state.scenario
@@ -79,6 +83,7 @@ class Session:
         """End what still runs: the page is gone."""
         self.robustness.end()
         self.disturbances.end()
+        self.motor.end()
 
     def _make(self, view: type[View]) -> Callable[[], pn.viewable.Viewable]:
         def make() -> pn.viewable.Viewable:

@@ -10,7 +10,7 @@ from typing import Any
 import param
 from panel.custom import JSComponent
 
-ESM = """
+DEEP_JS = """
 const deep = (selector) => {
   const found = [];
   const walk = (root) => {
@@ -21,7 +21,11 @@ const deep = (selector) => {
   return found;
 };
 const chart_of = (element) => [...element.classList].find((name) => name.startsWith("rj-chart-"))?.slice(9);
-
+"""
+"""Finds elements in all shadow roots, and the name of a chart."""
+ESM = (
+    DEEP_JS
+    + """
 export function render({model}) {
   const dark = window.matchMedia("(prefers-color-scheme: dark)");
   const theme = () => document.documentElement.classList.toggle("rj-dark", model.dark);
@@ -67,8 +71,9 @@ export function render({model}) {
   return document.createElement("span");
 }
 """
+)
 
-
+NO_WIDTH_CSS = ":host { width: 0 !important; overflow: hidden; }"
 FIRST_CHARTS = ("energy", "line", "phases", "speed")
 """What a desktop window shows at first; the page is sent with these charts drawn."""
 
@@ -89,7 +94,8 @@ class Browser(JSComponent):
     _esm = ESM
 
     def __init__(self, **params: object) -> None:
-        super().__init__(**params)
+        # its width is that of the window: shown, it would make the page scroll sideways
+        super().__init__(**{"stylesheets": [NO_WIDTH_CSS], **params})
         self._followers: list[tuple[list[str], list[Any], Callable[[], None]]] = []
 
     def follow(self, names: list[str], callback: Callable[[], None]) -> None:

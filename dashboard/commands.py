@@ -15,6 +15,7 @@ from railjoule.core import RailjouleError, Scenario, StrategyRefusedError, compa
 from railjoule.core import solve as solve_scenario
 from railjoule.core.scenario import StrategyName, preset_names
 from railjoule.core.simulate.disturbances import simulate_disturbances
+from railjoule.core.simulate.field_oriented import simulate_field_oriented
 from railjoule.core.simulate.following import simulate_following
 from railjoule.core.strategies import prepare_task
 from railjoule.dashboard import summary, terminal
@@ -86,11 +87,12 @@ def simulate(file: str, changes: Mapping[str, Any], output: Output) -> None:
         If anything is wrong with the scenario, or the real train cannot pass the line.
     """
     scenario = load(file, changes)
-    if scenario.simulation.kind != "following":
-        raise CommandError(f"simulation.kind = {scenario.simulation.kind} is not part of this version: following is.")
     announce_compilation()
     with refusals_named(scenario.strategy):
-        if scenario.disturbance.events:
+        if scenario.simulation.kind == "field_oriented":
+            run = simulate_field_oriented(scenario)
+            output.show(summary.summarise_field_oriented(run), terminal.field_oriented_text)
+        elif scenario.disturbance.events:
             output.show(summary.summarise_ride(simulate_disturbances(scenario)), terminal.ride_text)
         else:
             output.show(summary.summarise_following(simulate_following(scenario)), terminal.following_text)

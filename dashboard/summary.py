@@ -13,6 +13,7 @@ from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
 if TYPE_CHECKING:
     from railjoule.core.simulate.disturbances import Ride
+    from railjoule.core.simulate.field_oriented import FieldOrientedRun
     from railjoule.core.simulate.following import Following
     from railjoule.core.validation.benchmark import Timing
     from railjoule.core.validation.table import Row, Table, Validation
@@ -99,6 +100,29 @@ def summarise_ride(ride: "Ride") -> Summary:
         "delay_s": ride.delay_s,
         "notices": [{"position_m": place, "time_s": time, "event": words} for place, time, words in ride.notices],
         "notes": list(ride.notes),
+    }
+
+
+def summarise_field_oriented(run: "FieldOrientedRun") -> Summary:
+    """Return a plan and how the machines drove it in closed loop as plain values."""
+    return {
+        "planned": summarise(run.planned),
+        "actual": summarise(run.actual),
+        "overconsumption": _finite(run.overconsumption),
+        "stop_error_m": run.stop_error_m,
+        "delay_s": run.delay_s,
+        "energy_by_input_power_kwh": run.energy_by_input_power_kwh,
+        "energy_by_parts_kwh": run.energy_by_parts_kwh,
+        "parts_kwh": {part: joules / J_PER_KWH for part, joules in run.parts_j.items()},
+        "magnetising_loss_kwh": run.magnetising_loss_kwh,
+        "max_tracking_error_m": run.max_tracking_error_m,
+        "max_current_a": run.max_current_a,
+        "max_torque_current_a": run.max_torque_current_a,
+        "min_torque_current_a": run.min_torque_current_a,
+        "max_phase_voltage_v": run.max_phase_voltage_v,
+        "voltage_limit_v": run.voltage_limit_v,
+        "saturated": [span._asdict() for span in run.saturated],
+        "notes": list(run.notes),
     }
 
 

@@ -112,6 +112,35 @@ def ride_text(ride: Summary) -> str:
     )
 
 
+def field_oriented_text(run: Summary) -> str:
+    """Return a plan, what the machines made of it, and what that took of current, voltage and energy."""
+    planned, actual, parts = run["planned"], run["actual"], run["parts_kwh"]
+    more = run["overconsumption"]
+    share = "" if more is None else f"{100 * more:+.2f} % energy, "
+    rows = [(kind.replace("_", " "), f"{kwh:.4f}") for kind, kwh in parts.items()]
+    rows += [
+        ("sum of the parts", f"{run['energy_by_parts_kwh']:.4f}"),
+        ("input power over time", f"{run['energy_by_input_power_kwh']:.4f}"),
+    ]
+    tracking = number(run["max_tracking_error_m"], 3)
+    current, voltage = number(run["max_current_a"]), number(run["max_phase_voltage_v"], 0)
+    return "\n".join(
+        [
+            f"{title_words(planned['title'])}: {STRATEGY_WORDS[planned['strategy']]}, in closed loop",
+            "",
+            *_two_runs({"planned": planned, "driven": actual}),
+            "",
+            f"{share}{run['delay_s']:+.2f} s, stopped {run['stop_error_m']:+.3f} m from the place.",
+            f"At most {tracking} m from the planned place, {current} A and {voltage} V of "
+            f"{number(run['voltage_limit_v'], 0)} V a phase.",
+            "",
+            *table_lines(("energy of the machines", "kWh"), rows),
+            "",
+            *(line for note in run["notes"] for line in _wrapped(note)),
+        ]
+    )
+
+
 def _two_runs(runs: dict[str, Summary]) -> list[str]:
     rows = [
         (

@@ -15,8 +15,10 @@ from numba.core.dispatcher import Dispatcher
 from railjoule.core import compare, load_scenario, solve
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.disturbances import simulate_disturbances
+from railjoule.core.simulate.field_oriented import current_ripple, simulate_field_oriented
 from railjoule.core.simulate.following import simulate_following
 from railjoule.core.simulate.regulator import drive_under_limits
+from railjoule.core.studies.induction_map import induction_map
 from railjoule.core.studies.motor_map import motor_map
 from railjoule.core.studies.storage import saving_over_size
 
@@ -25,6 +27,8 @@ SCENARIOS = ("liashenko-i", "ftorek-300s", "tram-950m")
 """Three small runs that use every kernel but those of maps and regulators."""
 METRO = "kharkiv-like-40kmh"
 """A run for the kernels of maps, regulators and storages."""
+CLOSED_LOOP = "tram-950m"
+"""A short run for those of the closed loop."""
 
 
 class Warmup:
@@ -50,6 +54,7 @@ class Warmup:
             simulate_following(load_scenario(SCENARIOS[0]))
             simulate_disturbances(load_scenario("tram-950m-stop"))
             drive_the_metro()
+            drive_in_closed_loop()
         except Exception:
             LOG.exception("the kernels could not be compiled")
         finally:
@@ -86,6 +91,14 @@ def drive_the_metro() -> None:
     for regulator in ("coast", "literal"):
         drive_under_limits(scenario, [45.0, 30.0], regulator)
     motor_map(scenario)
+
+
+def drive_in_closed_loop() -> None:
+    """Use the kernels of machines under field-oriented control."""
+    scenario = load_scenario(CLOSED_LOOP, {"simulation.flux": "least_loss"})
+    run = simulate_field_oriented(scenario)
+    current_ripple(run, 0.5 * run.planned.travel_time_s)
+    induction_map(scenario)
 
 
 @cache

@@ -5,6 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from railjoule.core.scenario._base import Count, Number, Part
+from railjoule.core.scenario.machine import InductionMachine
 from railjoule.core.scenario.map_csv import LEAST_POINTS
 
 Efficiency = Annotated[Number, Field(gt=0, le=1)]
@@ -47,6 +48,9 @@ class CopperLoss(DriveParameters):
     wheel_diameter_m: Number = Field(gt=0, le=5, description="Mean diameter of the driving wheels [m].")
     torque_per_amp_nm: Number = Field(gt=0, le=1e4, description="Torque of one motor per ampere [N m/A].")
     resistance_ohm: Number = Field(ge=0, le=100, description="Resistance that loses R i^2 in one motor [ohm].")
+    machine: InductionMachine | None = Field(
+        None, description="The machine itself, for runs in closed loop; the loss model does not ask for it."
+    )
 
 
 class Induction(DriveParameters):

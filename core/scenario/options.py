@@ -55,6 +55,21 @@ class SimulationOptions(Part):
 
     kind: Literal["following", "field_oriented"] = Field("following", description="Which simulation.")
     precompensator: bool = Field(True, strict=True, description="Cancel the lag of the position control.")
+    bandwidth_rads: Number = Field(10.0, ge=1, le=50, description="Threefold pole of the closed position loop [rad/s].")
+    rotor_resistance_factor: Number = Field(
+        1.0, ge=0.2, le=5, description="Rotor resistance that the motor control believes in, over the true one."
+    )
+    flux: Literal["constant", "least_loss"] = Field(
+        "constant", description="Rated flux as long as the voltage carries it, or the flux of least loss."
+    )
+    speed_noise_rads: Number = Field(
+        0.0, ge=0, le=100, description="Standard deviation of the measured motor speed [rad/s]."
+    )
+    noise_seed: Count = Field(1, ge=0, le=2**63, description="The same seed gives the same noise.")
+    time_step_s: Number = Field(0.001, ge=0.00005, le=0.002, description="Step of the integration in closed loop [s].")
+    reference_window_s: Number = Field(
+        0.2, ge=0.02, le=5, description="Time over which the corners of the planned speed are rounded [s]."
+    )
     response_length_m: Number = Field(
         5.0,
         ge=0,

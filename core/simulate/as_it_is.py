@@ -1,7 +1,7 @@
 """The train as it really is: its load, its running resistance and the line voltage that it finds."""
 
 from railjoule.core.scenario import Scenario, Vehicle
-from railjoule.core.scenario.drive import DriveParameters, Induction, Synchronous
+from railjoule.core.scenario.drive import CopperLoss, DriveParameters, Induction, Synchronous
 from railjoule.core.scenario.vehicle import Braking, Resistance, SpecificResistance, Traction
 
 SPECIFIC_TERMS = tuple(SpecificResistance.model_fields)
@@ -56,6 +56,9 @@ def at_voltage(vehicle: Vehicle, factor: float) -> Vehicle:
     drive = vehicle.drive
     if isinstance(drive, Induction):
         drive = drive.model_copy(update={"max_phase_voltage_v": factor * drive.max_phase_voltage_v})
+    elif isinstance(drive, CopperLoss) and drive.machine is not None:
+        limit = factor * drive.machine.max_phase_voltage_v
+        drive = drive.model_copy(update={"machine": drive.machine.model_copy(update={"max_phase_voltage_v": limit})})
     elif isinstance(drive, Synchronous):
         drive = drive.model_copy(update={"link_voltage_v": factor * drive.link_voltage_v})
     return changed(

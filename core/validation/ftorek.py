@@ -6,7 +6,6 @@ work of drag left out of EOC's cost and with the whole cost, Table 3 with a larg
 
 from dataclasses import replace
 from functools import partial
-from typing import Any
 
 from scipy.optimize import minimize_scalar
 
@@ -21,12 +20,13 @@ from railjoule.core.strategies.enoc import (
 from railjoule.core.strategies.eoc import solve_eoc
 from railjoule.core.strategies.plain_line import PlainLine, plain_line
 from railjoule.core.trajectory import Trajectory
-from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.core.units import MS_PER_KMH
+from railjoule.core.validation._ftorek_rows import J_PER_WH, Printed, printed_row
 from railjoule.core.validation._trapezoid import sample_trapezoid
+from railjoule.core.validation.ftorek_closed_loop import closed_loop_tables
 from railjoule.core.validation.papers import citation, errata, printed_numbers
 from railjoule.core.validation.table import Row, Table, Validation
 
-J_PER_WH = J_PER_KWH / 1e3
 TABLE_3_COPPER_WEIGHT = 3.087
 """With the copper loss times this, the energy surface has its minimum where Table 3 prints it."""
 LONGEST_TIME_S = 20_000.0
@@ -39,8 +39,6 @@ MATCHED_PEAK = (
 )
 BEATEN = "The printed run leaves the work of drag out of its cost; with the whole cost less is possible."
 OTHER_WEIGHT = "With the copper loss that fits Table 2 the surface has its minimum elsewhere."
-
-Printed = dict[str, Any]
 
 
 def validate_ftorek() -> Validation:
@@ -62,6 +60,7 @@ def validate_ftorek() -> Validation:
             enoc_at_its_best(line, paper["table_2"]),
             surface_points(line, paper["table_3"], TABLE_3_COPPER_WEIGHT),
             surface_points(line, paper["table_3"], 1.0),
+            *closed_loop_tables(scenario, paper),
         ),
         errata=errata(paper),
     )
@@ -72,7 +71,7 @@ def eoc_as_printed(line: PlainLine, amperes_per_newton: float, printed: list[Pri
     rows: list[Row] = []
     for entry in printed:
         run = solve_eoc(line, entry["travel_time_s"], "as_printed")
-        row = partial(_row, entry)
+        row = partial(printed_row, entry)
         rows += [
             row("max_speed_kmh", float(run.speed_ms.max()) / MS_PER_KMH),
             row("max_current_a", amperes_per_newton * float(run.effort_n.max()), FILTERED),
@@ -90,7 +89,7 @@ def true_optimum(line: PlainLine, scenario: Scenario, reference: list[Printed]) 
     for entry in reference:
         eoc = solve_eoc(line, entry["travel_time_s"], "optimal")
         optimal = _optimum(scenario, entry)
-        row = partial(_row, entry)
+        row = partial(printed_row, entry)
         rows += [
             row("max_speed_kmh", float(eoc.speed_ms.max()) / MS_PER_KMH, by="eoc"),
             row("max_speed_kmh", optimal.max_speed_kmh, by="optimal"),
@@ -103,7 +102,8 @@ def true_optimum(line: PlainLine, scenario: Scenario, reference: list[Printed]) 
 def claimed_optimum(scenario: Scenario, printed: list[Printed]) -> Table:
     """Return what Table 1 claims to be the least energy beside what is possible."""
     rows = [
-        _row(entry, "total_energy_wh", _optimum(scenario, entry).energy.net_j / J_PER_WH, BEATEN) for entry in printed
+        printed_row(entry, "total_energy_wh", _optimum(scenario, entry).energy.net_j / J_PER_WH, BEATEN)
+        for entry in printed
     ]
     return Table("What EOC is said to need beside what the optimum needs", tuple(rows), "Table 1")
 
@@ -115,7 +115,7 @@ def enoc_as_printed(line: PlainLine, amperes_per_newton: float, printed: list[Pr
     for entry in printed:
         time, ramp, peak = entry["travel_time_s"], entry["acceleration_time_s"], entry["max_speed_kmh"] * MS_PER_KMH
         run = sample_trapezoid(line, time, ramp)
-        row = partial(_row, entry)
+        row = partial(printed_row, entry)
         rows += [
             row("acceleration_time_s", acceleration_time_for_peak(coefficients, time, peak)),
             row("max_speed_kmh", run.peak_speed_ms / MS_PER_KMH),
@@ -136,8 +136,8 @@ def enoc_at_its_best(line: PlainLine, printed: list[Printed]) -> Table:
         ramp = best_acceleration_time(coefficients, entry["travel_time_s"])
         energy = float(enoc_energy(coefficients, entry["travel_time_s"], ramp))
         rows += [
-            _row(entry, "acceleration_time_s", ramp, MATCHED_PEAK),
-            _row(entry, "total_energy_wh", energy / J_PER_WH, MATCHED_PEAK),
+            printed_row(entry, "acceleration_time_s", ramp, MATCHED_PEAK),
+            printed_row(entry, "total_energy_wh", energy / J_PER_WH, MATCHED_PEAK),
         ]
     return Table("ENOC with its own best acceleration time", tuple(rows), "Table 2, (13)")
 
@@ -165,23 +165,6 @@ def surface_points(line: PlainLine, printed: list[Printed], copper_weight: float
         rows.append(Row(point["point"], "W_T", "Wh", point["total_energy_wh"], energy / J_PER_WH, energy_note))
     words = "the copper loss of Table 2" if own else f"{copper_weight:g} times the copper loss of Table 2"
     return Table(f"Points of ENOC's energy surface, with {words}", tuple(rows), "Table 3")
-
-
-QUANTITIES = {
-    "acceleration_time_s": ("T_e", "s"),
-    "max_speed_kmh": ("v_max", "km/h"),
-    "max_current_a": ("I_max", "A"),
-    "min_current_a": ("I_min", "A"),
-    "shaft_energy_wh": ("W_sh", "Wh"),
-    "peak_energy_wh": ("W_max", "Wh"),
-    "total_energy_wh": ("W_T", "Wh"),
-}
-
-
-def _row(entry: Printed, key: str, ours: float, note: str = "", by: str = "") -> Row:
-    symbol, unit = QUANTITIES[key]
-    quantity = f"{symbol} by {by}" if by else symbol
-    return Row(f"T_m = {entry['travel_time_s']:g} s", quantity, unit, entry[key], ours, note)
 
 
 def _optimum(scenario: Scenario, entry: Printed) -> Trajectory:

@@ -8,12 +8,13 @@ from railjoule.core import RailjouleError, Trajectory
 from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.models.disturbances import DisturbancesModel
+from railjoule.dashboard.models.motor import MotorModel
 from railjoule.dashboard.models.robustness import RobustnessModel
 from railjoule.dashboard.models.scenario import ScenarioModel
 from railjoule.dashboard.models.speed_limits import SpeedLimitsModel
 from railjoule.dashboard.store import Runs, TradeOff
 
-PAGES = ("Drive", "Trade-off", "Robustness", "Disturbances", "Speed limits")
+PAGES = ("Drive", "Trade-off", "Robustness", "Disturbances", "Speed limits", "Motor")
 
 
 class Workbench(param.Parameterized):
@@ -39,6 +40,7 @@ class Workbench(param.Parameterized):
         self.robustness = RobustnessModel()
         self.disturbances = DisturbancesModel()
         self.speed_limits = SpeedLimitsModel()
+        self.motor = MotorModel()
         super().__init__(**params)
         self.scenario.param.watch(self._take_strategy, ["preset", "opened"])
 

@@ -26,8 +26,8 @@ MAP_WORDS = {"drive": "motor and inverter", "motor": "the motor alone"}
 class MotorMapChart(Chart):
     """Efficiency over speed and torque of one motor, with the run's cells as points."""
 
-    def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("motor_map", "Efficiency, %, over torque and speed of one motor; points: the run", height)
+    def __init__(self, height: int, palette: Palette, name: str = "motor_map") -> None:
+        super().__init__(name, "Efficiency, %, over torque and speed of one motor; points: the run", height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
         self._drawn: FloatArray | None = None
 

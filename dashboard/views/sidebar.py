@@ -17,6 +17,7 @@ from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import Runs
 from railjoule.dashboard.views.events import EventFields
 from railjoule.dashboard.views.fields import NumberField
+from railjoule.dashboard.views.motor_fields import MotorFields
 from railjoule.dashboard.views.parts import Words, html_pane, swatch
 from railjoule.dashboard.views.reality import RealityFields
 from railjoule.dashboard.views.sections import SectionFields
@@ -86,6 +87,7 @@ class Sidebar:
         self.reality = RealityFields(state)
         self.events = EventFields(state)
         self.sections = SectionFields(state)
+        self.motor = MotorFields(state)
         self.line = html_pane()
         self.strategies = StrategyList(state)
         self.changed = html_pane()
@@ -105,6 +107,7 @@ class Sidebar:
             self.reality.view,
             self.events.view,
             self.sections.view,
+            self.motor.view,
             self.line,
             html_pane('<hr class="rule">'),
             self.strategies.view,

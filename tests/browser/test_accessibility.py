@@ -23,14 +23,18 @@ def reader(request: pytest.FixtureRequest, server: Server, chromium: Browser) ->
         yield user
 
 
+def grave_findings(user: User) -> dict[str, list[str]]:
+    """Return the places of each rule that the page in sight breaks gravely and without excuse."""
+    options = {"runOnly": {"type": "tag", "values": STANDARDS}, "resultTypes": ["violations"]}
+    found = Axe().run(user.page, options=options).response["violations"]
+    return {
+        violation["id"]: [node["html"][:200] for node in violation["nodes"]]
+        for violation in found
+        if violation["impact"] in GRAVE and violation["id"] not in EXCUSED
+    }
+
+
 @pytest.mark.parametrize("page", PAGES)
 def test_nothing_grave_but_what_is_excused(reader: User, page: str) -> None:
     reader.turn_to(page)
-    options = {"runOnly": {"type": "tag", "values": STANDARDS}, "resultTypes": ["violations"]}
-    found = Axe().run(reader.page, options=options).response["violations"]
-    grave = {
-        violation["id"]: [node["html"][:200] for node in violation["nodes"]]
-        for violation in found
-        if violation["impact"] in GRAVE
-    }
-    assert {rule: places for rule, places in grave.items() if rule not in EXCUSED} == {}
+    assert grave_findings(reader) == {}

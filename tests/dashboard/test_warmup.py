@@ -6,6 +6,8 @@ from railjoule.dashboard.warmup import Warmup, all_kernels
 EVERY_STRATEGY = """
 from railjoule.core import compare, load_scenario
 from railjoule.core.scenario import preset_names
+from railjoule.core.simulate.field_oriented import current_ripple, simulate_field_oriented
+from railjoule.core.studies.induction_map import induction_map
 from railjoule.core.studies.motor_map import motor_map
 from railjoule.dashboard.store import (
     LimitsWish, StorageWish, TradeOffWish, compute_limit_run, compute_limit_trip, compute_storage, compute_trade_off
@@ -21,6 +23,9 @@ before = compiled()
 for name in preset_names("scenarios"):
     compare(load_scenario(name))
     compute_trade_off(TradeOffWish(load_scenario(name), 400.0, False, 1.0))
+machine = load_scenario("ftorek-300s")
+current_ripple(simulate_field_oriented(machine), 100.0)
+induction_map(machine)
 metro = load_scenario("kharkiv-like-20kmh")
 motor_map(metro)
 for regulator in ("coast", "brake", "literal"):

@@ -110,7 +110,7 @@ def make_induction_drive(parameters: Induction) -> InductionDrive:
     ScenarioError
         If the machines cannot even turn themselves.
     """
-    numbers = np.array(_kernel_parameters(parameters))
+    numbers = np.array(kernel_parameters(parameters))
     standing, largest = np.zeros(1), np.empty(1)
     fill_efforts(numbers, False, parameters.starting_current_a, True, standing, largest)
     if largest[0] <= 0:
@@ -130,7 +130,7 @@ def make_induction_drive(parameters: Induction) -> InductionDrive:
     )
 
 
-def _kernel_parameters(parameters: Induction) -> list[float]:
+def kernel_parameters(parameters: Induction) -> list[float]:
     """Return the numbers in the order of `railjoule.core.drive.induction.power.PARAMETERS`."""
     rated_rads = 2 * math.pi * parameters.rated_frequency_hz
     return [

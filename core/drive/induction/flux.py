@@ -1,0 +1,76 @@
+"""Which flux a machine takes: the rated one as long as the voltage carries it, or that of least loss.
+
+Both are told by the current Ix that makes them in steady state. Without torque the voltage alone bounds it.
+"""
+
+import math
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.compiled import njit
+from railjoule.core.drive.induction.least_loss import best_ratio
+from railjoule.core.drive.induction.machine import Machine, torque_constant
+from railjoule.core.drive.induction.voltage import pull_out_ratio, ratio_within_voltage, value, voltage_quartic
+
+LEAST_STRENGTH_SHARE = 1e-6
+"""A torque below this share of that at Ix = Iy = Imu counts as none."""
+
+
+@njit(cache=True)
+def flux_current_within_voltage(machine: Machine, torque_nm: float, rotor_rads: float) -> float:
+    """Return the largest Ix up to the rated one with which the voltage carries a torque [A].
+
+    Where no flux carries it, that of the pull-out torque.
+
+    Parameters
+    ----------
+    machine : Machine
+        Its numbers.
+    torque_nm : float
+        Electromagnetic torque, negative where it generates [N m].
+    rotor_rads : float
+        Electrical angular frequency of the rotor [rad/s].
+    """
+    sign = 1.0 if torque_nm >= 0.0 else -1.0
+    rated2 = machine.magnetising_current_a * machine.magnetising_current_a
+    strength = max(sign * torque_nm / torque_constant(machine), LEAST_STRENGTH_SHARE * rated2)
+    quartic = voltage_quartic(machine, sign, rotor_rads)
+    ratio, voltage2 = strength / rated2, machine.max_phase_voltage_v * machine.max_phase_voltage_v
+    if strength * value(quartic, ratio) <= voltage2 * ratio:
+        return machine.magnetising_current_a
+    bound = ratio_within_voltage(quartic, strength, voltage2, ratio)
+    if bound < 0.0:
+        pull_out = pull_out_ratio(quartic)
+        return min(machine.max_phase_voltage_v / math.sqrt(value(quartic, pull_out)), machine.magnetising_current_a)
+    return math.sqrt(strength / bound)
+
+
+@njit(cache=True)
+def flux_current_of_least_loss(machine: Machine, torque_nm: float, rotor_rads: float) -> float:
+    """Return the Ix with which a torque loses least [A]; arguments as in `flux_current_within_voltage`."""
+    sign = 1.0 if torque_nm >= 0.0 else -1.0
+    rated2 = machine.magnetising_current_a * machine.magnetising_current_a
+    strength = max(sign * torque_nm / torque_constant(machine), LEAST_STRENGTH_SHARE * rated2)
+    ratio, _ = best_ratio(machine, sign, strength, rotor_rads)
+    return min(math.sqrt(strength / ratio), machine.magnetising_current_a)
+
+
+@njit(cache=True, nogil=True)
+def fill_flux_currents(
+    machine: Machine, least_loss: bool, torque_nm: FloatArray, rotor_rads: FloatArray, flux_current_a: FloatArray
+) -> None:
+    """Fill the currents Ix [A] for torques [N m] at frequencies [rad/s]; all of shape (n,).
+
+    Parameters
+    ----------
+    machine : Machine
+        Its numbers.
+    least_loss : bool
+        Whether they are to lose least; else they are the largest that the voltage allows.
+    torque_nm, rotor_rads, flux_current_a : array of shape (n,)
+        Torques, electrical frequencies of the rotor, and the currents.
+    """
+    for i in range(torque_nm.shape[0]):
+        if least_loss:
+            flux_current_a[i] = flux_current_of_least_loss(machine, torque_nm[i], rotor_rads[i])
+        else:
+            flux_current_a[i] = flux_current_within_voltage(machine, torque_nm[i], rotor_rads[i])

@@ -1,0 +1,134 @@
+"""What a wrong rotor resistance in the motor control costs: energy, current and tracking over its factor.
+
+Source: the question of Ftorek et al. 2025, Figure 1, whose control needs the rotor's resistance for the angle of its
+flux; a warm rotor has up to half more than a cold one.
+"""
+
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError
+from railjoule.core.scenario import Scenario
+from railjoule.core.simulate.field_oriented import FieldOrientedRun, simulate_field_oriented
+from railjoule.core.strategies import solve
+from railjoule.core.trajectory import Trajectory
+from railjoule.core.units import J_PER_KWH
+
+if TYPE_CHECKING:
+    import xarray
+
+FACTORS = (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.25, 1.5, 1.75, 2.0)
+
+
+@dataclass(frozen=True, eq=False)
+class DetuningTable:
+    """Runs over k factors; NaN where the loop does not hold the train, and where nothing is computed yet.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What was simulated, but for the factor.
+    rotor_resistance_factors : tuple of float
+        Rotor resistance that the control believes in, over the true one.
+    energy_kwh, magnetising_loss_kwh : array of shape (k,)
+        Energy that the machines take, and what of it the flux's current loses in the stator [kWh].
+    max_current_a, max_phase_voltage_v : array of shape (k,)
+        Peaks [A, V].
+    max_tracking_error_m : array of shape (k,)
+        Largest distance from the planned place [m].
+    done : int
+        How many are computed.
+    """
+
+    scenario: Scenario
+    rotor_resistance_factors: tuple[float, ...]
+    energy_kwh: FloatArray
+    magnetising_loss_kwh: FloatArray
+    max_current_a: FloatArray
+    max_phase_voltage_v: FloatArray
+    max_tracking_error_m: FloatArray
+    done: int = 0
+
+    def to_dataset(self) -> "xarray.Dataset":
+        """Return the table with its labels and units."""
+        import xarray  # noqa: PLC0415  (slow to import, and seldom needed)
+
+        columns = {
+            "energy_kwh": (self.energy_kwh, "kWh"),
+            "magnetising_loss_kwh": (self.magnetising_loss_kwh, "kWh"),
+            "max_current_a": (self.max_current_a, "A"),
+            "max_phase_voltage_v": (self.max_phase_voltage_v, "V"),
+            "max_tracking_error_m": (self.max_tracking_error_m, "m"),
+        }
+        return xarray.Dataset(
+            {name: (("rotor_resistance_factor",), values, {"units": unit}) for name, (values, unit) in columns.items()},
+            coords={"rotor_resistance_factor": list(self.rotor_resistance_factors)},
+            attrs={"title": self.scenario.title, "strategy": self.scenario.strategy},
+        )
+
+
+def detuning(scenario: Scenario, factors: Sequence[float] = FACTORS, plan: Trajectory | None = None) -> DetuningTable:
+    """Return energy, current, voltage and tracking over the rotor resistance that the control believes in.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What is simulated, but for the factor.
+    factors : sequence of float
+        Believed over true rotor resistance.
+    plan : Trajectory, optional
+        What to follow; the scenario's own strategy where absent.
+
+    Raises
+    ------
+    RailjouleError
+        As `railjoule.core.simulate.field_oriented.simulate_field_oriented`.
+    """
+    *_, last = detuning_steps(scenario, factors, plan)
+    return last
+
+
+def detuning_steps(
+    scenario: Scenario, factors: Sequence[float] = FACTORS, plan: Trajectory | None = None
+) -> Iterator[DetuningTable]:
+    """Yield the table of `detuning` empty, and again after each run; arguments and errors as there."""
+    if not factors:
+        raise ScenarioError("a table over the rotor resistance needs at least one factor.")
+    variants = [scenario.with_(**{"simulation.rotor_resistance_factor": float(factor)}) for factor in factors]
+    planned = plan if plan is not None else solve(scenario)
+    values = np.full((5, len(factors)), np.nan)
+    table = _filled(DetuningTable(scenario, tuple(factors), *(frozen_array(values[0]),) * 5), values, 0)
+    yield table
+    for k, variant in enumerate(variants):
+        with suppress(InfeasibleLineError, SolverError):
+            values[:, k] = _told(simulate_field_oriented(variant, planned))
+        yield _filled(table, values, k + 1)
+
+
+def _filled(table: DetuningTable, values: FloatArray, done: int) -> DetuningTable:
+    """Return a table with other values, rows of which are its columns."""
+    energy, magnetising, current, voltage, tracking = (frozen_array(row) for row in values)
+    return replace(
+        table,
+        energy_kwh=energy,
+        magnetising_loss_kwh=magnetising,
+        max_current_a=current,
+        max_phase_voltage_v=voltage,
+        max_tracking_error_m=tracking,
+        done=done,
+    )
+
+
+def _told(run: FieldOrientedRun) -> tuple[float, float, float, float, float]:
+    return (
+        float(run.energy_by_input_power_j[-1]) / J_PER_KWH,
+        run.magnetising_loss_kwh,
+        run.max_current_a,
+        run.max_phase_voltage_v,
+        run.max_tracking_error_m,
+    )

@@ -1,0 +1,27 @@
+"""Rows of Ftorek's tables: one printed entry and quantity beside ours."""
+
+from typing import Any
+
+from railjoule.core.units import J_PER_KWH
+from railjoule.core.validation.table import Row
+
+J_PER_WH = J_PER_KWH / 1e3
+
+Printed = dict[str, Any]
+
+QUANTITIES = {
+    "acceleration_time_s": ("T_e", "s"),
+    "max_speed_kmh": ("v_max", "km/h"),
+    "max_current_a": ("I_max", "A"),
+    "min_current_a": ("I_min", "A"),
+    "shaft_energy_wh": ("W_sh", "Wh"),
+    "peak_energy_wh": ("W_max", "Wh"),
+    "total_energy_wh": ("W_T", "Wh"),
+}
+
+
+def printed_row(entry: Printed, key: str, ours: float, note: str = "", by: str = "") -> Row:
+    """Return the row of a printed entry's quantity; `by` tells whose number ours is."""
+    symbol, unit = QUANTITIES[key]
+    quantity = f"{symbol} by {by}" if by else symbol
+    return Row(f"T_m = {entry['travel_time_s']:g} s", quantity, unit, entry[key], ours, note)

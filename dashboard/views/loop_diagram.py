@@ -1,0 +1,314 @@
+"""The control loop of the drive as a block diagram: blocks and figures light each other up.
+
+A block under the pointer or with the keyboard's focus lights up together with the figures that it explains, and a
+figure under the pointer lights its block. A press on a block brings its first figure into sight.
+"""
+
+import html
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import param
+from panel.custom import JSComponent
+
+from railjoule.dashboard.browser import DEEP_JS
+
+BLOCK_HEIGHT, RADIUS, LINE_PX, HEAD_PX = 44.0, 5.0, 15.0, 6.0
+FONT_PX, SIGNAL_PX = 12.5, 11.0
+
+
+@dataclass(frozen=True)
+class Block:
+    """One block of the loop.
+
+    Parameters
+    ----------
+    words : tuple of str
+        Its name, in lines.
+    does : str
+        What it does, for those who listen.
+    charts : tuple of str
+        Names of the charts that it explains, the foremost first.
+    """
+
+    words: tuple[str, ...]
+    does: str
+    charts: tuple[str, ...]
+
+
+BLOCKS: Mapping[str, Block] = {
+    "reference": Block(
+        ("Reference",),
+        "turns the plan into position, speed, acceleration and jerk over time",
+        ("rival_speed", "rival_current", "rival_energy"),
+    ),
+    "precompensator": Block(
+        ("Pre-", "compensator"), "leads the reference by the lag of the loop", ("tracking", "tracking_fine")
+    ),
+    "motion_control": Block(
+        ("Position and", "speed control"), "asks for the torque that keeps the train on the reference", ("loop_speed",)
+    ),
+    "current_control": Block(
+        ("Current", "control"), "sets the voltages that make flux and torque currents", ("loop_currents",)
+    ),
+    "inverter": Block(("Inverter",), "switches the link's voltage to the phases", ("loop_voltage", "ripple")),
+    "machine": Block(("Machine",), "turns currents into flux and torque", ("loop_energy", "machine_map")),
+    "load": Block(("Train", "and line"), "takes the torque and moves", ("loop_place",)),
+    "flux_estimator": Block(
+        ("Flux estimator",),
+        "computes flux and its angle from currents, speed and resistance",
+        ("loop_flux", "detuning"),
+    ),
+}
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """Where the blocks stand in a window of one kind, and the lines between them.
+
+    Parameters
+    ----------
+    kind : str
+        Style class.
+    size : tuple of float
+        Width and height [px].
+    block_width : float
+        Of a block [px].
+    places : mapping
+        Left upper corner of each block [px].
+    lines : tuple of str
+        Paths; each ends in an arrow.
+    signals : tuple
+        Place and name of each signal, the part after an underscore as subscript.
+    """
+
+    kind: str
+    size: tuple[float, float]
+    block_width: float
+    places: Mapping[str, tuple[float, float]]
+    lines: tuple[str, ...]
+    signals: tuple[tuple[float, float, str], ...]
+
+
+WIDE = Drawing(
+    kind="wide",
+    size=(980, 132),
+    block_width=104,
+    places={
+        "reference": (1, 8),
+        "precompensator": (147, 8),
+        "motion_control": (293, 8),
+        "current_control": (439, 8),
+        "inverter": (585, 8),
+        "machine": (731, 8),
+        "load": (875, 8),
+        "flux_estimator": (585, 76),
+    },
+    lines=(
+        "M105 30 H146",
+        "M251 30 H292",
+        "M397 30 H438",
+        "M543 30 H584",
+        "M689 30 H730",
+        "M835 30 H874",
+        # currents and speed to the estimator, its flux to the current control
+        "M757 52 V91 H690",
+        "M895 52 V106 H690",
+        "M584 98 H491 V53",
+        # speed and position back to their control
+        "M935 52 V126 H345 V53",
+    ),
+    signals=(
+        (126, 23, "\u03b8, \u03c9"),
+        (272, 23, "\u03b8\u2032"),
+        (418, 23, "i_q*"),
+        (564, 23, "u*"),
+        (710, 23, "u"),
+        (854, 23, "T"),
+        (775, 84, "i"),
+        (871, 101, "\u03c9"),
+        (535, 91, "\u03c8, angle"),
+        (400, 121, "\u03b8, \u03c9"),
+    ),
+)
+NARROW = Drawing(
+    kind="narrow",
+    size=(352, 238),
+    block_width=92,
+    places={
+        "reference": (1, 8),
+        "precompensator": (121, 8),
+        "motion_control": (241, 8),
+        "machine": (1, 88),
+        "inverter": (121, 88),
+        "current_control": (241, 88),
+        "load": (1, 168),
+        "flux_estimator": (121, 168),
+    },
+    lines=(
+        "M93 30 H120",
+        "M213 30 H240",
+        "M287 52 V87",
+        "M241 110 H214",
+        "M121 110 H94",
+        "M47 132 V167",
+        "M75 132 V150 H150 V167",
+        "M93 190 H120",
+        "M213 190 H287 V133",
+        "M47 212 V230 H346 V30 H334",
+    ),
+    signals=(
+        (107, 23, "\u03b8, \u03c9"),
+        (227, 23, "\u03b8\u2032"),
+        (303, 74, "i_q*"),
+        (228, 103, "u*"),
+        (108, 103, "u"),
+        (38, 154, "T"),
+        (112, 144, "i"),
+        (107, 183, "\u03c9"),
+        (256, 183, "\u03c8, angle"),
+        (200, 225, "\u03b8, \u03c9"),
+    ),
+)
+DRAWINGS = (WIDE, NARROW)
+
+STYLE = """
+:host { display: block; font-family: var(--rj-font); }
+:host > div { width: 100%; }
+svg { display: block; width: 100%; height: auto; }
+svg.wide { max-width: 1180px; } svg.narrow { max-width: 420px; display: none; }
+@media (max-width: 899px) { svg.wide { display: none; } svg.narrow { display: block; } }
+.wire { fill: none; stroke: var(--rj-ink3); stroke-width: 1.2; }
+.head { fill: var(--rj-ink3); }
+.signal { fill: var(--rj-ink2); text-anchor: middle; font-style: italic; }
+.signal tspan { font-style: normal; }
+.block { cursor: pointer; outline: none; }
+.block rect { fill: var(--rj-surface); stroke: var(--rj-ink3); stroke-width: 1.2; }
+.block text { fill: var(--rj-ink); text-anchor: middle; font-weight: 500; }
+.block.lit rect { fill: var(--rj-tint); stroke: var(--rj-accent); stroke-width: 2.4; }
+.block:focus-visible rect { stroke: var(--rj-accent); stroke-width: 3.4; }
+"""
+
+ESM = (
+    DEEP_JS
+    + """
+export function render({model}) {
+  const box = document.createElement("div");
+  // text of this program alone
+  box.innerHTML = model.drawing;
+  const block_of = (name) => Object.keys(model.charts).find((block) => model.charts[block].includes(name));
+  const hosts = (block) => deep(".rj-chart").filter((host) => block && model.charts[block].includes(chart_of(host)));
+  let under = null, focused = null, lit = null, framed = [];
+  const light = () => {
+    const block = under ?? focused;
+    if (block === lit) return;
+    lit = block;
+    for (const shape of box.querySelectorAll("[data-block]")) {
+      shape.classList.toggle("lit", shape.dataset.block === block);
+    }
+    for (const host of framed) { host.style.outline = ""; host.classList.remove("rj-lit"); }
+    framed = hosts(block);
+    for (const host of framed) { host.style.outline = "2px solid var(--rj-accent)"; host.classList.add("rj-lit"); }
+  };
+  const show = (block) => {
+    const places = model.charts[block].flatMap((name) => deep(".rj-chart-" + name));
+    const first = places.find((host) => host.offsetParent);
+    if (!first) return;
+    first.style.scrollMarginTop = box.getBoundingClientRect().height + 24 + "px";
+    const calm = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
+    first.scrollIntoView({block: "start", behavior: calm ? "instant" : "smooth"});
+  };
+  // at the document, before the figures, which keep pointer events to themselves
+  const move = (event) => {
+    const path = event.composedPath();
+    const shape = path.find((element) => element.dataset?.block && box.contains(element));
+    const host = path.find((element) => element.classList?.contains("rj-chart"));
+    under = shape ? shape.dataset.block : (host && block_of(chart_of(host))) ?? null;
+    light();
+  };
+  document.addEventListener("pointermove", move, true);
+  box.addEventListener("focusin", (event) => {
+    focused = event.target.matches(":focus-visible") ? event.target.dataset.block ?? null : null;
+    light();
+  });
+  box.addEventListener("focusout", () => { focused = null; light(); });
+  box.addEventListener("click", (event) => {
+    const shape = event.target.closest("[data-block]");
+    if (shape) { show(shape.dataset.block); }
+  });
+  box.addEventListener("keydown", (event) => {
+    const shape = event.target.closest("[data-block]");
+    if (shape && (event.key === "Enter" || event.key === " ")) { event.preventDefault(); show(shape.dataset.block); }
+  });
+  model.on("remove", () => document.removeEventListener("pointermove", move, true));
+  return box;
+}
+"""
+)
+
+
+class LoopDiagram(JSComponent):
+    """The block diagram; its colours follow the page's."""
+
+    drawing = param.String(default="", doc="The diagrams for wide and narrow windows, as SVG.")
+    charts = param.Dict(default={}, doc="Names of the charts of each block.")
+
+    _esm = ESM
+
+    def __init__(self, **params: object) -> None:
+        charts = {name: list(block.charts) for name, block in BLOCKS.items()}
+        drawing = "".join(diagram(kind) for kind in DRAWINGS)
+        super().__init__(
+            **{"drawing": drawing, "charts": charts, "sizing_mode": "stretch_width", "stylesheets": [STYLE], **params}
+        )
+
+
+def diagram(drawing: Drawing) -> str:
+    """Return a diagram as SVG."""
+    width, height = drawing.size
+    lines = "".join(f'<path class="wire" d="{path}"/>{arrow_head(path)}' for path in drawing.lines)
+    signals = "".join(signal(x, y, name) for x, y, name in drawing.signals)
+    # in the order of the loop, which is that of the tab key
+    blocks = "".join(block_shape(name, *drawing.places[name], drawing.block_width) for name in BLOCKS)
+    return (
+        f'<svg class="{drawing.kind}" viewBox="0 0 {width:g} {height:g}" role="group" '
+        f'aria-label="Block diagram of the control loop">{lines}{signals}{blocks}</svg>'
+    )
+
+
+def block_shape(name: str, x: float, y: float, width: float) -> str:
+    """Return a block that can be focused and pressed."""
+    block = BLOCKS[name]
+    label = html.escape(f"{' '.join(block.words).replace('- ', '-')} {block.does}; go to its figure")
+    middle = y + 0.5 * BLOCK_HEIGHT - 0.5 * LINE_PX * (len(block.words) - 1)
+    text = "".join(
+        f'<text x="{x + 0.5 * width:g}" y="{middle + k * LINE_PX + 0.36 * FONT_PX:g}" font-size="{FONT_PX}">'
+        f"{html.escape(line)}</text>"
+        for k, line in enumerate(block.words)
+    )
+    return (
+        f'<g class="block" role="button" tabindex="0" data-block="{name}" aria-label="{label}">'
+        f'<rect x="{x:g}" y="{y:g}" width="{width:g}" height="{BLOCK_HEIGHT:g}" rx="{RADIUS:g}"/>{text}</g>'
+    )
+
+
+def signal(x: float, y: float, name: str) -> str:
+    """Return the name of a signal."""
+    symbol, _, index = name.partition("_")
+    below = f'<tspan dy="3" font-size="{SIGNAL_PX - 2:g}">{html.escape(index)}</tspan>' if index else ""
+    return f'<text class="signal" x="{x:g}" y="{y:g}" font-size="{SIGNAL_PX:g}">{html.escape(symbol)}{below}</text>'
+
+
+def arrow_head(path: str) -> str:
+    """Return the head of the arrow in which a path of M, H and V ends."""
+    start_x, start_y, *steps = path[1:].split()
+    before = end = float(start_x), float(start_y)
+    for step in steps:
+        before, place = end, float(step[1:])
+        end = (place, end[1]) if step.startswith("H") else (end[0], place)
+    x, y = end
+    along_x, along_y = (x > before[0]) - (x < before[0]), (y > before[1]) - (y < before[1])
+    back_x, back_y = x - HEAD_PX * along_x, y - HEAD_PX * along_y
+    side_x, side_y = 0.5 * HEAD_PX * along_y, 0.5 * HEAD_PX * along_x
+    corners = ((x, y), (back_x + side_x, back_y + side_y), (back_x - side_x, back_y - side_y))
+    return f'<polygon class="head" points="{" ".join(f"{a:g},{b:g}" for a, b in corners)}"/>'

@@ -1,0 +1,344 @@
+"""Motor: the plan through the control loop of its motors, with currents, flux, voltage and both energies."""
+
+from functools import partial
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+from railjoule.core import load_scenario
+from railjoule.core.simulate.field_oriented import FieldOrientedRun
+from railjoule.core.units import J_PER_KWH
+from railjoule.dashboard.browser import Browser
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.store import MACHINE_SCENARIO
+from railjoule.dashboard.views import parts
+from railjoule.dashboard.views.chart_page import ChartPage
+from railjoule.dashboard.views.charts import Axis, Chart
+from railjoule.dashboard.views.fields import NumberField
+from railjoule.dashboard.views.loop_diagram import LoopDiagram
+from railjoule.dashboard.views.motor_charts import MotorMapChart
+from railjoule.dashboard.views.motor_run_charts import (
+    CURRENTS,
+    ENERGY,
+    FLUX,
+    RIVAL_CURRENT,
+    RIVAL_ENERGY,
+    RIVAL_SPEED,
+    SPEED,
+    TRACKING,
+    TRACKING_FINE,
+    VOLTAGE,
+    DetuningChart,
+    LoopChart,
+    PlaceChart,
+    RippleChart,
+    detuning_table,
+    length,
+)
+
+HEIGHTS = {
+    "loop_speed": (200, 250, 180),
+    "tracking": (120, 140, 120),
+    "tracking_fine": (90, 100, 90),
+    "loop_currents": (170, 200, 160),
+    "loop_voltage": (130, 150, 120),
+    "loop_flux": (90, 100, 90),
+    "loop_energy": (190, 220, 180),
+    "loop_place": (200, 250, 180),
+    "rival_speed": (180, 210, 170),
+    "rival_current": (140, 160, 130),
+    "rival_energy": (170, 200, 160),
+    "machine_map": (290, 340, 270),
+    "ripple": (190, 220, 180),
+    "detuning": (190, 220, 180),
+}
+"""Of each chart [px]: in usual, wide and narrow windows."""
+OF_RUN = ("loop_speed", "loop_currents", "loop_voltage", "loop_flux", "loop_energy")
+LEFT = ("loop_speed", "tracking", "tracking_fine", "loop_currents", "loop_voltage", "loop_flux", "loop_energy")
+OF_TRACKING = ("tracking", "tracking_fine")
+OF_STRATEGIES = ("rival_speed", "rival_current", "rival_energy")
+LAYOUT_CSS = """
+:host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: 28px;
+  padding: 8px 20px 12px 14px; align-items: start; }
+@media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); padding: 8px 10px 12px 6px; } }
+"""
+DIAGRAM_CSS = """
+:host { position: sticky; top: 0; z-index: 5; background: var(--rj-surface); padding: 10px 20px 8px;
+  border-bottom: 1px solid var(--rj-line); }
+@media (max-width: 899px) { :host { position: static; padding: 10px 14px 8px; } }
+"""
+COLUMN_CSS = ":host { row-gap: 6px; }"
+PART_WORDS = {
+    "shaft": "Shaft",
+    "stator_copper": "Stator copper, torque current",
+    "rotor_copper": "Rotor copper",
+    "magnetising": "Stator copper, magnetising",
+    "iron": "Iron",
+    "stored": "Stored in the magnetic fields",
+}
+QUESTION = (
+    '<div style="padding:8px 6px 0 50px"><h2>A wrong rotor resistance</h2><p class="note">The flux is found from the '
+    "rotor\u2019s resistance, which a warm rotor changes by up to a half. The study drives the plan with controllers "
+    "that believe in half to twice the true one.</p></div>"
+)
+LIMIT_WORDS = {"current": "The current limit", "voltage": "The voltage limit"}
+
+
+class MotorView(ChartPage):
+    """The page of the drive in closed loop."""
+
+    heights = HEIGHTS
+
+    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
+        super().__init__(state, browser, palette)
+        self.model = state.motor
+        self.heading, self.figures, self.held, self.account, self.refusals, self.notes, self.no_machine, self.costs = (
+            parts.html_pane() for _ in range(8)
+        )
+        self.diagram = LoopDiagram()
+        self.axis = Axis(palette)
+        quantities = (
+            SPEED,
+            TRACKING,
+            TRACKING_FINE,
+            CURRENTS,
+            VOLTAGE,
+            FLUX,
+            ENERGY,
+            RIVAL_SPEED,
+            RIVAL_CURRENT,
+            RIVAL_ENERGY,
+        )
+        self.loops = {
+            quantity.name: LoopChart(
+                quantity, HEIGHTS[quantity.name][0], self.axis, palette, last=quantity in (ENERGY, RIVAL_ENERGY)
+            )
+            for quantity in quantities
+        }
+        self.place = PlaceChart(HEIGHTS["loop_place"][0], palette)
+        self.map = MotorMapChart(HEIGHTS["machine_map"][0], palette, "machine_map")
+        self.ripple = RippleChart(HEIGHTS["ripple"][0], palette)
+        self.detuning = DetuningChart(HEIGHTS["detuning"][0], palette)
+        self.at = NumberField(
+            self.model, "ripple_at_s", "Picture of ripple at, s", step=0.5, digits=1, unit="s", ends=(0, 100)
+        )
+        self.open = pmui.Button(
+            label=f"Open {load_scenario(MACHINE_SCENARIO).title}",
+            variant="outlined",
+            size="small",
+            margin=(10, 20),
+            on_click=lambda _: state.scenario.choose(MACHINE_SCENARIO),
+        )
+        self.question = parts.html_pane(QUESTION)
+        self.study = pmui.Button(
+            label="Run the study",
+            variant="outlined",
+            size="small",
+            margin=(8, 8, 4, 50),
+            on_click=lambda _: self.model.param.trigger("study"),
+        )
+        self.stop = pmui.Button(
+            label="Stop",
+            variant="text",
+            size="small",
+            margin=(8, 8, 4, 8),
+            visible=False,
+            on_click=lambda _: self.model.param.trigger("stop_study"),
+        )
+        self.progress = pmui.LinearProgress(
+            value=0, variant="determinate", margin=(4, 14, 4, 50), sizing_mode="stretch_width", visible=False
+        )
+        self.missing = parts.stack(self.no_machine, self.open, visible=False)
+        self.body = self._laid_out()
+        self.view = parts.stack(self.heading, self.missing, self.message, self.body)
+        self.model.param.watch(self._show_run, ["run", "failure", "no_machine"])
+        self.model.param.watch(self._show_rivals, "rivals")
+        self.model.param.watch(self._show_map, "machine_map")
+        self.model.param.watch(self._show_ripple, "ripple")
+        self.model.param.watch(self._show_detuning, ["detuning", "studying"])
+        self.begin()
+
+    def _laid_out(self) -> pn.Column:
+        left = parts.stack(*(self.loops[name].place for name in LEFT), self.account, css=COLUMN_CSS)
+        rivals = (self.loops[name].place for name in OF_STRATEGIES)
+        right = parts.stack(
+            self.place.place,
+            *rivals,
+            self.refusals,
+            self.map.place,
+            self.ripple.place,
+            self.at.view,
+            css=COLUMN_CSS,
+        )
+        diagram = parts.stack(self.diagram, css=DIAGRAM_CSS)
+        study = parts.stack(
+            self.question,
+            pn.Row(self.study, self.stop, margin=0, sizing_mode="stretch_width"),
+            self.progress,
+            self.detuning.place,
+            css=COLUMN_CSS,
+        )
+        notes = parts.stack(self.notes, css=":host { padding: 0 20px 16px; }")
+        upper, lower = parts.stack(left, right, css=LAYOUT_CSS), parts.stack(study, self.costs, css=LAYOUT_CSS)
+        return parts.stack(self.figures, self.held, diagram, upper, lower, notes)
+
+    @property
+    def charts(self) -> tuple[Chart, ...]:
+        """All charts of the page."""
+        return *self.loops.values(), self.place, self.map, self.ripple, self.detuning
+
+    def settle(self) -> None:
+        """Tell the cursor of the runs that it may meet new charts."""
+        self.axis.settle("s", 1)
+
+    def redraw(self) -> None:
+        """Draw everything again, as after a change of theme."""
+        self._show_run()
+        self._show_rivals()
+        self._show_map()
+        self._show_ripple()
+        self._show_detuning()
+
+    def _show_run(self, *_: Any) -> None:
+        model, run = self.model, self.model.run
+        with pn.io.hold():
+            self.missing.visible = bool(model.no_machine)
+            self.body.visible = run is not None and not model.no_machine
+            self._show_heading()
+            if model.no_machine:
+                self.tell(None, "")
+                self.no_machine.object = f'<p class="note" style="margin:0 20px">{parts.escaped(model.no_machine)}</p>'
+                return
+            self.tell(model.failure, "Shown: the last run that could be driven." if run is not None else "")
+            if run is None:
+                return
+            self.axis.fit(float(run.time_s[-1]), roomy=False)
+            self.at.set_ends((0.0, float(run.time_s[-1])))
+            for name in OF_RUN:
+                self.loops[name].show(partial(self.loops[name].draw, {"run": run}))
+            self.place.show(partial(self.place.draw, run))
+            self._show_texts(run)
+            self.settle()
+
+    def _show_heading(self) -> None:
+        scenario = self.state.scenario.scenario()
+        what = "the plan through the control loop of its motors"
+        run = self.model.run
+        aside = "" if run is None else f"arrives {words.signed(run.delay_s, 2)} s against the plan"
+        self.heading.object = parts.heading(scenario.title, what, aside)
+
+    def _show_rivals(self, *_: Any) -> None:
+        rivals = self.model.rivals
+        if rivals is None:
+            return
+        with pn.io.hold():
+            for name in OF_STRATEGIES:
+                self.loops[name].place.visible = bool(rivals.strategies)
+            for name in (*OF_STRATEGIES, *OF_TRACKING):
+                self.loops[name].show(partial(self.loops[name].draw, rivals.named))
+            refused = "".join(
+                f'<p class="note" style="padding-left:50px">{parts.escaped(words.STRATEGY_WORDS[name] + " " + why)}</p>'
+                for name, why in rivals.refused.items()
+            )
+            self.refusals.object = refused
+            self.settle()
+
+    def _show_map(self, *_: Any) -> None:
+        found = self.model.machine_map
+        if found is not None:
+            with pn.io.hold():
+                self.map.show(partial(self.map.draw, found.map, "motor", found.points))
+
+    def _show_ripple(self, *_: Any) -> None:
+        ripple = self.model.ripple
+        with pn.io.hold():
+            self.ripple.place.visible = ripple is not None
+            if ripple is not None:
+                self.ripple.show(partial(self.ripple.draw, ripple))
+
+    def _show_detuning(self, *_: Any) -> None:
+        table, studying = self.model.detuning, self.model.studying
+        with pn.io.hold():
+            self.progress.visible = self.stop.visible = studying
+            if studying:
+                done = 0.0 if table is None else table.done / len(table.rotor_resistance_factors)
+                self.progress.value = int(100 * done)
+            self.detuning.place.visible = self.costs.visible = table is not None
+            if table is not None:
+                self.costs.object = detuning_table(table)
+                self.detuning.show(partial(self.detuning.draw, table))
+
+    def _show_texts(self, run: FieldOrientedRun) -> None:
+        self.figures.object = parts.figures(run_figures(run), self.model.failure is not None)
+        self.held.object = held_words(run)
+        self.account.object = parts_table(run)
+        notes = (*run.planned.notes, *run.notes)
+        self.notes.object = "".join(f'<p class="note">{parts.escaped(sentence)}</p>' for sentence in notes)
+
+
+def run_figures(run: FieldOrientedRun) -> list[str]:
+    """Return the numbers of a run."""
+    by_input, by_parts = (
+        float(energy[-1]) / J_PER_KWH for energy in (run.energy_by_input_power_j, run.energy_by_parts_j)
+    )
+    magnetising = run.magnetising_loss_j / J_PER_KWH
+    share = 1e6 * (by_parts / by_input - 1) if by_input else 0.0
+    return [
+        parts.figure(
+            "Energy by input power",
+            words.energy(by_input),
+            "kWh",
+            f"planned {words.energy(run.planned.energy_kwh)}",
+            "main",
+        ),
+        parts.figure("By its parts", words.energy(by_parts), "kWh", f"{words.signed(share, 2)} millionths apart"),
+        parts.figure(
+            "Magnetising loss",
+            words.energy(magnetising),
+            "kWh",
+            f"{words.energy(run.paper_energy_kwh)} kWh without it",
+        ),
+        parts.figure(
+            "Tracking error", *length(run.max_tracking_error_m), f"{' '.join(length(run.final_error_m))} at the end"
+        ),
+        parts.figure(
+            "Peak current",
+            words.number(run.max_current_a, 0),
+            "A",
+            f"torque {words.number(run.min_torque_current_a, 0)} to {words.number(run.max_torque_current_a, 0)}",
+        ),
+        parts.figure("Peak voltage", words.number(run.max_phase_voltage_v, 0), "V", "of a phase"),
+        parts.figure("Arrival", words.signed(run.delay_s, 2), "s", "against the plan", "extra"),
+    ]
+
+
+def held_words(run: FieldOrientedRun) -> str:
+    """Return where a limit held the drive and by how much it fell behind; nothing where none did."""
+    rows = [
+        f'<p class="note"><span class="open">{LIMIT_WORDS[span.what]}</span> held the drive from '
+        f"{words.number(span.start_s)} to {words.number(span.end_s)} s: "
+        f"{' '.join(length(max(span.lag_m, 0.0)))} behind at most.</p>"
+        for span in run.saturated
+    ]
+    return f'<div role="status" style="padding:0 20px 6px">{"".join(rows)}</div>' if rows else ""
+
+
+def parts_table(run: FieldOrientedRun) -> str:
+    """Return the parts of the energy, and their sum beside the integral of input power."""
+    total = sum(run.parts_j.values())
+    rows = [
+        ((PART_WORDS.get(name, name.replace("_", " ").capitalize()), *_amount(joules, total)), False)
+        for name, joules in run.parts_j.items()
+    ]
+    rows.append((("Sum of parts", *_amount(total, total)), True))
+    by_input = float(run.energy_by_input_power_j[-1])
+    rows.append((("Input power, integrated", *_amount(by_input, total)), True))
+    table = parts.table("Where the energy goes", ("Part", "kWh", "%"), rows)
+    return f'<div style="padding:0 6px 0 50px">{table}</div>'
+
+
+def _amount(joules: float, total: float) -> tuple[str, str]:
+    return words.number(joules / J_PER_KWH, 4), words.number(100 * joules / total if total else 0.0, 2)

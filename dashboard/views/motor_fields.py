@@ -1,0 +1,66 @@
+"""The sidebar's part of Motor: the controller, and the limits of the inverter."""
+
+from typing import Any
+
+import panel_material_ui as pmui
+
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.views.fields import TypedNumber
+from railjoule.dashboard.views.parts import html_pane, stack
+
+PAGE = "Motor"
+FLUX_WORDS = {"Constant": "constant", "Least loss": "least_loss"}
+
+
+class MotorFields:
+    """The fields of controller and inverter; in sight on Motor alone."""
+
+    def __init__(self, state: Workbench) -> None:
+        self.state, self.model = state, state.motor
+        model = self.model
+        self.precompensator = pmui.Checkbox(
+            label="Pre-compensator",
+            value=model.precompensator,
+            size="small",
+            margin=(0, 16, 0, 14),
+            sx={"& .MuiTypography-root": {"fontSize": "13px"}},
+        )
+        self.flux = pmui.Select(
+            label="Rotor flux",
+            options=FLUX_WORDS,
+            value=model.flux,
+            size="small",
+            margin=(8, 16, 4, 16),
+            sizing_mode="stretch_width",
+        )
+        self.control = [
+            TypedNumber(model, "bandwidth_rads", "Bandwidth, rad/s", digits=1, unit="rad/s"),
+            TypedNumber(model, "rotor_resistance_factor", "Believed resistance, \u00d7", digits=2, unit=""),
+            TypedNumber(model, "speed_noise_rads", "Noise of speed, rad/s", digits=2, unit="rad/s"),
+            TypedNumber(model, "noise_seed", "Its seed", digits=0, unit=""),
+        ]
+        self.limits = [
+            TypedNumber(model, "max_phase_voltage_v", "Phase voltage, V", digits=0, unit="V"),
+            TypedNumber(model, "max_current_a", "Current, A", digits=0, unit="A"),
+        ]
+        self.view = stack(
+            html_pane('<div class="section">Controller <span>\u00b7 rotor resistance \u00d7 true</span></div>'),
+            self.precompensator,
+            self.flux,
+            *(field.view for field in self.control),
+            html_pane('<div class="section">Inverter <span>\u00b7 at most, each phase</span></div>'),
+            *(field.view for field in self.limits),
+            html_pane('<hr class="rule">'),
+            visible=False,
+        )
+        self.precompensator.param.watch(lambda event: setattr(model, "precompensator", event.new), "value")
+        self.flux.param.watch(lambda event: setattr(model, "flux", event.new), "value")
+        model.param.watch(self._follow, ["precompensator", "flux"])
+        model.param.watch(self._show, "no_machine")
+        state.param.watch(self._show, "page")
+
+    def _show(self, *_: Any) -> None:
+        self.view.visible = self.state.page == PAGE and not self.model.no_machine
+
+    def _follow(self, *_: Any) -> None:
+        self.precompensator.value, self.flux.value = self.model.precompensator, self.model.flux
