@@ -88,7 +88,7 @@ class Kept(param.Parameterized):
 
     def _made(self, field: str, value: Any) -> Any:
         """Return the value that the field holds for one that was kept."""
-        kind = self.param[field].item_type if isinstance(self.param[field], param.List) else None
+        kind: Any = self.param[field].item_type if isinstance(self.param[field], param.List) else None
         return [kind.revived(item) for item in value] if is_kept(kind) else value
 
     @classmethod
@@ -115,8 +115,12 @@ def short(value: Any) -> str:
     """Return a short text of any value."""
     if isinstance(value, int) and abs(value) > LARGEST_INTEGER:
         return "a very large number"  # Python may refuse to write it down
-    if isinstance(value, (list, tuple, dict)):
-        return "a list" if not isinstance(value, dict) else "a table"
+    if value is None:
+        return "none"
+    if isinstance(value, (list, tuple)):
+        return "a list"
+    if not isinstance(value, (bool, int, float, str)):
+        return "a table"
     text = f"{value:g}" if isinstance(value, float) else str(value)
     return text if len(text) <= LONGEST_SHOWN else text[: LONGEST_SHOWN - 3] + "..."
 

@@ -142,6 +142,15 @@ class ScenarioModel(TypedParameters):
         """The shipped scenario, or that of the file."""
         return self.opened or load_scenario(self.preset)
 
+    def original(self, key: str) -> Any:
+        """Return what the base has at a key of the file; None where it has nothing."""
+        if key == "timetable.travel_time_s":
+            return self.base.travel_time_s
+        value: Any = self.base
+        for name in (f"vehicle.{key}" if key.startswith("drive") else key).split("."):
+            value = value.get(name) if isinstance(value, Mapping) else getattr(value, name, None)
+        return value
+
     @property
     def edited(self) -> Scenario:
         """The base with its edited keys, without the sliders' values."""

@@ -37,9 +37,9 @@ def test_a_new_page_differs_in_nothing_from_what_it_begins_with(state: Workbench
 
 def test_a_page_comes_back_from_its_document(state: Workbench) -> None:
     lay(state, {"preset": "liashenko-ii"})
-    state.scenario.edit({"vehicle.auxiliary_power_kw": 40.0, "line.speed_limits": [
-        {"from_m": 100.0, "to_m": 200.0, "limit_kmh": 50.0}
-    ]})
+    state.scenario.edit(
+        {"vehicle.auxiliary_power_kw": 40.0, "line.speed_limits": [{"from_m": 100.0, "to_m": 200.0, "limit_kmh": 50.0}]}
+    )
     state.scenario.param.update(travel_time_s=150.0, load_percent=30.0)
     state.robustness.param.update(seed=7, knows="nothing", target_braking=False)
     state.disturbances.drop("limit", 700.0)
@@ -65,7 +65,9 @@ def test_a_page_comes_back_with_the_scenario_of_a_file(state: Workbench) -> None
 
 
 def test_what_cannot_be_is_told_and_the_rest_is_laid(state: Workbench) -> None:
-    refusals = lay(state, {"edits": {"vehicle.wings": 2}, "load_percent": 30.0, "robustness.seed": 5, "page": "Nowhere"})
+    refusals = lay(
+        state, {"edits": {"vehicle.wings": 2}, "load_percent": 30.0, "robustness.seed": 5, "page": "Nowhere"}
+    )
     assert len(refusals) == 2
     assert "unknown key vehicle.wings" in refusals[0]
     assert refusals[1].startswith("page must be one of Drive")

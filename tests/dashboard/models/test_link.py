@@ -31,16 +31,19 @@ def test_a_link_names_what_differs_and_can_be_read() -> None:
     read = read_link(link)
     assert read.refusal == ""
     assert read.document == {
-        "page": "Speed limits", "ticked": ["optimal", "eoc"], "travel_time_s": 150, "load_percent": 30.5
+        "page": "Speed limits",
+        "ticked": ["optimal", "eoc"],
+        "travel_time_s": 150,
+        "load_percent": 30.5,
     }
 
 
 def test_a_link_opens_the_same_page() -> None:
     state = Workbench()
     lay(state, {"preset": "liashenko-ii"})
-    state.scenario.edit({"vehicle.auxiliary_power_kw": 40.0, "line.speed_limits": [
-        {"from_m": 100.0, "to_m": 200.0, "limit_kmh": 50.0}
-    ]})
+    state.scenario.edit(
+        {"vehicle.auxiliary_power_kw": 40.0, "line.speed_limits": [{"from_m": 100.0, "to_m": 200.0, "limit_kmh": 50.0}]}
+    )
     state.scenario.load_percent = 10.0
     state.disturbances.drop("stop", 500.0)
     read = read_link(link_of(state))
@@ -63,7 +66,9 @@ def test_a_long_state_stands_behind_the_hash() -> None:
 
 def test_the_scenario_of_a_file_goes_with_the_link() -> None:
     state = Workbench()
-    state.scenario.open(format_scenario(load_scenario("ftorek-300s").with_(title="<b>M\u00fcller & S\u00f6hne</b>")), "x")
+    state.scenario.open(
+        format_scenario(load_scenario("ftorek-300s").with_(title="<b>M\u00fcller & S\u00f6hne</b>")), "x"
+    )
     lay(state, document_of(state))
     other = Workbench()
     assert lay(other, read_link(link_of(state)).document) == ()
