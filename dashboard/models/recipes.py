@@ -77,21 +77,22 @@ def as_toml(recipe: Recipe) -> str:
 
 def as_python(recipe: Recipe) -> str:
     """Return a program that prints the energy [kWh]."""
-    scenario, imports = f'load_scenario("{recipe.preset}")', "from railjoule.core import load_scenario"
+    scenario, names, imports = f'load_scenario("{recipe.preset}")', ["load_scenario"], []
     if recipe.opened is not None:
         scenario = f"parse_scenario({_triple(format_scenario(recipe.opened))})"
-        imports = "from railjoule.core.scenario import parse_scenario"
+        names, imports = [], ["from railjoule.core.scenario import parse_scenario"]
     lines = [f"scenario = {scenario}"]
     if recipe.changes:
         changes = "".join(f"    {key!r}: {value!r},\n" for key, value in recipe.changes.items())
         lines.append(f"scenario = scenario.with_(**{{\n{changes}}})")
     if recipe.command == "simulate":
-        imports += f"\n{SIMULATIONS[recipe.page]}"
+        imports.append(SIMULATIONS[recipe.page])
         lines.append("ride = simulate(scenario)\nprint(ride.actual.energy_kwh)")
     else:
-        imports += "\nfrom railjoule.core import solve"
+        names.append("solve")
         lines.append("run = solve(scenario)\nprint(run.energy_kwh)")
-    return f"{imports}\n\n" + "\n".join(lines) + "\n"
+    first = [f"from railjoule.core import {', '.join(names)}"] if names else []
+    return "\n".join([*first, *imports, "", *lines, ""])
 
 
 def as_command(recipe: Recipe) -> str:

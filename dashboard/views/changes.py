@@ -31,14 +31,13 @@ class Changes:
         )
         self.list = stack(visible=False)
         self.view = stack(
-            pn.Row(self.unchanged, self.count, self.back, margin=0, sizing_mode="stretch_width"), self.list
+            pn.FlexBox(self.unchanged, self.count, self.back, margin=0, sizing_mode="stretch_width"), self.list
         )
         state.scenario.param.watch(self._show, ["preset", "opened", *PLAN_FIELDS, "acceleration_time_s"])
         self._show()
 
     def _turn(self, *_: Any) -> None:
         self.list.visible = not self.list.visible
-        self.count.icon = "expand_less" if self.list.visible else "expand_more"
         self._show()
 
     def _show(self, *_: Any) -> None:
@@ -48,6 +47,7 @@ class Changes:
         self.unchanged.visible = number == 0
         if number == 0:
             self.list.visible = False
+        self.count.icon = "expand_less" if self.list.visible else "expand_more"
         self.count.label = f"{number} field{'' if number == 1 else 's'} changed"
         self.list[:] = [self._row(key, value) for key, value in changes.items()] if self.list.visible else []
 

@@ -17,6 +17,7 @@ COPIED = {
     True: "Copied.",
     False: "The browser lets nothing be copied here: mark the text, or the address above, and copy it by hand.",
 }
+STATUS = '<p class="note" role="status" style="margin: 2px 20px 6px">{}</p>'
 LAYOUT_CSS = """
 :host { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); column-gap: 28px; padding: 0 20px 14px; }
 @media (max-width: 899px) { :host { grid-template-columns: minmax(0, 1fr); padding: 0 14px 10px; } }
@@ -34,7 +35,7 @@ class Share:
         self.open = _icon("share", "Share", self._turn)
         self.buttons = [self.undo, self.redo, self.open]
         self.python, self.command = html_pane(), html_pane()
-        self.status = html_pane('<p class="note" role="status"></p>')
+        self.status = html_pane(STATUS.format(""))
         self.part = self._laid_out()
         self.notice = html_pane()
         self.dismiss = _icon("close", "Close the message", lambda _: setattr(state, "notice", ""))
@@ -67,7 +68,7 @@ class Share:
 
     def _turn(self, *_: Any) -> None:
         self.part.visible = not self.part.visible
-        self.status.object = '<p class="note" role="status"></p>'
+        self.status.object = STATUS.format("")
         self._write()
 
     def _follow(self, *_: Any) -> None:
@@ -105,7 +106,7 @@ class Share:
 
     def _tell_copied(self, event: Any) -> None:
         if event.new is not None:
-            self.status.object = f'<p class="note" role="status">{COPIED[event.new]}</p>'
+            self.status.object = STATUS.format(COPIED[event.new])
 
     def _tell(self, *_: Any) -> None:
         text = self.state.notice
