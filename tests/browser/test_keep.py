@@ -8,6 +8,7 @@ import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 
 from browser.server import Server, serving
+from browser.test_accessibility import grave_findings
 from browser.test_files import CANARY, GOOD
 from browser.user import PATIENCE_MS, User
 
@@ -93,9 +94,11 @@ def test_save_and_drop(user: User, tmp_path: Path) -> None:
     expect(user.figure_value(FIGURES[1])).to_have_text(kept[1])
     assert numbers(user) == kept
     drop(user.page, "<b>bad</b>.toml", "railjoule = 99")
-    expect(user.page.get_by_role("alert").filter(has_text="<b>bad</b>.toml: ")).to_be_visible()
+    alert = user.page.get_by_role("alert").filter(has_text="<b>bad</b>.toml: ")
+    expect(alert).to_be_visible()
+    assert grave_findings(user.page) == {}
     press(user, "Close the message")
-    assert user.alerts() == []
+    expect(alert).to_be_hidden()
 
 
 def test_markup_stays_text(user: User) -> None:
