@@ -13,7 +13,7 @@ from railjoule.dashboard.models.document import Document, document_of, lay, orig
 from railjoule.dashboard.models.dropped import scenario_text
 from railjoule.dashboard.models.history import History
 from railjoule.dashboard.models.kept import Kept
-from railjoule.dashboard.models.link import read_link, sentence, write_link
+from railjoule.dashboard.models.link import LinkTooLongError, read_link, sentence, write_link
 from railjoule.dashboard.models.workbench import Workbench
 
 NOTE_MS = 200
@@ -158,9 +158,16 @@ class Keeping(param.Parameterized):
             self._base, self._originals = base, originals_of(document)
             self._mark()
         with pn.io.hold():
-            self.lifeline.address = write_link(document, self._originals)
+            self.lifeline.address = self._address(document)
             self.param.update(can_undo=self.history.can_undo, can_redo=self.history.can_redo)
             self.param.trigger("noted")
+
+    def _address(self, document: Document) -> str:
+        try:
+            return write_link(document, self._originals)
+        except LinkTooLongError as refusal:
+            self.tell(str(refusal))
+            return ""
 
     def _mark(self) -> None:
         """Tell the models of the scenario and the pages their original values."""

@@ -12,8 +12,9 @@ from urllib.parse import parse_qsl, quote_plus
 
 import param
 
+from railjoule.core import RailjouleError
 from railjoule.dashboard.models.document import Document, changed, fields_of
-from railjoule.dashboard.models.kept import Kept, short
+from railjoule.dashboard.models.kept import LONGEST_TEXT, Kept, short
 from railjoule.dashboard.models.workbench import Workbench
 
 VERSION = "1"
@@ -23,6 +24,10 @@ LONGEST_PLAIN = 200
 """A longer text is packed."""
 MOST_FIELDS, MOST_TOLD = 500, 3
 PACKED, NOTHING = "~", "none"
+
+
+class LinkTooLongError(RailjouleError):
+    """A state that no address can hold, in one sentence."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +47,11 @@ def write_link(document: Mapping[str, Any], originals: Mapping[str, Any]) -> str
         All that is kept of a page.
     originals : mapping
         The same of a new page with the same scenario and edits.
+
+    Raises
+    ------
+    LinkTooLongError
+        If it takes more characters than an address may have.
     """
     first = _template().keep() | _template().scenario.keep()
     # the scenario and its edits are named against those of a new page, all else against the scenario
@@ -54,7 +64,10 @@ def write_link(document: Mapping[str, Any], originals: Mapping[str, Any]) -> str
     parts = [f"{quote_plus(key)}={quote_plus(_text(value), safe=',:')}" for key, value in differs.items()]
     text = "&".join([f"v={VERSION}", *parts])
     if len(text) > LONGEST_LINK:
-        return ""
+        raise LinkTooLongError(
+            f"The page's state takes {len(text):,} characters; an address holds at most {LONGEST_LINK:,}. "
+            "Save it as TOML: a reload will not bring it back."
+        )
     return f"{'?' if len(text) <= LONGEST_QUERY else '#'}{text}"
 
 
@@ -125,11 +138,11 @@ def _packed(text: str) -> str:
 
 
 def _unpacked(text: str) -> str:
-    """Return a packed text; nothing longer than a link may be comes out."""
+    """Return a packed text; nothing longer than a file may be comes out."""
     try:
         raw = base64.urlsafe_b64decode(text + "=" * (-len(text) % 4))
         unpacker = zlib.decompressobj()
-        content = unpacker.decompress(raw, LONGEST_LINK)
+        content = unpacker.decompress(raw, LONGEST_TEXT)
         if unpacker.unconsumed_tail or not unpacker.eof:
             raise ValueError("is longer than allowed, or not whole")
         return content.decode()

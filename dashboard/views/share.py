@@ -19,7 +19,7 @@ COPIED = {
 }
 STATUS = '<p class="note" role="status" style="margin: 2px 20px 6px">{}</p>'
 LAYOUT_CSS = """
-:host { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); column-gap: 28px; padding: 0 20px 14px; }
+:host { display: grid; grid-template-columns: repeat(2, minmax(0, 1fr)); gap: 8px 28px; padding: 0 20px 14px; }
 @media (max-width: 899px) { :host { grid-template-columns: minmax(0, 1fr); padding: 0 14px 10px; } }
 """
 LINE_CSS = ":host { border-bottom: 1px solid var(--rj-line); }"
@@ -55,7 +55,6 @@ class Share:
             _button("Copy as Python", "code", lambda _: self._copy(as_python)),
             _button("Copy as command line", "terminal", lambda _: self._copy(as_command)),
             _button("Save as TOML", "save", self._save),
-            _button("Close", "close", self._turn),
         ]
         return stack(
             html_pane('<div class="head"><h2>Share what this page shows</h2></div>'),
@@ -68,6 +67,7 @@ class Share:
 
     def _turn(self, *_: Any) -> None:
         self.part.visible = not self.part.visible
+        self.open.description = "Close sharing" if self.part.visible else "Share"
         self.status.object = STATUS.format("")
         self._write()
 

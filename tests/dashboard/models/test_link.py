@@ -1,15 +1,20 @@
 import json
 from urllib.parse import quote, urlencode
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from railjoule.core import load_scenario
 from railjoule.core.scenario import format_scenario
+from railjoule.dashboard.disturbances import Disturbances
 from railjoule.dashboard.models.document import document_of, fields_of, lay, originals_of
-from railjoule.dashboard.models.link import LONGEST_LINK, LONGEST_QUERY, read_link, write_link
+from railjoule.dashboard.models.kept import LONGEST_TEXT
+from railjoule.dashboard.models.link import LONGEST_LINK, LONGEST_QUERY, LinkTooLongError, read_link, write_link
 from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.robustness import Robustness
+from railjoule.dashboard.speed_limits import SpeedLimits
 
 STATE = Workbench()
 KEYS = [key for key, _, _ in fields_of(STATE)]
@@ -103,9 +108,15 @@ def test_an_address_without_a_version_may_carry_anybody_s_values() -> None:
 
 
 def test_nothing_grows_beyond_bounds_when_it_is_unpacked() -> None:
-    bomb = write_link({"toml": "#" * LONGEST_LINK * 2, "preset": "x", "edits": {}}, {})
+    bomb = write_link({"toml": "#" * (LONGEST_TEXT + 1), "preset": "x", "edits": {}}, {})
     assert len(bomb) < 20_000
     assert "longer than allowed" in read_link(bomb).refusal
+
+
+def test_a_state_that_no_address_holds_is_told() -> None:
+    noise = np.random.default_rng(1).bytes(LONGEST_LINK).hex()
+    with pytest.raises(LinkTooLongError, match="an address holds at most 2,000,000"):
+        write_link({"toml": noise, "preset": "x", "edits": {}}, {})
 
 
 VALUES = st.one_of(
@@ -140,9 +151,12 @@ def test_any_text_is_read(text: str) -> None:
     read_link(text)
 
 
-@given(st.dictionaries(st.sampled_from(KEYS), VALUES, max_size=5))
+# a page in sight would compute
+@given(st.dictionaries(st.sampled_from([key for key in KEYS if key != "page"]), VALUES, max_size=5))
 def test_any_link_can_be_laid(pairs: dict[str, str]) -> None:
     state = Workbench()
+    for work in (Robustness, Disturbances, SpeedLimits):
+        work(state)
     lay(state, read_link("?" + urlencode({**pairs, "v": "1"}, errors="replace")).document)
     document_of(state)
     state.scenario.scenario()
