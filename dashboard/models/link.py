@@ -23,7 +23,7 @@ LONGEST_QUERY, LONGEST_LINK = 1_500, 2_000_000
 LONGEST_PLAIN = 200
 """A longer text is packed."""
 MOST_FIELDS, MOST_TOLD = 500, 3
-PACKED, NOTHING = "~", "none"
+PACKED, NOTHING, EMPTY = "~", "none", "[]"
 
 
 class LinkTooLongError(RailjouleError):
@@ -126,8 +126,8 @@ def _text(value: Any) -> str:
         return "true" if value else "false"
     if isinstance(value, float):
         return repr(int(value)) if value == int(value) and abs(value) < 1e15 else repr(value)
-    if isinstance(value, list) and value and all(isinstance(item, str) for item in value):
-        text = ",".join(value)
+    if isinstance(value, list) and all(isinstance(item, str) for item in value):
+        text = ",".join(value) or EMPTY
     else:
         text = value if isinstance(value, str) else json.dumps(value, separators=(",", ":"), ensure_ascii=False)
     return _packed(text) if len(text) > LONGEST_PLAIN else text
@@ -168,7 +168,7 @@ def _value(model: Kept, name: str, text: str) -> Any:
     if isinstance(parameter, param.Number):
         return model.checked(name, _number(text))
     if isinstance(parameter, param.ListSelector):
-        return model.checked(name, [word for word in text.split(",") if word])
+        return model.checked(name, [] if text == EMPTY else text.split(","))
     if isinstance(parameter, param.Selector):
         return model.checked(name, {_text(one): one for one in parameter.objects}.get(text, text))
     if isinstance(parameter, param.String):

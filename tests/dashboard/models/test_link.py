@@ -51,6 +51,7 @@ def test_a_link_opens_the_same_page() -> None:
     )
     state.scenario.load_percent = 10.0
     state.disturbances.drop("stop", 500.0)
+    state.ticked = []
     read = read_link(link_of(state))
     assert read.refusal == ""
     other = Workbench()
