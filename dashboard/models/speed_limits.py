@@ -119,12 +119,21 @@ class SpeedLimitsModel(TypedParameters):
         return values
 
     def lay(self, values: Mapping[str, Any]) -> None:
-        """Take over checked values by field; sections that are not named are cut anew."""
+        """Take over checked values by field; sections that are not named are cut anew.
+
+        Raises
+        ------
+        ValueError
+            If there are too few or too many sections; then nothing changes.
+        """
         before = self.keep()
         named, count = values.get("sections") or [], values.get("section_count", self.section_count)
         new = {field: value for field, value in values.items() if field not in before or value != before[field]}
         new.pop("section_count", None)
         if new.pop("sections", []):
+            low, high = self.param.section_count.bounds
+            if not low <= len(named) <= high:
+                raise ValueError(f"sections must be {low} to {high}, not {len(named)}")
             limits = [section.get("limit_kmh", self._most_kmh) for section in named]
             borders = [section.get("to_m", self._length_m) for section in named[:-1]]
             new.update(sections=self._made_of(limits, borders), section_count=len(named))

@@ -76,6 +76,16 @@ def test_what_cannot_be_is_told_and_the_rest_is_laid(state: Workbench) -> None:
     assert state.page == Workbench().page
 
 
+def test_too_few_sections_change_nothing(state: Workbench) -> None:
+    lay(state, {})
+    # the preset's line has two sections of its own at least
+    state.speed_limits.take(state.scenario.base)
+    before = document_of(state)
+    (refusal,) = lay(state, {"speed_limits.sections": [{}]})
+    assert refusal == "speed_limits: sections must be 2 to 12, not 1"
+    assert document_of(state) == before
+
+
 def test_a_broken_scenario_leaves_the_shipped_one(state: Workbench) -> None:
     (refusal,) = lay(state, {"toml": "railjoule = 99", "load_percent": 30.0, "chosen": "fastest"})
     assert refusal.startswith("the scenario of the link: ")
