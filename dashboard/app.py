@@ -9,6 +9,8 @@ from railjoule.core import RailjouleError
 from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.disturbances import Disturbances
 from railjoule.dashboard.health import HealthHandler
+from railjoule.dashboard.keeping import Keeping
+from railjoule.dashboard.lifeline import Lifeline
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
@@ -28,6 +30,7 @@ from railjoule.dashboard.views.disturbances import DisturbancesView
 from railjoule.dashboard.views.drive import DriveView
 from railjoule.dashboard.views.motor import MotorView
 from railjoule.dashboard.views.robustness import RobustnessView
+from railjoule.dashboard.views.share import Share
 from railjoule.dashboard.views.shell import Page, Shell
 from railjoule.dashboard.views.speed_limits import SpeedLimitsView
 from railjoule.dashboard.views.trade_off import TradeOffView
@@ -55,15 +58,20 @@ class Session:
     def __init__(self) -> None:
         self.state = Workbench()
         self.browser = Browser()
-        self.palette = Palette(self.state.dark)
         self.runs = Worker(compute_runs, self._take_runs, self._take_failure)
         self.trade_off = Worker(compute_trade_off, self._take_trade_off, self._take_failure)
         self.robustness = Robustness(self.state)
         self.disturbances = Disturbances(self.state)
         self.speed_limits = SpeedLimits(self.state)
         self.motor = Motor(self.state)
+        self.lifeline = Lifeline()
+        self.keeping = Keeping(self.state, self.lifeline)
+        self.keeping.begin(address_query())
+        self.state.dark = self.browser.dark = self.state.colours == "dark"
+        self.palette = Palette(self.state.dark)
         self.views: dict[str, View] = {}
-        self.shell = Shell(self.state, self.browser, {name: self._make(view) for name, view in VIEWS.items()})
+        pages = {name: self._make(view) for name, view in VIEWS.items()}
+        self.shell = Shell(self.state, self.browser, Share(self.state, self.keeping), pages)
         scenario = self.state.scenario
         scenario.param.watch(self._ask_runs, [*PLAN_FIELDS, "acceleration_time_s"])
         scenario.param.watch(
@@ -74,6 +82,7 @@ class Session:
         self.state.param.watch(self._paint, "dark")
         pn.state.on_session_destroyed(lambda _: self._end())
         self.shell.open()
+        self._ask_trade_off()
         if warmup().ready.is_set():
             # a page that is sent with its first run is there a second earlier than one that asks for it
             self.runs.do(self._wish())
@@ -95,6 +104,7 @@ class Session:
 
     def _load(self) -> None:
         self.browser.start()
+        self.lifeline.started = True
         warmup().start()
         if warmup().ready.is_set():
             if self.state.runs is None:
@@ -141,6 +151,12 @@ class Session:
             self.palette.switch(self.state.dark)
             for view in self.views.values():
                 view.redraw()
+
+
+def address_query() -> str:
+    """Return the query of the address that the session was opened with."""
+    location = pn.state.location
+    return "" if location is None else str(location.search or "")
 
 
 def make_page() -> Page:

@@ -58,6 +58,7 @@ class SpeedLimits:
             if not any(section is known for known in self._watched):
                 section.param.watch(self._take_section, ["limit_kmh", "to_m"])
         self._watched = list(self.model.sections)
+        self._ask()
 
     def _take_section(self, *_: Any) -> None:
         """Drive under a limit that was typed."""

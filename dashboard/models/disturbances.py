@@ -26,6 +26,8 @@ LONGEST_M = 1e7
 class EventModel(TypedParameters):
     """One event, in the units that the page shows."""
 
+    kept = ("kind", "position_m", "to_m", "duration_s", "limit_kmh", "share_percent", "noticed_at_m")
+
     kind = param.Selector(default="stop", objects=list(KINDS), doc="What happens.")
     position_m = param.Number(default=300.0, bounds=(1.0, LONGEST_M), doc="Where, m")
     to_m = param.Number(default=400.0, bounds=(1.0, LONGEST_M), doc="Until, m")
@@ -49,6 +51,9 @@ class EventModel(TypedParameters):
 
 class DisturbancesModel(TypedParameters):
     """The events of the page and their results."""
+
+    kept = ("events", "accepted_delay_s")
+    passing = ("dropping",)
 
     events = param.List(default=[], item_type=EventModel, doc="What happens on the way.")
     accepted_delay_s = param.Number(default=0.0, bounds=(0.0, 3600.0), doc="Accepted delay, s")

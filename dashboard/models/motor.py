@@ -30,6 +30,9 @@ CONTROL_FIELDS = (
 class MotorModel(TypedParameters):
     """The settings of the page and its results, in the units that it shows."""
 
+    kept = (*CONTROL_FIELDS, "ripple_at_s")
+    passing = ("studying", "no_machine")
+
     precompensator = param.Boolean(default=True, doc="Whether the reference leads by the lag of the loop.")
     bandwidth_rads = param.Number(default=LOOP.bandwidth_rads, bounds=(1.0, 50.0), doc="Bandwidth of the loop, rad/s")
     rotor_resistance_factor = param.Number(

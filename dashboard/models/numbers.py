@@ -4,6 +4,8 @@ import math
 
 import param
 
+from railjoule.dashboard.models.kept import Kept
+
 
 def parse_number(text: str, bounds: tuple[float | None, float | None]) -> float:
     """Return the number that a text gives.
@@ -27,7 +29,7 @@ def parse_number(text: str, bounds: tuple[float | None, float | None]) -> float:
     return value
 
 
-class TypedParameters(param.Parameterized):
+class TypedParameters(Kept):
     """Parameters whose numbers can be typed."""
 
     def parse(self, field: str, text: str) -> float:
@@ -38,7 +40,7 @@ class TypedParameters(param.Parameterized):
         ValueError
             With a sentence that names the bound that it misses.
         """
-        number = parse_number(text, self.param[field].bounds or (None, None))
+        number = parse_number(text, self.bounds_of(field))
         if not isinstance(self.param[field], param.Integer):
             return number
         if number != int(number):

@@ -23,6 +23,27 @@ MEASURES = ("over_replanned", "overconsumption", "delay_s", "stop_error_m")
 class RobustnessModel(TypedParameters):
     """The settings of the page and its results, in the units that it shows."""
 
+    kept = (
+        "actual_load_percent",
+        "coordinate_error_m",
+        "speed_error_percent",
+        "target_braking",
+        "reset_sensor_m",
+        "calibration_length_m",
+        "stop_sensor_m",
+        "target_deceleration_ms2",
+        "load_deviation_percent",
+        "error_deviation_m",
+        "resistance_deviation_percent",
+        "voltage_deviation_percent",
+        "mean_departure_delay_s",
+        "seed",
+        "both_directions",
+        "knows",
+        "measure",
+    )
+    passing = ("drawing",)
+
     actual_load_percent = param.Number(default=FIRST_LOAD_PERCENT, bounds=(0, 100), doc="Actual load, % of capacity")
     coordinate_error_m = param.Number(default=FIRST_ERROR_M, bounds=(-10_000, 10_000), doc="Coordinate error, m")
     speed_error_percent = param.Number(default=0.0, bounds=(-49, 49), doc="Speed measured wrong by, %")

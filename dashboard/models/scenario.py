@@ -6,9 +6,9 @@ from typing import Any
 import param
 
 from railjoule.core import Scenario, load_scenario
-from railjoule.core.scenario import parse_scenario, preset_names
+from railjoule.core.scenario import format_scenario, parse_scenario, preset_names
 from railjoule.core.strategies import prepare_task
-from railjoule.dashboard.models.numbers import TypedParameters, parse_number
+from railjoule.dashboard.models.numbers import TypedParameters
 
 FIRST_SCENARIO = "metro-with-limit"
 TIME_FIELDS = {"travel_time_s": (1.0, 86_400.0), "acceleration_time_s": (1.0, 43_200.0)}
@@ -32,8 +32,12 @@ class ScenarioModel(TypedParameters):
     The sliders' values are in the units that the page shows, those of other keys in the units of the file.
     """
 
+    kept = ("preset", "toml", *FIELD_KEYS.values(), "edits")
+    passing = ("travel_time_range_s",)
+
     preset = param.Selector(default=FIRST_SCENARIO, objects=list(preset_names("scenarios")), doc="Shipped scenario.")
     opened = param.ClassSelector(class_=Scenario, default=None, allow_None=True, doc="The scenario of a file.")
+    toml = param.String(default=None, allow_None=True, doc="That scenario as a text.")
     travel_time_s = param.Number(default=100.0, doc="Travel time, s")
     load_percent = param.Number(default=0.0, bounds=(0, 100), doc="Load, % of capacity")
     recuperation_percent = param.Number(default=0.0, bounds=(0, 100), doc="Recuperation, %")
@@ -47,7 +51,7 @@ class ScenarioModel(TypedParameters):
 
     def choose(self, preset: str) -> None:
         """Take a shipped scenario."""
-        self.param.update(preset=preset, opened=None)
+        self.param.update(preset=preset, opened=None, toml=None)
         self.restore()
 
     def open(self, text: str, name: str) -> None:
@@ -67,7 +71,7 @@ class ScenarioModel(TypedParameters):
         """
         scenario = parse_scenario(text, name)
         prepare_task(scenario)
-        self.opened = scenario
+        self.param.update(opened=scenario, toml=format_scenario(scenario))
         self.restore()
 
     def restore(self) -> None:
@@ -105,6 +109,19 @@ class ScenarioModel(TypedParameters):
         edits = {name: value for name, value in left.items() if name not in FIELD_KEYS}
         self._take(self.base.with_(**left), edits)
 
+    def lay(self, values: Mapping[str, Any]) -> None:
+        """Take over edits and sliders of the base that is there; the base itself is chosen or opened.
+
+        Raises
+        ------
+        RailjouleError
+            If no train can run what comes out; then nothing changes.
+        """
+        edits = values["edits"]
+        if edits != self.edits:
+            self._take(self.base.with_(**edits), edits)
+        self.param.update(**{field: values[field] for field in FIELD_KEYS.values() if field in values})
+
     def _take(self, scenario: Scenario, edits: Mapping[str, Any]) -> None:
         """Show a scenario that comes from edits of the base."""
         shortest = prepare_task(scenario).shortest_travel_time_s
@@ -124,6 +141,15 @@ class ScenarioModel(TypedParameters):
     def base(self) -> Scenario:
         """The shipped scenario, or that of the file."""
         return self.opened or load_scenario(self.preset)
+
+    def original(self, key: str) -> Any:
+        """Return what the base has at a key of the file; None where it has nothing."""
+        if key == "timetable.travel_time_s":
+            return self.base.travel_time_s
+        value: Any = self.base
+        for name in (f"vehicle.{key}" if key.startswith("drive") else key).split("."):
+            value = value.get(name) if isinstance(value, Mapping) else getattr(value, name, None)
+        return value
 
     @property
     def edited(self) -> Scenario:
@@ -153,14 +179,6 @@ class ScenarioModel(TypedParameters):
         changes = self.changes
         return self.base.with_(**changes) if changes else self.base
 
-    def parse(self, field: str, text: str) -> float:
-        """Return the number that a text gives for a field.
-
-        Raises
-        ------
-        ValueError
-            With a sentence that names the bound that it misses.
-        """
-        if field in TIME_FIELDS:
-            return parse_number(text, TIME_FIELDS[field])
-        return super().parse(field, text)
+    def bounds_of(self, field: str) -> tuple[float | None, float | None]:
+        """Return the least and the largest number that a field takes, ends included."""
+        return TIME_FIELDS.get(field) or super().bounds_of(field)

@@ -25,12 +25,27 @@ STORAGE_FIELDS = ("storage_size_kwh", "storage_power_kw", "charging_percent", "d
 class SectionModel(TypedParameters):
     """One section: its limit, and where it ends."""
 
+    kept = ("limit_kmh", "to_m")
+
     limit_kmh = param.Number(default=80.0, bounds=(LEAST_LIMIT_KMH, 600.0), doc="Limit, km/h")
     to_m = param.Number(default=1000.0, bounds=(1.0, LONGEST_M), doc="Ends at, m")
 
 
 class SpeedLimitsModel(TypedParameters):
     """The sections of the page, the search's settings, and the results, in the units that the page shows."""
+
+    kept = (
+        "section_count",
+        "sections",
+        "found",
+        "regulator",
+        "free_borders",
+        "time_window_percent",
+        "stop_deceleration_ms2",
+        *STORAGE_FIELDS,
+        "shown_map",
+    )
+    passing = ("no_map", "moving")
 
     sections = param.List(default=[], item_type=SectionModel, doc="From the start to the end of the line.")
     found = param.Boolean(default=True, doc="Whether the limits are those that the search finds, not given ones.")
@@ -57,6 +72,8 @@ class SpeedLimitsModel(TypedParameters):
     moving = param.Boolean(default=False, doc="Whether a step is being moved.")
     moved = param.Event(doc="A step has been moved a little further.")
 
+    _length_m, _most_kmh = LONGEST_M, 600.0
+
     def take(self, scenario: Scenario) -> None:
         """Take over what a scenario's file says of sections and search."""
         options, length = scenario.search, scenario.line.length_m
@@ -70,7 +87,7 @@ class SpeedLimitsModel(TypedParameters):
         # a search without borders takes those of the line
         self.param.section_count.bounds = (2 if own_borders else 1, max(MOST_SECTIONS, len(borders) + 1))
         self.param.update(
-            sections=self._made(limits or [most] * (len(borders) + 1), borders),
+            sections=self._made_of(limits or [most] * (len(borders) + 1), borders),
             section_count=len(borders) + 1,
             found=limits is None,
             regulator=options.regulator,
@@ -81,7 +98,7 @@ class SpeedLimitsModel(TypedParameters):
             storage_power_kw=None,
         )
 
-    def _made(self, limits_kmh: Sequence[float], borders_m: Sequence[float]) -> list[SectionModel]:
+    def _made_of(self, limits_kmh: Sequence[float], borders_m: Sequence[float]) -> list[SectionModel]:
         """Return sections whose fields know the vehicle's own limit."""
         made = []
         for limit, end in zip(limits_kmh, [*borders_m, self._length_m], strict=True):
@@ -91,10 +108,44 @@ class SpeedLimitsModel(TypedParameters):
             made.append(section)
         return made
 
+    def keep(self) -> dict[str, Any]:
+        """Return the kept values by field; without limits and borders that the search finds anew."""
+        values = super().keep()
+        if self.found:
+            borders = [{"to_m": section["to_m"]} for section in values["sections"]]
+            values["sections"] = [] if self.free_borders else borders
+        if values["sections"]:
+            values["sections"][-1].pop("to_m")  # that is where the line ends
+        return values
+
+    def lay(self, values: Mapping[str, Any]) -> None:
+        """Take over checked values by field; sections that are not named are cut anew.
+
+        Raises
+        ------
+        ValueError
+            If there are too few or too many sections; then nothing changes.
+        """
+        before = self.keep()
+        named, count = values.get("sections") or [], values.get("section_count", self.section_count)
+        new = {field: value for field, value in values.items() if field not in before or value != before[field]}
+        new.pop("section_count", None)
+        if new.pop("sections", []):
+            low, high = self.param.section_count.bounds
+            if not low <= len(named) <= high:
+                raise ValueError(f"sections must be {low} to {high}, not {len(named)}")
+            limits = [section.get("limit_kmh", self._most_kmh) for section in named]
+            borders = [section.get("to_m", self._length_m) for section in named[:-1]]
+            new.update(sections=self._made_of(limits, borders), section_count=len(named))
+        elif not named and count != self.section_count:
+            self.cut(count)
+            new["section_count"] = count
+        self.param.update(**new)
+
     def cut(self, count: int) -> None:
         """Cut the line into equal sections, whose limits the search shall find."""
         borders = even_borders(self._length_m, count)
-        self.param.update(sections=self._made([self._most_kmh] * count, borders), found=True)
+        self.param.update(sections=self._made_of([self._most_kmh] * count, borders), found=True)
 
     def move(self, limits_kmh: Sequence[float], borders_m: Sequence[float]) -> None:
         """Set limits [km/h] and borders [m] while a step is being moved."""

@@ -8,6 +8,7 @@ from railjoule.core import RailjouleError, Trajectory
 from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.models.disturbances import DisturbancesModel
+from railjoule.dashboard.models.kept import Kept
 from railjoule.dashboard.models.motor import MotorModel
 from railjoule.dashboard.models.robustness import RobustnessModel
 from railjoule.dashboard.models.scenario import ScenarioModel
@@ -15,21 +16,27 @@ from railjoule.dashboard.models.speed_limits import SpeedLimitsModel
 from railjoule.dashboard.store import Runs, TradeOff
 
 PAGES = ("Drive", "Trade-off", "Robustness", "Disturbances", "Speed limits", "Motor")
+COLOURS = ("system", "light", "dark")
 
 
-class Workbench(param.Parameterized):
+class Workbench(Kept):
     """Everything that the views of one open page draw; they write to it, and the store fills in the results."""
+
+    kept = ("page", "ticked", "chosen", "over_time", "wide_map", "copper_weight", "colours")
+    passing = ("dark", "trade_off_duration_s", "notice")
 
     page = param.Selector(default="Drive", objects=list(PAGES), doc="The page in sight.")
     ticked = param.ListSelector(default=["optimal", "fastest"], objects=list(STRATEGIES), doc="Strategies drawn.")
     chosen = param.Selector(default="optimal", objects=list(STRATEGIES), doc="The strategy whose numbers are shown.")
     over_time = param.Boolean(default=False, doc="Draw over time instead of distance.")
+    colours = param.Selector(default="system", objects=list(COLOURS), doc="Whose wish the colours follow.")
     dark = param.Boolean(default=False, doc="Dark colours.")
+    notice = param.String(default="", doc="What is to be told of a link or a file, until it has been read.")
     runs = param.ClassSelector(class_=Runs, default=None, allow_None=True, doc="The last good runs.")
     trade_off = param.ClassSelector(class_=TradeOff, default=None, allow_None=True, doc="The last good trade-off.")
     trade_off_duration_s = param.Number(default=0.0, doc="How long its computation took.")
     wide_map = param.Boolean(default=False, doc="Show ENOC's map up to 5000 s.")
-    copper_weight = param.Number(default=1.0, doc="Copper loss of ENOC's map over the vehicle's own.")
+    copper_weight = param.Number(default=1.0, bounds=(0.01, 100.0), doc="Copper loss of ENOC's map over its own.")
     pinned = param.ClassSelector(class_=Trajectory, default=None, allow_None=True, doc="The run to compare with.")
     failure = param.ClassSelector(
         class_=RailjouleError, default=None, allow_None=True, doc="Why the last wish could not be met."
@@ -48,6 +55,11 @@ class Workbench(param.Parameterized):
         """Show the strategy that a scenario's file names."""
         if self.scenario.base.strategy in STRATEGIES:
             self.chosen = self.scenario.base.strategy
+
+    @property
+    def models(self) -> dict[str, Kept]:
+        """The models of the scenario and of all pages, by name."""
+        return {name: model for name, model in vars(self).items() if isinstance(model, Kept)}
 
     @property
     def drawn(self) -> tuple[StrategyName, ...]:

@@ -16,6 +16,7 @@ from railjoule.dashboard.store import Rides
 from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.chart_page import ChartPage
 from railjoule.dashboard.views.charts import Axis, Chart
+from railjoule.dashboard.views.fields import tie
 from railjoule.dashboard.views.ride_charts import LateChart, RideEnergyChart, RideSpeedChart, saved_by
 
 HEIGHTS = {"ride_speed": (300, 380, 240), "ride_energy": (170, 200, 150), "late_arrival": (240, 280, 210)}
@@ -65,8 +66,8 @@ class DisturbancesView(ChartPage):
         lower = parts.stack(parts.stack(self.table, self.notes), self.late.place, css=LOWER_CSS)
         body = parts.stack(self.speed.place, self.energy.place, lower, css=BODY_CSS)
         self.view = parts.stack(self.heading, self.message, self.figures, tools, body)
-        self.dropping.param.watch(lambda event: setattr(model, "dropping", event.new), "value")
-        self.over.param.watch(lambda event: setattr(state, "over_time", event.new), "value")
+        tie(self.dropping, model, "dropping")
+        tie(self.over, state, "over_time")
         state.param.watch(self._show, "over_time")
         model.param.watch(self._show, ["rides", "failure"])
         model.param.watch(self._show_late, "late")

@@ -24,6 +24,7 @@ from railjoule.dashboard.views.drive_charts import (
     PowerChart,
 )
 from railjoule.dashboard.views.failures import failure_words
+from railjoule.dashboard.views.fields import tie
 from railjoule.dashboard.views.law_chart import LawChart
 from railjoule.dashboard.views.scene import Scene, SceneChart
 from railjoule.dashboard.views.speed_chart import SpeedChart
@@ -75,7 +76,7 @@ class DriveView:
             self.advice, self.over, margin=0, sizing_mode="stretch_width", styles={"align-items": "flex-start"}
         )
         self.view = parts.stack(self.heading, self.message, self.repair, self.figures, tools, body)
-        self.over.param.watch(lambda event: setattr(state, "over_time", event.new), "value")
+        tie(self.over, state, "over_time")
         state.param.watch(self._show, ["runs", "chosen", "ticked", "pinned", "over_time", "failure"])
         browser.follow(["width"], self._fit)
         browser.follow(["charts_in_sight"], self._sight)

@@ -1,6 +1,7 @@
 """A number with its text field, perhaps a slider, and the sentence that says why a text was not taken."""
 
 import html
+from collections.abc import Mapping
 from typing import Any, Protocol
 
 import panel as pn
@@ -20,6 +21,10 @@ class Numbers(Protocol):
     @property
     def param(self) -> Any:
         """The parameters."""
+
+    @property
+    def originals(self) -> Mapping[str, Any]:
+        """The numbers of the scenario as it is shipped, by field."""
 
     def parse(self, field: str, text: str) -> float:
         """Return the number that a text gives; raises ValueError with a sentence."""
@@ -69,9 +74,13 @@ class TypedNumber:
             },
         )
         self.error = html_pane("", visible=False)
+        self.mark = html_pane(
+            "", visible=False, width=8, height=16, sizing_mode="fixed", styles={"position": "absolute", "right": "5px"}
+        )
         self.view = pn.Column(
             self.beside(),
             self.text,
+            self.mark,
             self.error,
             margin=(4, 0, 0, 0),
             sizing_mode="stretch_width",
@@ -79,6 +88,8 @@ class TypedNumber:
         )
         self.text.param.watch(self._type, "value")
         model.param.watch(self._follow, field)
+        model.param.watch(self._mark, [field, "originals"])
+        self._mark()
 
     def beside(self) -> Viewable:
         """Return what stands beside the text field."""
@@ -86,6 +97,16 @@ class TypedNumber:
 
     def _kept(self) -> float:
         return float(getattr(self.model, self.field))
+
+    def _mark(self, *_: Any) -> None:
+        """Mark a number that is not the scenario's own."""
+        now = getattr(self.model, self.field)
+        before = self.model.originals.get(self.field, now)
+        self.mark.visible = now != before
+        if now != before:
+            was = "not set" if before is None else f"{words.number(before, self.digits)} {self.unit}".rstrip()
+            text = html.escape(f"changed: was {was}")
+            self.mark.object = f'<span class="dot" role="img" title="{text}" aria-label="{text}"></span>'
 
     def _type(self, event: param.parameterized.Event) -> None:
         if self._quiet:
@@ -189,3 +210,9 @@ class NumberField(TypedNumber):
     def _show(self, number: float) -> None:
         super()._show(number)
         self.slider.param.update(start=min(self.slider.start, number), end=max(self.slider.end, number), value=number)
+
+
+def tie(widget: Any, model: Any, field: str) -> None:
+    """Let a widget's value and a field of a model follow each other."""
+    widget.param.watch(lambda event: setattr(model, field, event.new), "value")
+    model.param.watch(lambda event: setattr(widget, "value", event.new), field)

@@ -23,6 +23,7 @@ from railjoule.dashboard.views.driven_charts import (
     PlaceErrorChart,
     reality_words,
 )
+from railjoule.dashboard.views.fields import tie
 from railjoule.dashboard.views.heat_map import MEASURES, CostSurface, HeatMapChart, printed_table
 
 HEIGHTS = {
@@ -98,9 +99,9 @@ class RobustnessView(ChartPage):
             css=LAYOUT_CSS,
         )
         self.view = parts.stack(self.heading, self.message, self.figures, upper, lower)
-        self.measure.param.watch(lambda event: setattr(model, "measure", event.new), "value")
-        self.knows.param.watch(lambda event: setattr(model, "knows", event.new), "value")
-        self.ways.param.watch(lambda event: setattr(model, "both_directions", event.new), "value")
+        tie(self.measure, model, "measure")
+        tie(self.knows, model, "knows")
+        tie(self.ways, model, "both_directions")
         model.param.watch(self._show_run, ["reality", "failure"])
         model.param.watch(self._show_table, ["table", "measure"])
         model.param.watch(self._show_chance, ["chance", "drawing"])

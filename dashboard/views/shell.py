@@ -12,11 +12,13 @@ from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look.theme import document_css, material_theme
 from railjoule.dashboard.models.workbench import PAGES, Workbench
 from railjoule.dashboard.views.parts import html_pane, stack
+from railjoule.dashboard.views.share import Share
 from railjoule.dashboard.views.sidebar import Sidebar
 from railjoule.dashboard.views.starting import StartingView
 
 NARROW_PX = 900
 MENU_PX = 700
+BRAND_PX = 480
 BRAND = (
     '<div class="brand"><svg width="22" height="22" viewBox="0 0 22 22" aria-hidden="true">'
     '<path d="M2 18 C5 18 5 5 9 5 C13 5 13 11 16 14 C18 16.5 19 18 20 18" fill="none" stroke="var(--rj-accent)" '
@@ -58,14 +60,20 @@ class Shell:
     ----------
     state : Workbench
     browser : Browser
+    share : Share
+        Undo, redo and what leaves the page.
     pages : mapping of str to callable
         What makes each page, called when it is first in sight.
     """
 
     def __init__(
-        self, state: Workbench, browser: Browser, pages: dict[str, Callable[[], pn.viewable.Viewable]]
+        self,
+        state: Workbench,
+        browser: Browser,
+        share: Share,
+        pages: dict[str, Callable[[], pn.viewable.Viewable]],
     ) -> None:
-        self.state, self.browser, self._make = state, browser, pages
+        self.state, self.browser, self.share, self._make = state, browser, share, pages
         self._made: dict[str, pn.viewable.Viewable] = {}
         self._wide = True
         self.main = stack()
@@ -94,6 +102,9 @@ class Shell:
             description="Pin run",
             visible=False,
         )
+        self.brand = html_pane(
+            BRAND, sizing_mode="fixed", width=112, height=22, margin=(0, 10, 0, 0), styles={"align-self": "center"}
+        )
         self.starting = StartingView()
         self.page = self._page()
         self.tabs.param.watch(self._turn, "active")
@@ -105,20 +116,19 @@ class Shell:
         browser.follow(["width"], self._fit)
         browser.follow(["wants_dark"], self._follow_system)
         self.page.param.watch(self._paint, "dark_theme")
+        state.param.watch(self._colour, "colours")
 
     def _page(self) -> Page:
-        brand = html_pane(
-            BRAND, sizing_mode="fixed", width=112, height=22, margin=(0, 10, 0, 0), styles={"align-self": "center"}
-        )
+        space = pn.Spacer(sizing_mode="stretch_width")
         return Page(
             title="",
             meta_title="railjoule",
-            main=[self.main, self.browser],
+            main=[self.share.view, self.main, self.browser],
             sidebar=[self.sidebar.view],
             sidebar_width=272,
             sidebar_open=True,
             sidebar_resizable=False,
-            header=[brand, self.tabs, self.menu, pn.Spacer(sizing_mode="stretch_width"), self.pin, self.pin_small],
+            header=[self.brand, self.tabs, self.menu, space, *self.share.buttons, self.pin, self.pin_small],
             dark_theme=self.state.dark,
             theme_config=material_theme(),
             raw_css=[document_css()],
@@ -173,14 +183,23 @@ class Shell:
             narrow = self.browser.width < MENU_PX
             self.tabs.visible, self.menu.visible = not narrow, narrow
             self.pin.visible, self.pin_small.visible = not narrow, narrow
+            self.brand.visible = self.browser.width >= BRAND_PX
             was_wide, self._wide = self._wide, self.browser.width >= NARROW_PX
             if was_wide != self._wide:
                 self.page.sidebar_open = self._wide
 
     def _follow_system(self) -> None:
-        """Take the colours that the system asks for."""
-        self.page.dark_theme = self.browser.wants_dark
+        """Take the colours that the system asks for, where no others were chosen."""
+        if self.state.colours == "system":
+            self.page.dark_theme = self.browser.wants_dark
+
+    def _colour(self, *_: Any) -> None:
+        """Take the colours that the state names."""
+        wish = self.state.colours
+        self.page.dark_theme = self.browser.wants_dark if wish == "system" else wish == "dark"
 
     def _paint(self, event: Any) -> None:
-        self.state.dark = event.new
+        by_hand = "dark" if event.new else "light"
+        colours = "system" if event.new == self.browser.wants_dark else by_hand
+        self.state.param.update(dark=event.new, colours=colours)
         self.browser.dark = event.new

@@ -13,8 +13,10 @@ from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES
 from railjoule.core.strategies import STRATEGIES
 from railjoule.core.strategies.enoc import best_acceleration_time
 from railjoule.dashboard.look import words
+from railjoule.dashboard.models.dropped import scenario_text
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import Runs
+from railjoule.dashboard.views.changes import Changes
 from railjoule.dashboard.views.events import EventFields
 from railjoule.dashboard.views.fields import NumberField
 from railjoule.dashboard.views.motor_fields import MotorFields
@@ -65,7 +67,7 @@ class Sidebar:
         self.file = ScenarioFile(
             refuse=self._refuse_file,
             label="Open a scenario file",
-            accept=".toml",
+            accept=".toml,.html",
             max_file_size=LARGEST_FILE_BYTES,
             icon="folder_open",
             variant="text",
@@ -90,10 +92,7 @@ class Sidebar:
         self.motor = MotorFields(state)
         self.line = html_pane()
         self.strategies = StrategyList(state)
-        self.changed = html_pane()
-        self.back = pmui.Button(
-            label="Back to the preset", variant="text", size="small", margin=(0, 8), on_click=self._back
-        )
+        self.changes = Changes(state)
         self.view = pn.Column(
             self.preset,
             self.file,
@@ -112,7 +111,7 @@ class Sidebar:
             html_pane('<hr class="rule">'),
             self.strategies.view,
             html_pane('<hr class="rule">'),
-            pn.Row(self.changed, self.back, margin=0, sizing_mode="stretch_width"),
+            self.changes.view,
             margin=0,
             sizing_mode="stretch_width",
         )
@@ -136,7 +135,7 @@ class Sidebar:
             return
         try:
             name = str(self.file.filename)
-            self.state.scenario.open(decoded(event.new, name), name)
+            self.state.scenario.open(scenario_text(decoded(event.new, name), name), name)
         except RailjouleError as error:
             self.state.failure = error
 
@@ -151,26 +150,15 @@ class Sidebar:
         self.preset.value = FROM_FILE if scenario.opened is not None else scenario.preset
         self._quiet = False
 
-    def _back(self, *_: Any) -> None:
-        self.state.scenario.restore()
-
     def _move_ends(self, *_: Any) -> None:
         self.travel_time.set_ends(self.state.scenario.travel_time_range_s)
 
     def _describe(self, *_: Any) -> None:
-        """Say which vehicle and line these are, and how many fields differ from the preset."""
+        """Say which vehicle and line these are."""
         base = self.state.scenario.edited
         name = html.escape(base.vehicle.name)
         self.vehicle.object = f'<div class="section">Vehicle <span>\u00b7 {name}</span></div>'
         self.line.object = f'<div class="section">Line</div>{line_rows(self.state)}'
-        count = len(self.state.scenario.changes)
-        text = (
-            f'{count} field{"" if count == 1 else "s"} changed<span class="dot"></span>'
-            if count
-            else "as in the preset"
-        )
-        self.changed.object = f'<div class="row small" style="padding-top:8px"><span class="muted">{text}</span></div>'
-        self.back.visible = count > 0
 
     def _show_runs(self, *_: Any) -> None:
         runs = self.state.runs
@@ -271,6 +259,11 @@ class StrategyList:
         title = '<div class="section">Strategies <span>\u00b7 kWh, above optimum</span></div>'
         self.view = pn.Column(html_pane(title), *rows, margin=0, sizing_mode="stretch_width")
         state.param.watch(self._show, ["runs", "chosen", "ticked"])
+        state.param.watch(self._follow_ticks, "ticked")
+
+    def _follow_ticks(self, *_: Any) -> None:
+        for name, tick in self.ticks.items():
+            tick.value = name in self.state.ticked
 
     def _row(self, name: StrategyName) -> pn.Row:
         word = words.STRATEGY_WORDS[name]

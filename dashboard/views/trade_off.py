@@ -42,6 +42,12 @@ MAPS = {
 """What ENOC's map may show: up to 5000 s or not, and the copper loss over the vehicle's own."""
 
 
+def map_of(state: Workbench) -> tuple[bool, float]:
+    """Return which of the maps the state names; the one of that reach where it names another weight."""
+    now = state.wide_map, state.copper_weight
+    return now if now in MAPS.values() else (state.wide_map, 1.0)
+
+
 class TradeOffView(ChartPage):
     """The page of the trade-off."""
 
@@ -57,7 +63,7 @@ class TradeOffView(ChartPage):
         self.map = pmui.Select(
             label="ENOC's map",
             options=MAPS,
-            value=(state.wide_map, state.copper_weight),
+            value=map_of(state),
             size="small",
             margin=(6, 0, 8, 6),
             width=360,
@@ -67,12 +73,16 @@ class TradeOffView(ChartPage):
         self.body = parts.stack(self.left, self.right, css=LAYOUT_CSS)
         self.view = parts.stack(self.heading, self.figures, self.refusal, self.body)
         self.map.param.watch(self._choose_map, "value")
+        state.param.watch(self._follow_map, ["wide_map", "copper_weight"])
         state.param.watch(self._show, ["trade_off", "runs"])
         self.begin()
 
     def _choose_map(self, event: Any) -> None:
         wide, weight = event.new
         self.state.param.update(wide_map=wide, copper_weight=weight)
+
+    def _follow_map(self, *_: Any) -> None:
+        self.map.value = map_of(self.state)
 
     @property
     def charts(self) -> tuple[Chart, ...]:

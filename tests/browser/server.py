@@ -56,9 +56,9 @@ class Server:
 
 
 @contextlib.contextmanager
-def serving(*command: str) -> Iterator[Server]:
+def serving(*command: str, port: int | None = None) -> Iterator[Server]:
     """Run a command that takes --port, and end it afterwards."""
-    port = free_port()
+    port = free_port() if port is None else port
     process = subprocess.Popen([sys.executable, *command, "--port", str(port)], env=os.environ.copy())
     server = Server(process, port)
     try:

@@ -32,7 +32,7 @@ def test_figures_are_drawn(user: User) -> None:
 
 
 def test_nothing_grave_once_all_is_drawn(user: User) -> None:
-    assert grave_findings(user) == {}
+    assert grave_findings(user.page) == {}
 
 
 def test_without_the_precompensator_the_train_lags_by_metres(user: User) -> None:

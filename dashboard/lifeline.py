@@ -1,0 +1,172 @@
+"""The page's ties to its address, its keys, dropped files, the clipboard, and the server.
+
+The browser's half shows at once when the server is gone, and opens the page's address anew when it answers.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import param
+from panel.custom import JSComponent
+
+from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES
+
+ESM = """
+const WORDS = {
+  lost: "The connection to the server is lost. This page comes back by itself, as it is, when the server answers.",
+  starting: "The server is starting. This page comes back by itself, as it is, in a moment.",
+};
+const ASK_AGAIN_MS = 1000, ANSWER_WITHIN_MS = 20000, LEAVING_MS = 100;
+
+const hold_the_line = (document_of_bokeh) => {
+  let leaving = false, banner = null;
+  const say = (text) => { if (banner.textContent !== text) { banner.textContent = text; } };
+  const ask = async () => {
+    try {
+      const limit = AbortSignal.timeout(ANSWER_WITHIN_MS);
+      const answer = await fetch(new URL("health", location.href), {cache: "no-store", signal: limit});
+      // a server that runs this page as a script has no health check, but it answers
+      if (answer.ok || answer.status === 404) { location.reload(); return; }
+      if (answer.status === 503) { say(WORDS.starting); }
+    } catch { say(WORDS.lost); }
+    setTimeout(ask, ASK_AGAIN_MS);
+  };
+  const lost = () => setTimeout(() => {
+    if (leaving || banner) { return; }
+    banner = document.createElement("div");
+    banner.className = "rj-lost";
+    banner.setAttribute("role", "alert");
+    for (const child of document.body.children) { child.inert = true; }
+    document.body.prepend(banner);
+    say(WORDS.lost);
+    ask();
+  }, LEAVING_MS);
+  window.addEventListener("pagehide", () => { leaving = true; });
+  window.addEventListener("pageshow", (event) => { if (event.persisted) { location.reload(); } });
+  document_of_bokeh.on_event("connection_lost", lost);
+};
+
+const writes = (event) => {
+  const target = event.composedPath()[0];
+  if (!(target instanceof HTMLElement)) { return false; }
+  const typed = target instanceof HTMLInputElement && !["range", "checkbox", "radio", "button"].includes(target.type);
+  return typed || target instanceof HTMLTextAreaElement || target.isContentEditable;
+};
+const way_of = (event) => {
+  if (!(event.ctrlKey || event.metaKey) || event.altKey || writes(event)) { return null; }
+  const key = event.key.toLowerCase();
+  if (key === "z") { return event.shiftKey ? "redo" : "undo"; }
+  return key === "y" && !event.shiftKey ? "redo" : null;
+};
+
+const copy = async (text) => {
+  try { await navigator.clipboard.writeText(text); return true; } catch { /* only safe addresses have a clipboard */ }
+  const area = document.createElement("textarea");
+  area.value = text;
+  document.body.append(area);
+  area.select();
+  const copied = document.execCommand("copy");
+  area.remove();
+  return copied;
+};
+const save = (name, text) => {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([text], {type: "application/toml"}));
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+};
+
+export function render({model, view}) {
+  const show = () => {
+    if (model.address !== location.search + location.hash) {
+      history.replaceState(history.state, "", location.pathname + model.address);
+    }
+  };
+  const open = () => {
+    if (/^#v=/.test(location.hash)) { model.send_msg({kind: "open", text: location.hash}); }
+  };
+  model.on("started", () => { if (/^#v=/.test(location.hash)) { open(); } else { show(); } });
+  model.on("address", show);
+  model.on("msg:custom", async (event) => {
+    const {kind, name, text} = event.data ?? event;
+    if (kind === "save") { save(name, text); }
+    if (kind === "copy") { model.send_msg({kind: "copied", done: await copy(text)}); }
+    if (kind === "copy_link") { model.send_msg({kind: "copied", done: await copy(location.href)}); }
+  });
+
+  const veil = document.createElement("div");
+  veil.className = "rj-drop";
+  veil.textContent = "Drop a scenario file or a report to open it";
+  const holds_files = (event) => [...(event.dataTransfer?.types ?? [])].includes("Files");
+  const read = async (file) => {
+    if (file.size > model.largest_bytes) { model.send_msg({kind: "too_large", name: file.name}); return; }
+    try {
+      const text = new TextDecoder("utf-8", {fatal: true}).decode(await file.arrayBuffer());
+      model.send_msg({kind: "drop", name: file.name, text});
+    } catch { model.send_msg({kind: "no_text", name: file.name}); }
+  };
+  const listeners = {
+    keydown: (event) => {
+      const way = way_of(event);
+      if (way) { event.preventDefault(); model.send_msg({kind: way}); }
+    },
+    hashchange: open,
+    dragover: (event) => {
+      if (holds_files(event)) { event.preventDefault(); document.body.append(veil); }
+    },
+    dragleave: (event) => { if (!event.relatedTarget) { veil.remove(); } },
+    drop: (event) => {
+      veil.remove();
+      if (!holds_files(event) || !event.dataTransfer.files.length) { return; }
+      event.preventDefault();
+      read(event.dataTransfer.files[0]);
+    },
+  };
+  for (const [name, listener] of Object.entries(listeners)) { window.addEventListener(name, listener); }
+  model.on("remove", () => {
+    for (const [name, listener] of Object.entries(listeners)) { window.removeEventListener(name, listener); }
+  });
+  hold_the_line(view.model.document);
+  return document.createElement("span");
+}
+"""
+
+
+class Lifeline(JSComponent):
+    """The page's ties to its browser's address, keys, files and clipboard.
+
+    What the browser reports is heard by kind: `open` (a fragment with a state), `undo`, `redo`, `drop` (a file),
+    `too_large` and `no_text` (files that cannot be read), `copied`.
+    """
+
+    address = param.String(default="", doc="Query or fragment that holds the page's state.")
+    started = param.Boolean(default=False, doc="Whether the page has loaded.")
+    largest_bytes = param.Integer(default=LARGEST_FILE_BYTES, doc="Size of the largest file that may be dropped.")
+
+    _esm = ESM
+
+    def __init__(self, **params: object) -> None:
+        super().__init__(**params)
+        self._listeners: dict[str, Callable[[dict[str, Any]], None]] = {}
+
+    def listen(self, kind: str, callback: Callable[[dict[str, Any]], None]) -> None:
+        """Call back with each message of a kind."""
+        self._listeners[kind] = callback
+
+    def copy(self, text: str) -> None:
+        """Put a text on the clipboard."""
+        self._send_msg({"kind": "copy", "text": text})
+
+    def copy_link(self) -> None:
+        """Put the page's address on the clipboard."""
+        self._send_msg({"kind": "copy_link"})
+
+    def save(self, name: str, text: str) -> None:
+        """Let the browser save a text as a file."""
+        self._send_msg({"kind": "save", "name": name, "text": text})
+
+    def _handle_msg(self, data: Any) -> None:
+        listener = self._listeners.get(str(data.get("kind"))) if isinstance(data, dict) else None
+        if listener is not None:
+            listener(data)

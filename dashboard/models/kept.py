@@ -1,0 +1,180 @@
+"""What of a model belongs to the page's state, and the one check of every value that comes from outside."""
+
+import math
+from collections.abc import Mapping
+from typing import Any, ClassVar, Self
+
+import param
+
+from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES
+
+MOST_ITEMS, LONGEST_TEXT, LARGEST_INTEGER = 500, LARGEST_FILE_BYTES, 2**53
+"""Bounds of lists, of texts [characters] and of whole numbers without bounds of their own."""
+LONGEST_SHOWN = 40
+OWN = ("name", "originals")
+
+
+class Kept(param.Parameterized):
+    """Parameters of which some are kept: in the address, over a reload, by undo and redo.
+
+    Every parameter that is set by hand is named in `kept` or in `passing`; a page that names its fields in `kept`
+    needs nothing else.
+    """
+
+    kept: ClassVar[tuple[str, ...]] = ()
+    passing: ClassVar[tuple[str, ...]] = ()
+    """What is set by hand, but is only of the moment or follows from the rest."""
+
+    originals = param.Dict(default={}, doc="Values of the scenario as it is shipped, by field.")
+
+    @classmethod
+    def settable(cls) -> tuple[str, ...]:
+        """Return the parameters that are set by hand; the others hold results and signals."""
+        results = (param.Event,)
+        return tuple(
+            name
+            for name, parameter in cls.param.objects("existing").items()
+            if name not in OWN and not isinstance(parameter, results) and type(parameter) is not param.ClassSelector
+        )
+
+    def keep(self) -> dict[str, Any]:
+        """Return the kept values by field: numbers, texts, lists and mappings only."""
+        return {field: plain(getattr(self, field)) for field in self.kept}
+
+    def lay(self, values: Mapping[str, Any]) -> None:
+        """Take over checked values by field, all in one change.
+
+        Raises
+        ------
+        RailjouleError
+            If the values are impossible together.
+        """
+        now = self.keep()
+        new = {field: value for field, value in values.items() if field not in now or now[field] != value}
+        self.param.update(**{field: self._made(field, value) for field, value in new.items()})
+
+    def bounds_of(self, field: str) -> tuple[float | None, float | None]:
+        """Return the least and the largest number that a field takes, ends included."""
+        return getattr(self.param[field], "bounds", None) or (None, None)
+
+    def checked(self, field: str, value: Any) -> Any:
+        """Return a value that may stand in a field, as it is kept.
+
+        Raises
+        ------
+        ValueError
+            With the end of a sentence that begins with field and value, and names what is missed.
+        """
+        parameter = self.param[field]
+        if value is None:
+            if parameter.allow_None:
+                return None
+            raise ValueError("must have a value")
+        if isinstance(parameter, param.Number):
+            return _number(value, self.bounds_of(field), isinstance(parameter, param.Integer))
+        if isinstance(parameter, param.ListSelector):
+            return [_choice(one, parameter.objects) for one in _list(value)]
+        if isinstance(parameter, param.Selector):
+            return _choice(value, parameter.objects)
+        if isinstance(parameter, param.List):
+            return [_item(one, parameter.item_type) for one in _list(value)]
+        kinds = {param.Boolean: (bool, "true or false"), param.Dict: (dict, "a table"), param.String: (str, "a text")}
+        for kind, (wanted, words) in kinds.items():
+            if isinstance(parameter, kind):
+                if not isinstance(value, wanted):
+                    raise ValueError(f"must be {words}")
+                if isinstance(value, str) and len(value) > LONGEST_TEXT:
+                    raise ValueError(f"must have at most {LONGEST_TEXT:,} characters")
+                return value
+        raise ValueError("cannot be kept")
+
+    def _made(self, field: str, value: Any) -> Any:
+        """Return the value that the field holds for one that was kept."""
+        kind: Any = self.param[field].item_type if isinstance(self.param[field], param.List) else None
+        return [kind.revived(item) for item in value] if is_kept(kind) else value
+
+    @classmethod
+    def revived(cls, values: Mapping[str, Any]) -> Self:
+        """Return a model that holds kept values."""
+        return cls(**values)
+
+
+def is_kept(kind: Any) -> bool:
+    """Return whether a type is that of models which can be kept."""
+    return isinstance(kind, type) and issubclass(kind, Kept)
+
+
+def plain(value: Any) -> Any:
+    """Return a value as it is kept: of models their fields."""
+    if isinstance(value, Kept):
+        return value.keep()
+    if isinstance(value, (list, tuple)):
+        return [plain(item) for item in value]
+    return value
+
+
+def short(value: Any) -> str:
+    """Return a short text of any value."""
+    if isinstance(value, int) and abs(value) > LARGEST_INTEGER:
+        return "a very large number"  # Python may refuse to write it down
+    if value is None:
+        return "none"
+    if isinstance(value, (list, tuple)):
+        return "a list"
+    if not isinstance(value, (bool, int, float, str)):
+        return "a table"
+    text = f"{value:g}" if isinstance(value, float) else str(value)
+    return text if len(text) <= LONGEST_SHOWN else text[: LONGEST_SHOWN - 3] + "..."
+
+
+def _number(value: Any, bounds: tuple[float | None, float | None], whole: bool) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise ValueError("must be a number")
+    if isinstance(value, float) and not math.isfinite(value):
+        raise ValueError("must be a finite number")
+    if whole and value != int(value):
+        raise ValueError("must be a whole number")
+    low, high = bounds
+    if low is not None and value < low:
+        raise ValueError(f"must be at least {low:g}")
+    if high is not None and value > high:
+        raise ValueError(f"must be at most {high:g}")
+    if abs(value) > LARGEST_INTEGER:
+        raise ValueError(f"must be at most {LARGEST_INTEGER:g}")
+    return int(value) if whole else value
+
+
+def _choice(value: Any, objects: Any) -> Any:
+    found = [one for one in objects if type(one) is type(value) and one == value]
+    if not found:
+        raise ValueError(f"must be one of {', '.join(map(str, objects))}")
+    return found[0]
+
+
+def _list(value: Any) -> list[Any]:
+    if not isinstance(value, list):
+        raise ValueError("must be a list")
+    if len(value) > MOST_ITEMS:
+        raise ValueError(f"must have at most {MOST_ITEMS} entries")
+    return value
+
+
+def _item(value: Any, kind: Any) -> Any:
+    """Return a checked entry of a list: a table of fields where the entries are models."""
+    if not is_kept(kind):
+        if isinstance(value, bool) or not isinstance(value, kind or (int, float, str)):
+            raise ValueError("has an entry of a wrong kind")
+        return _number(value, (None, None), False) if isinstance(value, (int, float)) else value
+    if not isinstance(value, dict):
+        raise ValueError("must be a list of tables")
+    template = kind()
+    for field in value:
+        if field not in kind.kept:
+            raise ValueError(f"has an entry with the unknown key {short(field)}")
+    checked = {}
+    for field, one in value.items():
+        try:
+            checked[field] = template.checked(field, one)
+        except ValueError as refusal:
+            raise ValueError(f"has {field} = {short(one)}, which {refusal}") from None
+    return checked

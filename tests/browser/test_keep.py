@@ -1,0 +1,150 @@
+"""What a user keeps and shares: steps back, the address, files, and a page whose server was away."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Page, expect
+
+from browser.server import Server, serving
+from browser.test_accessibility import grave_findings
+from browser.test_files import CANARY, GOOD
+from browser.user import PATIENCE_MS, User
+
+FIGURES = ("Energy at the line", "Travel time", "Highest speed", "Recuperated")
+
+
+@pytest.fixture(scope="module")
+def user(server: Server, window: BrowserContext) -> Iterator[User]:
+    """One user for all tests of this file."""
+    with User.on(window, server.url) as someone:
+        yield someone
+
+
+def numbers(user: User) -> list[str]:
+    return [user.number(figure) for figure in FIGURES]
+
+
+def drop(page: Page, name: str, text: str) -> None:
+    """Drop a file onto the page."""
+    script = """([name, text]) => {
+      const data = new DataTransfer();
+      data.items.add(new File([text], name));
+      return data;
+    }"""
+    page.dispatch_event("body", "drop", {"dataTransfer": page.evaluate_handle(script, [name, text])})
+
+
+def press(user: User, name: str) -> None:
+    user.page.get_by_role("button", name=name, exact=True).click()
+
+
+def test_change_undo_redo_reload_and_share(user: User, server: Server, chromium: Browser) -> None:
+    page, load = user.page, user.page.get_by_label("Load, % of capacity, as a number", exact=True)
+    first = numbers(user)
+    user.type("Load, % of capacity", "30")
+    expect(page).to_have_url(server.url + "?v=1&load_percent=30")
+    changed = numbers(user)
+    assert changed != first
+    expect(page.get_by_title("changed: was 50 %")).to_be_visible()
+    press(user, "Undo")
+    expect(load).to_have_value("50")
+    expect(page).to_have_url(server.url)
+    expect(user.figure_value(FIGURES[0])).to_have_text(first[0])
+    user.slider("Load, % of capacity").focus()
+    page.keyboard.press("Control+y")
+    expect(load).to_have_value("30")
+    expect(page).to_have_url(server.url + "?v=1&load_percent=30")
+    page.get_by_label("Draw EOC").check()
+    expect(page).to_have_url(re.compile("ticked=optimal,eoc,fastest"))
+    expect(user.figure_value(FIGURES[0])).to_have_text(changed[0])
+    page.reload()
+    page.locator("html.rj-started").wait_for(timeout=PATIENCE_MS)
+    expect(user.figure_value(FIGURES[0])).to_have_text(changed[0])
+    expect(page.get_by_label("Draw EOC")).to_be_checked()
+    with User.at(chromium, page.url) as other:
+        assert numbers(other) == changed
+        assert other.alerts() == []
+
+
+def test_a_changed_key_is_taken_back(user: User) -> None:
+    user.begin_anew()
+    user.type("Load, % of capacity", "20")
+    press(user, "1 field changed")
+    press(user, "Take back vehicle.load_factor")
+    expect(user.page.get_by_label("Load, % of capacity, as a number", exact=True)).to_have_value("50")
+
+
+def test_save_and_drop(user: User, tmp_path: Path) -> None:
+    user.begin_anew()
+    user.type("Travel time, s", "190")
+    kept = numbers(user)
+    press(user, "Share")
+    expect(user.page.get_by_label("Command line")).to_contain_text("--set timetable.travel_time_s=190.0")
+    press(user, "Copy as Python")
+    expect(user.page.get_by_text("Copied.", exact=True)).to_be_visible()
+    with user.page.expect_download() as download:
+        press(user, "Save as TOML")
+    path = tmp_path / download.value.suggested_filename
+    download.value.save_as(path)
+    press(user, "Back to the preset")
+    expect(user.figure_value(FIGURES[1])).not_to_have_text(kept[1])
+    drop(user.page, path.name, path.read_text(encoding="utf-8"))
+    expect(user.figure_value(FIGURES[1])).to_have_text(kept[1])
+    assert numbers(user) == kept
+    drop(user.page, "<b>bad</b>.toml", "railjoule = 99")
+    alert = user.page.get_by_role("alert").filter(has_text="<b>bad</b>.toml: ")
+    expect(alert).to_be_visible()
+    assert grave_findings(user.page) == {}
+    press(user, "Close the message")
+    expect(alert).to_be_hidden()
+
+
+def test_markup_stays_text(user: User) -> None:
+    text = GOOD.replace('"Own line"', f'"{CANARY}"').replace('"Half way"', f'"{CANARY}"')
+    drop(user.page, f"{CANARY}.html", f'<html><script type="application/toml" id="scenario">{text}</script></html>')
+    expect(user.page.get_by_role("heading", level=1, name=CANARY)).to_be_visible()
+    expect(user.page.get_by_label("Command line")).to_contain_text(CANARY)
+    user.page.goto(f"{user.url}?v=1&load_percent={CANARY}&{CANARY}=1&page={CANARY}&edits={CANARY}")
+    alert = user.page.get_by_role("alert").filter(has_text="The link was opened without a part of it")
+    expect(alert).to_contain_text("<img")
+    user.page.locator("html.rj-started").wait_for(timeout=PATIENCE_MS)
+    assert user.page.evaluate("window.pwned") is None
+    expect(user.page).to_have_url(user.url)
+
+
+def test_a_link_behind_the_hash_and_one_of_another_version(user: User) -> None:
+    user.page.evaluate("location.hash = '#v=1&load_percent=10&robustness.seed=7'")
+    expect(user.page.get_by_label("Load, % of capacity, as a number", exact=True)).to_have_value("10")
+    expect(user.page).to_have_url(user.url + "?v=1&load_percent=10&robustness.seed=7")
+    user.page.evaluate("location.hash = '#v=2&load_percent=20'")
+    expect(user.page.get_by_role("alert").filter(has_text="The link is of version 2")).to_be_visible()
+
+
+def test_a_restarted_server_finds_the_page_as_it_was(chromium: Browser) -> None:
+    command = ("-m", "railjoule.dashboard", "serve")
+    context = chromium.new_context(viewport={"width": 1280, "height": 900})
+    page = context.new_page()
+    try:
+        with serving(*command) as server:
+            page.goto(server.url + "?v=1&load_percent=30")
+            page.locator("html.rj-started").wait_for(timeout=PATIENCE_MS)
+            energy = page.locator(".figure.main .value")
+            expect(energy).not_to_be_empty()
+            field = page.get_by_label("Travel time, s, as a number", exact=True)
+            field.fill("190")
+            field.press("Enter")
+            expect(page).to_have_url(re.compile("travel_time_s=190&load_percent=30"))
+            expect(page.locator(".figure", has_text="Travel time").locator(".value")).to_have_text("190.0s")
+            before, address = energy.inner_text(), page.url
+            server.process.kill()
+        expect(page.get_by_role("alert")).to_contain_text("The connection to the server is lost.")
+        assert page.evaluate("[...document.body.children].slice(1).every((child) => child.inert)")
+        with serving(*command, port=server.port):
+            expect(page.locator(".rj-lost")).to_have_count(0, timeout=PATIENCE_MS)
+            page.locator("html.rj-started").wait_for(timeout=PATIENCE_MS)
+            expect(energy).to_have_text(before)
+            assert page.url == address
+    finally:
+        context.close()

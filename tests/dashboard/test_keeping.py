@@ -1,0 +1,112 @@
+import pytest
+
+from railjoule.core import load_scenario
+from railjoule.core.scenario import format_scenario
+from railjoule.dashboard.disturbances import Disturbances
+from railjoule.dashboard.keeping import Keeping
+from railjoule.dashboard.lifeline import Lifeline
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.robustness import Robustness
+from railjoule.dashboard.speed_limits import SpeedLimits
+from railjoule.dashboard.views.changes import Changes
+from railjoule.dashboard.views.fields import TypedNumber
+from railjoule.dashboard.views.share import file_name
+
+
+@pytest.fixture
+def state() -> Workbench:
+    """The state of a page with the work behind it, none of whose pages with work of its own is in sight."""
+    state = Workbench()
+    for work in (Robustness, Disturbances, SpeedLimits):
+        work(state)
+    return state
+
+
+@pytest.fixture
+def keeping(state: Workbench) -> Keeping:
+    keeping = Keeping(state, Lifeline())
+    keeping.begin("")
+    return keeping
+
+
+def test_a_new_page_has_a_bare_address_and_nothing_to_undo(keeping: Keeping) -> None:
+    assert keeping.lifeline.address == ""
+    assert not keeping.can_undo
+    for preset in ("liashenko-ii", "tram-950m-stop", "ftorek-300s"):
+        keeping.state.scenario.choose(preset)
+        keeping.note()
+        assert keeping.lifeline.address == f"?v=1&preset={preset}"
+
+
+def test_steps_back_and_forth_change_state_and_address(keeping: Keeping) -> None:
+    scenario, limits = keeping.state.scenario, keeping.state.speed_limits
+    scenario.load_percent = 30.0
+    keeping.note()
+    limits.section_count = 4
+    keeping.note()
+    scenario.choose("liashenko-ii")
+    keeping.note()
+    keeping.undo()
+    assert (scenario.preset, scenario.load_percent) == (Workbench().scenario.preset, 30.0)
+    assert len(limits.sections) == limits.section_count == 4
+    keeping.undo()
+    assert len(limits.sections) == limits.section_count == 2
+    keeping.undo()
+    assert keeping.lifeline.address == ""
+    assert not keeping.can_undo
+    keeping.redo()
+    keeping.redo()
+    keeping.redo()
+    assert keeping.lifeline.address == "?v=1&preset=liashenko-ii"
+    assert not keeping.can_redo
+
+
+def test_a_page_begins_with_the_state_of_its_address(state: Workbench) -> None:
+    keeping = Keeping(state, Lifeline())
+    keeping.begin("?v=1&preset=liashenko-i&load_percent=30&robustness.seed=7&load=2")
+    assert (state.scenario.preset, state.scenario.load_percent, state.robustness.seed) == ("liashenko-i", 30, 7)
+    assert state.notice == "The link was opened without a part of it: load is not known."
+    assert keeping.lifeline.address == "?v=1&preset=liashenko-i&load_percent=30&robustness.seed=7"
+    assert not keeping.can_undo
+
+
+def test_a_dropped_file_is_opened_or_refused(keeping: Keeping) -> None:
+    text = format_scenario(load_scenario("ftorek-300s").with_(title="Mine"))
+    keeping.open_file("mine.toml", text)
+    assert keeping.state.scenario.base.title == "Mine"
+    keeping.note()
+    keeping.open_file("other.toml", "railjoule = 99")
+    assert keeping.state.notice.startswith("other.toml: ")
+    assert keeping.state.scenario.base.title == "Mine"
+    keeping.undo()
+    assert keeping.state.scenario.opened is None
+
+
+def test_changed_fields_are_marked_against_the_preset(keeping: Keeping) -> None:
+    scenario = keeping.state.scenario
+    field = TypedNumber(scenario, "load_percent", "Load, %", digits=0, unit="%")
+    assert not field.mark.visible
+    scenario.load_percent = 30.0
+    assert field.mark.visible
+    assert "changed: was 50 %" in field.mark.object
+    scenario.restore()
+    assert not field.mark.visible
+
+
+def test_changed_keys_can_be_taken_back_one_by_one(state: Workbench) -> None:
+    changes = Changes(state)
+    state.scenario.edit({"vehicle.auxiliary_power_kw": 40.0, "vehicle.load_factor": 0.3})
+    changes.count.clicks += 1
+    assert changes.count.label == "2 fields changed"
+    before = state.scenario.base.vehicle.auxiliary_power_kw
+    assert f"{before:g} \u2192 40" in changes.list[0][0].object
+    changes.list[0][1].clicks += 1
+    assert dict(state.scenario.changes) == {"vehicle.load_factor": 0.3}
+
+
+@pytest.mark.parametrize(
+    ("title", "name"),
+    [("Metro, profile II + I", "metro-profile-ii-i.toml"), ("<b>../..", "b.toml"), ("\u4e16\u754c", "scenario.toml")],
+)
+def test_a_file_s_name_is_made_of_letters_and_digits(title: str, name: str) -> None:
+    assert file_name(title) == name
