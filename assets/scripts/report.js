@@ -26,7 +26,9 @@
     }
     drawPhases();
   };
-  const follow = () => paint(system.matches ? "dark" : "light");
+  const follow = () => {
+    if (!document.documentElement.classList.contains("prints")) { paint(system.matches ? "dark" : "light"); }
+  };
 
   // ---- phases, with as many words as have room
 
@@ -48,6 +50,22 @@
       columns.ink.push(data.tokens[theme]["on_" + name]);
     });
     bands.data = columns;
+  };
+
+  // ---- room for the names at the ends of lines; where there is none, they go
+
+  const NARROW_PX = 480, NAME_PX = 112;
+  const fitNames = () => {
+    const frame = view(strip.figure)?.frame.bbox.width ?? 0;
+    if (frame <= 0) return;
+    const wide = frame >= NARROW_PX;
+    for (const id of data.spare) { model(id).visible = wide; }
+    const range = model(strip.figure).x_range;
+    const whole = Math.abs(range.end - range.reset_end) < 1e-6 && Math.abs(range.start) < 1e-6;
+    const end = data.distance * (wide ? frame / (frame - NAME_PX) : 1);
+    if (Math.abs(end - range.reset_end) < 1e-6 * end) return;
+    range.setv({bounds: [0, end], reset_end: end});
+    if (whole) { range.setv({start: 0, end}); }
   };
 
   // ---- the travel time
@@ -92,32 +110,46 @@
       }
       if (chart.fits) fit(chart);
     }
-    name_lines(run);
+    place_names(run);
     phases = run.phases;
     drawPhases();
     if (data.charts.frontier) {
       model(data.charts.frontier.sources.point).data = {x: [run.point[0]], y: [run.point[1]]};
     }
   };
-  // the names in the charts stay where they are, but the optimum's goes with its line
-  const name_lines = (run) => {
+  // names at the ends of lines stand beside them, as far apart as they need; those on lines go with their line
+  const spread = (values, gap) => {
+    const order = values.map((_, k) => k).sort((a, b) => values[a] - values[b]);
+    const placed = order.map((k) => values[k]);
+    for (let round = 0; round < 20; round++) {
+      for (let k = 1; k < placed.length; k++) {
+        const lack = gap - (placed[k] - placed[k - 1]);
+        if (lack > 1e-12) { placed[k - 1] -= lack / 2; placed[k] += lack / 2; }
+      }
+    }
+    const result = [];
+    order.forEach((k, place) => { result[k] = placed[place]; });
+    return result;
+  };
+  const place_names = (run) => {
     const speed = data.charts.speed, energy = data.charts.energy;
     const names = model(speed.sources.names), ends = model(energy.sources.ends);
     const line = model(speed.sources.optimal).data;
-    const k = names.data.text.indexOf("optimal");
+    const k = speed.names.indexOf("optimal");
     if (k >= 0) {
       const y = [...names.data.y];
       y[k] = interpolate(line.x, line.y, names.data.x[k]);
       names.data = {...names.data, y};
     }
-    const before = keep(energy.sources.ends);
-    const e = before.text.findIndex((text) => text.startsWith("optimal "));
-    if (e >= 0) {
-      const text = [...before.text], places = [...before.y];
-      text[e] = run.lines.energy ? `optimal ${run.energy}` : before.text[e];
-      places[e] = run.lines.energy ? run.lines.energy[run.lines.energy.length - 1] : before.y[e];
-      ends.data = {...ends.data, text, y: places};
-    }
+    const range = model(energy.range);
+    const last = energy.names.map((name) => {
+      const y = model(energy.sources[name]).data.y;
+      return y[y.length - 1];
+    });
+    const text = [...keep(energy.sources.ends).text];
+    const e = energy.names.indexOf("optimal");
+    if (e >= 0 && run.lines.energy) { text[e] = `${text[e].slice(0, text[e].lastIndexOf(" "))} ${run.energy}`; }
+    ends.data = {...ends.data, text, y: spread(last, 14 * (range.end - range.start) / model(energy.figure).height)};
   };
   if (slider) {
     slider.addEventListener("input", move);
@@ -135,33 +167,47 @@
       figure.paint();
     }
   };
-  const print = () => {
-    const column = document.querySelector("main");
-    column.style.width = `${PAPER_PX}px`;
-    paint("light");
+  const prepare = () => {
+    document.documentElement.classList.add("prints");
+    document.querySelector("main").style.width = `${PAPER_PX}px`;
     settle();
-    drawPhases();
+    fitNames();
+    theme === "light" ? drawPhases() : paint("light");
+  };
+  const copy = () => {
     settle();
     for (const [name, chart] of charts) {
       const image = view(chart.figure).export("png").canvas;
-      const copy = document.querySelector(`[data-plot="${name}"] .paper canvas`);
-      copy.width = image.width;
-      copy.height = image.height;
-      copy.getContext("2d").drawImage(image, 0, 0);
+      const canvas = document.querySelector(`[data-plot="${name}"] .paper canvas`);
+      canvas.width = image.width;
+      canvas.height = image.height;
+      canvas.getContext("2d").drawImage(image, 0, 0);
     }
     document.documentElement.classList.add("on-paper");
-    column.style.width = "";
+    document.querySelector("main").style.width = "";
   };
-  window.addEventListener("beforeprint", print);
+  // two listeners, as what the first one changes is drawn in the microtasks between them
+  window.addEventListener("beforeprint", prepare);
+  window.addEventListener("beforeprint", copy);
   window.addEventListener("afterprint", () => {
-    document.documentElement.classList.remove("on-paper");
+    document.documentElement.classList.remove("on-paper", "prints");
     settle();
     follow();
+    arrange();
   });
 
+  // ---- what depends on the width: the names, the words in the phases, tables that must be scrolled
+
+  const arrange = () => {
+    fitNames();
+    drawPhases();
+    for (const block of document.querySelectorAll(".block")) {
+      if (block.scrollWidth > block.clientWidth) { block.tabIndex = 0; } else { block.removeAttribute("tabindex"); }
+    }
+  };
   system.addEventListener("change", follow);
-  window.addEventListener("resize", () => requestAnimationFrame(drawPhases));
+  window.addEventListener("resize", () => requestAnimationFrame(arrange));
   follow();
-  drawPhases();
+  arrange();
   document.documentElement.classList.add("ready");
 })();

@@ -5,10 +5,11 @@ import json
 from collections.abc import Callable, Sequence
 from datetime import datetime
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
+import bokeh
 import numpy as np
-from bokeh.resources import Resources
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
@@ -53,6 +54,8 @@ def report_html(findings: Findings, made_at: datetime) -> str:
     data = {
         **figures.paints(),
         "charts": figures.handles(),
+        "spare": figures.spare_texts(),
+        "distance": max(run.distance_m for run in findings.runs.runs.values()),
         "phases": _phases(findings.run),
         "optima": optima_data(findings),
         "words": words.PHASE_WORDS,
@@ -75,11 +78,18 @@ def report_html(findings: Findings, made_at: datetime) -> str:
 {embedded(format_scenario(scenario))}
 {json_script("figures", figures.embedding())}
 {json_script("data", data)}
-{Resources(mode="inline", components=["bokeh", "bokeh-widgets"], log_level="error").render_js()}
+<script>{bokeh_script()}</script>
 <script>{(SCRIPTS / "report.js").read_text(encoding="utf-8")}</script>
 </body>
 </html>
 """
+
+
+def bokeh_script() -> str:
+    """Return Bokeh's own script, without what other packages in this process add to its resources."""
+    folder = Path(bokeh.__file__).parent / "server" / "static" / "js"
+    texts = ((folder / f"{name}.min.js").read_text(encoding="utf-8") for name in ("bokeh", "bokeh-widgets"))
+    return "\n".join(text.replace("</script", "<\\/script") for text in texts)
 
 
 def subtitle(findings: Findings) -> str:

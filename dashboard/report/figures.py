@@ -7,7 +7,6 @@ from typing import Any
 from bokeh.document import Document
 from bokeh.embed.util import standalone_docs_json_and_render_items
 
-from railjoule.core import Trajectory
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
@@ -215,6 +214,7 @@ class Figures:
                 "caption": chart.told["caption"].id,
                 "range": chart.y_range.id,
                 "fits": isinstance(chart, RunChart) and not isinstance(chart, SpeedChart),
+                "names": self._names(chart),
                 "lines": [chart.sources[name].id for name in self._line_names(chart)],
                 "sources": {name: source.id for name, source in chart.sources.items()},
             }
@@ -223,10 +223,25 @@ class Figures:
             if chart.figure is not None
         }
 
+    def _names(self, chart: DistanceChart) -> list[str]:
+        """Return the strategies in the order in which a chart names their lines."""
+        named = list(self._scene().named())
+        if isinstance(chart, SpeedChart):
+            return named[::-1]
+        return [name for name in named if name != "fastest" or named[-1] == "fastest"]
+
+    def spare_texts(self) -> list[str]:
+        """Return the words that have no room in narrow figures."""
+        spare = [(EnergyChart, "ends"), (LineStrip, "signs")]
+        return [
+            renderer.id
+            for chart in self.groups["runs"]
+            if chart.figure is not None
+            for kind, name in spare
+            if isinstance(chart, kind)
+            for renderer in chart.figure.renderers
+            if renderer.data_source is chart.sources[name]
+        ]
+
     def _line_names(self, chart: DistanceChart) -> list[str]:
         return [name for name in (*STRATEGIES, "largest") if name in chart.sources]
-
-    @property
-    def shown(self) -> Trajectory:
-        """The run whose numbers come first."""
-        return self.findings.run

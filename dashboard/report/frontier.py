@@ -9,10 +9,11 @@ from railjoule.core import Trajectory
 from railjoule.core.scenario import StrategyName
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.views.charts import Axis, DistanceChart, nice_range, style_of, text_style, xy
+from railjoule.dashboard.views.charts import Axis, DistanceChart, nice_range, spread, style_of, text_style, xy
 
 STEEPEST_SHARE = 1.03
 """The scale ends with the optimum at this multiple of the first time: nearer to it, energy rises out of any scale."""
+LABEL_RISE_PX, LABEL_GAP_PX = 14.0, 16.0
 
 
 class TimeChart(DistanceChart):
@@ -31,16 +32,16 @@ class TimeChart(DistanceChart):
         self.sources["optimal"] = ColumnDataSource({"x": [], "y": []})
         line = f.line("x", "y", source=self.sources["optimal"], **style_of("optimal"))
         self.palette.paint(line.glyph, line_color="optimal")
-        columns: dict[str, list[object]] = {"x": [], "y": [], "text": [], "colour": []}
+        columns: dict[str, list[object]] = {"x": [], "y": [], "text": [], "place": [], "colour": []}
         self.sources["runs"] = ColumnDataSource(columns)
         f.scatter("x", "y", source=self.sources["runs"], size=7, fill_color="colour", line_color="colour")
         f.text(
             "x",
-            "y",
+            "place",
             "text",
             text_color="colour",
             source=self.sources["runs"],
-            x_offset=8,
+            x_offset=14,
             text_baseline="middle",
             **text_style(),
         )
@@ -64,12 +65,16 @@ class TimeChart(DistanceChart):
         )
         steepest = float(np.interp(STEEPEST_SHARE * start, times, energies))
         levels = [steepest, float(energies.min()), *(run.energy_kwh for run in others.values())]
-        self.y_range.update(**dict(zip(("start", "end"), nice_range(min(levels), max(levels)), strict=True)))
+        low, high = nice_range(min(levels), max(levels))
+        self.y_range.update(start=low, end=high)
         self.sources["optimal"].data = xy(times, energies)
         self.told["sources"] = [["", self.sources["optimal"]]]
+        # the names stand a little above their points, as the line falls beneath them
+        wished = [run.energy_kwh + LABEL_RISE_PX * (high - low) / self.height for run in others.values()]
         self.sources["runs"].data = {
             "x": [run.travel_time_s for run in others.values()],
             "y": [run.energy_kwh for run in others.values()],
+            "place": spread(wished, LABEL_GAP_PX * (high - low) / self.height),
             "text": [words.STRATEGY_WORDS[name] for name in others],
             "colour": [self.palette.tokens[name] for name in others],
         }

@@ -18,6 +18,12 @@ DESCRIPTION = re.compile(r"^(?P<words>.*?)(?: \[(?P<unit>[^\]]+)\])?\.?$")
 MOST_ROWS = 40
 """A table with more rows ends with how many are left out; all of them stand in the embedded scenario."""
 PARTS = {"resistance": "Running resistance", "traction": "Traction", "braking": "Braking", "drive": "Drive"}
+UNITS = {
+    "_n_per_kn_per_kmh2": "N/kN/(km/h)\u00b2",
+    "_n_per_kn_per_kmh": "N/kN/(km/h)",
+    "_n_per_kmh2": "N/(km/h)\u00b2",
+    "_n_per_kmh": "N/(km/h)",
+}
 EVENTS = ("stops", "speed_limits", "voltage_changes", "recuperation_changes")
 
 
@@ -45,7 +51,13 @@ def _fields(part: BaseModel) -> Iterator[Row]:
             continue
         match = DESCRIPTION.match(field.description or name.replace("_", " "))
         assert match is not None
-        yield match["words"].rstrip("."), _shown(value), match["unit"] or ""
+        label = match["words"].rstrip(".")
+        yield label[0].upper() + label[1:], _shown(value), match["unit"] or _unit_of(name)
+
+
+def _unit_of(name: str) -> str:
+    """Return the unit that the name of a field tells where its description does not."""
+    return next((unit for ending, unit in UNITS.items() if name.endswith(ending)), "")
 
 
 def _shown(value: Any) -> str:
