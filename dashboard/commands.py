@@ -8,6 +8,7 @@ import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     import pandas
 
 TABLE_SUFFIXES = (".csv", ".parquet")
+REPORT_SUFFIXES = (".html", ".htm")
 
 
 class CommandError(RailjouleError):
@@ -124,6 +126,29 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None
         write_table(table.to_dataframe(), path, index=True)
     shape = " x ".join(f"{size} {dimension}" for dimension, size in table.sizes.items())
     print(f"{shortened(str(path))}: {shape}")
+
+
+def report(file: str, changes: Mapping[str, Any], strategy: str | None, target: str) -> None:
+    """Write everything there is to tell of a scenario as one file of HTML.
+
+    Raises
+    ------
+    RailjouleError
+        If anything is wrong with the scenario or the file to write, or a package of the dashboard is missing.
+    """
+    path = table_file(target, "-o", REPORT_SUFFIXES)
+    scenario = load(file, changes if strategy is None else {**changes, "strategy": strategy})
+    try:
+        from railjoule.dashboard.report.document import report_html  # noqa: PLC0415
+        from railjoule.dashboard.store.report import ReportWish, compute_findings  # noqa: PLC0415
+    except ModuleNotFoundError as error:
+        raise CommandError(f"a report needs {error.name}, which is not installed.") from None
+    announce_compilation()
+    *_, findings = compute_findings(ReportWish(scenario))
+    text = report_html(findings, datetime.now().astimezone())
+    with failures_named(path):
+        path.write_text(text, encoding="utf-8")
+    print(f"{shortened(str(path))}: {len(text.encode()) / 1e6:.1f} MB")
 
 
 def benchmark(output: Output) -> None:
