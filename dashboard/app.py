@@ -12,6 +12,7 @@ from railjoule.dashboard.health import HealthHandler
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.reporting import Reporting
 from railjoule.dashboard.robustness import Robustness
 from railjoule.dashboard.speed_limits import SpeedLimits
 from railjoule.dashboard.store import (
@@ -58,8 +59,10 @@ class Session:
         self.robustness = Robustness(self.state)
         self.disturbances = Disturbances(self.state)
         self.speed_limits = SpeedLimits(self.state)
+        self.reporting = Reporting(self.state)
         self.views: dict[str, View] = {}
-        self.shell = Shell(self.state, self.browser, {name: self._make(view) for name, view in VIEWS.items()})
+        pages = {name: self._make(view) for name, view in VIEWS.items()}
+        self.shell = Shell(self.state, self.browser, pages, self.reporting.model)
         scenario = self.state.scenario
         scenario.param.watch(self._ask_runs, [*PLAN_FIELDS, "acceleration_time_s"])
         scenario.param.watch(
@@ -79,6 +82,7 @@ class Session:
         """End what still runs: the page is gone."""
         self.robustness.end()
         self.disturbances.end()
+        self.reporting.end()
 
     def _make(self, view: type[View]) -> Callable[[], pn.viewable.Viewable]:
         def make() -> pn.viewable.Viewable:

@@ -14,11 +14,13 @@ from typing import TYPE_CHECKING, Any, cast
 
 from railjoule.core import RailjouleError, Scenario, StrategyRefusedError, compare, load_scenario
 from railjoule.core import solve as solve_scenario
-from railjoule.core.scenario import StrategyName, preset_names
+from railjoule.core.scenario import StrategyName, parse_scenario, preset_names
+from railjoule.core.scenario.text_file import read_text
 from railjoule.core.simulate.disturbances import simulate_disturbances
 from railjoule.core.simulate.following import simulate_following
 from railjoule.core.strategies import prepare_task
 from railjoule.dashboard import summary, terminal
+from railjoule.dashboard.report.embedded import scenario_in_report
 
 if TYPE_CHECKING:
     import pandas
@@ -198,7 +200,7 @@ def serve(address: str, port: int) -> None:
 
 
 def load(file: str, changes: Mapping[str, Any]) -> Scenario:
-    """Return the scenario of a file or the shipped one of that name, with changes.
+    """Return the scenario of a file, of a report or the shipped one of that name, with changes.
 
     Raises
     ------
@@ -212,6 +214,8 @@ def load(file: str, changes: Mapping[str, Any]) -> Scenario:
             raise CommandError(
                 f"{file}: there is no such file and no shipped scenario of that name; shipped are {shipped}."
             )
+        if Path(file).suffix.lower() in REPORT_SUFFIXES:
+            return parse_scenario(scenario_in_report(read_text(Path(file))), Path(file).name, changes=changes)
         return load_scenario(file, changes)
     except OSError as error:
         raise CommandError(f"{shortened(file)}: {error.strerror or error}.") from None

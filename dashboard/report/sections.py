@@ -131,7 +131,7 @@ def trade_off(findings: Findings, figures: Figures) -> str:
     ]
     head = ("Travel time, s", "kWh", "a second, Wh/s", "top, km/h", "above the bound, %")
     plots = "".join(figure_element(plot) for plot in figures.plots("frontier"))
-    cells = len(optima[0].position_m) - 1
+    cells = int(np.count_nonzero(np.diff(optima[0].position_m)))
     note = f'<p class="note">{len(optima)} optima over a mesh of {words.number(cells, 0)} cells.</p>'
     return section("trade-off", "Energy and time", f"{plots}{parts.table('Optima', head, rows)}{note}")
 
@@ -149,9 +149,7 @@ def gap_words(run: Trajectory) -> str:
 def proof(findings: Findings, figures: Figures) -> str:
     """Return the certificate in words, and what strategies simplified."""
     sentences = certificate(findings)
-    notes = [
-        (words.STRATEGY_WORDS[name], note) for name, run in findings.runs.runs.items() for note in run.notes
-    ]
+    notes = [(words.STRATEGY_WORDS[name], note) for name, run in findings.runs.runs.items() for note in run.notes]
     certified = "".join(f"<p>{html.escape(sentence)}</p>" for sentence in sentences)
     listed = "".join(f"<li>{html.escape(about(name, note))}</li>" for name, note in notes)
     told = f'<h3>What strategies simplified</h3><ul class="notes">{listed}</ul>' if listed else ""
@@ -187,9 +185,8 @@ def certificate(findings: Findings) -> list[str]:
     sentences = [first, f"What the bound covers: {best.bound.statement}", NOT_PROVEN]
     if run is not best and run.gap is not None:
         name: StrategyName = run.strategy  # type: ignore[assignment]
-        sentences.insert(
-            1, f"{words.STRATEGY_WORDS[name]} needs {words.energy(run.energy_kwh)} kWh, {gap_words(run)} % above the bound."
-        )
+        needed = f"{words.STRATEGY_WORDS[name]} needs {words.energy(run.energy_kwh)} kWh"
+        sentences.insert(1, f"{needed}, {gap_words(run)} % above the bound.")
     return sentences
 
 
@@ -258,9 +255,9 @@ def sensitivity_table(found: SensitivityTable) -> str:
     ways = "there and back" if found.both_directions else "one way"
     load = words.number(100 * found.scenario.vehicle.load_factor, 0)
     note = (
-        f'<p class="note">The plan for a load of {load} % is followed {ways} with another load, by a train that believes '
-        f"to be further on by the error; planned are {words.energy(found.planned_kwh)} kWh. Energy against the plan, %."
-        "</p>"
+        f'<p class="note">The plan for a load of {load} % is followed {ways} with another load, by a train that '
+        f"believes to be further on by the error; planned are {words.energy(found.planned_kwh)} kWh. "
+        "Energy against the plan, %.</p>"
     )
     return parts.table("Overconsumption, %, over load and coordinate error", head, rows) + note
 

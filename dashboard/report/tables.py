@@ -124,9 +124,7 @@ def _disturbance_tables(disturbance: Disturbance) -> Iterator[str]:
     if disturbance == Disturbance():
         return
     yield _fields_table("What goes otherwise than planned", _fields(disturbance))
-    events = [
-        (number, kind, event) for kind in EVENTS for number, event in enumerate(getattr(disturbance, kind), 1)
-    ]
+    events = [(number, kind, event) for kind in EVENTS for number, event in enumerate(getattr(disturbance, kind), 1)]
     for number, kind, event in events[:MOST_ROWS]:
         yield _fields_table(f"Event: {kind.replace('_', ' ').removesuffix('s')} {number}", _fields(event))
 
