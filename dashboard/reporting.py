@@ -49,11 +49,16 @@ class Reporting:
         self.study = Study(draft_report, self._take, self._fail)
         self.model.param.watch(self._ask, "wanted")
         self.model.param.watch(self.end, "unwanted")
+        state.param.watch(self._forget, "runs")
 
     def end(self, *_: Any) -> None:
         """End the work under way."""
         self.study.stop()
         self.model.busy = False
+
+    def _forget(self, *_: Any) -> None:
+        """Say no more why there was no report, as there are new runs."""
+        self.model.failure = None
 
     def _ask(self, *_: Any) -> None:
         try:

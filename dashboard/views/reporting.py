@@ -13,29 +13,31 @@ from railjoule.dashboard.views.parts import failure, html_pane
 
 SAVER_ESM = """
 export function render({model}) {
-  model.on("text", () => {
-    if (!model.text) return;
+  model.on("file", () => {
+    if (!model.file.length) return;
+    const [name, text] = model.file;
     const link = document.createElement("a");
-    link.href = URL.createObjectURL(new Blob([model.text], {type: "text/html"}));
-    link.download = model.name_of_file;
+    link.href = URL.createObjectURL(new Blob([text], {type: "text/html"}));
+    link.download = name;
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 60000);
-    model.text = "";
+    model.file = [];
   });
   return document.createElement("span");
 }
 """
 MESSAGE_CSS = """
 :host { position: fixed; top: 52px; right: 8px; max-width: min(420px, 90vw); z-index: 1300;
-  background: var(--rj-surface); }
+  background: var(--rj-surface); border-radius: 6px; }
 """
+BENEATH_THE_BAR = {"position": "fixed", "top": "45px", "left": "0", "right": "0", "width": "100%", "z-index": "1300"}
+"""Where the progress has room on every screen."""
 
 
 class Saver(JSComponent):
     """Lets the browser save a text as a file; the text is forgotten at once."""
 
-    text = param.String(default="", doc="What to save.")
-    name_of_file = param.String(default="report.html", doc="What the file is called.")
+    file = param.List(default=[], doc="Name and text of the file to save.")
 
     _esm = SAVER_ESM
 
@@ -59,7 +61,7 @@ class ReportButton:
             visible=False,
         )
         self.progress = pmui.LinearProgress(
-            value=0, variant="determinate", width=56, margin=(0, 6), align="center", visible=False
+            value=0, variant="determinate", margin=0, sizing_mode="stretch_width", styles=BENEATH_THE_BAR, visible=False
         )
         self.stop = pmui.Button(
             label="Stop", variant="text", size="small", margin=0, align="center", height=30, visible=False
@@ -90,7 +92,7 @@ class ReportButton:
 
     def _save(self, *_: Any) -> None:
         if self.model.text:
-            self.saver.param.update(name_of_file=self.model.name_of_file, text=self.model.text)
+            self.saver.file = [self.model.name_of_file, self.model.text]
             self.model.text = ""
 
     def _tell(self, *_: Any) -> None:
