@@ -26,6 +26,7 @@ from railjoule.dashboard.store import (
 )
 from railjoule.dashboard.views.disturbances import DisturbancesView
 from railjoule.dashboard.views.drive import DriveView
+from railjoule.dashboard.views.reporting import ReportButton
 from railjoule.dashboard.views.robustness import RobustnessView
 from railjoule.dashboard.views.shell import Page, Shell
 from railjoule.dashboard.views.speed_limits import SpeedLimitsView
@@ -59,10 +60,8 @@ class Session:
         self.robustness = Robustness(self.state)
         self.disturbances = Disturbances(self.state)
         self.speed_limits = SpeedLimits(self.state)
-        self.reporting = Reporting(self.state)
         self.views: dict[str, View] = {}
-        pages = {name: self._make(view) for name, view in VIEWS.items()}
-        self.shell = Shell(self.state, self.browser, pages, self.reporting.model)
+        self.shell = Shell(self.state, self.browser, {name: self._make(view) for name, view in VIEWS.items()})
         scenario = self.state.scenario
         scenario.param.watch(self._ask_runs, [*PLAN_FIELDS, "acceleration_time_s"])
         scenario.param.watch(
@@ -76,13 +75,15 @@ class Session:
         if warmup().ready.is_set():
             # a page that is sent with its first run is there a second earlier than one that asks for it
             self.runs.do(self._wish())
+        self.reporting = Reporting(self.state)
+        self.shell.add(*ReportButton(self.reporting.model, self.browser).parts)
+        pn.state.on_session_destroyed(lambda _: self.reporting.end())
         pn.state.onload(self._load)
 
     def _end(self) -> None:
         """End what still runs: the page is gone."""
         self.robustness.end()
         self.disturbances.end()
-        self.reporting.end()
 
     def _make(self, view: type[View]) -> Callable[[], pn.viewable.Viewable]:
         def make() -> pn.viewable.Viewable:

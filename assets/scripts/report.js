@@ -73,6 +73,7 @@
   const runs = data.optima.runs;
   const slider = at("time"), back = at("back"), shown = document.querySelector("output[for=time]");
   const own = data.optima.own;
+  const moving = new Set(runs.flatMap((run) => Object.keys(run.lines)));
   const first = new Map();
   const keep = (id) => { if (!first.has(id)) first.set(id, {...model(id).data}); return first.get(id); };
   const interpolate = (xs, ys, x) => {
@@ -101,7 +102,7 @@
       const lines = {optimal: run.lines[name], largest: name === "effort" ? run.lines.largest : undefined};
       for (const [line, y] of Object.entries(lines)) {
         const id = chart.sources[line];
-        if (!id || !(name in runs[k === own ? (own + 1) % runs.length : k].lines)) continue;
+        if (!id || !moving.has(name)) continue;
         const start = keep(id);
         model(id).data = y ? {x: run.lines.place, y} : start;
       }

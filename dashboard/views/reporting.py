@@ -8,9 +8,11 @@ import param
 from panel.custom import JSComponent
 
 from railjoule.core import RailjouleError
+from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.models.reporting import ReportingModel
 from railjoule.dashboard.views.parts import failure, html_pane
 
+NARROW_PX = 700
 SAVER_ESM = """
 export function render({model}) {
   model.on("file", () => {
@@ -45,8 +47,8 @@ class Saver(JSComponent):
 class ReportButton:
     """The report's part of the app bar."""
 
-    def __init__(self, model: ReportingModel) -> None:
-        self.model = model
+    def __init__(self, model: ReportingModel, browser: Browser) -> None:
+        self.model, self.browser = model, browser
         self.saver = Saver(width=0, height=0, margin=0)
         self.button = pmui.Button(
             label="Report", variant="outlined", size="small", margin=(0, 6), align="center", height=30
@@ -68,7 +70,6 @@ class ReportButton:
         )
         self.message = html_pane(visible=False, sizing_mode=None)
         self.message.stylesheets = [*self.message.stylesheets, MESSAGE_CSS]
-        self._narrow = False
         self.parts = [self.progress, self.stop, self.button, self.small, self.message, self.saver]
         for button in (self.button, self.small):
             button.on_click(lambda _: model.param.trigger("wanted"))
@@ -76,19 +77,15 @@ class ReportButton:
         model.param.watch(self._show, ["busy", "share"])
         model.param.watch(self._save, "text")
         model.param.watch(self._tell, "failure")
-
-    def fit(self, narrow: bool) -> None:
-        """Take the little button on narrow screens."""
-        self._narrow = narrow
-        self._show()
+        browser.follow(["width"], self._show)
 
     def _show(self, *_: Any) -> None:
-        busy = self.model.busy
+        busy, narrow = self.model.busy, self.browser.width < NARROW_PX
         with pn.io.hold():
             self.progress.value = round(100 * self.model.share)
             self.progress.visible = self.stop.visible = busy
-            self.button.visible = not busy and not self._narrow
-            self.small.visible = not busy and self._narrow
+            self.button.visible = not busy and not narrow
+            self.small.visible = not busy and narrow
 
     def _save(self, *_: Any) -> None:
         if self.model.text:

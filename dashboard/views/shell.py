@@ -10,10 +10,8 @@ from bokeh.model import Model
 
 from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look.theme import document_css, material_theme
-from railjoule.dashboard.models.reporting import ReportingModel
 from railjoule.dashboard.models.workbench import PAGES, Workbench
 from railjoule.dashboard.views.parts import html_pane, stack
-from railjoule.dashboard.views.reporting import ReportButton
 from railjoule.dashboard.views.sidebar import Sidebar
 from railjoule.dashboard.views.starting import StartingView
 
@@ -62,16 +60,10 @@ class Shell:
     browser : Browser
     pages : mapping of str to callable
         What makes each page, called when it is first in sight.
-    reporting : ReportingModel
-        The report that the page makes.
     """
 
     def __init__(
-        self,
-        state: Workbench,
-        browser: Browser,
-        pages: dict[str, Callable[[], pn.viewable.Viewable]],
-        reporting: ReportingModel,
+        self, state: Workbench, browser: Browser, pages: dict[str, Callable[[], pn.viewable.Viewable]]
     ) -> None:
         self.state, self.browser, self._make = state, browser, pages
         self._made: dict[str, pn.viewable.Viewable] = {}
@@ -102,7 +94,6 @@ class Shell:
             description="Pin run",
             visible=False,
         )
-        self.report = ReportButton(reporting)
         self.starting = StartingView()
         self.page = self._page()
         self.tabs.param.watch(self._turn, "active")
@@ -127,15 +118,7 @@ class Shell:
             sidebar_width=272,
             sidebar_open=True,
             sidebar_resizable=False,
-            header=[
-                brand,
-                self.tabs,
-                self.menu,
-                pn.Spacer(sizing_mode="stretch_width"),
-                self.pin,
-                self.pin_small,
-                *self.report.parts,
-            ],
+            header=[brand, self.tabs, self.menu, pn.Spacer(sizing_mode="stretch_width"), self.pin, self.pin_small],
             dark_theme=self.state.dark,
             theme_config=material_theme(),
             raw_css=[document_css()],
@@ -161,6 +144,10 @@ class Shell:
     def open(self) -> None:
         """Show the page that the state names."""
         self._show_page()
+
+    def add(self, *parts: pn.viewable.Viewable) -> None:
+        """Put parts at the right end of the app bar."""
+        self.page.header = [*self.page.header, *parts]
 
     def _turn(self, event: Any) -> None:
         self.state.page = PAGES[event.new]
@@ -190,7 +177,6 @@ class Shell:
             narrow = self.browser.width < MENU_PX
             self.tabs.visible, self.menu.visible = not narrow, narrow
             self.pin.visible, self.pin_small.visible = not narrow, narrow
-            self.report.fit(narrow)
             was_wide, self._wide = self._wide, self.browser.width >= NARROW_PX
             if was_wide != self._wide:
                 self.page.sidebar_open = self._wide
