@@ -147,12 +147,12 @@ def gap_words(run: Trajectory) -> str:
 
 
 def proof(findings: Findings, figures: Figures) -> str:
-    """Return the certificate in words, and what strategies simplified."""
+    """Return the certificate in words, the notes of all strategies and who refused."""
     sentences = certificate(findings)
     notes = [(words.STRATEGY_WORDS[name], note) for name, run in findings.runs.runs.items() for note in run.notes]
     certified = "".join(f"<p>{html.escape(sentence)}</p>" for sentence in sentences)
     listed = "".join(f"<li>{html.escape(about(name, note))}</li>" for name, note in notes)
-    told = f'<h3>What strategies simplified</h3><ul class="notes">{listed}</ul>' if listed else ""
+    told = f'<h3>Notes of the strategies</h3><ul class="notes">{listed}</ul>' if listed else ""
     refusals = "".join(
         f"<li>{html.escape(about(words.STRATEGY_WORDS[name], reason))}</li>"
         for name, reason in findings.runs.refused.items()
