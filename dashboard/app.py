@@ -15,6 +15,7 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.motor import Motor
+from railjoule.dashboard.reporting import Reporting
 from railjoule.dashboard.robustness import Robustness
 from railjoule.dashboard.speed_limits import SpeedLimits
 from railjoule.dashboard.store import (
@@ -29,6 +30,7 @@ from railjoule.dashboard.store import (
 from railjoule.dashboard.views.disturbances import DisturbancesView
 from railjoule.dashboard.views.drive import DriveView
 from railjoule.dashboard.views.motor import MotorView
+from railjoule.dashboard.views.reporting import ReportButton
 from railjoule.dashboard.views.robustness import RobustnessView
 from railjoule.dashboard.views.share import Share
 from railjoule.dashboard.views.shell import Page, Shell
@@ -86,6 +88,9 @@ class Session:
         if warmup().ready.is_set():
             # a page that is sent with its first run is there a second earlier than one that asks for it
             self.runs.do(self._wish())
+        self.reporting = Reporting(self.state)
+        self.shell.add(*ReportButton(self.reporting.model, self.browser).parts)
+        pn.state.on_session_destroyed(lambda _: self.reporting.end())
         pn.state.onload(self._load)
 
     def _end(self) -> None:

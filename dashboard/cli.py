@@ -81,6 +81,8 @@ def _call(options: argparse.Namespace) -> None:
         commands.study(options.study, options.file, commands.parsed_changes(options.set), options.output)
     elif options.command == "validate":
         commands.validate(options.paper, output)
+    elif options.command == "report":
+        commands.report(options.file, commands.parsed_changes(options.set), options.strategy, options.output)
     else:
         file, words = _file_and_changes(options.file, options.set)
         changes = commands.parsed_changes(words)
@@ -110,6 +112,11 @@ def build_parser() -> argparse.ArgumentParser:
     study.add_argument("file", metavar="FILE", help="a scenario file, or the name of a shipped scenario")
     study.add_argument("-o", "--output", metavar="OUT", required=True, help="OUT.nc (netCDF), OUT.csv or OUT.parquet")
     study.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help="as in solve")
+    report = _add(commands, "report", "write all results of a scenario as one file of HTML that needs no network")
+    report.add_argument("file", metavar="FILE", help="a scenario file, or the name of a shipped scenario")
+    report.add_argument("-o", "--output", metavar="OUT", required=True, help="OUT.html")
+    report.add_argument("--strategy", metavar="S", help="whose numbers come first; the scenario's own where absent")
+    report.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help="as in solve")
     benchmark = _add(commands, "benchmark", "time every strategy on the shipped scenarios, beside CasADi with IPOPT")
     _add_json(benchmark)
     validate = _add(commands, "validate", "show the papers' printed numbers beside ours")

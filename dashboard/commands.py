@@ -8,22 +8,26 @@ import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from railjoule.core import RailjouleError, Scenario, StrategyRefusedError, compare, load_scenario
 from railjoule.core import solve as solve_scenario
-from railjoule.core.scenario import StrategyName, preset_names
+from railjoule.core.scenario import StrategyName, parse_scenario, preset_names
+from railjoule.core.scenario.text_file import read_text
 from railjoule.core.simulate.disturbances import simulate_disturbances
 from railjoule.core.simulate.field_oriented import simulate_field_oriented
 from railjoule.core.simulate.following import simulate_following
 from railjoule.core.strategies import prepare_task
 from railjoule.dashboard import summary, terminal
+from railjoule.dashboard.report.embedded import scenario_in_report
 
 if TYPE_CHECKING:
     import pandas
 
 TABLE_SUFFIXES = (".csv", ".parquet")
+REPORT_SUFFIXES = (".html", ".htm")
 
 
 class CommandError(RailjouleError):
@@ -128,6 +132,29 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None
     print(f"{shortened(str(path))}: {shape}")
 
 
+def report(file: str, changes: Mapping[str, Any], strategy: str | None, target: str) -> None:
+    """Write everything there is to tell of a scenario as one file of HTML.
+
+    Raises
+    ------
+    RailjouleError
+        If anything is wrong with the scenario or the file to write, or a package of the dashboard is missing.
+    """
+    path = table_file(target, "-o", REPORT_SUFFIXES)
+    scenario = load(file, changes if strategy is None else {**changes, "strategy": strategy})
+    try:
+        from railjoule.dashboard.report.document import report_html  # noqa: PLC0415
+        from railjoule.dashboard.store.report import ReportWish, compute_findings  # noqa: PLC0415
+    except ModuleNotFoundError as error:
+        raise CommandError(f"a report needs {error.name}, which is not installed.") from None
+    announce_compilation()
+    *_, findings = compute_findings(ReportWish(scenario))
+    text = report_html(findings, datetime.now().astimezone())
+    with failures_named(path):
+        path.write_text(text, encoding="utf-8")
+    print(f"{shortened(str(path))}: {len(text.encode()) / 1e6:.1f} MB")
+
+
 def benchmark(output: Output) -> None:
     """Show how long all solvers take on the shipped scenarios."""
     from railjoule.core.validation.benchmark import benchmark as time_all  # noqa: PLC0415
@@ -175,7 +202,7 @@ def serve(address: str, port: int) -> None:
 
 
 def load(file: str, changes: Mapping[str, Any]) -> Scenario:
-    """Return the scenario of a file or the shipped one of that name, with changes.
+    """Return the scenario of a file, of a report or the shipped one of that name, with changes.
 
     Raises
     ------
@@ -189,6 +216,9 @@ def load(file: str, changes: Mapping[str, Any]) -> Scenario:
             raise CommandError(
                 f"{file}: there is no such file and no shipped scenario of that name; shipped are {shipped}."
             )
+        if Path(file).suffix.lower() in REPORT_SUFFIXES:
+            name = Path(file).name
+            return parse_scenario(scenario_in_report(read_text(Path(file)), name), name, changes=changes)
         return load_scenario(file, changes)
     except OSError as error:
         raise CommandError(f"{shortened(file)}: {error.strerror or error}.") from None

@@ -14,6 +14,11 @@ class Palette:
         self.costs: tuple[str, ...] = ()
         self._choose(dark)
 
+    @property
+    def worn(self) -> tuple[tuple[Model, str, str], ...]:
+        """Which attribute of which model has the colour of which token."""
+        return tuple(self._worn)
+
     def _choose(self, dark: bool) -> None:
         theme: ThemeName = "dark" if dark else "light"
         self.tokens, self.costs = THEMES[theme], COST_SCALES[theme]

@@ -19,13 +19,28 @@ def parts_css() -> str:
 @cache
 def document_css() -> str:
     """Return the style sheet of the document: font, colours of both themes, focus."""
-    font = base64.b64encode((ASSETS / "fonts" / "inter-latin-wght-normal.woff2").read_bytes()).decode()
-    face = f"@font-face {{ font-family: Inter; font-weight: 100 900; src: url(data:font/woff2;base64,{font}) }}"
     light, dark = (_variables(THEMES[name]) for name in ("light", "dark"))
     colours = (
         f":root {{ {light} --rj-font: {FONT}; color-scheme: light }}\n:root.rj-dark {{ {dark} color-scheme: dark }}"
     )
-    return "\n".join([face, colours, (ASSETS / "css" / "page.css").read_text(encoding="utf-8")])
+    return "\n".join([_font_face(), colours, (ASSETS / "css" / "page.css").read_text(encoding="utf-8")])
+
+
+@cache
+def report_css() -> str:
+    """Return the style sheet of a report: colours as the system asks for them, on paper always the light ones."""
+    light, dark = (_variables(THEMES[name]) for name in ("light", "dark"))
+    colours = (
+        f":root {{ {light} --rj-font: {FONT}; color-scheme: light }}\n"
+        f"@media screen and (prefers-color-scheme: dark) {{ :root {{ {dark} color-scheme: dark }} }}"
+    )
+    own = [(ASSETS / "css" / name).read_text(encoding="utf-8") for name in ("page.css", "report.css")]
+    return "\n".join([_font_face(), colours, parts_css().replace(":host", "body"), *own])
+
+
+def _font_face() -> str:
+    font = base64.b64encode((ASSETS / "fonts" / "inter-latin-wght-normal.woff2").read_bytes()).decode()
+    return f"@font-face {{ font-family: Inter; font-weight: 100 900; src: url(data:font/woff2;base64,{font}) }}"
 
 
 def _variables(tokens: Tokens) -> str:

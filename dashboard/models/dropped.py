@@ -1,12 +1,9 @@
-"""The scenario in a file that a user drops: a TOML file, or a report that carries one."""
+"""The scenario in a file that a user brings: a TOML file, or a report that carries one."""
 
 import re
 
-from railjoule.core import ScenarioError
+from railjoule.dashboard.report.embedded import scenario_in_report
 
-EMBEDDED = re.compile(
-    r"""<script\b[^>]*\btype=["']application/toml["'][^>]*>(?P<toml>.*?)</script""", re.DOTALL | re.IGNORECASE
-)
 PAGE = re.compile(r"\s*(<!doctype html|<html)", re.IGNORECASE)
 
 
@@ -19,9 +16,4 @@ def scenario_text(text: str, name: str) -> str:
         If the file is a page without a scenario.
     """
     text = text.removeprefix("\ufeff")
-    if not PAGE.match(text):
-        return text
-    found = EMBEDDED.search(text)
-    if found is None:
-        raise ScenarioError(f"{name}: a page that carries no scenario; a report of railjoule does.")
-    return found["toml"].replace("<\\/script", "</script").strip("\n")
+    return scenario_in_report(text, name) if PAGE.match(text) else text

@@ -155,6 +155,10 @@ class Shell:
         """Show the page that the state names."""
         self._show_page()
 
+    def add(self, *parts: pn.viewable.Viewable) -> None:
+        """Put parts at the right end of the app bar."""
+        self.page.header = [*self.page.header, *parts]
+
     def _turn(self, event: Any) -> None:
         self.state.page = PAGES[event.new]
 

@@ -3,17 +3,12 @@
 from collections.abc import Iterator
 
 import pytest
-from axe_playwright_python.sync_playwright import Axe
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser
 
+from browser.findings import grave_findings
 from browser.server import Server
 from browser.user import User
 from railjoule.dashboard.models.workbench import PAGES
-
-GRAVE = {"serious", "critical"}
-STANDARDS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"]
-EXCUSED: dict[str, str] = {}
-"""Rules that a library makes impossible to keep, and why; it may only shrink."""
 
 
 @pytest.fixture(scope="module", params=[False, True], ids=["light", "dark"])
@@ -21,18 +16,6 @@ def reader(request: pytest.FixtureRequest, server: Server, chromium: Browser) ->
     """A user whose system asks for light or for dark colours, and who turns all pages."""
     with User.at(chromium, server.url, dark=request.param) as user:
         yield user
-
-
-def grave_findings(page: Page) -> dict[str, list[str]]:
-    """Return what is serious or critical on a page and not excused, by rule."""
-    options = {"runOnly": {"type": "tag", "values": STANDARDS}, "resultTypes": ["violations"]}
-    found = Axe().run(page, options=options).response["violations"]
-    grave = {
-        violation["id"]: [node["html"][:200] for node in violation["nodes"]]
-        for violation in found
-        if violation["impact"] in GRAVE
-    }
-    return {rule: places for rule, places in grave.items() if rule not in EXCUSED}
 
 
 @pytest.mark.parametrize("page", PAGES)

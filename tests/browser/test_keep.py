@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 
+from browser.findings import grave_findings
 from browser.server import Server, serving
-from browser.test_accessibility import grave_findings
 from browser.test_files import CANARY, GOOD
 from browser.user import PATIENCE_MS, User
 

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import BrowserContext, expect
 
+from browser.findings import grave_findings
 from browser.server import Server
-from browser.test_accessibility import grave_findings
 from browser.user import User
 
 CHARTS = ("loop_speed", "tracking", "loop_currents", "loop_place", "rival_speed", "machine_map", "ripple")

@@ -335,7 +335,10 @@ def test_a_bad_change(capsys, change, words):
     [
         ([], "the following arguments are required: COMMAND; see railjoule --help."),
         (["drive"], "invalid choice: 'drive'"),
-        (["report", "liashenko-ii"], "invalid choice: 'report'"),
+        (["report", "liashenko-ii"], "the following arguments are required: -o/--output"),
+        (["report", "liashenko-ii", "-o", "x.txt"], "must end in .html or .htm"),
+        (["report", "nowhere", "-o", "x.html"], "nowhere: there is no such file"),
+        (["report", "liashenko-ii", "-o", "x.html", "--strategy", "best"], "strategy = 'best' must be 'optimal'"),
         (["study", "storage", "liashenko-ii", "-o", "x.nc"], "invalid choice: 'storage'"),
         (["study", "sensitivity", "liashenko-ii", "-o", "x.txt"], "must end in .nc or .csv or .parquet"),
         (["solve"], "FILE is missing"),
@@ -495,3 +498,29 @@ def test_a_study_becomes_a_labelled_table(tmp_path):
     target = tmp_path / "chance.csv"
     assert main(["study", "montecarlo", "liashenko-0", "-o", str(target), "--set", "montecarlo.runs=20"]) == OK
     assert len(target.read_text().splitlines()) == 21
+
+
+# ---- report
+
+
+def test_a_report_is_one_file_that_is_a_scenario_too(capsys, tmp_path):
+    target = tmp_path / "report.html"
+    changes = ["vehicle.load_factor=0.3", "title=night"]
+    words = answer(capsys, "report", "liashenko-ii", "-o", str(target), "--strategy", "fastest", "--set", *changes)
+    assert words.startswith(str(target)[:70])
+    assert target.stat().st_size < 10_000_000
+    result = json.loads(answer(capsys, "solve", str(target), "--json"))
+    assert (result["title"], result["strategy"]) == ("night", "fastest")
+    expected = solve(load_scenario("liashenko-ii", {"vehicle.load_factor": 0.3}), "fastest")
+    assert result["energy_kwh"] == expected.energy_kwh
+
+
+def test_a_report_that_cannot_be_written_or_read(capsys, tmp_path):
+    assert "cannot be written" in complaint(capsys, "report", "liashenko-0", "-o", str(tmp_path / "no" / "x.html"))
+    words = complaint(
+        capsys, "report", "liashenko-0", "-o", str(tmp_path / "x.html"), "--set", "timetable.travel_time_s=9"
+    )
+    assert "shorter than the shortest possible" in words
+    assert not (tmp_path / "x.html").exists()
+    (tmp_path / "other.html").write_text("<html></html>")
+    assert "no report of railjoule" in complaint(capsys, "solve", str(tmp_path / "other.html"))

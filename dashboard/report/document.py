@@ -1,0 +1,168 @@
+"""The report's file: sections, figures, style, Bokeh's own script once, the embedded scenario."""
+
+import html
+import json
+from collections.abc import Callable, Sequence
+from datetime import datetime
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+import bokeh
+import numpy as np
+
+from railjoule.core import Trajectory
+from railjoule.core.arrays import FloatArray
+from railjoule.core.scenario import format_scenario
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.theme import report_css
+from railjoule.dashboard.report import sections
+from railjoule.dashboard.report.embedded import embedded
+from railjoule.dashboard.report.figures import Figures
+from railjoule.dashboard.store.report import Findings
+from railjoule.dashboard.views import parts
+
+SCRIPTS = files("railjoule.assets") / "scripts"
+SECTIONS: Sequence[Callable[[Findings, Figures], str]] = (
+    sections.result,
+    sections.energy,
+    sections.trade_off,
+    sections.proof,
+    sections.reality,
+    sections.robustness,
+    sections.scenario,
+    sections.about_file,
+)
+"""What a report tells, in its order; a section without content returns an empty text."""
+
+
+def report_html(findings: Findings, made_at: datetime) -> str:
+    """Return the whole file.
+
+    Parameters
+    ----------
+    findings : Findings
+        The last ones of `railjoule.dashboard.store.report.compute_findings`.
+    made_at : datetime
+        When the report was made, with its time zone.
+    """
+    scenario = findings.scenario
+    title = html.escape(scenario.title or "Untitled scenario")
+    figures = Figures(findings)
+    content = "".join(make(findings, figures) for make in SECTIONS)
+    data = {
+        **figures.paints(),
+        "charts": figures.handles(),
+        "spare": figures.spare_texts(),
+        "distance": max(run.distance_m for run in findings.runs.runs.values()),
+        "phases": _phases(findings.run),
+        "optima": optima_data(findings),
+        "words": words.PHASE_WORDS,
+    }
+    # the scripts of the page come last, so that the text is there before half a second of reading them
+    return f"""<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<meta name="generator" content="railjoule">
+<link rel="icon" href="data:,">
+<title>{title} \u2013 railjoule</title>
+<style>{report_css()}</style>
+</head>
+<body>
+<header><h1>{title}</h1><p class="muted">{html.escape(subtitle(findings))}</p>
+<p class="muted">Report of railjoule, {moment(made_at)}</p></header>
+<main>{content}</main>
+{embedded(format_scenario(scenario))}
+{json_script("figures", figures.embedding())}
+{json_script("data", data)}
+<script>{bokeh_script()}</script>
+<script>{(SCRIPTS / "report.js").read_text(encoding="utf-8")}</script>
+</body>
+</html>
+"""
+
+
+def bokeh_script() -> str:
+    """Return Bokeh's own script, without what other packages in this process add to its resources."""
+    folder = Path(bokeh.__file__).parent / "server" / "static" / "js"
+    texts = ((folder / f"{name}.min.js").read_text(encoding="utf-8") for name in ("bokeh", "bokeh-widgets"))
+    return "\n".join(text.replace("</script", "<\\/script") for text in texts)
+
+
+def subtitle(findings: Findings) -> str:
+    """Return length, vehicle and load of a scenario."""
+    vehicle, run = findings.scenario.vehicle, findings.run
+    load = words.number(100 * vehicle.load_factor, 0)
+    return f"{words.number(run.distance_m / 1000)} km, {vehicle.name}, load {load} %"
+
+
+def moment(made_at: datetime) -> str:
+    """Return date and time as people read them."""
+    return f"{made_at.day} {made_at:%B %Y}, {made_at:%H:%M} {made_at:%Z}".strip()
+
+
+def json_script(name: str, values: Any) -> str:
+    """Return values as an element that a script reads; no text in them can end it."""
+    text = json.dumps(values, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    return f'<script type="application/json" id="{name}">{text}</script>'
+
+
+def optima_data(findings: Findings) -> dict[str, Any]:
+    """Return what moves with the travel time: of each optimum its lines, its phases and its texts."""
+    optima = findings.optima
+    if len(optima) < 2:
+        return {"own": 0, "runs": []}
+    own = sections.own_index(findings)
+    shown = [findings.run if k == own else run for k, run in enumerate(optima)]
+    runs = [
+        {**_texts(findings, run), "lines": {} if k == own else _lines(optimum), "point": _point(optimum)}
+        for k, (run, optimum) in enumerate(zip(shown, optima, strict=True))
+    ]
+    return {"own": own, "runs": runs}
+
+
+def _texts(findings: Findings, run: Trajectory) -> dict[str, Any]:
+    """Return what is told of a run."""
+    return {
+        "time": f"{words.number(run.travel_time_s)} s",
+        "shown": sections.shown_words(run),
+        "energy": words.energy(run.energy_kwh),
+        "phases": _phases(run),
+        "numbers": sections.numbers(findings, run),
+        "advice": parts.advice(run, stale=False),
+        "account": parts.account(run),
+        "table": parts.phase_table(run),
+    }
+
+
+def _phases(run: Trajectory) -> list[list[Any]]:
+    """Return name, start [m], end [m] and last speed of the phases of a run."""
+    return [[phase.phase, phase.start_m, phase.end_m, words.speed(phase.end_ms)] for phase in run.phases]
+
+
+def _point(run: Trajectory) -> list[float]:
+    return [run.travel_time_s, run.energy_kwh]
+
+
+def _lines(run: Trajectory) -> dict[str, list[float]]:
+    """Return the lines of an optimum by the names of their charts; each node has the value of the cell before it."""
+    cells = {"effort": run.effort_n / 1e3, "power": run.line_power_w / 1e6, "largest": run.largest_effort_n / 1e3}
+    if run.current_a is not None:
+        cells["current"] = run.current_a
+    nodes = {
+        "place": run.position_m,
+        "speed": run.speed_ms / MS_PER_KMH,
+        "energy": run.line_energy_j / J_PER_KWH,
+        **{name: np.append(values[:1], values) for name, values in cells.items()},
+    }
+    return {name: _rounded(values) for name, values in nodes.items()}
+
+
+def _rounded(values: FloatArray) -> list[float]:
+    """Return values with about five digits, which no figure can tell from all."""
+    size = float(np.max(np.abs(values), initial=0.0))
+    digits = 5 - int(np.floor(np.log10(size))) if size > 0 else 0
+    return [float(value) for value in np.round(values, digits - 1)]

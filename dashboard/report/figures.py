@@ -1,0 +1,247 @@
+"""The report's figures: those of the page, drawn once, with what a browser needs to repaint and to move them."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from bokeh.document import Document
+from bokeh.embed.util import standalone_docs_json_and_render_items
+
+from railjoule.core.strategies import STRATEGIES
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look.tokens import THEMES
+from railjoule.dashboard.report.frontier import TimeChart
+from railjoule.dashboard.store.report import Findings
+from railjoule.dashboard.views.charts import Axis, DistanceChart
+from railjoule.dashboard.views.drive_charts import (
+    CurrentChart,
+    EffortChart,
+    EnergyChart,
+    LineStrip,
+    PhaseStrip,
+    PowerChart,
+)
+from railjoule.dashboard.views.driven_charts import DrivenEffortChart, DrivenSpeedChart
+from railjoule.dashboard.views.scene import RunChart, Scene, SceneChart
+from railjoule.dashboard.views.speed_chart import SpeedChart
+
+WIDTH_PX = 640
+"""Words are left out that have no room in figures of this width, about that of a printed page."""
+COLOUR_COLUMNS = ("colour", "fill", "ink")
+
+
+@dataclass(frozen=True)
+class Plot:
+    """One figure in the file: the place where it goes, its caption, and what it shows in words."""
+
+    name: str
+    place: str
+    height: int
+    caption: str
+    alternative: str
+
+
+class Figures:
+    """All figures of a report, in light colours, and what is needed to change them."""
+
+    def __init__(self, findings: Findings) -> None:
+        self.findings = findings
+        self.palette = Palette(dark=False)
+        self.groups: dict[str, list[DistanceChart]] = {
+            "runs": self._run_charts(),
+            "frontier": self._frontier(),
+            "reality": self._reality(),
+        }
+        charts = [chart for group in self.groups.values() for chart in group]
+        self.document = Document()
+        for chart in charts:
+            if chart.figure is not None:
+                chart.figure.html_attributes = {"role": "img", "aria-label": self.alternative(chart)}
+            assert chart.content is not None
+            self.document.add_root(chart.content.object)
+        self.docs, (self.item,) = standalone_docs_json_and_render_items(self.document)
+        self.places = dict(zip(charts, self.item.to_json()["roots"].values(), strict=True))
+
+    # ---- drawing
+
+    def _run_charts(self) -> list[DistanceChart]:
+        lines = tuple(STRATEGIES)
+        axis, run = Axis(self.palette), self.findings.run
+        common = (axis, self.palette)
+        charts: list[SceneChart] = [
+            SpeedChart(270, *common, lines),
+            PhaseStrip(26, *common),
+            LineStrip(86, *common),
+            EnergyChart(160, *common, lines),
+            EffortChart(120, *common, lines),
+            *([CurrentChart(120, *common, lines)] if run.current_a is not None else []),
+            PowerChart(150, *common, lines),
+        ]
+        scene = self._scene()
+        axis.fit(scene.end, roomy=True)
+        for chart in charts:
+            chart.build()
+        self._draw(charts)
+        axis.settle("m", 0)
+        return list(charts)
+
+    def _scene(self) -> Scene:
+        runs = self.findings.runs.runs
+        chosen = next(name for name, run in runs.items() if run is self.findings.run)
+        return Scene(chosen, runs, None, over_time=False, narrow=False, width_px=WIDTH_PX)
+
+    def _draw(self, charts: Iterable[DistanceChart]) -> None:
+        scene = self._scene()
+        for chart in charts:
+            if isinstance(chart, SceneChart):
+                chart.draw(scene)
+
+    def _frontier(self) -> list[DistanceChart]:
+        findings = self.findings
+        if len(findings.optima) < 2:
+            return []
+        axis = Axis(self.palette)
+        chart = TimeChart(300, axis, self.palette)
+        chart.build()
+        self._draw_frontier(chart)
+        axis.settle("s", 1)
+        return [chart]
+
+    def _draw_frontier(self, chart: TimeChart) -> None:
+        findings = self.findings
+        chart.draw(findings.optima, findings.runs.runs, findings.runs.runs["optimal"])
+
+    def _reality(self) -> list[DistanceChart]:
+        reality = self.findings.reality
+        if reality is None:
+            return []
+        axis = Axis(self.palette)
+        axis.fit(max(run.position_m[-1] for run in (reality.planned, reality.actual)), roomy=False)
+        speed, effort = DrivenSpeedChart(220, axis, self.palette), DrivenEffortChart(130, axis, self.palette)
+        for chart in (speed, effort):
+            chart.build()
+        self._draw_reality(speed, effort)
+        axis.settle("m", 0)
+        return [speed, effort]
+
+    def _draw_reality(self, speed: DistanceChart, effort: DistanceChart) -> None:
+        assert isinstance(speed, DrivenSpeedChart)
+        assert isinstance(effort, DrivenEffortChart)
+        # both kinds of reality have the two runs that these charts draw
+        reality: Any = self.findings.reality
+        speed.draw(reality, "under the disturbance")
+        effort.draw(reality)
+
+    # ---- words
+
+    def alternative(self, chart: DistanceChart) -> str:
+        """Return in words what a figure shows."""
+        run, runs = self.findings.run, self.findings.runs.runs
+        names = ", ".join(words.STRATEGY_WORDS[name] for name in runs)
+        if isinstance(chart, SpeedChart):
+            return (
+                f"Speed over distance of {names}; {words.STRATEGY_WORDS[self._scene().chosen]} reaches "
+                f"{words.number(run.max_speed_kmh)} km/h and takes {words.number(run.travel_time_s)} s. "
+                "The phases stand in a table below."
+            )
+        if isinstance(chart, PhaseStrip):
+            return "Phases: " + ", ".join(words.phase_words(phase) for phase in run.phases)
+        if isinstance(chart, LineStrip):
+            return "Gradient and height of the line; the sections stand in a table below."
+        if isinstance(chart, EnergyChart):
+            ends = ", ".join(f"{words.STRATEGY_WORDS[name]} {words.energy(r.energy_kwh)}" for name, r in runs.items())
+            return f"Energy drawn so far over distance; at the end, in kWh: {ends}."
+        if isinstance(chart, TimeChart):
+            first, last = self.findings.optima[0], self.findings.optima[-1]
+            return (
+                f"Least energy over travel time: {words.energy(first.energy_kwh)} kWh at "
+                f"{words.number(first.travel_time_s)} s, {words.energy(last.energy_kwh)} kWh at "
+                f"{words.number(last.travel_time_s)} s; a table follows."
+            )
+        of = "as planned and as driven" if isinstance(chart, DrivenSpeedChart | DrivenEffortChart) else f"of {names}"
+        return f"{chart.words}, over distance, {of}."
+
+    def plots(self, group: str) -> list[Plot]:
+        """Return the figures of a group in their order."""
+        return [
+            Plot(chart.name, self.places[chart], chart.height, chart.words, self.alternative(chart))
+            for chart in self.groups[group]
+        ]
+
+    # ---- what a browser needs
+
+    def embedding(self) -> dict[str, Any]:
+        """Return what Bokeh's own script needs to build the figures."""
+        return {"docs": self.docs, "items": [self.item.to_json()]}
+
+    def paints(self) -> dict[str, Any]:
+        """Return how the figures change with the theme: attributes by token, and columns of colours."""
+        light = self._colour_columns()
+        self.palette.switch(dark=True)
+        self._draw_all()
+        dark = self._colour_columns()
+        self.palette.switch(dark=False)
+        return {
+            "tokens": THEMES,
+            "worn": [[model.id, attribute, token] for model, attribute, token in self.palette.worn],
+            "columns": [[*key, light[key], dark[key]] for key in light],
+        }
+
+    def _draw_all(self) -> None:
+        self._draw(self.groups["runs"])
+        for chart in self.groups["frontier"]:
+            assert isinstance(chart, TimeChart)
+            self._draw_frontier(chart)
+        if self.groups["reality"]:
+            self._draw_reality(*self.groups["reality"])
+
+    def _colour_columns(self) -> dict[tuple[str, str], list[str]]:
+        return {
+            (source.id, column): list(source.data[column])
+            for group in self.groups.values()
+            for chart in group
+            for source in chart.sources.values()
+            for column in COLOUR_COLUMNS
+            if column in source.data and len(source.data[column])
+        }
+
+    def handles(self) -> dict[str, Any]:
+        """Return the models that move with the travel time, by the names of their charts."""
+        return {
+            chart.name: {
+                "figure": chart.figure.id,
+                "caption": chart.told["caption"].id,
+                "range": chart.y_range.id,
+                "fits": isinstance(chart, RunChart) and not isinstance(chart, SpeedChart),
+                "names": self._names(chart),
+                "lines": [chart.sources[name].id for name in self._line_names(chart)],
+                "sources": {name: source.id for name, source in chart.sources.items()},
+            }
+            for group in self.groups.values()
+            for chart in group
+            if chart.figure is not None
+        }
+
+    def _names(self, chart: DistanceChart) -> list[str]:
+        """Return the strategies in the order in which a chart names their lines."""
+        named = list(self._scene().named())
+        if isinstance(chart, SpeedChart):
+            return named[::-1]
+        return [name for name in named if name != "fastest" or named[-1] == "fastest"]
+
+    def spare_texts(self) -> list[str]:
+        """Return the words that have no room in narrow figures."""
+        spare = [(EnergyChart, "ends"), (LineStrip, "signs")]
+        return [
+            renderer.id
+            for chart in self.groups["runs"]
+            if chart.figure is not None
+            for kind, name in spare
+            if isinstance(chart, kind)
+            for renderer in chart.figure.renderers
+            if renderer.data_source is chart.sources[name]
+        ]
+
+    def _line_names(self, chart: DistanceChart) -> list[str]:
+        return [name for name in (*STRATEGIES, "largest") if name in chart.sources]

@@ -1,0 +1,134 @@
+"""Everything that a report tells: the runs, optima over other travel times, reality, the table of loads and errors."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from railjoule.core import RailjouleError, Scenario, Trajectory
+from railjoule.core.arrays import FloatArray
+from railjoule.core.scenario import StrategyName
+from railjoule.core.scenario.disturbance import Disturbance
+from railjoule.core.simulate.disturbances import Ride, simulate_disturbances
+from railjoule.core.simulate.following import Following, simulate_following
+from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
+from railjoule.core.studies.sensitivity import SensitivityTable, sensitivity_steps
+from railjoule.core.studies.tradeoff import coarsened, frontier_times
+from railjoule.dashboard.store.refusals import named_refusals
+from railjoule.dashboard.store.runs import Runs, RunsWish, compute_runs
+
+OPTIMA_COUNT = 40
+MOST_CELLS = 500
+"""Optima over more cells are meshed anew with longer ones: all of them lie in the report's file."""
+RUNS_SHARE, OPTIMA_SHARE, REALITY_SHARE = 0.2, 0.7, 0.75
+"""How much of the work is done after each step, about."""
+
+
+@dataclass(frozen=True)
+class ReportWish:
+    """A scenario, and the strategy whose numbers come first; the scenario's own where None."""
+
+    scenario: Scenario
+    strategy: StrategyName | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """Everything that a report tells.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What was asked for.
+    runs : Runs
+        Of all strategies that take the scenario.
+    optima : tuple of Trajectory
+        Optima over rising travel times, that of the timetable among them; empty where there is none.
+    reality : Ride or Following or None
+        What becomes of the plan under the scenario's disturbance, if it has one.
+    reality_refusal : str
+        Why it could not be computed; empty where it could or was not asked for.
+    table : SensitivityTable or None
+        Overconsumption over load and coordinate error.
+    table_refusal : str
+        Why there is no table.
+    share : float
+        How much of the work is done, 0 to 1.
+    """
+
+    scenario: Scenario
+    runs: Runs
+    optima: tuple[Trajectory, ...] = ()
+    reality: Ride | Following | None = None
+    reality_refusal: str = ""
+    table: SensitivityTable | None = None
+    table_refusal: str = ""
+    share: float = RUNS_SHARE
+
+    @property
+    def run(self) -> Trajectory:
+        """The run whose numbers come first: that of the scenario's strategy, else the best one."""
+        return self.runs.runs.get(self.scenario.strategy, self.runs.best)
+
+
+def compute_findings(wish: ReportWish) -> Iterator[Findings]:
+    """Yield what a report tells as it becomes complete; the last one has all of it.
+
+    Raises
+    ------
+    RailjouleError
+        If the timetable cannot be kept, or the line not be run over.
+    """
+    scenario = wish.scenario
+    if wish.strategy is not None and wish.strategy != scenario.strategy:
+        scenario = scenario.with_(strategy=wish.strategy)
+    findings = Findings(scenario, compute_runs(RunsWish(scenario, tuple(STRATEGIES))))
+    yield findings
+    for optima, share in _optima(findings):
+        findings = replace(findings, optima=optima, share=RUNS_SHARE + (OPTIMA_SHARE - RUNS_SHARE) * share)
+        yield findings
+    try:
+        findings = replace(findings, reality=_reality(scenario), share=REALITY_SHARE)
+    except RailjouleError as refusal:
+        findings = replace(findings, reality_refusal=str(refusal), share=REALITY_SHARE)
+    yield findings
+    try:
+        with named_refusals(scenario):
+            for table in sensitivity_steps(scenario):
+                done = table.done / table.energy_kwh.size
+                findings = replace(findings, table=table, share=REALITY_SHARE + (1 - REALITY_SHARE) * done)
+                yield findings
+    except RailjouleError as refusal:
+        yield replace(findings, table=None, table_refusal=str(refusal), share=1.0)
+
+
+def _optima(findings: Findings) -> Iterator[tuple[tuple[Trajectory, ...], float]]:
+    """Yield the optima so far, and their share of all."""
+    if "optimal" not in findings.runs.runs:
+        return
+    task = coarsened(prepare_task(findings.scenario), MOST_CELLS)
+    times = optima_times(task)
+    optima: tuple[Trajectory, ...] = ()
+    for k, time in enumerate(times.tolist(), 1):
+        try:
+            run = run_strategy(replace(task, running_time_s=time - task.dwell_s), "optimal")
+        except RailjouleError:
+            continue
+        optima = (*optima, run)
+        yield optima, k / len(times)
+
+
+def optima_times(task: Task) -> FloatArray:
+    """Return travel times for the optima of a task, its own among them, all dwells included [s]."""
+    share = max(2.0, 1.1 * task.running_time_s / task.shortest_time_s)
+    own = task.running_time_s + task.dwell_s
+    return np.union1d(frontier_times(task, OPTIMA_COUNT - 1, share), [own])
+
+
+def _reality(scenario: Scenario) -> Ride | Following | None:
+    if scenario.disturbance == Disturbance() or scenario.simulation.kind != "following":
+        return None
+    with named_refusals(scenario):
+        if scenario.disturbance.events:
+            return simulate_disturbances(scenario)
+        return simulate_following(scenario)

@@ -1,0 +1,98 @@
+"""The button that makes a report, its progress, and the saver that hands the file to the browser."""
+
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+import param
+from panel.custom import JSComponent
+
+from railjoule.core import RailjouleError
+from railjoule.dashboard.browser import Browser
+from railjoule.dashboard.models.reporting import ReportingModel
+from railjoule.dashboard.views.parts import failure, html_pane
+
+NARROW_PX = 700
+SAVER_ESM = """
+export function render({model}) {
+  model.on("file", () => {
+    if (!model.file.length) return;
+    const [name, text] = model.file;
+    const link = document.createElement("a");
+    link.href = URL.createObjectURL(new Blob([text], {type: "text/html"}));
+    link.download = name;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 60000);
+    model.file = [];
+  });
+  return document.createElement("span");
+}
+"""
+MESSAGE_CSS = """
+:host { position: fixed; top: 52px; right: 8px; max-width: min(420px, 90vw); z-index: 1300;
+  background: var(--rj-surface); border-radius: 6px; }
+"""
+BENEATH_THE_BAR = {"position": "fixed", "top": "45px", "left": "0", "right": "0", "width": "100%", "z-index": "1300"}
+"""Where the progress has room on every screen."""
+
+
+class Saver(JSComponent):
+    """Lets the browser save a text as a file; the text is forgotten at once."""
+
+    file = param.List(default=[], doc="Name and text of the file to save.")
+
+    _esm = SAVER_ESM
+
+
+class ReportButton:
+    """The report's part of the app bar."""
+
+    def __init__(self, model: ReportingModel, browser: Browser) -> None:
+        self.model, self.browser = model, browser
+        self.saver = Saver(width=0, height=0, margin=0)
+        self.button = pmui.Button(
+            label="Report", variant="outlined", size="small", margin=(0, 6), align="center", height=30
+        )
+        self.small = pmui.IconButton(
+            icon="description",
+            size="small",
+            margin=0,
+            align="center",
+            color="default",
+            description="Report",
+            visible=False,
+        )
+        self.progress = pmui.LinearProgress(
+            value=0, variant="determinate", margin=0, sizing_mode="stretch_width", styles=BENEATH_THE_BAR, visible=False
+        )
+        self.stop = pmui.Button(
+            label="Stop", variant="text", size="small", margin=0, align="center", height=30, visible=False
+        )
+        self.message = html_pane(visible=False, sizing_mode=None)
+        self.message.stylesheets = [*self.message.stylesheets, MESSAGE_CSS]
+        self.parts = [self.progress, self.stop, self.button, self.small, self.message, self.saver]
+        for button in (self.button, self.small):
+            button.on_click(lambda _: model.param.trigger("wanted"))
+        self.stop.on_click(lambda _: model.param.trigger("unwanted"))
+        model.param.watch(self._show, ["busy", "share"])
+        model.param.watch(self._save, "text")
+        model.param.watch(self._tell, "failure")
+        browser.follow(["width"], self._show)
+
+    def _show(self, *_: Any) -> None:
+        busy, narrow = self.model.busy, self.browser.width < NARROW_PX
+        with pn.io.hold():
+            self.progress.value = round(100 * self.model.share)
+            self.progress.visible = self.stop.visible = busy
+            self.button.visible = not busy and not narrow
+            self.small.visible = not busy and narrow
+
+    def _save(self, *_: Any) -> None:
+        if self.model.text:
+            self.saver.file = [self.model.name_of_file, self.model.text]
+            self.model.text = ""
+
+    def _tell(self, *_: Any) -> None:
+        error: RailjouleError | None = self.model.failure
+        self.message.visible = error is not None
+        self.message.object = "" if error is None else failure("There is no report.", str(error), "")

@@ -1,0 +1,21 @@
+"""What axe-core finds on a page that is serious, but for what is listed here with its reason."""
+
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Page
+
+GRAVE = {"serious", "critical"}
+STANDARDS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"]
+EXCUSED: dict[str, str] = {}
+"""Rules that a library makes impossible to keep, and why; it may only shrink."""
+
+
+def grave_findings(page: Page) -> dict[str, list[str]]:
+    """Return what is serious or critical on a page and not excused, by rule."""
+    options = {"runOnly": {"type": "tag", "values": STANDARDS}, "resultTypes": ["violations"]}
+    found = Axe().run(page, options=options).response["violations"]
+    grave = {
+        violation["id"]: [node["html"][:200] for node in violation["nodes"]]
+        for violation in found
+        if violation["impact"] in GRAVE
+    }
+    return {rule: places for rule, places in grave.items() if rule not in EXCUSED}

@@ -1,0 +1,153 @@
+"""A report opened from disk without a network, and the button that makes one."""
+
+import re
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page, expect
+
+from browser.findings import grave_findings
+from browser.user import User
+from railjoule.core import load_scenario
+from railjoule.core.scenario import parse_scenario
+from railjoule.dashboard.look.tokens import DARK, LIGHT
+from railjoule.dashboard.report.document import report_html
+from railjoule.dashboard.report.embedded import scenario_in_report
+from railjoule.dashboard.store.report import ReportWish, compute_findings
+
+CANARY = "<img src=x onerror='window.pwned=true'></script><script>window.pwned=true</script>"
+MOST_PAGES = 8
+COLOURS_OF = """canvas => {
+  const {data} = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  const found = new Set();
+  for (let k = 0; k < data.length; k += 4) {
+    if (data[k + 3] === 255) {
+      found.add("#" + [0, 1, 2].map(i => data[k + i].toString(16).padStart(2, "0")).join("").toUpperCase());
+    }
+  }
+  return [...found];
+}"""
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A report of a line with a stop, under a disturbance, with hostile texts."""
+    changes = {
+        "title": CANARY,
+        "vehicle.name": CANARY,
+        "line.name": CANARY,
+        "line.stations": [{"name": CANARY, "position_m": 1200.0, "dwell_s": 20.0}],
+        "timetable.travel_time_s": 230.0,
+        "disturbance.coordinate_error_m": 8.0,
+    }
+    *_, findings = compute_findings(ReportWish(load_scenario("metro-with-limit", changes)))
+    path = tmp_path_factory.mktemp("report") / "report.html"
+    path.write_text(report_html(findings, datetime(2026, 3, 9, 14, 5, tzinfo=UTC)), encoding="utf-8")
+    return path
+
+
+class Reader:
+    """Someone who opens a report on a machine without a network; what goes wrong is kept for the end."""
+
+    def __init__(self, page: Page, file: Path) -> None:
+        self.page = page
+        self.troubles: list[str] = []
+        page.on("console", lambda message: message.type == "error" and self.troubles.append(message.text))
+        page.on("pageerror", lambda error: self.troubles.append(str(error)))
+        page.on("request", lambda request: self._note(request.url, file))
+        page.goto(file.as_uri())
+        page.locator("html.ready").wait_for()
+
+    def _note(self, address: str, file: Path) -> None:
+        if address != file.as_uri() and not address.startswith(("data:", "blob:")):
+            self.troubles.append(address)
+
+    def energy(self) -> str:
+        return self.page.locator("#numbers .figure.main .value").inner_text()
+
+    def picture(self, name: str) -> bytes:
+        return self.page.locator(f"[data-plot={name}]").screenshot()
+
+
+@pytest.fixture(scope="module", params=["light", "dark"])
+def reader(request: pytest.FixtureRequest, chromium: Browser, file: Path) -> Iterator[Reader]:
+    context = chromium.new_context(
+        viewport={"width": 1280, "height": 900}, color_scheme=request.param, offline=True, reduced_motion="reduce"
+    )
+    someone = Reader(context.new_page(), file)
+    yield someone
+    assert someone.troubles == []
+    assert someone.page.evaluate("window.pwned") is None
+    context.close()
+
+
+def test_texts_of_users_stay_texts(reader: Reader) -> None:
+    expect(reader.page.get_by_role("heading", level=1, name=CANARY)).to_be_visible()
+    expect(reader.page.get_by_role("cell", name=CANARY)).to_be_visible()
+
+
+def test_the_slider_moves_numbers_words_and_figures(reader: Reader) -> None:
+    page = reader.page
+    before, pictures = reader.energy(), {name: reader.picture(name) for name in ("speed", "phases", "power")}
+    page.get_by_role("slider", name="Travel time of the optimum, s").focus()
+    for _ in range(6):
+        page.keyboard.press("ArrowLeft")
+    expect(page.locator("#shown")).not_to_have_text("Optimal, 230.0 s")
+    expect(page.locator("#numbers .figure.main .value")).not_to_have_text(before)
+    assert float(reader.energy().split()[0].removesuffix("kWh")) > float(before.split()[0].removesuffix("kWh"))
+    page.wait_for_function("Bokeh.documents[0].is_idle")
+    assert all(reader.picture(name) != picture for name, picture in pictures.items())
+    page.get_by_role("button", name="Back to the timetable").click()
+    expect(page.locator("#shown")).to_have_text("Optimal, 230.0 s")
+    assert reader.energy() == before
+
+
+def test_the_mouse_writes_values_into_the_captions(reader: Reader) -> None:
+    box = reader.page.locator("[data-plot=speed]").bounding_box()
+    assert box is not None
+    reader.page.mouse.move(box["x"] + 0.4 * box["width"], box["y"] + 0.5 * box["height"])
+    expect(reader.page.locator("[data-plot=speed]")).to_contain_text(re.compile(r"m: [\d.]+ km/h"))
+
+
+def test_nothing_grave_is_found(reader: Reader) -> None:
+    assert grave_findings(reader.page) == {}
+
+
+def test_every_figure_has_its_words(reader: Reader) -> None:
+    figures = reader.page.get_by_role("img")
+    expect(figures.first).to_be_visible()
+    plots = reader.page.locator(".plot").count()
+    assert plots >= 9
+    assert figures.count() == plots
+    assert all(len(figure.get_attribute("aria-label") or "") > 30 for figure in figures.all())
+
+
+@pytest.mark.parametrize("width", [360, 2560])
+def test_it_fits_every_screen(reader: Reader, width: int) -> None:
+    reader.page.set_viewport_size({"width": width, "height": 900})
+    reader.page.wait_for_function("Bokeh.documents[0].is_idle")
+    assert reader.page.evaluate("document.documentElement.scrollWidth") <= width
+    reader.page.set_viewport_size({"width": 1280, "height": 900})
+
+
+def test_paper_is_light_and_short(reader: Reader) -> None:
+    pages = reader.page.pdf(prefer_css_page_size=True, print_background=True)
+    assert 1 < len(re.findall(rb"/Type\s*/Page\b", pages)) <= MOST_PAGES
+    copies = reader.page.locator("[data-plot=speed] .paper canvas")
+    colours = set(copies.evaluate(COLOURS_OF))
+    assert LIGHT["optimal"] in colours
+    assert DARK["optimal"] not in colours
+
+
+def test_the_button_makes_a_report_of_what_is_in_sight(user: User, tmp_path: Path) -> None:
+    user.type("Travel time, s", "181.5")
+    with user.page.expect_download() as saved:
+        user.page.get_by_role("button", name="Report", exact=True).click()
+    assert saved.value.suggested_filename == "railjoule-metro-profile-ii-i.html"
+    path = tmp_path / "report.html"
+    saved.value.save_as(path)
+    text = path.read_text(encoding="utf-8")
+    assert parse_scenario(scenario_in_report(text, "report.html")).travel_time_s == 181.5
+    expect(user.page.get_by_role("button", name="Report", exact=True)).to_be_visible()

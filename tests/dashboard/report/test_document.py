@@ -1,0 +1,120 @@
+import json
+import re
+from datetime import UTC, datetime
+
+import pytest
+
+from railjoule.core import load_scenario, solve
+from railjoule.core.scenario import parse_scenario
+from railjoule.dashboard.look import words
+from railjoule.dashboard.report.document import report_html
+from railjoule.dashboard.report.embedded import scenario_in_report
+from railjoule.dashboard.report.sections import certificate
+from railjoule.dashboard.store.report import Findings, ReportWish, compute_findings
+
+MADE_AT = datetime(2026, 3, 9, 14, 5, tzinfo=UTC)
+CANARY = "<img src=x onerror='window.pwned=true'></script>"
+LARGEST_BYTES = 10_000_000
+"""The issue's bar."""
+
+
+def wish(changes: dict[str, object] | None = None) -> ReportWish:
+    return ReportWish(load_scenario("metro-with-limit", changes))
+
+
+@pytest.fixture(scope="module")
+def findings() -> Findings:
+    stations = [{"name": CANARY, "position_m": 1200.0, "dwell_s": 20.0}]
+    changes = {
+        "title": CANARY,
+        "vehicle.name": CANARY,
+        "line.name": CANARY,
+        "line.stations": stations,
+        "timetable.travel_time_s": 230.0,
+        "disturbance.actual_load_factor": 1.0,
+    }
+    *_, found = compute_findings(wish(changes))
+    return found
+
+
+@pytest.fixture(scope="module")
+def page(findings: Findings) -> str:
+    return report_html(findings, MADE_AT)
+
+
+def without_scripts(page: str) -> str:
+    """Return what a browser shows: the page without scripts and styles."""
+    return re.sub(r"<(script|style)\b.*?</\1>", "", page, flags=re.DOTALL)
+
+
+def data(page: str) -> dict:
+    return json.loads(page.partition('<script type="application/json" id="data">')[2].partition("</script>")[0])
+
+
+def test_no_text_of_a_user_becomes_markup(page: str) -> None:
+    shown = without_scripts(page)
+    assert "<img" not in shown
+    assert "<script" not in shown
+    assert shown.count("&lt;img src=x") >= 5  # both titles, vehicle, line, station
+
+
+def test_it_is_one_file_that_asks_for_nothing(page: str) -> None:
+    shown = without_scripts(page)
+    addresses = re.findall(r"""<[^<>]*\s(?:src|href)\s*=\s*["']?([^"'\s>]+)""", shown)
+    assert set(addresses) == {"data:,"}
+    styles = "".join(re.findall(r"<style>(.*?)</style>", page, re.DOTALL))
+    assert set(re.findall(r"url\((.{5})", styles)) == {"data:"}
+    assert "@import" not in styles
+    assert len(page.encode()) < LARGEST_BYTES
+    assert not re.search(r"<script[^>]*\ssrc=", shown)
+
+
+def test_the_scripts_end_where_they_should(page: str) -> None:
+    # figures, data, scenario, Bokeh's, ours
+    assert len(re.findall(r"<script\b[^>]*>", re.sub(r"(<script>).*?(</script>)", r"\1\2", page, flags=re.DOTALL))) == 5
+    assert page.rstrip().endswith("</html>")
+
+
+def test_the_scenario_can_be_loaded_again(page: str, findings: Findings) -> None:
+    assert parse_scenario(scenario_in_report(page, "report.html")) == findings.scenario
+
+
+def test_date_versions_and_refusals_are_told(page: str, findings: Findings) -> None:
+    assert "9 March 2026, 14:05 UTC" in page
+    for package in ("railjoule", "numpy", "numba", "Python"):
+        assert f'<th scope="col">{package}</th>' in page
+    assert findings.runs.refused
+    for reason in findings.runs.refused.values():
+        assert reason in page
+
+
+def test_reality_is_told(page: str, findings: Findings) -> None:
+    assert findings.reality is not None
+    assert f"{words.signed(100 * findings.reality.overconsumption, 2)} % energy" in page
+
+
+def test_the_slider_knows_every_optimum(page: str, findings: Findings) -> None:
+    values = data(page)["optima"]
+    assert len(values["runs"]) == len(findings.optima)
+    for k in (0, 20, -1):
+        run, told = findings.optima[k], values["runs"][k]
+        assert told["point"] == pytest.approx([run.travel_time_s, run.energy_kwh])
+        assert f">{words.energy(run.energy_kwh)}<span>kWh" in told["numbers"]
+        assert max(told["lines"]["speed"]) == pytest.approx(run.max_speed_kmh, rel=1e-4)
+        assert [phase[0] for phase in told["phases"]] == [phase.phase for phase in run.phases]
+    assert values["runs"][values["own"]]["lines"] == {}
+
+
+def test_the_certificate_says_what_is_proven() -> None:
+    sentences = certificate(next(compute_findings(wish())))
+    best = solve(load_scenario("metro-with-limit"))
+    assert sentences[0].startswith(f"The optimum needs {words.energy(best.energy_kwh)} kWh, and it is proven")
+    assert best.bound is not None
+    assert best.bound.statement in sentences[1]
+
+
+def test_a_run_that_is_not_the_optimum_names_its_distance() -> None:
+    findings = next(compute_findings(wish({"strategy": "bellman"})))
+    gap = findings.runs.runs["bellman"].gap
+    assert gap is not None
+    assert f"{words.number(100 * gap, 2)} % above the bound." in certificate(findings)[1]

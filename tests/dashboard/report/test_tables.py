@@ -1,0 +1,41 @@
+import re
+
+from railjoule.core import load_scenario
+from railjoule.dashboard.report.tables import MOST_ROWS, scenario_tables
+
+
+def rows(markup: str) -> list[list[str]]:
+    return [
+        [re.sub(r"<[^>]+>", "", cell) for cell in re.findall(r"<td>(.*?)</td>", row)]
+        for row in re.findall(r"<tr[^>]*>(.*?)</tr>", markup)
+    ]
+
+
+def test_quantities_have_their_values_and_units() -> None:
+    told = rows(scenario_tables(load_scenario("liashenko-ii", {"vehicle.load_factor": 0.5})))
+    # 160 t empty, half of 1385 passengers of 74.9745 kg
+    assert ["Mass of the empty vehicle", "160\u202f000", "kg"] in told
+    assert ["Mass with passengers", "211\u202f920", "kg"] in told
+    assert ["Absolute, quadratic in speed", "1.7463", "N/(km/h)\u00b2"] in told
+
+
+def test_a_line_is_told_in_running_order() -> None:
+    sections = [{"length_m": 300.0, "gradient_permille": 4.0}, {"length_m": 500.0, "speed_limit_kmh": 60.0}]
+    changes = {"line.preset": None, "line.sections": sections, "line.reverse": True}
+    told = rows(scenario_tables(load_scenario("liashenko-0", changes)))
+    assert ["0", "500", "0.0", "60", ""] in told
+    assert ["500", "800", "\u22124.0", "", ""] in told
+
+
+def test_a_long_table_says_how_much_it_leaves_out() -> None:
+    sections = [{"length_m": 20.0}] * (MOST_ROWS + 7)
+    markup = scenario_tables(load_scenario("liashenko-0", {"line.preset": None, "line.sections": sections}))
+    assert "7 more rows stand in the scenario below." in markup
+
+
+def test_what_goes_as_planned_is_not_told() -> None:
+    assert "otherwise" not in scenario_tables(load_scenario("liashenko-0"))
+    stop = [{"position_m": 400.0, "duration_s": 5.0}]
+    told = scenario_tables(load_scenario("liashenko-0", {"disturbance.stops": stop}))
+    assert "Event: stop 1" in told
+    assert ["How long it must stand", "5", "s"] in rows(told)

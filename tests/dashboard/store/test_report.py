@@ -1,0 +1,61 @@
+import numpy as np
+import pytest
+
+from railjoule.core import TimetableError, load_scenario, solve
+from railjoule.core.simulate.disturbances import Ride
+from railjoule.core.simulate.following import Following
+from railjoule.core.strategies import STRATEGIES
+from railjoule.dashboard.store.report import OPTIMA_COUNT, Findings, ReportWish, compute_findings
+
+
+def found(name: str, changes: dict[str, object] | None = None) -> Findings:
+    *_, findings = compute_findings(ReportWish(load_scenario(name, changes)))
+    return findings
+
+
+@pytest.fixture(scope="module")
+def steps() -> list[Findings]:
+    return list(compute_findings(ReportWish(load_scenario("liashenko-ii"))))
+
+
+def test_the_work_goes_on_to_its_end(steps: list[Findings]) -> None:
+    shares = [step.share for step in steps]
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+    assert len(steps) > 50
+
+
+def test_every_strategy_runs_or_refuses(steps: list[Findings]) -> None:
+    runs = steps[-1].runs
+    assert {*runs.runs, *runs.refused} == set(STRATEGIES)
+
+
+def test_the_optimum_of_the_timetable_is_among_the_optima(steps: list[Findings]) -> None:
+    optima = steps[-1].optima
+    times = np.array([run.travel_time_s for run in optima])
+    energies = np.array([run.energy_kwh for run in optima])
+    assert len(optima) == OPTIMA_COUNT
+    assert np.all(np.diff(times) > 0)
+    # more time never costs more, as a train may always arrive late
+    assert np.all(np.diff(energies) < 0)
+    own = solve(load_scenario("liashenko-ii"))
+    assert np.min(np.abs(times - own.travel_time_s)) < 1e-6
+    assert energies[np.argmin(np.abs(times - own.travel_time_s))] == pytest.approx(own.energy_kwh, rel=1e-6)
+
+
+def test_reality_is_asked_for_by_a_disturbance(steps: list[Findings]) -> None:
+    assert steps[-1].reality is None
+    assert isinstance(found("liashenko-0", {"disturbance.coordinate_error_m": 10.0}).reality, Following)
+    stop = [{"position_m": 400.0, "duration_s": 5.0}]
+    assert isinstance(found("liashenko-0", {"disturbance.stops": stop}).reality, Ride)
+
+
+def test_a_timetable_that_cannot_be_kept_is_refused() -> None:
+    with pytest.raises(TimetableError):
+        next(compute_findings(ReportWish(load_scenario("liashenko-0", {"timetable.travel_time_s": 10.0}))))
+
+
+def test_the_wished_strategy_comes_first() -> None:
+    findings = next(compute_findings(ReportWish(load_scenario("liashenko-0"), "fastest")))
+    assert findings.run.strategy == "fastest"
+    assert findings.scenario.strategy == "fastest"
