@@ -9,11 +9,16 @@ from railjoule.core import RailjouleError
 from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.disturbances import Disturbances
 from railjoule.dashboard.health import HealthHandler
+from railjoule.dashboard.learn import Learn
+from railjoule.dashboard.line import WholeLines
 from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.models.first_page import first_page
 from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.papers import Papers
 from railjoule.dashboard.robustness import Robustness
 from railjoule.dashboard.speed_limits import SpeedLimits
+from railjoule.dashboard.start import Start
 from railjoule.dashboard.store import (
     Runs,
     RunsWish,
@@ -25,9 +30,13 @@ from railjoule.dashboard.store import (
 )
 from railjoule.dashboard.views.disturbances import DisturbancesView
 from railjoule.dashboard.views.drive import DriveView
+from railjoule.dashboard.views.learn import LearnView
+from railjoule.dashboard.views.line import LineView
+from railjoule.dashboard.views.papers import PapersView
 from railjoule.dashboard.views.robustness import RobustnessView
 from railjoule.dashboard.views.shell import Page, Shell
 from railjoule.dashboard.views.speed_limits import SpeedLimitsView
+from railjoule.dashboard.views.start import StartView
 from railjoule.dashboard.views.trade_off import TradeOffView
 from railjoule.dashboard.warmup import warmup
 
@@ -35,13 +44,27 @@ pn.extension("plotly", notifications=False)
 
 POLL_MS = 300
 EXTRA_PATTERNS = [("/health", HealthHandler)]
-View = DriveView | TradeOffView | RobustnessView | DisturbancesView | SpeedLimitsView
+View = (
+    StartView
+    | DriveView
+    | TradeOffView
+    | RobustnessView
+    | DisturbancesView
+    | SpeedLimitsView
+    | LineView
+    | LearnView
+    | PapersView
+)
 VIEWS: dict[str, type[View]] = {
+    "Start": StartView,
     "Drive": DriveView,
     "Trade-off": TradeOffView,
     "Robustness": RobustnessView,
     "Disturbances": DisturbancesView,
     "Speed limits": SpeedLimitsView,
+    "Line": LineView,
+    "Learn": LearnView,
+    "Papers": PapersView,
 }
 """What draws each page."""
 
@@ -50,7 +73,7 @@ class Session:
     """One open page: its state, its work, its views."""
 
     def __init__(self) -> None:
-        self.state = Workbench()
+        self.state = Workbench(page=first_page(pn.state.session_args))
         self.browser = Browser()
         self.palette = Palette(self.state.dark)
         self.runs = Worker(compute_runs, self._take_runs, self._take_failure)
@@ -58,6 +81,10 @@ class Session:
         self.robustness = Robustness(self.state)
         self.disturbances = Disturbances(self.state)
         self.speed_limits = SpeedLimits(self.state)
+        self.start = Start(self.state)
+        self.lines = WholeLines(self.state)
+        self.learn = Learn(self.state)
+        self.papers = Papers(self.state)
         self.views: dict[str, View] = {}
         self.shell = Shell(self.state, self.browser, {name: self._make(view) for name, view in VIEWS.items()})
         scenario = self.state.scenario
@@ -79,6 +106,8 @@ class Session:
         """End what still runs: the page is gone."""
         self.robustness.end()
         self.disturbances.end()
+        self.start.end()
+        self.papers.end()
 
     def _make(self, view: type[View]) -> Callable[[], pn.viewable.Viewable]:
         def make() -> pn.viewable.Viewable:
@@ -94,6 +123,7 @@ class Session:
         if warmup().ready.is_set():
             if self.state.runs is None:
                 self._ask_runs()
+            self._turn_to_page()
         else:
             self.shell.show_starting()
             self._polling = pn.state.add_periodic_callback(self._poll, period=POLL_MS)
@@ -106,6 +136,11 @@ class Session:
         self._polling.stop()
         self.shell.open()
         self._ask_runs()
+        self._turn_to_page()
+
+    def _turn_to_page(self) -> None:
+        """Let the page on which the session begins ask for what it shows, as if one had turned to it."""
+        self.state.param.trigger("page")
 
     def _ask_runs(self, *_: Any) -> None:
         self.runs.ask(self._wish())

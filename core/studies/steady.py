@@ -103,10 +103,10 @@ def steady_speeds(scenario: Scenario, price_of_time_w: float, highest_ms: float 
 
     hold = float(brentq(lack, 0.0, top)) if lack(top) > 0 else top
     highest = hold if highest_ms is None else min(highest_ms, hold)
-    level = driving * _resistance_n(vehicle, highest) + price_of_time_w / highest
+    level = float(driving * _resistance_n(vehicle, highest)) + price_of_time_w / highest
 
     def excess(speed: float) -> float:
-        return braking * _resistance_n(vehicle, speed) + price_of_time_w / speed - level
+        return float(braking * _resistance_n(vehicle, speed)) + price_of_time_w / speed - level
 
     # at the highest speed the excess is negative, as braking is worth less than driving costs; near rest it is positive
     slow = min(SLOWEST_MS, 0.5 * highest)

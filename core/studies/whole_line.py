@@ -17,8 +17,8 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import ScenarioError
 from railjoule.core.motion import running_time
 from railjoule.core.scenario import Scenario
-from railjoule.core.strategies import optimal, prepare_task
-from railjoule.core.strategies.task import Task
+from railjoule.core.strategies.optimal import optimal
+from railjoule.core.strategies.task import Task, prepare_task
 from railjoule.core.trajectory import Bound, Trajectory, make_trajectory
 from railjoule.core.units import J_PER_KWH
 

@@ -8,18 +8,32 @@ from railjoule.core import RailjouleError, Trajectory
 from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.models.disturbances import DisturbancesModel
+from railjoule.dashboard.models.learn import LearnModel
+from railjoule.dashboard.models.line import LineModel
+from railjoule.dashboard.models.papers import PapersModel
 from railjoule.dashboard.models.robustness import RobustnessModel
 from railjoule.dashboard.models.scenario import ScenarioModel
 from railjoule.dashboard.models.speed_limits import SpeedLimitsModel
+from railjoule.dashboard.models.start import StartModel
 from railjoule.dashboard.store import Runs, TradeOff
 
-PAGES = ("Drive", "Trade-off", "Robustness", "Disturbances", "Speed limits")
+PAGES = (
+    "Start",
+    "Drive",
+    "Trade-off",
+    "Robustness",
+    "Disturbances",
+    "Speed limits",
+    "Line",
+    "Learn",
+    "Papers",
+)
 
 
 class Workbench(param.Parameterized):
     """Everything that the views of one open page draw; they write to it, and the store fills in the results."""
 
-    page = param.Selector(default="Drive", objects=list(PAGES), doc="The page in sight.")
+    page = param.Selector(default="Start", objects=list(PAGES), doc="The page in sight.")
     ticked = param.ListSelector(default=["optimal", "fastest"], objects=list(STRATEGIES), doc="Strategies drawn.")
     chosen = param.Selector(default="optimal", objects=list(STRATEGIES), doc="The strategy whose numbers are shown.")
     over_time = param.Boolean(default=False, doc="Draw over time instead of distance.")
@@ -36,9 +50,13 @@ class Workbench(param.Parameterized):
 
     def __init__(self, **params: Any) -> None:
         self.scenario = ScenarioModel()
+        self.start = StartModel()
         self.robustness = RobustnessModel()
         self.disturbances = DisturbancesModel()
         self.speed_limits = SpeedLimitsModel()
+        self.line = LineModel()
+        self.learn = LearnModel()
+        self.papers = PapersModel()
         super().__init__(**params)
         self.scenario.param.watch(self._take_strategy, ["preset", "opened"])
 

@@ -1,5 +1,6 @@
 """What the workbench computes: the only place of the dashboard that asks the core to solve."""
 
+from railjoule.dashboard.store.cards import Card, card_names, compute_cards
 from railjoule.dashboard.store.disturbances import (
     LateArrivals,
     Rides,
@@ -7,6 +8,9 @@ from railjoule.dashboard.store.disturbances import (
     compute_late_arrivals,
     compute_rides,
 )
+from railjoule.dashboard.store.lessons import LessonResult, LessonWish, compute_lesson
+from railjoule.dashboard.store.line import LineRuns, LineWish, compute_line
+from railjoule.dashboard.store.papers import PaperTables, compute_papers
 from railjoule.dashboard.store.robustness import (
     Reality,
     RealityWish,
@@ -30,11 +34,17 @@ from railjoule.dashboard.store.trade_off import EnocMap, TradeOff, TradeOffWish,
 from railjoule.dashboard.store.worker import Study, Worker
 
 __all__ = [
+    "Card",
     "EnocMap",
     "LateArrivals",
+    "LessonResult",
+    "LessonWish",
     "LimitRun",
     "LimitTrip",
     "LimitsWish",
+    "LineRuns",
+    "LineWish",
+    "PaperTables",
     "Reality",
     "RealityWish",
     "Rides",
@@ -48,10 +58,15 @@ __all__ = [
     "TradeOff",
     "TradeOffWish",
     "Worker",
+    "card_names",
+    "compute_cards",
     "compute_chance",
     "compute_late_arrivals",
+    "compute_lesson",
     "compute_limit_run",
     "compute_limit_trip",
+    "compute_line",
+    "compute_papers",
     "compute_reality",
     "compute_rides",
     "compute_runs",
