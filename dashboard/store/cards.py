@@ -8,7 +8,6 @@ from railjoule.core import RailjouleError, Trajectory, load_scenario
 from railjoule.core.scenario import preset_names
 from railjoule.core.strategies import prepare_task, run_strategy
 
-
 FIRST = ("metro-with-limit", "metro-10-stations", "tram-950m", "ftorek-300s", "kharkiv-like-40kmh", "liashenko-ii")
 """What one may begin with; the others follow."""
 

@@ -165,7 +165,7 @@ def multiplier_cells(result: LessonResult) -> list[str]:
     saved = (run.energy_kwh - later.energy_kwh) * J_PER_KWH
     return [
         parts.figure("Price of a second", words.price(price), "Wh/s", "the multiplier", "main"),
-        parts.figure("One second more saves", words.price(saved), "Wh", "solved anew"),
+        parts.figure("Solved anew", words.price(saved), "Wh", "saved by a second"),
         *_energies(result, "Optimum", "A second later"),
     ]
 
@@ -174,26 +174,26 @@ def recuperation_cells(result: LessonResult) -> list[str]:
     """Return the numbers of the third lesson."""
     run, steady = result.runs["optimum"], result.steady
     assert steady is not None
-    cells = [_saved(result, "Giving back saves"), *_energies(result, "Optimum", "Nothing given back")]
+    cells = [_saved(result, "Giving back saves"), *_energies(result, "Optimum", "Without")]
     off = next((phase.start_m for phase in run.phases if phase.phase == "coast"), None)
     where = "\u2013" if off is None else words.number(off, 0)
-    cells.append(parts.figure("Motors off at", where, "m", f"brakes from {words.speed(steady.brake_ms, 1)} km/h"))
+    cells.append(parts.figure("Motors off at", where, "m", f"brakes at {words.speed(steady.brake_ms)} km/h"))
     return cells
 
 
 def gradient_cells(result: LessonResult) -> list[str]:
     """Return the numbers of the fourth lesson."""
-    return [_saved(result, "Knowing the line saves"), *_energies(result, "Knows the line", "Planned for level track")]
+    return [_saved(result, "Knowing it saves"), *_energies(result, "Knows the line", "Planned for level track")]
 
 
 def load_cells(result: LessonResult) -> list[str]:
     """Return the numbers of the fifth lesson."""
     driven = result.runs["planned for 30 %"]
-    late = driven.travel_time_s - (driven.scenario.travel_time_s)
+    late = driven.travel_time_s - driven.scenario.travel_time_s
     return [
-        _saved(result, "Knowing the load saves"),
-        *_energies(result, "Planned for the real load", "Planned for 30 %"),
-        parts.figure("Arrives", words.signed(late), "s", "against the timetable"),
+        _saved(result, "Knowing it saves"),
+        *_energies(result, "Load known", "Planned for 30 %"),
+        parts.figure("Arrives", words.signed(late), "s", "late" if late >= 0.05 else "on time"),
     ]
 
 

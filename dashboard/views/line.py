@@ -160,10 +160,9 @@ class LineView(ChartPage):
             self.tell(self.model.failure, "Shown: the last runs that can be driven." if runs is not None else "")
             alone = not self.model.stations
             shown = self.empty if alone else self.full
-            if runs is not None or alone:
-                # charts that are hidden would not tell when they come into sight
-                if shown not in self.place.objects:
-                    self.place[:] = [shown]
+            # charts that are hidden would not tell when they come into sight
+            if (runs is not None or alone) and shown not in self.place.objects:
+                self.place[:] = [shown]
             if alone:
                 self._show_empty()
             if runs is None or alone or self.state.page != PAGE:
@@ -200,7 +199,7 @@ class LineView(ChartPage):
         )
         self.heading.object = parts.heading(scenario.title, what, "")
         self.figures.object = parts.figures(figure_cells(runs), self.model.failure is not None)
-        self.key.object = key_words(self.model.other)
+        self.key.object = key_words()
         self.table.object = WIDE_TABLE.format("Legs", legs_table(runs))
         self.notes.object = parts.notes(best.run)
 
@@ -255,15 +254,16 @@ def figure_cells(runs: LineRuns) -> list[str]:
     ]
 
 
-def key_words(other: str) -> str:
-    """Return what colours and strokes mean."""
+def key_words() -> str:
+    """Return what the colours of lines and bars mean."""
     bars = "".join(
         f'<span style="margin-right:16px"><span class="patch" style="background:var(--rj-{token})"></span>'
         f"{SHARING_WORDS[sharing]}</span>"
         for sharing, token in SHARING_TOKENS.items()
     )
-    lines = f"Lines: blue the optimum, dashed {SHARING_WORDS[other]}."  # type: ignore[index]
-    return f'<p class="small" style="padding:2px 20px 0;color:var(--rj-ink2)">{lines} Bars: {bars}</p>'
+    return (
+        f'<p class="small" style="padding:2px 20px 0;color:var(--rj-ink2)">{bars}numbers above bars: of the optimum</p>'
+    )
 
 
 def legs_table(runs: LineRuns) -> str:

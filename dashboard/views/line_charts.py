@@ -14,7 +14,7 @@ from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.store import LineRuns
-from railjoule.dashboard.views.charts import Axis, add_zero, columns, nice_range, text_style, xy
+from railjoule.dashboard.views.charts import Axis, add_zero, clear, columns, nice_range, text_style, xy
 from railjoule.dashboard.views.run_lines import RunLinesChart
 
 SHARING_WORDS: Mapping[Sharing, str] = {
@@ -24,7 +24,8 @@ SHARING_WORDS: Mapping[Sharing, str] = {
 }
 SHARING_TOKENS: Mapping[Sharing, str] = {"optimum": "optimal", "proportional": "phases", "equal": "enoc"}
 LINES: Mapping[str, tuple[str, dict[str, Any]]] = {
-    "other": ("driven", {"line_width": 1.8, "line_dash": [4, 3]}),
+    "equal": ("enoc", {"line_width": 1.8, "line_dash": [8, 3, 2, 3]}),
+    "proportional": ("phases", {"line_width": 1.8, "line_dash": [4, 3]}),
     "optimum": ("optimal", {"line_width": 2.4}),
 }
 HEADROOM = 1.2
@@ -46,6 +47,13 @@ class LineChart(RunLinesChart):
         self.sources["stations"] = ColumnDataSource({"x": []})
         line = self.figure.vspan("x", source=self.sources["stations"], line_width=1, level="underlay")
         self.palette.paint(line.glyph, line_color="line2")
+
+    def fill_both(self, runs: LineRuns, other: Sharing) -> float:
+        """Fill the lines of the optimum and of one other way of sharing; return the greatest value."""
+        for sharing in LINES:
+            if sharing not in ("optimum", other):
+                clear(self.sources[sharing])
+        return self.fill({other: runs.runs[other].run, "optimum": runs.best.run})[1]
 
     def draw_stations(self, legs: Sequence[Leg]) -> None:
         """Draw the hairlines of the stations between the ends."""
@@ -95,7 +103,7 @@ class LineSpeedChart(LineChart):
         best = runs.best
         scenario = best.run.scenario
         places, limits = limit_steps(scenario.line.in_running_order(), scenario.vehicle.traction.max_speed_kmh)
-        self.fill({"other": runs.runs[other].run, "optimum": best.run})
+        self.fill_both(runs, other)
         top = HEADROOM * float(np.max(limits))
         self.set_range(0, top)
         self.sources["forbidden"].data = columns(left=places[:-1], right=places[1:], bottom=limits)
@@ -131,7 +139,7 @@ class PathChart(LineChart):
 
     def draw(self, runs: LineRuns, other: Sharing) -> None:
         """Draw both train paths."""
-        _, latest = self.fill({"other": runs.runs[other].run, "optimum": runs.best.run})
+        latest = self.fill_both(runs, other)
         self.set_range(0, 1.04 * latest)
         self.draw_stations(runs.best.legs)
 
@@ -189,15 +197,11 @@ class LegBars(LineChart):
             low, high = min(low, float(top.min())), max(high, float(top.max()))
         self.set_range(*nice_range(low, high, 0.16) if low < 0 else (0.0, 1.22 * max(high, 1e-9)))
         self.draw_stations(runs.best.legs)
-        legs = runs.best.legs
-        fits = [(leg.end_m - leg.start_m) / runs.best.run.distance_m * width_px > 5 * WORD_PX for leg in legs]
-        tops = [max(0.0, *(self.value(line.legs[k]) for line in runs.runs.values())) for k in range(len(legs))]
+        left, right, top = bar_columns(runs.best, 0, self.value)
+        fits = (right - left) / runs.best.run.distance_m * width_px > (2 + 0.6 * self.value_digits) * WORD_PX
         self.sources["signs"].data = {
-            "x": [0.5 * (leg.start_m + leg.end_m) for leg, fit in zip(legs, fits, strict=True) if fit],
-            "y": [top for top, fit in zip(tops, fits, strict=True) if fit],
-            "text": [
-                words.number(self.value(leg), self.value_digits) for leg, fit in zip(legs, fits, strict=True) if fit
-            ],
+            **xy((0.5 * (left + right))[fits], np.maximum(top, 0.0)[fits]),
+            "text": [words.number(value, self.value_digits) for value in top[fits]],
         }
 
 

@@ -19,7 +19,7 @@ EXCUSED: dict[str, str] = {}
 @pytest.fixture(scope="module", params=[False, True], ids=["light", "dark"])
 def reader(request: pytest.FixtureRequest, server: Server, chromium: Browser) -> Iterator[User]:
     """A user whose system asks for light or for dark colours, and who turns all pages."""
-    with User.at(chromium, server.url, dark=request.param) as user:
+    with User.at(chromium, server.drive_url, dark=request.param) as user:
         yield user
 
 
