@@ -45,7 +45,8 @@ TEXT_CSS = """
 h2 { font-size: 15px; }
 p { max-width: 60ch; margin-top: 8px; font-size: 13.5px; line-height: 1.5; }
 p.try { font-weight: 600; margin-top: 12px; }
-details { max-width: 60ch; margin: 6px 0 4px; font-size: 13.5px; line-height: 1.5; }
+details { margin: 6px 0 4px; font-size: 13.5px; }
+details p { margin-top: 2px; }
 summary { cursor: pointer; color: var(--rj-accent); width: fit-content; min-height: 24px; line-height: 24px; }
 """
 FIGURES_CSS = """
@@ -77,7 +78,7 @@ class LessonView:
         text = f"<h2>{number}. {parts.escaped(lesson.title)}</h2><p>{parts.escaped(lesson.text)}</p>"
         question = (
             f'<p class="try">Try: {parts.escaped(lesson.question)}</p>'
-            f"<details><summary>Answer</summary>{parts.escaped(lesson.answer)}</details>"
+            f"<details><summary>Answer</summary><p>{parts.escaped(lesson.answer)}</p></details>"
         )
         left = parts.stack(
             parts.html_pane(text, stylesheets=styles), field.view, parts.html_pane(question, stylesheets=styles)
