@@ -37,7 +37,7 @@ HEIGHTS = {
 }
 """Of each chart [px]: in usual, wide and narrow windows."""
 LESSON_CSS = """
-:host { display: grid; grid-template-columns: minmax(300px, 430px) minmax(0, 1fr); column-gap: 36px;
+:host { display: grid; grid-template-columns: minmax(300px, 430px) minmax(0, 1400px); column-gap: 36px;
   padding: 18px 20px 20px; align-items: start; border-top: 1px solid var(--rj-line); }
 @media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); padding: 14px 14px 16px; } }
 """

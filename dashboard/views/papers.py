@@ -39,7 +39,7 @@ TABLE_CSS = """
 .tables { max-width: 1180px; }
 .scroll { overflow-x: auto; }
 td:nth-child(2), th:nth-child(2) { text-align: left; }
-td:nth-child(1), td:nth-child(2) { white-space: normal; }
+td:nth-child(1), td:nth-child(2) { white-space: normal; min-width: 82px; }
 td:nth-child(6), th:nth-child(6) { text-align: left; padding-left: 14px; }
 details { margin-top: 8px; border-top: 1px solid var(--rj-line); padding-top: 4px; }
 summary { cursor: pointer; min-height: 26px; line-height: 26px; font-weight: 600; }

@@ -28,7 +28,7 @@ MORE = (
     "beside it, and what wrong loads, delays and speed limits make of it."
 )
 START_CSS = """
-.hero { padding: 22px 20px 6px; max-width: 1500px; }
+.hero { padding: 22px 20px 6px; }
 .hero h1 { font-size: 25px; line-height: 1.25; max-width: 32em; text-wrap: balance; }
 .hero p { font-size: 14px; margin-top: 8px; max-width: 62em; color: var(--rj-ink2); }
 .hero svg { display: block; width: 100%; height: 230px; margin-top: 14px; }
@@ -36,6 +36,7 @@ START_CSS = """
 .hero .key b { color: var(--rj-accent); font-weight: 600; }
 .hero .key i { display: inline-block; width: 10px; height: 10px; margin-right: 5px; border: 1px solid var(--rj-line2); }
 h2.begin { padding: 14px 20px 0; font-size: 15px; }
+@media (min-width: 1600px) { .hero svg { height: 320px; } }
 @media (max-width: 899px) {
   .hero { padding: 14px 14px 4px; } .hero h1 { font-size: 20px; } .hero svg { height: 150px; }
   h2.begin { padding-left: 14px; }
