@@ -10,14 +10,18 @@ from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.disturbances import Disturbances
 from railjoule.dashboard.health import HealthHandler
 from railjoule.dashboard.keeping import Keeping
+from railjoule.dashboard.learn import Learn
 from railjoule.dashboard.lifeline import Lifeline
+from railjoule.dashboard.line import WholeLines
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.motor import Motor
+from railjoule.dashboard.papers import Papers
 from railjoule.dashboard.reporting import Reporting
 from railjoule.dashboard.robustness import Robustness
 from railjoule.dashboard.speed_limits import SpeedLimits
+from railjoule.dashboard.start import Start
 from railjoule.dashboard.store import (
     Runs,
     RunsWish,
@@ -29,12 +33,16 @@ from railjoule.dashboard.store import (
 )
 from railjoule.dashboard.views.disturbances import DisturbancesView
 from railjoule.dashboard.views.drive import DriveView
+from railjoule.dashboard.views.learn import LearnView
+from railjoule.dashboard.views.line import LineView
 from railjoule.dashboard.views.motor import MotorView
+from railjoule.dashboard.views.papers import PapersView
 from railjoule.dashboard.views.reporting import ReportButton
 from railjoule.dashboard.views.robustness import RobustnessView
 from railjoule.dashboard.views.share import Share
 from railjoule.dashboard.views.shell import Page, Shell
 from railjoule.dashboard.views.speed_limits import SpeedLimitsView
+from railjoule.dashboard.views.start import StartView
 from railjoule.dashboard.views.trade_off import TradeOffView
 from railjoule.dashboard.warmup import warmup
 
@@ -42,14 +50,29 @@ pn.extension("plotly", notifications=False)
 
 POLL_MS = 300
 EXTRA_PATTERNS = [("/health", HealthHandler)]
-View = DriveView | TradeOffView | RobustnessView | DisturbancesView | SpeedLimitsView | MotorView
+View = (
+    StartView
+    | DriveView
+    | TradeOffView
+    | RobustnessView
+    | DisturbancesView
+    | SpeedLimitsView
+    | MotorView
+    | LineView
+    | LearnView
+    | PapersView
+)
 VIEWS: dict[str, type[View]] = {
+    "Start": StartView,
     "Drive": DriveView,
     "Trade-off": TradeOffView,
     "Robustness": RobustnessView,
     "Disturbances": DisturbancesView,
     "Speed limits": SpeedLimitsView,
     "Motor": MotorView,
+    "Line": LineView,
+    "Learn": LearnView,
+    "Papers": PapersView,
 }
 """What draws each page."""
 
@@ -66,6 +89,10 @@ class Session:
         self.disturbances = Disturbances(self.state)
         self.speed_limits = SpeedLimits(self.state)
         self.motor = Motor(self.state)
+        self.start = Start(self.state)
+        self.lines = WholeLines(self.state)
+        self.learn = Learn(self.state)
+        self.papers = Papers(self.state)
         self.lifeline = Lifeline()
         self.keeping = Keeping(self.state, self.lifeline)
         self.keeping.begin(address_query())
@@ -98,6 +125,8 @@ class Session:
         self.robustness.end()
         self.disturbances.end()
         self.motor.end()
+        self.start.end()
+        self.papers.end()
 
     def _make(self, view: type[View]) -> Callable[[], pn.viewable.Viewable]:
         def make() -> pn.viewable.Viewable:
@@ -114,6 +143,7 @@ class Session:
         if warmup().ready.is_set():
             if self.state.runs is None:
                 self._ask_runs()
+            self._turn_to_page()
         else:
             self.shell.show_starting()
             self._polling = pn.state.add_periodic_callback(self._poll, period=POLL_MS)
@@ -126,6 +156,11 @@ class Session:
         self._polling.stop()
         self.shell.open()
         self._ask_runs()
+        self._turn_to_page()
+
+    def _turn_to_page(self) -> None:
+        """Let the page on which the session begins ask for what it shows, as if one had turned to it."""
+        self.state.param.trigger("page")
 
     def _ask_runs(self, *_: Any) -> None:
         self.runs.ask(self._wish())

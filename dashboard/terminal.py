@@ -4,7 +4,7 @@ import shutil
 import textwrap
 from collections.abc import Iterable, Sequence
 
-from railjoule.dashboard.look.words import PHASE_WORDS, SMALL_ENERGY_KWH, STRATEGY_WORDS
+from railjoule.dashboard.look.words import PHASE_WORDS, SMALL_ENERGY_KWH, STRATEGY_WORDS, decimals
 from railjoule.dashboard.summary import Summary
 
 PROVEN_GAP = 1e-6
@@ -333,7 +333,7 @@ def _validation_table(table: Summary) -> list[str]:
                 row["quantity"],
                 row["unit"],
                 "" if row["printed"] is None else _plain(row["printed"]),
-                number(row["ours"], _digits(row["printed"]) + 1),
+                number(row["ours"], decimals(row["printed"]) + 1),
                 "" if difference is None else f"{difference:+.3f} %",
                 mark,
             )
@@ -346,15 +346,7 @@ def _validation_table(table: Summary) -> list[str]:
 
 
 def _plain(value: float) -> str:
-    return number(value, _digits(value))
-
-
-def _digits(value: float | None) -> int:
-    """Return how many decimals a printed number has."""
-    if value is None:
-        return 2
-    text = repr(float(value)).partition(".")[2]
-    return 0 if text == "0" else len(text)
+    return number(value, decimals(value))
 
 
 def _labelled(label: str, words: str) -> list[str]:

@@ -2,11 +2,11 @@
 
 from collections.abc import Callable
 
-from railjoule.core.validation.ftorek import validate_ftorek
-from railjoule.core.validation.liashenko import validate_liashenko
-from railjoule.core.validation.rawicki import validate_rawicki
-from railjoule.core.validation.shtompel import validate_shtompel
-from railjoule.core.validation.table import Erratum, Row, Table, Validation
+from railjoule.core.validation.ftorek import ftorek_comparison, validate_ftorek
+from railjoule.core.validation.liashenko import liashenko_comparison, validate_liashenko
+from railjoule.core.validation.rawicki import rawicki_comparison, validate_rawicki
+from railjoule.core.validation.shtompel import shtompel_comparison, validate_shtompel
+from railjoule.core.validation.table import Comparison, Erratum, Row, Table, Validation
 
 PAPERS: dict[str, Callable[[], Validation]] = {
     "ftorek": validate_ftorek,
@@ -16,8 +16,18 @@ PAPERS: dict[str, Callable[[], Validation]] = {
 }
 """What `railjoule validate` knows, by its name there."""
 
+COMPARISONS: dict[str, Callable[[], Comparison]] = {
+    "ftorek": ftorek_comparison,
+    "liashenko": liashenko_comparison,
+    "rawicki": rawicki_comparison,
+    "shtompel": shtompel_comparison,
+}
+"""The same, to be computed table by table."""
+
 __all__ = [
+    "COMPARISONS",
     "PAPERS",
+    "Comparison",
     "Erratum",
     "Row",
     "Table",

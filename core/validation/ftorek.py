@@ -25,7 +25,7 @@ from railjoule.core.validation._ftorek_rows import J_PER_WH, Printed, printed_ro
 from railjoule.core.validation._trapezoid import sample_trapezoid
 from railjoule.core.validation.ftorek_closed_loop import closed_loop_tables
 from railjoule.core.validation.papers import citation, errata, printed_numbers
-from railjoule.core.validation.table import Row, Table, Validation
+from railjoule.core.validation.table import Comparison, Row, Table, Validation
 
 TABLE_3_COPPER_WEIGHT = 3.087
 """With the copper loss times this, the energy surface has its minimum where Table 3 prints it."""
@@ -43,23 +43,28 @@ OTHER_WEIGHT = "With the copper loss that fits Table 2 the surface has its minim
 
 def validate_ftorek() -> Validation:
     """Return all printed results of Ftorek et al. 2025 beside ours."""
+    return ftorek_comparison().validation()
+
+
+def ftorek_comparison() -> Comparison:
+    """Return what is to be compared of Ftorek et al. 2025."""
     paper = printed_numbers("ftorek-2025")
     scenario = load_scenario(paper["scenario"])
     task = prepare_task(scenario)
     line = plain_line(task)
     amperes = task.course.drive.amperes_per_newton
     assert amperes is not None
-    return Validation(
+    return Comparison(
         paper="ftorek",
         citation=citation(paper),
         tables=(
-            eoc_as_printed(line, amperes, paper["table_1"]),
-            true_optimum(line, scenario, paper["true_optimum"]),
-            claimed_optimum(scenario, paper["table_1"]),
-            enoc_as_printed(line, amperes, paper["table_2"]),
-            enoc_at_its_best(line, paper["table_2"]),
-            surface_points(line, paper["table_3"], TABLE_3_COPPER_WEIGHT),
-            surface_points(line, paper["table_3"], 1.0),
+            partial(eoc_as_printed, line, amperes, paper["table_1"]),
+            partial(true_optimum, line, scenario, paper["true_optimum"]),
+            partial(claimed_optimum, scenario, paper["table_1"]),
+            partial(enoc_as_printed, line, amperes, paper["table_2"]),
+            partial(enoc_at_its_best, line, paper["table_2"]),
+            partial(surface_points, line, paper["table_3"], TABLE_3_COPPER_WEIGHT),
+            partial(surface_points, line, paper["table_3"], 1.0),
             *closed_loop_tables(scenario, paper),
         ),
         errata=errata(paper),

@@ -4,6 +4,7 @@ The printed energies come out without the copper loss of the current that makes 
 that account, and once with all losses.
 """
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -23,6 +24,7 @@ HEAVIER = "Low alike in every shaft energy, by what g = 9.832 m/s2 for the weigh
 FOLLOWS = "It holds W_sh, and lies low with it."
 FILTERED = "The median over half a second: short switching transients are filtered, as in the paper."
 FILTER_S = 0.5
+SOURCES = {"eoc": ("EOC as printed", "Table 1, Figure 4"), "enoc": ("ENOC", "Table 2, Figure 5")}
 MAGNETISING = (
     "The copper loss of the current that makes the flux, (3/2) Rs id^2, is part of ours; the printed energies come out "
     "without it."
@@ -30,8 +32,8 @@ MAGNETISING = (
 LESS_FLUX = "As before, with the flux of least loss at each torque and speed instead of the rated one."
 
 
-def closed_loop_tables(scenario: Scenario, paper: dict[str, Any]) -> tuple[Table, ...]:
-    """Return the tables of EOC and ENOC through the closed loop, in the paper's account and with all losses.
+def closed_loop_tables(scenario: Scenario, paper: dict[str, Any]) -> tuple[Callable[[], Table], ...]:
+    """Return what makes the tables of EOC and ENOC through the closed loop, in the paper's account and with all losses.
 
     Parameters
     ----------
@@ -40,13 +42,10 @@ def closed_loop_tables(scenario: Scenario, paper: dict[str, Any]) -> tuple[Table
     paper : dict
         Its printed numbers.
     """
-    eoc = [(entry, _run(scenario, entry, "eoc")) for entry in paper["table_1"]]
-    enoc = [(entry, _run(scenario, entry, "enoc")) for entry in paper["table_2"]]
-    title = "{} driven in closed loop, without the magnetising loss"
     return (
-        Table(title.format("EOC as printed"), tuple(_in_the_papers_account(eoc)), "Table 1, Figure 4"),
-        Table(title.format("ENOC"), tuple(_in_the_papers_account(enoc)), "Table 2, Figure 5"),
-        Table("ENOC driven in closed loop, with all losses", tuple(_with_all_losses(scenario, enoc)), "Table 2"),
+        partial(_in_the_papers_account, scenario, "eoc", paper["table_1"]),
+        partial(_in_the_papers_account, scenario, "enoc", paper["table_2"]),
+        partial(_with_all_losses, scenario, paper["table_2"]),
     )
 
 
@@ -64,9 +63,10 @@ def _run(scenario: Scenario, entry: Printed, strategy: str, flux: str = "constan
     return simulate_field_oriented(scenario.with_(**changes))
 
 
-def _in_the_papers_account(runs: list[tuple[Printed, FieldOrientedRun]]) -> list[Row]:
+def _in_the_papers_account(scenario: Scenario, strategy: str, printed: list[Printed]) -> Table:
     rows: list[Row] = []
-    for entry, run in runs:
+    for entry in printed:
+        run = _run(scenario, entry, strategy)
         energy = run.energy_by_input_power_j - run.magnetising_so_far_j
         current = _without_spikes(run)
         row = partial(printed_row, entry)
@@ -78,7 +78,8 @@ def _in_the_papers_account(runs: list[tuple[Printed, FieldOrientedRun]]) -> list
             row("peak_energy_wh", float(np.max(energy)) / J_PER_WH, FOLLOWS),
             row("total_energy_wh", float(energy[-1]) / J_PER_WH, FOLLOWS),
         ]
-    return rows
+    words, source = SOURCES[strategy]
+    return Table(f"{words} driven in closed loop, without the magnetising loss", tuple(rows), source)
 
 
 def _without_spikes(run: FieldOrientedRun) -> FloatArray:
@@ -88,9 +89,10 @@ def _without_spikes(run: FieldOrientedRun) -> FloatArray:
     return filtered
 
 
-def _with_all_losses(scenario: Scenario, runs: list[tuple[Printed, FieldOrientedRun]]) -> list[Row]:
+def _with_all_losses(scenario: Scenario, printed: list[Printed]) -> Table:
     rows: list[Row] = []
-    for entry, run in runs:
+    for entry in printed:
+        run = _run(scenario, entry, "enoc")
         less_flux = _run(scenario, entry, "enoc", "least_loss")
         row = partial(printed_row, entry, "total_energy_wh")
         rows += [
@@ -98,4 +100,4 @@ def _with_all_losses(scenario: Scenario, runs: list[tuple[Printed, FieldOriented
             row(float(run.energy_by_parts_j[-1]) / J_PER_WH, MAGNETISING, by="parts"),
             row(float(less_flux.energy_by_input_power_j[-1]) / J_PER_WH, LESS_FLUX, by="least-loss flux"),
         ]
-    return rows
+    return Table("ENOC driven in closed loop, with all losses", tuple(rows), "Table 2")

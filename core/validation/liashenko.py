@@ -1,12 +1,13 @@
 """The tables and figures of Liashenko, Yatsko 2025 beside ours."""
 
+from functools import partial
 from typing import Any
 
 from railjoule.core.scenario import load_scenario
 from railjoule.core.simulate.following import simulate_following
 from railjoule.core.studies.sensitivity import sensitivity
 from railjoule.core.validation.papers import citation, errata, printed_numbers
-from railjoule.core.validation.table import Row, Table, Validation
+from railjoule.core.validation.table import Comparison, Row, Table, Validation
 
 CONTROLLER = (
     "Ours is over the plan of a train that knows its load, as the printed load 0 is never cheaper. The paper tells "
@@ -20,13 +21,18 @@ Printed = dict[str, Any]
 
 def validate_liashenko() -> Validation:
     """Return Tables 4 to 7 of Liashenko, Yatsko 2025 and the examples of Figures 3 to 6 beside ours."""
+    return liashenko_comparison().validation()
+
+
+def liashenko_comparison() -> Comparison:
+    """Return what is to be compared of Liashenko, Yatsko 2025."""
     paper = printed_numbers("liashenko-2025")
-    return Validation(
+    return Comparison(
         paper="liashenko",
         citation=citation(paper),
         tables=(
-            *(overconsumption(entry, paper) for entry in paper["table"]),
-            Table("Examples of followed plans; no numbers are printed", tuple(examples(paper["figure"]))),
+            *(partial(overconsumption, entry, paper) for entry in paper["table"]),
+            lambda: Table("Examples of followed plans; no numbers are printed", tuple(examples(paper["figure"]))),
         ),
         errata=errata(paper),
     )

@@ -5,6 +5,7 @@ needs a little less energy than his law. Here the runs are planned with his, and
 """
 
 from dataclasses import replace
+from functools import partial
 from typing import Any, get_args
 
 import numpy as np
@@ -26,7 +27,7 @@ from railjoule.core.validation.rawicki_identification import (
     printed_planner,
     value_names,
 )
-from railjoule.core.validation.table import Row, Table, Validation
+from railjoule.core.validation.table import Comparison, Row, Table, Validation
 
 NOT_UNIQUE = (
     "The printed numbers leave the tram open: gear efficiencies of 0.95 to 0.99 and core losses of 300 to 1200 W fit "
@@ -47,23 +48,27 @@ Printed = dict[str, Any]
 
 def validate_rawicki() -> Validation:
     """Return all printed numbers of Rawicki beside ours, and the identification behind ours."""
+    return rawicki_comparison().validation()
+
+
+def rawicki_comparison() -> Comparison:
+    """Return what is to be compared of Rawicki."""
     paper = printed_numbers("rawicki-2013")
     scenario = load_scenario(paper["scenario"])
     vehicle = scenario.vehicle
-    identification = identify(vehicle, paper)
     distance, time = scenario.line.length_m, scenario.travel_time_s
-    return Validation(
+    return Comparison(
         paper="rawicki",
         citation=citation(paper),
         tables=(
-            figures(vehicle, paper, distance, time),
-            planned_phases(vehicle, paper),
-            free_current(vehicle, paper, distance, time),
-            driven_phases(vehicle, paper),
-            replanned(),
-            nameplate(vehicle, paper["nameplate"]),
-            parameters(vehicle, identification),
-            claims(paper),
+            partial(figures, vehicle, paper, distance, time),
+            partial(planned_phases, vehicle, paper),
+            partial(free_current, vehicle, paper, distance, time),
+            partial(driven_phases, vehicle, paper),
+            replanned,
+            partial(nameplate, vehicle, paper["nameplate"]),
+            lambda: parameters(vehicle, identify(vehicle, paper)),
+            partial(claims, paper),
         ),
         errata=errata(paper),
     )

@@ -4,7 +4,8 @@ The paper prints a method and hardly any number. Train and line are assumed, so 
 The optimum beside which limits are judged is that of Bellman's recursion over the same time, window included.
 """
 
-from functools import cache
+from collections.abc import Callable
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,7 @@ from railjoule.core.studies.storage import storage_need
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.core.validation.papers import citation, errata, printed_numbers
-from railjoule.core.validation.table import Row, Table, Validation
+from railjoule.core.validation.table import Comparison, Row, Table, Validation
 
 SCENARIOS = {20: "kharkiv-like-20kmh", 40: "kharkiv-like-40kmh"}
 TIGHT_KMH = 54
@@ -40,21 +41,26 @@ Printed = dict[str, Any]
 
 def validate_shtompel() -> Validation:
     """Return the paper's claims beside numbers of the assumed train and line."""
+    return shtompel_comparison().validation()
+
+
+def shtompel_comparison() -> Comparison:
+    """Return what is to be compared of Shtompel, Khvorost 2025."""
     paper = printed_numbers("shtompel-2025")
     claims = {claim["name"]: claim for claim in paper["claim"]}
-    return Validation(
+    return Comparison(
         paper="shtompel",
         citation=citation(paper),
         tables=(
-            _table(claims["efficiency"], efficiency()),
-            _table(claims["fewest_evaluations"], evaluations()),
-            _table(claims["near_full_effort"], near_full_effort()),
-            _table(claims["regenerative_stop"], regenerative_stop()),
-            _table(claims["storage_size"], storage_sizes()),
-            _table(claims["near_full_power"], near_full_power()),
-            Table("What limits cost beside the optimum over the same time", tuple(costs())),
-            Table("The printed regulator hangs on its step of time", tuple(spread())),
-            Table("Braking by (8) and (9) as they are printed", tuple(literal_braking())),
+            partial(_table, claims["efficiency"], efficiency),
+            partial(_table, claims["fewest_evaluations"], evaluations),
+            partial(_table, claims["near_full_effort"], near_full_effort),
+            partial(_table, claims["regenerative_stop"], regenerative_stop),
+            partial(_table, claims["storage_size"], storage_sizes),
+            partial(_table, claims["near_full_power"], near_full_power),
+            lambda: Table("What limits cost beside the optimum over the same time", tuple(costs())),
+            lambda: Table("The printed regulator hangs on its step of time", tuple(spread())),
+            lambda: Table("Braking by (8) and (9) as they are printed", tuple(literal_braking())),
         ),
         errata=errata(paper),
     )
@@ -231,8 +237,8 @@ def literal_braking() -> list[Row]:
     ]
 
 
-def _table(claim: Printed, rows: list[Row]) -> Table:
-    return Table(claim["text"].rstrip("."), tuple(rows), claim["place"])
+def _table(claim: Printed, rows: Callable[[], list[Row]]) -> Table:
+    return Table(claim["text"].rstrip("."), tuple(rows()), claim["place"])
 
 
 def _judged(share: float, supports: float, refutes: float) -> str:

@@ -1,5 +1,6 @@
 """Printed numbers beside ours: the types that the validation of every paper returns."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 
@@ -93,3 +94,34 @@ class Validation:
     citation: str
     tables: tuple[Table, ...]
     errata: tuple[Erratum, ...]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What is to be compared of a paper, not computed yet.
+
+    Parameters
+    ----------
+    paper, citation, errata
+        As in `Validation`.
+    tables : tuple of callable
+        What computes each table.
+    """
+
+    paper: str
+    citation: str
+    tables: tuple[Callable[[], Table], ...]
+    errata: tuple[Erratum, ...]
+
+    def steps(self) -> Iterator[Validation]:
+        """Yield the comparison with more tables each time, at first with none."""
+        done: tuple[Table, ...] = ()
+        yield Validation(self.paper, self.citation, done, self.errata)
+        for compute in self.tables:
+            done = (*done, compute())
+            yield Validation(self.paper, self.citation, done, self.errata)
+
+    def validation(self) -> Validation:
+        """Return the comparison with all its tables."""
+        *_, last = self.steps()
+        return last

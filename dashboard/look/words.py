@@ -37,6 +37,14 @@ def number(value: float, digits: int = 1) -> str:
     return (MINUS if negative else "") + text
 
 
+def decimals(value: float | None) -> int:
+    """Return how many decimals a printed number has; 2 where none is printed."""
+    if value is None:
+        return 2
+    text = repr(float(value)).partition(".")[2]
+    return 0 if text == "0" else len(text)
+
+
 def signed(value: float, digits: int = 1) -> str:
     """Return a difference: as `number`, with a plus where it is above zero."""
     text = number(value, digits)

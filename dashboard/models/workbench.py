@@ -9,13 +9,28 @@ from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.models.disturbances import DisturbancesModel
 from railjoule.dashboard.models.kept import Kept
+from railjoule.dashboard.models.learn import LearnModel
+from railjoule.dashboard.models.line import LineModel
 from railjoule.dashboard.models.motor import MotorModel
+from railjoule.dashboard.models.papers import PapersModel
 from railjoule.dashboard.models.robustness import RobustnessModel
 from railjoule.dashboard.models.scenario import ScenarioModel
 from railjoule.dashboard.models.speed_limits import SpeedLimitsModel
+from railjoule.dashboard.models.start import StartModel
 from railjoule.dashboard.store import Runs, TradeOff
 
-PAGES = ("Drive", "Trade-off", "Robustness", "Disturbances", "Speed limits", "Motor")
+PAGES = (
+    "Start",
+    "Drive",
+    "Trade-off",
+    "Robustness",
+    "Disturbances",
+    "Speed limits",
+    "Motor",
+    "Line",
+    "Learn",
+    "Papers",
+)
 COLOURS = ("system", "light", "dark")
 
 
@@ -25,7 +40,7 @@ class Workbench(Kept):
     kept = ("page", "ticked", "chosen", "over_time", "wide_map", "copper_weight", "colours")
     passing = ("dark", "trade_off_duration_s", "notice")
 
-    page = param.Selector(default="Drive", objects=list(PAGES), doc="The page in sight.")
+    page = param.Selector(default="Start", objects=list(PAGES), doc="The page in sight.")
     ticked = param.ListSelector(default=["optimal", "fastest"], objects=list(STRATEGIES), doc="Strategies drawn.")
     chosen = param.Selector(default="optimal", objects=list(STRATEGIES), doc="The strategy whose numbers are shown.")
     over_time = param.Boolean(default=False, doc="Draw over time instead of distance.")
@@ -44,10 +59,14 @@ class Workbench(Kept):
 
     def __init__(self, **params: Any) -> None:
         self.scenario = ScenarioModel()
+        self.start = StartModel()
         self.robustness = RobustnessModel()
         self.disturbances = DisturbancesModel()
         self.speed_limits = SpeedLimitsModel()
         self.motor = MotorModel()
+        self.line = LineModel()
+        self.learn = LearnModel()
+        self.papers = PapersModel()
         super().__init__(**params)
         self.scenario.param.watch(self._take_strategy, ["preset", "opened"])
 

@@ -1,5 +1,6 @@
 """What the workbench computes: the only place of the dashboard that asks the core to solve."""
 
+from railjoule.dashboard.store.cards import Card, card_names, compute_cards
 from railjoule.dashboard.store.disturbances import (
     LateArrivals,
     Rides,
@@ -7,6 +8,8 @@ from railjoule.dashboard.store.disturbances import (
     compute_late_arrivals,
     compute_rides,
 )
+from railjoule.dashboard.store.lessons import LessonResult, LessonWish, compute_lesson
+from railjoule.dashboard.store.line import LineRuns, LineWish, compute_line
 from railjoule.dashboard.store.motor import (
     MACHINE_SCENARIO,
     Limits,
@@ -24,6 +27,7 @@ from railjoule.dashboard.store.motor import (
     limits_of,
     machine_refusal,
 )
+from railjoule.dashboard.store.papers import PaperTables, compute_papers
 from railjoule.dashboard.store.robustness import (
     Reality,
     RealityWish,
@@ -48,16 +52,22 @@ from railjoule.dashboard.store.worker import Study, Worker
 
 __all__ = [
     "MACHINE_SCENARIO",
+    "Card",
     "EnocMap",
     "LateArrivals",
+    "LessonResult",
+    "LessonWish",
     "LimitRun",
     "LimitTrip",
     "Limits",
     "LimitsWish",
+    "LineRuns",
+    "LineWish",
     "LoopRivals",
     "LoopRun",
     "LoopWish",
     "MachineMap",
+    "PaperTables",
     "Reality",
     "RealityWish",
     "Rides",
@@ -72,13 +82,18 @@ __all__ = [
     "TradeOff",
     "TradeOffWish",
     "Worker",
+    "card_names",
+    "compute_cards",
     "compute_chance",
     "compute_detuning",
     "compute_late_arrivals",
+    "compute_lesson",
     "compute_limit_run",
     "compute_limit_trip",
+    "compute_line",
     "compute_loop_run",
     "compute_machine_map",
+    "compute_papers",
     "compute_reality",
     "compute_rides",
     "compute_ripple",

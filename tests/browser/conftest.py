@@ -41,5 +41,5 @@ def window(chromium: Browser) -> Iterator[BrowserContext]:
 @pytest.fixture
 def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """A user at a new page of the desktop window."""
-    with User.on(window, server.url) as someone:
+    with User.on(window, server.drive_url) as someone:
         yield someone

@@ -32,6 +32,11 @@ class Server:
     def url(self) -> str:
         return f"http://127.0.0.1:{self.port}/"
 
+    @property
+    def drive_url(self) -> str:
+        """Where a page opens with Drive in sight."""
+        return f"{self.url}?v=1&page=Drive"
+
     def get(self, path: str) -> str:
         """Return the body of an answer."""
         with urllib.request.urlopen(self.url + path, timeout=30) as answer:

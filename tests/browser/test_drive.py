@@ -13,7 +13,7 @@ from railjoule.dashboard.look.tokens import THEMES
 @pytest.fixture(scope="module")
 def opened(server: Server, window: BrowserContext) -> Iterator[User]:
     """A page that all tests of this file share."""
-    with User.on(window, server.url) as someone:
+    with User.on(window, server.drive_url) as someone:
         yield someone
 
 
@@ -165,7 +165,7 @@ def test_one_cursor_through_all_charts(user: User) -> None:
 
 @pytest.mark.parametrize(("dark", "colour"), [(False, "rgb(244, 246, 248)"), (True, "rgb(14, 18, 23)")])
 def test_colours_follow_the_system(server: Server, chromium: Browser, dark: bool, colour: str) -> None:
-    with User.at(chromium, server.url, dark=dark) as user:
+    with User.at(chromium, server.drive_url, dark=dark) as user:
         assert user.page.evaluate("getComputedStyle(document.body).backgroundColor") == colour
         labels = "[...Bokeh.documents[0].all_models].find((m) => m.type === 'LinearAxis').major_label_text_color"
         assert user.page.evaluate(labels) == THEMES["dark" if dark else "light"]["ink3"]
@@ -174,7 +174,7 @@ def test_colours_follow_the_system(server: Server, chromium: Browser, dark: bool
 
 
 def test_nothing_overflows_and_the_sidebar_makes_room(server: Server, chromium: Browser) -> None:
-    with User.at(chromium, server.url, width=360) as user:
+    with User.at(chromium, server.drive_url, width=360) as user:
         for width in (360, 390, 768, 2560):
             user.page.set_viewport_size({"width": width, "height": 900})
             # the menu of pages shows that the server has heard of the width

@@ -14,7 +14,7 @@ WORKED_MS = 60_000
 @pytest.fixture(scope="module")
 def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who stays on the page for all tests of this file."""
-    with User.on(window, server.url) as someone:
+    with User.on(window, server.drive_url) as someone:
         someone.turn_to("Robustness")
         yield someone
 

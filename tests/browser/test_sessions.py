@@ -33,11 +33,11 @@ def cost_of_a_move(server: Server, user: User) -> float:
 
 def test_ten_open_pages(chromium: Browser) -> None:
     with serving(str(Path(__file__).with_name("watched.py"))) as server:
-        with User.at(chromium, server.url) as mover:
+        with User.at(chromium, server.drive_url) as mover:
             alone = cost_of_a_move(server, mover)
             others = [mover.page.context.new_page() for _ in range(PAGES - 1)]
             for page in others:
-                page.goto(server.url, wait_until="commit")
+                page.goto(server.drive_url, wait_until="commit")
             for page in others:
                 page.locator("html.rj-started").wait_for(timeout=PAGES * PATIENCE_MS)
             mover.rest(2000)
@@ -51,5 +51,5 @@ def test_ten_open_pages(chromium: Browser) -> None:
 
 def test_a_second_start_finds_the_kernels(server: Server, chromium: Browser) -> None:
     assert server.process.poll() is None
-    with serving("-m", "railjoule.dashboard", "serve") as again, User.at(chromium, again.url) as user:
+    with serving("-m", "railjoule.dashboard", "serve") as again, User.at(chromium, again.drive_url) as user:
         assert user.number("Energy at the line").startswith("7.8")

@@ -18,7 +18,7 @@ LIMIT = "Section 1: limit, km/h"
 @pytest.fixture(scope="module")
 def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who stays on the page for all tests of this file."""
-    with User.on(window, server.url) as someone:
+    with User.on(window, server.drive_url) as someone:
         someone.turn_to("Speed limits")
         someone.choose("Metro, speed limits, 40 km/h")
         expect(someone.page.get_by_label(f"{LIMIT}, as a number")).to_have_value("44.7")

@@ -1,6 +1,9 @@
+from collections.abc import Callable
+
 import pytest
 
-from railjoule.core.validation.table import Row
+from railjoule.core.validation import COMPARISONS, PAPERS
+from railjoule.core.validation.table import Comparison, Row, Table
 
 
 def test_difference_is_relative_to_the_printed_number():
@@ -14,3 +17,25 @@ def test_difference_of_negative_numbers_is_positive_where_ours_is_larger_in_size
 @pytest.mark.parametrize("printed", [None, 0.0])
 def test_nothing_printed_has_no_difference(printed):
     assert Row("", "W", "Wh", printed, 201.0).difference_percent is None
+
+
+def test_a_comparison_is_computed_table_by_table() -> None:
+    tables = [Table(f"table {k}", ()) for k in range(3)]
+    asked: list[int] = []
+
+    def computing(k: int) -> Callable[[], Table]:
+        def compute() -> Table:
+            asked.append(k)
+            return tables[k]
+
+        return compute
+
+    comparison = Comparison("paper", "cited", tuple(computing(k) for k in range(3)), ())
+    steps = comparison.steps()
+    assert [len(next(steps).tables) for _ in range(2)] == [0, 1]
+    assert asked == [0]
+    assert comparison.validation().tables == tuple(tables)
+
+
+def test_every_paper_is_known_both_ways() -> None:
+    assert list(COMPARISONS) == list(PAPERS)

@@ -31,7 +31,7 @@ def test_a_new_page_differs_in_nothing_from_what_it_begins_with(state: Workbench
     originals = originals_of(document)
     # the pages take over the scenario when they are composed; these alone have lists of models
     assert set(changed(document, originals)) <= {
-        key for key in document if key.startswith(("disturbances.", "speed_limits."))
+        key for key in document if key.startswith(("disturbances.", "line.", "speed_limits."))
     }
 
 

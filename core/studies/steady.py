@@ -1,0 +1,151 @@
+"""At which speeds the optimum holds, coasts and brakes on level track, told by the price of a second alone.
+
+On level track a train of constant efficiency has a first integral. With p, what a joule of motion is worth in joules
+at the line, e and k what the line gives for a joule at the wheels and gets back for one, R(v) the running resistance
+and m the price of a second, p f - P / v - p R - m / v is the same all along the run. So each speed tells p:
+full power where p > 1 / e, holding where p = 1 / e, coasting between k and 1 / e, braking with recuperation at k,
+braking beyond that below it. The speed held, V, balances V^2 R'(V) = e m, and braking begins at U where
+k R(U) + m / U = R(V) / e + m / V. A run that is too short for V coasts from its highest speed, which stands for V in
+that balance.
+
+References: Howlett, Pudney: Energy-Efficient Train Control, 1995, chapters 3 and 5; with recuperation as in Albrecht,
+Howlett, Pudney, Vu, Zhou: The key principles of optimal train control, Transportation Research B 94, 2016.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from scipy.optimize import brentq
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.errors import StrategyRefusedError
+from railjoule.core.motion.course import resistance_coefficients, vehicle_limit_n
+from railjoule.core.scenario import Scenario, Vehicle
+from railjoule.core.scenario.drive import ConstantEfficiency
+from railjoule.core.units import MS_PER_KMH
+
+SLOWEST_MS = 0.1
+POINTS = 120
+PhaseOfSpeed = Literal["full_power", "coast", "brake"]
+
+
+@dataclass(frozen=True, eq=False)
+class SteadySpeeds:
+    """What the price of a second tells of a run on level track.
+
+    Parameters
+    ----------
+    price_of_time_w : float
+        The multiplier of the timetable [J/s].
+    hold_ms : float
+        The speed that the optimum holds, if its way is long enough, the vehicle's limit included [m/s].
+    highest_ms : float
+        The speed from which it coasts: that one, or the highest of a run too short for it [m/s].
+    brake_ms : float
+        The speed to which it coasts before it brakes [m/s].
+    driving_worth, braking_worth : float
+        Joules at the line for one joule at the wheels: taken in driving, given back in braking.
+    """
+
+    price_of_time_w: float
+    hold_ms: float
+    highest_ms: float
+    brake_ms: float
+    driving_worth: float
+    braking_worth: float
+
+
+@dataclass(frozen=True, eq=False)
+class PhaseCurve:
+    """A part of a run over its speed; arrays of shape (n,), in the order of driving.
+
+    Parameters
+    ----------
+    phase : str
+    speed_ms : array
+        Speeds [m/s].
+    motion_worth : array
+        What a joule of motion is worth there, in joules at the line.
+    """
+
+    phase: PhaseOfSpeed
+    speed_ms: FloatArray
+    motion_worth: FloatArray
+
+
+def steady_speeds(scenario: Scenario, price_of_time_w: float, highest_ms: float | None = None) -> SteadySpeeds:
+    """Return at which speeds the optimum holds, coasts and brakes on level track.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Its vehicle and drive count.
+    price_of_time_w : float
+        The price of a second [J/s], above 0.
+    highest_ms : float, optional
+        The highest speed of a run that may be too short to reach the speed that is held [m/s].
+
+    Raises
+    ------
+    StrategyRefusedError
+        If the drive has another loss model than a constant efficiency.
+    """
+    drive = constant_efficiency_of(scenario)
+    driving = 1.0 / drive.traction_efficiency
+    braking = drive.recuperation_factor * (drive.braking_efficiency or drive.traction_efficiency)
+    vehicle = scenario.vehicle
+    _, linear, quadratic = resistance_coefficients(vehicle)
+    top = vehicle.traction.max_speed_kmh * MS_PER_KMH
+
+    def lack(speed: float) -> float:
+        return driving * speed**2 * (linear + 2 * quadratic * speed) - price_of_time_w
+
+    hold = float(brentq(lack, 0.0, top)) if lack(top) > 0 else top
+    highest = hold if highest_ms is None else min(highest_ms, hold)
+    level = float(driving * _resistance_n(vehicle, highest)) + price_of_time_w / highest
+
+    def excess(speed: float) -> float:
+        return float(braking * _resistance_n(vehicle, speed)) + price_of_time_w / speed - level
+
+    # at the highest speed the excess is negative, as braking is worth less than driving costs; near rest it is positive
+    slow = min(SLOWEST_MS, 0.5 * highest)
+    brake = float(brentq(excess, slow, highest)) if excess(slow) > 0 else slow
+    return SteadySpeeds(price_of_time_w, hold, highest, brake, driving, braking)
+
+
+def phase_plane(scenario: Scenario, steady: SteadySpeeds) -> tuple[PhaseCurve, ...]:
+    """Return a run on level track as worth of motion over speed: full power, coasting, braking.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        Whose vehicle it is.
+    steady : SteadySpeeds
+        Of `steady_speeds`.
+    """
+    vehicle, price = scenario.vehicle, steady.price_of_time_w
+    level = steady.driving_worth * _resistance_n(vehicle, steady.highest_ms) + price / steady.highest_ms
+    up = np.linspace(SLOWEST_MS, steady.highest_ms, POINTS)
+    effort = vehicle_limit_n(vehicle, up)
+    full = (steady.driving_worth * effort + price / up - level) / (effort - _resistance_n(vehicle, up))
+    down = np.linspace(steady.highest_ms, steady.brake_ms, POINTS)
+    coast = (level - price / down) / _resistance_n(vehicle, down)
+    last = np.linspace(steady.brake_ms, SLOWEST_MS, POINTS)
+    brakes = vehicle_limit_n(vehicle, last, braking=True)
+    brake = (level + steady.braking_worth * brakes - price / last) / (brakes + _resistance_n(vehicle, last))
+    return PhaseCurve("full_power", up, full), PhaseCurve("coast", down, coast), PhaseCurve("brake", last, brake)
+
+
+def constant_efficiency_of(scenario: Scenario) -> ConstantEfficiency:
+    """Return the drive of a scenario; raises StrategyRefusedError if its loss model is another."""
+    drive = scenario.vehicle.drive
+    if not isinstance(drive, ConstantEfficiency):
+        raise StrategyRefusedError("needs a drive of constant efficiency.")
+    return drive
+
+
+def _resistance_n(vehicle: Vehicle, speed_ms: FloatArray | float) -> FloatArray:
+    constant, linear, quadratic = resistance_coefficients(vehicle)
+    speed = np.asarray(speed_ms, dtype=float)
+    return constant + linear * speed + quadratic * speed**2

@@ -1,0 +1,17 @@
+"""What the page Papers asks for, and the comparisons that are there."""
+
+import param
+
+from railjoule.core import RailjouleError
+
+
+class PapersModel(param.Parameterized):
+    """The comparisons so far."""
+
+    results = param.Dict(default={}, doc="Tables of each paper so far.")
+    asked = param.List(default=[], doc="The papers that are being compared, in their order.")
+    compare = param.List(default=[], doc="Set to names of papers to compare them.")
+    stop = param.Event(doc="Stop; what is done stands.")
+    failure = param.ClassSelector(
+        class_=RailjouleError, default=None, allow_None=True, doc="Why a paper could not be compared."
+    )

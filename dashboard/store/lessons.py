@@ -1,0 +1,127 @@
+"""What the lessons of Learn show: small scenarios of our own, solved anew for each place of a slider."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from railjoule.core import Scenario, Trajectory, load_scenario, solve
+from railjoule.core.simulate.following import follow, plan_for
+from railjoule.core.strategies import prepare_task
+from railjoule.core.studies.plain_driving import one_speed_run
+from railjoule.core.studies.steady import PhaseCurve, SteadySpeeds, phase_plane, steady_speeds
+from railjoule.core.studies.tradeoff import Frontier, energy_time_frontier, frontier_times
+
+BASE = "liashenko-0"
+"""A metro train of five cars with a constant efficiency, whose speeds a formula tells."""
+SHORT_M, MIDDLE_M, LONG_M = 1500.0, 3000.0, 6000.0
+HUMP_TIME_S, LONG_TIME_S, LOAD_TIME_S = 125.0, 430.0, 125.0
+PLANNED_LOAD = 0.3
+
+
+@dataclass(frozen=True)
+class LessonWish:
+    """A lesson, and where its slider stands."""
+
+    lesson: str
+    value: float
+
+
+@dataclass(frozen=True, eq=False)
+class LessonResult:
+    """What one lesson shows.
+
+    Parameters
+    ----------
+    wish : LessonWish
+    runs : mapping
+        Runs by the names of their lines.
+    frontier : Frontier or None
+        Energy over travel time.
+    steady : SteadySpeeds or None
+        What the multiplier tells of level track.
+    plane : tuple of PhaseCurve
+        The run in the phase plane.
+    """
+
+    wish: LessonWish
+    runs: Mapping[str, Trajectory]
+    frontier: Frontier | None = None
+    steady: SteadySpeeds | None = None
+    plane: tuple[PhaseCurve, ...] = field(default=())
+
+    @property
+    def saved_share(self) -> float:
+        """What the first run needs less than the second, as a share of the second."""
+        first, second, *_ = (run.energy_kwh for run in self.runs.values())
+        return 1 - first / second
+
+
+def compute_lesson(wish: LessonWish) -> LessonResult:
+    """Return what a lesson shows; raises RailjouleError if the slider asks for what no train can do."""
+    return LESSONS[wish.lesson](wish)
+
+
+def _level(length_m: float, **changes: Any) -> Scenario:
+    return load_scenario(BASE).with_(line={"sections": [{"length_m": length_m}]}, **changes)
+
+
+def _coasting(wish: LessonWish) -> LessonResult:
+    scenario = _level(SHORT_M, **{"timetable.travel_time_s": wish.value})
+    return LessonResult(wish, {"optimum": solve(scenario), "one speed": one_speed_run(scenario)})
+
+
+def _multiplier(wish: LessonWish) -> LessonResult:
+    scenario = _level(MIDDLE_M, **{"timetable.travel_time_s": wish.value})
+    later = solve(scenario.with_(**{"timetable.travel_time_s": wish.value + 1}))
+    task = prepare_task(scenario)
+    frontier = energy_time_frontier(task, frontier_times(task, 24))
+    return _with_plane(wish, scenario, {"optimum": solve(scenario), "a second later": later}, frontier)
+
+
+def _recuperation(wish: LessonWish) -> LessonResult:
+    without = _level(LONG_M, **{"timetable.travel_time_s": LONG_TIME_S})
+    scenario = without.with_(**{"drive.recuperation_factor": wish.value / 100})
+    return _with_plane(wish, scenario, {"optimum": solve(scenario), "nothing given back": solve(without)})
+
+
+def _gradient(wish: LessonWish) -> LessonResult:
+    steep = wish.value
+    sections = [
+        {"length_m": 150.0},
+        {"length_m": 250.0, "gradient_permille": -steep},
+        {"length_m": 700.0},
+        {"length_m": 250.0, "gradient_permille": steep},
+        {"length_m": 150.0},
+    ]
+    blind = _level(SHORT_M, **{"timetable.travel_time_s": HUMP_TIME_S})
+    knowing = blind.with_(line={"sections": sections})
+    driven = follow(plan_for(blind), knowing).actual
+    return LessonResult(wish, {"knows the line": plan_for(knowing), "planned for level track": driven})
+
+
+def _load(wish: LessonWish) -> LessonResult:
+    planned = _level(SHORT_M, **{"timetable.travel_time_s": LOAD_TIME_S, "vehicle.load_factor": PLANNED_LOAD})
+    real = wish.value / 100
+    driven = follow(plan_for(planned), planned.with_(**{"disturbance.actual_load_factor": real})).actual
+    # heavier, it comes late: what a plan for the true load needs counts for the same arrival
+    knowing = planned.with_(**{"vehicle.load_factor": real, "timetable.travel_time_s": driven.travel_time_s})
+    return LessonResult(wish, {"knows the load": plan_for(knowing), "planned for 30 %": driven})
+
+
+def _with_plane(
+    wish: LessonWish, scenario: Scenario, runs: Mapping[str, Trajectory], frontier: Frontier | None = None
+) -> LessonResult:
+    run = runs["optimum"]
+    price = run.price_of_time_w or 0.0
+    steady = steady_speeds(scenario, price, float(run.speed_ms.max()))
+    return LessonResult(wish, runs, frontier, steady, phase_plane(scenario, steady))
+
+
+LESSONS: Mapping[str, Callable[[LessonWish], LessonResult]] = {
+    "coasting": _coasting,
+    "multiplier": _multiplier,
+    "recuperation": _recuperation,
+    "gradient": _gradient,
+    "load": _load,
+}
+"""What computes each lesson, in the order in which they are read."""

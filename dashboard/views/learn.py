@@ -1,0 +1,208 @@
+"""Learn: five short lessons with live figures, each with a question to try."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+import panel as pn
+
+from railjoule.core.units import J_PER_KWH
+from railjoule.dashboard.browser import Browser
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look.theme import parts_css
+from railjoule.dashboard.models.learn import LESSONS, Lesson
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.store import LessonResult
+from railjoule.dashboard.views import parts
+from railjoule.dashboard.views.chart_page import ChartPage
+from railjoule.dashboard.views.charts import Chart
+from railjoule.dashboard.views.fields import NumberField
+from railjoule.dashboard.views.lesson_charts import LessonSpeedChart, PhasePlaneChart, PriceChart
+
+PAGE = "Learn"
+SPEED_HEIGHTS, PLANE_HEIGHTS, PRICE_HEIGHTS = (200, 250, 190), (250, 300, 240), (200, 240, 190)
+LINES = {
+    "coasting": "Speed, km/h: blue the optimum, dashed one speed held",
+    "multiplier": "Speed, km/h: blue the optimum, dashed the optimum of one second more",
+    "recuperation": "Speed, km/h: blue the optimum, dashed with nothing given back",
+    "gradient": "Speed, km/h: blue knows the line, dashed planned for level track",
+    "load": "Speed, km/h: blue planned for the real load, dashed planned for 30 %",
+}
+WITH_PLANE = ("multiplier", "recuperation")
+HEIGHTS = {
+    **{f"lesson_{lesson.name}": SPEED_HEIGHTS for lesson in LESSONS},
+    **{f"plane_{name}": PLANE_HEIGHTS for name in WITH_PLANE},
+    "lesson_price": PRICE_HEIGHTS,
+}
+"""Of each chart [px]: in usual, wide and narrow windows."""
+LESSON_CSS = """
+:host { display: grid; grid-template-columns: minmax(300px, 430px) minmax(0, 1400px); column-gap: 36px;
+  padding: 18px 20px 20px; align-items: start; border-top: 1px solid var(--rj-line); }
+@media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); padding: 14px 14px 16px; } }
+"""
+TEXT_CSS = """
+h2 { font-size: 15px; }
+p { max-width: 60ch; margin-top: 8px; font-size: 13.5px; line-height: 1.5; }
+p.try { font-weight: 600; margin-top: 12px; }
+details { margin: 6px 0 4px; font-size: 13.5px; }
+details p { margin-top: 2px; }
+summary { cursor: pointer; color: var(--rj-accent); width: fit-content; min-height: 24px; line-height: 24px; }
+"""
+FIGURES_CSS = """
+.figures { margin: 0 0 4px 50px; grid-template-columns: 1.3fr; }
+@media (max-width: 899px) { .figures { margin-left: 0; } }
+"""
+SLIDER = {"margin": (10, 0, 0, -16), "max_width": 430}
+
+
+class LessonView:
+    """One lesson."""
+
+    def __init__(self, lesson: Lesson, state: Workbench, palette: Palette) -> None:
+        self.lesson = lesson
+        name = lesson.name
+        self.speed = LessonSpeedChart(name, LINES[name], SPEED_HEIGHTS[0], palette)
+        self.more: tuple[PriceChart | PhasePlaneChart, ...] = ()
+        if name == "multiplier":
+            self.more = (PriceChart(PRICE_HEIGHTS[0], palette),)
+        if name in WITH_PLANE:
+            self.more = (*self.more, PhasePlaneChart(name, PLANE_HEIGHTS[0], palette))
+        self.figures = parts.html_pane(stylesheets=[parts_css(), FIGURES_CSS])
+        field = NumberField(
+            state.learn, name, lesson.label, step=lesson.step, digits=0, unit=lesson.unit, ends=lesson.ends
+        )
+        field.view.param.update(**SLIDER)
+        number = [known.name for known in LESSONS].index(name) + 1
+        styles = [parts_css(), TEXT_CSS]
+        text = f"<h2>{number}. {parts.escaped(lesson.title)}</h2><p>{parts.escaped(lesson.text)}</p>"
+        question = (
+            f'<p class="try">Try: {parts.escaped(lesson.question)}</p>'
+            f"<details><summary>Answer</summary><p>{parts.escaped(lesson.answer)}</p></details>"
+        )
+        left = parts.stack(
+            parts.html_pane(text, stylesheets=styles), field.view, parts.html_pane(question, stylesheets=styles)
+        )
+        right = parts.stack(self.figures, *(chart.place for chart in self.charts))
+        self.view = parts.stack(left, right, css=LESSON_CSS)
+
+    @property
+    def charts(self) -> tuple[Chart, ...]:
+        """The charts of the lesson."""
+        return self.speed, *self.more
+
+    def show(self, result: LessonResult) -> None:
+        """Show what the slider asks for."""
+        self.figures.object = parts.figures(CELLS[self.lesson.name](result))
+        self.speed.show(partial(self.speed.draw, result))
+        for chart in self.more:
+            chart.show(partial(chart.draw, result))
+
+
+class LearnView(ChartPage):
+    """The page of lessons."""
+
+    heights = HEIGHTS
+
+    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
+        super().__init__(state, browser, palette)
+        self.lessons = {lesson.name: LessonView(lesson, state, palette) for lesson in LESSONS}
+        self._shown: dict[str, LessonResult] = {}
+        heading = parts.html_pane(
+            parts.heading("Learn", "five lessons; each figure is solved anew as you move its slider", "")
+        )
+        self.view = parts.stack(heading, self.message, *(lesson.view for lesson in self.lessons.values()))
+        state.learn.param.watch(self._show, ["shown", "failure"])
+        self.begin()
+
+    @property
+    def charts(self) -> tuple[Chart, ...]:
+        """All charts of the page."""
+        return tuple(chart for lesson in self.lessons.values() for chart in lesson.charts)
+
+    def redraw(self) -> None:
+        """Draw everything again, as after a change of theme."""
+        self._shown = {}
+        self._show()
+
+    def _show(self, *_: Any) -> None:
+        learn = self.state.learn
+        with pn.io.hold():
+            self.tell(learn.failure, "Shown: the last place of the slider that can be driven.")
+            for name, result in learn.shown.items():
+                if self._shown.get(name) is not result:
+                    self.lessons[name].show(result)
+            self._shown = dict(learn.shown)
+
+
+def _energies(result: LessonResult, first: str, second: str) -> list[str]:
+    one, other, *_ = result.runs.values()
+    return [
+        parts.figure(first, words.energy(one.energy_kwh), "kWh", f"in {words.number(one.travel_time_s)} s"),
+        parts.figure(second, words.energy(other.energy_kwh), "kWh", f"in {words.number(other.travel_time_s)} s"),
+    ]
+
+
+def _saved(result: LessonResult, label: str, digits: int = 1) -> str:
+    return parts.figure(label, words.signed(-100 * result.saved_share, digits), "%", "", "main")
+
+
+def coasting_cells(result: LessonResult) -> list[str]:
+    """Return the numbers of the first lesson."""
+    run = result.runs["optimum"]
+    coasts = sum(phase.end_m - phase.start_m for phase in run.phases if phase.phase == "coast")
+    share = words.number(100 * coasts / run.distance_m, 0)
+    return [
+        _saved(result, "Coasting saves"),
+        *_energies(result, "Optimum", "One speed"),
+        parts.figure("Coasts", share, "%", "of the way"),
+    ]
+
+
+def multiplier_cells(result: LessonResult) -> list[str]:
+    """Return the numbers of the second lesson: the multiplier, and what a second more saves indeed."""
+    run, later = result.runs["optimum"], result.runs["a second later"]
+    price = run.price_of_time_w or 0.0
+    saved = (run.energy_kwh - later.energy_kwh) * J_PER_KWH
+    return [
+        parts.figure("Price of a second", words.price(price), "Wh/s", "the multiplier", "main"),
+        parts.figure("Solved anew", words.price(saved), "Wh", "saved by a second"),
+        *_energies(result, "Optimum", "A second later"),
+    ]
+
+
+def recuperation_cells(result: LessonResult) -> list[str]:
+    """Return the numbers of the third lesson."""
+    run, steady = result.runs["optimum"], result.steady
+    assert steady is not None
+    cells = [_saved(result, "Giving back saves"), *_energies(result, "Optimum", "Without")]
+    off = next((phase.start_m for phase in run.phases if phase.phase == "coast"), None)
+    where = "\u2013" if off is None else words.number(off, 0)
+    cells.append(parts.figure("Motors off at", where, "m", f"brakes at {words.speed(steady.brake_ms)} km/h"))
+    return cells
+
+
+def gradient_cells(result: LessonResult) -> list[str]:
+    """Return the numbers of the fourth lesson."""
+    return [_saved(result, "Knowing it saves"), *_energies(result, "Knows the line", "Planned for level track")]
+
+
+def load_cells(result: LessonResult) -> list[str]:
+    """Return the numbers of the fifth lesson."""
+    driven = result.runs["planned for 30 %"]
+    late = driven.travel_time_s - driven.scenario.travel_time_s
+    return [
+        _saved(result, "Knowing it saves"),
+        *_energies(result, "Load known", "Planned for 30 %"),
+        parts.figure("Arrives", words.signed(late), "s", "late" if late >= 0.05 else "on time"),
+    ]
+
+
+CELLS: Mapping[str, Callable[[LessonResult], list[str]]] = {
+    "coasting": coasting_cells,
+    "multiplier": multiplier_cells,
+    "recuperation": recuperation_cells,
+    "gradient": gradient_cells,
+    "load": load_cells,
+}
+"""The numbers of each lesson."""

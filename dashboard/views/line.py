@@ -1,0 +1,297 @@
+"""Line: a whole line with its stations; how the time is shared among its legs, and what that saves."""
+
+from functools import partial
+from io import StringIO
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+from railjoule.core.units import J_PER_KWH
+from railjoule.dashboard.browser import Browser
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.models.line import StationModel
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.store import LineRuns
+from railjoule.dashboard.views import parts
+from railjoule.dashboard.views.chart_page import NARROW_PX, ChartPage
+from railjoule.dashboard.views.charts import Axis, Chart
+from railjoule.dashboard.views.drive_charts import LineStrip
+from railjoule.dashboard.views.fields import TypedNumber
+from railjoule.dashboard.views.line_charts import (
+    SHARING_TOKENS,
+    SHARING_WORDS,
+    LegBars,
+    LineSpeedChart,
+    PathChart,
+    energy_kwh,
+    supplement_s,
+)
+from railjoule.dashboard.views.scene import Scene
+
+PAGE = "Line"
+SHIPPED, SHIPPED_TITLE = "metro-10-stations", "Metro, ten stations"
+HEIGHTS = {
+    "line_speed": (230, 290, 210),
+    "line": (80, 90, 76),
+    "line_path": (180, 230, 170),
+    "supplements": (120, 140, 110),
+    "leg_energy": (140, 160, 130),
+}
+"""Of each chart [px]: in usual, wide and narrow windows."""
+BODY_CSS = ":host { padding: 4px 20px 0 14px; } @media (max-width: 899px) { :host { padding: 4px 10px 0 6px; } }"
+LOWER_CSS = """
+:host { padding: 4px 20px 20px 20px; }
+@media (max-width: 1099px) { :host { padding: 4px 14px 16px; } }
+"""
+WIDE_TABLE = '<div style="overflow-x:auto" tabindex="0" role="region" aria-label="{}">{}</div>'
+STATIONS_CSS = """
+:host { display: grid; grid-template-columns: repeat(auto-fill, minmax(240px, 1fr)); gap: 0 24px; }
+"""
+STATION_CSS = ":host { border-top: 1px solid var(--rj-line); padding: 6px 0; }"
+SMALL: dict[str, Any] = {"size": "small", "sx": {"& .MuiToggleButton-root": {"whiteSpace": "nowrap"}}}
+
+
+class LineView(ChartPage):
+    """The page of whole lines."""
+
+    heights = HEIGHTS
+
+    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
+        super().__init__(state, browser, palette)
+        self.model = state.line
+        self.heading, self.figures, self.key, self.table, self.notes, self.empty_text = (
+            parts.html_pane() for _ in range(6)
+        )
+        self.axis = Axis(palette)
+        self.speed = LineSpeedChart(HEIGHTS["line_speed"][0], self.axis, palette)
+        self.line = LineStrip(HEIGHTS["line"][0], self.axis, palette)
+        self.path = PathChart(HEIGHTS["line_path"][0], self.axis, palette)
+        self.supplements = LegBars(
+            "supplements",
+            "Time supplement of each leg, s, over its shortest time",
+            HEIGHTS["supplements"][0],
+            self.axis,
+            palette,
+            supplement_s,
+            0,
+        )
+        self.energy = LegBars(
+            "leg_energy",
+            "Energy of each leg, kWh",
+            HEIGHTS["leg_energy"][0],
+            self.axis,
+            palette,
+            energy_kwh,
+            1,
+            last=True,
+        )
+        self.other = pmui.RadioButtonGroup(
+            options={"In proportion": "proportional", "Equal supplements": "equal"},
+            value=self.model.other,
+            margin=(8, 4, 4, 20),
+            **SMALL,
+        )
+        self.download = pmui.FileDownload(
+            callback=self._csv,
+            filename="legs.csv",
+            label="Legs as CSV",
+            variant="text",
+            size="small",
+            margin=(0, 0, 8, -10),
+        )
+        self.open = pmui.Button(
+            label=f"Open {SHIPPED_TITLE}",
+            variant="outlined",
+            size="small",
+            margin=(8, 20),
+            on_click=lambda _: state.scenario.choose(SHIPPED),
+        )
+        self.stations = parts.stack(css=STATIONS_CSS)
+        self.view = self._laid_out()
+        self.other.param.watch(lambda event: setattr(self.model, "other", event.new), "value")
+        self.model.param.watch(self._show, ["runs", "failure", "other"])
+        self.model.param.watch(self._list_stations, "stations")
+        self._list_stations()
+        self.begin()
+
+    def _laid_out(self) -> pn.Column:
+        body = parts.stack(*(chart.place for chart in self.charts), css=BODY_CSS)
+        title = parts.html_pane('<div class="block"><h2>Timetable of the stations</h2></div>')
+        lower = parts.stack(title, self.stations, self.table, self.download, self.notes, css=LOWER_CSS)
+        self.full = parts.stack(self.figures, self.other, self.key, body, lower)
+        self.empty = parts.stack(self.empty_text, self.open)
+        self.place = parts.stack()
+        return parts.stack(self.heading, self.message, self.place)
+
+    @property
+    def charts(self) -> tuple[Chart, ...]:
+        """All charts of the page."""
+        return self.speed, self.line, self.path, self.supplements, self.energy
+
+    def settle(self) -> None:
+        """Tell the cursor that it may meet new charts."""
+        self.axis.settle("m", 0)
+
+    def redraw(self) -> None:
+        """Draw everything again, as after a change of theme."""
+        self._show()
+
+    def _csv(self) -> StringIO:
+        """Return the legs of all ways of sharing as a file."""
+        runs = self.model.runs
+        text = (
+            "\n".join(
+                line.to_dataframe().to_csv(index=False, header=first)
+                for first, line in zip((True, False, False), runs.runs.values(), strict=True)
+            )
+            if runs is not None
+            else ""
+        )
+        return StringIO(text.replace("\n\n", "\n"))
+
+    def _list_stations(self, *_: Any) -> None:
+        self.stations[:] = [station_row(station) for station in self.model.stations]
+
+    def _show(self, *_: Any) -> None:
+        runs = self.model.runs
+        with pn.io.hold():
+            self.tell(self.model.failure, "Shown: the last runs that can be driven." if runs is not None else "")
+            alone = not self.model.stations
+            shown = self.empty if alone else self.full
+            # charts that are hidden would not tell when they come into sight
+            if (runs is not None or alone) and shown not in self.place.objects:
+                self.place[:] = [shown]
+            if alone:
+                self._show_empty()
+            if runs is None or alone or self.state.page != PAGE:
+                return
+            other, room = self.model.other, self._room()
+            self.axis.fit(runs.best.run.distance_m, roomy=False)
+            self.speed.show(partial(self.speed.draw, runs, other, room))
+            scene = Scene("optimal", {"optimal": runs.best.run}, None, False, self.browser.width < NARROW_PX, room)
+            self.line.show(partial(self.line.draw, scene))
+            self.path.show(partial(self.path.draw, runs, other))
+            self.supplements.show(partial(self.supplements.draw, runs, room))
+            self.energy.show(partial(self.energy.draw, runs, room))
+            self._show_texts(runs)
+            self.settle()
+
+    def _room(self) -> float:
+        width = self.browser.width
+        return float(width - (90 if width < NARROW_PX else 370))
+
+    def _show_empty(self) -> None:
+        scenario = self.state.scenario.edited
+        self.heading.object = parts.heading(scenario.title, "one leg", "")
+        self.empty_text.object = (
+            '<p style="padding:6px 20px;max-width:70ch">This line has no stations between its ends, so there is no '
+            "time to share. Give it stations in its file (line.stations), or open a line that has some.</p>"
+        )
+
+    def _show_texts(self, runs: LineRuns) -> None:
+        best, scenario = runs.best, runs.best.run.scenario
+        standing = sum(station.dwell_s for station in scenario.line.inner_stations)
+        what = (
+            f"{words.number(best.run.distance_m / 1000)} km, {len(best.legs)} legs in "
+            f"{words.number(best.run.travel_time_s)} s, {words.number(standing, 0)} s of them standing"
+        )
+        self.heading.object = parts.heading(scenario.title, what, "")
+        self.figures.object = parts.figures(figure_cells(runs), self.model.failure is not None)
+        self.key.object = key_words()
+        self.table.object = WIDE_TABLE.format("Legs", legs_table(runs))
+        self.notes.object = parts.notes(best.run)
+
+
+def station_row(station: StationModel) -> pn.Column:
+    """Return the fields of a station: its dwell, and its arrival where that is fixed."""
+    of = f"{station.station or 'Station'}: "
+    dwell = TypedNumber(station, "dwell_s", "Dwell, s", digits=0, unit="s", of=of)
+    arrival = TypedNumber(station, "arrival_s", "Arrives after, s", digits=1, unit="s", of=of)
+    fixed = pmui.Checkbox(
+        label=f"{station.station or f'Station {station.number + 2}'}: arrival fixed",
+        value=station.fixed,
+        size="small",
+        margin=(0, 8, 0, 8),
+        sx={"& .MuiFormControlLabel-label": {"fontSize": "13px"}},
+    )
+
+    def show(*_: Any) -> None:
+        arrival.view.visible = station.fixed
+
+    def tick(event: Any) -> None:
+        station.fixed = event.new
+
+    fixed.param.watch(tick, "value")
+    station.param.watch(show, "fixed")
+    show()
+    return parts.stack(fixed, dwell.view, arrival.view, css=STATION_CSS)
+
+
+def figure_cells(runs: LineRuns) -> list[str]:
+    """Return the numbers above the charts."""
+    best, plain = runs.best, runs.runs["proportional"].run.energy_kwh
+    equal = runs.runs["equal"].run.energy_kwh
+    prices = [leg.price_of_time_w for leg in best.legs]
+    one = max(prices) - min(prices) <= 1e-9 * max(prices)
+    price = words.price(prices[0]) if one else f"{words.price(min(prices))}\u2013{words.price(max(prices))}"
+    costs = [words.signed(100 * (other / best.run.energy_kwh - 1), 2) for other in (plain, equal)]
+    return [
+        parts.figure(
+            "Energy of the whole line", words.energy(best.run.energy_kwh), "kWh", "time shared by the optimum", "main"
+        ),
+        parts.figure("In proportion", costs[0], "%", f"{words.energy(plain)} kWh"),
+        parts.figure("Equal supplements", costs[1], "%", f"{words.energy(equal)} kWh"),
+        parts.figure("Price of a second", price, "Wh/s", "on every leg alike" if one else "one between fixed arrivals"),
+        parts.proof_figure(best.run),
+        parts.figure(
+            "Supplement",
+            words.number(best.run.travel_time_s - runs.shortest_time_s),
+            "s",
+            f"shortest {words.number(runs.shortest_time_s)} s",
+        ),
+    ]
+
+
+def key_words() -> str:
+    """Return what the colours of lines and bars mean."""
+    bars = "".join(
+        f'<span style="margin-right:16px"><span class="patch" style="background:var(--rj-{token})"></span>'
+        f"{SHARING_WORDS[sharing]}</span>"
+        for sharing, token in SHARING_TOKENS.items()
+    )
+    return (
+        f'<p class="small" style="padding:2px 20px 0;color:var(--rj-ink2)">{bars}numbers above bars: of the optimum</p>'
+    )
+
+
+def legs_table(runs: LineRuns) -> str:
+    """Return the legs of the optimum, with what the other ways of sharing give and need."""
+    best, plain, equal = (runs.runs[sharing] for sharing in SHARING_TOKENS)
+    header = (
+        "Leg",
+        "m",
+        "arrives, s",
+        "runs, s",
+        "shortest, s",
+        "supplement, s",
+        "in proportion, s",
+        "kWh",
+        "in proportion, kWh",
+        "equal, kWh",
+    )
+    rows = []
+    for leg, one, two in zip(best.legs, plain.legs, equal.legs, strict=True):
+        cells = (
+            f"{parts.escaped(leg.departs_from)} \u2013 {parts.escaped(leg.arrives_at)}",
+            words.number(leg.end_m - leg.start_m, 0),
+            words.number(leg.arrival_s),
+            words.number(leg.running_time_s),
+            words.number(leg.shortest_time_s),
+            words.number(leg.supplement_s),
+            words.number(one.supplement_s),
+            *(words.energy(part.energy_j / J_PER_KWH) for part in (leg, one, two)),
+        )
+        rows.append((cells, False))
+    return parts.table("Legs", header, rows)

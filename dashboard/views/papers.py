@@ -1,0 +1,240 @@
+"""Papers: what the four papers print beside what this version computes."""
+
+import csv
+from collections.abc import Callable
+from functools import partial
+from io import StringIO
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+from railjoule.core.validation import COMPARISONS, Erratum, Row, Table
+from railjoule.core.validation.papers import citation, printed_numbers
+from railjoule.dashboard.browser import Browser
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look.theme import parts_css
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.store import PaperTables
+from railjoule.dashboard.views import parts
+from railjoule.dashboard.views.failures import failure_words
+
+FILES = {
+    "ftorek": "ftorek-2025",
+    "liashenko": "liashenko-2025",
+    "rawicki": "rawicki-2013",
+    "shtompel": "shtompel-2025",
+}
+"""What holds the printed numbers of each paper."""
+AUTHORS = {"ftorek": "Ftorek", "liashenko": "Liashenko", "rawicki": "Rawicki", "shtompel": "Shtompel"}
+WARM_PERCENT = 1.0
+"""A difference beyond this stands in warm."""
+SAME_PERCENT = 0.05
+COLUMNS = ("table", "place", "case", "quantity", "unit", "printed", "ours", "difference_percent", "note")
+PAPER_CSS = ":host { border-top: 1px solid var(--rj-line); padding: 12px 20px 14px; } " + (
+    "@media (max-width: 899px) { :host { padding: 10px 14px; } }"
+)
+TABLE_CSS = """
+.tables { max-width: 1180px; }
+.scroll { overflow-x: auto; }
+td:nth-child(2), th:nth-child(2) { text-align: left; }
+td:nth-child(1), td:nth-child(2) { white-space: normal; min-width: 82px; }
+td:nth-child(6), th:nth-child(6) { text-align: left; padding-left: 14px; }
+details { margin-top: 8px; border-top: 1px solid var(--rj-line); padding-top: 4px; }
+summary { cursor: pointer; min-height: 26px; line-height: 26px; font-weight: 600; }
+summary span { font-weight: 400; color: var(--rj-ink3); }
+ol { margin: 4px 0 0; padding-left: 22px; font-size: 12px; color: var(--rj-ink2); max-width: 90ch; }
+.citation { max-width: 90ch; color: var(--rj-ink2); margin-top: 2px; }
+"""
+SMALL: dict[str, Any] = {"size": "small", "margin": (6, 8, 4, 0)}
+
+
+class PapersView:
+    """The page of validation tables."""
+
+    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
+        self.model = state.papers
+        self.message = parts.html_pane(visible=False)
+        self.progress_words = parts.html_pane()
+        self.progress = pmui.LinearProgress(value=0, width=320, height=4, margin=(10, 8))
+        self.stop = pmui.Button(
+            label="Stop", variant="outlined", on_click=lambda _: self.model.param.trigger("stop"), **SMALL
+        )
+        self.all = pmui.Button(
+            label="Compute all four", variant="outlined", on_click=lambda _: self._ask(tuple(COMPARISONS)), **SMALL
+        )
+        self.sections = {name: PaperSection(name, partial(self._ask, (name,))) for name in COMPARISONS}
+        heading = parts.html_pane(
+            parts.heading("Papers", "what is printed beside what this version computes, on request", "")
+        )
+        self.busy = pn.FlexBox(
+            self.progress, self.stop, self.progress_words, align_items="center", margin=0, visible=False
+        )
+        bar = parts.stack(self.all, self.busy, styles={"padding": "0 20px 8px"})
+        self.view = parts.stack(heading, self.message, bar, *(section.view for section in self.sections.values()))
+        self.model.param.watch(self._show, ["results", "asked", "failure"])
+        self._show()
+
+    def redraw(self) -> None:
+        """Draw everything again, as after a change of theme: the style sheet does it."""
+
+    def _ask(self, names: tuple[str, ...], *_: Any) -> None:
+        self.model.compare = list(names)
+
+    def _show(self, *_: Any) -> None:
+        model = self.model
+        with pn.io.hold():
+            self.message.visible = model.failure is not None
+            if model.failure is not None:
+                self.message.object = parts.failure(*failure_words(model.failure), "")
+            busy = bool(model.asked)
+            self.busy.visible = busy
+            self.all.disabled = busy
+            if busy:
+                self._tell_progress()
+            for name, section in self.sections.items():
+                section.show(model.results.get(name), busy)
+
+    def _tell_progress(self) -> None:
+        asked = self.model.asked
+        now = [self.model.results[name] for name in asked if name in self.model.results]
+        share = sum(len(paper.validation.tables) / paper.table_count for paper in now) / len(asked)
+        self.progress.value = int(100 * share)
+        last = next((paper for paper in now if not paper.complete), None)
+        text = (
+            ""
+            if last is None
+            else f"{AUTHORS[last.name]}: table {len(last.validation.tables) + 1} of {last.table_count}"
+        )
+        self.progress_words.object = f'<p role="status" class="muted small">{text}</p>'
+
+
+class PaperSection:
+    """One paper: what it is, a button, its tables."""
+
+    def __init__(self, name: str, ask: Callable[..., None]) -> None:
+        self.name = name
+        self._paper: PaperTables | None = None
+        self.button = pmui.Button(label=f"Compute {AUTHORS[name]}", variant="outlined", on_click=ask, **SMALL)
+        self.download = pmui.FileDownload(
+            callback=self._csv,
+            filename=f"{FILES[name]}.csv",
+            label=f"{AUTHORS[name]} as CSV",
+            variant="text",
+            visible=False,
+            **SMALL,
+        )
+        styles = [parts_css(), TABLE_CSS]
+        cited = parts.escaped(citation(printed_numbers(FILES[name])))
+        title = parts.html_pane(f'<h2>{AUTHORS[name]}</h2><p class="citation small">{cited}</p>', stylesheets=styles)
+        self.tables = parts.html_pane(stylesheets=styles)
+        tools = pn.FlexBox(self.button, self.download, margin=0)
+        self.view = parts.stack(title, tools, self.tables, css=PAPER_CSS)
+
+    def show(self, paper: PaperTables | None, busy: bool) -> None:
+        """Show the tables that are done."""
+        self.button.disabled = busy
+        if paper is None or paper is self._paper:
+            return
+        self._paper = paper
+        self.download.visible = bool(paper.validation.tables)
+        self.tables.object = paper_html(paper)
+
+    def _csv(self) -> StringIO:
+        tables = self._paper.validation.tables if self._paper is not None else ()
+        return StringIO(tables_csv(tables))
+
+
+def tables_csv(tables: tuple[Table, ...]) -> str:
+    """Return all rows of tables as CSV."""
+    file = StringIO()
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for table in tables:
+        for row in table.rows:
+            cells = (row.case, row.quantity, row.unit, row.printed, row.ours, row.difference_percent, row.note)
+            writer.writerow((table.title, table.place, *cells))
+    return file.getvalue()
+
+
+def paper_html(paper: PaperTables) -> str:
+    """Return the tables of a paper that are done, and what must be corrected in it."""
+    tables = "".join(table_html(table, number == 0) for number, table in enumerate(paper.validation.tables))
+    left = paper.table_count - len(paper.validation.tables)
+    rest = f'<p class="note">{left} more to compute.</p>' if left else errata_html(paper.validation.errata)
+    return f'<div class="tables">{tables}{rest}</div>'
+
+
+def table_html(table: Table, opened: bool) -> str:
+    """Return one table, with the reasons of its differences beneath it."""
+    notes = list(dict.fromkeys(row.note for row in table.rows if row.note))
+    rows = [(row_cells(row, notes), False) for row in table.rows]
+    header = ("Case", "Quantity", parts.escaped(table.reference), "ours", "difference", "in words", "")
+    place = f", {parts.escaped(table.place)}" if table.place else ""
+    body = parts.table("", header, rows).replace("<h2></h2>", "")
+    listed = "".join(f"<li>{parts.escaped(note)}</li>" for note in notes)
+    reasons = f"<ol>{listed}</ol>" if notes else ""
+    scroll = f'<div class="scroll" tabindex="0" role="region" aria-label="{parts.escaped(table.title)}">{body}</div>'
+    return (
+        f"<details{' open' if opened else ''}><summary>{parts.escaped(table.title)}"
+        f"<span>{place}, {summary_words(table)}</span></summary>{scroll}{reasons}</details>"
+    )
+
+
+def row_cells(row: Row, notes: list[str]) -> tuple[str, ...]:
+    """Return the cells of a row; a difference beyond 1 % in warm."""
+    difference = row.difference_percent
+    share = "" if difference is None else f"{words.signed(difference, 2)} %"
+    if difference is not None and abs(difference) > WARM_PERCENT:
+        share = f'<span class="open">{share}</span>'
+    unit = f" [{parts.escaped(row.unit)}]" if row.unit else ""
+    mark = f"({notes.index(row.note) + 1})" if row.note else ""
+    return (
+        parts.escaped(row.case),
+        f"{parts.escaped(row.quantity)}{unit}",
+        "\u2013" if row.printed is None else words.number(row.printed, words.decimals(row.printed)),
+        words.number(row.ours, words.decimals(row.printed) + 1),
+        share,
+        difference_words(row),
+        mark,
+    )
+
+
+def difference_words(row: Row) -> str:
+    """Return a difference in words."""
+    difference = row.difference_percent
+    if row.printed is None:
+        return "none printed"
+    if difference is None:
+        return "printed as zero"
+    if abs(difference) < SAME_PERCENT:
+        return "the same"
+    side = "larger" if abs(row.ours) > abs(row.printed) else "smaller"
+    if row.ours * row.printed < 0:
+        return "of the other sign"
+    size = "a little" if abs(difference) <= WARM_PERCENT else "" if abs(difference) <= 10 * WARM_PERCENT else "much"
+    return f"{size} {side}".strip()
+
+
+def summary_words(table: Table) -> str:
+    """Return how many rows lie how close to the print."""
+    differences = [abs(row.difference_percent) for row in table.rows if row.difference_percent is not None]
+    if not differences:
+        return f"{len(table.rows)} rows, nothing to compare with"
+    close = sum(difference <= WARM_PERCENT for difference in differences)
+    return f"{close} of {len(differences)} within 1 %"
+
+
+def errata_html(errata: tuple[Erratum, ...]) -> str:
+    """Return what must be corrected in a paper."""
+    items = "".join(
+        f"<li>{parts.escaped(erratum.place)}: printed {parts.escaped(erratum.printed)}, to be read "
+        f"{parts.escaped(erratum.corrected)}. {parts.escaped(erratum.reason)}</li>"
+        for erratum in errata
+    )
+    return (
+        f"<details><summary>Corrections <span>{len(errata)}</span></summary><ol>{items}</ol></details>"
+        if errata
+        else ""
+    )

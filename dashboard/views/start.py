@@ -1,0 +1,191 @@
+"""Start: what this is in one sentence and one picture, and the scenarios to begin with."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+import panel as pn
+import panel_material_ui as pmui
+
+from railjoule.core import Trajectory
+from railjoule.core.arrays import FloatArray
+from railjoule.core.units import MS_PER_KMH
+from railjoule.dashboard.browser import Browser
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look.theme import parts_css
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.store import Card, Runs
+from railjoule.dashboard.views import parts
+
+WIDTH, HEIGHT = 1000.0, 240.0
+SMALL_WIDTH, SMALL_HEIGHT = 240.0, 54.0
+MOST_POINTS = 160
+LEAD = "railjoule finds the run of a rail vehicle that needs the least energy for a given time, and proves it."
+MORE = (
+    "Choose a scenario, move the travel time and see what the driver has to do, what the other methods of driving cost "
+    "beside it, and what wrong loads, delays and speed limits make of it."
+)
+START_CSS = """
+.hero { padding: 22px 20px 6px; }
+.hero h1 { font-size: 25px; line-height: 1.25; max-width: 32em; text-wrap: balance; }
+.hero p { font-size: 14px; margin-top: 8px; max-width: 62em; color: var(--rj-ink2); }
+.hero svg { display: block; width: 100%; height: 230px; margin-top: 14px; }
+.hero .key { display: flex; flex-wrap: wrap; gap: 2px 22px; font-size: 12px; margin-top: 6px; color: var(--rj-ink2); }
+.hero .key b { color: var(--rj-accent); font-weight: 600; }
+.hero .key i { display: inline-block; width: 10px; height: 10px; margin-right: 5px; border: 1px solid var(--rj-line2); }
+h2.begin { padding: 14px 20px 0; font-size: 15px; }
+@media (min-width: 1600px) { .hero svg { height: 320px; } }
+@media (max-width: 899px) {
+  .hero { padding: 14px 14px 4px; } .hero h1 { font-size: 20px; } .hero svg { height: 150px; }
+  h2.begin { padding-left: 14px; }
+}
+"""
+CARD_CSS = """
+.card p { font-size: 12px; color: var(--rj-ink3); }
+.card svg { display: block; width: 100%; height: 54px; margin: 8px 0 2px; }
+"""
+GRID_CSS = """
+:host { display: grid; grid-template-columns: repeat(auto-fill, minmax(236px, 1fr)); gap: 0 24px;
+  padding: 4px 20px 24px; align-items: stretch; }
+@media (max-width: 899px) { :host { padding: 4px 14px 24px; } }
+"""
+ONE_CSS = ":host { border-top: 1px solid var(--rj-line); padding: 12px 0 10px; }"
+
+
+class StartView:
+    """The page on which a new session begins."""
+
+    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
+        self.state = state
+        self.hero = parts.html_pane(hero(None), stylesheets=[parts_css(), START_CSS])
+        self.grid = parts.stack(css=GRID_CSS)
+        title = parts.html_pane('<h2 class="begin">Begin with</h2>', stylesheets=[parts_css(), START_CSS])
+        self.view = parts.stack(self.hero, title, self.grid)
+        self._shown = 0
+        state.param.watch(self._show_picture, "runs")
+        state.start.param.watch(self._show_cards, "cards")
+        self._show_picture()
+        self._show_cards()
+
+    def redraw(self) -> None:
+        """Draw everything again, as after a change of theme: the style sheet does it."""
+
+    def _show_picture(self, *_: Any) -> None:
+        if self.state.page == "Start" and self.state.runs is not None:
+            self.hero.object = hero(self.state.runs)
+
+    def _show_cards(self, *_: Any) -> None:
+        new = [self._card(card) for card in self.state.start.cards[self._shown :]]
+        self._shown = len(self.state.start.cards)
+        if new:
+            self.grid.extend(new)
+
+    def _card(self, card: Card) -> pn.Column:
+        pane = parts.html_pane(card_html(card), stylesheets=[parts_css(), CARD_CSS])
+        button = pmui.Button(
+            label=card.title,
+            variant="text",
+            size="small",
+            margin=(0, 0, 0, -10),
+            on_click=self._opener(card.name),
+            sx={"textAlign": "left", "lineHeight": 1.3, "minHeight": "24px", "fontSize": "13.5px", "fontWeight": 600},
+        )
+        return parts.stack(button, pane, css=ONE_CSS)
+
+    def _opener(self, name: str) -> Callable[[Any], None]:
+        return partial(self._open, name)
+
+    def _open(self, name: str, _: Any) -> None:
+        with pn.io.hold():
+            self.state.scenario.choose(name)
+            self.state.page = "Drive"
+
+
+def hero(runs: Runs | None) -> str:
+    """Return the sentence, and the picture of the present optimum beside the fastest run once it is there."""
+    text = f"<h1>{LEAD}</h1><p>{MORE}</p>"
+    if runs is None:
+        return f'<div class="hero">{text}<svg aria-hidden="true" viewBox="0 0 10 10"></svg></div>'
+    run, fastest = runs.best, runs.runs.get("fastest")
+    phases = dict.fromkeys(phase.phase for phase in run.phases)
+    key = [
+        f"<span><b>{parts.escaped(run.scenario.title)}</b>: speed over {words.number(run.distance_m / 1000)} km</span>",
+        f"<span><b>{words.energy(run.energy_kwh)} kWh</b> in {words.number(run.travel_time_s)} s</span>",
+    ]
+    if fastest is not None:
+        key.append(
+            f"<span>dotted: as fast as can be, {words.energy(fastest.energy_kwh)} kWh in "
+            f"{words.number(fastest.travel_time_s)} s</span>"
+        )
+    key += [
+        f'<span><i style="background:var(--rj-{name.replace("_", "-")})"></i>{words.PHASE_WORDS[name]}</span>'
+        for name in phases
+    ]
+    alternative = f"Speed over distance of the optimum of {run.scenario.title}: " + ", ".join(
+        words.phase_words(phase) for phase in run.phases
+    )
+    return (
+        f'<div class="hero">{text}<svg role="img" aria-label="{parts.escaped(alternative)}" '
+        f'viewBox="0 0 {WIDTH:g} {HEIGHT:g}" preserveAspectRatio="none">{picture(run, fastest)}</svg>'
+        f'<div class="key">{"".join(key)}</div></div>'
+    )
+
+
+def picture(run: Trajectory, fastest: Trajectory | None) -> str:
+    """Return the area under the speed, phase by phase, and the line of the fastest run, as SVG."""
+    top = 1.06 * max(run.max_speed_kmh, fastest.max_speed_kmh if fastest else 0.0)
+    shapes = []
+    for phase in run.phases:
+        inside = (run.position_m >= phase.start_m - 1e-9) & (run.position_m <= phase.end_m + 1e-9)
+        x, y = scaled(run.position_m[inside], run.speed_ms[inside] / MS_PER_KMH, run.distance_m, top, WIDTH, HEIGHT)
+        if len(x) < 2:
+            continue
+        area = f"M{x[0]:.1f} {HEIGHT:g} " + " ".join(f"L{a:.1f} {b:.1f}" for a, b in zip(x, y, strict=True))
+        colour = f"var(--rj-{phase.phase.replace('_', '-')})"
+        shapes.append(f'<path d="{area} L{x[-1]:.1f} {HEIGHT:g} Z" fill="{colour}" fill-opacity="0.8"/>')
+    if fastest is not None:
+        shapes.append(speed_line(fastest, top, WIDTH, HEIGHT, "var(--rj-ink3)", 1.4, 'stroke-dasharray="2 4"'))
+    shapes.append(speed_line(run, top, WIDTH, HEIGHT, "var(--rj-accent)", 2.8))
+    shapes.append(
+        f'<path d="M0 {HEIGHT - 0.5:g} H{WIDTH:g}" stroke="var(--rj-groundline)" vector-effect="non-scaling-stroke"/>'
+    )
+    return "".join(shapes)
+
+
+def card_html(card: Card) -> str:
+    """Return title, vehicle, length and speed of a scenario."""
+    run = card.run
+    stops = f", {card.stations} stations on the way" if card.stations else ""
+    line = speed_line(run, 1.06 * run.max_speed_kmh, SMALL_WIDTH, SMALL_HEIGHT, "var(--rj-accent)", 1.8)
+    name = f"Speed over distance, up to {words.number(run.max_speed_kmh, 0)} km/h"
+    return (
+        f'<div class="card"><p>{parts.escaped(card.vehicle)}</p>'
+        f'<svg role="img" aria-label="{name}" viewBox="0 0 {SMALL_WIDTH:g} {SMALL_HEIGHT:g}" '
+        f'preserveAspectRatio="none">{line}<path d="M0 {SMALL_HEIGHT - 0.5:g} H{SMALL_WIDTH:g}" '
+        'stroke="var(--rj-line2)" vector-effect="non-scaling-stroke"/></svg>'
+        f"<p>{words.number(card.length_m / 1000, 2)} km{stops}, {words.energy(run.energy_kwh)} kWh in "
+        f"{words.number(run.travel_time_s, 0)} s</p></div>"
+    )
+
+
+def speed_line(
+    run: Trajectory, top_kmh: float, width: float, height: float, colour: str, stroke: float, dash: str = ""
+) -> str:
+    """Return the speed of a run as a line of SVG."""
+    x, y = scaled(run.position_m, run.speed_ms / MS_PER_KMH, run.distance_m, top_kmh, width, height)
+    points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
+    return (
+        f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="{stroke:g}" {dash} '
+        'vector-effect="non-scaling-stroke" stroke-linejoin="round"/>'
+    )
+
+
+def scaled(
+    position_m: FloatArray, speed_kmh: FloatArray, length_m: float, top_kmh: float, width: float, height: float
+) -> tuple[FloatArray, FloatArray]:
+    """Return places and speeds in a picture's units, thinned out to what it can show; each stop stays."""
+    some = np.linspace(0, len(position_m) - 1, min(len(position_m), MOST_POINTS)).astype(int)
+    keep = np.union1d(some, np.flatnonzero(speed_kmh == 0))
+    return width * position_m[keep] / length_m, height * (1 - speed_kmh[keep] / top_kmh)

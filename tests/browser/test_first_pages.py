@@ -1,0 +1,87 @@
+"""Start, Line, Learn and Papers, as a user works with them."""
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, BrowserContext, expect
+
+from browser.server import Server
+from browser.user import User
+
+
+@pytest.fixture(scope="module")
+def user(server: Server, window: BrowserContext) -> Iterator[User]:
+    """One user, who turns from page to page."""
+    with User.on(window, server.drive_url) as someone:
+        yield someone
+
+
+def chart_is_drawn(user: User, name: str) -> None:
+    place = user.page.locator(f".rj-chart-{name}")
+    place.scroll_into_view_if_needed()
+    expect(place.locator("canvas").first).to_be_visible()
+
+
+def test_a_session_without_an_address_begins_with_start(server: Server, chromium: Browser) -> None:
+    page = chromium.new_page()
+    page.goto(server.url)
+    expect(page.get_by_role("heading", name="railjoule finds the run", level=1)).to_be_visible()
+    expect(page.get_by_role("img", name="Speed over distance of the optimum of Metro, profile II + I")).to_be_visible()
+    page.get_by_role("button", name="Tram, flat 950 m", exact=True).click()
+    expect(page.get_by_role("heading", name="Tram, flat 950 m", level=1)).to_be_visible()
+    expect(page.get_by_role("tab", name="Drive")).to_have_attribute("aria-selected", "true")
+    expect(page.locator(".rj-chart-speed canvas").first).to_be_visible()
+    page.close()
+
+
+def test_a_line_shares_its_time(user: User) -> None:
+    user.turn_to("Line")
+    user.page.get_by_role("button", name="Open Metro, ten stations").click()
+    # 45.02 kWh, as `railjoule solve metro-10-stations` has it
+    expect(user.figure_value("Energy of the whole line")).to_have_text("45.02kWh")
+    for chart in ("line_speed", "line", "line_path", "supplements", "leg_energy"):
+        chart_is_drawn(user, chart)
+    # 1090 s: 43.5926 kWh by `railjoule solve metro-10-stations --set timetable.travel_time_s=1090`
+    user.push("Travel time, s", 20)
+    expect(user.figure_value("Energy of the whole line")).to_have_text("43.59kWh")
+    dwell = user.page.get_by_label("Market: Dwell, s, as a number", exact=True)
+    dwell.fill("60")
+    dwell.press("Enter")
+    expect(user.page.get_by_text("250 s of them standing")).to_be_visible()
+    user.page.get_by_label("Central: arrival fixed").check()
+    arrival = user.page.get_by_label("Central: Arrives after, s, as a number", exact=True)
+    arrival.fill("100")
+    arrival.press("Enter")
+    expect(user.page.get_by_text("The arrival at Central after 100.0 s must be later than")).to_be_visible()
+    with user.page.expect_download() as download:
+        user.page.get_by_text("Legs as CSV").click()
+    assert download.value.suggested_filename == "legs.csv"
+
+
+def test_a_lesson_answers_its_question(user: User) -> None:
+    user.turn_to("Learn")
+    for chart in ("lesson_coasting", "lesson_price", "plane_multiplier", "plane_recuperation", "lesson_load"):
+        chart_is_drawn(user, chart)
+    slider = user.page.get_by_role("slider", name="Gradient of the hump")
+    slider.focus()
+    slider.press("End")
+    # 57 %, as the answer says
+    expect(user.page.locator(".figure", has_text="Knowing it saves").first.locator(".value")).to_have_text(
+        "\u221257.1%"
+    )
+    answer = user.page.get_by_text("From about 24 per mille.")
+    expect(answer).to_be_hidden()
+    user.page.get_by_text("Answer", exact=True).nth(3).click()
+    expect(answer).to_be_visible()
+
+
+def test_papers_are_compared_on_request_and_stop(user: User) -> None:
+    user.turn_to("Papers")
+    user.page.get_by_role("button", name="Compute Ftorek").click()
+    expect(user.page.get_by_text("18 of 18 within 1 %")).to_be_visible()
+    expect(user.page.get_by_text("Corrections")).to_be_visible()
+    user.page.get_by_role("button", name="Compute Shtompel").click()
+    stop = user.page.get_by_role("button", name="Stop", exact=True)
+    stop.click()
+    expect(stop).to_be_hidden()
+    expect(user.page.get_by_role("button", name="Compute Shtompel")).to_be_enabled()

@@ -1,0 +1,48 @@
+import csv
+from io import StringIO
+
+import pytest
+
+from railjoule.core.validation import Row, Table
+from railjoule.dashboard.views.papers import difference_words, table_html, tables_csv
+
+TABLE = Table(
+    "Energies & <times>",
+    (
+        Row("a", "W", "Wh", 100.0, 100.01),
+        Row("b", "W", "Wh", 100.0, 103.0, "A <b>reason</b>."),
+        Row("c", "W", "Wh", None, 7.0),
+    ),
+    "Table 1",
+)
+
+
+@pytest.mark.parametrize(
+    ("printed", "ours", "sentence"),
+    [
+        (100.0, 100.04, "the same"),
+        (100.0, 99.5, "a little smaller"),
+        (-100.0, -105.0, "larger"),
+        (100.0, 120.0, "much larger"),
+        (1.0, -1.0, "of the other sign"),
+        (0.0, 1.0, "printed as zero"),
+        (None, 1.0, "none printed"),
+    ],
+)
+def test_differences_in_words(printed: float | None, ours: float, sentence: str) -> None:
+    assert difference_words(Row("", "", "", printed, ours)) == sentence
+
+
+def test_a_table_says_how_close_it_is_and_escapes_its_texts() -> None:
+    text = table_html(TABLE, opened=True)
+    assert "1 of 2 within 1 %" in text
+    assert '<span class="open">+3.00 %</span>' in text
+    assert "Energies &amp; &lt;times&gt;" in text
+    assert "A &lt;b&gt;reason&lt;/b&gt;." in text
+
+
+def test_the_csv_holds_every_row() -> None:
+    rows = list(csv.DictReader(StringIO(tables_csv((TABLE, TABLE)))))
+    assert len(rows) == 6
+    assert rows[1]["difference_percent"].startswith("3.0")
+    assert rows[2]["printed"] == ""
