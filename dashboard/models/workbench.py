@@ -8,12 +8,13 @@ from railjoule.core import RailjouleError, Trajectory
 from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.models.disturbances import DisturbancesModel
+from railjoule.dashboard.models.pins import MOST_PINS, TOO_MANY, Pin, Recipe, make_pin, recipe_of
 from railjoule.dashboard.models.robustness import RobustnessModel
 from railjoule.dashboard.models.scenario import ScenarioModel
 from railjoule.dashboard.models.speed_limits import SpeedLimitsModel
 from railjoule.dashboard.store import Runs, TradeOff
 
-PAGES = ("Drive", "Trade-off", "Robustness", "Disturbances", "Speed limits")
+PAGES = ("Drive", "Compare", "Trade-off", "Robustness", "Disturbances", "Speed limits")
 
 
 class Workbench(param.Parameterized):
@@ -29,7 +30,9 @@ class Workbench(param.Parameterized):
     trade_off_duration_s = param.Number(default=0.0, doc="How long its computation took.")
     wide_map = param.Boolean(default=False, doc="Show ENOC's map up to 5000 s.")
     copper_weight = param.Number(default=1.0, doc="Copper loss of ENOC's map over the vehicle's own.")
-    pinned = param.ClassSelector(class_=Trajectory, default=None, allow_None=True, doc="The run to compare with.")
+    pins = param.Tuple(default=(), length=None, doc="The pinned runs, the last one pinned last.")
+    compared = param.ClassSelector(class_=Runs, default=None, allow_None=True, doc="The last runs of all strategies.")
+    notice = param.String(default="", doc="One sentence on why something was not done; empty where there is none.")
     failure = param.ClassSelector(
         class_=RailjouleError, default=None, allow_None=True, doc="Why the last wish could not be met."
     )
@@ -64,6 +67,43 @@ class Workbench(param.Parameterized):
     def run(self) -> Trajectory | None:
         """The run whose numbers are shown."""
         return None if self.runs is None else self.runs.runs[self.chosen_now]
+
+    @property
+    def pinned(self) -> Trajectory | None:
+        """The run to compare with: the one pinned last."""
+        return self.pins[-1].trajectory if self.pins else None
+
+    @property
+    def recipe(self) -> Recipe | None:
+        """How the run whose numbers are shown comes about."""
+        return None if self.runs is None else recipe_of(self.scenario, self.runs.scenario, self.chosen_now)
+
+    @property
+    def pin_of_run(self) -> Pin | None:
+        """The pin of the run whose numbers are shown, if it is pinned."""
+        run = self.run
+        if run is None:
+            return None
+        same = (pin for pin in self.pins if pin.trajectory.strategy == run.strategy)
+        return next((pin for pin in same if pin.trajectory.scenario == run.scenario), None)
+
+    def pin(self) -> None:
+        """Pin the run whose numbers are shown; where there are as many pins as there may be, say so."""
+        run, recipe = self.run, self.recipe
+        if run is None or recipe is None or self.pin_of_run is not None:
+            return
+        if len(self.pins) >= MOST_PINS:
+            self.notice = TOO_MANY
+        else:
+            self.param.update(pins=(*self.pins, make_pin(self.pins, run, recipe)), notice="")
+
+    def unpin(self, pin: Pin) -> None:
+        """Let go of a pinned run."""
+        self.param.update(pins=tuple(other for other in self.pins if other is not pin), notice="")
+
+    def rename(self, pin: Pin, name: str) -> None:
+        """Give a pinned run another name."""
+        self.pins = tuple(pin.renamed(name) if other is pin else other for other in self.pins)
 
     @property
     def stale(self) -> bool:

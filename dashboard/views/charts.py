@@ -110,7 +110,7 @@ class Axis:
         if told != self.follow.args["charts"]:
             self.follow.args = {"charts": told}
         self._settled += 1
-        self.range.tags = [self._settled]
+        self.range.tags = [self._settled, unit]
 
 
 class Chart:
@@ -170,6 +170,9 @@ class Chart:
     def _settle(self) -> None:
         if self.content is None:
             self.build()
+            # what a saved table calls its lines
+            for name, source in getattr(self, "sources", {}).items():
+                source.name = name
         if self._redraw is not None:
             draw, self._redraw = self._redraw, None
             draw()

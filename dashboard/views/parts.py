@@ -1,6 +1,7 @@
 """Pieces of text, numbers and tables, as HTML; every text that a user brings is escaped."""
 
 import html
+import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -157,16 +158,23 @@ def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: b
 
 
 def advice(run: Trajectory, stale: bool) -> str:
-    """Return the phases of a run as advice to the driver."""
+    """Return the phases of a run as advice to the driver, with buttons that copy and print it."""
     items = []
     for number, phase in enumerate(run.phases, 1):
-        text = words.phase_words(phase)
+        text = words.advice_words(phase)
         if number == 1:
-            text = ("roll" if phase.phase == "coast" else text).capitalize().replace("Km/h", "km/h")
-        place = "" if number == 1 else f" <span>{words.number(phase.start_m, 0)} m</span>"
-        items.append(f"<li><b>{number}</b>{text}{place}</li>")
+            text = text[0].upper() + text[1:]
+        items.append(f"<li><b>{number}</b>{text}</li>")
+    title = html.escape(f"{run.scenario.title or 'Run'}: {words.number(run.travel_time_s)} s")
+    tools = "".join(
+        f'<button type="button" class="save" data-save="{what.lower()}" aria-label="{what} the advice">{what}</button>'
+        for what in ("Copy", "Print")
+    )
     kind = "advice stale" if stale else "advice"
-    return f'<ol class="{kind}" aria-label="Driver\u2019s advice">{"".join(items)}</ol>'
+    return (
+        f'<div class="card" data-title="{title}"><ol class="{kind}" aria-label="Driver\u2019s advice">'
+        f'{"".join(items)}<li class="buttons">{tools}</li></ol></div>'
+    )
 
 
 def account(run: Trajectory) -> str:
@@ -218,14 +226,16 @@ def account(run: Trajectory) -> str:
 
 
 def table(title: str, header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> str:
-    """Return a table under a title; cells are HTML, and a row may be the chosen one."""
+    """Return a table under a title, which a button saves; cells are HTML, and a row may be the chosen one."""
     head = "".join(f'<th scope="col">{cell}</th>' for cell in header)
     body = "".join(
         f"<tr{' class=chosen' if chosen else ''}>{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"
         for cells, chosen in rows
     )
+    name = re.sub(r"<[^>]+>", "", title)
+    save = f'<button type="button" class="save" data-save="csv" data-name="{name}" aria-label="Save {name} as CSV">CSV</button>'
     return (
-        f'<div class="block"><h2>{title}</h2><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
+        f'<div class="block"><div class="titled"><h2>{title}</h2>{save}</div><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
     )
 
 
