@@ -7,6 +7,7 @@ import panel as pn
 
 from railjoule.core import RailjouleError
 from railjoule.dashboard.browser import Browser
+from railjoule.dashboard.compare import Compare
 from railjoule.dashboard.disturbances import Disturbances
 from railjoule.dashboard.health import HealthHandler
 from railjoule.dashboard.look.paint import Palette
@@ -23,6 +24,7 @@ from railjoule.dashboard.store import (
     compute_runs,
     compute_trade_off,
 )
+from railjoule.dashboard.views.compare import CompareView
 from railjoule.dashboard.views.disturbances import DisturbancesView
 from railjoule.dashboard.views.drive import DriveView
 from railjoule.dashboard.views.robustness import RobustnessView
@@ -35,9 +37,10 @@ pn.extension("plotly", notifications=False)
 
 POLL_MS = 300
 EXTRA_PATTERNS = [("/health", HealthHandler)]
-View = DriveView | TradeOffView | RobustnessView | DisturbancesView | SpeedLimitsView
+View = DriveView | CompareView | TradeOffView | RobustnessView | DisturbancesView | SpeedLimitsView
 VIEWS: dict[str, type[View]] = {
     "Drive": DriveView,
+    "Compare": CompareView,
     "Trade-off": TradeOffView,
     "Robustness": RobustnessView,
     "Disturbances": DisturbancesView,
@@ -55,6 +58,7 @@ class Session:
         self.palette = Palette(self.state.dark)
         self.runs = Worker(compute_runs, self._take_runs, self._take_failure)
         self.trade_off = Worker(compute_trade_off, self._take_trade_off, self._take_failure)
+        self.compare = Compare(self.state)
         self.robustness = Robustness(self.state)
         self.disturbances = Disturbances(self.state)
         self.speed_limits = SpeedLimits(self.state)

@@ -30,8 +30,10 @@ class Workbench(param.Parameterized):
     trade_off_duration_s = param.Number(default=0.0, doc="How long its computation took.")
     wide_map = param.Boolean(default=False, doc="Show ENOC's map up to 5000 s.")
     copper_weight = param.Number(default=1.0, doc="Copper loss of ENOC's map over the vehicle's own.")
-    pins = param.Tuple(default=(), length=None, doc="The pinned runs, the last one pinned last.")
+    pins = param.ClassSelector(class_=tuple, default=(), doc="The pinned runs, the last one pinned last.")
     compared = param.ClassSelector(class_=Runs, default=None, allow_None=True, doc="The last runs of all strategies.")
+    compare_all = param.Boolean(default=True, doc="Compare all strategies, not only those that are ticked.")
+    reference = param.String(default="", doc="Strategy or pin that others are compared with; empty for the usual one.")
     notice = param.String(default="", doc="One sentence on why something was not done; empty where there is none.")
     failure = param.ClassSelector(
         class_=RailjouleError, default=None, allow_None=True, doc="Why the last wish could not be met."

@@ -13,7 +13,8 @@ from railjoule.core.strategies.optimal import PROVEN_GAP
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.theme import parts_css
-from railjoule.dashboard.look.tokens import DASHES, line_width
+from railjoule.dashboard.look.tokens import DASHES, PIN_DASHES, line_width
+from railjoule.dashboard.models.pins import Pin
 from railjoule.dashboard.store import Runs
 
 LOSS_WORDS = {
@@ -48,8 +49,8 @@ def escaped(text: str) -> str:
 
 
 def swatch(name: str) -> str:
-    """Return a sample of a strategy's line."""
-    dash = DASHES[name]  # type: ignore[index]
+    """Return a sample of the line of a strategy or a pinned run."""
+    dash = PIN_DASHES.get(name) or DASHES[name]  # type: ignore[index]
     pattern = "" if dash == "solid" else f'stroke-dasharray="{" ".join(map(str, dash))}"'
     return (
         '<svg width="22" height="8" aria-hidden="true"><line x1="0" y1="4" x2="22" y2="4" '
@@ -225,30 +226,35 @@ def account(run: Trajectory) -> str:
     return f'<div class="block"><h2>Where the energy goes, kWh</h2>{bars}</div>'
 
 
-def table(title: str, header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> str:
-    """Return a table under a title, which a button saves; cells are HTML, and a row may be the chosen one."""
+def plain_table(header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> str:
+    """Return a table; cells are HTML, and a row may be the chosen one."""
     head = "".join(f'<th scope="col">{cell}</th>' for cell in header)
     body = "".join(
         f"<tr{' class=chosen' if chosen else ''}>{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"
         for cells, chosen in rows
     )
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def table(title: str, header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> str:
+    """Return a table under a title, with a button that saves it; title and cells are HTML."""
     name = re.sub(r"<[^>]+>", "", title)
-    save = f'<button type="button" class="save" data-save="csv" data-name="{name}" aria-label="Save {name} as CSV">CSV</button>'
-    return (
-        f'<div class="block"><div class="titled"><h2>{title}</h2>{save}</div><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
-    )
+    save = f'<button type="button" class="save" data-save="csv" data-name="{name}" aria-label="Save {name} as CSV">'
+    titled = f'<div class="titled"><h2>{title}</h2>{save}CSV</button></div>'
+    return f'<div class="block">{titled}{plain_table(header, rows)}</div>'
 
 
-def runs_table(runs: Runs, chosen: str, pinned: Trajectory | None) -> str:
-    """Return all runs of the scenario and the pinned one, side by side."""
+def runs_table(runs: Runs, chosen: str, pins: Sequence[Pin] = ()) -> str:
+    """Return all runs of the scenario and the pinned ones, side by side; the last one pinned is the reference."""
+    pinned = pins[-1].trajectory if pins else None
     reference = pinned.energy_kwh if pinned else runs.best.energy_kwh
     rows = []
     for name, run in runs.runs.items():
         word = words.STRATEGY_WORDS[name]
         rows.append(((f"{swatch(name)}{word}", *_run_cells(run, reference)), name == chosen))
-    if pinned:
-        word = f"Pinned: {words.STRATEGY_WORDS[pinned.strategy].lower()}"  # type: ignore[index]
-        rows.append(((f"{swatch('pinned')}{word}", *_run_cells(pinned, reference)), False))
+    for pin in reversed(pins):
+        line = swatch("pinned") if pin is pins[-1] else ""
+        rows.append(((f"{line}Pinned: {escaped(pin.name)}", *_run_cells(pin.trajectory, reference)), False))
     against = "to pinned, %" if pinned else "above, %"
     return table("Runs", ("Run", "kWh", against, "s", "km/h"), rows)
 

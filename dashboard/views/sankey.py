@@ -99,7 +99,7 @@ def sankey(flow: EnergyFlow, tokens: Tokens, width_px: float, title: str) -> str
     links = links_of(flow)
     svg = Drawing(links, tokens, width_px).svg(title)
     rows = [((html.escape(link.source), html.escape(link.target), kwh(link.joules)), False) for link in links]
-    table = parts.table(title, ("From", "To", "kWh"), rows)
+    table = parts.plain_table(("From", "To", "kWh"), rows)
     return f'<div class="caption">{title}</div><div class="sankey">{svg}</div><div class="hidden">{table}</div>'
 
 
@@ -174,13 +174,14 @@ class Drawing:
         drawn = [*self._ribbons(), *(self._knot(knot) for knot in KNOTS if self._through(knot))]
         drawn += [self._end(link) for link in self.ends] + [self._source(link) for link in self.sources]
         height = self.bottom + 6
+        label = html.escape(f"{title}: {spoken}")
         back = next((link for link in self.links if link.target == BACK), None)
         if back is not None:
             drawn.append(self._back(back))
             height += self.px_per_j * back.joules + 2 * BEND_PX + 20
         return (
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {self.width:.0f} {height:.0f}" '
-            f'width="{self.width:.0f}" height="{height:.0f}" role="img" aria-label="{html.escape(f"{title}: {spoken}")}" '
+            f'width="{self.width:.0f}" height="{height:.0f}" role="img" aria-label="{label}" '
             f'data-figure="{html.escape(title)}" font-family="{html.escape(FONT)}" font-size="{self.size}" '
             f'fill="{self.tokens["ink2"]}">{"".join(drawn)}</svg>'
         )
@@ -210,7 +211,9 @@ class Drawing:
     def _ribbon(self, x0: float, y0: float, x1: float, y1: float, height: float, token: str) -> str:
         middle = 0.5 * (x0 + x1)
         upper = f"M{x0:.1f} {y0:.1f}C{middle:.1f} {y0:.1f} {middle:.1f} {y1:.1f} {x1:.1f} {y1:.1f}"
-        lower = f"v{height:.1f}C{middle:.1f} {y1 + height:.1f} {middle:.1f} {y0 + height:.1f} {x0:.1f} {y0 + height:.1f}Z"
+        lower = (
+            f"v{height:.1f}C{middle:.1f} {y1 + height:.1f} {middle:.1f} {y0 + height:.1f} {x0:.1f} {y0 + height:.1f}Z"
+        )
         return f'<path d="{upper}{lower}" fill="{self.tokens[token]}" fill-opacity="0.45"/>'
 
     def _knot(self, knot: str) -> str:

@@ -11,7 +11,8 @@ from bokeh.model import Model
 from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look.theme import document_css, material_theme
 from railjoule.dashboard.models.workbench import PAGES, Workbench
-from railjoule.dashboard.views.parts import html_pane, stack
+from railjoule.dashboard.views.parts import escaped, html_pane, stack
+from railjoule.dashboard.views.saving import Saving
 from railjoule.dashboard.views.sidebar import Sidebar
 from railjoule.dashboard.views.starting import StartingView
 
@@ -94,14 +95,16 @@ class Shell:
             description="Pin run",
             visible=False,
         )
-        self.starting = StartingView()
+        self.starting, self.saving = StartingView(), Saving()
+        self.notice = html_pane(visible=False)
         self.page = self._page()
         self.tabs.param.watch(self._turn, "active")
         self.menu.on_click(self._pick)
         self.pin.on_click(self._pin)
         self.pin_small.on_click(self._pin)
         state.param.watch(self._show_page, "page")
-        state.param.watch(self._name_pin, "pinned")
+        state.param.watch(self._name_pin, ["pins", "runs", "chosen"])
+        state.param.watch(self._tell, "notice")
         browser.follow(["width"], self._fit)
         browser.follow(["wants_dark"], self._follow_system)
         self.page.param.watch(self._paint, "dark_theme")
@@ -113,7 +116,7 @@ class Shell:
         return Page(
             title="",
             meta_title="railjoule",
-            main=[self.main, self.browser],
+            main=[self.notice, self.main, self.browser, self.saving],
             sidebar=[self.sidebar.view],
             sidebar_width=272,
             sidebar_open=True,
@@ -156,16 +159,29 @@ class Shell:
         if name not in self._made:
             self._made[name] = self._make[name]()
         with pn.io.hold():
+            self.state.notice = ""
             self.main[:] = [self._made[name]]
             self.tabs.active = PAGES.index(name)
             self.menu.label = name
 
     def _pin(self, *_: Any) -> None:
-        self.state.pinned = None if self.state.pinned is not None else self.state.run
+        """Pin the run that is shown, or let go of it where it is pinned."""
+        pin = self.state.pin_of_run
+        if pin is None:
+            self.state.pin()
+        else:
+            self.state.unpin(pin)
 
     def _name_pin(self, *_: Any) -> None:
-        self.pin.label = "Unpin" if self.state.pinned is not None else "Pin run"
-        self.pin_small.description = self.pin.label
+        label = "Pin run" if self.state.pin_of_run is None else "Unpin"
+        if self.pin.label != label:
+            self.pin.label = self.pin_small.description = label
+
+    def _tell(self, *_: Any) -> None:
+        """Say in one sentence why something was not done."""
+        text = self.state.notice
+        self.notice.visible = bool(text)
+        self.notice.object = f'<div class="message info" role="alert">{escaped(text)}</div>' if text else ""
 
     def _fit(self) -> None:
         """Close the sidebar on narrow screens, and put the pages into a menu on the narrowest."""
