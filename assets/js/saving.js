@@ -3,8 +3,9 @@
 
 const SVG = "http://www.w3.org/2000/svg";
 const PIXELS = 2; // of the picture for each of the page
-const CAPTION_PX = 22;
+const [CAPTION_PX, AXIS_PX] = [22, 40];
 const DECORATION = new Set(["fill", "ink", "colour", "align", "offset", "base", "middle"]);
+const NOT_DATA = new Set(["forbidden", "borders"]); // sources that only help the eye
 const STYLE = `
 :host { position: relative; }
 .rj-save { position: absolute; top: 0; right: 14px; z-index: 4; font: 12px var(--rj-font); }
@@ -67,6 +68,29 @@ const at_ratio = (ratio, draw) => {
     if (own) { Object.defineProperty(window, "devicePixelRatio", own); } else { delete window.devicePixelRatio; }
   }
 };
+const frame = () => new Promise((resolve) => requestAnimationFrame(resolve));
+const x_words = (figure) => {
+  const [, unit] = figure.x_range.tags ?? [];
+  return figure.below.find((one) => one.axis_label)?.axis_label
+    || {s: "Time, s", m: "Distance, m"}[unit] || "";
+};
+// charts below each other share one axis on the page; a picture of one of them needs its own for a moment
+const with_axis = async (view, draw) => {
+  const figure = view.model;
+  const axis = figure.below[0];
+  if (!axis || axis.visible) return draw();
+  const end = figure.x_range.tags?.[2];
+  const before = {visible: false, axis_label: axis.axis_label, bounds: axis.bounds};
+  const [height, tall] = [figure.height, view.bbox.height];
+  const grow = async (changes, high) => {
+    axis.setv(changes, {sync: false});
+    figure.setv({height: high}, {sync: false});
+    for (let k = 0; k < 60 && view.bbox.height === (high === height ? tall + AXIS_PX : tall); k++) { await frame(); }
+    await frame();
+  };
+  await grow({visible: true, axis_label: x_words(figure), ...(end ? {bounds: [0, end]} : {})}, height + AXIS_PX);
+  try { return draw(); } finally { await grow(before, height); }
+};
 const image_from = (address) => new Promise((resolve, reject) => {
   const image = new Image();
   image.onload = () => resolve(image);
@@ -91,13 +115,13 @@ const pieces_of = async (place, type) => {
     const text = () => decodeURIComponent(address.slice(address.indexOf(",") + 1));
     return [{width, height, node: type === "svg" ? parsed(text()) : await image_from(address)}];
   }
-  return bokeh_views(place).map((view) => {
+  return Promise.all(bokeh_views(place).map((view) => with_axis(view, () => {
     const {width, height} = view.bbox;
     const node = type === "svg"
       ? parsed(view.export("svg", false).ctx.get_serialized_svg(true))
       : at_ratio(PIXELS, () => view.export("png", true)).canvas;
     return {width, height, node};
-  });
+  })));
 };
 const layout_of = (pieces, words) => {
   const top = words ? CAPTION_PX : 0;
@@ -183,15 +207,12 @@ const bokeh_series = (view, words) => {
   const series = [];
   for (const renderer of view.model.renderers) {
     const source = renderer.data_source;
-    if (!source || !renderer.visible || renderer.glyph?.type === "Text" || seen.has(source)) continue;
+    if (!source || NOT_DATA.has(source.name) || !renderer.visible || renderer.glyph?.type === "Text" || seen.has(source)) continue;
     seen.add(source);
     const points = source_points(Object.fromEntries(Object.entries(source.data)));
     if (points.length) series.push([source.name ?? `series ${series.length + 1}`, points]);
   }
-  const range = view.model.x_range;
-  const axis = view.model.below.find((one) => one.axis_label)?.axis_label;
-  const unit = range.tags?.[1];
-  const x = axis || (unit === "s" ? "Time, s" : unit === "m" ? "Distance, m" : "x");
+  const x = x_words(view.model) || "x";
   const side = view.model.left.find((one) => one.axis_label)?.axis_label;
   return [series, {x, y: side || words || "y"}];
 };
@@ -234,13 +255,17 @@ const equip = (place) => {
   const button = holder.firstChild;
   button.setAttribute("aria-label", `Save ${words}`);
   button.title = "Save this figure";
+  let menu = null;
   const close = (again) => {
-    holder.querySelector("[role=menu]")?.remove();
-    button.setAttribute("aria-expanded", "false");
+    // let go of it first: what has the focus leaves it when it is removed
+    const closing = menu;
+    menu = null;
     if (again) button.focus();
+    closing?.remove();
+    button.setAttribute("aria-expanded", "false");
   };
   const open = () => {
-    const menu = document.createElement("div");
+    menu = document.createElement("div");
     menu.setAttribute("role", "menu");
     menu.setAttribute("aria-label", `Save ${words} as`);
     for (const type of ["png", "svg", "csv"]) {
@@ -255,7 +280,7 @@ const equip = (place) => {
     button.setAttribute("aria-expanded", "true");
     menu.firstChild.focus();
   };
-  button.addEventListener("click", () => holder.querySelector("[role=menu]") ? close(true) : open());
+  button.addEventListener("click", () => menu ? close(true) : open());
   holder.addEventListener("keydown", (event) => {
     const items = [...holder.querySelectorAll("[role=menuitem]")];
     const step = {ArrowDown: 1, ArrowUp: -1}[event.key];
@@ -264,7 +289,7 @@ const equip = (place) => {
     event.preventDefault();
     items[(items.indexOf(root.activeElement) + step + items.length) % items.length].focus();
   });
-  holder.addEventListener("focusout", (event) => { if (!holder.contains(event.relatedTarget)) close(false); });
+  holder.addEventListener("focusout", (event) => { if (menu && !holder.contains(event.relatedTarget)) close(false); });
   root.append(holder);
 };
 

@@ -4,9 +4,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from railjoule.core import Trajectory
+from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import words
 from railjoule.dashboard.models.workbench import Workbench
+
+SIGNS: Mapping[StrategyName, str] = {"speed_limits": "Limits"}
+"""What stands at lines where the whole word has no room."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,14 +38,14 @@ class Contender:
 def contenders(state: Workbench) -> tuple[Contender, ...]:
     """Return the runs to compare: strategies in their order, then pins in theirs."""
     named = [
-        Contender(name, words.STRATEGY_WORDS[name], words.STRATEGY_WORDS[name], run)
+        Contender(name, words.STRATEGY_WORDS[name], SIGNS.get(name, words.STRATEGY_WORDS[name]), run)
         for name, run in strategy_runs(state).items()
     ]
     pinned = [Contender(pin.colour, f"{pin.number} {pin.name}", str(pin.number), pin.trajectory) for pin in state.pins]
     return (*named, *pinned)
 
 
-def strategy_runs(state: Workbench) -> Mapping[str, Trajectory]:
+def strategy_runs(state: Workbench) -> Mapping[StrategyName, Trajectory]:
     """Return the runs of the scenario's strategies: all that are known, or those that are ticked."""
     if state.runs is None:
         return {}

@@ -110,7 +110,7 @@ class Axis:
         if told != self.follow.args["charts"]:
             self.follow.args = {"charts": told}
         self._settled += 1
-        self.range.tags = [self._settled, unit]
+        self.range.tags = [self._settled, unit, self._end]
 
 
 class Chart:

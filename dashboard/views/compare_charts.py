@@ -1,6 +1,6 @@
 """The charts of Compare: speed, energy, difference and effort of all runs."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,7 @@ MOST_TOLD = 6
 """The cursor writes the values of so many runs at most, the reference first."""
 HEADROOM = 1.12
 LABEL_PX = 14
+FASTEST = "fastest"
 
 
 def strokes() -> Mapping[str, tuple[str, dict[str, Any]]]:
@@ -64,23 +65,34 @@ class ComparedChart(RunLinesChart):
         self.told["sources"] = [[contender.sign, self.sources[contender.key]] for contender in first]
         return low, high
 
-    def name_ends(self, among: Sequence[Contender], over_time: bool, narrow: bool, digits: int) -> None:
-        """Write sign and last value at the ends of the lines."""
+    def name_ends(
+        self, among: Sequence[Contender], over_time: bool, narrow: bool, show: Callable[[float, int], str]
+    ) -> None:
+        """Write sign and last value at the ends of the lines, and make room for them."""
         if narrow:
             clear(self.sources["names"])
             return
         ends = [float(self.values(contender.run)[-1]) for contender in among]
-        span = self.y_range.end - self.y_range.start
+        low, high = self.y_range.start, self.y_range.end
+        gap = LABEL_PX * max((high - low) / self.height, 1e-9)
+        places = spread(ends, gap)
+        self.set_range(min(low, min(places) - 0.5 * gap), max(high, max(places) + 0.5 * gap))
         self.sources["names"].data = {
             "x": [end_of(contender.run, over_time) for contender in among],
-            "y": spread(ends, LABEL_PX * span / self.height),
-            "text": [f"{c.sign} {words.number(end, digits)}" for c, end in zip(among, ends, strict=True)],
+            "y": places,
+            "text": [f"{c.sign} {show(end, 2)}" for c, end in zip(among, ends, strict=True)],
             "colour": [self.palette.tokens[contender.key] for contender in among],
         }
 
     def draw(self, among: Sequence[Contender], reference: Contender, over_time: bool, narrow: bool) -> None:
         """Draw all runs."""
         raise NotImplementedError
+
+
+def without_fastest(among: Sequence[Contender], reference: Contender) -> list[Contender]:
+    """Return the runs whose energies can share an axis: the fastest run needs far more than all others."""
+    slower = [contender for contender in among if contender.key != FASTEST or contender is reference]
+    return slower or list(among)
 
 
 def end_of(run: Trajectory, over_time: bool) -> float:
@@ -155,8 +167,9 @@ class ComparedEnergyChart(ComparedChart):
 
     def draw(self, among: Sequence[Contender], reference: Contender, over_time: bool, narrow: bool) -> None:
         """Draw all runs."""
-        self.set_range(*nice_range(*self.fill_all(among, reference, over_time)))
-        self.name_ends(among, over_time, narrow, 2)
+        drawn = without_fastest(among, reference)
+        self.set_range(*nice_range(*self.fill_all(drawn, reference, over_time)))
+        self.name_ends(drawn, over_time, narrow, words.number)
 
 
 class ComparedDifferenceChart(ComparedChart):
@@ -187,9 +200,10 @@ class ComparedDifferenceChart(ComparedChart):
     def draw(self, among: Sequence[Contender], reference: Contender, over_time: bool, narrow: bool) -> None:
         """Draw all runs but the reference."""
         self._reference, self._over_time = reference.run, over_time
-        others = [contender for contender in among if contender is not reference] or [reference]
-        self.set_range(*nice_range(*self.fill_all(others, others[0], over_time), 0.1))
-        self.name_ends(others, over_time, narrow, 2)
+        others = [contender for contender in without_fastest(among, reference) if contender is not reference]
+        drawn = others or [reference]
+        self.set_range(*nice_range(*self.fill_all(drawn, drawn[0], over_time), 0.1))
+        self.name_ends(drawn, over_time, narrow, words.signed)
 
 
 class ComparedEffortChart(ComparedChart):
@@ -213,6 +227,7 @@ class ComparedEffortChart(ComparedChart):
 
     def draw(self, among: Sequence[Contender], reference: Contender, over_time: bool, narrow: bool) -> None:
         """Draw all runs and name the axis."""
-        self.set_range(*nice_range(*self.fill_all(among, reference, over_time), 0.08))
+        drawn = without_fastest(among, reference)
+        self.set_range(*nice_range(*self.fill_all(drawn, reference, over_time), 0.08))
         assert self.figure is not None
         self.figure.xaxis.axis_label = "Time, s" if over_time else "Distance, m"

@@ -1,6 +1,6 @@
 """The numbers of all runs and their differences to a reference, as a table."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from railjoule.core import Trajectory
 from railjoule.core.units import J_PER_KWH
@@ -14,17 +14,25 @@ NONE = "\u2013"
 
 
 def comparison_table(among: Sequence[Contender], reference: Contender) -> str:
-    """Return the table as HTML; the reference is its chosen row."""
-    kinds = list(dict.fromkeys(kind for contender in among for kind in contender.run.energy.losses_j))
-    header = ["Run", "kWh", "less reference", "%", "s", "less reference", "km/h", "given back, kWh"]
-    header += [f"{parts.escaped(loss_word(kind))}, kWh" for kind in kinds]
+    """Return the table as HTML; the reference is its chosen row, and losses that no run has are left out."""
+    losses = [contender.run.energy.losses_j for contender in among]
+    kinds = [kind for kind in dict.fromkeys(kind for each in losses for kind in each) if _any(losses, kind)]
+    header = ["Run", "kWh", "less ref.", "%", "s", "less ref.", "km/h", "given back"]
+    header += [parts.escaped(loss_word(kind).lower()) for kind in kinds]
     header.append("above bound, %")
     rows = []
     for contender in among:
         cells = [f"{parts.swatch(contender.key)}{parts.escaped(contender.name)}"]
         cells += numbers(contender.run, reference.run, kinds)
         rows.append((cells, contender is reference))
-    return f'<div class="wide-table">{parts.table("Runs side by side", header, rows)}</div>'
+    title = "Runs side by side, energies in kWh"
+    table = parts.table(title, header, rows)
+    return f'<div class="wide-table" tabindex="0" role="region" aria-label="{title}">{table}</div>'
+
+
+def _any(losses: Sequence[Mapping[str, float]], kind: str) -> bool:
+    """Return whether any run has a loss that its table would show."""
+    return any(abs(each.get(kind, 0.0)) >= SAME_KWH * J_PER_KWH for each in losses)
 
 
 def loss_word(kind: str) -> str:

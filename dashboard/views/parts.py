@@ -253,7 +253,7 @@ def runs_table(runs: Runs, chosen: str, pins: Sequence[Pin] = ()) -> str:
         word = words.STRATEGY_WORDS[name]
         rows.append(((f"{swatch(name)}{word}", *_run_cells(run, reference)), name == chosen))
     for pin in reversed(pins):
-        line = swatch("pinned") if pin is pins[-1] else ""
+        line = swatch("pinned") if pin is pins[-1] else '<svg width="22" height="8" aria-hidden="true"></svg>'
         rows.append(((f"{line}Pinned: {escaped(pin.name)}", *_run_cells(pin.trajectory, reference)), False))
     against = "to pinned, %" if pinned else "above, %"
     return table("Runs", ("Run", "kWh", against, "s", "km/h"), rows)

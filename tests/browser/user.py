@@ -115,9 +115,8 @@ class User:
 
     def begin_anew(self) -> None:
         """Go back to what a new page of Drive shows, without the seconds that opening it takes."""
-        unpin, back = (self.page.get_by_role("button", name=name) for name in ("Unpin", "Back to the preset"))
-        if unpin.is_visible():
-            unpin.click()
+        back = self.page.get_by_role("button", name="Back to the preset")
+        self.let_go_of_pins()
         self.page.get_by_role("button", name="Distance", exact=True).click()
         for name in STRATEGIES:
             box = self.page.get_by_label(f"Draw {STRATEGY_WORDS[name]}", exact=True)
@@ -129,6 +128,17 @@ class User:
             back.click()
         self.page.mouse.move(5, 5)
         self.rest(800)
+
+    def let_go_of_pins(self) -> None:
+        """Unpin all runs, on the page where each of them has its button."""
+        if not self.page.get_by_text("Pinned: ").first.is_visible():
+            return
+        self.turn_to("Compare")
+        unpin = self.page.get_by_role("button", name="Unpin run").first
+        while unpin.is_visible():
+            unpin.click()
+            self.rest()
+        self.turn_to("Drive")
 
     def turn_to(self, page: str) -> None:
         """Turn to another page."""
