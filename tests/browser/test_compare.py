@@ -15,10 +15,10 @@ CANARY = '<img src=x onerror="window.canary=1">'
 def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who has pinned two runs and stays on the page for all tests of this file."""
     with User.on(window, server.url) as someone:
-        someone.page.get_by_role("button", name="Pin run").click()
+        someone.page.get_by_role("button", name="Pin run", exact=True).click()
         someone.type("Load, % of capacity", "70")
-        expect(someone.page.get_by_role("button", name="Pin run")).to_be_visible()
-        someone.page.get_by_role("button", name="Pin run").click()
+        expect(someone.page.get_by_role("button", name="Pin run", exact=True)).to_be_visible()
+        someone.page.get_by_role("button", name="Pin run", exact=True).click()
         someone.type("Travel time, s", "180")
         someone.turn_to("Compare")
         yield someone
@@ -78,7 +78,7 @@ def test_a_pin_takes_a_name_which_is_text_and_nothing_else(user: User) -> None:
 def test_a_seventh_run_is_refused_in_one_sentence(user: User) -> None:
     for load in (10, 20, 30, 40, 50):
         user.type("Load, % of capacity", str(load))
-        user.page.get_by_role("button", name="Pin run").click()
+        user.page.get_by_role("button", name="Pin run", exact=True).click()
         user.rest()
     assert user.alerts() == ["6 pinned runs are the most: unpin one to make room for another."]
     for pinned in range(6, 0, -1):

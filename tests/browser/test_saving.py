@@ -23,23 +23,12 @@ def user(server: Server, window: BrowserContext) -> Iterator[User]:
         yield someone
 
 
-def saved(user: User, figure: str, kind: str) -> tuple[str, bytes]:
-    """Save a figure by the keyboard alone; return the file's name and content."""
-    button = user.page.get_by_role("button", name=f"Save {figure}", exact=True)
-    button.press("Enter")
-    item = user.page.get_by_role("menuitem", name=kind, exact=True)
-    with user.page.expect_download() as download:
-        item.press("Enter")
-    expect(button).to_be_focused()
-    return download.value.suggested_filename, Path(download.value.path()).read_bytes()
-
-
 def rows_of(content: bytes) -> list[list[str]]:
     return list(csv.reader(io.StringIO(content.decode())))
 
 
 def test_a_figure_as_png(user: User) -> None:
-    name, content = saved(user, "Speed, km/h", "PNG")
+    name, content = user.save("Speed, km/h", "PNG")
     assert name == "metro-profile-ii-i-speed-km-h.png"
     assert content.startswith(PNG)
     # two pixels for each of the page's: width and height stand in the first chunk
@@ -50,7 +39,7 @@ def test_a_figure_as_png(user: User) -> None:
 
 
 def test_a_figure_as_svg_with_an_axis_of_its_own(user: User) -> None:
-    _, content = saved(user, "Speed, km/h", "SVG")
+    _, content = user.save("Speed, km/h", "SVG")
     svg = ElementTree.fromstring(content)
     assert svg.tag == f"{SVG}svg"
     assert len(list(svg.iter(f"{SVG}path"))) > 10
@@ -62,7 +51,7 @@ def test_a_figure_as_svg_with_an_axis_of_its_own(user: User) -> None:
 
 
 def test_a_figure_as_csv(user: User) -> None:
-    _, content = saved(user, "Speed, km/h", "CSV")
+    _, content = user.save("Speed, km/h", "CSV")
     header, *rows = rows_of(content)
     assert header[0] == "series"
     series, x, y = header.index("series"), header.index("Distance, m"), header.index("Speed, km/h")
@@ -77,10 +66,10 @@ def test_the_flow_of_energy(user: User) -> None:
     user.page.locator(".rj-chart-sankey").scroll_into_view_if_needed()
     figure = "Energy from the line to losses and back, kWh"
     expect(user.page.get_by_role("img", name=figure)).to_be_visible()
-    svg = ElementTree.fromstring(saved(user, figure, "SVG")[1])
+    svg = ElementTree.fromstring(user.save(figure, "SVG")[1])
     assert any("Back to the line" in "".join(text.itertext()) for text in svg.iter(f"{SVG}text"))
-    assert saved(user, figure, "PNG")[1].startswith(PNG)
-    header, *rows = rows_of(saved(user, figure, "CSV")[1])
+    assert user.save(figure, "PNG")[1].startswith(PNG)
+    header, *rows = rows_of(user.save(figure, "CSV")[1])
     assert header == ["From", "To", "kWh"]
     flows = {(row[0], row[1]): float(row[2]) for row in rows}
     net = flows["Line", "Drive"] - flows["Brake", "Back to the line"]
@@ -107,14 +96,3 @@ def test_the_advice_is_copied_and_printed(user: User) -> None:
     user.page.get_by_role("button", name="Print the advice").click()
     sheet = user.page.frame_locator("#rj-print")
     expect(sheet.locator("li")).to_have_count(len(lines) - 1)
-
-
-def test_a_surface_as_png_and_its_points_as_csv(user: User) -> None:
-    user.turn_to("Trade-off")
-    user.choose("Suburban, flat 5 km")
-    figure = "ENOC: energy, kWh, as a surface (drag to turn)"
-    expect(user.page.locator(".rj-chart-surface canvas").first).to_be_visible()
-    assert saved(user, figure, "PNG")[1].startswith(PNG)
-    header, *rows = rows_of(saved(user, figure, "CSV")[1])
-    assert header == ["series", "x", "y", "z"]
-    assert sum(row[0] == "surface" for row in rows) > 500

@@ -150,6 +150,16 @@ class User:
         self.page.locator("input[type=file]").set_input_files(path)
         self.rest(1000)
 
+    def save(self, figure: str, kind: str) -> tuple[str, bytes]:
+        """Save a figure by the keyboard alone; return the file's name and content."""
+        button = self.page.get_by_role("button", name=f"Save {figure}", exact=True)
+        button.press("Enter")
+        item = self.page.get_by_role("menuitem", name=kind, exact=True)
+        with self.page.expect_download() as download:
+            item.press("Enter")
+        expect(button).to_be_focused()
+        return download.value.suggested_filename, Path(download.value.path()).read_bytes()
+
     def alerts(self) -> list[str]:
         """Return the messages in sight."""
         return [alert.inner_text() for alert in self.page.get_by_role("alert").all() if alert.is_visible()]
