@@ -3,12 +3,14 @@
 
 const SVG = "http://www.w3.org/2000/svg";
 const PIXELS = 2; // of the picture for each of the page
-const [CAPTION_PX, AXIS_PX] = [22, 40];
+const [CAPTION_PX, AXIS_PX, STRIP_PX] = [22, 40, 50];
 const DECORATION = new Set(["fill", "ink", "colour", "align", "offset", "base", "middle"]);
 const NOT_DATA = new Set(["forbidden", "borders"]); // sources that only help the eye
 const STYLE = `
 :host { position: relative; }
 .rj-save { position: absolute; top: 0; right: 14px; z-index: 4; font: 12px var(--rj-font); }
+.rj-save.low { right: auto; left: 14px; }
+.rj-save.low [role=menu] { right: auto; left: 0; }
 .rj-save > button { width: 24px; height: 24px; padding: 3px; border: 1px solid transparent; border-radius: 6px;
   background: var(--rj-surface); color: var(--rj-ink2); cursor: pointer; opacity: 0; display: block; }
 :host(:hover) .rj-save > button, .rj-save > button:focus-visible, .rj-save > button[aria-expanded=true] { opacity: 1; }
@@ -250,7 +252,8 @@ const equip = (place) => {
   sheet.replaceSync(STYLE);
   root.adoptedStyleSheets = [...root.adoptedStyleSheets, sheet];
   const holder = document.createElement("div");
-  holder.className = "rj-save";
+  // a strip has no caption beside which the button could stand: it takes the room of the axis
+  holder.className = place.clientHeight < STRIP_PX ? "rj-save low" : "rj-save";
   holder.innerHTML = `<button type="button" aria-haspopup="menu" aria-expanded="false">${ICON}</button>`;
   const button = holder.firstChild;
   button.setAttribute("aria-label", `Save ${words}`);

@@ -74,9 +74,12 @@ class ComparedChart(RunLinesChart):
             return
         ends = [float(self.values(contender.run)[-1]) for contender in among]
         low, high = self.y_range.start, self.y_range.end
-        gap = LABEL_PX * max((high - low) / self.height, 1e-9)
-        places = spread(ends, gap)
-        self.set_range(min(low, min(places) - 0.5 * gap), max(high, max(places) + 0.5 * gap))
+        # the room that labels take beyond the lines makes all of them closer, so it needs a little more
+        for _ in range(3):
+            gap = LABEL_PX * max((high - low) / self.height, 1e-9)
+            places = spread(ends, gap)
+            low, high = min(low, min(places) - 0.6 * gap), max(high, max(places) + 0.6 * gap)
+        self.set_range(low, high)
         self.sources["names"].data = {
             "x": [end_of(contender.run, over_time) for contender in among],
             "y": places,

@@ -118,8 +118,8 @@ class Drawing:
 
     def __init__(self, links: Sequence[Link], tokens: Tokens, width_px: float) -> None:
         self.links, self.tokens, self.width = links, tokens, width_px
-        narrow = width_px < NARROW_PX
-        self.name_room = 132.0 if narrow else 210.0
+        self.narrow = narrow = width_px < NARROW_PX
+        self.name_room = 152.0 if narrow else 210.0
         self.left = 4.0 if narrow else 50.0
         self.size = 11 if narrow else 12
         most = max(sum(link.joules for link in links if link.source == LINE), self._through(TRAIN), 1.0)
@@ -228,7 +228,12 @@ class Drawing:
 
     def _source(self, link: Link) -> str:
         x, y = self._x(DRIVE), self.source_tops[link.source] + 0.5 * self.px_per_j * link.joules + 4
-        return self._text(x + KNOT_PX - 4, y, f"{link.source} {kwh(link.joules)}", anchor="end")
+        text = f"{link.source} {kwh(link.joules)}"
+        if not self.narrow:
+            return self._text(x + KNOT_PX - 4, y, text, anchor="end")
+        first, rest = text.split(" ", 1)
+        upper = self._text(x + KNOT_PX - 4, y - 7, first, anchor="end")
+        return upper + self._text(x + KNOT_PX - 4, y + 6, rest, anchor="end")
 
     def _text(self, x: float, y: float, text: str, strong: bool = False, anchor: str = "start") -> str:
         weight = ' font-weight="600"' if strong else ""

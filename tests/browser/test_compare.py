@@ -45,7 +45,7 @@ def test_pinned_runs_stand_beside_all_strategies(user: User) -> None:
     for chart in ("compared_speed", "compared_energy"):
         expect(user.page.locator(f".rj-chart-{chart} canvas").first).to_be_visible()
     told = user.page.locator(".differences li")
-    expect(told).to_have_text(["1 Optimal, 170.0 s, load 50 %: load 50 % instead of 70 %."])
+    expect(told).to_have_text(["1 Optimal, 170.0 s, load 50 %, recuperation 40 %: load 50 % instead of 70 %."])
 
 
 def test_another_run_becomes_the_reference(user: User) -> None:

@@ -82,7 +82,7 @@ def test_the_same_run_is_pinned_once(state: Workbench) -> None:
 def test_an_empty_name_gives_back_the_first_one(state: Workbench) -> None:
     state.pin()
     first = state.pins[0].name
-    assert first == "Optimal, 170.0 s, load 50 %"
+    assert first == "Optimal, 170.0 s, load 50 %, recuperation 40 %"
     state.rename(state.pins[0], "  with \n wind ")
     assert state.pins[0].name == "with wind"
     state.rename(state.pins[0], " ")
