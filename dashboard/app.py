@@ -81,6 +81,7 @@ class Session:
 
     def _end(self) -> None:
         """End what still runs: the page is gone."""
+        self.compare.end()
         self.robustness.end()
         self.disturbances.end()
 

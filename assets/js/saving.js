@@ -1,4 +1,4 @@
-// Saves what is shown: figures as PNG, SVG and CSV, tables as CSV; copies and prints the advice card.
+// Saves what is shown: figures as PNG, SVG and CSV, tables as CSV; copies and prints the advice card, sorts tables.
 // All of it happens in the browser; nothing is asked of the server.
 
 const SVG = "http://www.w3.org/2000/svg";
@@ -347,10 +347,28 @@ const ACTIONS = {
     setTimeout(() => { button.textContent = "Copy"; }, 2000);
   },
   print: (button) => print_card(button.closest(".card")),
+  sort: (button) => {
+    const heading = button.closest("th");
+    const upwards = heading.getAttribute("aria-sort") !== "ascending";
+    for (const other of heading.parentNode.cells) { other.removeAttribute("aria-sort"); }
+    heading.setAttribute("aria-sort", upwards ? "ascending" : "descending");
+    const body = heading.closest("table").tBodies[0];
+    const rows = [...body.rows].sort((one, other) => {
+      const order = compared(...[one, other].map((row) => row.cells[heading.cellIndex].textContent.trim()));
+      return upwards ? order : -order;
+    });
+    body.append(...rows);
+  },
+};
+// numbers by size, words by the alphabet, what is not known last
+const compared = (one, other) => {
+  const [a, b] = [one, other].map((text) => Number(text.replace(/\u202f/g, "").replace(/\u2212/g, "-") || NaN));
+  if (Number.isNaN(a) !== Number.isNaN(b)) return Number.isNaN(a) ? 1 : -1;
+  return Number.isNaN(a) ? one.localeCompare(other) : a - b;
 };
 const press = (event) => {
-  const button = event.composedPath()[0].closest?.("button[data-save]");
-  if (button) ACTIONS[button.dataset.save]?.(button);
+  const button = event.composedPath()[0].closest?.("button[data-act]");
+  if (button) ACTIONS[button.dataset.act]?.(button);
 };
 
 export function render() {

@@ -15,7 +15,7 @@ from railjoule.dashboard.store.robustness import (
     compute_reality,
     compute_table,
 )
-from railjoule.dashboard.store.runs import Runs, RunsWish, compute_runs
+from railjoule.dashboard.store.runs import Runs, RunsWish, compute_runs, compute_runs_in_steps
 from railjoule.dashboard.store.speed_limits import (
     LimitRun,
     LimitsWish,
@@ -55,6 +55,7 @@ __all__ = [
     "compute_reality",
     "compute_rides",
     "compute_runs",
+    "compute_runs_in_steps",
     "compute_storage",
     "compute_table",
     "compute_trade_off",

@@ -20,6 +20,7 @@ def comparison_table(among: Sequence[Contender], reference: Contender) -> str:
     header = ["Run", "kWh", "less ref.", "%", "s", "less ref.", "km/h", "given back"]
     header += [parts.escaped(loss_word(kind).lower()) for kind in kinds]
     header.append("above bound, %")
+    header = [f'<button type="button" class="sort" data-act="sort">{word}</button>' for word in header]
     rows = []
     for contender in among:
         cells = [f"{parts.swatch(contender.key)}{parts.escaped(contender.name)}"]

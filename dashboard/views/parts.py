@@ -168,7 +168,7 @@ def advice(run: Trajectory, stale: bool) -> str:
         items.append(f"<li><b>{number}</b>{text}</li>")
     title = html.escape(f"{run.scenario.title or 'Run'}: {words.number(run.travel_time_s)} s")
     tools = "".join(
-        f'<button type="button" class="save" data-save="{what.lower()}" aria-label="{what} the advice">{what}</button>'
+        f'<button type="button" class="save" data-act="{what.lower()}" aria-label="{what} the advice">{what}</button>'
         for what in ("Copy", "Print")
     )
     kind = "advice stale" if stale else "advice"
@@ -239,7 +239,7 @@ def plain_table(header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]
 def table(title: str, header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> str:
     """Return a table under a title, with a button that saves it; title and cells are HTML."""
     name = re.sub(r"<[^>]+>", "", title)
-    save = f'<button type="button" class="save" data-save="csv" data-name="{name}" aria-label="Save {name} as CSV">'
+    save = f'<button type="button" class="save" data-act="csv" data-name="{name}" aria-label="Save {name} as CSV">'
     titled = f'<div class="titled"><h2>{title}</h2>{save}CSV</button></div>'
     return f'<div class="block">{titled}{plain_table(header, rows)}</div>'
 
