@@ -37,6 +37,10 @@ class ComparedChart(RunLinesChart):
 
     strokes = strokes()
 
+    def __init__(self, name: str, title: str, height: int, axis: Axis, palette: Palette) -> None:
+        super().__init__(name, title, height, axis, palette)
+        self._drawn: Mapping[str, tuple[Trajectory, bool, Trajectory | None]] = {}
+
     def add_names(self, **style: Any) -> None:
         """Add the signs of the lines."""
         assert self.figure is not None
@@ -55,15 +59,29 @@ class ComparedChart(RunLinesChart):
         )
         self.palette.paint(names.glyph, background_fill_color="surface")
 
-    def fill_all(self, among: Sequence[Contender], reference: Contender, over_time: bool) -> tuple[float, float]:
-        """Fill the lines of all runs, and empty those of others; return the least and the greatest value."""
+    def fill_all(
+        self, among: Sequence[Contender], reference: Contender, over_time: bool, against: Trajectory | None = None
+    ) -> tuple[float, float]:
+        """Fill the lines of all runs, and empty those of others; return the least and the greatest value.
+
+        Lines that stay as they are, as those of pinned runs do while a slider moves, are not sent to the browser again.
+        """
+        drawn = {contender.key: (contender.run, over_time, against) for contender in among}
         for key in self.strokes:
-            if all(contender.key != key for contender in among):
+            if key not in drawn:
                 clear(self.sources[key])
-        low, high = self.fill({contender.key: contender.run for contender in among}, over_time)
+        changed = {key: state for key, state in drawn.items() if self._drawn.get(key) != state}
+        for key, (run, _, _) in changed.items():
+            self.sources[key].data = xy(run.time_s if over_time else run.position_m, self.values(run))
+        self._drawn = drawn
         first = [reference, *(contender for contender in among if contender is not reference)][:MOST_TOLD]
         self.told["sources"] = [[contender.sign, self.sources[contender.key]] for contender in first]
-        return low, high
+        ends = [end for contender in among for end in self._ends(contender.run)]
+        return min(ends), max(ends)
+
+    def _ends(self, run: Trajectory) -> tuple[float, float]:
+        values = self.values(run)
+        return float(values.min()), float(values.max())
 
     def name_ends(
         self, among: Sequence[Contender], over_time: bool, narrow: bool, show: Callable[[float, int], str]
@@ -205,7 +223,7 @@ class ComparedDifferenceChart(ComparedChart):
         self._reference, self._over_time = reference.run, over_time
         others = [contender for contender in without_fastest(among, reference) if contender is not reference]
         drawn = others or [reference]
-        self.set_range(*nice_range(*self.fill_all(drawn, drawn[0], over_time), 0.1))
+        self.set_range(*nice_range(*self.fill_all(drawn, drawn[0], over_time, reference.run), 0.1))
         self.name_ends(drawn, over_time, narrow, words.signed)
 
 

@@ -91,7 +91,8 @@ def test_advice_lists_the_phases_in_order(runs: Runs) -> None:
     run: Trajectory = runs.runs["optimal"]
     text = plain(parts.advice(run, stale=False))
     assert text.startswith("1 ")
-    assert f" {len(run.phases)} brake from {words.number(run.phases[-1].start_m, 0)} m" in text
+    last, metres = len(run.phases), run.phases[-1].start_m
+    assert f" {last} brake from {metres:,.0f} m".replace(",", " ") in text
     first = run.phases[0]
     assert f"to {words.speed(first.end_ms)} km/h in {words.number(first.end_s, 0)} s" in text
 
