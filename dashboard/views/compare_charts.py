@@ -75,7 +75,7 @@ class ComparedChart(RunLinesChart):
             self.sources[key].data = xy(run.time_s if over_time else run.position_m, self.values(run))
         self._drawn = drawn
         first = [reference, *(contender for contender in among if contender is not reference)][:MOST_TOLD]
-        self.told["sources"] = [[contender.sign, self.sources[contender.key]] for contender in first]
+        self.told["sources"] = [[f"{contender.sign}:", self.sources[contender.key]] for contender in first]
         ends = [end for contender in among for end in self._ends(contender.run)]
         return min(ends), max(ends)
 
@@ -180,7 +180,7 @@ class ComparedEnergyChart(ComparedChart):
         """Make the figure."""
         self.frame()
         self.add_lines()
-        self.add_names(x_offset=6)
+        self.add_names(x_offset=3)
 
     def values(self, run: Trajectory) -> FloatArray:
         """Line energy so far [kWh]."""
@@ -209,7 +209,7 @@ class ComparedDifferenceChart(ComparedChart):
         f = self.frame(digits=1)
         add_zero(f, self.palette)
         self.add_lines()
-        self.add_names(x_offset=6)
+        self.add_names(x_offset=3)
 
     def values(self, run: Trajectory) -> FloatArray:
         """Energy so far less that of the reference [kWh]; beyond the end of the reference its last value counts."""
