@@ -7,6 +7,7 @@ import panel as pn
 
 from railjoule.core import RailjouleError
 from railjoule.dashboard.browser import Browser
+from railjoule.dashboard.compare import Compare
 from railjoule.dashboard.disturbances import Disturbances
 from railjoule.dashboard.health import HealthHandler
 from railjoule.dashboard.keeping import Keeping
@@ -31,6 +32,7 @@ from railjoule.dashboard.store import (
     compute_runs,
     compute_trade_off,
 )
+from railjoule.dashboard.views.compare import CompareView
 from railjoule.dashboard.views.disturbances import DisturbancesView
 from railjoule.dashboard.views.drive import DriveView
 from railjoule.dashboard.views.learn import LearnView
@@ -53,6 +55,7 @@ EXTRA_PATTERNS = [("/health", HealthHandler)]
 View = (
     StartView
     | DriveView
+    | CompareView
     | TradeOffView
     | RobustnessView
     | DisturbancesView
@@ -65,6 +68,7 @@ View = (
 VIEWS: dict[str, type[View]] = {
     "Start": StartView,
     "Drive": DriveView,
+    "Compare": CompareView,
     "Trade-off": TradeOffView,
     "Robustness": RobustnessView,
     "Disturbances": DisturbancesView,
@@ -85,6 +89,7 @@ class Session:
         self.browser = Browser()
         self.runs = Worker(compute_runs, self._take_runs, self._take_failure)
         self.trade_off = Worker(compute_trade_off, self._take_trade_off, self._take_failure)
+        self.compare = Compare(self.state)
         self.robustness = Robustness(self.state)
         self.disturbances = Disturbances(self.state)
         self.speed_limits = SpeedLimits(self.state)
@@ -122,6 +127,7 @@ class Session:
 
     def _end(self) -> None:
         """End what still runs: the page is gone."""
+        self.compare.end()
         self.robustness.end()
         self.disturbances.end()
         self.motor.end()

@@ -50,6 +50,7 @@ export function render({model}) {
   const look = () => {
     for (const element of deep(".rj-chart")) {
       if (!seen.has(element)) { seen.set(element, false); observer.observe(element); }
+      window.railjoule_equip?.(element);
     }
     for (const element of [...seen.keys()]) {
       if (!element.isConnected) { seen.delete(element); observer.unobserve(element); }

@@ -37,6 +37,12 @@ LIGHT: Tokens = {
     "speed_limits": "#D6409F",
     "fastest": "#1D242D",
     "pinned": "#8B95A1",
+    "pin_1": "#00798C",
+    "pin_2": "#7A4B1E",
+    "pin_3": "#5F6B00",
+    "pin_4": "#8C2F6B",
+    "pin_5": "#4A5A78",
+    "pin_6": "#6A4FB0",
     "driven": "#A0330F",
     "full_power": "#0B5BD3",
     "part_power": "#7FA9EA",
@@ -76,6 +82,12 @@ DARK: Tokens = {
     "speed_limits": "#EE92C6",
     "fastest": "#EBF2FF",
     "pinned": "#77828F",
+    "pin_1": "#4CC4D8",
+    "pin_2": "#C99A6B",
+    "pin_3": "#B9C24A",
+    "pin_4": "#E08BC0",
+    "pin_5": "#9FB2D6",
+    "pin_6": "#B09AF0",
     "driven": "#F0986A",
     "full_power": "#7AA2FF",
     "part_power": "#4A6BB0",
@@ -107,6 +119,15 @@ DASHES: dict[StrategyName | Literal["pinned"], Dash] = {
     "fastest": [1, 3],
     "pinned": "solid",
 }
+PIN_DASHES: dict[str, list[int]] = {
+    "pin_1": [7, 2],
+    "pin_2": [3, 2],
+    "pin_3": [11, 3],
+    "pin_4": [5, 2, 1, 2],
+    "pin_5": [9, 2, 2, 2, 2, 2],
+    "pin_6": [2, 3],
+}
+"""Strokes of the pinned runs where several are drawn; the numbers at the lines tell them apart too."""
 FONT = "Inter, 'Segoe UI', 'Helvetica Neue', Arial, sans-serif"
 
 

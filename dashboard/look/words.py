@@ -28,6 +28,9 @@ PHASE_WORDS: dict[PhaseName, str] = {
 J_PER_WH = J_PER_KWH / 1000
 SMALL_ENERGY_KWH = 5.0
 SMALL_PRICE_WH_PER_S = 100.0
+SHORT_TIME_S = 10.0
+AT_START_M = 0.5
+"""A phase that begins nearer to the start needs no place."""
 
 
 def number(value: float, digits: int = 1) -> str:
@@ -77,3 +80,22 @@ def phase_words(phase: Phase) -> str:
     if phase.phase == "stand":
         return f"stand {number(phase.end_s - phase.start_s, 0)} s"
     return PHASE_WORDS[phase.phase]
+
+
+def advice_words(phase: Phase) -> str:
+    """Return what a driver is told to do, such as 'full power to 38 km/h in 12 s' or 'coast from 45 m'."""
+    text = phase_words(phase)
+    start = "" if phase.start_m < AT_START_M else f" from {number(phase.start_m, 0)} m"
+    if phase.phase == "stand":
+        return f"{text} at {number(phase.start_m, 0)} m"
+    if phase.phase in {"full_power", "part_power"}:
+        return f"{PHASE_WORDS[phase.phase]}{start} to {speed(phase.end_ms)} km/h in {duration(phase)} s"
+    if phase.phase == "coast" and not start:
+        return "roll"
+    return text + start
+
+
+def duration(phase: Phase) -> str:
+    """Return how long a phase takes [s], whole from ten seconds on."""
+    seconds = phase.end_s - phase.start_s
+    return number(seconds, 0 if seconds >= SHORT_TIME_S else 1)

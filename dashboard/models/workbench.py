@@ -13,6 +13,7 @@ from railjoule.dashboard.models.learn import LearnModel
 from railjoule.dashboard.models.line import LineModel
 from railjoule.dashboard.models.motor import MotorModel
 from railjoule.dashboard.models.papers import PapersModel
+from railjoule.dashboard.models.pins import MOST_PINS, TOO_MANY, Pin, Recipe, make_pin, recipe_of
 from railjoule.dashboard.models.robustness import RobustnessModel
 from railjoule.dashboard.models.scenario import ScenarioModel
 from railjoule.dashboard.models.speed_limits import SpeedLimitsModel
@@ -22,6 +23,7 @@ from railjoule.dashboard.store import Runs, TradeOff
 PAGES = (
     "Start",
     "Drive",
+    "Compare",
     "Trade-off",
     "Robustness",
     "Disturbances",
@@ -37,7 +39,7 @@ COLOURS = ("system", "light", "dark")
 class Workbench(Kept):
     """Everything that the views of one open page draw; they write to it, and the store fills in the results."""
 
-    kept = ("page", "ticked", "chosen", "over_time", "wide_map", "copper_weight", "colours")
+    kept = ("page", "ticked", "chosen", "over_time", "wide_map", "copper_weight", "colours", "compare_all", "reference")
     passing = ("dark", "trade_off_duration_s", "notice")
 
     page = param.Selector(default="Start", objects=list(PAGES), doc="The page in sight.")
@@ -52,7 +54,10 @@ class Workbench(Kept):
     trade_off_duration_s = param.Number(default=0.0, doc="How long its computation took.")
     wide_map = param.Boolean(default=False, doc="Show ENOC's map up to 5000 s.")
     copper_weight = param.Number(default=1.0, bounds=(0.01, 100.0), doc="Copper loss of ENOC's map over its own.")
-    pinned = param.ClassSelector(class_=Trajectory, default=None, allow_None=True, doc="The run to compare with.")
+    pins = param.ClassSelector(class_=tuple, default=(), doc="The pinned runs, the last one pinned last.")
+    compared = param.ClassSelector(class_=Runs, default=None, allow_None=True, doc="The last runs of all strategies.")
+    compare_all = param.Boolean(default=True, doc="Compare all strategies, not only those that are ticked.")
+    reference = param.String(default="", doc="Strategy or pin that others are compared with; empty for the usual one.")
     failure = param.ClassSelector(
         class_=RailjouleError, default=None, allow_None=True, doc="Why the last wish could not be met."
     )
@@ -97,6 +102,43 @@ class Workbench(Kept):
     def run(self) -> Trajectory | None:
         """The run whose numbers are shown."""
         return None if self.runs is None else self.runs.runs[self.chosen_now]
+
+    @property
+    def pinned(self) -> Trajectory | None:
+        """The run to compare with: the one pinned last."""
+        return self.pins[-1].trajectory if self.pins else None
+
+    @property
+    def recipe(self) -> Recipe | None:
+        """How the run whose numbers are shown comes about."""
+        return None if self.runs is None else recipe_of(self.scenario, self.runs.scenario, self.chosen_now)
+
+    @property
+    def pin_of_run(self) -> Pin | None:
+        """The pin of the run whose numbers are shown, if it is pinned."""
+        run = self.run
+        if run is None:
+            return None
+        same = (pin for pin in self.pins if pin.trajectory.strategy == run.strategy)
+        return next((pin for pin in same if pin.trajectory.scenario == run.scenario), None)
+
+    def pin(self) -> None:
+        """Pin the run whose numbers are shown; where there are as many pins as there may be, say so."""
+        run, recipe = self.run, self.recipe
+        if run is None or recipe is None or self.pin_of_run is not None:
+            return
+        if len(self.pins) >= MOST_PINS:
+            self.notice = TOO_MANY
+        else:
+            self.param.update(pins=(*self.pins, make_pin(self.pins, run, recipe)), notice="")
+
+    def unpin(self, pin: Pin) -> None:
+        """Let go of a pinned run."""
+        self.param.update(pins=tuple(other for other in self.pins if other is not pin), notice="")
+
+    def rename(self, pin: Pin, name: str) -> None:
+        """Give a pinned run another name."""
+        self.pins = tuple(pin.renamed(name) if other is pin else other for other in self.pins)
 
     @property
     def stale(self) -> bool:

@@ -36,7 +36,7 @@ from railjoule.dashboard.store.robustness import (
     compute_reality,
     compute_table,
 )
-from railjoule.dashboard.store.runs import Runs, RunsWish, compute_runs
+from railjoule.dashboard.store.runs import Runs, RunsWish, compute_runs, compute_runs_in_steps
 from railjoule.dashboard.store.speed_limits import (
     LimitRun,
     LimitsWish,
@@ -99,6 +99,7 @@ __all__ = [
     "compute_ripple",
     "compute_rivals",
     "compute_runs",
+    "compute_runs_in_steps",
     "compute_storage",
     "compute_table",
     "compute_trade_off",

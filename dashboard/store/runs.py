@@ -1,7 +1,7 @@
 """The runs of several strategies over one scenario."""
 
 import time
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from railjoule.core import Scenario, SolverError, StrategyRefusedError, TimetableError, Trajectory
@@ -62,6 +62,12 @@ def compute_runs(wish: RunsWish) -> Runs:
     RailjouleError
         If the timetable cannot be kept, or the line not be run over.
     """
+    *_, runs = compute_runs_in_steps(wish)
+    return runs
+
+
+def compute_runs_in_steps(wish: RunsWish) -> Iterator[Runs]:
+    """Yield the runs of the wished strategies as they come, the optimum first; errors as `compute_runs`."""
     task = prepare_task(wish.scenario)
     task.require_timetable()
     runs: dict[StrategyName, Trajectory] = {}
@@ -75,15 +81,26 @@ def compute_runs(wish: RunsWish) -> Runs:
                 runs[name] = run_strategy(task, name)
         except (StrategyRefusedError, SolverError, TimetableError) as refusal:
             refused[name] = str(refusal)
+        if runs:
+            yield bounded(task, runs, refused, law)
     if not runs:
         raise StrategyRefusedError("; ".join(f"{name} {reason}" for name, reason in refused.items()))
+
+
+def bounded(
+    task: Task,
+    runs: Mapping[StrategyName, Trajectory],
+    refused: Mapping[StrategyName, str],
+    law: ControlLaw | None,
+) -> Runs:
+    """Return the runs so far, each with the bound of the optimum where that is known."""
     bound = runs["optimal"].bound if "optimal" in runs else None
     return Runs(
-        scenario=wish.scenario,
+        scenario=task.scenario,
         shortest_time_s=task.shortest_travel_time_s,
         cell_count=task.course.cell_count,
         runs={name: run.with_bound(bound) for name, run in runs.items()},
-        refused=refused,
+        refused=dict(refused),
         law=law,
     )
 

@@ -64,6 +64,8 @@ for (const chart of charts) {
 """
 CAPTION_PX = 21
 SHORT_COLUMN = 40
+SPREAD_PASSES = 100
+"""Enough for a dozen labels that all want the same place."""
 END_LABEL_SHARE = 0.105
 """Share of the axis beyond the last stop that is kept free for labels at the ends of lines."""
 
@@ -110,7 +112,7 @@ class Axis:
         if told != self.follow.args["charts"]:
             self.follow.args = {"charts": told}
         self._settled += 1
-        self.range.tags = [self._settled]
+        self.range.tags = [self._settled, unit, self._end]
 
 
 class Chart:
@@ -170,6 +172,9 @@ class Chart:
     def _settle(self) -> None:
         if self.content is None:
             self.build()
+            # what a saved table calls its lines
+            for name, source in getattr(self, "sources", {}).items():
+                source.name = name
         if self._redraw is not None:
             draw, self._redraw = self._redraw, None
             draw()
@@ -303,7 +308,7 @@ def spread(values: Sequence[float], gap: float) -> list[float]:
         return []
     order = np.argsort(values)
     placed = np.asarray(values, dtype=float)[order]
-    for _ in range(20):
+    for _ in range(SPREAD_PASSES):
         for i in range(1, len(placed)):
             lack = gap - (placed[i] - placed[i - 1])
             if lack > 1e-12:

@@ -26,12 +26,14 @@ from railjoule.dashboard.views.drive_charts import (
 from railjoule.dashboard.views.failures import failure_words
 from railjoule.dashboard.views.fields import tie
 from railjoule.dashboard.views.law_chart import LawChart
+from railjoule.dashboard.views.sankey import SankeyChart
 from railjoule.dashboard.views.scene import Scene, SceneChart
 from railjoule.dashboard.views.speed_chart import SpeedChart
 
 WIDE_PX, NARROW_PX = 1600, 900
 MARGIN_PX, NARROW_MARGIN_PX, LEAST_WIDTH_PX = 400, 40, 300
 """What stands beside the charts, and how wide they are at least."""
+SANKEY_PX, RAIL_PX = 260, 350
 LAYOUT_CSS = """
 :host { display: grid; grid-template-columns: minmax(0, 1fr) 330px; padding: 0 20px 12px 14px; column-gap: 20px; }
 @media (max-width: 1599px) { :host { grid-template-columns: minmax(0, 1fr); } }
@@ -70,14 +72,15 @@ class DriveView:
         self.charts = self._charts()
         rail = parts.stack(self.account, self.runs, self.phases, self.notes, css=RAIL_CSS)
         self.law = LawChart(180, self.axis, palette)
-        column = parts.stack(*(chart.place for chart in self.charts.values()), self.law.place)
+        self.sankey = SankeyChart(SANKEY_PX, palette)
+        column = parts.stack(*(chart.place for chart in self.charts.values()), self.law.place, self.sankey.place)
         body = parts.stack(column, rail, css=LAYOUT_CSS)
         tools = pn.Row(
             self.advice, self.over, margin=0, sizing_mode="stretch_width", styles={"align-items": "flex-start"}
         )
         self.view = parts.stack(self.heading, self.message, self.repair, self.figures, tools, body)
         tie(self.over, state, "over_time")
-        state.param.watch(self._show, ["runs", "chosen", "ticked", "pinned", "over_time", "failure"])
+        state.param.watch(self._show, ["runs", "chosen", "ticked", "pins", "over_time", "failure"])
         browser.follow(["width"], self._fit)
         browser.follow(["charts_in_sight"], self._sight)
         self._sight()
@@ -106,7 +109,7 @@ class DriveView:
 
     def _sight(self) -> None:
         with pn.io.hold():
-            bring_into_sight([*self.charts.values(), self.law], self.browser.charts_in_sight)
+            bring_into_sight([*self.charts.values(), self.law, self.sankey], self.browser.charts_in_sight)
             self._settle_axis()
 
     def _settle_axis(self) -> None:
@@ -142,7 +145,12 @@ class DriveView:
             for chart in self.charts.values():
                 chart.show(partial(chart.draw, scene))
             self.law.show(partial(self.law.draw, scene, runs.law))
+            self.sankey.show(partial(self.sankey.draw, run, self._column_px(width)))
             self._settle_axis()
+
+    def _column_px(self, width: float) -> float:
+        """Return how wide the column of charts is, the rail beside it taken off."""
+        return width - RAIL_PX if self.browser.width >= WIDE_PX else width
 
     def _show_texts(self) -> None:
         state = self.state
@@ -166,6 +174,6 @@ class DriveView:
         self.figures.object = parts.run_figures(runs, run, state.pinned, state.stale)
         self.advice.object = parts.advice(run, state.stale)
         self.account.object = parts.account(run)
-        self.runs.object = parts.runs_table(runs, run.strategy, state.pinned)
+        self.runs.object = parts.runs_table(runs, run.strategy, state.pins)
         self.phases.object = parts.phase_table(run)
         self.notes.object = f'<div class="block"><h2>What is proven</h2>{parts.notes(run)}</div>'

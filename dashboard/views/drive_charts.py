@@ -63,7 +63,7 @@ class PhaseStrip(SceneChart):
 
 
 class LineStrip(SceneChart):
-    """The line: gradients over its height."""
+    """The line: gradients over its height, curves hatched."""
 
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
         super().__init__("line", f"Line: gradient, {words.PER_MILLE}, over height, m", height, axis, palette)
@@ -80,6 +80,11 @@ class LineStrip(SceneChart):
         self.sources["borders"] = ColumnDataSource({"x": []})
         borders = f.vspan("x", source=self.sources["borders"], line_width=1, line_dash=[1, 3])
         self.palette.paint(borders.glyph, line_color="line2")
+        self.sources["curves"] = ColumnDataSource({"left": [], "right": [], "bottom": [], "top": []})
+        curves = f.quad(
+            "left", "right", "bottom", "top", source=self.sources["curves"], fill_color=None, hatch_pattern="/"
+        )
+        self.palette.paint(curves.glyph, line_color="groundline", hatch_color="groundline")
         self.sources["signs"] = ColumnDataSource({"x": [], "y": [], "text": []})
         signs = f.text("x", "y", "text", source=self.sources["signs"], text_align="center", **text_style(11))
         self.palette.paint(signs.glyph, text_color="ink2")
@@ -98,13 +103,27 @@ class LineStrip(SceneChart):
         self.sources["height"].data = columns(x=x, y=np.interp(places, borders, height), base=base)
         self.sources["borders"].data = columns(x=scene.x_of_place(borders[1:-1]))
         ends = scene.x_of_place(borders)
+        radii = np.array([section.curve_radius_m for section in line.sections])
+        self._draw_curves(ends[:-1][radii > 0], ends[1:][radii > 0], top)
         texts = [words.signed(gradient, 0 if gradient == round(gradient) else 1) for gradient in gradients]
         room = np.diff(ends) / scene.end * scene.width_px
+        texts = [curve_words(*told) for told in zip(texts, radii, room, strict=True)]
         fits = np.array([len(text) * WORD_PX + 6 < pixels for text, pixels in zip(texts, room, strict=True)])
         self.sources["signs"].data = {
             **xy((0.5 * (ends[1:] + ends[:-1]))[fits], np.full(int(fits.sum()), 1.22 * top)),
             "text": [text for text, fit in zip(texts, fits, strict=True) if fit],
         }
+
+    def _draw_curves(self, left: FloatArray, right: FloatArray, top: float) -> None:
+        """Draw a hatched band over each curve."""
+        low, high = np.full(len(left), 1.58 * top), np.full(len(left), 1.68 * top)
+        self.sources["curves"].data = columns(left=left, right=right, bottom=low, top=high)
+
+
+def curve_words(gradient: str, radius_m: float, room_px: float) -> str:
+    """Return the words of a section: its gradient, and its curve where there is room for it."""
+    full = f"{gradient}, curve {words.number(radius_m, 0)} m"
+    return full if radius_m > 0 and len(full) * WORD_PX + 6 < room_px else gradient
 
 
 class EnergyChart(RunChart):

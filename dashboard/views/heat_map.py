@@ -165,7 +165,8 @@ class CostSurface(Chart):
             height=self.height,
             margin=0,
         )
-        self.content, self.figure = self.pane, self.pane
+        name = pn.pane.HTML('<span data-figure="Table of loads and coordinate errors, as a surface"></span>', margin=0)
+        self.content, self.figure = pn.Column(name, self.pane, margin=0, sizing_mode="stretch_width"), self.pane
 
     def draw(self, table: SensitivityTable, measure: Measure) -> None:
         """Draw a complete table."""

@@ -1,6 +1,7 @@
 """Pieces of text, numbers and tables, as HTML; every text that a user brings is escaped."""
 
 import html
+import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -12,7 +13,8 @@ from railjoule.core.strategies.optimal import PROVEN_GAP
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.theme import parts_css
-from railjoule.dashboard.look.tokens import DASHES, line_width
+from railjoule.dashboard.look.tokens import DASHES, PIN_DASHES, line_width
+from railjoule.dashboard.models.pins import Pin
 from railjoule.dashboard.store import Runs
 
 LOSS_WORDS = {
@@ -47,8 +49,8 @@ def escaped(text: str) -> str:
 
 
 def swatch(name: str) -> str:
-    """Return a sample of a strategy's line."""
-    dash = DASHES[name]  # type: ignore[index]
+    """Return a sample of the line of a strategy or a pinned run."""
+    dash = PIN_DASHES.get(name) or DASHES[name]  # type: ignore[index]
     pattern = "" if dash == "solid" else f'stroke-dasharray="{" ".join(map(str, dash))}"'
     return (
         '<svg width="22" height="8" aria-hidden="true"><line x1="0" y1="4" x2="22" y2="4" '
@@ -157,16 +159,23 @@ def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: b
 
 
 def advice(run: Trajectory, stale: bool) -> str:
-    """Return the phases of a run as advice to the driver."""
+    """Return the phases of a run as advice to the driver, with buttons that copy and print it."""
     items = []
     for number, phase in enumerate(run.phases, 1):
-        text = words.phase_words(phase)
+        text = words.advice_words(phase)
         if number == 1:
-            text = ("roll" if phase.phase == "coast" else text).capitalize().replace("Km/h", "km/h")
-        place = "" if number == 1 else f" <span>{words.number(phase.start_m, 0)} m</span>"
-        items.append(f"<li><b>{number}</b>{text}{place}</li>")
+            text = text[0].upper() + text[1:]
+        items.append(f"<li><b>{number}</b>{text}</li>")
+    title = html.escape(f"{run.scenario.title or 'Run'}: {words.number(run.travel_time_s)} s")
+    tools = "".join(
+        f'<button type="button" class="save" data-act="{what.lower()}" aria-label="{what} the advice">{what}</button>'
+        for what in ("Copy", "Print")
+    )
     kind = "advice stale" if stale else "advice"
-    return f'<ol class="{kind}" aria-label="Driver\u2019s advice">{"".join(items)}</ol>'
+    return (
+        f'<div class="card" data-title="{title}"><ol class="{kind}" aria-label="Driver\u2019s advice">'
+        f'{"".join(items)}<li class="buttons">{tools}</li></ol></div>'
+    )
 
 
 def account(run: Trajectory) -> str:
@@ -217,28 +226,35 @@ def account(run: Trajectory) -> str:
     return f'<div class="block"><h2>Where the energy goes, kWh</h2>{bars}</div>'
 
 
-def table(title: str, header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> str:
-    """Return a table under a title; cells are HTML, and a row may be the chosen one."""
+def plain_table(header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> str:
+    """Return a table; cells are HTML, and a row may be the chosen one."""
     head = "".join(f'<th scope="col">{cell}</th>' for cell in header)
     body = "".join(
         f"<tr{' class=chosen' if chosen else ''}>{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"
         for cells, chosen in rows
     )
-    return (
-        f'<div class="block"><h2>{title}</h2><table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table></div>'
-    )
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
 
 
-def runs_table(runs: Runs, chosen: str, pinned: Trajectory | None) -> str:
-    """Return all runs of the scenario and the pinned one, side by side."""
+def table(title: str, header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> str:
+    """Return a table under a title, with a button that saves it; title and cells are HTML."""
+    name = re.sub(r"<[^>]+>", "", title)
+    save = f'<button type="button" class="save" data-act="csv" data-name="{name}" aria-label="Save {name} as CSV">'
+    titled = f'<div class="titled"><h2>{title}</h2>{save}CSV</button></div>'
+    return f'<div class="block">{titled}{plain_table(header, rows)}</div>'
+
+
+def runs_table(runs: Runs, chosen: str, pins: Sequence[Pin] = ()) -> str:
+    """Return all runs of the scenario and the pinned ones, side by side; the last one pinned is the reference."""
+    pinned = pins[-1].trajectory if pins else None
     reference = pinned.energy_kwh if pinned else runs.best.energy_kwh
     rows = []
     for name, run in runs.runs.items():
         word = words.STRATEGY_WORDS[name]
         rows.append(((f"{swatch(name)}{word}", *_run_cells(run, reference)), name == chosen))
-    if pinned:
-        word = f"Pinned: {words.STRATEGY_WORDS[pinned.strategy].lower()}"  # type: ignore[index]
-        rows.append(((f"{swatch('pinned')}{word}", *_run_cells(pinned, reference)), False))
+    for pin in reversed(pins):
+        line = swatch("pinned") if pin is pins[-1] else '<svg width="22" height="8" aria-hidden="true"></svg>'
+        rows.append(((f"{line}Pinned: {escaped(pin.name)}", *_run_cells(pin.trajectory, reference)), False))
     against = "to pinned, %" if pinned else "above, %"
     return table("Runs", ("Run", "kWh", against, "s", "km/h"), rows)
 

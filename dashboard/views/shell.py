@@ -12,6 +12,7 @@ from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look.theme import document_css, material_theme
 from railjoule.dashboard.models.workbench import PAGES, Workbench
 from railjoule.dashboard.views.parts import html_pane, stack
+from railjoule.dashboard.views.saving import Saving
 from railjoule.dashboard.views.share import Share
 from railjoule.dashboard.views.sidebar import Sidebar
 from railjoule.dashboard.views.starting import StartingView
@@ -105,14 +106,14 @@ class Shell:
         self.brand = html_pane(
             BRAND, sizing_mode="fixed", width=112, height=22, margin=(0, 10, 0, 0), styles={"align-self": "center"}
         )
-        self.starting = StartingView()
+        self.starting, self.saving = StartingView(), Saving()
         self.page = self._page()
         self.tabs.param.watch(self._turn, "active")
         self.menu.on_click(self._pick)
         self.pin.on_click(self._pin)
         self.pin_small.on_click(self._pin)
         state.param.watch(self._show_page, "page")
-        state.param.watch(self._name_pin, "pinned")
+        state.param.watch(self._name_pin, ["pins", "runs", "chosen"])
         browser.follow(["width"], self._fit)
         browser.follow(["wants_dark"], self._follow_system)
         self.page.param.watch(self._paint, "dark_theme")
@@ -123,7 +124,7 @@ class Shell:
         return Page(
             title="",
             meta_title="railjoule",
-            main=[self.share.view, self.main, self.browser],
+            main=[self.share.view, self.main, self.browser, self.saving],
             sidebar=[self.sidebar.view],
             sidebar_width=272,
             sidebar_open=True,
@@ -175,11 +176,17 @@ class Shell:
             self.menu.label = name
 
     def _pin(self, *_: Any) -> None:
-        self.state.pinned = None if self.state.pinned is not None else self.state.run
+        """Pin the run that is shown, or let go of it where it is pinned."""
+        pin = self.state.pin_of_run
+        if pin is None:
+            self.state.pin()
+        else:
+            self.state.unpin(pin)
 
     def _name_pin(self, *_: Any) -> None:
-        self.pin.label = "Unpin" if self.state.pinned is not None else "Pin run"
-        self.pin_small.description = self.pin.label
+        label = "Pin run" if self.state.pin_of_run is None else "Unpin"
+        if self.pin.label != label:
+            self.pin.label = self.pin_small.description = label
 
     def _fit(self) -> None:
         """Close the sidebar on narrow screens, and put the pages into a menu on the narrowest."""

@@ -49,7 +49,8 @@ class SurfacePane(Chart):
             height=self.height,
             margin=0,
         )
-        title = f'<div style="font:12px {FONT};color:var(--rj-ink2);padding:2px 0 0 6px">{self.words}</div>'
+        style = f"font:12px {FONT};color:var(--rj-ink2);padding:2px 0 0 6px"
+        title = f'<div data-figure="{self.words}" style="{style}">{self.words}</div>'
         self.content = parts.stack(pn.pane.HTML(title, margin=0), self.pane)
         self.figure = self.pane
 

@@ -84,8 +84,8 @@ def test_pinning_a_run(user: User) -> None:
     assert "▼" in main
     assert "against pinned 7.8" in main
     expect(user.page.locator(".rj-chart-difference")).to_be_visible()
+    user.push("Travel time, s", -20)
     user.page.get_by_role("button", name="Unpin").click()
-    user.rest()
     expect(user.page.locator(".rj-chart-difference")).to_be_hidden()
 
 

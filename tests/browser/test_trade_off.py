@@ -31,6 +31,15 @@ def test_frontier_surface_and_contours(user: User) -> None:
     expect(user.page.locator(".rj-chart-contour canvas").first).to_be_visible()
 
 
+def test_the_surface_is_saved(user: User) -> None:
+    user.page.locator(".rj-chart-surface").scroll_into_view_if_needed()
+    figure = "ENOC: energy, kWh, as a surface (drag to turn)"
+    assert user.save(figure, "PNG")[1].startswith(b"\x89PNG")
+    header, *rows = user.save(figure, "CSV")[1].decode().splitlines()
+    assert header == "series,x,y,z"
+    assert sum(row.startswith("surface,") for row in rows) > 500
+
+
 def test_a_click_on_the_frontier_sets_the_travel_time(user: User) -> None:
     user.choose("Metro, profile II + I")
     before = user.page.locator(".figure.main .label").inner_text()

@@ -115,9 +115,8 @@ class User:
 
     def begin_anew(self) -> None:
         """Go back to what a new page of Drive shows, without the seconds that opening it takes."""
-        unpin, back = (self.page.get_by_role("button", name=name) for name in ("Unpin", "Back to the preset"))
-        if unpin.is_visible():
-            unpin.click()
+        back = self.page.get_by_role("button", name="Back to the preset")
+        self.let_go_of_pins()
         self.page.get_by_role("button", name="Distance", exact=True).click()
         for name in STRATEGIES:
             box = self.page.get_by_label(f"Draw {STRATEGY_WORDS[name]}", exact=True)
@@ -130,6 +129,17 @@ class User:
         self.page.mouse.move(5, 5)
         self.rest(800)
 
+    def let_go_of_pins(self) -> None:
+        """Unpin all runs, on the page where each of them has its button."""
+        if not self.page.get_by_text("Pinned: ").first.is_visible():
+            return
+        self.turn_to("Compare")
+        unpin = self.page.get_by_role("button", name="Unpin run").first
+        while unpin.is_visible():
+            unpin.click()
+            self.rest()
+        self.turn_to("Drive")
+
     def turn_to(self, page: str) -> None:
         """Turn to another page."""
         self.page.get_by_role("tab", name=page).click()
@@ -139,6 +149,16 @@ class User:
         """Open a scenario file."""
         self.page.locator("input[type=file]").set_input_files(path)
         self.rest(1000)
+
+    def save(self, figure: str, kind: str) -> tuple[str, bytes]:
+        """Save a figure by the keyboard alone; return the file's name and content."""
+        button = self.page.get_by_role("button", name=f"Save {figure}", exact=True)
+        button.press("Enter")
+        item = self.page.get_by_role("menuitem", name=kind, exact=True)
+        with self.page.expect_download() as download:
+            item.press("Enter")
+        expect(button).to_be_focused()
+        return download.value.suggested_filename, Path(download.value.path()).read_bytes()
 
     def alerts(self) -> list[str]:
         """Return the messages in sight."""

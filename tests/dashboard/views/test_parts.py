@@ -4,6 +4,8 @@ import pytest
 
 from railjoule.core import load_scenario, solve
 from railjoule.core.trajectory import Trajectory
+from railjoule.dashboard.look import words
+from railjoule.dashboard.models.pins import Pin, Recipe
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import Runs, RunsWish, compute_runs
 from railjoule.dashboard.views import parts
@@ -19,6 +21,11 @@ def runs() -> Runs:
 def plain(markup: str) -> str:
     """Return the text of some markup."""
     return " ".join(re.sub(r"<[^>]+>", " ", markup).split())
+
+
+def pinned(runs: Runs, name: str) -> Pin:
+    """Return the pinned fastest run under a name."""
+    return Pin(name, runs.runs["fastest"], "pin_1", Recipe("ftorek-300s", None, {}, "fastest"))
 
 
 @pytest.mark.parametrize(
@@ -60,9 +67,11 @@ def test_a_run_downhill_shows_the_height_that_it_lost() -> None:
 
 
 def test_the_table_of_runs_compares_with_the_pinned_one(runs: Runs) -> None:
-    text = plain(parts.runs_table(runs, "optimal", runs.runs["fastest"]))
+    markup = parts.runs_table(runs, "optimal", [pinned(runs, HOSTILE), pinned(runs, "my fastest")])
+    assert "<img" not in markup
+    text = plain(markup)
     assert "to pinned, %" in text
-    assert "Pinned: fastest" in text
+    assert "Pinned: my fastest" in text
 
 
 @pytest.mark.parametrize(
@@ -82,7 +91,16 @@ def test_advice_lists_the_phases_in_order(runs: Runs) -> None:
     run: Trajectory = runs.runs["optimal"]
     text = plain(parts.advice(run, stale=False))
     assert text.startswith("1 ")
-    assert f" {len(run.phases)} brake" in text
+    last, metres = len(run.phases), run.phases[-1].start_m
+    assert f" {last} brake from {metres:,.0f} m".replace(",", " ") in text
+    first = run.phases[0]
+    assert f"to {words.speed(first.end_ms)} km/h in {words.number(first.end_s, 0)} s" in text
+
+
+def test_tables_can_be_saved_under_their_titles() -> None:
+    markup = parts.table("Runs <b>here</b>", ("Run",), [(("one",), False)])
+    assert 'aria-label="Save Runs here as CSV"' in markup
+    assert parts.plain_table(("Run",), [(("one",), False)]) in markup
 
 
 def test_a_new_page_has_no_run_yet() -> None:

@@ -1,0 +1,378 @@
+// Saves what is shown: figures as PNG, SVG and CSV, tables as CSV; copies and prints the advice card, sorts tables.
+// All of it happens in the browser; nothing is asked of the server.
+
+const SVG = "http://www.w3.org/2000/svg";
+const PIXELS = 2; // of the picture for each of the page
+const [CAPTION_PX, AXIS_PX, STRIP_PX] = [22, 40, 50];
+const DECORATION = new Set(["fill", "ink", "colour", "align", "offset", "base", "middle"]);
+const NOT_DATA = new Set(["forbidden", "borders"]); // sources that only help the eye
+const STYLE = `
+:host { position: relative; }
+.rj-save { position: absolute; top: 0; right: 14px; z-index: 4; font: 12px var(--rj-font); }
+.rj-save.low { right: auto; left: 14px; }
+.rj-save.low [role=menu] { right: auto; left: 0; }
+.rj-save > button { width: 24px; height: 24px; padding: 3px; border: 1px solid transparent; border-radius: 6px;
+  background: var(--rj-surface); color: var(--rj-ink2); cursor: pointer; opacity: 0; display: block; }
+:host(:hover) .rj-save > button, .rj-save > button:focus-visible, .rj-save > button[aria-expanded=true] { opacity: 1; }
+@media (hover: none) { .rj-save > button { opacity: 1; } }
+.rj-save button:focus-visible { outline: 2px solid var(--rj-accent); outline-offset: 1px; }
+.rj-save [role=menu] { position: absolute; right: 0; top: 25px; background: var(--rj-surface); padding: 4px;
+  border: 1px solid var(--rj-line2); border-radius: 6px; }
+.rj-save [role=menuitem] { display: block; width: 100%; min-width: 64px; min-height: 26px; padding: 2px 10px; border: 0;
+  background: none; color: var(--rj-ink); font: inherit; text-align: left; border-radius: 4px; cursor: pointer; }
+.rj-save [role=menuitem]:hover { background: var(--rj-tint); }
+`;
+const ICON = `<svg viewBox="0 0 16 16" width="16" height="16" fill="none" stroke="currentColor" stroke-width="1.5"
+  aria-hidden="true"><path d="M8 2v8M4.8 7 8 10.2 11.2 7M2.5 11v2.5h11V11"/></svg>`;
+
+// all elements beneath a root that match, those within shadow roots included
+const deep = (root, selector, found = []) => {
+  if (root.shadowRoot) deep(root.shadowRoot, selector, found);
+  found.push(...root.querySelectorAll(selector));
+  for (const element of root.querySelectorAll("*")) { if (element.shadowRoot) deep(element.shadowRoot, selector, found); }
+  return found;
+};
+const within = (element, place) => {
+  for (let node = element; node; node = node.parentNode ?? node.host) { if (node === place) return true; }
+  return false;
+};
+const token = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--rj-${name}`).trim();
+const slug = (text) => text.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-+|-+$/g, "").slice(0, 60);
+const file_name = (what, ending) => {
+  const title = deep(document, "h1").map((heading) => heading.textContent.trim()).find(Boolean) ?? "railjoule";
+  return `${[slug(title), slug(what)].filter(Boolean).join("-")}.${ending}`;
+};
+const offer = (content, type, name) => {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(new Blob([content], {type}));
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+};
+
+// --- pictures
+
+const named = (place) => deep(place, "[data-figure], [role=img][aria-label]")[0];
+const words_of = (place) => {
+  const figure = named(place);
+  return figure ? figure.dataset.figure ?? figure.getAttribute("aria-label") : "";
+};
+const bokeh_views = (place) =>
+  [...Bokeh.index.query((view) => view.model.type === "Figure" && within(view.el, place))];
+const plotly_of = (place) => deep(place, ".js-plotly-plot")[0];
+const drawn_in = (place) => deep(place, "svg[data-figure]")[0];
+
+// Bokeh draws a copy at the pixel ratio of the window: for that moment it is PIXELS
+const at_ratio = (ratio, draw) => {
+  const own = Object.getOwnPropertyDescriptor(window, "devicePixelRatio");
+  Object.defineProperty(window, "devicePixelRatio", {configurable: true, value: ratio});
+  try { return draw(); } finally {
+    if (own) { Object.defineProperty(window, "devicePixelRatio", own); } else { delete window.devicePixelRatio; }
+  }
+};
+const frame = () => new Promise((resolve) => requestAnimationFrame(resolve));
+const x_words = (figure) => {
+  const [, unit] = figure.x_range.tags ?? [];
+  return figure.below.find((one) => one.axis_label)?.axis_label
+    || {s: "Time, s", m: "Distance, m"}[unit] || "";
+};
+// charts below each other share one axis on the page; a picture of one of them needs its own for a moment
+const with_axis = async (view, draw) => {
+  const figure = view.model;
+  const axis = figure.below[0];
+  if (!axis || axis.visible) return draw();
+  const end = figure.x_range.tags?.[2];
+  const before = {visible: false, axis_label: axis.axis_label, bounds: axis.bounds};
+  const [height, tall] = [figure.height, view.bbox.height];
+  const grow = async (changes, high) => {
+    axis.setv(changes, {sync: false});
+    figure.setv({height: high}, {sync: false});
+    for (let k = 0; k < 60 && view.bbox.height === (high === height ? tall + AXIS_PX : tall); k++) { await frame(); }
+    await frame();
+  };
+  await grow({visible: true, axis_label: x_words(figure), ...(end ? {bounds: [0, end]} : {})}, height + AXIS_PX);
+  try { return draw(); } finally { await grow(before, height); }
+};
+const image_from = (address) => new Promise((resolve, reject) => {
+  const image = new Image();
+  image.onload = () => resolve(image);
+  image.onerror = () => reject(new Error("The picture could not be drawn."));
+  image.src = address;
+});
+const parsed = (text) => new DOMParser().parseFromString(text, "image/svg+xml").documentElement;
+const address_of = (svg) =>
+  "data:image/svg+xml;charset=utf-8," + encodeURIComponent(new XMLSerializer().serializeToString(svg));
+
+// each piece of a figure: its size, and itself as a canvas or an image, and as SVG
+const pieces_of = async (place, type) => {
+  const drawn = drawn_in(place);
+  if (drawn) {
+    const {width, height} = drawn.viewBox.baseVal;
+    return [{width, height, node: type === "svg" ? drawn.cloneNode(true) : await image_from(address_of(drawn))}];
+  }
+  const plot = plotly_of(place);
+  if (plot) {
+    const [width, height] = [plot.clientWidth, plot.clientHeight];
+    const address = await window.Plotly.toImage(plot, {format: type, width, height, scale: type === "png" ? PIXELS : 1});
+    const text = () => decodeURIComponent(address.slice(address.indexOf(",") + 1));
+    return [{width, height, node: type === "svg" ? parsed(text()) : await image_from(address)}];
+  }
+  return Promise.all(bokeh_views(place).map((view) => with_axis(view, () => {
+    const {width, height} = view.bbox;
+    const node = type === "svg"
+      ? parsed(view.export("svg", false).ctx.get_serialized_svg(true))
+      : at_ratio(PIXELS, () => view.export("png", true)).canvas;
+    return {width, height, node};
+  })));
+};
+const layout_of = (pieces, words) => {
+  const top = words ? CAPTION_PX : 0;
+  const width = Math.ceil(Math.max(...pieces.map((piece) => piece.width)));
+  const height = Math.ceil(pieces.reduce((sum, piece) => sum + piece.height, top)) + 6;
+  let y = top;
+  for (const piece of pieces) { piece.y = y; y += piece.height; }
+  return {width, height};
+};
+const png_of = async (place) => {
+  const [words, pieces] = [words_of(place), await pieces_of(place, "png")];
+  const {width, height} = layout_of(pieces, words);
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [width * PIXELS, height * PIXELS];
+  const ctx = canvas.getContext("2d");
+  ctx.fillStyle = token("surface");
+  ctx.fillRect(0, 0, canvas.width, canvas.height);
+  ctx.scale(PIXELS, PIXELS);
+  ctx.fillStyle = token("ink2");
+  ctx.font = `12px ${token("font")}`;
+  ctx.fillText(words, 14, 15);
+  for (const {node, y, width: wide, height: tall} of pieces) { ctx.drawImage(node, 0, y, wide, tall); }
+  return new Promise((resolve) => canvas.toBlob(resolve, "image/png"));
+};
+const svg_of = async (place) => {
+  const [words, pieces] = [words_of(place), await pieces_of(place, "svg")];
+  const {width, height} = layout_of(pieces, words);
+  const make = (name, attributes, text = "") => {
+    const element = document.createElementNS(SVG, name);
+    for (const [key, value] of Object.entries(attributes)) { element.setAttribute(key, value); }
+    element.textContent = text;
+    return element;
+  };
+  const svg = make("svg", {width, height, viewBox: `0 0 ${width} ${height}`});
+  svg.append(make("title", {}, words), make("rect", {width, height, fill: token("surface")}));
+  const style = {"font-family": token("font"), "font-size": 12, fill: token("ink2")};
+  svg.append(make("text", {x: 14, y: 15, ...style}, words));
+  for (const {node, y, width: wide, height: tall} of pieces) {
+    for (const [key, value] of Object.entries({x: 0, y, width: wide, height: tall})) { node.setAttribute(key, value); }
+    svg.append(document.importNode(node, true));
+  }
+  return new XMLSerializer().serializeToString(svg);
+};
+
+// --- numbers
+
+// text that a spreadsheet would take for a formula is told to be text; numbers lose the spaces and the long minus
+const cell = (value) => {
+  if (value == null || Number.isNaN(value)) return "";
+  let text = String(value).trim();
+  const plain = text.replace(/\u202f/g, "").replace(/\u2212/g, "-");
+  if (plain !== "" && Number.isFinite(Number(plain))) return plain.replace(/^\+/, "");
+  if (/^[=+\-@\t]/.test(text)) text = `'${text}`;
+  return /[",\n\r]/.test(text) ? `"${text.replace(/"/g, '""')}"` : text;
+};
+const csv_from = (rows) => rows.map((row) => row.map(cell).join(",")).join("\r\n") + "\r\n";
+const table_rows = (table) =>
+  [...table.rows].map((row) => [...row.cells].map((entry) => entry.textContent.replace(/\s+/g, " ").trim()));
+
+const image_rows = (data) => {
+  const [rows, columns] = [data.image[0].shape?.[0] ?? data.image[0].length, data.image[0].shape?.[1]];
+  const wide = columns ?? data.image[0][0].length;
+  const at = (row, column) => columns ? data.image[0][row * wide + column] : data.image[0][row][column];
+  const points = [];
+  for (let row = 0; row < rows; row++) {
+    for (let column = 0; column < wide; column++) {
+      points.push({
+        x: data.x[0] + (column + 0.5) * data.dw[0] / wide, y: data.y[0] + (row + 0.5) * data.dh[0] / rows,
+        value: at(row, column),
+      });
+    }
+  }
+  return points;
+};
+const source_points = (data) => {
+  if (data.image?.length) return image_rows(data);
+  const names = Object.keys(data).filter((name) => !DECORATION.has(name) && typeof data[name][0] !== "object");
+  const count = Math.max(0, ...names.map((name) => data[name].length));
+  return Array.from({length: count}, (_, k) => Object.fromEntries(names.map((name) => [name, data[name][k]])));
+};
+const bokeh_series = (view, words) => {
+  const seen = new Set();
+  const series = [];
+  for (const renderer of view.model.renderers) {
+    const source = renderer.data_source;
+    if (!source || NOT_DATA.has(source.name) || !renderer.visible || renderer.glyph?.type === "Text" || seen.has(source)) continue;
+    seen.add(source);
+    const points = source_points(Object.fromEntries(Object.entries(source.data)));
+    if (points.length) series.push([source.name ?? `series ${series.length + 1}`, points]);
+  }
+  const x = x_words(view.model) || "x";
+  const side = view.model.left.find((one) => one.axis_label)?.axis_label;
+  return [series, {x, y: side || words || "y"}];
+};
+const plotly_series = (plot) => plot.data.map((trace, k) => {
+  const grid = trace.type === "surface";
+  const points = grid
+    ? [...trace.z].flatMap((row, i) => [...row].map((z, j) => ({x: trace.x[j], y: trace.y[i], z})))
+    : [...trace.x].map((x, i) => ({x, y: trace.y[i], z: trace.z[i]}));
+  return [trace.name ?? (grid ? "surface" : `series ${k + 1}`), points];
+});
+const figure_rows = (place) => {
+  if (drawn_in(place)) return table_rows(deep(place, "table")[0]);
+  const plot = plotly_of(place);
+  const views = plot ? [] : bokeh_views(place);
+  const [series, words] = plot ? [plotly_series(plot), {}] : bokeh_series(views[0], words_of(place));
+  const columns = [...new Set(series.flatMap(([, points]) => points.flatMap((point) => Object.keys(point))))];
+  const rows = series.flatMap(([name, points]) => points.map((point) => [name, ...columns.map((key) => point[key])]));
+  return [["series", ...columns.map((key) => words[key] ?? key)], ...rows];
+};
+
+const save = async (place, what, type) => {
+  const name = file_name(what, type);
+  if (type === "png") { offer(await png_of(place), "image/png", name); }
+  else if (type === "svg") { offer(await svg_of(place), "image/svg+xml", name); }
+  else { offer(csv_from(figure_rows(place)), "text/csv;charset=utf-8", name); }
+};
+
+// --- the menu at each figure
+
+const equip = (place) => {
+  const root = place.shadowRoot;
+  if (!root || root.querySelector(".rj-save") || !named(place)) return;
+  const words = words_of(place);
+  const sheet = new CSSStyleSheet();
+  sheet.replaceSync(STYLE);
+  root.adoptedStyleSheets = [...root.adoptedStyleSheets, sheet];
+  const holder = document.createElement("div");
+  // a strip has no caption beside which the button could stand: it takes the room of the axis
+  holder.className = place.clientHeight < STRIP_PX ? "rj-save low" : "rj-save";
+  holder.innerHTML = `<button type="button" aria-haspopup="menu" aria-expanded="false">${ICON}</button>`;
+  const button = holder.firstChild;
+  button.setAttribute("aria-label", `Save ${words}`);
+  button.title = "Save this figure";
+  let menu = null;
+  const close = (again) => {
+    // let go of it first: what has the focus leaves it when it is removed
+    const closing = menu;
+    menu = null;
+    if (again) button.focus();
+    closing?.remove();
+    button.setAttribute("aria-expanded", "false");
+  };
+  const open = () => {
+    menu = document.createElement("div");
+    menu.setAttribute("role", "menu");
+    menu.setAttribute("aria-label", `Save ${words} as`);
+    for (const type of ["png", "svg", "csv"]) {
+      const item = document.createElement("button");
+      item.type = "button";
+      item.setAttribute("role", "menuitem");
+      item.textContent = type.toUpperCase();
+      item.addEventListener("click", () => { close(true); save(place, words, type); });
+      menu.append(item);
+    }
+    holder.append(menu);
+    button.setAttribute("aria-expanded", "true");
+    menu.firstChild.focus();
+  };
+  button.addEventListener("click", () => menu ? close(true) : open());
+  holder.addEventListener("keydown", (event) => {
+    const items = [...holder.querySelectorAll("[role=menuitem]")];
+    const step = {ArrowDown: 1, ArrowUp: -1}[event.key];
+    if (event.key === "Escape" && items.length) { close(true); event.stopPropagation(); }
+    if (!step || !items.length) return;
+    event.preventDefault();
+    items[(items.indexOf(root.activeElement) + step + items.length) % items.length].focus();
+  });
+  holder.addEventListener("focusout", (event) => { if (menu && !holder.contains(event.relatedTarget)) close(false); });
+  root.append(holder);
+};
+
+// --- buttons within pieces of HTML
+
+const lines_of = (card) =>
+  [...card.querySelectorAll("li:not(.buttons)")].map((item, k) => `${k + 1}. ${item.textContent.trim().replace(/^\d+\s*/, "")}`);
+const card_text = (card) => [card.dataset.title, ...lines_of(card)].join("\n");
+const copy_text = async (text) => {
+  if (navigator.clipboard) {
+    try { await navigator.clipboard.writeText(text); return; } catch { /* not allowed: the old way */ }
+  }
+  const area = document.createElement("textarea");
+  area.value = text;
+  document.body.append(area);
+  area.select();
+  document.execCommand("copy");
+  area.remove();
+};
+const print_card = (card) => {
+  document.getElementById("rj-print")?.remove();
+  const frame = document.createElement("iframe");
+  frame.id = "rj-print";
+  frame.title = "Driver\u2019s advice, to print";
+  frame.setAttribute("aria-hidden", "true");
+  frame.style.cssText = "position:fixed;width:0;height:0;border:0;visibility:hidden";
+  document.body.append(frame);
+  const sheet = frame.contentDocument;
+  const style = sheet.createElement("style");
+  style.textContent = "body { font: 20px/1.5 sans-serif; } h1 { font-size: 24px; } li { margin: 0 0 6px; }";
+  const [heading, list] = [sheet.createElement("h1"), sheet.createElement("ol")];
+  heading.textContent = card.dataset.title;
+  for (const line of lines_of(card)) {
+    const item = sheet.createElement("li");
+    item.textContent = line.replace(/^\d+\. /, "");
+    list.append(item);
+  }
+  sheet.title = card.dataset.title;
+  sheet.head.append(style);
+  sheet.body.append(heading, list);
+  frame.contentWindow.print();
+};
+const ACTIONS = {
+  csv: (button) => {
+    const block = button.closest(".block");
+    offer(csv_from(table_rows(block.querySelector("table"))), "text/csv;charset=utf-8",
+      file_name(button.dataset.name, "csv"));
+  },
+  copy: async (button) => {
+    await copy_text(card_text(button.closest(".card")));
+    button.textContent = "Copied";
+    setTimeout(() => { button.textContent = "Copy"; }, 2000);
+  },
+  print: (button) => print_card(button.closest(".card")),
+  sort: (button) => {
+    const heading = button.closest("th");
+    const upwards = heading.getAttribute("aria-sort") !== "ascending";
+    for (const other of heading.parentNode.cells) { other.removeAttribute("aria-sort"); }
+    heading.setAttribute("aria-sort", upwards ? "ascending" : "descending");
+    const body = heading.closest("table").tBodies[0];
+    const rows = [...body.rows].sort((one, other) => {
+      const order = compared(...[one, other].map((row) => row.cells[heading.cellIndex].textContent.trim()));
+      return upwards ? order : -order;
+    });
+    body.append(...rows);
+  },
+};
+// numbers by size, words by the alphabet, what is not known last
+const compared = (one, other) => {
+  const [a, b] = [one, other].map((text) => Number(text.replace(/\u202f/g, "").replace(/\u2212/g, "-") || NaN));
+  if (Number.isNaN(a) !== Number.isNaN(b)) return Number.isNaN(a) ? 1 : -1;
+  return Number.isNaN(a) ? one.localeCompare(other) : a - b;
+};
+const press = (event) => {
+  const button = event.composedPath()[0].closest?.("button[data-act]");
+  if (button) ACTIONS[button.dataset.act]?.(button);
+};
+
+export function render() {
+  window.railjoule_equip = equip;
+  document.addEventListener("click", press);
+  return document.createElement("span");
+}

@@ -1,0 +1,80 @@
+"""In words, by what two scenarios differ."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from railjoule.core import Scenario
+from railjoule.dashboard.look import words
+
+MOST_SENTENCES = 6
+"""So many differences are told one by one."""
+WHOLES = ("vehicle", "line")
+"""Tables that are told by their names where they come from different presets or files."""
+QUANTITIES: Mapping[str, tuple[str, Callable[[Any], str]]] = {
+    "timetable.travel_time_s": ("travel time", lambda s: f"{words.number(s)} s"),
+    "vehicle.load_factor": ("load", lambda share: f"{words.number(100 * share, 0)} %"),
+    "vehicle.drive.recuperation_factor": ("recuperation", lambda share: f"{words.number(100 * share, 0)} %"),
+    "enoc.acceleration_time_s": ("ENOC\u2019s acceleration time", lambda s: f"{words.number(s)} s"),
+    "line.reverse": ("run in reverse", lambda on: "yes" if on else "no"),
+}
+"""Keys of the file that have words of their own."""
+NOT_TOLD = ("title", "strategy", "timetable.average_speed_kmh", "vehicle.preset", "line.preset")
+
+
+def difference_words(scenario: Scenario, reference: Scenario) -> tuple[str, ...]:
+    """Return by what a scenario differs from another one, such as 'load 70 % instead of 50 %'; empty if by nothing."""
+    now, before = _flat(scenario), _flat(reference)
+    sentences: list[str] = []
+    skipped: tuple[str, ...] = ()
+    for whole in WHOLES:
+        one, other = _name(scenario, whole), _name(reference, whole)
+        if one != other:
+            sentences.append(f"{whole} {one} instead of {other}")
+            skipped += (f"{whole}.",)
+    keys = [key for key in {**QUANTITIES, **now, **before} if now.get(key) != before.get(key)]
+    told = [key for key in keys if key in QUANTITIES or not key.startswith((*skipped, *NOT_TOLD))]
+    sentences += [_sentence(key, now.get(key), before.get(key)) for key in told]
+    more = len(sentences) - MOST_SENTENCES
+    if more > 0:
+        sentences = [*sentences[:MOST_SENTENCES], f"and {more} more"]
+    return tuple(sentences)
+
+
+def _flat(scenario: Scenario) -> dict[str, Any]:
+    """Return all keys of a scenario by their dotted paths, lists whole, the travel time however it was given."""
+    flat: dict[str, Any] = {}
+
+    def walk(table: Mapping[str, Any], path: str) -> None:
+        for key, value in table.items():
+            if isinstance(value, Mapping):
+                walk(value, f"{path}{key}.")
+            else:
+                flat[path + key] = value
+
+    walk(scenario.model_dump(mode="json"), "")
+    flat["timetable.travel_time_s"] = round(scenario.travel_time_s, 6)
+    return flat
+
+
+def _name(scenario: Scenario, whole: str) -> str:
+    part = scenario.vehicle if whole == "vehicle" else scenario.line
+    return part.name or part.preset or "without a name"
+
+
+def _sentence(key: str, now: Any, before: Any) -> str:
+    if key in QUANTITIES:
+        word, show = QUANTITIES[key]
+        return f"{word} {_shown(show, now)} instead of {_shown(show, before)}"
+    if isinstance(now, list) or isinstance(before, list):
+        return f"another {key}"
+    return f"{key} {_shown(_plain, now)} instead of {_shown(_plain, before)}"
+
+
+def _shown(show: Callable[[Any], str], value: Any) -> str:
+    return "none" if value is None else show(value)
+
+
+def _plain(value: Any) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return f"{value:g}".replace("-", words.MINUS) if isinstance(value, int | float) else str(value)

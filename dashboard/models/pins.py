@@ -1,0 +1,106 @@
+"""Pinned runs: what was run, by which strategy, and how it comes about again."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from railjoule.core import Scenario, Trajectory, load_scenario
+from railjoule.core.scenario import StrategyName, document_of, scenario_from_document
+from railjoule.core.scenario.document import Document
+from railjoule.dashboard.look import words
+from railjoule.dashboard.models.scenario import ScenarioModel
+
+MOST_PINS = 6
+PIN_KEYS = tuple(f"pin_{number}" for number in range(1, MOST_PINS + 1))
+"""Colours and strokes of the pins, by the tokens of the look."""
+TOO_MANY = f"{MOST_PINS} pinned runs are the most: unpin one to make room for another."
+LONGEST_NAME = 60
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """How a run comes about.
+
+    Parameters
+    ----------
+    preset : str or None
+        The shipped scenario that it starts from; None where it starts from a document.
+    document : mapping or None
+        The scenario that it starts from, as a nested dictionary, where it is not a shipped one.
+    changes : mapping
+        Keys of the file with the values laid over it.
+    strategy : str
+        Who drives.
+    """
+
+    preset: str | None
+    document: Document | None
+    changes: Mapping[str, Any]
+    strategy: StrategyName
+
+    def scenario(self) -> Scenario:
+        """Return the scenario of the run.
+
+        Raises
+        ------
+        ScenarioError
+            If the shipped scenario or the document does not take the changes.
+        """
+        base = load_scenario(self.preset) if self.preset else scenario_from_document(self.document or {})
+        return base.with_(**self.changes) if self.changes else base
+
+
+@dataclass(frozen=True, eq=False)
+class Pin:
+    """A run kept to compare others with.
+
+    Parameters
+    ----------
+    name : str
+        What the user calls it.
+    trajectory : Trajectory
+        The run.
+    colour : str
+        Its colour and stroke, one of PIN_KEYS.
+    recipe : Recipe
+        How it comes about again.
+    """
+
+    name: str
+    trajectory: Trajectory
+    colour: str
+    recipe: Recipe
+
+    @property
+    def number(self) -> int:
+        """The number that stands at its lines."""
+        return PIN_KEYS.index(self.colour) + 1
+
+    def renamed(self, name: str) -> "Pin":
+        """Return the pin under another name; an empty one gives back the name that tells what was run."""
+        return replace(self, name=" ".join(name.split())[:LONGEST_NAME] or pin_name(self.trajectory))
+
+
+def pin_name(run: Trajectory) -> str:
+    """Return what a pin is called until it is renamed, such as 'Optimal, 170.0 s, load 50 %, recuperation 40 %'."""
+    strategy, vehicle = words.STRATEGY_WORDS[run.strategy], run.scenario.vehicle  # type: ignore[index]
+    load = words.number(100 * vehicle.load_factor, 0)
+    recuperation = words.number(100 * vehicle.drive.recuperation_factor, 0)
+    return f"{strategy}, {words.number(run.travel_time_s)} s, load {load} %, recuperation {recuperation} %"
+
+
+def recipe_of(model: ScenarioModel, scenario: Scenario, strategy: StrategyName) -> Recipe:
+    """Return how a run over `scenario` comes about, from what the page edits where that is the same scenario."""
+    if model.scenario() != scenario:
+        # the page has moved on while the run was computed, or what it asks for cannot be run
+        return Recipe(None, document_of(scenario), {}, strategy)
+    if model.opened is not None:
+        return Recipe(None, document_of(model.opened), dict(model.changes), strategy)
+    return Recipe(model.preset, None, dict(model.changes), strategy)
+
+
+def make_pin(pins: Sequence[Pin], run: Trajectory, recipe: Recipe, name: str = "") -> Pin:
+    """Return a pin with a colour that none of `pins` has; there must be less than MOST_PINS."""
+    taken = {pin.colour for pin in pins}
+    colour = next(key for key in PIN_KEYS if key not in taken)
+    return Pin(name or pin_name(run), run, colour, recipe)

@@ -1,0 +1,96 @@
+"""Compare, as a user works with it."""
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import BrowserContext, expect
+
+from browser.server import Server
+from browser.user import User
+
+CANARY = '<img src=x onerror="window.canary=1">'
+
+
+@pytest.fixture(scope="module")
+def user(server: Server, window: BrowserContext) -> Iterator[User]:
+    """One user, who has pinned two runs and stays on the page for all tests of this file."""
+    with User.on(window, server.url) as someone:
+        someone.page.get_by_role("button", name="Pin run", exact=True).click()
+        someone.type("Load, % of capacity", "70")
+        expect(someone.page.get_by_role("button", name="Pin run", exact=True)).to_be_visible()
+        someone.page.get_by_role("button", name="Pin run", exact=True).click()
+        someone.type("Travel time, s", "180")
+        someone.turn_to("Compare")
+        yield someone
+
+
+def row(user: User, name: str) -> list[str]:
+    """Return the cells of a run in the table."""
+    table = user.page.get_by_role("table").filter(has_text="above bound")
+    return table.get_by_role("row").filter(has_text=name).get_by_role("cell").all_inner_texts()
+
+
+def number(cell: str) -> float:
+    return float(cell.replace("\u2212", "-").replace("\u202f", ""))
+
+
+def test_pinned_runs_stand_beside_all_strategies(user: User) -> None:
+    table = user.page.get_by_role("table").filter(has_text="above bound")
+    # Bellman is not ticked: it comes with the work behind this page
+    for name in ("Optimal", "Bellman", "Speed limits", "Fastest", "1 Optimal, 170.0 s", "2 Optimal, 170.0 s"):
+        expect(table.get_by_role("row").filter(has_text=name).first).to_be_visible()
+    one, two = row(user, "1 Optimal"), row(user, "2 Optimal")
+    assert two[2] == two[3] == "0"
+    assert number(one[2]) == pytest.approx(number(one[1]) - number(two[1]), abs=0.011)
+    for chart in ("compared_speed", "compared_energy"):
+        expect(user.page.locator(f".rj-chart-{chart} canvas").first).to_be_visible()
+    told = user.page.locator(".differences li")
+    expect(told).to_have_text(["1 Optimal, 170.0 s, load 50 %, recuperation 40 %: load 50 % instead of 70 %."])
+
+
+def test_another_run_becomes_the_reference(user: User) -> None:
+    user.page.get_by_role("combobox", name="Compare with").click()
+    user.page.get_by_role("menuitem", name="Optimal", exact=True).click()
+    told = user.page.locator(".differences li")
+    expect(told).to_have_count(2)
+    expect(told.nth(1)).to_contain_text("travel time 170.0 s instead of 180.0 s")
+    assert row(user, "Bellman")[3] in {"0", "+0.1"}
+
+
+def test_the_table_is_sorted_by_a_column(user: User) -> None:
+    table = user.page.get_by_role("table").filter(has_text="above bound")
+    sort = table.get_by_role("button", name="kWh", exact=True)
+    for upwards in (True, False):
+        sort.click()
+        energies = [number(text) for text in table.locator("tbody td:nth-child(2)").all_inner_texts()]
+        assert energies == sorted(energies, reverse=not upwards)
+
+
+def test_only_ticked_strategies(user: User) -> None:
+    table = user.page.get_by_role("table").filter(has_text="above bound")
+    user.page.get_by_role("button", name="Ticked ones", exact=True).click()
+    expect(table.get_by_role("row").filter(has_text="Bellman")).to_have_count(0)
+    user.page.get_by_role("button", name="All strategies", exact=True).click()
+    expect(table.get_by_role("row").filter(has_text="Bellman")).to_have_count(1)
+
+
+def test_a_pin_takes_a_name_which_is_text_and_nothing_else(user: User) -> None:
+    field = user.page.get_by_label("Name of pinned run 1")
+    field.fill(CANARY)
+    field.press("Enter")
+    table = user.page.get_by_role("table").filter(has_text="above bound")
+    expect(table).to_contain_text(f"1 {CANARY}")
+    expect(user.page.locator(".differences")).to_contain_text(CANARY)
+    assert user.page.evaluate("window.canary") is None
+
+
+def test_a_seventh_run_is_refused_in_one_sentence(user: User) -> None:
+    for load in (10, 20, 30, 40, 50):
+        user.type("Load, % of capacity", str(load))
+        user.page.get_by_role("button", name="Pin run", exact=True).click()
+        user.rest()
+    assert user.alerts() == ["6 pinned runs are the most: unpin one to make room for another."]
+    unpin = user.page.get_by_role("button", name="Unpin run 3", exact=True)
+    unpin.click()
+    expect(unpin).to_be_hidden()
+    assert user.alerts() == []
