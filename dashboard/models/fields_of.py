@@ -295,7 +295,7 @@ def _kinds(schema: Schema) -> Mapping[str, str]:
 
 def _schema_at(table: str, model: str) -> Schema:
     """Return the schema of a path; where it meets a table of many kinds, that of the kind `model`."""
-    path = "vehicle.drive" + table.removeprefix("drive") if table.split(".")[0] == "drive" else table
+    path = "vehicle.drive" + table.removeprefix("drive") if table.split(".", maxsplit=1)[0] == "drive" else table
     schema = _whole_schema()
     for key in path.split(".") if path else ():
         schema = _resolved(schema["properties"][key])[0]

@@ -93,15 +93,15 @@ class ScenarioModel(TypedParameters):
         scenario = self.base.with_(**everything)
         self._take(scenario, {key: value for key, value in everything.items() if key not in FIELD_KEYS})
 
-    def take_back(self, key: str) -> None:
-        """Give a key the value of the shipped scenario or the file again.
+    def take_back(self, *keys: str) -> None:
+        """Give keys the values of the shipped scenario or the file again.
 
         Raises
         ------
         RailjouleError
             If no train can run what is left.
         """
-        left = {name: value for name, value in self.changes.items() if name != key}
+        left = {name: value for name, value in self.changes.items() if name not in keys}
         edits = {name: value for name, value in left.items() if name not in FIELD_KEYS}
         self._take(self.base.with_(**left), edits)
 

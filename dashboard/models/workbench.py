@@ -8,6 +8,7 @@ from railjoule.core import RailjouleError, Trajectory
 from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.models.disturbances import DisturbancesModel
+from railjoule.dashboard.models.editor import EditorModel
 from railjoule.dashboard.models.robustness import RobustnessModel
 from railjoule.dashboard.models.scenario import ScenarioModel
 from railjoule.dashboard.models.speed_limits import SpeedLimitsModel
@@ -36,6 +37,7 @@ class Workbench(param.Parameterized):
 
     def __init__(self, **params: Any) -> None:
         self.scenario = ScenarioModel()
+        self.editor = EditorModel(self.scenario)
         self.robustness = RobustnessModel()
         self.disturbances = DisturbancesModel()
         self.speed_limits = SpeedLimitsModel()
