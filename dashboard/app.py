@@ -25,6 +25,7 @@ from railjoule.dashboard.store import (
 )
 from railjoule.dashboard.views.disturbances import DisturbancesView
 from railjoule.dashboard.views.drive import DriveView
+from railjoule.dashboard.views.editor import EditorView
 from railjoule.dashboard.views.robustness import RobustnessView
 from railjoule.dashboard.views.shell import Page, Shell
 from railjoule.dashboard.views.speed_limits import SpeedLimitsView
@@ -59,7 +60,9 @@ class Session:
         self.disturbances = Disturbances(self.state)
         self.speed_limits = SpeedLimits(self.state)
         self.views: dict[str, View] = {}
-        self.shell = Shell(self.state, self.browser, {name: self._make(view) for name, view in VIEWS.items()})
+        self.editor = EditorView(self.state, self.browser, self.palette)
+        pages = {name: self._make(view) for name, view in VIEWS.items()}
+        self.shell = Shell(self.state, self.browser, pages, self.editor.view)
         scenario = self.state.scenario
         scenario.param.watch(self._ask_runs, [*PLAN_FIELDS, "acceleration_time_s"])
         scenario.param.watch(
@@ -136,6 +139,7 @@ class Session:
             self.palette.switch(self.state.dark)
             for view in self.views.values():
                 view.redraw()
+            self.editor.redraw()
 
 
 def make_page() -> Page:

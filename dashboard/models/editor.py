@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import param
 from pydantic import BaseModel
 
@@ -30,6 +31,8 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
 """What the editor opens one by one, with the tables of the file in it."""
 WHOLE_TABLES = ("vehicle", "drive", "line")
 """Tables that a choice replaces as a whole."""
+STILL_PERMILLE = 1e-6
+"""What rounding alone makes of a gradient."""
 SOURCE = "scenario: "
 Row = dict[str, Any]
 
@@ -204,6 +207,40 @@ class EditorModel(param.Parameterized):
         """Take other rows, as a chart gives them, or say why not."""
         self._try_rows(table, rows)
 
+    def move_borders(self, table: Table, distance_m: Sequence[float], height_m: Sequence[float]) -> None:
+        """Let the sections run through borders of other places and heights [m]; lists of one more than them."""
+        lengths, climbs = np.diff(distance_m), np.diff(height_m)
+        rows = [
+            {**row, "length_m": float(round(length, 3)), "gradient_permille": _kept_or_rounded(row, length, climb)}
+            for row, length, climb in zip(self.look().rows(table), lengths, climbs, strict=True)
+        ]
+        self.set_rows(table, rows)
+
+    def move_limits(
+        self,
+        sections: Table,
+        limits: Table,
+        from_m: Sequence[float],
+        to_m: Sequence[float],
+        limit_kmh: Sequence[float],
+    ) -> None:
+        """Take other limits of sections that have one, then of the stretches, in the order of their tables."""
+        look = self.look()
+        section_rows, limit_rows = look.rows(sections), look.rows(limits)
+        limited = [row for row in section_rows if "speed_limit_kmh" in row]
+        of_sections = len(limited)
+        for row, limit in zip(limited, limit_kmh[:of_sections], strict=True):
+            row["speed_limit_kmh"] = limit
+        moved = [
+            {**row, "from_m": start, "to_m": end, "limit_kmh": limit}
+            for row, start, end, limit in zip(
+                limit_rows, from_m[of_sections:], to_m[of_sections:], limit_kmh[of_sections:], strict=True
+            )
+        ]
+        for table, rows in ((sections, section_rows), (limits, moved)):
+            if rows != look.rows(table):
+                self.set_rows(table, rows)
+
     def _try_rows(self, table: Table, rows: Sequence[Row]) -> None:
         try:
             self._set_rows(table, rows)
@@ -244,6 +281,13 @@ class EditorModel(param.Parameterized):
 
     def _refuse(self, key: str, refusal: Refusal) -> None:
         self.refused = {**self.refused, key: refusal}
+
+
+def _kept_or_rounded(row: Row, length_m: float, climb_m: float) -> float:
+    """Return the gradient of a moved section in tenths, and that of another as it was."""
+    gradient = 1000 * climb_m / length_m
+    was = float(row.get("gradient_permille", 0.0))
+    return was if abs(gradient - was) < STILL_PERMILLE else round(gradient, 1)
 
 
 def value_at(scenario: Scenario, key: str) -> Any:

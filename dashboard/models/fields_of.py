@@ -347,11 +347,11 @@ def _table(key: str, schema: Schema, items: Schema, optional: bool) -> Table:
 
 def _field(key: str, declared: Schema) -> Field | None:
     schema, optional = _resolved(declared)
-    common = {"key": key, "help": str(schema.get("description", "")), "optional": optional}
+    common: dict[str, Any] = {"key": key, "help": str(schema.get("description", "")), "optional": optional}
     if "enum" in schema:
         return Field(kind="choice", choices=tuple(schema["enum"]), **common)
     kinds: Mapping[str, Kind] = {"number": "number", "integer": "whole", "boolean": "yes_no", "string": "text"}
-    kind = schema.get("type")
+    kind = str(schema.get("type"))
     if kind == "array":
         return _numbers(schema, common)
     if kind not in kinds or "const" in schema:
@@ -369,6 +369,6 @@ def _numbers(schema: Schema, common: Mapping[str, Any]) -> Field | None:
     return replace(field, optional=True) if count[0] == 0 else field
 
 
-def _bounds(schema: Schema) -> dict[str, float | None]:
+def _bounds(schema: Schema) -> dict[str, Any]:
     names = {"least": "minimum", "most": "maximum", "above": "exclusiveMinimum", "below": "exclusiveMaximum"}
     return {ours: schema.get(theirs) for ours, theirs in names.items()}

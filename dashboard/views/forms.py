@@ -320,20 +320,23 @@ export function render({model, el}) {
 
 
 class Form(JSComponent):
-    """What all forms share: their sheet, no space around them, messages of the browser by what they say."""
+    """What all forms share: their sheet, no space around them, and who hears the browser.
 
-    hear = param.Callable(default=None, allow_None=True, doc="Called with each message of the browser.")
+    Parameters
+    ----------
+    hear : callable
+        Called with each message of the browser.
+    """
 
-    _rename = {"hear": None}
-
-    def __init__(self, **params: Any) -> None:
+    def __init__(self, hear: Callable[[dict[str, Any]], None], **params: Any) -> None:
         super().__init__(
             **{"margin": 0, "sizing_mode": "stretch_width", "stylesheets": [editor_css()], **params},
         )
+        self._hear = hear
 
     def _handle_msg(self, data: Any) -> None:
-        if self.hear is not None and isinstance(data, dict):
-            self.hear(data)
+        if isinstance(data, dict):
+            self._hear(data)
 
 
 class FieldsForm(Form):
@@ -373,7 +376,7 @@ class Disclosure(Form):
     _esm = DISCLOSURE_JS
 
     def __init__(self, turn: Callable[[], None], **params: Any) -> None:
-        super().__init__(hear=lambda _: turn(), **params)
+        super().__init__(lambda _: turn(), **params)
 
 
 class EditorHead(Form):

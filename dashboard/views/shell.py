@@ -60,15 +60,22 @@ class Shell:
     browser : Browser
     pages : mapping of str to callable
         What makes each page, called when it is first in sight.
+    editor : Viewable
+        The scenario's editor, which lies over a side of the page.
     """
 
     def __init__(
-        self, state: Workbench, browser: Browser, pages: dict[str, Callable[[], pn.viewable.Viewable]]
+        self,
+        state: Workbench,
+        browser: Browser,
+        pages: dict[str, Callable[[], pn.viewable.Viewable]],
+        editor: pn.viewable.Viewable,
     ) -> None:
         self.state, self.browser, self._make = state, browser, pages
         self._made: dict[str, pn.viewable.Viewable] = {}
         self._wide = True
         self.main = stack()
+        self.editor = editor
         self.sidebar = Sidebar(state)
         self.tabs = pmui.TabMenu(
             items=list(PAGES), active=PAGES.index(state.page), variant="scrollable", scroll_buttons="false", margin=0
@@ -102,6 +109,7 @@ class Shell:
         self.pin_small.on_click(self._pin)
         state.param.watch(self._show_page, "page")
         state.param.watch(self._name_pin, "pinned")
+        state.editor.param.watch(self._make_room, "open")
         browser.follow(["width"], self._fit)
         browser.follow(["wants_dark"], self._follow_system)
         self.page.param.watch(self._paint, "dark_theme")
@@ -113,7 +121,7 @@ class Shell:
         return Page(
             title="",
             meta_title="railjoule",
-            main=[self.main, self.browser],
+            main=[self.main, self.browser, self.editor],
             sidebar=[self.sidebar.view],
             sidebar_width=272,
             sidebar_open=True,
@@ -176,6 +184,11 @@ class Shell:
             was_wide, self._wide = self._wide, self.browser.width >= NARROW_PX
             if was_wide != self._wide:
                 self.page.sidebar_open = self._wide
+
+    def _make_room(self, event: Any) -> None:
+        """Close the sidebar where it would stand before the editor."""
+        if event.new and not self._wide:
+            self.page.sidebar_open = False
 
     def _follow_system(self) -> None:
         """Take the colours that the system asks for."""
