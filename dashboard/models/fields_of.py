@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.map_csv import COLUMNS as MAP_COLUMNS
+from railjoule.dashboard.look.words import MINUS, THIN_SPACE
 from railjoule.dashboard.models.numbers import parse_number
 
 Kind = Literal["number", "whole", "yes_no", "choice", "text", "numbers"]
@@ -124,12 +125,12 @@ class Field:
     def bounds_words(self) -> str:
         """The bounds of its numbers or texts, as a clause; empty where it has none."""
         parts = [
-            word.format(value)
+            word.format(f"{value:,.10g}".replace(",", THIN_SPACE).replace("-", MINUS))
             for word, value in (
-                ("at least {:.10g}", self.least),
-                ("above {:.10g}", self.above),
-                ("at most {:.10g}", self.most),
-                ("below {:.10g}", self.below),
+                ("at least {}", self.least),
+                ("above {}", self.above),
+                ("at most {}", self.most),
+                ("below {}", self.below),
                 ("at most {} characters", self.longest),
             )
             if value is not None

@@ -53,7 +53,7 @@ export function render({model}) {
       row.known = null;
       model.send_msg({what: "back", key: row.key});
     });
-    row.error = make("div", {class: "error", role: "alert", id: `${id}-error`, hidden: true});
+    row.error = make("div", {class: "refusal", role: "alert", id: `${id}-error`, hidden: true});
     const label = make("label", {for: id}, field.label, row.dot, row.was);
     const help = make("div", {class: "help", id: `${id}-help`}, field.help);
     const value = make("div", {class: "value"}, row.back, row.input);
@@ -115,7 +115,7 @@ export function render({model}) {
     found?.focus();
     found?.select?.();
   };
-  const error = make("div", {class: "error", role: "alert", hidden: true});
+  const error = make("div", {class: "refusal", role: "alert", hidden: true});
   const tell = (sentence) => { error.textContent = sentence; error.hidden = !sentence; };
 
   const build_cell = (column, row, index) => {
@@ -380,9 +380,13 @@ class Disclosure(Form):
 
 
 class EditorHead(Form):
-    """The editor's title, the result, and the way out; it takes the focus in and gives it back."""
+    """The editor's title, the result, and the way out, always in sight; it takes the focus in and gives it back."""
 
     status = param.String(default="", doc="The result.")
     open = param.Boolean(default=False, doc="Whether the editor is in sight.")
 
     _esm = HEAD_JS
+
+    def __init__(self, hear: Callable[[dict[str, Any]], None], **params: Any) -> None:
+        styles = {"position": "sticky", "top": "0", "z-index": "2", "background": "var(--rj-surface)"}
+        super().__init__(hear, styles=styles, **params)

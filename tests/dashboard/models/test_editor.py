@@ -116,9 +116,9 @@ def test_every_kind_of_drive_can_be_taken(model: ScenarioModel, editor: EditorMo
     assert editor.refused == {}
     drive = model.scenario().vehicle.drive
     assert (drive.model, drive.recuperation_factor) == (model_name, recuperation)
-    assert {one.key.removeprefix("drive.") for _, parts in editor.parts("drive", model.scenario()) for one in parts} >= {
-        name for name, value in drive.model_dump().items() if name != "model" and not isinstance(value, dict)
-    }
+    assert {
+        one.key.removeprefix("drive.") for _, parts in editor.parts("drive", model.scenario()) for one in parts
+    } >= {name for name, value in drive.model_dump().items() if name != "model" and not isinstance(value, dict)}
     editor.choose_drive("constant_efficiency")
     assert model.scenario().vehicle.drive.model == "constant_efficiency"
 

@@ -48,7 +48,7 @@ def test_a_field_says_what_it_means_and_its_bounds() -> None:
     (tare,) = [part for part in parts_of("vehicle") if part.key == "vehicle.tare_kg"]
     assert isinstance(tare, Field)
     assert tare.label == "Tare, kg"
-    assert tare.help_words == "Mass of the empty vehicle. Above 0 and at most 10000000."
+    assert tare.help_words == "Mass of the empty vehicle. Above 0 and at most 10\u202f000\u202f000."
 
 
 @pytest.mark.parametrize(
