@@ -27,10 +27,12 @@ from railjoule.dashboard.views.profile_charts import LimitStepsChart, ProfileCha
 
 WIDTH_PX, BAR_PX, LAYER = 520, 49, 1100
 DRAWER_CSS = f"""
-:host {{ position: fixed; right: 0; top: {BAR_PX}px; bottom: 0; width: min({WIDTH_PX}px, 100vw); z-index: {LAYER};
-  overflow-y: auto; overflow-x: hidden; background: var(--rj-surface); border-left: 1px solid var(--rj-line2);
-  box-sizing: border-box; }}
+:host {{ position: fixed !important; right: 0; top: {BAR_PX}px !important; height: calc(100dvh - {BAR_PX}px) !important;
+  width: min({WIDTH_PX}px, 100vw) !important; z-index: {LAYER}; overflow-y: auto !important; overflow-x: hidden !important;
+  background: var(--rj-surface); border-left: 1px solid var(--rj-line2); box-sizing: border-box; }}
+:host > * {{ flex: none !important; }}
 """
+"""The library sizes a column by what is in it; a drawer is as high as the window and scrolls."""
 PROFILE_PX, LIMITS_PX = 150, 130
 MOST_ROWS = 60
 """Longer tables show these; all of them can be pasted over."""
