@@ -28,11 +28,12 @@ from railjoule.dashboard.views.profile_charts import LimitStepsChart, ProfileCha
 WIDTH_PX, BAR_PX, LAYER = 520, 49, 1100
 DRAWER_CSS = f"""
 :host {{ position: fixed !important; right: 0; top: {BAR_PX}px !important; height: calc(100dvh - {BAR_PX}px) !important;
-  width: min({WIDTH_PX}px, 100vw) !important; z-index: {LAYER}; overflow-y: auto !important; overflow-x: hidden !important;
+  width: min({WIDTH_PX}px, 100vw) !important; z-index: {LAYER}; overflow: hidden auto !important;
   background: var(--rj-surface); border-left: 1px solid var(--rj-line2); box-sizing: border-box; }}
 :host > * {{ flex: none !important; }}
 """
 """The library sizes a column by what is in it; a drawer is as high as the window and scrolls."""
+HEAD_CSS = ":host { position: sticky !important; top: 0 !important; z-index: 2; background: var(--rj-surface); }"
 PROFILE_PX, LIMITS_PX = 150, 130
 MOST_ROWS = 60
 """Longer tables show these; all of them can be pasted over."""
@@ -46,6 +47,7 @@ SCENARIO_FIELDS = (
     "acceleration_time_s",
 )
 OWN = "Own"
+HEADINGS = {"eoc": words.STRATEGY_WORDS["eoc"], "enoc": words.STRATEGY_WORDS["enoc"]}
 CHOICES = {"vehicle": "Vehicle", "line": "Line"}
 Entry = dict[str, Any]
 
@@ -81,7 +83,7 @@ class EditorView:
         self.head = EditorHead(self._close)
         kinds: Mapping[str, type[Group]] = {"Presets": PresetsGroup, "Drive": DriveGroup, "Line": LineGroup}
         self.groups = [kinds.get(name, Group)(self, name) for name in GROUPS]
-        self.view[:] = [self.head, *(group.view for group in self.groups)]
+        self.view[:] = [stack(self.head, css=HEAD_CSS), *(group.view for group in self.groups)]
 
     def _close(self, *_: Any) -> None:
         self.editor.open = False
@@ -166,9 +168,9 @@ class Group:
         several = len(GROUPS[self.name]) > 1
         for table in GROUPS[self.name]:
             for heading, parts in self.editor.parts(table, look.now):
-                text = heading or (words_of(table) if several else "")
+                text = heading or (HEADINGS.get(table, words_of(table)) if several else "")
                 if text:
-                    made.append(html_pane(f'<h4 class="section" style="padding-left:32px">{text}</h4>'))
+                    made.append(html_pane(f'<h4 class="section" style="margin:0;padding-left:32px">{text}</h4>'))
                 made += self.forms(parts)
         return made
 

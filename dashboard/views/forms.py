@@ -380,13 +380,9 @@ class Disclosure(Form):
 
 
 class EditorHead(Form):
-    """The editor's title, the result, and the way out, always in sight; it takes the focus in and gives it back."""
+    """The editor's title, the result, and the way out; it takes the focus in and gives it back."""
 
     status = param.String(default="", doc="The result.")
     open = param.Boolean(default=False, doc="Whether the editor is in sight.")
 
     _esm = HEAD_JS
-
-    def __init__(self, hear: Callable[[dict[str, Any]], None], **params: Any) -> None:
-        styles = {"position": "sticky", "top": "0", "z-index": "2", "background": "var(--rj-surface)"}
-        super().__init__(hear, styles=styles, **params)
