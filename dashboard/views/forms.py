@@ -236,7 +236,7 @@ export function render({model}) {
   const heading = document.createElement("h3"), button = document.createElement("button");
   const label = document.createElement("span"), note = document.createElement("span");
   const dot = document.createElement("span"), arrow = document.createElement("span");
-  heading.className = "disclosure";
+  heading.className = "turn";
   button.type = "button";
   arrow.className = "arrow";
   arrow.setAttribute("aria-hidden", "true");
@@ -268,7 +268,7 @@ const in_sight = (element) => element?.isConnected && element.getClientRects().l
 
 export function render({model, el}) {
   const head = document.createElement("div");
-  head.className = "editor-head";
+  head.className = "editor-title";
   head.innerHTML = '<div><h2 tabindex="-1">Scenario</h2><p class="muted small" role="status"></p></div>' +
     '<button type="button" class="small-button" aria-label="Close the editor" title="Close (Escape)">\\u00d7</button>';
   const title = head.querySelector("h2"), status = head.querySelector("p"), close = head.querySelector("button");

@@ -28,7 +28,7 @@ def drawer(user: User) -> Locator:
 
 
 def head(user: User, group: str) -> Locator:
-    return drawer(user).locator(".disclosure button", has_text=group)
+    return drawer(user).locator(".turn button", has_text=group)
 
 
 def open_group(user: User, group: str) -> None:
