@@ -10,6 +10,7 @@ from playwright.sync_api import Browser, BrowserContext, Locator, expect
 from browser.server import Server
 from browser.test_accessibility import EXCUSED, GRAVE, STANDARDS
 from browser.user import User
+from railjoule.dashboard.look.tokens import THEMES
 
 LENGTH_M = 2300.0
 LEFT_PX, RIGHT_PX, ABOVE_PX, BELOW_PX = 50.0, 14.0, 2.0, 7.0
@@ -32,6 +33,8 @@ def head(user: User, group: str) -> Locator:
 
 
 def open_group(user: User, group: str) -> None:
+    if not drawer(user).is_visible():
+        user.page.get_by_role("button", name="Edit scenario").click()
     if head(user, group).get_attribute("aria-expanded") == "false":
         head(user, group).click()
     expect(head(user, group)).to_have_attribute("aria-expanded", "true")
@@ -60,7 +63,6 @@ def test_it_is_opened_and_closed_by_key_and_gives_the_focus_back(user: User) -> 
 
 
 def test_a_field_changes_the_run_is_marked_and_taken_back(user: User) -> None:
-    user.page.get_by_role("button", name="Edit scenario").click()
     open_group(user, "Vehicle")
     energy = user.number("Energy at the line")
     enter(user, "Tare, kg", "200\u202f000")
@@ -131,8 +133,10 @@ def test_rows_are_added_moved_and_removed_by_key(user: User) -> None:
 
 def drag(user: User, chart: str, start: tuple[float, float], end: tuple[float, float]) -> None:
     """Drag from one place to another: shares of the frame, from the left and from above."""
-    canvas = drawer(user).locator(f".rj-chart-{chart} canvas").first
-    canvas.scroll_into_view_if_needed()
+    place = drawer(user).locator(f".rj-chart-{chart}")
+    place.scroll_into_view_if_needed()
+    canvas = place.locator("canvas").first
+    expect(canvas).to_be_visible()
     box = canvas.bounding_box()
     assert box is not None
     width, height = box["width"] - LEFT_PX - RIGHT_PX, box["height"] - ABOVE_PX - BELOW_PX
@@ -187,5 +191,7 @@ def test_nothing_grave_on_a_narrow_screen_in_light_and_dark(server: Server, chro
         assert grave(reader) == {}
         reader.page.emulate_media(color_scheme="dark")
         expect(reader.page.locator("html")).to_have_class(re.compile("rj-dark"))
+        sheet = ", ".join(str(part) for part in bytes.fromhex(THEMES["dark"]["surface"].removeprefix("#")))
+        expect(reader.page.locator("main")).to_have_css("background-color", f"rgb({sheet})")
         assert grave(reader) == {}
         assert reader.page.evaluate("document.scrollingElement.scrollWidth") <= 390
