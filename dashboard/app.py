@@ -35,6 +35,7 @@ from railjoule.dashboard.store import (
 from railjoule.dashboard.views.compare import CompareView
 from railjoule.dashboard.views.disturbances import DisturbancesView
 from railjoule.dashboard.views.drive import DriveView
+from railjoule.dashboard.views.editor import EditorView
 from railjoule.dashboard.views.learn import LearnView
 from railjoule.dashboard.views.line import LineView
 from railjoule.dashboard.views.motor import MotorView
@@ -104,8 +105,10 @@ class Session:
         self.state.dark = self.browser.dark = self.state.colours == "dark"
         self.palette = Palette(self.state.dark)
         self.views: dict[str, View] = {}
+        self.editor = EditorView(self.state, self.browser, self.palette)
         pages = {name: self._make(view) for name, view in VIEWS.items()}
-        self.shell = Shell(self.state, self.browser, Share(self.state, self.keeping), pages)
+        share = Share(self.state, self.keeping)
+        self.shell = Shell(self.state, self.browser, share, pages, self.editor.view)
         scenario = self.state.scenario
         scenario.param.watch(self._ask_runs, [*PLAN_FIELDS, "acceleration_time_s"])
         scenario.param.watch(
@@ -197,6 +200,7 @@ class Session:
             self.palette.switch(self.state.dark)
             for view in self.views.values():
                 view.redraw()
+            self.editor.redraw()
 
 
 def address_query() -> str:

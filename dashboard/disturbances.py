@@ -30,19 +30,16 @@ class Disturbances:
         self._asked: RidesWish | None = None
         self._drawn: RidesWish | None = None
         self._watched: list[EventModel] = []
-        state.scenario.param.watch(self._take_scenario, ["preset", "opened"])
+        state.scenario.follow(lambda scenario: scenario.disturbance, self.model.take)
         state.scenario.param.watch(self._ask, list(PLAN_FIELDS))
         state.param.watch(self._ask, ["page", "chosen"])
         self.model.param.watch(self._watch_events, "events")
         self.model.param.watch(self._ask, ["accepted_delay_s", "changed"])
-        self._take_scenario()
+        self.model.take(state.scenario.edited)
 
     def end(self) -> None:
         """End the study: the page is gone."""
         self.late.stop()
-
-    def _take_scenario(self, *_: Any) -> None:
-        self.model.take(self.state.scenario.base)
 
     def _watch_events(self, *_: Any) -> None:
         """Listen to events that are new, then ask."""

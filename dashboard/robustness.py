@@ -51,7 +51,7 @@ class Robustness:
         self.chance = Study(compute_chance, self._take_chance, self._take_failure)
         self._asked: dict[str, Any] = {}
         self._waiting: dict[str, Any] = {}
-        state.scenario.param.watch(self._take_scenario, ["preset", "opened"])
+        state.scenario.follow(lambda scenario: (scenario.disturbance, scenario.simulation), self.model.take)
         state.scenario.param.watch(self._ask, list(PLAN_FIELDS))
         state.param.watch(self._ask, ["page", "chosen"])
         self.model.param.watch(self._ask, [*REALITY, *FOLLOWER, *CHANCE, *TABLE])
@@ -62,9 +62,6 @@ class Robustness:
         """End all studies: the page is gone."""
         self.table.stop()
         self.chance.stop()
-
-    def _take_scenario(self, *_: Any) -> None:
-        self.model.take(self.state.scenario.base)
 
     def _with_strategy(self, changes: Mapping[str, Any]) -> Mapping[str, Any]:
         return {"strategy": self.state.chosen, **changes}

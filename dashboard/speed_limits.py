@@ -36,7 +36,7 @@ class SpeedLimits:
         self._vehicle: Any = None
         self._watched: list[SectionModel] = []
         self._quiet = False
-        state.scenario.param.watch(self._take_scenario, ["preset", "opened"])
+        state.scenario.follow(_what_sections_depend_on, self._take_scenario)
         state.scenario.param.watch(self._ask, list(PLAN_FIELDS))
         state.param.watch(self._ask, "page")
         self.model.param.watch(self._watch_sections, "sections")
@@ -45,11 +45,11 @@ class SpeedLimits:
         self.model.param.watch(self._ask_trip, "moved")
         self.model.param.watch(self._let_go, "moving")
         self.model.param.watch(self._ask_storage, list(STORAGE_FIELDS))
-        self._take_scenario()
+        self._take_scenario(state.scenario.edited)
 
-    def _take_scenario(self, *_: Any) -> None:
+    def _take_scenario(self, scenario: Scenario) -> None:
         self._quiet = True
-        self.model.take(self.state.scenario.base)
+        self.model.take(scenario)
         self._quiet = False
 
     def _watch_sections(self, *_: Any) -> None:
@@ -133,3 +133,9 @@ class SpeedLimits:
 
     def _take_failure(self, failure: RailjouleError) -> None:
         self.model.failure = failure
+
+
+def _what_sections_depend_on(scenario: Scenario) -> object:
+    """Return the search's settings, the line's own borders and the vehicle's largest speed."""
+    lengths = [section.length_m for section in scenario.line.sections]
+    return scenario.search, lengths, scenario.line.reverse, scenario.vehicle.traction.max_speed_kmh

@@ -17,6 +17,12 @@ def parts_css() -> str:
 
 
 @cache
+def editor_css() -> str:
+    """Return the style sheet of the scenario editor's forms, that of all pieces of text included."""
+    return parts_css() + (ASSETS / "css" / "editor.css").read_text(encoding="utf-8")
+
+
+@cache
 def document_css() -> str:
     """Return the style sheet of the document: font, colours of both themes, focus."""
     light, dark = (_variables(THEMES[name]) for name in ("light", "dark"))

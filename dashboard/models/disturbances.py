@@ -29,10 +29,10 @@ class EventModel(TypedParameters):
     kept = ("kind", "position_m", "to_m", "duration_s", "limit_kmh", "share_percent", "noticed_at_m")
 
     kind = param.Selector(default="stop", objects=list(KINDS), doc="What happens.")
-    position_m = param.Number(default=300.0, bounds=(1.0, LONGEST_M), doc="Where, m")
-    to_m = param.Number(default=400.0, bounds=(1.0, LONGEST_M), doc="Until, m")
+    position_m = param.Number(default=300.0, bounds=(0.0, LONGEST_M), doc="Where, m")
+    to_m = param.Number(default=400.0, bounds=(0.0, LONGEST_M), doc="Until, m")
     duration_s = param.Number(default=5.0, bounds=(0.0, 86_400.0), doc="Stands, s")
-    limit_kmh = param.Number(default=30.0, bounds=(1.0, 600.0), doc="Limit, km/h")
+    limit_kmh = param.Number(default=30.0, bounds=(0.0, 600.0), doc="Limit, km/h")
     share_percent = param.Number(default=80.0, bounds=(0.0, 200.0), doc="Share, %")
     noticed_at_m = param.Number(default=70.0, bounds=(0.0, LONGEST_M), doc="Noticed at, m")
 
@@ -56,7 +56,7 @@ class DisturbancesModel(TypedParameters):
     passing = ("dropping",)
 
     events = param.List(default=[], item_type=EventModel, doc="What happens on the way.")
-    accepted_delay_s = param.Number(default=0.0, bounds=(0.0, 3600.0), doc="Accepted delay, s")
+    accepted_delay_s = param.Number(default=0.0, bounds=(0.0, 86_400.0), doc="Accepted delay, s")
     dropping = param.Selector(default="stop", objects=["stop", "limit"], doc="What a press on the line drops.")
 
     rides = param.ClassSelector(class_=Rides, default=None, allow_None=True, doc="The last good rides.")
@@ -104,9 +104,7 @@ def event_model(event: Event) -> EventModel:
     if isinstance(event, UnplannedStop):
         return EventModel(kind="stop", position_m=event.position_m, duration_s=event.duration_s, **noticed)
     if isinstance(event, UnplannedLimit):
-        return EventModel(
-            kind="limit", position_m=max(event.from_m, 1.0), to_m=event.to_m, limit_kmh=event.limit_kmh, **noticed
-        )
+        return EventModel(kind="limit", position_m=event.from_m, to_m=event.to_m, limit_kmh=event.limit_kmh, **noticed)
     if isinstance(event, VoltageChange):
         return EventModel(kind="voltage", share_percent=100 * event.line_voltage_factor, **noticed)
     return EventModel(kind="recuperation", share_percent=100 * event.recuperation_factor, **noticed)  # type: ignore[attr-defined]

@@ -46,15 +46,15 @@ class RobustnessModel(TypedParameters):
 
     actual_load_percent = param.Number(default=FIRST_LOAD_PERCENT, bounds=(0, 100), doc="Actual load, % of capacity")
     coordinate_error_m = param.Number(default=FIRST_ERROR_M, bounds=(-10_000, 10_000), doc="Coordinate error, m")
-    speed_error_percent = param.Number(default=0.0, bounds=(-49, 49), doc="Speed measured wrong by, %")
+    speed_error_percent = param.Number(default=0.0, bounds=(-50, 50), doc="Speed measured wrong by, %")
     target_braking = param.Boolean(default=True, doc="Whether the train brakes along the target curve.")
-    reset_sensor_m = param.Number(default=SENSORS.reset_sensor_m, bounds=(0.1, 1e5), doc="D1, m before the stop")
+    reset_sensor_m = param.Number(default=SENSORS.reset_sensor_m, bounds=(0.0, 1e5), doc="D1, m before the stop")
     calibration_length_m = param.Number(
-        default=SENSORS.calibration_length_m, bounds=(0.1, 1e5), doc="D1 to D2, m of calibration"
+        default=SENSORS.calibration_length_m, bounds=(0.0, 1e5), doc="D1 to D2, m of calibration"
     )
-    stop_sensor_m = param.Number(default=SENSORS.stop_sensor_m, bounds=(0.1, 1e5), doc="D3, m before the stop")
+    stop_sensor_m = param.Number(default=SENSORS.stop_sensor_m, bounds=(0.0, 1e5), doc="D3, m before the stop")
     target_deceleration_ms2 = param.Number(
-        default=SENSORS.target_deceleration_ms2, bounds=(0.01, 10), doc="Target braking, m/s\u00b2"
+        default=SENSORS.target_deceleration_ms2, bounds=(0.0, 10), doc="Target braking, m/s\u00b2"
     )
     load_deviation_percent = param.Number(default=18.0, bounds=(0.01, 100), doc="Load, \u00b1 %")
     error_deviation_m = param.Number(default=5.0, bounds=(0.01, 1000), doc="Coordinate error, \u00b1 m")

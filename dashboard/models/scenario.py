@@ -1,6 +1,6 @@
 """The scenario that a page edits: a shipped one and the fields that differ from it."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import param
@@ -51,7 +51,7 @@ class ScenarioModel(TypedParameters):
 
     def choose(self, preset: str) -> None:
         """Take a shipped scenario."""
-        self.param.update(preset=preset, opened=None, toml=None)
+        self.param.update(preset=preset, opened=None, toml=None, edits={})
         self.restore()
 
     def open(self, text: str, name: str) -> None:
@@ -71,7 +71,7 @@ class ScenarioModel(TypedParameters):
         """
         scenario = parse_scenario(text, name)
         prepare_task(scenario)
-        self.param.update(opened=scenario, toml=format_scenario(scenario))
+        self.param.update(opened=scenario, toml=format_scenario(scenario), edits={})
         self.restore()
 
     def restore(self) -> None:
@@ -97,15 +97,15 @@ class ScenarioModel(TypedParameters):
         scenario = self.base.with_(**everything)
         self._take(scenario, {key: value for key, value in everything.items() if key not in FIELD_KEYS})
 
-    def take_back(self, key: str) -> None:
-        """Give a key the value of the shipped scenario or the file again.
+    def take_back(self, *keys: str) -> None:
+        """Give keys the values of the shipped scenario or the file again.
 
         Raises
         ------
         RailjouleError
             If no train can run what is left.
         """
-        left = {name: value for name, value in self.changes.items() if name != key}
+        left = {name: value for name, value in self.changes.items() if name not in keys}
         edits = {name: value for name, value in left.items() if name not in FIELD_KEYS}
         self._take(self.base.with_(**left), edits)
 
@@ -121,6 +121,27 @@ class ScenarioModel(TypedParameters):
         if edits != self.edits:
             self._take(self.base.with_(**edits), edits)
         self.param.update(**{field: values[field] for field in FIELD_KEYS.values() if field in values})
+
+    def follow(self, part: Callable[[Scenario], object], take: Callable[[Scenario], None]) -> None:
+        """Tell who has fields of its own when the scenario is another one, or that part of it was edited.
+
+        Parameters
+        ----------
+        part : callable
+            Returns what its fields depend on.
+        take : callable
+            Called with the scenario, its edits included.
+        """
+        known = part(self.edited)
+
+        def look(*events: param.parameterized.Event) -> None:
+            nonlocal known
+            scenario = self.edited
+            before, known = known, part(scenario)
+            if known != before or any(event.name != "edits" for event in events):
+                take(scenario)
+
+        self.param.watch(look, ["preset", "opened", "edits"])
 
     def _take(self, scenario: Scenario, edits: Mapping[str, Any]) -> None:
         """Show a scenario that comes from edits of the base."""

@@ -8,6 +8,7 @@ from railjoule.core import RailjouleError, Trajectory
 from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.models.disturbances import DisturbancesModel
+from railjoule.dashboard.models.editor import EditorModel
 from railjoule.dashboard.models.kept import Kept
 from railjoule.dashboard.models.learn import LearnModel
 from railjoule.dashboard.models.line import LineModel
@@ -64,6 +65,7 @@ class Workbench(Kept):
 
     def __init__(self, **params: Any) -> None:
         self.scenario = ScenarioModel()
+        self.editor = EditorModel(self.scenario)
         self.start = StartModel()
         self.robustness = RobustnessModel()
         self.disturbances = DisturbancesModel()

@@ -65,6 +65,8 @@ class Shell:
         Undo, redo and what leaves the page.
     pages : mapping of str to callable
         What makes each page, called when it is first in sight.
+    editor : Viewable
+        The scenario's editor, which lies over a side of the page.
     """
 
     def __init__(
@@ -73,11 +75,13 @@ class Shell:
         browser: Browser,
         share: Share,
         pages: dict[str, Callable[[], pn.viewable.Viewable]],
+        editor: pn.viewable.Viewable,
     ) -> None:
         self.state, self.browser, self.share, self._make = state, browser, share, pages
         self._made: dict[str, pn.viewable.Viewable] = {}
         self._wide = True
         self.main = stack()
+        self.editor = editor
         self.sidebar = Sidebar(state)
         self.tabs = pmui.TabMenu(
             items=list(PAGES), active=PAGES.index(state.page), variant="scrollable", scroll_buttons="false", margin=0
@@ -114,6 +118,7 @@ class Shell:
         self.pin_small.on_click(self._pin)
         state.param.watch(self._show_page, "page")
         state.param.watch(self._name_pin, ["pins", "runs", "chosen"])
+        state.editor.param.watch(self._make_room, "open")
         browser.follow(["width"], self._fit)
         browser.follow(["wants_dark"], self._follow_system)
         self.page.param.watch(self._paint, "dark_theme")
@@ -124,7 +129,7 @@ class Shell:
         return Page(
             title="",
             meta_title="railjoule",
-            main=[self.share.view, self.main, self.browser, self.saving],
+            main=[self.share.view, self.main, self.browser, self.saving, self.editor],
             sidebar=[self.sidebar.view],
             sidebar_width=272,
             sidebar_open=True,
@@ -198,6 +203,11 @@ class Shell:
             was_wide, self._wide = self._wide, self.browser.width >= NARROW_PX
             if was_wide != self._wide:
                 self.page.sidebar_open = self._wide
+
+    def _make_room(self, event: Any) -> None:
+        """Close the sidebar where it would stand before the editor."""
+        if event.new and not self._wide:
+            self.page.sidebar_open = False
 
     def _follow_system(self) -> None:
         """Take the colours that the system asks for, where no others were chosen."""

@@ -74,6 +74,14 @@ class Sidebar:
             size="small",
             margin=(2, 8, 0, 8),
         )
+        self.edit = pmui.Button(
+            label="Edit scenario",
+            icon="tune",
+            variant="text",
+            size="small",
+            margin=(2, 8, 0, 8),
+            on_click=lambda _: setattr(state.editor, "open", not state.editor.open),
+        )
         self.travel_time = NumberField(
             scenario, "travel_time_s", "Travel time, s", step=0.5, digits=1, unit="s", ends=scenario.travel_time_range_s
         )
@@ -96,6 +104,7 @@ class Sidebar:
         self.view = pn.Column(
             self.preset,
             self.file,
+            self.edit,
             html_pane('<div class="section">Timetable</div>'),
             self.travel_time.view,
             self.shortest,

@@ -99,3 +99,25 @@ def test_an_edit_out_of_bounds_changes_nothing(model: ScenarioModel, changes: di
     with pytest.raises(RailjouleError):
         model.edit({**changes, "vehicle.auxiliary_power_kw": 10.0})
     assert model.scenario() == before
+
+
+def test_another_scenario_leaves_no_edit_behind(model: ScenarioModel) -> None:
+    seen: list[str] = []
+    model.param.watch(lambda *_: seen.append(model.scenario().title), ["preset", "opened", "edits"])
+    model.edit({"vehicle": {"preset": "tram-105n"}, "drive": None})
+    model.edit({"drive.gear_ratio": 7.0})
+    model.choose("liashenko-i")
+    assert dict(model.changes) == {}
+    assert seen[-1] == load_scenario("liashenko-i").title
+
+
+def test_followers_hear_of_other_scenarios_and_of_their_part_alone(model: ScenarioModel) -> None:
+    heard: list[float] = []
+    model.follow(lambda scenario: scenario.search, lambda scenario: heard.append(scenario.search.time_window))
+    model.edit({"vehicle.auxiliary_power_kw": 40.0})
+    assert heard == []
+    model.edit({"search.time_window": 0.05})
+    model.take_back("search.time_window")
+    assert heard == [0.05, 0.01]
+    model.choose("liashenko-i")
+    assert len(heard) == 3

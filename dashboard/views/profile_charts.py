@@ -1,0 +1,230 @@
+"""The line as it can be dragged in the editor: its heights, and its speed limits."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from bokeh.models import ColumnDataSource, CustomJS
+
+from railjoule.core.motion.line_profile import height_profile, section_borders
+from railjoule.core.scenario import Line
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.views.charts import Axis, DistanceChart, text_style
+
+STEEPEST_PERMILLE = 200.0
+LEAST_SECTION_M = 1.0
+"""No border can be dragged closer to the next one."""
+LEAST_LIMIT_KMH = 1.0
+ROOM_SHARE, LEAST_RELIEF = 0.35, 0.01
+"""Room above and below the line as a share of its relief, which counts as at least this share of its length."""
+LIMIT_ROOM = 1.15
+NODES_JS = """
+const reach = 18, n = nodes.data, last = n.x.length - 1;
+const x_scale = f.inner_width / (f.x_range.end - f.x_range.start);
+const y_scale = f.inner_height / (f.y_range.end - f.y_range.start);
+if (cb_obj.event_name === "panstart") {
+  let best = reach;
+  window.railjoule_node = null;
+  for (let k = 1; k <= last; k++) {
+    const away = Math.hypot((cb_obj.x - n.x[k]) * x_scale, (cb_obj.y - n.y[k]) * y_scale);
+    if (away < best) { best = away; window.railjoule_node = k; }
+  }
+}
+const k = window.railjoule_node;
+if (k == null) return;
+if (cb_obj.event_name === "panend") {
+  window.railjoule_node = null;
+  sign.data = {x: [], y: [], text: []};
+  dropped.data = {x: [...n.x], y: [...n.y]};
+  return;
+}
+const x = k === last ? n.x[k] : Math.min(Math.max(Math.round(cb_obj.x), n.x[k - 1] + shortest), n.x[k + 1] - shortest);
+const steep = steepest / 1000, before = x - n.x[k - 1], after = k === last ? 0 : n.x[k + 1] - x;
+let low = Math.max(n.y[k - 1] - steep * before, f.y_range.start);
+let high = Math.min(n.y[k - 1] + steep * before, f.y_range.end);
+if (after) { low = Math.max(low, n.y[k + 1] - steep * after); high = Math.min(high, n.y[k + 1] + steep * after); }
+n.x[k] = x;
+n.y[k] = Math.min(Math.max(cb_obj.y, low), high);
+const text = (value) => (value > 0 ? "+" : "") + value.toFixed(1).replace("-", "\\u2212");
+const climbs = [1000 * (n.y[k] - n.y[k - 1]) / before];
+if (after) { climbs.push(1000 * (n.y[k + 1] - n.y[k]) / after); }
+sign.data = {x: [x], y: [n.y[k]], text: [`${x} m: ${climbs.map(text).join(", ")} \\u2030`]};
+nodes.change.emit();
+"""
+STEPS_JS = """
+const reach = 16, s = steps.data, count = s.left.length;
+const x_scale = f.inner_width / (f.x_range.end - f.x_range.start);
+const y_scale = f.inner_height / (f.y_range.end - f.y_range.start);
+if (cb_obj.event_name === "panstart") {
+  let best = reach;
+  window.railjoule_limit = null;
+  for (let k = 0; k < count; k++) {
+    const away_y = Math.abs(cb_obj.y - s.limit[k]) * y_scale;
+    if (s.movable[k]) {
+      for (const end of ["left", "right"]) {
+        const away = Math.hypot(Math.abs(cb_obj.x - s[end][k]) * x_scale, away_y);
+        if (away < best) { best = away; window.railjoule_limit = {part: end, k}; }
+      }
+    }
+    if (cb_obj.x >= s.left[k] && cb_obj.x <= s.right[k] && away_y < 0.9 * best) {
+      best = away_y;
+      window.railjoule_limit = {part: "limit", k};
+    }
+  }
+}
+const held = window.railjoule_limit;
+if (!held) return;
+const {part, k} = held;
+if (cb_obj.event_name === "panend") {
+  window.railjoule_limit = null;
+  dropped.data = {left: [...s.left], right: [...s.right], limit: [...s.limit]};
+  return;
+}
+if (part === "limit") {
+  s.limit[k] = Math.min(Math.max(Math.round(cb_obj.y), least), most);
+  s.text[k] = String(s.limit[k]);
+} else if (part === "left") {
+  s.left[k] = Math.min(Math.max(Math.round(cb_obj.x), 0), s.right[k] - shortest);
+} else {
+  s.right[k] = Math.max(Math.min(Math.round(cb_obj.x), end), s.left[k] + shortest);
+}
+s.middle[k] = 0.5 * (s.left[k] + s.right[k]);
+steps.change.emit();
+"""
+
+
+class ProfileChart(DistanceChart):
+    """Heights of the line, with borders of sections that can be dragged.
+
+    Parameters
+    ----------
+    drop : callable
+        Takes distances and heights [m] of all borders when one has been dragged.
+    """
+
+    unit = "m"
+
+    def __init__(
+        self,
+        height: int,
+        axis: Axis,
+        palette: Palette,
+        drop: Callable[[Sequence[float], Sequence[float]], None],
+    ) -> None:
+        super().__init__("edit_profile", "Height, m: drag a border between sections", height, axis, palette)
+        self._drop = drop
+
+    def build(self) -> None:
+        """Make the figure."""
+        f = self.frame(zoom=False, ticks=3, digits=0)
+        nodes = ColumnDataSource({"x": [], "y": [], "base": []})
+        sign, dropped = ColumnDataSource({"x": [], "y": [], "text": []}), ColumnDataSource({"x": [], "y": []})
+        self.sources.update(nodes=nodes, dropped=dropped)
+        ground = f.varea("x", "base", "y", source=nodes)
+        edge = f.line("x", "y", source=nodes, line_width=1.6)
+        grips = f.scatter("x", "y", source=nodes, size=10, line_width=2)
+        words = f.text(
+            "x",
+            "y",
+            "text",
+            source=sign,
+            text_align="center",
+            y_offset=-12,
+            background_fill_alpha=0.8,
+            padding=2,
+            **text_style(),
+        )
+        self.palette.paint(ground.glyph, fill_color="ground")
+        self.palette.paint(edge.glyph, line_color="groundline")
+        self.palette.paint(grips.glyph, line_color="accent", fill_color="surface")
+        self.palette.paint(words.glyph, text_color="ink", background_fill_color="surface")
+        bounds = {"steepest": STEEPEST_PERMILLE, "shortest": LEAST_SECTION_M}
+        drag = CustomJS(args={"f": f, "nodes": nodes, "sign": sign, "dropped": dropped, **bounds}, code=NODES_JS)
+        for event in ("panstart", "pan", "panend"):
+            f.js_on_event(event, drag)
+        dropped.on_change("data", self._take)
+
+    def _take(self, _attribute: str, _old: Any, new: Mapping[str, Any]) -> None:
+        if len(new["x"]):
+            self._drop([float(x) for x in new["x"]], [float(y) for y in new["y"]])
+
+    def draw(self, line: Line) -> None:
+        """Draw the line as its file describes it, not as it is run."""
+        x, y = section_borders(line), height_profile(line)
+        relief = max(float(np.ptp(y)), LEAST_RELIEF * float(x[-1]))
+        low, high = float(y.min()) - ROOM_SHARE * relief, float(y.max()) + ROOM_SHARE * relief
+        self.set_range(low, high)
+        self.sources["nodes"].data = {"x": x.tolist(), "y": y.tolist(), "base": [low - relief] * len(x)}
+
+
+class LimitStepsChart(DistanceChart):
+    """Speed limits of the line: those of sections can be dragged up and down, others by their ends too.
+
+    Parameters
+    ----------
+    drop : callable
+        Takes beginnings and ends [m] and limits [km/h] of all steps when one has been dragged.
+    """
+
+    unit = "km/h"
+
+    def __init__(
+        self,
+        height: int,
+        axis: Axis,
+        palette: Palette,
+        drop: Callable[[Sequence[float], Sequence[float], Sequence[float]], None],
+    ) -> None:
+        super().__init__("edit_limits", "Speed limits, km/h: drag a limit or its ends", height, axis, palette)
+        self._drop = drop
+        self._drag: CustomJS | None = None
+
+    def build(self) -> None:
+        """Make the figure."""
+        f = self.frame(with_axis=True, zoom=False, ticks=3)
+        f.xaxis.axis_label = "Distance, m"
+        steps = ColumnDataSource({key: [] for key in ("left", "right", "limit", "middle", "text", "movable")})
+        dropped = ColumnDataSource({"left": [], "right": [], "limit": []})
+        self.sources.update(steps=steps, dropped=dropped)
+        bar = f.segment("left", "limit", "right", "limit", source=steps, line_width=2.4)
+        grip = f.scatter("middle", "limit", source=steps, size=10, line_width=2)
+        ends = [
+            f.scatter(end, "limit", source=steps, size="movable", line_width=2, marker="square")
+            for end in ("left", "right")
+        ]
+        words = f.text("middle", "limit", "text", source=steps, text_align="center", y_offset=-9, **text_style())
+        self.palette.paint(bar.glyph, line_color="limit")
+        for drawn in (grip, *ends):
+            self.palette.paint(drawn.glyph, line_color="limit", fill_color="surface")
+        self.palette.paint(words.glyph, text_color="limit")
+        bounds = {"shortest": LEAST_SECTION_M, "least": LEAST_LIMIT_KMH, "most": 600.0, "end": 1.0}
+        self._drag = CustomJS(args={"f": f, "steps": steps, "dropped": dropped, **bounds}, code=STEPS_JS)
+        for event in ("panstart", "pan", "panend"):
+            f.js_on_event(event, self._drag)
+        dropped.on_change("data", self._take)
+
+    def _take(self, _attribute: str, _old: Any, new: Mapping[str, Any]) -> None:
+        if len(new["limit"]):
+            self._drop(*([float(value) for value in new[key]] for key in ("left", "right", "limit")))
+
+    def draw(self, line: Line, most_kmh: float) -> None:
+        """Draw the limits of sections, then the others, as the line's file describes them."""
+        borders = section_borders(line).tolist()
+        steps = [
+            (start, end, section.speed_limit_kmh, 0)
+            for start, end, section in zip(borders[:-1], borders[1:], line.sections, strict=True)
+            if section.speed_limit_kmh is not None
+        ]
+        steps += [(limit.from_m, limit.to_m, limit.limit_kmh, 9) for limit in line.speed_limits]
+        top = LIMIT_ROOM * max([most_kmh, *(limit for _, _, limit, _ in steps)])
+        self.set_range(0, top)
+        assert self._drag is not None
+        self._drag.args = {**self._drag.args, "most": float(np.floor(top)), "end": borders[-1]}
+        self.sources["steps"].data = {
+            "left": [start for start, _, _, _ in steps],
+            "right": [end for _, end, _, _ in steps],
+            "limit": [limit for _, _, limit, _ in steps],
+            "middle": [0.5 * (start + end) for start, end, _, _ in steps],
+            "text": [f"{limit:g}" for _, _, limit, _ in steps],
+            "movable": [size for _, _, _, size in steps],
+        }

@@ -1,0 +1,197 @@
+"""The scenario's editor, as a user works with it."""
+
+import re
+from collections.abc import Iterator
+
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from playwright.sync_api import Browser, BrowserContext, Locator, expect
+
+from browser.server import Server
+from browser.test_accessibility import EXCUSED, GRAVE, STANDARDS
+from browser.user import User
+from railjoule.dashboard.look.tokens import THEMES
+
+LENGTH_M = 2300.0
+LEFT_PX, RIGHT_PX, ABOVE_PX, BELOW_PX = 50.0, 14.0, 2.0, 7.0
+"""Borders of a chart around its frame."""
+
+
+@pytest.fixture(scope="module")
+def user(server: Server, window: BrowserContext) -> Iterator[User]:
+    """One user, who stays on the page for all tests of this file."""
+    with User.on(window, server.url) as someone:
+        yield someone
+
+
+def drawer(user: User) -> Locator:
+    return user.page.get_by_role("region", name="Scenario editor")
+
+
+def head(user: User, group: str) -> Locator:
+    return drawer(user).locator(".turn button", has_text=group)
+
+
+def open_group(user: User, group: str) -> None:
+    if not drawer(user).is_visible():
+        user.page.get_by_role("button", name="Edit scenario").click()
+    if head(user, group).get_attribute("aria-expanded") == "false":
+        head(user, group).click()
+    expect(head(user, group)).to_have_attribute("aria-expanded", "true")
+
+
+def field(user: User, label: str) -> Locator:
+    return drawer(user).get_by_label(label, exact=True)
+
+
+def enter(user: User, label: str, text: str) -> None:
+    field(user, label).fill(text)
+    field(user, label).press("Enter")
+
+
+def test_it_is_opened_and_closed_by_key_and_gives_the_focus_back(user: User) -> None:
+    opener = user.page.get_by_role("button", name="Edit scenario")
+    opener.focus()
+    user.page.keyboard.press("Enter")
+    expect(drawer(user).get_by_role("heading", level=2)).to_be_focused()
+    user.page.keyboard.press("Tab")
+    user.page.keyboard.press("Tab")
+    expect(head(user, "Presets")).to_be_focused()
+    user.page.keyboard.press("Escape")
+    expect(drawer(user)).to_be_hidden()
+    expect(opener).to_be_focused()
+
+
+def test_a_field_changes_the_run_is_marked_and_taken_back(user: User) -> None:
+    open_group(user, "Vehicle")
+    energy = user.number("Energy at the line")
+    enter(user, "Tare, kg", "200\u202f000")
+    expect(user.figure_value("Energy at the line")).not_to_have_text(energy)
+    expect(field(user, "Tare, kg changed")).to_have_value("200000")
+    expect(head(user, "Vehicle")).to_contain_text("1 changed")
+    expect(user.page.get_by_text("1 field changed")).to_be_visible()
+    drawer(user).get_by_role("button", name="Take back Tare, kg: it was 160000").click()
+    expect(user.figure_value("Energy at the line")).to_have_text(energy)
+    expect(field(user, "Tare, kg")).to_have_value("160000")
+    expect(field(user, "Tare, kg")).to_be_focused()
+
+
+def test_a_bad_value_is_told_at_its_field(user: User) -> None:
+    open_group(user, "Vehicle")
+    for text, sentence in (("0", "Above 0."), ("heavy", "Not a number."), ("1e9", "At most 1e+07.")):
+        enter(user, "Tare, kg", text)
+        expect(field(user, "Tare, kg")).to_have_attribute("aria-invalid", "true")
+        expect(drawer(user).get_by_role("alert")).to_have_text(f"{sentence} Kept: 160000 kg.")
+        expect(field(user, "Tare, kg")).to_have_value(text)
+    enter(user, "Tare, kg", "160000")
+    expect(drawer(user).get_by_role("alert")).to_be_hidden()
+    enter(user, "Inertial mass, kg", "100")
+    expect(drawer(user).get_by_role("alert")).to_contain_text("is below tare_kg = 160000, which it includes")
+    enter(user, "Inertial mass, kg", "")
+    expect(drawer(user).get_by_role("alert")).to_be_hidden()
+
+
+def test_another_drive_has_other_fields(user: User) -> None:
+    open_group(user, "Drive")
+    field(user, "Kind").select_option("copper_loss")
+    expect(field(user, "Resistance, ohm")).to_have_value("0.0952")
+    drawer(user).get_by_role("button", name="Take back Kind: it was Constant efficiency").click()
+    expect(field(user, "Traction efficiency")).to_be_visible()
+    expect(field(user, "Resistance, ohm")).to_be_hidden()
+
+
+def test_a_table_is_pasted_and_its_bad_cell_told(user: User) -> None:
+    open_group(user, "Line")
+    cells = drawer(user).get_by_label("Cells of a spreadsheet").first
+    drawer(user).get_by_text("Paste a table or open a CSV file").first.click()
+    cells.fill("1200,5\t\u22123\n800\tsteep")
+    replace = drawer(user).get_by_role("button", name="Replace all rows").first
+    replace.click()
+    sentence = "Row 2, Gradient, \u2030: 'steep'. Not a number. Nothing is changed."
+    expect(drawer(user).get_by_role("alert").filter(has_text="Row 2")).to_have_text(sentence)
+    cells.fill("1200,5\t\u22123\n1099,5\t4")
+    replace.click()
+    expect(field(user, "Gradient, \u2030, row 2")).to_have_value("4")
+    expect(head(user, "Line")).to_contain_text("2\u202f300 m, 1 changed")
+    enter(user, "Gradient, \u2030, row 1", "900")
+    expect(field(user, "Gradient, \u2030, row 1")).to_have_attribute("aria-invalid", "true")
+    drawer(user).get_by_role("button", name="Take back Sections").click()
+    expect(field(user, "Length, m, row 11")).to_have_value("150")
+
+
+def test_rows_are_added_moved_and_removed_by_key(user: User) -> None:
+    open_group(user, "Line")
+    drawer(user).get_by_role("button", name="Insert a row below row 1", exact=True).first.press("Enter")
+    expect(field(user, "Length, m, row 12")).to_be_visible()
+    expect(field(user, "Length, m, row 2")).to_be_focused()
+    expect(field(user, "Length, m, row 2")).to_have_value("75")
+    drawer(user).get_by_role("button", name="Move down row 2", exact=True).first.press("Enter")
+    expect(field(user, "Length, m, row 3")).to_have_value("75")
+    drawer(user).get_by_role("button", name="Take back Sections").press("Enter")
+    expect(field(user, "Length, m, row 12")).to_be_hidden()
+
+
+def drag(user: User, chart: str, start: tuple[float, float], end: tuple[float, float]) -> None:
+    """Drag from one place to another: shares of the frame, from the left and from above."""
+    place = drawer(user).locator(f".rj-chart-{chart}")
+    place.scroll_into_view_if_needed()
+    canvas = place.locator("canvas").first
+    expect(canvas).to_be_visible()
+    box = canvas.bounding_box()
+    assert box is not None
+    width, height = box["width"] - LEFT_PX - RIGHT_PX, box["height"] - ABOVE_PX - BELOW_PX
+
+    def at(place: tuple[float, float]) -> tuple[float, float]:
+        return box["x"] + LEFT_PX + width * place[0], box["y"] + ABOVE_PX + height * place[1]
+
+    user.page.mouse.move(*at(start))
+    user.page.mouse.down()
+    user.page.mouse.move(*at(end), steps=6)
+    user.page.mouse.up()
+
+
+def test_the_profile_is_dragged(user: User) -> None:
+    open_group(user, "Line")
+    energy = user.number("Energy at the line")
+    # the heights of metro-with-limit's borders go from 0 to -7.95 m; the chart leaves 35 % of its range, which is at
+    # least 1 % of the line's length, free above and below
+    relief = max(7.95, 0.01 * LENGTH_M)
+    share = (7.95 + 0.35 * relief) / (7.95 + 0.7 * relief)
+    drag(user, "edit_profile", (750 / LENGTH_M, share), (900 / LENGTH_M, share - 0.2))
+    expect(field(user, "Length, m, row 3")).not_to_have_value("400")
+    assert float(field(user, "Length, m, row 3").input_value()) == pytest.approx(550, abs=8)
+    expect(user.figure_value("Energy at the line")).not_to_have_text(energy)
+    drawer(user).get_by_role("button", name="Take back Sections").click()
+    expect(user.figure_value("Energy at the line")).to_have_text(energy)
+
+
+def grave(reader: User) -> dict[str, list[str]]:
+    """Return what axe-core finds on the page, with its places."""
+    options = {"runOnly": {"type": "tag", "values": STANDARDS}, "resultTypes": ["violations"]}
+    return {
+        violation["id"]: [node["html"][:200] for node in violation["nodes"]]
+        for violation in Axe().run(reader.page, options=options).response["violations"]
+        if violation["impact"] in GRAVE and violation["id"] not in EXCUSED
+    }
+
+
+def test_nothing_grave_on_a_narrow_screen_in_light_and_dark(server: Server, chromium: Browser) -> None:
+    with User.at(chromium, server.url, width=390) as reader:
+        reader.page.locator("header button").first.click()
+        reader.page.get_by_role("button", name="Edit scenario").click()
+        expect(drawer(reader).get_by_role("heading", level=2)).to_be_focused()
+        box = drawer(reader).bounding_box()
+        assert box is not None
+        assert box["width"] == 390
+        for group in ("Presets", "Drive", "Line", "Disturbance"):
+            open_group(reader, group)
+        expect(field(reader, "Departure delay, s")).to_be_visible()
+        enter(reader, "Traction efficiency", "2")
+        expect(drawer(reader).get_by_role("alert")).to_be_visible()
+        assert grave(reader) == {}
+        reader.page.emulate_media(color_scheme="dark")
+        expect(reader.page.locator("html")).to_have_class(re.compile("rj-dark"))
+        sheet = ", ".join(str(part) for part in bytes.fromhex(THEMES["dark"]["surface"].removeprefix("#")))
+        expect(reader.page.locator("main")).to_have_css("background-color", f"rgb({sheet})")
+        assert grave(reader) == {}
+        assert reader.page.evaluate("document.scrollingElement.scrollWidth") <= 390

@@ -1,0 +1,65 @@
+import re
+from pathlib import Path
+
+import pytest
+
+from railjoule.core.scenario import Scenario
+from railjoule.dashboard.models.editor import GROUPS
+from railjoule.dashboard.models.fields_of import Field, Table, models_of, parts_of, split_unit
+
+NOMENCLATURE = Path(__file__).parents[3] / "core" / "NOMENCLATURE.md"
+
+
+def all_fields() -> list[Field]:
+    """Return all fields of all groups, those of all kinds of drives and of all tables."""
+    parts = [part for tables in GROUPS.values() for name in tables if name != "drive" for part in parts_of(name)]
+    parts += [part for model in models_of("drive") for part in parts_of("drive", model)]
+    return [field for part in parts for field in (part.columns if isinstance(part, Table) else [part])]
+
+
+def test_units_are_those_of_the_nomenclature() -> None:
+    rows = [line.split("|") for line in NOMENCLATURE.read_text(encoding="utf-8").splitlines() if line.startswith("| `")]
+    units = {row[1].strip(" `"): row[-3].strip() for row in rows}
+    shown = str.maketrans({"\u00b2": "2", "\u00b3": "3"})
+    differing = {
+        field.name: (field.unit, units[field.name])
+        for field in all_fields()
+        if field.kind in {"number", "whole", "numbers"}
+        and field.name in units
+        and (field.unit.translate(shown).replace("\u2030", "per mille") or "1") != units[field.name]
+    }
+    assert differing == {}
+
+
+def test_every_key_of_the_file_but_those_of_chance_has_a_field() -> None:
+    names = {field.name for field in all_fields()}
+    wanted = {
+        name
+        for key, info in Scenario.model_fields.items()
+        if key not in {"title", "strategy", "vehicle", "line", "montecarlo"}
+        for name in info.annotation.model_fields  # type: ignore[union-attr]
+    }
+    tables = {"stops", "speed_limits", "voltage_changes", "recuperation_changes"}
+    assert wanted - tables <= names
+    assert all(re.fullmatch(r"[A-Z][^_]*", field.label) for field in all_fields())
+
+
+def test_a_field_says_what_it_means_and_its_bounds() -> None:
+    (tare,) = [part for part in parts_of("vehicle") if part.key == "vehicle.tare_kg"]
+    assert isinstance(tare, Field)
+    assert tare.label == "Tare, kg"
+    assert tare.help_words == "Mass of the empty vehicle. Above 0 and at most 10\u202f000\u202f000."
+
+
+@pytest.mark.parametrize(
+    ("name", "words", "unit"),
+    [
+        ("travel_time_s", "travel_time", "s"),
+        ("quadratic_n_per_kn_per_kmh2", "quadratic", "N/kN/(km/h)\u00b2"),
+        ("curve_constant_m_n_per_kn", "curve_constant", "N m/kN"),
+        ("linear_n_per_kmh", "linear", "N/(km/h)"),
+        ("load_factor", "load_factor", ""),
+    ],
+)
+def test_the_unit_stands_at_the_end_of_a_name(name: str, words: str, unit: str) -> None:
+    assert split_unit(name) == (words, unit)
