@@ -266,6 +266,14 @@ def test_a_train_that_its_machines_do_not_carry_on_is_told():
 
 
 def test_accounts_that_differ_are_told():
-    wild = driven(simulation__speed_noise_rads=100.0)
+    changes = {
+        "line.preset": None,
+        "line.sections": [{"length_m": 800.0}],
+        "timetable.travel_time_s": 80.0,
+        "simulation.bandwidth_rads": 50.0,
+        "simulation.time_step_s": 0.002,
+        "simulation.speed_noise_rads": 100.0,
+    }
+    wild = simulate_field_oriented(load_scenario("ftorek-300s", changes))
     assert agreement(wild) > 5e-4
     assert any("sum of its parts differ by" in note for note in wild.notes)
