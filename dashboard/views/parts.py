@@ -18,6 +18,8 @@ from railjoule.dashboard.store import Runs
 LOSS_WORDS = {
     "drive": "Drive losses",
     "copper": "Copper loss",
+    "magnetising": "Magnetising loss",
+    "magnetic_field": "Left in the magnetic field",
     "brake_resistors": "Brake resistors",
     "friction_brakes": "Friction brakes",
 }

@@ -53,7 +53,7 @@ CREEP_MS = 0.01
 NOISE_STEP_S = 0.001
 """Between two independent errors of the measured speed, which goes straight from one to the next."""
 LEAST_FLUX_SHARE = 0.01
-FAR_A = 1e6
+FAR_A, FAR_MS = 1e6, 1e4
 STANDING_MS, STANDING_M = 1e-3, 2e-3
 
 (
@@ -183,8 +183,10 @@ def fill_rates(
 
     # reference at its own clock, within a sample by its jerk
     samples = way.reference.shape[0]
-    place = min(max(state[CLOCK] / way.step_s, 0.0), samples - 1.0)
-    k = min(int(place), samples - 1)
+    place = min(state[CLOCK] / way.step_s, samples - 1.0)
+    if not place > 0.0:  # nor is what is no number
+        place = 0.0
+    k = int(place)
     d = (place - k) * way.step_s
     ref = way.reference[k]
     ref_a = ref[2] + ref[3] * d
@@ -363,6 +365,8 @@ def run_plant(
         drawn = int(instant)
         share = instant - drawn
         first, second = noise_ms[drawn % noise_ms.shape[0]], noise_ms[(drawn + 1) % noise_ms.shape[0]]
+        if not (math.hypot(now[ID], now[IQ]) < FAR_A and abs(now[V]) < FAR_MS):
+            return UNSTABLE, kept
         noise = first + share * (second - first)
         half_way = noise + 0.5 * h / NOISE_STEP_S * (second - first)
         afterwards = noise + h / NOISE_STEP_S * (second - first)
@@ -377,8 +381,6 @@ def run_plant(
         peaks[MIN_TORQUE_CURRENT] = min(peaks[MIN_TORQUE_CURRENT], now[IQ])
         peaks[MAX_VOLTAGE] = max(peaks[MAX_VOLTAGE], extra[VOLTAGE])
         peaks[MAX_LAG], peaks[MIN_LAG] = max(peaks[MAX_LAG], lag), min(peaks[MIN_LAG], lag)
-        if not current < FAR_A:
-            return UNSTABLE, kept
         ended = now[CLOCK] >= length_s - 1e-9
         stands = ended and (
             (abs(now[V]) < STANDING_MS and abs(now[X] - end_m) < STANDING_M) or (now[V] <= 0.0 and now[X] >= end_m)

@@ -33,6 +33,11 @@ LARGEST_NOISY_STEP_S = 0.0005
 GAP_S, SHORT_S = 1.0, 0.1
 """Limits at work less than the first apart are one event; alone, less than the second they are none."""
 NOTICEABLE_LAG_M = 0.05
+ALLOWED_DIFFERENCE = 5e-4
+ACCOUNTS_APART = (
+    "The energy of the input power and the sum of its parts differ by {:.2f} %: simulation.time_step_s is too long for "
+    "what the currents do."
+)
 OVERSHOOT = 1.02
 """A current beyond its limit by more than this factor is told."""
 SLOWEST_MS = 1e-3
@@ -230,6 +235,8 @@ def _told(
     by_parts = states[:, p.SHAFT] + losses + stored
     error = record.planned_m - states[:, p.X]
     saturated = _saturations(record, error)
+    moved = states[-1, p.DRAWN] + states[-1, p.RETURNED]
+    apart = abs(float(by_parts[-1] - states[-1, p.INPUT])) / max(float(moved), 1.0)
     circuit, machine = machines.circuit, machines.machine
     flux_ratio = circuit.magnetising_inductance_h / machine.mutual_inductance_h
     actual = _trajectory(real, planned, course, machines, record, float(stored[-1]))
@@ -269,7 +276,10 @@ def _told(
         max_phase_voltage_v=float(peaks[p.MAX_VOLTAGE]),
         delay_s=record.delay_s,
         saturated=saturated,
-        notes=_notes(scenario, machines, flux, record, saturated, float(planned.position_m[-1])),
+        notes=(
+            *_notes(scenario, machines, flux, record, saturated, float(planned.position_m[-1])),
+            *([ACCOUNTS_APART.format(100 * apart)] if apart > ALLOWED_DIFFERENCE else []),
+        ),
     )
 
 
@@ -313,6 +323,8 @@ def _notes(
     end_m: float,
 ) -> tuple[str, ...]:
     notes = ["The machines are magnetised before the departure; the account begins with it."]
+    if scenario.vehicle.braking.friction_effort_kn > 0:
+        notes.append("The machines do all of the braking: friction brakes are not part of the loop.")
     machine = machines.machine
     if flux.weakest_share < WEAKENED_SHARE:
         notes.append(

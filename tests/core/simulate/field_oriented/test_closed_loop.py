@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from builders import INDUCTION, plain_scenario
 
-from railjoule.core import ScenarioError, load_scenario, solve
+from railjoule.core import InfeasibleLineError, ScenarioError, SolverError, load_scenario, solve
 from railjoule.core.simulate.field_oriented import current_ripple, simulate_field_oriented
 
 ENOC = {"strategy": "enoc", "enoc.acceleration_time_s": 62.713}
@@ -252,3 +252,28 @@ def test_a_ripple_outside_the_run_is_refused(run):
         current_ripple(run, 400.0)
     with pytest.raises(ScenarioError, match=r"window_s = 5 must be"):
         current_ripple(run, 10.0, 5.0)
+
+
+def test_a_loop_that_breaks_out_ends_in_one_sentence():
+    # the step of 1 ms is far beyond what R / L of such a stator asks for
+    with pytest.raises(SolverError, match=r"does not stay stable with simulation\.bandwidth_rads = 10, "):
+        driven(drive__machine__stator_resistance_ohm=50.0)
+
+
+def test_a_train_that_its_machines_do_not_carry_on_is_told():
+    with pytest.raises(InfeasibleLineError, match=r"after 660 s .* with 810 A and 1 V its machines do not carry it on"):
+        driven(drive__machine__max_phase_voltage_v=1.0)
+
+
+def test_accounts_that_differ_are_told():
+    changes = {
+        "line.preset": None,
+        "line.sections": [{"length_m": 800.0}],
+        "timetable.travel_time_s": 80.0,
+        "simulation.bandwidth_rads": 50.0,
+        "simulation.time_step_s": 0.002,
+        "simulation.speed_noise_rads": 100.0,
+    }
+    wild = simulate_field_oriented(load_scenario("ftorek-300s", changes))
+    assert agreement(wild) > 5e-4
+    assert any("sum of its parts differ by" in note for note in wild.notes)
