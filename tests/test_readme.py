@@ -5,12 +5,18 @@ import re
 import shlex
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from railjoule.core.scenario import STRATEGY_NAMES, load_scenario, preset_names
-from railjoule.core.strategies import STRATEGIES
+from railjoule.core import solve
+from railjoule.core.arrays import FloatArray
+from railjoule.core.compiled import njit
+from railjoule.core.drive.power_terms import PowerTerms
+from railjoule.core.scenario import STRATEGY_NAMES, load_scenario, preset_names, scenario_from_document
+from railjoule.core.strategies import STRATEGIES, prepare_task
 
 ROOT = Path(__file__).parents[1]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -40,7 +46,7 @@ def test_first_block_is_the_two_commands():
 
 
 def test_python_example_prints_what_is_shown(tmp_path):
-    (example,), (shown,) = blocks("python"), blocks("text")
+    example, (shown,) = blocks("python")[0], blocks("text")
     run = run_python(["-c", example], tmp_path)
     assert run.stderr == ""
     assert run.stdout == shown
@@ -49,7 +55,7 @@ def test_python_example_prints_what_is_shown(tmp_path):
 @pytest.fixture
 def folder(tmp_path):
     """A folder with the scenario file that README shows."""
-    (example,) = blocks("toml")
+    example = blocks("toml")[0]
     (tmp_path / "metro.toml").write_text(example, encoding="utf-8")
     return tmp_path
 
@@ -58,6 +64,41 @@ def test_scenario_example_is_valid(folder):
     scenario = load_scenario(folder / "metro.toml")
     assert scenario.vehicle.preset == "metro-81-7036"
     assert scenario.line.stations[0].dwell_s == 25
+
+
+def test_vehicle_and_line_that_are_added_make_a_scenario():
+    vehicle, line = (tomllib.loads(block) for block in blocks("toml")[1:])
+    document = {"vehicle": vehicle, "line": line, "timetable": {"average_speed_kmh": 40}}
+    run = solve(scenario_from_document(document))
+    assert run.distance_m == 1200
+    assert run.speed_ms[run.position_m >= 800].max() * 3.6 <= 60 + 1e-9
+
+
+def test_the_strategy_that_is_added_keeps_its_timetable():
+    names = {}
+    exec(blocks("python")[1], names)
+    scenario = load_scenario("liashenko-ii")
+    run = names["slowed"](prepare_task(scenario))
+    assert run.travel_time_s == pytest.approx(scenario.travel_time_s)
+    assert run.energy_kwh > solve(scenario).energy_kwh
+
+
+def test_the_drive_that_is_added_gives_its_derivatives():
+    """Against central differences of its own power; F v / 0.8 + 1e-6 F^2 by hand."""
+    _, kernels = blocks("python")[2].split("# core/drive/mixed_loss.py")
+    names = {"njit": njit, "FloatArray": FloatArray, "PowerTerms": PowerTerms}
+    exec(kernels.replace("cache=True", ""), names)
+    parameters = np.array([0.8, 1e-6])
+
+    def power(effort, speed):
+        return names["driving_power"](parameters, effort, speed)
+
+    p, p_f, p_v, p_ff, p_fv, p_vv = power(1e4, 10.0)
+    assert p == pytest.approx(1e5 / 0.8 + 100.0)
+    for exact, index, df, dv in ((p_f, 0, 1.0, 0), (p_v, 0, 0, 1e-3), (p_ff, 1, 1.0, 0), (p_fv, 1, 0, 1e-3)):
+        after, before = (power(1e4 + sign * df, 10.0 + sign * dv)[index] for sign in (1, -1))
+        assert exact == pytest.approx((after - before) / (2 * (df + dv)), rel=1e-6)
+    assert p_vv == 0
 
 
 @pytest.mark.parametrize("command", COMMANDS)

@@ -7,7 +7,7 @@ from railjoule.core.drive.drive import Drive
 from railjoule.core.drive.efficiency_map import make_efficiency_map_drive
 from railjoule.core.drive.geared import NEGLIGIBLE_SHARE, GearedDrive
 from railjoule.core.drive.induction.drive import make_induction_drive
-from railjoule.core.drive.kernels import CONSTANT_EFFICIENCY, COPPER_LOSS, LOSS_POLYNOMIAL
+from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS, LOSS_POLYNOMIAL
 from railjoule.core.drive.synchronous.drive import make_synchronous_drive
 from railjoule.core.scenario.drive import (
     ConstantEfficiency,
@@ -70,15 +70,15 @@ def _loss_polynomial(parameters: LossPolynomial) -> GearedDrive:
         kind=LOSS_POLYNOMIAL,
         parameters=frozen_array(
             [
+                parameters.motors,
+                turns_per_metre,
+                parameters.gear_loss_share,
+                NEGLIGIBLE_SHARE * large_effort_n,
                 parameters.no_load_loss_w,
                 parameters.speed_loss_w_per_rads,
                 parameters.speed_loss_w_per_rads2,
                 parameters.torque_loss_w_per_nm,
                 parameters.torque_loss_w_per_nm2,
-                parameters.motors,
-                turns_per_metre,
-                parameters.gear_loss_share,
-                NEGLIGIBLE_SHARE * large_effort_n,
             ]
         ),
         recuperation_factor=parameters.recuperation_factor,

@@ -1,21 +1,16 @@
 """The one place where compiled code asks a drive for its power, whatever its kind.
 
-A new drive is one file with `driving_power` and `generated_power`, one number and one branch here, and one
-function in `build`; no solver changes.
+A new drive is one file with `driving_power` and `generated_power`, one number in `kinds`, one branch here and one
+function in `build`; geared motors with another loss are one file with `motor_loss` and one branch in `geared_power`.
+No solver changes.
 """
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.drive import constant_efficiency, copper_loss, loss_polynomial
+from railjoule.core.drive import constant_efficiency, copper_loss, geared_power
 from railjoule.core.drive.induction import power as induction
-from railjoule.core.drive.loss_map import power as loss_map
+from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, INDUCTION, LOSS_POLYNOMIAL
 from railjoule.core.drive.power_terms import PowerTerms
-
-CONSTANT_EFFICIENCY = 0
-COPPER_LOSS = 1
-INDUCTION = 2
-LOSS_POLYNOMIAL = 3
-LOSS_MAP = 4
 
 
 @njit(cache=True)
@@ -25,10 +20,8 @@ def driving_power(kind: int, parameters: FloatArray, effort: float, speed: float
         return constant_efficiency.driving_power(parameters, effort, speed)
     if kind == INDUCTION:
         return induction.driving_power(parameters, effort, speed)
-    if kind == LOSS_POLYNOMIAL:
-        return loss_polynomial.driving_power(parameters, effort, speed)
-    if kind == LOSS_MAP:
-        return loss_map.driving_power(parameters, effort, speed)
+    if kind >= LOSS_POLYNOMIAL:
+        return geared_power.driving_power(kind, parameters, effort, speed)
     return copper_loss.driving_power(parameters, effort, speed)
 
 
@@ -39,10 +32,8 @@ def generated_power(kind: int, parameters: FloatArray, effort: float, speed: flo
         return constant_efficiency.generated_power(parameters, effort, speed)
     if kind == INDUCTION:
         return induction.generated_power(parameters, effort, speed)
-    if kind == LOSS_POLYNOMIAL:
-        return loss_polynomial.generated_power(parameters, effort, speed)
-    if kind == LOSS_MAP:
-        return loss_map.generated_power(parameters, effort, speed)
+    if kind >= LOSS_POLYNOMIAL:
+        return geared_power.generated_power(kind, parameters, effort, speed)
     return copper_loss.generated_power(parameters, effort, speed)
 
 
@@ -57,10 +48,8 @@ def idle_power(kind: int, parameters: FloatArray, speed: float) -> tuple[float, 
     """Return the jump at zero effort: what a drive takes that is on without any [W], and two derivatives by speed."""
     if kind == INDUCTION:
         return induction.idle_power(parameters, speed)
-    if kind == LOSS_POLYNOMIAL:
-        return loss_polynomial.idle_power(parameters, speed)
-    if kind == LOSS_MAP:
-        return loss_map.idle_power(parameters, speed)
+    if kind >= LOSS_POLYNOMIAL:
+        return geared_power.idle_power(kind, parameters, speed)
     return 0.0, 0.0, 0.0
 
 
@@ -70,17 +59,13 @@ def power_when_on(kind: int, parameters: FloatArray, braking: bool, effort: floa
     if not braking:
         if kind == INDUCTION:
             return induction.power_with_idle(parameters, effort, speed)
-        if kind == LOSS_POLYNOMIAL:
-            return loss_polynomial.power_with_idle(parameters, effort, speed)
-        if kind == LOSS_MAP:
-            return loss_map.power_with_idle(parameters, effort, speed)
+        if kind >= LOSS_POLYNOMIAL:
+            return geared_power.power_with_idle(kind, parameters, effort, speed)
         return driving_power(kind, parameters, effort, speed)
     if kind == INDUCTION:
         p, p_f, p_v, p_ff, p_fv, p_vv = induction.generated_with_idle(parameters, effort, speed)
-    elif kind == LOSS_POLYNOMIAL:
-        p, p_f, p_v, p_ff, p_fv, p_vv = loss_polynomial.generated_with_idle(parameters, effort, speed)
-    elif kind == LOSS_MAP:
-        p, p_f, p_v, p_ff, p_fv, p_vv = loss_map.generated_with_idle(parameters, effort, speed)
+    elif kind >= LOSS_POLYNOMIAL:
+        p, p_f, p_v, p_ff, p_fv, p_vv = geared_power.generated_with_idle(kind, parameters, effort, speed)
     else:
         p, p_f, p_v, p_ff, p_fv, p_vv = generated_power(kind, parameters, effort, speed)
     return -p, -p_f, -p_v, -p_ff, -p_fv, -p_vv
@@ -93,10 +78,8 @@ def work_bounds(kind: int, parameters: FloatArray) -> tuple[float, float]:
         return 1.0 / parameters[0], parameters[1]
     if kind == INDUCTION:
         return induction.work_bounds(parameters)
-    if kind == LOSS_POLYNOMIAL:
-        return loss_polynomial.work_bounds(parameters)
-    if kind == LOSS_MAP:
-        return loss_map.work_bounds(parameters)
+    if kind >= LOSS_POLYNOMIAL:
+        return geared_power.work_bounds(parameters)
     return 1.0, 1.0
 
 

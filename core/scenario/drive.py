@@ -6,6 +6,7 @@ from pydantic import Field, model_validator
 
 from railjoule.core.scenario._base import Count, Number, Part
 from railjoule.core.scenario.machine import InductionMachine
+from railjoule.core.scenario.map_csv import LEAST_POINTS
 
 Efficiency = Annotated[Number, Field(gt=0, le=1)]
 Resistance = Annotated[Number, Field(gt=0, le=100)]
@@ -122,7 +123,7 @@ class EfficiencyMap(GearedMotors):
 
     model: Literal["efficiency_map"]
     points: tuple[MapPoint, ...] = Field(
-        min_length=9, max_length=100_000, description="Torque [N m], speed [rad/s], efficiency; rising."
+        min_length=LEAST_POINTS, max_length=100_000, description="Torque [N m], speed [rad/s], efficiency; rising."
     )
 
     @model_validator(mode="after")

@@ -6,6 +6,8 @@ from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario.csv_table import read_rows
 
 COLUMNS = ("torque_nm", "speed_rads", "efficiency")
+LEAST_POINTS = 9
+"""Three torques at three speeds."""
 
 
 def read_map(name: str, folder: Path | None) -> list[list[float]]:
@@ -21,7 +23,8 @@ def read_map(name: str, folder: Path | None) -> list[list[float]]:
     Raises
     ------
     ScenarioError
-        If the file cannot be read, a column is unknown or missing, or a cell is empty or not a number.
+        If the file cannot be read, a column is unknown or missing, a cell is empty or not a number, or there are
+        too few points.
     """
     points = []
     for number, row in enumerate(read_rows("drive.file", name, folder, COLUMNS), 1):
@@ -29,4 +32,6 @@ def read_map(name: str, folder: Path | None) -> list[list[float]]:
         if missing:
             raise ScenarioError(f"drive.file {name!r}: point {number} has no {missing[0]}.")
         points.append([row[column] for column in COLUMNS])
+    if len(points) < LEAST_POINTS:
+        raise ScenarioError(f"drive.file {name!r} has {len(points)} of at least {LEAST_POINTS} points.")
     return points

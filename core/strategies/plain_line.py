@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.drive.kernels import COPPER_LOSS
+from railjoule.core.drive.kinds import COPPER_LOSS
 from railjoule.core.errors import StrategyRefusedError
 from railjoule.core.motion import Course
 from railjoule.core.strategies.task import Task

@@ -11,7 +11,8 @@ import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.drive import constant_efficiency, copper_loss
-from railjoule.core.drive.kernels import CONSTANT_EFFICIENCY, COPPER_LOSS, may_draw_while_braking
+from railjoule.core.drive.kernels import may_draw_while_braking
+from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS
 from railjoule.core.motion.course import CourseData
 from railjoule.core.motion.effort_limit import EffortLimit
 

@@ -1,6 +1,7 @@
 """`python -m tests.benchmarks` prints measured numbers beside their bars; it is no part of the test run.
 
-`--scenarios 20000` adds the solver's fate on so many random scenarios, which takes some minutes.
+`--scenarios 20000` adds the solver's fate on so many random scenarios, which takes some minutes; `--pages` measures
+the dashboard in a browser instead.
 """
 
 import argparse
@@ -13,8 +14,13 @@ from tests.benchmarks.population import population
 from tests.benchmarks.solvers import frontiers, long_line, profile_two, surface
 
 
-def measurements(scenarios: int) -> Iterator[Measurement]:
+def measurements(scenarios: int, in_browser: bool) -> Iterator[Measurement]:
     """Yield all measurements, one by one."""
+    if in_browser:
+        from tests.benchmarks.page import pages  # noqa: PLC0415  (needs a browser, which the others do not)
+
+        yield from pages()
+        return
     for benchmark in (profile_two, long_line, surface, frontiers, command_line):
         yield from benchmark()
     if scenarios:
@@ -25,8 +31,9 @@ def main() -> int:
     """Print all measurements; return 1 if one of them misses its bar."""
     parser = argparse.ArgumentParser(prog="python -m tests.benchmarks", description=__doc__)
     parser.add_argument("--scenarios", type=int, default=0, help="random scenarios to solve")
-    missed = 0
-    for measured in measurements(parser.parse_args().scenarios):
+    parser.add_argument("--pages", action="store_true", help="the dashboard in a browser instead")
+    asked, missed = parser.parse_args(), 0
+    for measured in measurements(asked.scenarios, asked.pages):
         verdict = "" if not measured.bar else "holds" if measured.holds else "MISSED"
         missed += not measured.holds
         print(f"{measured.name:62}{measured.value:12,.3g} {measured.unit:10} {measured.bar:16} {verdict}", flush=True)

@@ -1,27 +1,16 @@
 """A served dashboard, a real browser, and pages that fail on any error or foreign request."""
 
-import os
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, BrowserContext, expect, sync_playwright
 
+from browser.chromium import ARGUMENTS, browser_path
 from browser.server import Server, serving
 from browser.user import User
 
-ARGUMENTS = [
-    "--no-sandbox",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--no-first-run",
-    "--use-gl=swiftshader",
-    "--enable-unsafe-swiftshader",
-]
 expect.set_options(timeout=60_000)
-NAMES = ("chromium", "chromium-browser", "google-chrome")
 
 
 @pytest.fixture(scope="package")
@@ -32,7 +21,7 @@ def server() -> Iterator[Server]:
 
 @pytest.fixture(scope="package")
 def chromium() -> Iterator[Browser]:
-    path = os.environ.get("RAILJOULE_BROWSER") or next(filter(None, map(shutil.which, NAMES)), None)
+    path = browser_path()
     if not path or not Path(path).exists():
         pytest.fail("There is no Chromium: install it, or name one in RAILJOULE_BROWSER; the page cannot be tested.")
     with sync_playwright() as playwright:

@@ -18,7 +18,7 @@ from railjoule.core.drive.induction.power import (
     idle_power,
     operating_point,
 )
-from railjoule.core.drive.kernels import INDUCTION
+from railjoule.core.drive.kinds import INDUCTION
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario.drive import Induction
 

@@ -6,8 +6,9 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.drive.geared import NEGLIGIBLE_SHARE, GearedDrive
-from railjoule.core.drive.kernels import LOSS_MAP
-from railjoule.core.drive.loss_map.power import DRIVING_TABLE, MOTORS, TURNS
+from railjoule.core.drive.geared_parameters import MOTORS, TURNS
+from railjoule.core.drive.kinds import LOSS_MAP
+from railjoule.core.drive.loss_map.loss import DRIVING_TABLE
 from railjoule.core.drive.loss_map.table import loss_table
 from railjoule.core.errors import ScenarioError
 

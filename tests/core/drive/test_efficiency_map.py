@@ -65,7 +65,10 @@ def swap(lines):
         (lambda lines: lines.__setitem__(6, "200,150,x"), r"row 8: efficiency = 'x' must be a number."),
         (lambda lines: lines.insert(6, lines[6]), r"drive.points has one place twice."),
         (lambda lines: lines.__delitem__(slice(0, 4)), r"must begin at torque_nm = 0 and speed_rads = 0"),
-        (lambda lines: lines.__delitem__(slice(2, None)), r"drive.points has fewer than 9 entries"),
+        (
+            lambda lines: lines.__delitem__(slice(2, None)),
+            r"drive.file 'map.csv' has 2 of at least 9 points.",
+        ),
     ],
 )
 def test_bad_maps_are_refused_in_one_sentence(tmp_path, change, expected):

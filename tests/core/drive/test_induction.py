@@ -8,7 +8,7 @@ from builders import INDUCTION, plain_scenario
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railjoule.core.drive import kernels, make_drive
+from railjoule.core.drive import kernels, kinds, make_drive
 from railjoule.core.drive.induction.least_loss import BEYOND, FREE, FULL_VOLTAGE, RATED_FLUX, best_ratio
 from railjoule.core.drive.induction.machine import (
     leakage_share,
@@ -226,7 +226,7 @@ def test_standstill_brake_takes_over_where_braking_draws():
 
 
 def test_kernels_know_the_drive():
-    assert DRIVE.kind == kernels.INDUCTION
+    assert DRIVE.kind == kinds.INDUCTION
     assert kernels.work_bounds(DRIVE.kind, DRIVE.parameters) == (1 / 0.98, 0.98)
     assert kernels.may_draw_while_braking(DRIVE.kind)
     assert leakage_share(MACHINE) == pytest.approx(1 - (33.15 / 33.81) ** 2)

@@ -8,11 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from railjoule.core.drive import kernels
+from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS
 from railjoule.core.interior_point.cell import per_metre
 
 KINDS = {
-    kernels.CONSTANT_EFFICIENCY: np.array([0.8, 0.7]),
-    kernels.COPPER_LOSS: np.array([2.5e-5]),
+    CONSTANT_EFFICIENCY: np.array([0.8, 0.7]),
+    COPPER_LOSS: np.array([2.5e-5]),
 }
 efforts = st.floats(0, 2e5)
 speeds = st.floats(0.1, 60)
@@ -22,7 +23,7 @@ STEP = 1e-30
 
 def by_hand(kind, braking, effort, speed):
     """Line power or generated power: efficiency times wheel power, or wheel power and R i^2."""
-    if kind == kernels.CONSTANT_EFFICIENCY:
+    if kind == CONSTANT_EFFICIENCY:
         return effort * speed * KINDS[kind][1] if braking else effort * speed / KINDS[kind][0]
     loss = KINDS[kind][0] * effort * effort
     return effort * speed - loss if braking else effort * speed + loss
@@ -79,10 +80,9 @@ def test_only_a_marked_drive_draws_power_to_brake(kind, effort, speed):
 def test_copper_loss_draws_power_near_standstill():
     """R i^2 exceeds F v below v = coefficient F."""
     effort = 1e5
-    border = KINDS[kernels.COPPER_LOSS][0] * effort
+    border = KINDS[COPPER_LOSS][0] * effort
     slower, faster = (
-        kernels.generated_power(kernels.COPPER_LOSS, KINDS[kernels.COPPER_LOSS], effort, border * share)[0]
-        for share in (0.99, 1.01)
+        kernels.generated_power(COPPER_LOSS, KINDS[COPPER_LOSS], effort, border * share)[0] for share in (0.99, 1.01)
     )
     assert slower < 0 < faster
     assert math.isclose(slower, -faster, rel_tol=1e-9)

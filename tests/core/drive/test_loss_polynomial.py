@@ -6,8 +6,7 @@ from builders import LOSS_POLYNOMIAL, plain_scenario
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railjoule.core.drive import kernels, loss_polynomial, make_drive
-from railjoule.core.drive.loss_map import power as loss_map
+from railjoule.core.drive import kernels, make_drive
 
 TURNS = 5.33 / 0.39
 
@@ -35,7 +34,6 @@ DRIVES = {
         ).vehicle.drive
     ),
 }
-KERNELS = {"polynomial": loss_polynomial, "map": loss_map}
 efforts, speeds = st.floats(500, 2.5e5), st.floats(0.1, 25)
 
 
@@ -58,7 +56,7 @@ def test_no_effort_takes_no_power(name):
 @given(speed=speeds)
 def test_the_least_effort_takes_the_idle_power(name, speed):
     drive = DRIVES[name]
-    idle = KERNELS[name].idle_power(drive.parameters, speed)[0]
+    idle = kernels.idle_power(drive.kind, drive.parameters, speed)[0]
     assert idle == pytest.approx(12 * loss_by_hand(0, speed * TURNS), rel=2e-3)
     assert drive.electrical_power_w(1.0, speed) == pytest.approx(idle, rel=1e-3)
 

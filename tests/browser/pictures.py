@@ -1,0 +1,35 @@
+"""`python -m tests.browser.pictures` makes README's pictures from the running dashboard, in light and dark colours."""
+
+from pathlib import Path
+
+from playwright.sync_api import sync_playwright
+
+from tests.browser.chromium import ARGUMENTS, browser_path
+from tests.browser.server import serving
+from tests.browser.user import User
+
+FOLDER = Path(__file__).parents[2] / "assets" / "pictures"
+PAGES = ("Drive", "Trade-off", "Speed limits", "Motor")
+SETTLE_MS = 6000
+WIDTH, HEIGHT = 1280, 860
+
+
+def main() -> None:
+    """Write one picture of each page and colour."""
+    FOLDER.mkdir(exist_ok=True)
+    with serving("-m", "railjoule.dashboard", "serve") as server, sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=browser_path(), args=ARGUMENTS)
+        for colours in ("light", "dark"):
+            for name in PAGES:
+                with User.at(browser, server.url, WIDTH, HEIGHT, dark=colours == "dark") as user:
+                    if name == "Motor":
+                        user.choose("Suburban, flat 5 km")
+                    if name != "Drive":
+                        user.turn_to(name)
+                    user.rest(SETTLE_MS)
+                    user.page.screenshot(path=FOLDER / f"{name.lower().replace(' ', '-')}-{colours}.png")
+        browser.close()
+
+
+if __name__ == "__main__":
+    main()
