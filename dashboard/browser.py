@@ -74,7 +74,6 @@ export function render({model}) {
 """
 )
 
-NO_WIDTH_CSS = ":host { width: 0 !important; overflow: hidden; }"
 FIRST_CHARTS = ("energy", "line", "phases", "speed")
 """What a desktop window shows at first; the page is sent with these charts drawn."""
 
@@ -95,8 +94,7 @@ class Browser(JSComponent):
     _esm = ESM
 
     def __init__(self, **params: object) -> None:
-        # its width is that of the window: shown, it would make the page scroll sideways
-        super().__init__(**{"stylesheets": [NO_WIDTH_CSS], **params})
+        super().__init__(**params)
         self._followers: list[tuple[list[str], list[Any], Callable[[], None]]] = []
 
     def follow(self, names: list[str], callback: Callable[[], None]) -> None:

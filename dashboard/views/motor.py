@@ -294,12 +294,12 @@ def run_figures(run: FieldOrientedRun) -> list[str]:
             f"planned {words.energy(run.planned.energy_kwh)}",
             "main",
         ),
-        parts.figure("By its parts", words.energy(by_parts), "kWh", f"{words.signed(share, 2)} millionths apart"),
+        parts.figure("By its parts", words.energy(by_parts), "kWh", f"{words.signed(share, 2)} ppm apart"),
         parts.figure(
             "Magnetising loss",
             words.energy(magnetising),
             "kWh",
-            f"{words.energy(run.paper_energy_kwh)} kWh without it",
+            f"{words.energy(run.paper_energy_kwh)} without it",
         ),
         parts.figure(
             "Tracking error", *length(run.max_tracking_error_m), f"{' '.join(length(run.final_error_m))} at the end"
