@@ -19,6 +19,7 @@ from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.motor import Motor
 from railjoule.dashboard.papers import Papers
+from railjoule.dashboard.pins import Pins
 from railjoule.dashboard.reporting import Reporting
 from railjoule.dashboard.robustness import Robustness
 from railjoule.dashboard.speed_limits import SpeedLimits
@@ -91,6 +92,7 @@ class Session:
         self.runs = Worker(compute_runs, self._take_runs, self._take_failure)
         self.trade_off = Worker(compute_trade_off, self._take_trade_off, self._take_failure)
         self.compare = Compare(self.state)
+        self.pins = Pins(self.state)
         self.robustness = Robustness(self.state)
         self.disturbances = Disturbances(self.state)
         self.speed_limits = SpeedLimits(self.state)

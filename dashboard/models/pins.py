@@ -4,10 +4,21 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import param
+
 from railjoule.core import Scenario, Trajectory, load_scenario
-from railjoule.core.scenario import StrategyName, document_of, scenario_from_document
+from railjoule.core.scenario import (
+    StrategyName,
+    document_of,
+    format_scenario,
+    parse_scenario,
+    preset_names,
+    scenario_from_document,
+)
 from railjoule.core.scenario.document import Document
+from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import words
+from railjoule.dashboard.models.kept import Kept
 from railjoule.dashboard.models.scenario import ScenarioModel
 
 MOST_PINS = 6
@@ -79,6 +90,45 @@ class Pin:
     def renamed(self, name: str) -> "Pin":
         """Return the pin under another name; an empty one gives back the name that tells what was run."""
         return replace(self, name=" ".join(name.split())[:LONGEST_NAME] or pin_name(self.trajectory))
+
+
+class KeptPin(Kept):
+    """A pin without its run, as an address holds it."""
+
+    kept = ("called", "strategy", "preset", "toml", "changes", "colour")
+
+    called = param.String(default="", doc="What the user calls it.")
+    strategy = param.Selector(default="optimal", objects=list(STRATEGIES), doc="Who drives.")
+    preset = param.Selector(
+        default=None, allow_None=True, objects=list(preset_names("scenarios")), doc="Shipped scenario."
+    )
+    toml = param.String(default=None, allow_None=True, doc="The scenario, where it is not a shipped one.")
+    changes = param.Dict(default={}, doc="Keys of the file with the values laid over it.")
+    colour = param.Selector(default=PIN_KEYS[0], objects=list(PIN_KEYS), doc="Colour and stroke.")
+
+    @classmethod
+    def of(cls, pin: Pin) -> "KeptPin":
+        """Return what is kept of a pin."""
+        recipe = pin.recipe
+        return cls(
+            called=pin.name,
+            strategy=recipe.strategy,
+            preset=recipe.preset,
+            toml=None if recipe.document is None else format_scenario(scenario_from_document(recipe.document)),
+            changes=dict(recipe.changes),
+            colour=pin.colour,
+        )
+
+    def recipe(self) -> Recipe:
+        """Return how its run comes about.
+
+        Raises
+        ------
+        RailjouleError
+            If its text is no scenario.
+        """
+        document = None if self.toml is None else document_of(parse_scenario(self.toml, "the pinned run"))
+        return Recipe(self.preset, document, dict(self.changes), self.strategy)
 
 
 def pin_name(run: Trajectory) -> str:

@@ -14,7 +14,7 @@ from railjoule.dashboard.models.learn import LearnModel
 from railjoule.dashboard.models.line import LineModel
 from railjoule.dashboard.models.motor import MotorModel
 from railjoule.dashboard.models.papers import PapersModel
-from railjoule.dashboard.models.pins import MOST_PINS, TOO_MANY, Pin, Recipe, make_pin, recipe_of
+from railjoule.dashboard.models.pins import MOST_PINS, TOO_MANY, KeptPin, Pin, Recipe, make_pin, recipe_of
 from railjoule.dashboard.models.robustness import RobustnessModel
 from railjoule.dashboard.models.scenario import ScenarioModel
 from railjoule.dashboard.models.speed_limits import SpeedLimitsModel
@@ -40,7 +40,18 @@ COLOURS = ("system", "light", "dark")
 class Workbench(Kept):
     """Everything that the views of one open page draw; they write to it, and the store fills in the results."""
 
-    kept = ("page", "ticked", "chosen", "over_time", "wide_map", "copper_weight", "colours", "compare_all", "reference")
+    kept = (
+        "page",
+        "ticked",
+        "chosen",
+        "over_time",
+        "wide_map",
+        "copper_weight",
+        "colours",
+        "compare_all",
+        "reference",
+        "kept_pins",
+    )
     passing = ("dark", "trade_off_duration_s", "notice")
 
     page = param.Selector(default="Start", objects=list(PAGES), doc="The page in sight.")
@@ -56,6 +67,7 @@ class Workbench(Kept):
     wide_map = param.Boolean(default=False, doc="Show ENOC's map up to 5000 s.")
     copper_weight = param.Number(default=1.0, bounds=(0.01, 100.0), doc="Copper loss of ENOC's map over its own.")
     pins = param.ClassSelector(class_=tuple, default=(), doc="The pinned runs, the last one pinned last.")
+    kept_pins = param.List(default=[], item_type=KeptPin, doc="The same without their runs, as the address has them.")
     compared = param.ClassSelector(class_=Runs, default=None, allow_None=True, doc="The last runs of all strategies.")
     compare_all = param.Boolean(default=True, doc="Compare all strategies, not only those that are ticked.")
     reference = param.String(default="", doc="Strategy or pin that others are compared with; empty for the usual one.")

@@ -103,7 +103,7 @@ def energy(findings: Findings, figures: Figures) -> str:
     run = findings.run
     blocks = (
         f'<div id="account">{parts.account(run)}</div>',
-        parts.runs_table(findings.runs, run.strategy, None),
+        parts.runs_table(findings.runs, run.strategy, ()),
         f'<div id="phases">{parts.phase_table(run)}</div>',
     )
     return section("energy", "Energy, runs and phases", f'<div class="columns">{"".join(blocks)}</div>')

@@ -28,6 +28,7 @@ from railjoule.dashboard.store.motor import (
     machine_refusal,
 )
 from railjoule.dashboard.store.papers import PaperTables, compute_papers
+from railjoule.dashboard.store.recipes import RecipeRun, compute_recipes
 from railjoule.dashboard.store.robustness import (
     Reality,
     RealityWish,
@@ -70,6 +71,7 @@ __all__ = [
     "PaperTables",
     "Reality",
     "RealityWish",
+    "RecipeRun",
     "Rides",
     "RidesWish",
     "RippleWish",
@@ -95,6 +97,7 @@ __all__ = [
     "compute_machine_map",
     "compute_papers",
     "compute_reality",
+    "compute_recipes",
     "compute_rides",
     "compute_ripple",
     "compute_rivals",
