@@ -33,7 +33,7 @@ export function render({model}) {
   model.on("started", () => document.documentElement.classList.add("rj-started"));
   theme();
   const tell = () => {
-    model.width = window.innerWidth;
+    model.window_width = window.innerWidth;
     model.wants_dark = dark.matches;
   };
   window.addEventListener("resize", tell);
@@ -85,7 +85,7 @@ class Browser(JSComponent):
     those who `follow` it hear nothing before `start`.
     """
 
-    width = param.Integer(default=1280, doc="Width of the window [px].")
+    window_width = param.Integer(default=1280, doc="Width of the window [px].")
     wants_dark = param.Boolean(default=False, doc="Whether the system asks for dark colours.")
     dark = param.Boolean(default=False, doc="Whether the page is dark.")
     started = param.Boolean(default=False, doc="Whether the page has loaded.")

@@ -39,7 +39,7 @@ class ChartPage:
 
     def begin(self) -> None:
         """Follow the window, and draw; to be called once all charts are made."""
-        self.browser.follow(["width"], self._fit)
+        self.browser.follow(["window_width"], self._fit)
         self.browser.follow(["charts_in_sight"], self._sight)
         self._fit()
         self._sight()
@@ -52,7 +52,7 @@ class ChartPage:
             self.message.object = parts.failure(*failure_words(failure), shown)
 
     def _fit(self) -> None:
-        width = self.browser.width
+        width = self.browser.window_width
         size = 1 if width >= WIDE_PX else 2 if width < NARROW_PX else 0
         with pn.io.hold():
             for chart in self.charts:

@@ -168,7 +168,7 @@ class CompareView(ChartPage):
         if state.page != PAGE or not among:
             return
         reference = reference_of(state, among)
-        narrow, over_time = self.browser.width < NARROW_PX, state.over_time
+        narrow, over_time = self.browser.window_width < NARROW_PX, state.over_time
         with pn.io.hold():
             self._tell_failure(state.failure)
             self._offer(among, reference)

@@ -81,7 +81,7 @@ class DriveView:
         self.view = parts.stack(self.heading, self.message, self.repair, self.figures, tools, body)
         tie(self.over, state, "over_time")
         state.param.watch(self._show, ["runs", "chosen", "ticked", "pins", "over_time", "failure"])
-        browser.follow(["width"], self._fit)
+        browser.follow(["window_width"], self._fit)
         browser.follow(["charts_in_sight"], self._sight)
         self._sight()
 
@@ -102,7 +102,7 @@ class DriveView:
 
     def _fit(self) -> None:
         """Give the speed chart the height that suits the window."""
-        width = self.browser.width
+        width = self.browser.window_width
         with pn.io.hold():
             self.charts["speed"].resize(310 if width >= WIDE_PX else 220 if width < NARROW_PX else 250)
             self._show()
@@ -134,9 +134,9 @@ class DriveView:
             return
         with pn.io.hold():
             self._show_texts()
-            narrow = self.browser.width < NARROW_PX
+            narrow = self.browser.window_width < NARROW_PX
             shown = {name: r for name, r in runs.runs.items() if name in state.ticked or r is run}
-            width = max(self.browser.width - (NARROW_MARGIN_PX if narrow else MARGIN_PX), LEAST_WIDTH_PX)
+            width = max(self.browser.window_width - (NARROW_MARGIN_PX if narrow else MARGIN_PX), LEAST_WIDTH_PX)
             scene = Scene(self.state.chosen_now, shown, state.pinned, state.over_time, narrow, width)
             self.axis.fit(scene.end, roomy=not narrow)
             self.charts["difference"].place.visible = state.pinned is not None
@@ -150,7 +150,7 @@ class DriveView:
 
     def _column_px(self, width: float) -> float:
         """Return how wide the column of charts is, the rail beside it taken off."""
-        return width - RAIL_PX if self.browser.width >= WIDE_PX else width
+        return width - RAIL_PX if self.browser.window_width >= WIDE_PX else width
 
     def _show_texts(self) -> None:
         state = self.state

@@ -170,7 +170,9 @@ class LineView(ChartPage):
             other, room = self.model.other, self._room()
             self.axis.fit(runs.best.run.distance_m, roomy=False)
             self.speed.show(partial(self.speed.draw, runs, other, room))
-            scene = Scene("optimal", {"optimal": runs.best.run}, None, False, self.browser.width < NARROW_PX, room)
+            scene = Scene(
+                "optimal", {"optimal": runs.best.run}, None, False, self.browser.window_width < NARROW_PX, room
+            )
             self.line.show(partial(self.line.draw, scene))
             self.path.show(partial(self.path.draw, runs, other))
             self.supplements.show(partial(self.supplements.draw, runs, room))
@@ -179,7 +181,7 @@ class LineView(ChartPage):
             self.settle()
 
     def _room(self) -> float:
-        width = self.browser.width
+        width = self.browser.window_width
         return float(width - (90 if width < NARROW_PX else 370))
 
     def _show_empty(self) -> None:

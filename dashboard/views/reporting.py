@@ -77,10 +77,10 @@ class ReportButton:
         model.param.watch(self._show, ["busy", "share"])
         model.param.watch(self._save, "text")
         model.param.watch(self._tell, "failure")
-        browser.follow(["width"], self._show)
+        browser.follow(["window_width"], self._show)
 
     def _show(self, *_: Any) -> None:
-        busy, narrow = self.model.busy, self.browser.width < NARROW_PX
+        busy, narrow = self.model.busy, self.browser.window_width < NARROW_PX
         with pn.io.hold():
             self.progress.value = round(100 * self.model.share)
             self.progress.visible = self.stop.visible = busy

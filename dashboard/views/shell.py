@@ -119,7 +119,7 @@ class Shell:
         state.param.watch(self._show_page, "page")
         state.param.watch(self._name_pin, ["pins", "runs", "chosen"])
         state.editor.param.watch(self._make_room, "open")
-        browser.follow(["width"], self._fit)
+        browser.follow(["window_width"], self._fit)
         browser.follow(["wants_dark"], self._follow_system)
         self.page.param.watch(self._paint, "dark_theme")
         state.param.watch(self._colour, "colours")
@@ -196,11 +196,11 @@ class Shell:
     def _fit(self) -> None:
         """Close the sidebar on narrow screens, and put the pages into a menu on the narrowest."""
         with pn.io.hold():
-            narrow = self.browser.width < MENU_PX
+            narrow = self.browser.window_width < MENU_PX
             self.tabs.visible, self.menu.visible = not narrow, narrow
             self.pin.visible, self.pin_small.visible = not narrow, narrow
-            self.brand.visible = self.browser.width >= BRAND_PX
-            was_wide, self._wide = self._wide, self.browser.width >= NARROW_PX
+            self.brand.visible = self.browser.window_width >= BRAND_PX
+            was_wide, self._wide = self._wide, self.browser.window_width >= NARROW_PX
             if was_wide != self._wide:
                 self.page.sidebar_open = self._wide
 

@@ -168,7 +168,7 @@ class SpeedLimitsView(ChartPage):
         return self.model.limits_kmh, self.model.borders_m
 
     def _scene(self, run: LimitRun) -> Scene:
-        width = self.browser.width
+        width = self.browser.window_width
         room = width - (80 if width < NARROW_PX else 360)
         return Scene("speed_limits", {"speed_limits": run.run}, None, False, width < NARROW_PX, room)
 
