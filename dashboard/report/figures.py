@@ -7,6 +7,7 @@ from typing import Any
 from bokeh.document import Document
 from bokeh.embed.util import standalone_docs_json_and_render_items
 
+from railjoule.core.simulate.field_oriented import FieldOrientedRun
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
@@ -128,9 +129,10 @@ class Figures:
     def _draw_reality(self, speed: DistanceChart, effort: DistanceChart) -> None:
         assert isinstance(speed, DrivenSpeedChart)
         assert isinstance(effort, DrivenEffortChart)
-        # both kinds of reality have the two runs that these charts draw
+        # all kinds of reality have the two runs that these charts draw
         reality: Any = self.findings.reality
-        speed.draw(reality, "under the disturbance")
+        in_closed_loop = isinstance(reality, FieldOrientedRun)
+        speed.draw(reality, "in closed loop" if in_closed_loop else "under the disturbance")
         effort.draw(reality)
 
     # ---- words

@@ -11,6 +11,7 @@ import numpy as np
 from railjoule.core import Trajectory
 from railjoule.core.scenario import StrategyName, format_scenario
 from railjoule.core.simulate.disturbances import Ride
+from railjoule.core.simulate.field_oriented import FieldOrientedRun
 from railjoule.core.strategies.optimal import PROVEN_GAP
 from railjoule.core.studies.sensitivity import SensitivityTable
 from railjoule.dashboard.look import words
@@ -18,6 +19,7 @@ from railjoule.dashboard.report.figures import Figures, Plot
 from railjoule.dashboard.report.tables import scenario_tables
 from railjoule.dashboard.store.report import Findings
 from railjoule.dashboard.views import parts
+from railjoule.dashboard.views.motor import held_words, parts_table, run_figures
 
 PACKAGES = ("railjoule", "numpy", "scipy", "numba", "bokeh")
 FRONTIER_ROWS = 10
@@ -194,9 +196,10 @@ def certificate(findings: Findings) -> list[str]:
 
 
 def reality(findings: Findings, figures: Figures) -> str:
-    """Return what becomes of the plan under the scenario's disturbance."""
+    """Return what becomes of the plan under the scenario's disturbance, or in closed loop."""
     found = findings.reality
-    title = "Under the disturbance"
+    in_closed_loop = findings.scenario.simulation.kind == "field_oriented"
+    title = "In closed loop" if in_closed_loop else "Under the disturbance"
     if found is None:
         refusal = findings.reality_refusal
         return section("reality", title, f'<p class="note">{html.escape(refusal)}</p>') if refusal else ""
@@ -226,6 +229,10 @@ def reality(findings: Findings, figures: Figures) -> str:
         ]
         events = "".join(f"<li>{html.escape(sentence)}</li>" for sentence in [*learned, *found.notes])
         events = f'<ul class="notes">{events}</ul>' if events else ""
+    if isinstance(found, FieldOrientedRun):
+        notes = "".join(f"<li>{html.escape(sentence)}</li>" for sentence in found.notes)
+        numbers = parts.figures(run_figures(found), stale=False)
+        events = f'{numbers}{held_words(found)}<ul class="notes">{notes}</ul>{parts_table(found)}'
     plots = "".join(figure_element(plot) for plot in figures.plots("reality"))
     runs = parts.table("Plan and reality", ("Run", "kWh", "s", "km/h", "recuperated, kWh"), rows)
     return section("reality", title, f"<p>{text}</p>{events}{plots}{runs}")

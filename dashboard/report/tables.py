@@ -9,7 +9,7 @@ from pydantic import BaseModel
 
 from railjoule.core import Scenario
 from railjoule.core.motion.line_profile import section_borders
-from railjoule.core.scenario import Line
+from railjoule.core.scenario import Line, Vehicle
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.dashboard.look import words
 from railjoule.dashboard.views.parts import table
@@ -33,6 +33,7 @@ def scenario_tables(scenario: Scenario) -> str:
     blocks = [
         _fields_table(f"Vehicle: {html.escape(vehicle.name)}", [*_fields(vehicle), *_masses(scenario)]),
         *(_fields_table(title, _fields(getattr(vehicle, part))) for part, title in PARTS.items()),
+        _machine_table(vehicle),
         _fields_table("Timetable and mesh", _timetable(scenario)),
         *_line_tables(scenario.line),
         *_disturbance_tables(scenario.disturbance),
@@ -41,6 +42,12 @@ def scenario_tables(scenario: Scenario) -> str:
 
 
 Row = tuple[str, str, str]
+
+
+def _machine_table(vehicle: Vehicle) -> str:
+    """Return the induction machine of a drive that has one beside its own loss model."""
+    machine = getattr(vehicle.drive, "machine", None)
+    return "" if machine is None else _fields_table("Induction machine", _fields(machine))
 
 
 def _fields(part: BaseModel) -> Iterator[Row]:

@@ -10,6 +10,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.simulate.disturbances import Ride, simulate_disturbances
+from railjoule.core.simulate.field_oriented import FieldOrientedRun, simulate_field_oriented
 from railjoule.core.simulate.following import Following, simulate_following
 from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
 from railjoule.core.studies.sensitivity import SensitivityTable, sensitivity_steps
@@ -20,6 +21,7 @@ from railjoule.dashboard.store.runs import Runs, RunsWish, compute_runs
 OPTIMA_COUNT = 40
 MOST_CELLS = 500
 """Optima over more cells are meshed anew with longer ones: all of them lie in the report's file."""
+Reality = Ride | Following | FieldOrientedRun
 RUNS_SHARE, OPTIMA_SHARE, REALITY_SHARE = 0.2, 0.7, 0.75
 """How much of the work is done after each step, about."""
 
@@ -44,8 +46,8 @@ class Findings:
         Of all strategies that take the scenario.
     optima : tuple of Trajectory
         Optima over rising travel times, that of the timetable among them; empty where there is none.
-    reality : Ride or Following or None
-        What becomes of the plan under the scenario's disturbance, if it has one.
+    reality : Ride or Following or FieldOrientedRun or None
+        What becomes of the plan under the scenario's disturbance, if it has one, or in closed loop, if it asks so.
     reality_refusal : str
         Why it could not be computed; empty where it could or was not asked for.
     table : SensitivityTable or None
@@ -59,7 +61,7 @@ class Findings:
     scenario: Scenario
     runs: Runs
     optima: tuple[Trajectory, ...] = ()
-    reality: Ride | Following | None = None
+    reality: Reality | None = None
     reality_refusal: str = ""
     table: SensitivityTable | None = None
     table_refusal: str = ""
@@ -125,10 +127,13 @@ def optima_times(task: Task) -> FloatArray:
     return np.union1d(frontier_times(task, OPTIMA_COUNT - 1, share), [own])
 
 
-def _reality(scenario: Scenario) -> Ride | Following | None:
-    if scenario.disturbance == Disturbance() or scenario.simulation.kind != "following":
+def _reality(scenario: Scenario) -> Reality | None:
+    in_closed_loop = scenario.simulation.kind == "field_oriented"
+    if scenario.disturbance == Disturbance() and not in_closed_loop:
         return None
     with named_refusals(scenario):
+        if in_closed_loop:
+            return simulate_field_oriented(scenario)
         if scenario.disturbance.events:
             return simulate_disturbances(scenario)
         return simulate_following(scenario)

@@ -118,3 +118,12 @@ def test_a_run_that_is_not_the_optimum_names_its_distance() -> None:
     gap = findings.runs.runs["bellman"].gap
     assert gap is not None
     assert f"{words.number(100 * gap, 2)} % above the bound." in certificate(findings)[1]
+
+
+def test_a_run_in_closed_loop_has_its_section_and_its_machine() -> None:
+    scenario = load_scenario("ftorek-300s", {"strategy": "enoc", "simulation.kind": "field_oriented"})
+    *_, found = compute_findings(ReportWish(scenario))
+    shown = without_scripts(report_html(found, MADE_AT))
+    assert "In closed loop" in shown
+    assert "Input power, integrated" in shown
+    assert "Induction machine" in shown
