@@ -43,7 +43,7 @@ def pages() -> Iterator[Measurement]:
         browser = playwright.chromium.launch(executable_path=browser_path(), args=ARGUMENTS)
         try:
             for name in (page for page in PAGES if page not in WITHOUT):
-                with User.at(browser, server.url) as user:
+                with User.at(browser, server.drive_url) as user:
                     user.page.context.add_init_script(WATCH)
                     user.open()
                     if name != "Drive":

@@ -21,7 +21,7 @@ def main() -> None:
         browser = playwright.chromium.launch(executable_path=browser_path(), args=ARGUMENTS)
         for colours in ("light", "dark"):
             for name in PAGES:
-                with User.at(browser, server.url, WIDTH, HEIGHT, dark=colours == "dark") as user:
+                with User.at(browser, server.drive_url, WIDTH, HEIGHT, dark=colours == "dark") as user:
                     if name == "Motor":
                         user.choose("Suburban, flat 5 km")
                     if name != "Drive":

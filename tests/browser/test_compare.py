@@ -14,7 +14,7 @@ CANARY = '<img src=x onerror="window.canary=1">'
 @pytest.fixture(scope="module")
 def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who has pinned two runs and stays on the page for all tests of this file."""
-    with User.on(window, server.url) as someone:
+    with User.on(window, server.drive_url) as someone:
         someone.page.get_by_role("button", name="Pin run", exact=True).click()
         someone.type("Load, % of capacity", "70")
         expect(someone.page.get_by_role("button", name="Pin run", exact=True)).to_be_visible()

@@ -20,7 +20,7 @@ LEFT_PX, RIGHT_PX, ABOVE_PX, BELOW_PX = 50.0, 14.0, 2.0, 7.0
 @pytest.fixture(scope="module")
 def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who stays on the page for all tests of this file."""
-    with User.on(window, server.url) as someone:
+    with User.on(window, server.drive_url) as someone:
         yield someone
 
 
@@ -176,7 +176,7 @@ def grave(reader: User) -> dict[str, list[str]]:
 
 
 def test_nothing_grave_on_a_narrow_screen_in_light_and_dark(server: Server, chromium: Browser) -> None:
-    with User.at(chromium, server.url, width=390) as reader:
+    with User.at(chromium, server.drive_url, width=390) as reader:
         reader.page.locator("header button").first.click()
         reader.page.get_by_role("button", name="Edit scenario").click()
         expect(drawer(reader).get_by_role("heading", level=2)).to_be_focused()

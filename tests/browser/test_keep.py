@@ -18,7 +18,7 @@ FIGURES = ("Energy at the line", "Travel time", "Highest speed", "Recuperated")
 @pytest.fixture(scope="module")
 def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user for all tests of this file."""
-    with User.on(window, server.url) as someone:
+    with User.on(window, server.drive_url) as someone:
         yield someone
 
 
@@ -44,18 +44,18 @@ def test_change_undo_redo_reload_and_share(user: User, server: Server, chromium:
     page, load = user.page, user.page.get_by_label("Load, % of capacity, as a number", exact=True)
     first = numbers(user)
     user.type("Load, % of capacity", "30")
-    expect(page).to_have_url(server.url + "?v=1&load_percent=30")
+    expect(page).to_have_url(server.drive_url + "&load_percent=30")
     changed = numbers(user)
     assert changed != first
     expect(page.get_by_title("changed: was 50 %")).to_be_visible()
     press(user, "Undo")
     expect(load).to_have_value("50")
-    expect(page).to_have_url(server.url)
+    expect(page).to_have_url(server.drive_url)
     expect(user.figure_value(FIGURES[0])).to_have_text(first[0])
     user.slider("Load, % of capacity").focus()
     page.keyboard.press("Control+y")
     expect(load).to_have_value("30")
-    expect(page).to_have_url(server.url + "?v=1&load_percent=30")
+    expect(page).to_have_url(server.drive_url + "&load_percent=30")
     page.get_by_label("Draw EOC").check()
     expect(page).to_have_url(re.compile("ticked=optimal,eoc,fastest"))
     expect(user.figure_value(FIGURES[0])).to_have_text(changed[0])
@@ -101,23 +101,23 @@ def test_save_and_drop(user: User, tmp_path: Path) -> None:
     expect(alert).to_be_hidden()
 
 
-def test_markup_stays_text(user: User) -> None:
+def test_markup_stays_text(user: User, server: Server) -> None:
     text = GOOD.replace('"Own line"', f'"{CANARY}"').replace('"Half way"', f'"{CANARY}"')
     drop(user.page, f"{CANARY}.html", f'<html><script type="application/toml" id="scenario">{text}</script></html>')
     expect(user.page.get_by_role("heading", level=1, name=CANARY)).to_be_visible()
     expect(user.page.get_by_label("Command line")).to_contain_text(CANARY)
-    user.page.goto(f"{user.url}?v=1&load_percent={CANARY}&{CANARY}=1&page={CANARY}&edits={CANARY}")
+    user.page.goto(f"{server.url}?v=1&load_percent={CANARY}&{CANARY}=1&page={CANARY}&edits={CANARY}")
     alert = user.page.get_by_role("alert").filter(has_text="The link was opened without a part of it")
     expect(alert).to_contain_text("<img")
     user.page.locator("html.rj-started").wait_for(timeout=PATIENCE_MS)
     assert user.page.evaluate("window.pwned") is None
-    expect(user.page).to_have_url(user.url)
+    expect(user.page).to_have_url(server.url)
 
 
-def test_a_link_behind_the_hash_and_one_of_another_version(user: User) -> None:
+def test_a_link_behind_the_hash_and_one_of_another_version(user: User, server: Server) -> None:
     user.page.evaluate("location.hash = '#v=1&load_percent=10&robustness.seed=7'")
     expect(user.page.get_by_label("Load, % of capacity, as a number", exact=True)).to_have_value("10")
-    expect(user.page).to_have_url(user.url + "?v=1&load_percent=10&robustness.seed=7")
+    expect(user.page).to_have_url(server.url + "?v=1&load_percent=10&robustness.seed=7")
     user.page.evaluate("location.hash = '#v=2&load_percent=20'")
     expect(user.page.get_by_role("alert").filter(has_text="The link is of version 2")).to_be_visible()
 
@@ -128,7 +128,7 @@ def test_a_restarted_server_finds_the_page_as_it_was(chromium: Browser) -> None:
     page = context.new_page()
     try:
         with serving(*command) as server:
-            page.goto(server.url + "?v=1&load_percent=30")
+            page.goto(server.drive_url + "&load_percent=30")
             page.locator("html.rj-started").wait_for(timeout=PATIENCE_MS)
             energy = page.locator(".figure.main .value")
             expect(energy).not_to_be_empty()

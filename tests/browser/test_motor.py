@@ -15,7 +15,7 @@ CHARTS = ("loop_speed", "tracking", "loop_currents", "loop_place", "rival_speed"
 @pytest.fixture(scope="module")
 def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who stays on the page for all tests of this file."""
-    with User.on(window, server.url) as someone:
+    with User.on(window, server.drive_url) as someone:
         someone.turn_to("Motor")
         expect(someone.page.get_by_text("has no induction machine")).to_be_visible()
         someone.page.get_by_role("button", name="Open Suburban, flat 5 km").click()

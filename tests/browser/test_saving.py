@@ -19,7 +19,7 @@ SVG = "{http://www.w3.org/2000/svg}"
 @pytest.fixture(scope="module")
 def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who stays on Drive for all tests of this file."""
-    with User.on(window, server.url) as someone:
+    with User.on(window, server.drive_url) as someone:
         yield someone
 
 
