@@ -100,8 +100,8 @@ def test_strategies_of_a_plain_line(user: User) -> None:
     assert [results[row].split()[0] for row in (0, 2, 3)] == ["4.181", "4.181", "4.250"]
     user.page.get_by_role("button", name="ENOC", exact=True).click()
     user.rest(1000)
-    assert user.number("Energy at the line") == "4.250kWh"
-    assert user.number("Above the optimum") == "1.7%"
+    expect(user.figure_value("Energy at the line")).to_have_text("4.250kWh")
+    expect(user.figure_value("Above the optimum")).to_have_text("1.7%")
 
 
 def test_a_strategy_that_refuses_says_why(user: User) -> None:

@@ -5,7 +5,9 @@ from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.disturbances import Disturbances
 from railjoule.dashboard.keeping import Keeping
 from railjoule.dashboard.lifeline import Lifeline
+from railjoule.dashboard.line import WholeLines
 from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.motor import Motor
 from railjoule.dashboard.robustness import Robustness
 from railjoule.dashboard.speed_limits import SpeedLimits
 from railjoule.dashboard.views.changes import Changes
@@ -17,7 +19,7 @@ from railjoule.dashboard.views.share import file_name
 def state() -> Workbench:
     """The state of a page with the work behind it, none of whose pages with work of its own is in sight."""
     state = Workbench()
-    for work in (Robustness, Disturbances, SpeedLimits):
+    for work in (Robustness, Disturbances, SpeedLimits, Motor, WholeLines):
         work(state)
     return state
 

@@ -91,11 +91,11 @@ def test_the_scenario_of_a_file_goes_with_the_link() -> None:
         ("?v=1&travel_time_s=" + "9" * 400, "must be a finite number."),
         ("?v=1&robustness.seed=1.5", "robustness.seed = 1.5 must be a whole number."),
         ("?v=1&over_time=maybe", "over_time = maybe must be true or false."),
-        ("?v=1&page=Nowhere", "page = Nowhere must be one of Drive,"),
+        ("?v=1&page=Nowhere", "page = Nowhere must be one of Start,"),
         ("?v=1&wings=2", "wings is not known."),
         ("?v=1&edits=~AAAA", "is damaged"),
         ("?v=1&edits=[1]", "edits = [1] must be a table."),
-        ("?v=1&disturbances.events=" + quote('[{"position_m":-5}]'), "has position_m = -5, which must be at least 1."),
+        ("?v=1&disturbances.events=" + quote('[{"position_m":-5}]'), "has position_m = -5, which must be at least 0."),
         ("?v=1&disturbances.events=" + quote(json.dumps([{}] * 501)), "must have at most 500 entries."),
     ],
 )

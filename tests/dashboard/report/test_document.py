@@ -1,6 +1,7 @@
 import json
 import re
 from datetime import UTC, datetime
+from html.parser import HTMLParser
 
 import pytest
 
@@ -42,6 +43,17 @@ def page(findings: Findings) -> str:
     return report_html(findings, MADE_AT)
 
 
+class Addresses(HTMLParser):
+    """Reads what a page may ask for."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.found: set[str | None] = set()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.found |= {value for name, value in attrs if name in {"src", "href"}}
+
+
 def without_scripts(page: str) -> str:
     """Return what a browser shows: the page without scripts and styles."""
     return re.sub(r"<(script|style)\b.*?</\1>", "", page, flags=re.DOTALL)
@@ -60,8 +72,9 @@ def test_no_text_of_a_user_becomes_markup(page: str) -> None:
 
 def test_it_is_one_file_that_asks_for_nothing(page: str) -> None:
     shown = without_scripts(page)
-    addresses = re.findall(r"""<[^<>]*\s(?:src|href)\s*=\s*["']?([^"'\s>]+)""", shown)
-    assert set(addresses) == {"data:,"}
+    reader = Addresses()
+    reader.feed(shown)
+    assert reader.found == {"data:,"}
     styles = "".join(re.findall(r"<style>(.*?)</style>", page, re.DOTALL))
     assert set(re.findall(r"url\((.{5})", styles)) == {"data:"}
     assert "@import" not in styles
