@@ -1,7 +1,7 @@
-"""`python -m railjoule.dashboard` runs the command `railjoule`."""
+"""`python -m railjoule.dashboard` runs the command `railjoule`, and serves the page where no command is named."""
 
 import sys
 
 from railjoule.dashboard.cli import main
 
-sys.exit(main())
+sys.exit(main(sys.argv[1:] or ["serve"]))

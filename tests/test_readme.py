@@ -17,6 +17,7 @@ from railjoule.core.compiled import njit
 from railjoule.core.drive.power_terms import PowerTerms
 from railjoule.core.scenario import STRATEGY_NAMES, load_scenario, preset_names, scenario_from_document
 from railjoule.core.strategies import STRATEGIES, prepare_task
+from railjoule.dashboard.models.workbench import PAGES
 
 ROOT = Path(__file__).parents[1]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -143,3 +144,14 @@ def test_presets_are_those_that_exist():
 def test_shipped_scenarios_are_those_that_exist():
     sentence = TEXT.partition("The shipped scenarios are ")[2].partition(". ")[0]
     assert re.findall(r"`([\w-]+)`", sentence) == list(preset_names("scenarios"))
+
+
+def test_pages_are_those_that_exist():
+    table = TEXT.partition("| page | what it shows |")[2].partition("\n\n")[0]
+    assert re.findall(r"^\| ([A-Z][\w -]*\w) \|", table, re.MULTILINE) == list(PAGES)
+
+
+def test_pictures_are_there():
+    named = re.findall(r"assets/pictures/[\w-]+\.png", TEXT)
+    assert named
+    assert all((ROOT / name).read_bytes().startswith(b"\x89PNG") for name in named)

@@ -8,4 +8,4 @@ from panel.custom import JSComponent
 class Saving(JSComponent):
     """Gives each figure its menu, and the buttons of tables and of the advice their work."""
 
-    _esm = (files("railjoule.assets") / "js" / "saving.js").read_text(encoding="utf-8")
+    _esm = (files("railjoule.assets") / "scripts" / "saving.js").read_text(encoding="utf-8")

@@ -9,7 +9,7 @@ from tests.browser.server import serving
 from tests.browser.user import User
 
 FOLDER = Path(__file__).parents[2] / "assets" / "pictures"
-PAGES = ("Drive", "Trade-off", "Speed limits", "Motor")
+PAGES = ("Drive", "Motor")
 SETTLE_MS = 6000
 WIDTH, HEIGHT = 1280, 860
 

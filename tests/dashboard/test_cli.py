@@ -1,5 +1,6 @@
 import json
 import os
+import runpy
 import subprocess
 import sys
 import types
@@ -12,7 +13,7 @@ from railjoule.core import load_scenario, solve
 from railjoule.core.validation import PAPERS
 from railjoule.core.validation import benchmark as core_benchmark
 from railjoule.core.validation.benchmark import Timing
-from railjoule.dashboard import commands
+from railjoule.dashboard import cli, commands
 from railjoule.dashboard.cli import BAD_INPUT, BROKEN_PIPE, INTERRUPTED, OK, main
 
 COMMAND = [sys.executable, "-m", "railjoule.dashboard"]
@@ -524,3 +525,13 @@ def test_a_report_that_cannot_be_written_or_read(capsys, tmp_path):
     assert not (tmp_path / "x.html").exists()
     (tmp_path / "other.html").write_text("<html></html>")
     assert "no report of railjoule" in complaint(capsys, "solve", str(tmp_path / "other.html"))
+
+
+@pytest.mark.parametrize(("words", "called"), [([], ["serve"]), (["validate", "ftorek"], ["validate", "ftorek"])])
+def test_the_module_without_a_command_serves(monkeypatch, words, called):
+    calls = []
+    monkeypatch.setattr(cli, "main", lambda arguments: calls.append(arguments) or 0)
+    monkeypatch.setattr(sys, "argv", ["railjoule", *words])
+    with pytest.raises(SystemExit):
+        runpy.run_module("railjoule.dashboard", run_name="__main__")
+    assert calls == [called]

@@ -1,0 +1,64 @@
+"""A run through the page with the keyboard alone: everything can be reached, and one sees where one is."""
+
+from playwright.sync_api import Browser, Page, expect
+
+from browser.server import Server
+from browser.user import PATIENCE_MS
+
+MOST_STEPS = 150
+FOCUS = """() => {
+  let element = document.activeElement;
+  while (element && element.shadowRoot && element.shadowRoot.activeElement) element = element.shadowRoot.activeElement;
+  if (!element || element === document.body) return null;
+  const box = element.getBoundingClientRect(), named = element.getAttribute("aria-labelledby");
+  const label = element.getRootNode().querySelector(`label[for="${CSS.escape(element.id)}"]`);
+  const name = element.getAttribute("aria-label") || (named && element.getRootNode().getElementById(named)?.innerText) ||
+    label?.innerText || element.innerText || element.title || element.closest("label")?.innerText || "";
+  return {name: name.trim(), role: element.getAttribute("role") || element.tagName, seen: box.width > 0 && box.height > 0};
+}"""
+
+
+def reach(page: Page, name: str) -> None:
+    """Go on with the tab key until something of this name has the focus; whatever has it on the way has a name."""
+    passed = []
+    for _ in range(MOST_STEPS):
+        page.keyboard.press("Tab")
+        focus = page.evaluate(FOCUS)
+        if focus is None:
+            continue
+        passed.append(f"{focus['role']} {focus['name']!r}")
+        assert focus["name"], passed
+        if focus["name"].startswith(name):
+            assert focus["seen"], focus
+            return
+    raise AssertionError(f"{name} was not reached: {passed}")
+
+
+def test_from_a_card_to_a_pinned_run_compared(server: Server, chromium: Browser) -> None:
+    context = chromium.new_context(viewport={"width": 1280, "height": 900})
+    page = context.new_page()
+    page.set_default_timeout(PATIENCE_MS)
+    try:
+        page.goto(server.url)
+        page.locator("html.rj-started").wait_for()
+        expect(page.get_by_role("button", name="Metro, profile II + I")).to_be_visible()
+        reach(page, "Metro, profile II + I")
+        page.keyboard.press("Enter")
+        energy = page.locator(".figure.main .value")
+        expect(energy).not_to_be_empty()
+        first = energy.inner_text()
+        reach(page, "Pin run")
+        page.keyboard.press("Enter")
+        reach(page, "Travel time, s")
+        for _ in range(5):
+            page.keyboard.press("ArrowRight")
+        expect(energy).not_to_have_text(first)
+        page.keyboard.press("Control+z")
+        expect(energy).to_have_text(first)
+        reach(page, "Drive")
+        page.keyboard.press("ArrowRight")
+        page.keyboard.press("Enter")
+        expect(page.get_by_role("heading", level=1, name="Compare")).to_be_visible()
+        expect(page.get_by_label("Name of pinned run 1")).to_be_visible()
+    finally:
+        context.close()
