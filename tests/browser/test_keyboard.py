@@ -10,11 +10,17 @@ FOCUS = """() => {
   let element = document.activeElement;
   while (element && element.shadowRoot && element.shadowRoot.activeElement) element = element.shadowRoot.activeElement;
   if (!element || element === document.body) return null;
-  const box = element.getBoundingClientRect(), named = element.getAttribute("aria-labelledby");
-  const label = element.getRootNode().querySelector(`label[for="${CSS.escape(element.id)}"]`);
-  const name = element.getAttribute("aria-label") || (named && element.getRootNode().getElementById(named)?.innerText) ||
-    label?.innerText || element.innerText || element.title || element.closest("label")?.innerText || "";
-  return {name: name.trim(), role: element.getAttribute("role") || element.tagName, seen: box.width > 0 && box.height > 0};
+  const box = element.getBoundingClientRect(), root = element.getRootNode();
+  const labels = [
+    element.getAttribute("aria-label"),
+    root.getElementById(element.getAttribute("aria-labelledby"))?.innerText,
+    root.querySelector(`label[for="${CSS.escape(element.id)}"]`)?.innerText,
+    element.innerText,
+    element.title,
+    element.closest("label")?.innerText,
+  ];
+  const name = (labels.find((label) => label) || "").trim();
+  return {name, role: element.getAttribute("role") || element.tagName, seen: box.width > 0 && box.height > 0};
 }"""
 
 
