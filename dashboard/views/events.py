@@ -42,10 +42,8 @@ class EventFields:
             pn.FlexBox(*adders, margin=(4, 8)),
             self.delay.view,
             html_pane('<hr class="rule">'),
-            visible=False,
         )
         self.model.param.watch(self._list_events, "events")
-        state.param.watch(self._show, "page")
         self._list_events()
 
     def _adder(self, kind: str) -> Any:
@@ -53,9 +51,6 @@ class EventFields:
             self.model.drop(kind, self.state.scenario.base.line.length_m / 2)
 
         return add
-
-    def _show(self, *_: Any) -> None:
-        self.view.visible = self.state.page == "Disturbances"
 
     def _list_events(self, *_: Any) -> None:
         self.list[:] = [self._rows(number, event) for number, event in enumerate(self.model.events, 1)]

@@ -51,16 +51,15 @@ class MotorFields:
             html_pane('<div class="section">Inverter <span>\u00b7 at most, each phase</span></div>'),
             *(field.view for field in self.limits),
             html_pane('<hr class="rule">'),
-            visible=False,
+            visible=not model.no_machine,
         )
         self.precompensator.param.watch(lambda event: setattr(model, "precompensator", event.new), "value")
         self.flux.param.watch(lambda event: setattr(model, "flux", event.new), "value")
         model.param.watch(self._follow, ["precompensator", "flux"])
         model.param.watch(self._show, "no_machine")
-        state.param.watch(self._show, "page")
 
     def _show(self, *_: Any) -> None:
-        self.view.visible = self.state.page == PAGE and not self.model.no_machine
+        self.view.visible = not self.model.no_machine
 
     def _follow(self, *_: Any) -> None:
         self.precompensator.value, self.flux.value = self.model.precompensator, self.model.flux

@@ -78,15 +78,10 @@ class RealityFields:
             pn.Row(self.run, self.stop, margin=0, sizing_mode="stretch_width"),
             self.progress,
             html_pane('<hr class="rule">'),
-            visible=False,
         )
         self.braking.param.watch(lambda event: setattr(model, "target_braking", event.new), "value")
         model.param.watch(lambda event: setattr(self.braking, "value", event.new), "target_braking")
         model.param.watch(self._show_progress, ["chance", "drawing"])
-        state.param.watch(self._show, "page")
-
-    def _show(self, *_: Any) -> None:
-        self.view.visible = self.state.page == "Robustness"
 
     def _show_progress(self, *_: Any) -> None:
         model = self.state.robustness

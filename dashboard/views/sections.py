@@ -46,15 +46,10 @@ class SectionFields:
             self.power.view,
             *(field.view for field in self.shares),
             html_pane('<hr class="rule">'),
-            visible=False,
         )
         model.param.watch(self._list_sections, "sections")
         model.param.watch(self._suggest, ["storage", "storage_size_kwh", "storage_power_kw"])
-        state.param.watch(self._show, "page")
         self._list_sections()
-
-    def _show(self, *_: Any) -> None:
-        self.view.visible = self.state.page == PAGE
 
     def _suggest(self, *_: Any) -> None:
         """Show the storage that holds as long as none is named."""

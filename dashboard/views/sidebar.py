@@ -1,11 +1,12 @@
 """The sidebar: the scenario's editor, and the strategies as key, switch and table of results in one."""
 
 import html
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
 
 import panel as pn
 import panel_material_ui as pmui
+from panel.viewable import Viewable
 
 from railjoule.core import RailjouleError, ScenarioError
 from railjoule.core.scenario import StrategyName, load_scenario, preset_names
@@ -93,11 +94,7 @@ class Sidebar:
         )
         self.shortest = html_pane()
         self.vehicle = html_pane()
-        self.enoc = EnocField(state)
-        self.reality = RealityFields(state)
-        self.events = EventFields(state)
-        self.sections = SectionFields(state)
-        self.motor = MotorFields(state)
+        own = [PageFields(state, page, make).view for page, make in OWN_FIELDS.items()]
         self.line = html_pane()
         self.strategies = StrategyList(state)
         self.changes = Changes(state)
@@ -111,11 +108,7 @@ class Sidebar:
             self.vehicle,
             self.load.view,
             self.recuperation.view,
-            self.enoc.view,
-            self.reality.view,
-            self.events.view,
-            self.sections.view,
-            self.motor.view,
+            *own,
             self.line,
             html_pane('<hr class="rule">'),
             self.strategies.view,
@@ -201,6 +194,28 @@ def decoded(content: bytes, name: str) -> str:
         raise ScenarioError(f"{name}: not a text in UTF-8.") from None
 
 
+class HasView(Protocol):
+    """Fields that are drawn."""
+
+    view: Viewable
+
+
+class PageFields:
+    """Fields that one page alone has; they are made when it is first in sight, as they cost every page that opens."""
+
+    def __init__(self, state: Workbench, page: str, make: Callable[[Workbench], HasView]) -> None:
+        self.state, self.page, self.make = state, page, make
+        self.view = pn.Column(margin=0, sizing_mode="stretch_width")
+        state.param.watch(self._show, "page")
+        self._show()
+
+    def _show(self, *_: Any) -> None:
+        here = self.state.page == self.page
+        if here and not self.view.objects:
+            self.view[:] = [self.make(self.state).view]
+        self.view.visible = here
+
+
 class EnocField:
     """ENOC's acceleration time: the best one, until another is set."""
 
@@ -220,22 +235,32 @@ class EnocField:
             sizing_mode="stretch_width",
             visible=False,
         )
-        state.param.watch(self._show, ["page", "trade_off", "runs", "ticked"])
+        state.param.watch(self._show, ["trade_off", "runs", "ticked"])
         state.scenario.param.watch(self._show, "acceleration_time_s")
+        self._show()
 
     def _use_best(self, *_: Any) -> None:
         self.state.scenario.acceleration_time_s = None
 
     def _show(self, *_: Any) -> None:
         trade_off, run = self.state.trade_off, self.state.run
-        plain = trade_off is not None and trade_off.coefficients is not None
-        self.view.visible = plain and self.state.page == "Trade-off"
+        self.view.visible = trade_off is not None and trade_off.coefficients is not None
         if trade_off is None or trade_off.coefficients is None or run is None:
             return
         best = best_acceleration_time(trade_off.coefficients, run.travel_time_s)
         self.best.visible = self.state.scenario.acceleration_time_s is not None
         self.best.label = f"Best for {words.number(run.travel_time_s)} s: {words.number(best)} s"
         self.field.suggest(best)
+
+
+OWN_FIELDS: Mapping[str, Callable[[Workbench], HasView]] = {
+    "Trade-off": EnocField,
+    "Robustness": RealityFields,
+    "Disturbances": EventFields,
+    "Speed limits": SectionFields,
+    "Motor": MotorFields,
+}
+"""Fields that one page alone has, by its name."""
 
 
 def line_rows(state: Workbench) -> str:

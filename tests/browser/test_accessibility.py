@@ -1,6 +1,7 @@
 """What axe-core finds on every page, in light and in dark: nothing serious but what is listed here, with its reason."""
 
 from collections.abc import Callable, Iterator
+from typing import Literal
 
 import pytest
 from playwright.sync_api import Browser, expect
@@ -8,7 +9,11 @@ from playwright.sync_api import Browser, expect
 from browser.findings import grave_findings
 from browser.server import Server
 from browser.user import User
+from railjoule.dashboard.look.tokens import THEMES
 from railjoule.dashboard.models.workbench import PAGES
+
+GROUNDS = {"light": "rgb(244, 246, 248)", "dark": "rgb(14, 18, 23)"}
+"""Of the page, as in look.md."""
 
 
 def open_ten_stations(user: User) -> None:
@@ -27,11 +32,19 @@ FILLED: dict[str, Callable[[User], None]] = {"Line": open_ten_stations, "Papers"
 """Pages that show little at first, and what fills them."""
 
 
-@pytest.fixture(scope="module", params=[False, True], ids=["light", "dark"])
-def reader(request: pytest.FixtureRequest, server: Server, chromium: Browser) -> Iterator[User]:
-    """A user whose system asks for light or for dark colours, and who turns all pages."""
-    with User.at(chromium, server.drive_url, dark=request.param) as user:
+@pytest.fixture(scope="module")
+def reader(server: Server, chromium: Browser) -> Iterator[User]:
+    """A user who turns all pages, and whose system changes its colours."""
+    with User.at(chromium, server.drive_url) as user:
         yield user
+
+
+def wish_for(user: User, colours: Literal["light", "dark"]) -> None:
+    """Let the system ask for light or for dark colours, and wait until the page has them."""
+    user.page.emulate_media(color_scheme=colours)
+    ground = "colour => getComputedStyle(document.body).backgroundColor === colour"
+    user.page.wait_for_function(ground, arg=GROUNDS[colours])
+    user.rest()
 
 
 @pytest.mark.parametrize("page", PAGES)
@@ -40,3 +53,17 @@ def test_nothing_grave_but_what_is_excused(reader: User, page: str) -> None:
     if page in FILLED:
         FILLED[page](reader)
     assert grave_findings(reader.page) == {}
+    wish_for(reader, "dark")
+    assert grave_findings(reader.page) == {}
+    wish_for(reader, "light")
+
+
+def test_colours_follow_the_system_until_they_are_chosen(reader: User) -> None:
+    reader.turn_to("Drive")
+    axis = "[...Bokeh.documents[0].all_models].find((m) => m.type === 'LinearAxis').major_label_text_color"
+    for colours in ("light", "dark"):
+        wish_for(reader, colours)
+        reader.page.wait_for_function(f"ink => {axis} === ink", arg=THEMES[colours]["ink3"])
+    reader.page.get_by_role("button", name="Toggle theme").click()
+    ground = "colour => getComputedStyle(document.body).backgroundColor === colour"
+    reader.page.wait_for_function(ground, arg=GROUNDS["light"])

@@ -7,7 +7,6 @@ from playwright.sync_api import Browser, BrowserContext, expect
 
 from browser.server import Server
 from browser.user import User
-from railjoule.dashboard.look.tokens import THEMES
 
 
 @pytest.fixture(scope="module")
@@ -161,16 +160,6 @@ def test_one_cursor_through_all_charts(user: User) -> None:
     user.push("Travel time, s", 20)
     assert captions[0].inner_text() != speed
     assert captions[1].inner_text() != energy
-
-
-@pytest.mark.parametrize(("dark", "colour"), [(False, "rgb(244, 246, 248)"), (True, "rgb(14, 18, 23)")])
-def test_colours_follow_the_system(server: Server, chromium: Browser, dark: bool, colour: str) -> None:
-    with User.at(chromium, server.drive_url, dark=dark) as user:
-        assert user.page.evaluate("getComputedStyle(document.body).backgroundColor") == colour
-        labels = "[...Bokeh.documents[0].all_models].find((m) => m.type === 'LinearAxis').major_label_text_color"
-        assert user.page.evaluate(labels) == THEMES["dark" if dark else "light"]["ink3"]
-        user.page.get_by_role("button", name="Toggle theme").click()
-        user.page.wait_for_function("colour => getComputedStyle(document.body).backgroundColor !== colour", arg=colour)
 
 
 def test_nothing_overflows_and_the_sidebar_makes_room(server: Server, chromium: Browser) -> None:

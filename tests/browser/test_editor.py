@@ -4,11 +4,10 @@ import re
 from collections.abc import Iterator
 
 import pytest
-from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, BrowserContext, Locator, expect
 
+from browser.findings import grave_findings
 from browser.server import Server
-from browser.test_accessibility import EXCUSED, GRAVE, STANDARDS
 from browser.user import User
 from railjoule.dashboard.look.tokens import THEMES
 
@@ -165,16 +164,6 @@ def test_the_profile_is_dragged(user: User) -> None:
     expect(user.figure_value("Energy at the line")).to_have_text(energy)
 
 
-def grave(reader: User) -> dict[str, list[str]]:
-    """Return what axe-core finds on the page, with its places."""
-    options = {"runOnly": {"type": "tag", "values": STANDARDS}, "resultTypes": ["violations"]}
-    return {
-        violation["id"]: [node["html"][:200] for node in violation["nodes"]]
-        for violation in Axe().run(reader.page, options=options).response["violations"]
-        if violation["impact"] in GRAVE and violation["id"] not in EXCUSED
-    }
-
-
 def test_nothing_grave_on_a_narrow_screen_in_light_and_dark(server: Server, chromium: Browser) -> None:
     with User.at(chromium, server.drive_url, width=390) as reader:
         reader.page.locator("header button").first.click()
@@ -188,10 +177,10 @@ def test_nothing_grave_on_a_narrow_screen_in_light_and_dark(server: Server, chro
         expect(field(reader, "Departure delay, s")).to_be_visible()
         enter(reader, "Traction efficiency", "2")
         expect(drawer(reader).get_by_role("alert")).to_be_visible()
-        assert grave(reader) == {}
+        assert grave_findings(reader.page) == {}
         reader.page.emulate_media(color_scheme="dark")
         expect(reader.page.locator("html")).to_have_class(re.compile("rj-dark"))
         sheet = ", ".join(str(part) for part in bytes.fromhex(THEMES["dark"]["surface"].removeprefix("#")))
         expect(reader.page.locator("main")).to_have_css("background-color", f"rgb({sheet})")
-        assert grave(reader) == {}
+        assert grave_findings(reader.page) == {}
         assert reader.page.evaluate("document.scrollingElement.scrollWidth") <= 390

@@ -1,9 +1,12 @@
 """Scenario files that a user opens, good ones and bad ones."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
-from playwright.sync_api import expect
+import pytest
+from playwright.sync_api import BrowserContext, expect
 
+from browser.server import Server
 from browser.user import User
 
 CANARY = "<img src=x onerror='window.pwned=true'>"
@@ -17,6 +20,13 @@ stations = [{ name = "Half way", position_m = 400, dwell_s = 20 }]
 [timetable]
 travel_time_s = 150
 """
+
+
+@pytest.fixture(scope="module")
+def user(server: Server, window: BrowserContext) -> Iterator[User]:
+    """One user for all tests of this file."""
+    with User.on(window, server.drive_url) as someone:
+        yield someone
 
 
 def bad(old: str, new: str) -> str:
@@ -47,6 +57,7 @@ BAD = {
 
 
 def test_a_bad_file_says_why_and_changes_nothing(user: User, tmp_path: Path) -> None:
+    user.begin_anew()
     for number, (text, sentence) in enumerate(BAD.items()):
         energy = user.number("Energy at the line")
         path = tmp_path / f"bad-{number}.toml"

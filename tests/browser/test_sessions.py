@@ -8,7 +8,7 @@ from playwright.sync_api import Browser
 from browser.server import Server, serving
 from browser.user import PATIENCE_MS, User
 
-PAGES = 10
+PAGES = 5
 MOVES = 10
 LARGEST_COST = 1.5
 """A slider move may cost the server at most this many times what it costs with one open page."""
@@ -31,7 +31,7 @@ def cost_of_a_move(server: Server, user: User) -> float:
     return (server.cpu_s() - before) / MOVES
 
 
-def test_ten_open_pages(chromium: Browser) -> None:
+def test_many_open_pages(chromium: Browser) -> None:
     with serving(str(Path(__file__).with_name("watched.py"))) as server:
         with User.at(chromium, server.drive_url) as mover:
             alone = cost_of_a_move(server, mover)

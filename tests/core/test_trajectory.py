@@ -28,7 +28,7 @@ ADDITIONS = {
     "a stop": {
         "vehicle.auxiliary_power_kw": 50.0,
         "line.stations": [{"position_m": 500.0, "dwell_s": 30.0}],
-        "timetable.travel_time_s": 400.0,
+        "timetable.average_speed_kmh": 20.0,
     },
 }
 
