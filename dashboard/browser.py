@@ -56,7 +56,13 @@ export function render({model}) {
       if (!element.isConnected) { seen.delete(element); observer.unobserve(element); }
     }
     for (const bar of deep("[role=progressbar]:not([aria-label])")) { bar.setAttribute("aria-label", "Progress"); }
-    for (const region of deep(".main-content:not([tabindex])")) { region.tabIndex = 0; }
+    for (const region of deep(".main-content:not([tabindex])")) {
+      region.tabIndex = 0;
+      region.setAttribute("role", "region");
+      region.setAttribute("aria-label", "Page in sight");
+    }
+    // keys do nothing in a figure, whose words stand on its frame
+    for (const layer of deep(".bk-events[tabindex='0']")) { layer.tabIndex = -1; }
     for (const heading of deep("h5")) {
       if (!heading.textContent.trim()) { heading.setAttribute("role", "presentation"); }
     }

@@ -1,19 +1,15 @@
 """What axe-core finds on every page, in light and in dark: nothing serious but what is listed here, with its reason."""
 
 from collections.abc import Callable, Iterator
-from typing import Literal
 
 import pytest
 from playwright.sync_api import Browser, expect
 
 from browser.findings import grave_findings
 from browser.server import Server
-from browser.user import User
+from browser.user import GROUND, GROUNDS, User
 from railjoule.dashboard.look.tokens import THEMES
 from railjoule.dashboard.models.workbench import PAGES
-
-GROUNDS = {"light": "rgb(244, 246, 248)", "dark": "rgb(14, 18, 23)"}
-"""Of the page, as in look.md."""
 
 
 def open_ten_stations(user: User) -> None:
@@ -39,31 +35,22 @@ def reader(server: Server, chromium: Browser) -> Iterator[User]:
         yield user
 
 
-def wish_for(user: User, colours: Literal["light", "dark"]) -> None:
-    """Let the system ask for light or for dark colours, and wait until the page has them."""
-    user.page.emulate_media(color_scheme=colours)
-    ground = "colour => getComputedStyle(document.body).backgroundColor === colour"
-    user.page.wait_for_function(ground, arg=GROUNDS[colours])
-    user.rest()
-
-
 @pytest.mark.parametrize("page", PAGES)
 def test_nothing_grave_but_what_is_excused(reader: User, page: str) -> None:
     reader.turn_to(page)
     if page in FILLED:
         FILLED[page](reader)
     assert grave_findings(reader.page) == {}
-    wish_for(reader, "dark")
+    reader.wish_for("dark")
     assert grave_findings(reader.page) == {}
-    wish_for(reader, "light")
+    reader.wish_for("light")
 
 
 def test_colours_follow_the_system_until_they_are_chosen(reader: User) -> None:
     reader.turn_to("Drive")
     axis = "[...Bokeh.documents[0].all_models].find((m) => m.type === 'LinearAxis').major_label_text_color"
     for colours in ("light", "dark"):
-        wish_for(reader, colours)
+        reader.wish_for(colours)
         reader.page.wait_for_function(f"ink => {axis} === ink", arg=THEMES[colours]["ink3"])
     reader.page.get_by_role("button", name="Toggle theme").click()
-    ground = "colour => getComputedStyle(document.body).backgroundColor === colour"
-    reader.page.wait_for_function(ground, arg=GROUNDS["light"])
+    reader.page.wait_for_function(GROUND, arg=GROUNDS["light"])

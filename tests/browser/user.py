@@ -14,6 +14,9 @@ PATIENCE_MS = 90_000
 REST_MS = 400
 FIRST_TITLE, FIRST_TICKED = "Metro, profile II + I", ("optimal", "fastest")
 """What a new page shows."""
+GROUNDS = {"light": "rgb(244, 246, 248)", "dark": "rgb(14, 18, 23)"}
+"""Of the page, as in look.md."""
+GROUND = "colour => getComputedStyle(document.body).backgroundColor === colour"
 HARMLESS = ("Upload error", "Cannot read properties of undefined (reading '_guiEditing')")
 """The browser refuses a file too large to send; plotly stumbles where its page is left while it draws."""
 
@@ -100,6 +103,16 @@ class User:
         field = self.page.get_by_label(f"{name}, as a number", exact=True)
         field.fill(text)
         field.press("Enter")
+        self.rest(1000)
+
+    def wish_for(self, colours: str) -> None:
+        """Let the system ask for light or for dark colours, and wait until the page has them."""
+        self.page.emulate_media(color_scheme=colours)
+        self.page.wait_for_function(GROUND, arg=GROUNDS[colours])
+        self.page.wait_for_function(
+            "dark => Bokeh.documents[0].roots()[0].data.dark_theme === dark", arg=colours == "dark"
+        )
+        # buttons change their colours slowly
         self.rest(1000)
 
     def picture(self, chart: str) -> bytes:
