@@ -1,27 +1,24 @@
 """Compare, as a user works with it."""
 
-from collections.abc import Iterator
-
 import pytest
-from playwright.sync_api import BrowserContext, expect
+from playwright.sync_api import expect
 
-from browser.server import Server
 from browser.user import User
 
 CANARY = '<img src=x onerror="window.canary=1">'
 
 
 @pytest.fixture(scope="module")
-def user(server: Server, window: BrowserContext) -> Iterator[User]:
+def user(desk: User) -> User:
     """One user, who has pinned two runs and stays on the page for all tests of this file."""
-    with User.on(window, server.drive_url) as someone:
-        someone.page.get_by_role("button", name="Pin run", exact=True).click()
-        someone.type("Load, % of capacity", "70")
-        expect(someone.page.get_by_role("button", name="Pin run", exact=True)).to_be_visible()
-        someone.page.get_by_role("button", name="Pin run", exact=True).click()
-        someone.type("Travel time, s", "180")
-        someone.turn_to("Compare")
-        yield someone
+    desk.begin_anew()
+    desk.page.get_by_role("button", name="Pin run", exact=True).click()
+    desk.type("Load, % of capacity", "70")
+    expect(desk.page.get_by_role("button", name="Pin run", exact=True)).to_be_visible()
+    desk.page.get_by_role("button", name="Pin run", exact=True).click()
+    desk.type("Travel time, s", "180")
+    desk.turn_to("Compare")
+    return desk
 
 
 def row(user: User, name: str) -> list[str]:

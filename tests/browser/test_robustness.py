@@ -1,22 +1,19 @@
 """Robustness, as a user works with it."""
 
-from collections.abc import Iterator
-
 import pytest
-from playwright.sync_api import BrowserContext, expect
+from playwright.sync_api import expect
 
-from browser.server import Server
 from browser.user import User
 
 WORKED_MS = 60_000
 
 
 @pytest.fixture(scope="module")
-def user(server: Server, window: BrowserContext) -> Iterator[User]:
+def user(desk: User) -> User:
     """One user, who stays on the page for all tests of this file."""
-    with User.on(window, server.drive_url) as someone:
-        someone.turn_to("Robustness")
-        yield someone
+    desk.begin_anew()
+    desk.turn_to("Robustness")
+    return desk
 
 
 def test_a_press_on_a_cell_shows_its_run(user: User) -> None:

@@ -1,20 +1,17 @@
 """Trade-off, as a user works with it."""
 
-from collections.abc import Iterator
-
 import pytest
-from playwright.sync_api import BrowserContext, expect
+from playwright.sync_api import expect
 
-from browser.server import Server
 from browser.user import User
 
 
 @pytest.fixture(scope="module")
-def user(server: Server, window: BrowserContext) -> Iterator[User]:
+def user(desk: User) -> User:
     """One user, who stays on the page for all tests of this file."""
-    with User.on(window, server.drive_url) as someone:
-        someone.turn_to("Trade-off")
-        yield someone
+    desk.begin_anew()
+    desk.turn_to("Trade-off")
+    return desk
 
 
 def test_frontier_surface_and_contours(user: User) -> None:
