@@ -84,7 +84,10 @@ export function render({model, view}) {
     }
   };
   const open = () => {
-    if (/^#v=/.test(location.hash)) { model.send_msg({kind: "open", text: location.hash}); }
+    if (!/^#v=/.test(location.hash)) { return; }
+    model.send_msg({kind: "open", text: location.hash});
+    // the state may be there already: then nothing else would take the fragment away
+    show();
   };
   model.on("started", () => { if (/^#v=/.test(location.hash)) { open(); } else { show(); } });
   model.on("address", show);

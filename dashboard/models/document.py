@@ -8,6 +8,7 @@ from typing import Any
 
 from railjoule.core import RailjouleError
 from railjoule.dashboard.models.kept import Kept
+from railjoule.dashboard.models.scenario import FIRST_SCENARIO
 from railjoule.dashboard.models.workbench import Workbench
 
 Document = dict[str, Any]
@@ -99,8 +100,8 @@ def _lay_base(state: Workbench, document: Mapping[str, Any]) -> None:
     if toml:
         if toml != scenario.toml:
             scenario.open(toml, "the scenario of the link")
-    elif scenario.opened is not None or document.get("preset", scenario.preset) != scenario.preset:
-        scenario.choose(document.get("preset", scenario.preset))
+    elif scenario.opened is not None or document.get("preset", FIRST_SCENARIO) != scenario.preset:
+        scenario.choose(document.get("preset", FIRST_SCENARIO))
 
 
 def _lay_model(model: Kept, values: Mapping[str, Any], prefix: str) -> list[str]:

@@ -91,3 +91,10 @@ def test_a_broken_scenario_leaves_the_shipped_one(state: Workbench) -> None:
     assert refusal.startswith("the scenario of the link: ")
     assert state.scenario.scenario() == Workbench().scenario.scenario()
     assert state.chosen == "fastest"
+
+
+def test_a_document_without_a_scenario_has_that_of_a_new_page(state: Workbench) -> None:
+    state.scenario.choose("liashenko-i")
+    lay(state, {"load_percent": 30.0})
+    assert state.scenario.preset == Workbench().scenario.preset
+    assert state.scenario.load_percent == 30.0
