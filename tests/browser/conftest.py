@@ -38,13 +38,6 @@ def window(chromium: Browser) -> Iterator[BrowserContext]:
     context.close()
 
 
-@pytest.fixture(scope="package")
-def desk(server: Server, window: BrowserContext) -> Iterator[User]:
-    """A user whose page stays open for several files, each of which begins anew."""
-    with User.on(window, server.drive_url) as someone:
-        yield someone
-
-
 @pytest.fixture
 def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """A user at a new page of the desktop window."""

@@ -29,28 +29,32 @@ FILLED: dict[str, Callable[[User], None]] = {"Line": open_ten_stations, "Papers"
 
 
 @pytest.fixture(scope="module")
-def reader(server: Server, chromium: Browser) -> Iterator[User]:
-    """A user who turns all pages, and whose system changes its colours."""
+def visitor(server: Server, chromium: Browser) -> Iterator[User]:
+    """A user who turns all pages."""
     with User.at(chromium, server.drive_url) as user:
         yield user
 
 
+@pytest.fixture(scope="module", params=["light", "dark"])
+def colours(request: pytest.FixtureRequest, visitor: User) -> str:
+    """What the system asks for, first light for all pages and then dark."""
+    visitor.wish_for(request.param)
+    return str(request.param)
+
+
 @pytest.mark.parametrize("page", PAGES)
-def test_nothing_grave_but_what_is_excused(reader: User, page: str) -> None:
-    reader.turn_to(page)
-    if page in FILLED:
-        FILLED[page](reader)
-    assert grave_findings(reader.page) == {}
-    reader.wish_for("dark")
-    assert grave_findings(reader.page) == {}
-    reader.wish_for("light")
+def test_nothing_grave_but_what_is_excused(visitor: User, colours: str, page: str) -> None:
+    visitor.turn_to(page)
+    if page in FILLED and colours == "light":
+        FILLED[page](visitor)
+    assert grave_findings(visitor.page) == {}
 
 
-def test_colours_follow_the_system_until_they_are_chosen(reader: User) -> None:
-    reader.turn_to("Drive")
+def test_colours_follow_the_system_until_they_are_chosen(visitor: User) -> None:
+    visitor.turn_to("Drive")
     axis = "[...Bokeh.documents[0].all_models].find((m) => m.type === 'LinearAxis').major_label_text_color"
     for colours in ("light", "dark"):
-        reader.wish_for(colours)
-        reader.page.wait_for_function(f"ink => {axis} === ink", arg=THEMES[colours]["ink3"])
-    reader.page.get_by_role("button", name="Toggle theme").click()
-    reader.page.wait_for_function(GROUND, arg=GROUNDS["light"])
+        visitor.wish_for(colours)
+        visitor.page.wait_for_function(f"ink => {axis} === ink", arg=THEMES[colours]["ink3"])
+    visitor.page.get_by_role("button", name="Toggle theme").click()
+    visitor.page.wait_for_function(GROUND, arg=GROUNDS["light"])

@@ -1,24 +1,27 @@
 """Compare, as a user works with it."""
 
-import pytest
-from playwright.sync_api import expect
+from collections.abc import Iterator
 
+import pytest
+from playwright.sync_api import BrowserContext, expect
+
+from browser.server import Server
 from browser.user import User
 
 CANARY = '<img src=x onerror="window.canary=1">'
 
 
 @pytest.fixture(scope="module")
-def user(desk: User) -> User:
+def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who has pinned two runs and stays on the page for all tests of this file."""
-    desk.begin_anew()
-    desk.page.get_by_role("button", name="Pin run", exact=True).click()
-    desk.type("Load, % of capacity", "70")
-    expect(desk.page.get_by_role("button", name="Pin run", exact=True)).to_be_visible()
-    desk.page.get_by_role("button", name="Pin run", exact=True).click()
-    desk.type("Travel time, s", "180")
-    desk.turn_to("Compare")
-    return desk
+    with User.on(window, server.drive_url) as someone:
+        someone.page.get_by_role("button", name="Pin run", exact=True).click()
+        someone.type("Load, % of capacity", "70")
+        expect(someone.page.get_by_role("button", name="Pin run", exact=True)).to_be_visible()
+        someone.page.get_by_role("button", name="Pin run", exact=True).click()
+        someone.type("Travel time, s", "180")
+        someone.turn_to("Compare")
+        yield someone
 
 
 def row(user: User, name: str) -> list[str]:

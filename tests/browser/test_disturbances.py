@@ -1,17 +1,20 @@
 """Disturbances, as a user works with it."""
 
-import pytest
-from playwright.sync_api import expect
+from collections.abc import Iterator
 
+import pytest
+from playwright.sync_api import BrowserContext, expect
+
+from browser.server import Server
 from browser.user import User
 
 
 @pytest.fixture(scope="module")
-def user(desk: User) -> User:
+def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who stays on the page for all tests of this file."""
-    desk.begin_anew()
-    desk.turn_to("Disturbances")
-    return desk
+    with User.on(window, server.drive_url) as someone:
+        someone.turn_to("Disturbances")
+        yield someone
 
 
 def test_the_paper_s_ride(user: User) -> None:

@@ -1,7 +1,9 @@
 """The scenario's editor, as a user works with it."""
 
+from collections.abc import Iterator
+
 import pytest
-from playwright.sync_api import Browser, Locator, expect
+from playwright.sync_api import Browser, BrowserContext, Locator, expect
 
 from browser.findings import grave_findings
 from browser.server import Server
@@ -13,10 +15,10 @@ LEFT_PX, RIGHT_PX, ABOVE_PX, BELOW_PX = 50.0, 14.0, 2.0, 7.0
 
 
 @pytest.fixture(scope="module")
-def user(desk: User) -> User:
-    """One user for all tests of this file."""
-    desk.begin_anew()
-    return desk
+def user(server: Server, window: BrowserContext) -> Iterator[User]:
+    """One user, who stays on the page for all tests of this file."""
+    with User.on(window, server.drive_url) as someone:
+        yield someone
 
 
 def drawer(user: User) -> Locator:

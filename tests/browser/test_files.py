@@ -1,10 +1,12 @@
 """Scenario files that a user opens, good ones and bad ones."""
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import BrowserContext, expect
 
+from browser.server import Server
 from browser.user import User
 
 CANARY = "<img src=x onerror='window.pwned=true'>"
@@ -21,10 +23,10 @@ travel_time_s = 150
 
 
 @pytest.fixture(scope="module")
-def user(desk: User) -> User:
+def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user for all tests of this file."""
-    desk.begin_anew()
-    return desk
+    with User.on(window, server.drive_url) as someone:
+        yield someone
 
 
 def bad(old: str, new: str) -> str:

@@ -1,23 +1,26 @@
 """Motor, as a user works with it."""
 
+from collections.abc import Iterator
+
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import BrowserContext, expect
 
 from browser.findings import grave_findings
+from browser.server import Server
 from browser.user import User
 
 CHARTS = ("loop_speed", "tracking", "loop_currents", "loop_place", "rival_speed", "machine_map", "ripple")
 
 
 @pytest.fixture(scope="module")
-def user(desk: User) -> User:
+def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who stays on the page for all tests of this file."""
-    desk.begin_anew()
-    desk.turn_to("Motor")
-    expect(desk.page.get_by_text("has no induction machine")).to_be_visible()
-    desk.page.get_by_role("button", name="Open Suburban, flat 5 km").click()
-    expect(desk.figure_value("Tracking error")).not_to_be_empty()
-    return desk
+    with User.on(window, server.drive_url) as someone:
+        someone.turn_to("Motor")
+        expect(someone.page.get_by_text("has no induction machine")).to_be_visible()
+        someone.page.get_by_role("button", name="Open Suburban, flat 5 km").click()
+        expect(someone.figure_value("Tracking error")).not_to_be_empty()
+        yield someone
 
 
 def test_figures_are_drawn(user: User) -> None:

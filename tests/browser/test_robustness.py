@@ -1,19 +1,22 @@
 """Robustness, as a user works with it."""
 
-import pytest
-from playwright.sync_api import expect
+from collections.abc import Iterator
 
+import pytest
+from playwright.sync_api import BrowserContext, expect
+
+from browser.server import Server
 from browser.user import User
 
 WORKED_MS = 60_000
 
 
 @pytest.fixture(scope="module")
-def user(desk: User) -> User:
+def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who stays on the page for all tests of this file."""
-    desk.begin_anew()
-    desk.turn_to("Robustness")
-    return desk
+    with User.on(window, server.drive_url) as someone:
+        someone.turn_to("Robustness")
+        yield someone
 
 
 def test_a_press_on_a_cell_shows_its_run(user: User) -> None:

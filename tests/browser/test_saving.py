@@ -2,12 +2,14 @@
 
 import csv
 import io
+from collections.abc import Iterator
 from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import BrowserContext, expect
 
+from browser.server import Server
 from browser.user import User
 
 PNG = b"\x89PNG\r\n\x1a\n"
@@ -15,10 +17,10 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 
 @pytest.fixture(scope="module")
-def user(desk: User) -> User:
-    """One user for all tests of this file."""
-    desk.begin_anew()
-    return desk
+def user(server: Server, window: BrowserContext) -> Iterator[User]:
+    """One user, who stays on Drive for all tests of this file."""
+    with User.on(window, server.drive_url) as someone:
+        yield someone
 
 
 def rows_of(content: bytes) -> list[list[str]]:

@@ -8,8 +8,8 @@ from playwright.sync_api import Browser
 from browser.server import Server, serving
 from browser.user import PATIENCE_MS, User
 
-PAGES = 5
-MOVES = 10
+PAGES = 4
+MOVES = 6
 LARGEST_COST = 1.5
 """A slider move may cost the server at most this many times what it costs with one open page."""
 MOST_PAGES_LEFT = 3

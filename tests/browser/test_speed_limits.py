@@ -1,8 +1,11 @@
 """Speed limits, as a user works with it."""
 
-import pytest
-from playwright.sync_api import expect
+from collections.abc import Iterator
 
+import pytest
+from playwright.sync_api import BrowserContext, expect
+
+from browser.server import Server
 from browser.user import User
 
 LENGTH_M, TOP_KMH = 2400.0, 80.0 * 1.09
@@ -13,13 +16,13 @@ LIMIT = "Section 1: limit, km/h"
 
 
 @pytest.fixture(scope="module")
-def user(desk: User) -> User:
+def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who stays on the page for all tests of this file."""
-    desk.begin_anew()
-    desk.turn_to("Speed limits")
-    desk.choose("Metro, speed limits, 40 km/h")
-    expect(desk.page.get_by_label(f"{LIMIT}, as a number")).to_have_value("44.7")
-    return desk
+    with User.on(window, server.drive_url) as someone:
+        someone.turn_to("Speed limits")
+        someone.choose("Metro, speed limits, 40 km/h")
+        expect(someone.page.get_by_label(f"{LIMIT}, as a number")).to_have_value("44.7")
+        yield someone
 
 
 def drag(user: User, start: tuple[float, float], end: tuple[float, float]) -> None:

@@ -7,6 +7,9 @@ from urllib.parse import urlsplit
 
 from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect
 
+from railjoule.core.strategies import STRATEGIES
+from railjoule.dashboard.look.words import STRATEGY_WORDS
+
 PATIENCE_MS = 90_000
 REST_MS = 400
 FIRST_TITLE, FIRST_TICKED = "Metro, profile II + I", ("optimal", "fastest")
@@ -14,19 +17,6 @@ FIRST_TITLE, FIRST_TICKED = "Metro, profile II + I", ("optimal", "fastest")
 GROUNDS = {"light": "rgb(244, 246, 248)", "dark": "rgb(14, 18, 23)"}
 """Of the page, as in look.md."""
 GROUND = "colour => getComputedStyle(document.body).backgroundColor === colour"
-COLOURS_REST = """() => {
-  const before = window.colours, found = [];
-  const walk = (root) => {
-    for (const element of root.querySelectorAll("*")) {
-      if (element.tagName === "BUTTON") found.push(getComputedStyle(element).color);
-      if (element.shadowRoot) walk(element.shadowRoot);
-    }
-  };
-  walk(document);
-  window.colours = found.join();
-  return window.colours === before;
-}"""
-"""Whether the buttons have the colours that they had when this was asked before."""
 HARMLESS = ("Upload error", "Cannot read properties of undefined (reading '_guiEditing')")
 """The browser refuses a file too large to send; plotly stumbles where its page is left while it draws."""
 
@@ -122,8 +112,8 @@ class User:
         self.page.wait_for_function(
             "dark => Bokeh.documents[0].roots()[0].data.dark_theme === dark", arg=colours == "dark"
         )
-        # buttons change their colours slowly
-        self.page.wait_for_function(COLOURS_REST, polling=400)
+        # buttons change their colours slowly, and no sign tells when they have
+        self.rest(4000)
 
     def picture(self, chart: str) -> bytes:
         """Return what a chart looks like."""
@@ -138,11 +128,30 @@ class User:
 
     def begin_anew(self) -> None:
         """Go back to what a new page of Drive shows, without the seconds that opening it takes."""
-        self.page.evaluate(f"location.hash = '#{urlsplit(self.url).query}'")
-        expect(self.page).to_have_url(self.url)
-        expect(self.page.get_by_role("heading", name=FIRST_TITLE, level=1, exact=True)).to_be_visible()
+        back = self.page.get_by_role("button", name="Back to the preset")
+        self.let_go_of_pins()
+        self.page.get_by_role("button", name="Distance", exact=True).click()
+        for name in STRATEGIES:
+            box = self.page.get_by_label(f"Draw {STRATEGY_WORDS[name]}", exact=True)
+            box.set_checked(name in FIRST_TICKED)
+        self.page.get_by_role("button", name="Optimal", exact=True).click()
+        if not self.page.get_by_role("heading", name=FIRST_TITLE, level=1, exact=True).is_visible():
+            self.choose(FIRST_TITLE)
+        elif back.is_visible():
+            back.click()
         self.page.mouse.move(5, 5)
         self.rest(800)
+
+    def let_go_of_pins(self) -> None:
+        """Unpin all runs, on the page where each of them has its button."""
+        if not self.page.get_by_text("Pinned: ").first.is_visible():
+            return
+        self.turn_to("Compare")
+        unpin = self.page.get_by_role("button", name="Unpin run").first
+        while unpin.is_visible():
+            unpin.click()
+            self.rest()
+        self.turn_to("Drive")
 
     def turn_to(self, page: str) -> None:
         """Turn to another page."""
