@@ -28,33 +28,31 @@ FILLED: dict[str, Callable[[User], None]] = {"Line": open_ten_stations, "Papers"
 """Pages that show little at first, and what fills them."""
 
 
-@pytest.fixture(scope="module")
-def visitor(server: Server, chromium: Browser) -> Iterator[User]:
-    """A user who turns all pages."""
-    with User.at(chromium, server.drive_url) as user:
-        yield user
-
-
 @pytest.fixture(scope="module", params=["light", "dark"])
-def colours(request: pytest.FixtureRequest, visitor: User) -> str:
-    """What the system asks for, first light for all pages and then dark."""
-    visitor.wish_for(request.param)
+def colours(request: pytest.FixtureRequest) -> str:
+    """What the system asks for."""
     return str(request.param)
 
 
+@pytest.fixture(scope="module")
+def reader(colours: str, server: Server, chromium: Browser) -> Iterator[User]:
+    """A user who turns all pages."""
+    with User.at(chromium, server.drive_url, dark=colours == "dark") as user:
+        yield user
+
+
 @pytest.mark.parametrize("page", PAGES)
-def test_nothing_grave_but_what_is_excused(visitor: User, colours: str, page: str) -> None:
-    visitor.turn_to(page)
-    if page in FILLED and colours == "light":
-        FILLED[page](visitor)
-    assert grave_findings(visitor.page) == {}
+def test_nothing_grave_but_what_is_excused(reader: User, page: str) -> None:
+    reader.turn_to(page)
+    if page in FILLED:
+        FILLED[page](reader)
+    assert grave_findings(reader.page) == {}
 
 
-def test_colours_follow_the_system_until_they_are_chosen(visitor: User) -> None:
-    visitor.turn_to("Drive")
+def test_colours_follow_the_system_until_they_are_chosen(reader: User, colours: str) -> None:
+    reader.turn_to("Drive")
+    assert reader.page.evaluate(GROUND, GROUNDS[colours])
     axis = "[...Bokeh.documents[0].all_models].find((m) => m.type === 'LinearAxis').major_label_text_color"
-    for colours in ("light", "dark"):
-        visitor.wish_for(colours)
-        visitor.page.wait_for_function(f"ink => {axis} === ink", arg=THEMES[colours]["ink3"])
-    visitor.page.get_by_role("button", name="Toggle theme").click()
-    visitor.page.wait_for_function(GROUND, arg=GROUNDS["light"])
+    assert reader.page.evaluate(axis) == THEMES[colours]["ink3"]
+    reader.page.get_by_role("button", name="Toggle theme").click()
+    reader.page.wait_for_function(GROUND, arg=GROUNDS["dark" if colours == "light" else "light"])
