@@ -127,7 +127,6 @@ class Session:
             self.runs.do(self._wish())
         self.reporting = Reporting(self.state)
         self.shell.add(*ReportButton(self.reporting.model, self.browser).parts)
-        pn.state.on_session_destroyed(lambda _: self.reporting.end())
         pn.state.onload(self._load)
 
     def _end(self) -> None:
@@ -138,6 +137,7 @@ class Session:
         self.motor.end()
         self.start.end()
         self.papers.end()
+        self.reporting.end()
 
     def _make(self, view: type[View]) -> Callable[[], pn.viewable.Viewable]:
         def make() -> pn.viewable.Viewable:

@@ -8,7 +8,7 @@ import panel_material_ui as pmui
 from railjoule.dashboard.look import words
 from railjoule.dashboard.models.robustness import FULL_RUNS
 from railjoule.dashboard.models.workbench import Workbench
-from railjoule.dashboard.views.fields import NumberField, TypedNumber
+from railjoule.dashboard.views.fields import NumberField, TypedNumber, tie
 from railjoule.dashboard.views.parts import html_pane, stack
 
 
@@ -79,8 +79,7 @@ class RealityFields:
             self.progress,
             html_pane('<hr class="rule">'),
         )
-        self.braking.param.watch(lambda event: setattr(model, "target_braking", event.new), "value")
-        model.param.watch(lambda event: setattr(self.braking, "value", event.new), "target_braking")
+        tie(self.braking, model, "target_braking")
         model.param.watch(self._show_progress, ["chance", "drawing"])
 
     def _show_progress(self, *_: Any) -> None:
