@@ -200,10 +200,6 @@ class HasView(Protocol):
     view: Viewable
 
 
-FILLED_AT_ONCE = ("Speed limits",)
-"""Pages whose work fills their fields so soon after it begins that a browser that still makes them may miss it."""
-
-
 class PageFields:
     """Fields that one page alone has; they are made when it is first in sight, as they cost every page that opens."""
 
@@ -215,7 +211,7 @@ class PageFields:
 
     def _show(self, *_: Any) -> None:
         here = self.state.page == self.page
-        if (here or self.page in FILLED_AT_ONCE) and not self.view.objects:
+        if here and not self.view.objects:
             self.view[:] = [self.make(self.state).view]
         self.view.visible = here
 
