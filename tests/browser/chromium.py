@@ -9,6 +9,7 @@ ARGUMENTS = [
     "--disable-component-update",
     "--disable-sync",
     "--no-first-run",
+    "--process-per-site",
     "--use-gl=swiftshader",
     "--enable-unsafe-swiftshader",
 ]

@@ -31,9 +31,11 @@ def chromium() -> Iterator[Browser]:
 
 
 @pytest.fixture(scope="package")
-def window(chromium: Browser) -> Iterator[BrowserContext]:
-    """A desktop window with light colours, whose cache serves all its pages."""
+def window(chromium: Browser, server: Server) -> Iterator[BrowserContext]:
+    """A desktop window with light colours; what its first page has loaded and compiled serves all that follow."""
     context = chromium.new_context(viewport={"width": 1280, "height": 900}, color_scheme="light")
+    # their process lives as long as one of them is open
+    context.new_page().goto(f"{server.url}health")
     yield context
     context.close()
 

@@ -30,6 +30,6 @@ if __name__ == "__main__":
         show=False,
         websocket_origin=[f"127.0.0.1:{port}"],
         extra_patterns=[*EXTRA_PATTERNS, ("/pages", PagesHandler)],
-        check_unused_sessions=SOON_MS,
-        unused_session_lifetime=SOON_MS,
+        check_unused_sessions_milliseconds=SOON_MS,
+        unused_session_lifetime_milliseconds=SOON_MS,
     )
