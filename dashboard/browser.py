@@ -23,27 +23,10 @@ const deep = (selector) => {
 const chart_of = (element) => [...element.classList].find((name) => name.startsWith("rj-chart-"))?.slice(9);
 """
 """Finds elements in all shadow roots, and the name of a chart."""
-LISTEN_JS = """
-const listen = () => {
-  const {prototype} = Bokeh.Models.get("panel.models.esm.ReactComponent");
-  if (prototype.rj_listens) return;
-  const watch = prototype.watch;
-  prototype.watch = function (view, property, follow, from_state = false) {
-    watch.call(this, view, property, follow, from_state);
-    if (from_state) follow();
-  };
-  prototype.rj_listens = true;
-};
-"""
-"""Cures a loss in Panel's components made with React: they read a value when they are drawn and begin to listen a
-moment later, so a change between the two never came into sight. Who begins to listen is now told the value once more.
-"""
 ESM = (
     DEEP_JS
-    + LISTEN_JS
     + """
 export function render({model}) {
-  listen();
   const dark = window.matchMedia("(prefers-color-scheme: dark)");
   const theme = () => document.documentElement.classList.toggle("rj-dark", model.dark);
   model.on("dark", theme);
@@ -80,6 +63,8 @@ export function render({model}) {
     }
     // keys do nothing in a figure, whose words stand on its frame
     for (const layer of deep(".bk-events[tabindex='0']")) { layer.tabIndex = -1; }
+    // a download leaves the link behind that began it, without a name
+    for (const link of deep("a[download]:empty")) { link.hidden = true; }
     for (const heading of deep("h5")) {
       if (!heading.textContent.trim()) { heading.setAttribute("role", "presentation"); }
     }

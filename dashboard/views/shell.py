@@ -1,6 +1,7 @@
 """The shell of all pages: app bar, sidebar, the page in sight."""
 
 from collections.abc import Callable
+from importlib.resources import files
 from typing import Any
 
 import panel as pn
@@ -27,6 +28,12 @@ BRAND = (
     '<path d="M1 20.5H21" stroke="var(--rj-line2)" stroke-width="1.4"/></svg>'
     "railjoule</div>"
 )
+TEMPLATE = (
+    "{% extends 'base.html' %}{% block postamble %}{{ super() }}<script>"
+    + (files("railjoule.assets") / "scripts" / "follow.js").read_text(encoding="utf-8")
+    + "</script>{% endblock %}"
+)
+"""Of the page around Panel's components, with a cure of theirs."""
 OWN_COLOURS = ["Axis", "Title", "Grid", "Figure", "Plot", "Legend", "ColorBar", "BaseColorBar"]
 """Kinds of Bokeh models that the page of panel-material-ui shall not dress."""
 
@@ -138,6 +145,7 @@ class Shell:
             dark_theme=self.state.dark,
             theme_config=material_theme(),
             raw_css=[document_css()],
+            template=TEMPLATE,
             busy_indicator=None,
             sx={
                 ".MuiAppBar-root": {

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import BrowserContext, expect
 
+from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User
 
@@ -94,3 +95,7 @@ def test_a_seventh_run_is_refused_in_one_sentence(user: User) -> None:
     unpin.click()
     expect(unpin).to_be_hidden()
     assert user.alerts() == []
+
+
+def test_nothing_grave(user: User) -> None:
+    assert_nothing_grave(user)

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import BrowserContext, expect
 
+from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User
 
@@ -56,3 +57,7 @@ def test_an_event_that_cannot_be_is_told(user: User) -> None:
     assert "must lie before the end of the line" in alert
     user.type("1 Stop: at, m", "400")
     assert user.alerts() == []
+
+
+def test_nothing_grave(user: User) -> None:
+    assert_nothing_grave(user)

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, BrowserContext, expect
 
+from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User
 
@@ -23,6 +24,8 @@ def user(opened: User) -> User:
     return opened
 
 
+SLOWER = 5
+"""A processor this many times slower."""
 SLIDERS = ("Travel time, s", "Load, % of capacity", "Recuperation, %")
 
 
@@ -160,6 +163,22 @@ def test_one_cursor_through_all_charts(user: User) -> None:
     user.push("Travel time, s", 20)
     assert captions[0].inner_text() != speed
     assert captions[1].inner_text() != energy
+
+
+def test_on_a_slow_machine_slider_number_and_run_stay_together(user: User) -> None:
+    """Changes come faster than the page draws them, and it must not send old ones back."""
+    machine = user.page.context.new_cdp_session(user.page)
+    machine.send("Emulation.setCPUThrottlingRate", {"rate": SLOWER})
+    for steps in (20, -12):
+        user.push("Travel time, s", steps)
+    machine.send("Emulation.setCPUThrottlingRate", {"rate": 1})
+    expect(user.figure_value("Travel time")).to_have_text("174.0s")
+    expect(user.page.get_by_label("Travel time, s, as a number", exact=True)).to_have_value("174.0")
+    expect(user.slider("Travel time, s")).to_have_attribute("value", "174")
+
+
+def test_nothing_grave(user: User) -> None:
+    assert_nothing_grave(user)
 
 
 def test_nothing_overflows_and_the_sidebar_makes_room(server: Server, chromium: Browser) -> None:

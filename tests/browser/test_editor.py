@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Locator, expect
 
-from browser.findings import grave_findings
+from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User
 
@@ -175,7 +175,5 @@ def test_nothing_grave_on_a_narrow_screen_in_light_and_dark(server: Server, chro
         expect(field(reader, "Departure delay, s")).to_be_visible()
         enter(reader, "Traction efficiency", "2")
         expect(drawer(reader).get_by_role("alert")).to_be_visible()
-        assert grave_findings(reader.page) == {}
-        reader.wish_for("dark")
-        assert grave_findings(reader.page, colours_alone=True) == {}
+        assert_nothing_grave(reader)
         assert reader.page.evaluate("document.scrollingElement.scrollWidth") <= 390

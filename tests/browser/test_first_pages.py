@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import Browser, BrowserContext, expect
 
+from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User
 
@@ -23,10 +24,11 @@ def chart_is_drawn(user: User, name: str) -> None:
 
 
 def test_a_session_without_an_address_begins_with_start(server: Server, chromium: Browser) -> None:
-    page = chromium.new_page()
+    page = chromium.new_page(color_scheme="light")
     page.goto(server.url)
     expect(page.get_by_role("heading", name="railjoule finds the run", level=1)).to_be_visible()
     expect(page.get_by_role("img", name="Speed over distance of the optimum of Metro, profile II + I")).to_be_visible()
+    assert_nothing_grave(User(page, server.url))
     page.get_by_role("button", name="Tram, flat 950 m", exact=True).click()
     expect(page.get_by_role("heading", name="Tram, flat 950 m", level=1)).to_be_visible()
     expect(page.get_by_role("tab", name="Drive")).to_have_attribute("aria-selected", "true")
@@ -56,6 +58,7 @@ def test_a_line_shares_its_time(user: User) -> None:
     with user.page.expect_download() as download:
         user.page.get_by_text("Legs as CSV").click()
     assert download.value.suggested_filename == "legs.csv"
+    assert_nothing_grave(user)
 
 
 def test_a_lesson_answers_its_question(user: User) -> None:
@@ -73,6 +76,7 @@ def test_a_lesson_answers_its_question(user: User) -> None:
     expect(answer).to_be_hidden()
     user.page.get_by_text("Answer", exact=True).nth(3).click()
     expect(answer).to_be_visible()
+    assert_nothing_grave(user)
 
 
 def test_papers_are_compared_on_request_and_stop(user: User) -> None:
@@ -85,3 +89,4 @@ def test_papers_are_compared_on_request_and_stop(user: User) -> None:
     stop.click()
     expect(stop).to_be_hidden()
     expect(user.page.get_by_role("button", name="Compute Shtompel")).to_be_enabled()
+    assert_nothing_grave(user)

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import BrowserContext, expect
 
-from browser.findings import grave_findings
+from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User
 
@@ -32,7 +32,7 @@ def test_figures_are_drawn(user: User) -> None:
 
 
 def test_nothing_grave_once_all_is_drawn(user: User) -> None:
-    assert grave_findings(user.page) == {}
+    assert_nothing_grave(user)
 
 
 def test_without_the_precompensator_the_train_lags_by_metres(user: User) -> None:

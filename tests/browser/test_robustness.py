@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import BrowserContext, expect
 
+from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User
 
@@ -46,7 +47,6 @@ def test_both_ways_stand_beside_the_printed_table(user: User) -> None:
 
 
 def test_chance_draws_and_can_be_stopped(user: User) -> None:
-    user.choose("Metro, profile 0")
     note = user.page.get_by_text("runs, seed 1.")
     expect(note).to_contain_text("500 of 500 runs", timeout=WORKED_MS)
     user.page.get_by_role("button", name="Run 10").click()
@@ -65,7 +65,6 @@ def test_chance_draws_and_can_be_stopped(user: User) -> None:
 
 
 def test_what_cannot_be_is_told_and_the_last_run_stays(user: User) -> None:
-    user.choose("Metro, profile III")
     user.type("Coordinate error, m", "5000")
     (alert,) = user.alerts()
     assert "less than the shortest way between two stops" in alert
@@ -73,4 +72,8 @@ def test_what_cannot_be_is_told_and_the_last_run_stays(user: User) -> None:
     assert user.alerts() == []
     user.type("Actual load, % of capacity", "120")
     (alert,) = user.alerts()
-    assert alert == "At most 100. Kept: 100 %."
+    assert alert == "At most 100. Kept: 70 %."
+
+
+def test_nothing_grave(user: User) -> None:
+    assert_nothing_grave(user)

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import BrowserContext, expect
 
+from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User
 
@@ -83,3 +84,7 @@ def test_limits_are_typed_and_bad_ones_told(user: User) -> None:
     user.type("Storage, kWh", "-1")
     (alert,) = user.alerts()
     assert alert.startswith("At least 0.")
+
+
+def test_nothing_grave(user: User) -> None:
+    assert_nothing_grave(user)

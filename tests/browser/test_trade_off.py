@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import pytest
 from playwright.sync_api import BrowserContext, expect
 
+from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User
 
@@ -40,17 +41,7 @@ def test_the_surface_is_saved(user: User) -> None:
     assert sum(row.startswith("surface,") for row in rows) > 500
 
 
-def test_a_click_on_the_frontier_sets_the_travel_time(user: User) -> None:
-    user.choose("Metro, profile II + I")
-    before = user.page.locator(".figure.main .label").inner_text()
-    box = user.page.locator(".rj-chart-frontier canvas").first.bounding_box()
-    assert box is not None
-    user.page.mouse.click(box["x"] + 0.8 * box["width"], box["y"] + 0.5 * box["height"])
-    expect(user.page.locator(".figure.main .label")).not_to_have_text(before)
-
-
 def test_the_acceleration_time_is_the_best_until_it_is_set(user: User) -> None:
-    user.choose("Suburban, flat 5 km")
     field = user.page.get_by_label("Acceleration time, s, as a number")
     expect(field).to_have_value("31.0")
     user.type("Acceleration time, s", "62.7")
@@ -62,7 +53,7 @@ def test_the_acceleration_time_is_the_best_until_it_is_set(user: User) -> None:
 
 
 def test_sliders_move_the_frontier(user: User) -> None:
-    user.choose("Suburban, flat 5 km")
+    user.page.locator(".rj-chart-surface").scroll_into_view_if_needed()
     frontier, surface = user.picture("frontier"), user.picture("surface")
     user.push("Load, % of capacity", 40)
     user.rest(1500)
@@ -70,8 +61,20 @@ def test_sliders_move_the_frontier(user: User) -> None:
     assert user.picture("surface") != surface
 
 
-def test_a_line_with_limits_has_a_frontier_and_no_enoc(user: User) -> None:
+def test_nothing_grave(user: User) -> None:
+    assert_nothing_grave(user)
+
+
+def test_a_click_on_the_frontier_sets_the_travel_time(user: User) -> None:
     user.choose("Metro, profile II + I")
+    before = user.page.locator(".figure.main .label").inner_text()
+    box = user.page.locator(".rj-chart-frontier canvas").first.bounding_box()
+    assert box is not None
+    user.page.mouse.click(box["x"] + 0.8 * box["width"], box["y"] + 0.5 * box["height"])
+    expect(user.page.locator(".figure.main .label")).not_to_have_text(before)
+
+
+def test_a_line_with_limits_has_a_frontier_and_no_enoc(user: User) -> None:
     expect(user.page.locator(".rj-chart-frontier canvas").first).to_be_visible()
     assert user.page.locator(".rj-chart-surface").is_hidden()
     expect(user.page.get_by_text("ENOC needs a line without limits.")).to_be_visible()

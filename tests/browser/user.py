@@ -112,8 +112,6 @@ class User:
         self.page.wait_for_function(
             "dark => Bokeh.documents[0].roots()[0].data.dark_theme === dark", arg=colours == "dark"
         )
-        # buttons change their colours slowly, and no sign tells when they have
-        self.rest(4000)
 
     def picture(self, chart: str) -> bytes:
         """Return what a chart looks like."""

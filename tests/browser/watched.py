@@ -1,4 +1,4 @@
-"""The dashboard with closed sessions forgotten soon, and with /pages, which counts living pages."""
+"""The dashboard, which looks often for closed sessions to forget, and with /pages, which counts living pages."""
 
 import gc
 import sys
@@ -10,7 +10,7 @@ from railjoule.dashboard.app import EXTRA_PATTERNS, make_page
 from railjoule.dashboard.views.shell import Page
 from railjoule.dashboard.warmup import warmup
 
-SOON_MS = 1000
+LOOKS_EVERY_MS = 1000
 
 
 class PagesHandler(RequestHandler):
@@ -30,6 +30,5 @@ if __name__ == "__main__":
         show=False,
         websocket_origin=[f"127.0.0.1:{port}"],
         extra_patterns=[*EXTRA_PATTERNS, ("/pages", PagesHandler)],
-        check_unused_sessions_milliseconds=SOON_MS,
-        unused_session_lifetime_milliseconds=SOON_MS,
+        check_unused_sessions_milliseconds=LOOKS_EVERY_MS,
     )
