@@ -23,6 +23,7 @@ OTHER = {"light": "dark", "dark": "light"}
 
 def assert_nothing_grave(user: User) -> None:
     """Hold what is in sight to all rules, then to those of colours once the system asks for the other colours."""
+    user.rest()
     found = grave_findings(user.page)
     assert found == {}, found
     light = user.page.evaluate(GROUND, GROUNDS["light"])
