@@ -61,6 +61,10 @@ export function render({model}) {
       region.setAttribute("role", "region");
       region.setAttribute("aria-label", "Page in sight");
     }
+    // the library lays wide margins over those of a scene
+    for (const scene of deep(".js-plotly-plot")) {
+      if (scene.layout?.margin?.l) { window.Plotly.relayout(scene, {margin: {l: 0, r: 0, t: 0, b: 2}}); }
+    }
     // keys do nothing in a figure, whose words stand on its frame
     for (const layer of deep(".bk-events[tabindex='0']")) { layer.tabIndex = -1; }
     // a download leaves the link behind that began it, without a name

@@ -41,7 +41,8 @@ def html_pane(text: str = "", **params: Any) -> Words:
 
 def stack(*objects: Any, css: str = "", **params: Any) -> pn.Column:
     """Return objects below each other, as high as they need; `css` styles the column."""
-    free = ":host { max-height: none; }"
+    # the library's button for scrolling, which is never seen, would take a place in a grid
+    free = ":host { max-height: none; } .scroll-button { display: none; }"
     return pn.Column(*objects, **{"margin": 0, "sizing_mode": "stretch_width", "stylesheets": [free + css], **params})
 
 

@@ -165,8 +165,8 @@ def card_html(card: Card) -> str:
         f'<svg role="img" aria-label="{name}" viewBox="0 0 {SMALL_WIDTH:g} {SMALL_HEIGHT:g}" '
         f'preserveAspectRatio="none">{line}<path d="M0 {SMALL_HEIGHT - 0.5:g} H{SMALL_WIDTH:g}" '
         'stroke="var(--rj-line2)" vector-effect="non-scaling-stroke"/></svg>'
-        f"<p>{words.number(card.length_m / 1000, 2)} km{stops}, {words.energy(run.energy_kwh)} kWh in "
-        f"{words.number(run.travel_time_s, 0)} s</p></div>"
+        f"<p>{words.number(card.length_m / 1000, 2)} km{stops}, {words.energy(run.energy_kwh)}\u00a0kWh in "
+        f"{words.number(run.travel_time_s, 0)}\u00a0s</p></div>"
     )
 
 
