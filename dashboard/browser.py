@@ -11,18 +11,19 @@ import param
 from panel.custom import JSComponent
 
 DEEP_JS = """
-const deep = (selector) => {
+const all_roots = () => {
   const found = [];
   const walk = (root) => {
-    found.push(...root.querySelectorAll(selector));
+    found.push(root);
     for (const element of root.querySelectorAll("*")) { if (element.shadowRoot) walk(element.shadowRoot); }
   };
   walk(document);
   return found;
 };
+const deep = (selector, roots = all_roots()) => roots.flatMap((root) => [...root.querySelectorAll(selector)]);
 const chart_of = (element) => [...element.classList].find((name) => name.startsWith("rj-chart-"))?.slice(9);
 """
-"""Finds elements in all shadow roots, and the name of a chart."""
+"""Finds all shadow roots and elements in them, and the name of a chart."""
 ESM = (
     DEEP_JS
     + """
@@ -48,28 +49,31 @@ export function render({model}) {
     if (JSON.stringify(names) !== JSON.stringify(model.charts_in_sight)) { model.charts_in_sight = names; }
   }, {rootMargin: "120px"});
   const look = () => {
-    for (const element of deep(".rj-chart")) {
+    const roots = all_roots();
+    for (const element of deep(".rj-chart", roots)) {
       if (!seen.has(element)) { seen.set(element, false); observer.observe(element); }
       window.railjoule_equip?.(element);
     }
     for (const element of [...seen.keys()]) {
       if (!element.isConnected) { seen.delete(element); observer.unobserve(element); }
     }
-    for (const bar of deep("[role=progressbar]:not([aria-label])")) { bar.setAttribute("aria-label", "Progress"); }
-    for (const region of deep(".main-content:not([tabindex])")) {
+    for (const bar of deep("[role=progressbar]:not([aria-label])", roots)) {
+      bar.setAttribute("aria-label", "Progress");
+    }
+    for (const region of deep(".main-content:not([tabindex])", roots)) {
       region.tabIndex = 0;
       region.setAttribute("role", "region");
       region.setAttribute("aria-label", "Page in sight");
     }
     // the library lays wide margins over those of a scene
-    for (const scene of deep(".js-plotly-plot")) {
+    for (const scene of deep(".js-plotly-plot", roots)) {
       if (scene.layout?.margin?.l) { window.Plotly.relayout(scene, {margin: {l: 0, r: 0, t: 0, b: 2}}); }
     }
     // keys do nothing in a figure, whose words stand on its frame
-    for (const layer of deep(".bk-events[tabindex='0']")) { layer.tabIndex = -1; }
+    for (const layer of deep(".bk-events[tabindex='0']", roots)) { layer.tabIndex = -1; }
     // a download leaves the link behind that began it, without a name
-    for (const link of deep("a[download]:empty")) { link.hidden = true; }
-    for (const heading of deep("h5")) {
+    for (const link of deep("a[download]:empty", roots)) { link.hidden = true; }
+    for (const heading of deep("h5", roots)) {
       if (!heading.textContent.trim()) { heading.setAttribute("role", "presentation"); }
     }
   };
