@@ -29,6 +29,9 @@ def test_colours_follow_the_system_until_they_are_chosen(server: Server, chromiu
     with User.at(chromium, server.drive_url, dark=True) as user:
         assert user.page.evaluate(GROUND, GROUNDS["dark"])
         assert user.page.evaluate(axis) == THEMES["dark"]["ink3"]
-        user.page.get_by_role("button", name="Toggle theme").click()
-        user.page.wait_for_function(GROUND, arg=GROUNDS["light"])
+        user.wish_for("light")
         user.page.wait_for_function(f"{axis} === '{THEMES['light']['ink3']}'")
+        for chosen in ("dark", "light"):
+            user.page.get_by_role("button", name="Toggle theme").click()
+            user.page.wait_for_function(GROUND, arg=GROUNDS[chosen])
+            user.page.wait_for_function(f"{axis} === '{THEMES[chosen]['ink3']}'")

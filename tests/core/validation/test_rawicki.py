@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 import pytest
-from validation_rows import beyond, printed_rows
+from validation_rows import beyond
 
 from railjoule.core import load_scenario
 from railjoule.core.validation import PAPERS, Table, Validation, validate_rawicki
@@ -31,6 +31,15 @@ def validation() -> Validation:
 @pytest.fixture(scope="module")
 def tables(validation: Validation) -> Tables:
     return Tables(*validation.tables)
+
+
+def printed_rows(*tables, **wanted):
+    return [
+        row
+        for table in tables
+        for row in table.rows
+        if row.printed and all(getattr(row, name) == value for name, value in wanted.items())
+    ]
 
 
 def test_figures_within_one_and_a_half_percent(tables):
