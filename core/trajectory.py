@@ -10,8 +10,9 @@ from railjoule.core.arrays import FloatArray, IntArray, frozen_array
 from railjoule.core.energy import Energy
 from railjoule.core.motion.course import Course
 from railjoule.core.phases import Phase, find_phases
+from railjoule.core.physics.account import RunAccount, account_of_run
 from railjoule.core.scenario import Scenario
-from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN, W_PER_KW
 
 if TYPE_CHECKING:
     import pandas
@@ -154,8 +155,8 @@ class Trajectory:
             "position_m": self.position_m,
             "time_s": self.time_s,
             "speed_kmh": self.speed_ms / MS_PER_KMH,
-            "effort_kn": _at_nodes(self.effort_n) / 1e3,
-            "line_power_kw": _at_nodes(self.line_power_w) / 1e3,
+            "effort_kn": _at_nodes(self.effort_n) / N_PER_KN,
+            "line_power_kw": _at_nodes(self.line_power_w) / W_PER_KW,
             "line_energy_kwh": self.line_energy_j / J_PER_KWH,
             "gradient_permille": _at_nodes(self.gradient_permille),
         }
@@ -170,12 +171,7 @@ def _at_nodes(values: FloatArray) -> FloatArray:
 
 
 def make_trajectory(
-    scenario: Scenario,
-    course: Course,
-    strategy: str,
-    speed2: FloatArray,
-    electric_braking_n: FloatArray | None = None,
-    **details: Any,
+    scenario: Scenario, course: Course, strategy: str, speed2: FloatArray, **details: Any
 ) -> Trajectory:
     """Return the run that squares of speed over a course describe, with its energy account.
 
@@ -189,58 +185,53 @@ def make_trajectory(
         Who made the run.
     speed2 : array of shape (n + 1,)
         Squares of speed at the nodes [m2/s2].
-    electric_braking_n : array of shape (n,), optional
-        What the electric brake shall do of the braking where that needs less energy than its full use [N].
     **details
         Further fields of the trajectory.
     """
-    data = course.data
-    speed = np.sqrt(speed2)
-    mean_speed = 0.5 * (speed[1:] + speed[:-1])
-    duration = data.cell_length_m / mean_speed
-    resistance = course.running_resistance_n(speed2)
-    force = course.net_force_n(speed2)
-    traction, braking = np.maximum(force, 0.0), np.maximum(-force, 0.0)
-    electric = _electric_share(course, braking, mean_speed, electric_braking_n)
-    driving_or_braking = traction - electric
-    line_power = course.drive.line_power_w(driving_or_braking, mean_speed)
-    losses = {
-        kind: float(np.sum(power * duration))
-        for kind, power in course.drive.losses_w(driving_or_braking, mean_speed).items()
-    }
-    losses["friction_brakes"] = float(np.sum((braking - electric) * data.cell_length_m))
-    travel_time = float(np.sum(duration) + np.sum(course.dwell_s))
-    energy = Energy(
-        traction_j=float(np.sum(np.maximum(line_power, 0.0) * duration)),
-        recuperated_j=float(np.sum(np.maximum(-line_power, 0.0) * duration)),
-        auxiliary_j=data.auxiliary_power_w * travel_time,
-        running_resistance_j=float(np.sum(resistance * data.cell_length_m)),
-        curve_resistance_j=float(np.sum(course.curve_force_n * data.cell_length_m)),
-        losses_j=losses,
-        kinetic_j=float(data.half_inertia_kg * (speed2[-1] - speed2[0])),
-        potential_j=float(np.sum(course.gradient_force_n * data.cell_length_m)),
-    )
+    data, cells = course.data, account_of_run(course.data, speed2)
     stops = np.flatnonzero(course.dwell_s > 0)
     with_dwell = _DwellInserter(stops)
-    durations = with_dwell.cells(duration, course.dwell_s[stops])
-    power = with_dwell.cells(line_power) + data.auxiliary_power_w
-    current = course.drive.current_a(driving_or_braking, mean_speed)
+    durations = with_dwell.cells(cells.duration_s, course.dwell_s[stops])
+    power = with_dwell.cells(cells.line_power_w) + data.auxiliary_power_w
+    current = course.drive.current_a(cells.tractive_effort_n - cells.electric_braking_n, cells.mean_speed_ms)
     return Trajectory(
         scenario=scenario,
         strategy=strategy,
         position_m=frozen_array(with_dwell.nodes(course.position_m)),
-        speed_ms=frozen_array(with_dwell.nodes(speed)),
+        speed_ms=frozen_array(with_dwell.nodes(np.sqrt(speed2))),
         time_s=frozen_array(np.append(0.0, np.cumsum(durations))),
         line_energy_j=frozen_array(np.append(0.0, np.cumsum(power * durations))),
-        tractive_effort_n=frozen_array(with_dwell.cells(traction)),
-        electric_braking_n=frozen_array(with_dwell.cells(electric)),
-        friction_braking_n=frozen_array(with_dwell.cells(braking - electric)),
-        largest_effort_n=frozen_array(with_dwell.cells(data.traction.effort_n(mean_speed))),
+        tractive_effort_n=frozen_array(with_dwell.cells(cells.tractive_effort_n)),
+        electric_braking_n=frozen_array(with_dwell.cells(cells.electric_braking_n)),
+        friction_braking_n=frozen_array(with_dwell.cells(cells.friction_braking_n)),
+        largest_effort_n=frozen_array(with_dwell.cells(data.traction.effort_n(cells.mean_speed_ms))),
         line_power_w=frozen_array(power),
         current_a=None if current is None else frozen_array(with_dwell.cells(current)),
         gradient_permille=frozen_array(with_dwell.cells(course.gradient_permille)),
-        energy=energy,
+        energy=_energy(course, speed2, cells),
         **details,
+    )
+
+
+def _energy(course: Course, speed2: FloatArray, cells: RunAccount) -> Energy:
+    """Return the energy account of a run from those of its cells."""
+    data, length, duration = course.data, course.data.cell_length_m, cells.duration_s
+    losses = {
+        kind: float(power @ duration)
+        for kind, power in course.drive.losses_w(
+            cells.tractive_effort_n - cells.electric_braking_n, cells.mean_speed_ms
+        ).items()
+    }
+    losses["friction_brakes"] = float(cells.friction_braking_n @ length)
+    return Energy(
+        traction_j=float(np.maximum(cells.line_power_w, 0.0) @ duration),
+        recuperated_j=float(np.maximum(-cells.line_power_w, 0.0) @ duration),
+        auxiliary_j=data.auxiliary_power_w * float(np.sum(duration) + np.sum(course.dwell_s)),
+        running_resistance_j=float(course.running_resistance_n(speed2) @ length),
+        curve_resistance_j=float(course.curve_force_n @ length),
+        losses_j=losses,
+        kinetic_j=float(data.half_inertia_kg * (speed2[-1] - speed2[0])),
+        potential_j=float(course.gradient_force_n @ length),
     )
 
 
@@ -255,19 +246,3 @@ class _DwellInserter:
 
     def cells(self, values: FloatArray, inserted: FloatArray | float = 0.0) -> FloatArray:
         return np.insert(values, self.stops, inserted) if len(self.stops) else values
-
-
-def _electric_share(
-    course: Course, braking_n: FloatArray, speed_ms: FloatArray, wanted_n: FloatArray | None
-) -> FloatArray:
-    """Return what the electric brake does: as much as it can, or what is wanted where that needs less energy."""
-    if course.data.friction_effort_n <= 0:
-        return braking_n
-    strongest = course.data.braking.effort_n(speed_ms)
-    first = np.minimum(braking_n, strongest)
-    if wanted_n is None:
-        return first
-    least = np.maximum(braking_n - course.data.friction_effort_n, 0.0)
-    wanted = np.clip(wanted_n, least, np.maximum(first, least))
-    drive = course.drive
-    return np.where(drive.line_power_w(-wanted, speed_ms) < drive.line_power_w(-first, speed_ms), wanted, first)

@@ -6,6 +6,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.drive.kernels import electrical_power_array
+from railjoule.core.drive.line_power import line_power, resistor_power
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,15 +44,14 @@ class Drive:
 
     def line_power_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
         """Return the power taken from the line [W], negative where energy goes back; shape as the arguments'."""
-        power = self.electrical_power_w(effort_n, speed_ms)
-        return np.where(power < 0, self.recuperation_factor * power, power)
+        return line_power(self.electrical_power_w(effort_n, speed_ms), self.recuperation_factor)
 
     def losses_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> dict[str, FloatArray]:
         """Return the losses by kind [W]: those of the drive, and what the brake resistors burn."""
         power = self.electrical_power_w(effort_n, speed_ms)
         return {
             self.loss_kind: power - np.multiply(effort_n, speed_ms),
-            "brake_resistors": -(1 - self.recuperation_factor) * np.minimum(power, 0),
+            "brake_resistors": resistor_power(power, self.recuperation_factor),
         }
 
     def current_a(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray | None:

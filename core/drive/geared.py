@@ -6,6 +6,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.drive.drive import Drive
+from railjoule.core.drive.line_power import resistor_power
 
 NEGLIGIBLE_SHARE = 1e-7
 """An effort below this share of a large one is rounding, and the motors are off."""
@@ -31,5 +32,5 @@ class GearedDrive(Drive):
         return {
             self.loss_kind: power - work - gear,
             "gear": gear,
-            "brake_resistors": -(1 - self.recuperation_factor) * np.minimum(power, 0),
+            "brake_resistors": resistor_power(power, self.recuperation_factor),
         }

@@ -14,16 +14,10 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import njit
-from railjoule.core.motion.cell_step import (
-    COAST,
-    FULL_BRAKE,
-    FULL_TRACTION,
-    Cell,
-    cell_cost,
-    cell_of,
-    exit_speed2,
-)
-from railjoule.core.motion.course import CourseData
+from railjoule.core.motion.cell_step import COAST, FULL_BRAKE, FULL_TRACTION, cell_cost, exit_speed2
+from railjoule.core.physics.cell import Cell
+from railjoule.core.physics.course_data import CourseData, Train, cell_of, train_of
+from railjoule.core.physics.effort_limit import EffortLimit
 
 CONTROLS_BESIDE_GRID = 4
 ROUNDING = 1e-10
@@ -101,12 +95,12 @@ def place_in_row(row: FloatArray, speed2: float) -> tuple[int, float]:
 
 @njit(cache=True, error_model="numpy")
 def reach(
-    cell: Cell, traction: FloatArray, braking: FloatArray, step_ms: float, entering_speed2: float, row: FloatArray
+    cell: Cell, train: Train, traction: EffortLimit, braking: EffortLimit, entering_speed2: float, row: FloatArray
 ) -> tuple[float, float]:
     """Return the least and the greatest square of speed at the end of a cell that the grid of its end holds."""
     greatest = row[row.shape[0] - 1]
-    top = min(exit_speed2(cell, traction, braking, step_ms, entering_speed2, FULL_TRACTION), greatest)
-    low = max(exit_speed2(cell, traction, braking, step_ms, entering_speed2, FULL_BRAKE), row[0])
+    top = min(exit_speed2(cell, train, traction, braking, entering_speed2, FULL_TRACTION), greatest)
+    low = max(exit_speed2(cell, train, traction, braking, entering_speed2, FULL_BRAKE), row[0])
     # on the steepest braking curve both are the same but for rounding
     return (top if top < low <= top + ROUNDING * max(entering_speed2, greatest) else low), top
 
@@ -121,8 +115,7 @@ def grid_range(row: FloatArray, low: float, top: float) -> tuple[int, int]:
 def tabulate_steps(course: CourseData, grid: FloatArray) -> Steps:
     """Return all steps between the grid points of neighbouring nodes, and those of the controls beside them."""
     nodes, points = grid.shape
-    traction, braking, step_ms = course.traction.table, course.braking.table, course.traction.table_step_ms
-    drive = course.drive_parameters
+    train, traction, braking, drive = train_of(course), course.traction, course.braking, course.drive_parameters
     first = np.zeros((nodes - 1, points + 1), dtype=np.int64)
     span = np.empty((nodes - 1, points, 2))
     total = 0
@@ -132,7 +125,7 @@ def tabulate_steps(course: CourseData, grid: FloatArray) -> Steps:
             first[i, k] = total
             if k > 0 and grid[i, k] == grid[i, k - 1]:
                 continue
-            span[i, k] = reach(cell, traction, braking, step_ms, grid[i, k], row)
+            span[i, k] = reach(cell, train, traction, braking, grid[i, k], row)
             if span[i, k, 0] <= span[i, k, 1]:
                 start, end = grid_range(row, span[i, k, 0], span[i, k, 1])
                 total += CONTROLS_BESIDE_GRID + max(end - start, 0)
@@ -151,13 +144,11 @@ def tabulate_steps(course: CourseData, grid: FloatArray) -> Steps:
                     leaving_speed2 = row[point]
                     lower[step], share[step] = (point, 0.0) if point < points - 1 else (point - 1, 1.0)
                 else:
-                    leaving_speed2 = beside_grid(cell, traction, braking, step_ms, grid[i, k], low, top, which)
+                    leaving_speed2 = beside_grid(cell, train, traction, braking, grid[i, k], low, top, which)
                     if not low <= leaving_speed2 <= top:
                         continue
                     lower[step], share[step] = place_in_row(row, leaving_speed2)
-                joules, seconds, allowed = cell_cost(
-                    cell, traction, braking, step_ms, drive, grid[i, k], leaving_speed2
-                )
+                joules, seconds, allowed = cell_cost(cell, train, traction, braking, drive, grid[i, k], leaving_speed2)
                 if allowed and lower[step] >= 0:
                     energy[step], time[step], exits[step] = joules, seconds, leaving_speed2
     return Steps(first, lower, share, energy, time, exits)
@@ -166,9 +157,9 @@ def tabulate_steps(course: CourseData, grid: FloatArray) -> Steps:
 @njit(cache=True, error_model="numpy")
 def beside_grid(
     cell: Cell,
-    traction: FloatArray,
-    braking: FloatArray,
-    step_ms: float,
+    train: Train,
+    traction: EffortLimit,
+    braking: EffortLimit,
     entering_speed2: float,
     low: float,
     top: float,
@@ -179,7 +170,7 @@ def beside_grid(
         return low
     if which == 1:
         return top
-    return entering_speed2 if which == 2 else exit_speed2(cell, traction, braking, step_ms, entering_speed2, COAST)
+    return entering_speed2 if which == 2 else exit_speed2(cell, train, traction, braking, entering_speed2, COAST)
 
 
 @njit(cache=True, error_model="numpy")

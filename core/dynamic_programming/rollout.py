@@ -14,8 +14,10 @@ from railjoule.core.dynamic_programming.backward import (
     place_in_row,
     reach,
 )
-from railjoule.core.motion.cell_step import Cell, cell_cost, cell_of
-from railjoule.core.motion.course import CourseData
+from railjoule.core.motion.cell_step import cell_cost
+from railjoule.core.physics.cell import Cell
+from railjoule.core.physics.course_data import CourseData, Train, cell_of, train_of
+from railjoule.core.physics.effort_limit import EffortLimit
 
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
@@ -23,9 +25,9 @@ GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 @njit(cache=True, error_model="numpy")
 def total_cost(
     cell: Cell,
-    traction: FloatArray,
-    braking: FloatArray,
-    step_ms: float,
+    train: Train,
+    traction: EffortLimit,
+    braking: EffortLimit,
     drive: FloatArray,
     entering_speed2: float,
     leaving_speed2: float,
@@ -40,16 +42,16 @@ def total_cost(
     onward = cost_between(cost, lower, share)
     if onward == math.inf:
         return math.inf
-    energy, time, allowed = cell_cost(cell, traction, braking, step_ms, drive, entering_speed2, leaving_speed2)
+    energy, time, allowed = cell_cost(cell, train, traction, braking, drive, entering_speed2, leaving_speed2)
     return energy + price * time + onward if allowed else math.inf
 
 
 @njit(cache=True, error_model="numpy")
 def best_exit(
     cell: Cell,
-    traction: FloatArray,
-    braking: FloatArray,
-    step_ms: float,
+    train: Train,
+    traction: EffortLimit,
+    braking: EffortLimit,
     drive: FloatArray,
     entering_speed2: float,
     row: FloatArray,
@@ -62,20 +64,18 @@ def best_exit(
     The best of full traction, coasting, holding, full braking and the grid points, then the best between the grid
     points around it by golden section: there the cost to go is linear.
     """
-    low, top = reach(cell, traction, braking, step_ms, entering_speed2, row)
+    low, top = reach(cell, train, traction, braking, entering_speed2, row)
     if low > top:
         return -1.0
     start, end = grid_range(row, low, top)
     best2, best = -1.0, math.inf
     for which in range(CONTROLS_BESIDE_GRID + max(end - start, 0)):
         if which < CONTROLS_BESIDE_GRID:
-            leaving_speed2 = beside_grid(cell, traction, braking, step_ms, entering_speed2, low, top, which)
+            leaving_speed2 = beside_grid(cell, train, traction, braking, entering_speed2, low, top, which)
         else:
             leaving_speed2 = row[start + which - CONTROLS_BESIDE_GRID]
         if low <= leaving_speed2 <= top:
-            value = total_cost(
-                cell, traction, braking, step_ms, drive, entering_speed2, leaving_speed2, row, cost, price
-            )
+            value = total_cost(cell, train, traction, braking, drive, entering_speed2, leaving_speed2, row, cost, price)
             if value < best:
                 best2, best = leaving_speed2, value
     if best == math.inf or low == top or narrowings == 0:
@@ -84,19 +84,17 @@ def best_exit(
     left = max(low, row[below - 1]) if below > 0 else low
     right = min(top, row[above]) if above < row.shape[0] else top
     first, second = right - GOLDEN * (right - left), left + GOLDEN * (right - left)
-    value_first = total_cost(cell, traction, braking, step_ms, drive, entering_speed2, first, row, cost, price)
-    value_second = total_cost(cell, traction, braking, step_ms, drive, entering_speed2, second, row, cost, price)
+    value_first = total_cost(cell, train, traction, braking, drive, entering_speed2, first, row, cost, price)
+    value_second = total_cost(cell, train, traction, braking, drive, entering_speed2, second, row, cost, price)
     for _ in range(narrowings):
         if value_first < value_second:
             right, second, value_second = second, first, value_first
             first = right - GOLDEN * (right - left)
-            value_first = total_cost(cell, traction, braking, step_ms, drive, entering_speed2, first, row, cost, price)
+            value_first = total_cost(cell, train, traction, braking, drive, entering_speed2, first, row, cost, price)
         else:
             left, first, value_first = first, second, value_second
             second = left + GOLDEN * (right - left)
-            value_second = total_cost(
-                cell, traction, braking, step_ms, drive, entering_speed2, second, row, cost, price
-            )
+            value_second = total_cost(cell, train, traction, braking, drive, entering_speed2, second, row, cost, price)
     if min(value_first, value_second) < best:
         return first if value_first < value_second else second
     return best2
@@ -120,14 +118,13 @@ def roll_out(course: CourseData, grid: FloatArray, cost_j: FloatArray, price: fl
     nodes = grid.shape[0]
     speed2 = np.full(nodes, -1.0)
     speed2[0] = grid[0, 0]
-    traction, braking, step_ms = course.traction.table, course.braking.table, course.traction.table_step_ms
-    drive = course.drive_parameters
+    train, traction, braking, drive = train_of(course), course.traction, course.braking, course.drive_parameters
     for i in range(nodes - 1):
         speed2[i + 1] = best_exit(
             cell_of(course, i),
+            train,
             traction,
             braking,
-            step_ms,
             drive,
             speed2[i],
             grid[i + 1],
@@ -138,15 +135,3 @@ def roll_out(course: CourseData, grid: FloatArray, cost_j: FloatArray, price: fl
         if speed2[i + 1] < 0.0:
             break
     return speed2
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def run_energy(course: CourseData, speed2: FloatArray) -> float:
-    """Return the line energy of a run without auxiliaries [J]."""
-    traction, braking, step_ms = course.traction.table, course.braking.table, course.traction.table_step_ms
-    total = 0.0
-    for i in range(course.cell_length_m.shape[0]):
-        total += cell_cost(
-            cell_of(course, i), traction, braking, step_ms, course.drive_parameters, speed2[i], speed2[i + 1]
-        )[0]
-    return total

@@ -8,11 +8,12 @@ from scipy.optimize import brentq
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.dynamic_programming.backward import Steps, speed_grid, sweep_back, tabulate_steps
-from railjoule.core.dynamic_programming.rollout import roll_out, run_energy
+from railjoule.core.dynamic_programming.rollout import roll_out
 from railjoule.core.errors import SolverError
 from railjoule.core.motion import running_time
-from railjoule.core.motion.course import CourseData
 from railjoule.core.motion.passes import slowed_to_reach
+from railjoule.core.physics.account import run_energy
+from railjoule.core.physics.course_data import CourseData
 
 FIRST_POINTS, POINTS = 24, (13, 9, 7)
 """Speeds at each node on the first grid, which spans all of them, and on the next; the last number stays."""

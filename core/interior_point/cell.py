@@ -4,6 +4,7 @@ import math
 
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import driving_power, generated_power, jumps_at_no_effort
+from railjoule.core.drive.line_power import smooth_line_power
 from railjoule.core.drive.power_terms import PowerTerms
 from railjoule.core.interior_point.layout import (
     ACCELERATION,
@@ -22,8 +23,16 @@ from railjoule.core.interior_point.layout import (
     Work,
 )
 from railjoule.core.interior_point.switching import keep_larger_curvature, switched_powers
-from railjoule.core.motion.course import CourseData
-from railjoule.core.motion.effort_limit import limit_over_speed
+from railjoule.core.physics.cell import (
+    duration,
+    force_slopes,
+    mean_speed,
+    mean_speed_curvature,
+    mean_speed_slope,
+    needed_force,
+)
+from railjoule.core.physics.course_data import CourseData, scaled_cell_of
+from railjoule.core.physics.effort_limit import limit_over_speed
 
 
 @njit(cache=True, fastmath=FAST)
@@ -71,23 +80,19 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
     top_braking = course.braking.constant_n / scale
     work.nodes.time_gradient[:] = 0.0
     work.nodes.gradient[:] = 0.0
-    linear = course.resistance_linear / scale
     energy = gross = total_time = 0.0
     v0 = math.sqrt(w[0])
     for i in range(h.shape[0]):
         v1 = math.sqrt(w[i + 1])
-        v = 0.5 * (v0 + v1)
-        t = h[i] / v
+        v = mean_speed(v0, v1)
+        t = duration(h[i], v)
         total_time += t
         # a fixed node may stand still: no derivative, rather than one over zero
-        u0 = 0.25 / v0 if free[i] > 0.0 else 0.0
-        u1 = 0.25 / v1 if free[i + 1] > 0.0 else 0.0
-        k = course.half_inertia_kg / (h[i] * scale)
-        bend = 0.5 * course.resistance_quadratic[i] / scale
-        against = (course.resistance_constant_n + course.line_force_n[i]) / scale + linear * v
-        force = k * (w[i + 1] - w[i]) + against + bend * (w[i] + w[i + 1])
-        d0 = linear * u0 - (k - bend)
-        d1 = linear * u1 + (k + bend)
+        u0 = mean_speed_slope(v0) if free[i] > 0.0 else 0.0
+        u1 = mean_speed_slope(v1) if free[i + 1] > 0.0 else 0.0
+        cell = scaled_cell_of(course, i, scale)
+        force = needed_force(cell, w[i], w[i + 1], v)
+        d0, d1 = force_slopes(cell, u0, u1)
         f = cells.traction[i]
         # without friction brakes the electric brake does all: one variable less
         x = cells.braking[i] if friction else f - force
@@ -102,7 +107,7 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
         # of what braking generates, the line returns its share; the price of drawing counts as if it returned more
         drawn_price = z[DRAWN, i] if used[DRAWN] > 0.0 else 0.0
         returned = h[i] * share + drawn_price
-        energy += h[i] * (e - share * g + (1.0 - share) * cells.drawn[i])
+        energy += h[i] * smooth_line_power(e, g, cells.drawn[i], share)
         gross += h[i] * abs(e)
         residual[TRACTION_POSITIVE, i] = f
         residual[TRACTION_CONSTANT, i] = 1.0 - f
@@ -141,7 +146,7 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
             residual[FRICTION_CONSTANT, i] = top_friction - q
             price = z[FRICTION_CONSTANT, i] - z[FRICTION_POSITIVE, i]
         cells.force[i], cells.force_by_start[i], cells.force_by_end[i] = force, d0, d1
-        cells.speed_by_start[i], cells.speed_by_end[i], cells.rise_factor[i] = u0, u1, k
+        cells.speed_by_start[i], cells.speed_by_end[i], cells.rise_factor[i] = u0, u1, cell.inertia
         cells.traction_gradient[i], cells.braking_gradient[i] = own_traction, own_braking
         cells.speed_gradient[i], cells.force_price[i] = own_speed, -price
         work.nodes.gradient[i] += own_speed * u0 - price * d0
@@ -149,13 +154,13 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
         work.nodes.time_gradient[i] -= t / v * u0
         work.nodes.time_gradient[i + 1] -= t / v * u1
         # the mean speed is concave in w, which bends whatever depends on it
-        slope = own_speed - price * linear
+        slope = own_speed - price * cell.linear
         curve = work.curvature
         curve[0, i], curve[1, i], curve[2, i] = h[i] * e_ff, h[i] * e_fv, h[i] * e_vv
         curve[3, i], curve[4, i], curve[5, i] = -returned * g_xx, -returned * g_xv, -returned * g_vv
         curve[6, i] = curvature
-        curve[7, i] = -0.5 * slope * u0 / w[i] if u0 > 0.0 else 0.0
-        curve[8, i] = -0.5 * slope * u1 / w[i + 1] if u1 > 0.0 else 0.0
+        curve[7, i] = slope * mean_speed_curvature(u0, w[i]) if u0 > 0.0 else 0.0
+        curve[8, i] = slope * mean_speed_curvature(u1, w[i + 1]) if u1 > 0.0 else 0.0
         v0 = v1
     if jumps:
         keep_larger_curvature(work.curvature, work.last_curvature)

@@ -32,8 +32,8 @@ from railjoule.core.interior_point.layout import (
     TRACTION_OVER_SPEED,
 )
 from railjoule.core.interior_point.solver import Optimum
-from railjoule.core.motion.course import CourseData
-from railjoule.core.motion.effort_limit import EffortLimit, limit_over_speed
+from railjoule.core.physics.course_data import CourseData
+from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
 
 NOISE = 1e-6
 """Multipliers below this share of the cell's length are taken for zero."""

@@ -8,8 +8,9 @@ from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.interior_point.switching import hull_power
-from railjoule.core.motion.cell_step import COAST, cell_of, exit_speed2
-from railjoule.core.motion.course import CourseData
+from railjoule.core.motion.cell_step import COAST, exit_speed2
+from railjoule.core.physics.cell import mean_speed
+from railjoule.core.physics.course_data import CourseData, cell_of, train_of
 
 NEXT_TO_NOTHING = 1e-5
 """Scaled efforts below this are what a barrier leaves of none."""
@@ -35,7 +36,7 @@ def duty(course: CourseData, optimum: Optimum) -> tuple[FloatArray, FloatArray]:
     h, w, scale = course.cell_length_m, optimum.speed2, course.traction.constant_n
     share, worth = np.empty(h.shape[0]), np.empty(h.shape[0])
     for i in range(h.shape[0]):
-        v = 0.5 * (math.sqrt(w[i]) + math.sqrt(w[i + 1]))
+        v = mean_speed(math.sqrt(w[i]), math.sqrt(w[i + 1]))
         kind, parameters = course.drive_kind, course.drive_parameters
         power, touch = hull_power(kind, parameters, False, course.traction, 0.0, v, 0.0)
         share[i] = min(optimum.traction[i] * scale / touch, 1.0)
@@ -57,11 +58,11 @@ def coasting_exactly(course: CourseData, optimum: Optimum, off: BoolArray) -> Fl
         Where the drive is off.
     """
     speed2 = optimum.speed2.copy()
-    traction, braking, step_ms = course.traction.table, course.braking.table, course.traction.table_step_ms
+    train, traction, braking = train_of(course), course.traction, course.braking
     for i in range(off.shape[0]):
         small = optimum.traction[i] < NEXT_TO_NOTHING and optimum.braking[i] < NEXT_TO_NOTHING
         if off[i] and small and course.fixed_speed2[i + 1] < 0.0 and speed2[i] > 0.0:
-            leaving = exit_speed2(cell_of(course, i), traction, braking, step_ms, speed2[i], COAST)
+            leaving = exit_speed2(cell_of(course, i), train, traction, braking, speed2[i], COAST)
             # never so far that the next cell would notice, nor beyond a limit
             if abs(leaving - speed2[i + 1]) < NEXT_TO_NOTHING * speed2[i + 1]:
                 speed2[i + 1] = min(leaving, course.largest_speed2[i + 1])

@@ -16,8 +16,8 @@ from railjoule.core.interior_point.certificate import (
 )
 from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.interior_point.start import SLOWEST_SPEED2
-from railjoule.core.motion.course import CourseData
-from railjoule.core.motion.effort_limit import EffortLimit
+from railjoule.core.physics.course_data import CourseData
+from railjoule.core.physics.effort_limit import EffortLimit
 
 MOST_INTERVALS = 64
 LARGEST_TABLE = 4_000_000

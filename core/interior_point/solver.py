@@ -25,7 +25,7 @@ from railjoule.core.interior_point.layout import DRAWN, DRAWN_POSITIVE, FAST, FR
 from railjoule.core.interior_point.newton import factor_with_fallback
 from railjoule.core.interior_point.start import TIME_WEIGHT, prepare
 from railjoule.core.interior_point.step import complementarity, longest_steps, move, set_direction
-from railjoule.core.motion.course import CourseData
+from railjoule.core.physics.course_data import CourseData
 
 CONVERGED, ITERATIONS_EXCEEDED = 0, 1
 LARGEST_VIOLATION = 1e-8

@@ -29,9 +29,10 @@ from railjoule.core.interior_point.layout import (
     Work,
 )
 from railjoule.core.interior_point.switching import tabulate_rays
-from railjoule.core.motion.course import CourseData
-from railjoule.core.motion.effort_limit import EffortLimit, limit_over_speed
 from railjoule.core.motion.passes import running_time as running_time_of
+from railjoule.core.physics.cell import duration, mean_speed, needed_force
+from railjoule.core.physics.course_data import CourseData, scaled_cell_of
+from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
 
 SLOWEST_SPEED2 = 0.01
 """Floor of speed squared at inner nodes [m2/s2], 0.36 km/h: at rest a crest would have an infinite derivative."""
@@ -71,7 +72,7 @@ def start_speeds(
             v0 = v1
             v1 = math.sqrt(fixed[i]) if fixed[i] >= 0.0 else min(scaled[i], cap)
             if i > 0:
-                time += 2.0 * h[i - 1] / (v0 + v1)
+                time += duration(h[i - 1], mean_speed(v0, v1))
         if time > wanted:
             low = cap
         else:
@@ -90,7 +91,7 @@ def _use_limits(course: CourseData, scale: float, fastest: FloatArray, work: Wor
     kinked = may_draw_while_braking(course.drive_kind) and course.recuperation_factor < 1.0
     kinked = kinked and not has_standstill_brake(course.drive_kind, course.drive_parameters)
     for i in range(h.shape[0]):
-        top_speed = 0.5 * (math.sqrt(fastest[i]) + math.sqrt(fastest[i + 1]))
+        top_speed = mean_speed(math.sqrt(fastest[i]), math.sqrt(fastest[i + 1]))
         for row in (TRACTION_POSITIVE, TRACTION_CONSTANT, BRAKING_POSITIVE, BRAKING_CONSTANT):
             weight[row, i] = h[i]
         if _binds(traction, top_speed):
@@ -166,10 +167,10 @@ def _start_cells(course: CourseData, scale: float, work: Work) -> None:
     top_braking, top_friction = course.braking.constant_n / scale, course.friction_effort_n / scale
     inertia = course.half_inertia_kg / scale
     for i in range(h.shape[0]):
-        v = 0.5 * (math.sqrt(w[i]) + math.sqrt(w[i + 1]))
-        rise = inertia / h[i] * (w[i + 1] - w[i])
-        against = course.line_force_n[i] + course.resistance_constant_n + course.resistance_linear * v
-        force = rise + (against + 0.5 * course.resistance_quadratic[i] * (w[i] + w[i + 1])) / scale
+        v = mean_speed(math.sqrt(w[i]), math.sqrt(w[i + 1]))
+        cell = scaled_cell_of(course, i, scale)
+        rise = cell.inertia * (w[i + 1] - w[i])
+        force = needed_force(cell, w[i], w[i + 1], v)
         over_traction, over_braking = np.inf, np.inf
         if rows.weight[TRACTION_OVER_SPEED, i] > 0.0:
             over_traction = limit_over_speed(course.traction, v)[0] / scale

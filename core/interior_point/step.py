@@ -22,7 +22,7 @@ from railjoule.core.interior_point.layout import (
     Work,
 )
 from railjoule.core.interior_point.newton import back_substitute
-from railjoule.core.motion.course import CourseData
+from railjoule.core.physics.course_data import CourseData
 
 LONGEST_CORRECTION = 10.0
 """The second-order term is kept within this many targets."""

@@ -13,8 +13,8 @@ from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import has_standstill_brake, smooth_power_when_on
 from railjoule.core.drive.power_terms import PowerTerms
 from railjoule.core.interior_point.layout import RAY_COUNT
-from railjoule.core.motion.course import CourseData
-from railjoule.core.motion.effort_limit import EffortLimit, limit_over_speed
+from railjoule.core.physics.course_data import CourseData
+from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
 
 FORBIDDING_PRICE = 10.0
 """Line energy over work that an effort is said to cost where a drive is off: more than any effort is worth."""

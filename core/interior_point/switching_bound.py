@@ -31,8 +31,8 @@ from railjoule.core.interior_point.layout import (
 from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.interior_point.start import SLOWEST_SPEED2
 from railjoule.core.interior_point.switching import switched_powers, tabulate_rays
-from railjoule.core.motion.course import CourseData
-from railjoule.core.motion.effort_limit import EffortLimit, largest_effort
+from railjoule.core.physics.course_data import CourseData
+from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
 
 NARROWEST_SHARE = 1e-9
 FIRST_WIDTHS = (0.5, 0.25, 0.1, 0.04, 0.015)

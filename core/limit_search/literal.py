@@ -16,8 +16,9 @@ from typing import NamedTuple
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.limit_search.way import Way, braking_curves
-from railjoule.core.motion.course import CourseData
-from railjoule.core.motion.effort_limit import largest_effort
+from railjoule.core.physics.course_data import CourseData
+from railjoule.core.physics.effort_limit import largest_effort
+from railjoule.core.physics.resistance import running_resistance
 
 LOOK_AHEAD_S = 1.0
 LEAST_LOOK_AHEAD_M = 0.05
@@ -65,21 +66,21 @@ def _asked(course: CourseData, relay: Relay, limit_ms: float, speed: float) -> f
 
 
 @njit(cache=True)
-def _against(course: CourseData, number: int, speed: float) -> float:
+def _resisting_n(course: CourseData, number: int, speed: float) -> float:
     """Return what resists the train in a cell [N]."""
-    running = course.resistance_constant_n + course.resistance_linear * speed
-    against: float = course.line_force_n[number] + running + course.resistance_quadratic[number] * speed * speed
-    return against
+    a, b, c = course.resistance_constant_n, course.resistance_linear, course.resistance_quadratic[number]
+    resisting: float = course.line_force_n[number] + running_resistance(a, b, c, speed, speed * speed)
+    return resisting
 
 
 @njit(cache=True)
 def _step(course: CourseData, number: int, effort: float, speed: float, step_s: float) -> tuple[float, float]:
     """Return way [m] and speed [m/s] after a step of time at one effort, by Runge and Kutta's fourth-order rule."""
     mass = 2.0 * course.half_inertia_kg
-    k1 = (effort - _against(course, number, speed)) / mass
-    k2 = (effort - _against(course, number, max(speed + 0.5 * step_s * k1, 0.0))) / mass
-    k3 = (effort - _against(course, number, max(speed + 0.5 * step_s * k2, 0.0))) / mass
-    k4 = (effort - _against(course, number, max(speed + step_s * k3, 0.0))) / mass
+    k1 = (effort - _resisting_n(course, number, speed)) / mass
+    k2 = (effort - _resisting_n(course, number, max(speed + 0.5 * step_s * k1, 0.0))) / mass
+    k3 = (effort - _resisting_n(course, number, max(speed + 0.5 * step_s * k2, 0.0))) / mass
+    k4 = (effort - _resisting_n(course, number, max(speed + step_s * k3, 0.0))) / mass
     way = step_s * (speed + step_s * (k1 + k2 + k3) / 6.0)
     return way, speed + step_s * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0
 
@@ -141,7 +142,7 @@ def literal_trip(
         braking = rise < (0.0 if braking else -BRAKING_SHARE * way.deceleration_ms2)
         if braking:
             most = largest_effort(course.braking, max(speed, 1e-9)) + course.friction_effort_n
-            curve_effort = 2.0 * course.half_inertia_kg * rise + _against(course, cell, speed)
+            curve_effort = 2.0 * course.half_inertia_kg * rise + _resisting_n(course, cell, speed)
             asked = min(asked, max(curve_effort, -most))
         kind = math.copysign(1.0, asked) if asked != 0.0 else 0.0
         switches += kind != before

@@ -8,7 +8,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.limit_search.trip import trip_cost
 from railjoule.core.limit_search.way import Way
-from railjoule.core.motion.course import CourseData
+from railjoule.core.physics.course_data import CourseData
 
 EXACT = 1e-9
 MOST_TRIPS = 60

@@ -15,8 +15,10 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.limit_search.way import Way, braking_curves, section_at
-from railjoule.core.motion.cell_step import COAST, FULL_TRACTION, Cell, cell_cost, cell_of, exit_speed2
-from railjoule.core.motion.course import CourseData
+from railjoule.core.motion.cell_step import COAST, FULL_TRACTION, cell_cost, exit_speed2
+from railjoule.core.physics.cell import Cell
+from railjoule.core.physics.course_data import CourseData, Train, cell_of, part_of_cell, train_of
+from railjoule.core.physics.effort_limit import EffortLimit
 
 ROUNDING = 1e-7
 LEAST_SHARE = 1e-7
@@ -28,32 +30,11 @@ MOST_CUTS = 12
 
 
 @njit(cache=True, error_model="numpy")
-def _part(cell: Cell, length_m: float) -> Cell:
-    """Return a part of a cell."""
-    return Cell(
-        length_m,
-        cell.inertia * (cell.length_m / length_m),
-        cell.against_n,
-        cell.linear,
-        cell.quadratic,
-        cell.traction_n,
-        cell.traction_w,
-        cell.braking_n,
-        cell.braking_w,
-        cell.friction_n,
-        cell.max_acceleration_ms2,
-        cell.max_deceleration_ms2,
-        cell.drive_kind,
-        cell.recuperation_factor,
-    )
-
-
-@njit(cache=True, error_model="numpy")
 def _cut(
     cell: Cell,
-    traction: FloatArray,
-    braking: FloatArray,
-    step_ms: float,
+    train: Train,
+    traction: EffortLimit,
+    braking: EffortLimit,
     speed2: float,
     control: int,
     share: float,
@@ -67,7 +48,7 @@ def _cut(
     """
     after = speed2
     for _ in range(CORRECTIONS):
-        after = exit_speed2(_part(cell, share * cell.length_m), traction, braking, step_ms, speed2, control)
+        after = exit_speed2(part_of_cell(cell, share * cell.length_m), train, traction, braking, speed2, control)
         line2 = end2 + fall * cell.length_m * (1.0 - share)
         steepness = (after - speed2) / share + fall * cell.length_m
         if abs(line2 - after) <= EXACT_CUT * max(line2, 1.0) or steepness == 0.0:
@@ -79,9 +60,9 @@ def _cut(
 @njit(cache=True, error_model="numpy")
 def _next(
     cell: Cell,
-    traction: FloatArray,
-    braking: FloatArray,
-    step_ms: float,
+    train: Train,
+    traction: EffortLimit,
+    braking: EffortLimit,
     speed2: float,
     wanted2: float,
     top2: float,
@@ -97,15 +78,15 @@ def _next(
     start2 = end2 + fall * cell.length_m
     control, share = FULL_TRACTION, 1.0
     if speed2 < level2 - small:
-        after = exit_speed2(cell, traction, braking, step_ms, speed2, FULL_TRACTION)
+        after = exit_speed2(cell, train, traction, braking, speed2, FULL_TRACTION)
         if after > level2:
             share = (level2 - speed2) / (after - speed2)
     else:
-        after = exit_speed2(cell, traction, braking, step_ms, speed2, COAST)
+        after = exit_speed2(cell, train, traction, braking, speed2, COAST)
         control = COAST
         if speed2 <= level2 + small and (after < level2 or level2 == top2):
             # held by effort, as far as it reaches, or by the brake that the line asks for
-            full2 = exit_speed2(cell, traction, braking, step_ms, speed2, FULL_TRACTION) if after < level2 else level2
+            full2 = exit_speed2(cell, train, traction, braking, speed2, FULL_TRACTION) if after < level2 else level2
             after = min(level2, full2)
             control = HOLD if after == level2 else FULL_TRACTION
         elif after < level2:
@@ -116,7 +97,7 @@ def _next(
             else:
                 share, level2 = (top2 - speed2) / (after - speed2), top2
     if share < 1.0:
-        share, after = _cut(cell, traction, braking, step_ms, speed2, control, share, level2, 0.0)
+        share, after = _cut(cell, train, traction, braking, speed2, control, share, level2, 0.0)
     if after <= start2 + (end2 - start2) * share + small:
         return (1.0, after) if share >= 1.0 - LEAST_SHARE else (share, after)
     # from here on the braking curve is in the way
@@ -127,7 +108,7 @@ def _next(
         return 1.0, end2
     if control == HOLD:
         return share, speed2 + (after - speed2) * share
-    return _cut(cell, traction, braking, step_ms, speed2, control, share, end2, fall)
+    return _cut(cell, train, traction, braking, speed2, control, share, end2, fall)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -159,8 +140,7 @@ def trip(
         auxiliaries [J].
     """
     curve, fall = braking_curves(course, way, borders_m, limits_ms)
-    traction, braking, step_ms = course.traction.table, course.braking.table, course.traction.table_step_ms
-    drive = course.drive_parameters
+    train, traction, braking, drive = train_of(course), course.traction, course.braking, course.drive_parameters
     record = position_m.shape[0] > 0
     sections = limits_ms.shape[0]
     w = max(course.fixed_speed2[0], 0.0)
@@ -185,14 +165,14 @@ def trip(
                     until2 = min(until2, limits_ms[section + 1] * limits_ms[section + 1])
             if way.brakes:
                 top2 = min(top2, limit2)
-            cell = _part(whole, until - place)
-            share, after = _next(cell, traction, braking, step_ms, w, limit2, top2, until2, fall[i])
+            cell = part_of_cell(whole, until - place)
+            share, after = _next(cell, train, traction, braking, w, limit2, top2, until2, fall[i])
             if after <= 0.0 and not (share == 1.0 and until == end and curve[i + 1] == 0.0):
                 return nodes, math.inf, math.inf
             after = max(after, 0.0)
             step = (until - place) * share
             if step > 0.0:
-                cost, duration, _ = cell_cost(_part(whole, step), traction, braking, step_ms, drive, w, after)
+                cost, duration, _ = cell_cost(part_of_cell(whole, step), train, traction, braking, drive, w, after)
                 time += duration
                 energy += cost
             w = after

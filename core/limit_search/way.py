@@ -11,8 +11,9 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.motion.course import Course, CourseData
+from railjoule.core.motion.course import Course
 from railjoule.core.motion.passes import entering_speed2_under_brakes
+from railjoule.core.physics.course_data import CourseData
 
 
 class Way(NamedTuple):

@@ -1,55 +1,31 @@
 """A course: all that a run of this vehicle over this line obeys, as arrays over the mesh."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.drive import Drive, make_drive
 from railjoule.core.errors import ScenarioError
-from railjoule.core.motion.effort_limit import NO_TABLE, TABLE_STEP_MS, EffortLimit, table_speeds, tabulated_limit
 from railjoule.core.motion.line_geometry import LineGeometry, geometry_at, meshed_geometry
+from railjoule.core.physics.cell import mean_speed, needed_force
+from railjoule.core.physics.course_data import CourseData, cells_of
+from railjoule.core.physics.effort_limit import NO_TABLE, TABLE_STEP_MS, EffortLimit, table_speeds, tabulated_limit
+from railjoule.core.physics.resistance import (
+    curve_force_n,
+    gradient_force_n,
+    quadratic_in_tunnels,
+    resistance_coefficients,
+    running_resistance,
+)
 from railjoule.core.scenario import Scenario, Vehicle
-from railjoule.core.units import MS_PER_KMH, STANDARD_GRAVITY_MS2
+from railjoule.core.units import MS_PER_KMH, N_PER_KN, W_PER_KW
 
 FREE = -1.0
 """Mark of a node whose speed is not prescribed."""
 
-W_PER_KW = 1e3
-N_PER_KN = 1e3
-SWITCHED_AT_WILL = np.zeros(0)
 LEAST_BRAKING_SHARE = 1e-9
 """A missing electric brake counts as this share of the tractive effort: an interior point needs an inside."""
-
-
-class CourseData(NamedTuple):
-    """The numbers of a course in a form that compiled code takes; n cells, squares of speed in m2/s2.
-
-    The net force of a cell is `half_inertia_kg` times the change of speed squared over its length. Running
-    resistance is constant + linear v + quadratic v^2, at the cell's mean v and mean v^2; its quadratic part rises in
-    tunnels. `machines_on` tells for each cell whether a drive that takes power without effort is on, 1, or off, 0,
-    while no brake is used; empty where it may be switched at will within a cell.
-    """
-
-    cell_length_m: FloatArray
-    line_force_n: FloatArray
-    largest_speed2: FloatArray
-    fixed_speed2: FloatArray
-    half_inertia_kg: float
-    resistance_constant_n: float
-    resistance_linear: float
-    resistance_quadratic: FloatArray
-    traction: EffortLimit
-    braking: EffortLimit
-    friction_effort_n: float
-    max_acceleration_ms2: float
-    max_deceleration_ms2: float
-    auxiliary_power_w: float
-    drive_kind: int
-    drive_parameters: FloatArray
-    recuperation_factor: float
-    machines_on: FloatArray = SWITCHED_AT_WILL
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +74,14 @@ class Course:
 
     def running_resistance_n(self, speed2: FloatArray) -> FloatArray:
         """Return the running resistance [N] of each cell for squares of speed at the nodes; shape (n,)."""
-        return self._resistance_between_n(speed2[:-1], speed2[1:])
+        data, speed = self.data, np.sqrt(speed2)
+        return running_resistance(
+            data.resistance_constant_n,
+            data.resistance_linear,
+            data.resistance_quadratic,
+            mean_speed(speed[:-1], speed[1:]),
+            0.5 * (speed2[:-1] + speed2[1:]),
+        )
 
     def net_force_n(self, speed2: FloatArray) -> FloatArray:
         """Return the force at the wheels [N] that brings each cell from one node's square of speed to the next's."""
@@ -109,16 +92,8 @@ class Course:
 
         All of shape (..., n).
         """
-        inertia = self.data.half_inertia_kg * (leaving_speed2 - entering_speed2) / self.data.cell_length_m
-        return inertia + self._resistance_between_n(entering_speed2, leaving_speed2) + self.data.line_force_n
-
-    def _resistance_between_n(self, entering_speed2: FloatArray, leaving_speed2: FloatArray) -> FloatArray:
-        data = self.data
-        mean_speed = 0.5 * (np.sqrt(leaving_speed2) + np.sqrt(entering_speed2))
-        mean_speed2 = 0.5 * (leaving_speed2 + entering_speed2)
-        return (
-            data.resistance_constant_n + data.resistance_linear * mean_speed + data.resistance_quadratic * mean_speed2
-        )
+        v = mean_speed(np.sqrt(entering_speed2), np.sqrt(leaving_speed2))
+        return needed_force(cells_of(self.data), entering_speed2, leaving_speed2, v)
 
 
 def build_course(
@@ -152,9 +127,8 @@ def build_course(
         line = meshed_geometry(scenario.line, scenario.solver.mesh_m, *train)
     else:
         line = geometry_at(scenario.line.in_running_order(), np.asarray(position_m, dtype=float), *train)
-    weight_kn = vehicle.total_mass_kg * STANDARD_GRAVITY_MS2 / N_PER_KN
-    gradient_force = weight_kn * line.gradient_permille
-    curve_force = weight_kn * vehicle.resistance.curve_constant_m_n_per_kn * line.curvature_per_m
+    gradient_force = gradient_force_n(vehicle, line.gradient_permille)
+    curve_force = curve_force_n(vehicle, line.curvature_per_m)
     fixed = np.full(len(line.position_m), FREE)
     fixed[list(line.stop_nodes)] = 0.0
     fixed[[0, -1]] = initial_speed_ms**2, final_speed_ms**2
@@ -188,7 +162,7 @@ def _course_data(
         half_inertia_kg=0.5 * vehicle.total_inertia_kg,
         resistance_constant_n=constant,
         resistance_linear=linear,
-        resistance_quadratic=quadratic * line.tunnel_factor,
+        resistance_quadratic=quadratic_in_tunnels(quadratic, line.tunnel_factor),
         traction=pulling,
         braking=electric._replace(constant_n=max(electric.constant_n, least_braking)),
         friction_effort_n=braking.friction_effort_kn * N_PER_KN,
@@ -198,17 +172,6 @@ def _course_data(
         drive_kind=drive.kind,
         drive_parameters=drive.parameters,
         recuperation_factor=drive.recuperation_factor,
-    )
-
-
-def resistance_coefficients(vehicle: Vehicle) -> tuple[float, float, float]:
-    """Return constant [N], linear [N s/m] and quadratic [N s2/m2] coefficient of running resistance."""
-    resistance, specific = vehicle.resistance, vehicle.specific_resistance
-    weight_kn = vehicle.total_mass_kg * STANDARD_GRAVITY_MS2 / N_PER_KN
-    return (
-        weight_kn * specific.constant_n_per_kn + resistance.constant_n,
-        (weight_kn * specific.linear_n_per_kn_per_kmh + resistance.linear_n_per_kmh) / MS_PER_KMH,
-        (weight_kn * specific.quadratic_n_per_kn_per_kmh2 + resistance.quadratic_n_per_kmh2) / MS_PER_KMH**2,
     )
 
 

@@ -15,8 +15,17 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.motion.course import CourseData
-from railjoule.core.motion.effort_limit import EffortLimit, limit_over_speed
+from railjoule.core.physics.cell import (
+    NEARLY_AT_REST_MS,
+    Cell,
+    duration,
+    force_slopes,
+    mean_speed,
+    mean_speed_slope,
+    needed_force,
+)
+from railjoule.core.physics.course_data import CourseData, cell_of
+from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
 
 MOVED = -1
 """Result of a pass that met no obstacle."""
@@ -26,56 +35,43 @@ ROOT_STEPS = 80
 
 @njit(cache=True)
 def _excess(
-    limit: EffortLimit,
-    inertia: float,
-    against: float,
-    linear: float,
-    quadratic: float,
-    known: float,
-    x: float,
-    sign: float,
+    limit: EffortLimit, friction: float, cell: Cell, known: float, x: float, sign: float
 ) -> tuple[float, float]:
-    """Return by how much the force of a cell exceeds the largest effort [N], and its derivative.
+    """Return by how much the force of a cell exceeds the largest effort [N], and its derivative by `x`.
 
-    `known` is the speed squared at one end, `x` the unknown one at the other; `sign` is 1 where the cell
-    starts with `known` under full traction, -1 where it ends with it under full braking. `against` is the
-    part of the resistance that does not vary with speed.
+    `known` is the speed squared at one end, `x` the unknown one at the other; `sign` is 1 where the cell starts with
+    `known` under full traction, -1 where it ends with it under full braking, with `friction` beside the limit [N].
     """
     root = math.sqrt(x)
-    mean_speed = max(0.5 * (math.sqrt(known) + root), 1e-9)
-    mean_slope = 0.25 / root if root > 0.0 else 0.0
-    value = inertia * (x - known) + sign * (against + linear * mean_speed + 0.5 * quadratic * (known + x))
-    slope = inertia + sign * (0.5 * quadratic + linear * mean_slope)
+    v = max(mean_speed(math.sqrt(known), root), NEARLY_AT_REST_MS)
+    v_slope = mean_speed_slope(root) if root > 0.0 else 0.0
+    if sign > 0.0:
+        value, slope = needed_force(cell, known, x, v), force_slopes(cell, 0.0, v_slope)[1]
+    else:
+        value, slope = -needed_force(cell, x, known, v) - friction, -force_slopes(cell, v_slope, 0.0)[0]
     # most cells are slow enough for the constant limit: no look at the other
     if limit.power_w < np.inf or limit.table.shape[0] > 0:
-        effort, effort_slope, _ = limit_over_speed(limit, mean_speed)
+        effort, effort_slope, _ = limit_over_speed(limit, v)
         if effort < limit.constant_n:
-            return value - effort, slope - effort_slope * mean_slope
+            return value - effort, slope - effort_slope * v_slope
     return value - limit.constant_n, slope
 
 
 @njit(cache=True)
 def _greatest_reachable(
-    limit: EffortLimit,
-    inertia: float,
-    against: float,
-    linear: float,
-    quadratic: float,
-    known: float,
-    bound: float,
-    sign: float,
+    limit: EffortLimit, friction: float, cell: Cell, known: float, bound: float, sign: float
 ) -> float:
     """Return the greatest speed squared up to `bound` at the unknown end of a cell; negative if there is none.
 
     Arguments as in `_excess`, which rises with the unknown: Newton's rule, kept inside a bracket.
     """
-    if _excess(limit, inertia, against, linear, quadratic, known, bound, sign)[0] <= 0.0:
+    if _excess(limit, friction, cell, known, bound, sign)[0] <= 0.0:
         return bound
-    value, slope = _excess(limit, inertia, against, linear, quadratic, known, known, sign)
+    value, slope = _excess(limit, friction, cell, known, known, sign)
     low, high, x = 0.0, bound, known
     if value > 0.0:
         high = known
-        if _excess(limit, inertia, against, linear, quadratic, known, 0.0, sign)[0] > 0.0:
+        if _excess(limit, friction, cell, known, 0.0, sign)[0] > 0.0:
             return -1.0
     else:
         low = known
@@ -86,7 +82,7 @@ def _greatest_reachable(
         if not low < step < high:
             step = 0.5 * (low + high)
         x = step
-        value, slope = _excess(limit, inertia, against, linear, quadratic, known, x, sign)
+        value, slope = _excess(limit, friction, cell, known, x, sign)
         if value > 0.0:
             high = x
         else:
@@ -96,25 +92,18 @@ def _greatest_reachable(
 
 @njit(cache=True)
 def _greatest_steady(
-    limit: EffortLimit,
-    inertia: float,
-    against: float,
-    linear: float,
-    quadratic: float,
-    bound: float,
-    change: float,
-    sign: float,
+    limit: EffortLimit, friction: float, cell: Cell, bound: float, change: float, sign: float
 ) -> float:
     """Return the greatest speed squared up to `bound` from which the effort keeps the speed squared within `change`.
 
     Arguments as in `_excess`: at the known end the speed squared is the result, at the other end less by `change`.
     """
-    if bound <= change or _excess(limit, inertia, against, linear, quadratic, bound, bound - change, sign)[0] <= 0.0:
+    if bound <= change or _excess(limit, friction, cell, bound, bound - change, sign)[0] <= 0.0:
         return bound
     low, high = change, bound
     for _ in range(ROOT_STEPS):
         x = 0.5 * (low + high)
-        if _excess(limit, inertia, against, linear, quadratic, x, x - change, sign)[0] > 0.0:
+        if _excess(limit, friction, cell, x, x - change, sign)[0] > 0.0:
             high = x
         else:
             low = x
@@ -124,37 +113,25 @@ def _greatest_steady(
 @njit(cache=True)
 def _take_off_unsteady(course: CourseData, speed2: FloatArray) -> None:
     """Lower `speed2` to where full effort keeps the deceleration, and full braking the acceleration, within limits."""
+    traction, braking, friction = course.traction, course.braking, course.friction_effort_n
     for i in range(course.cell_length_m.shape[0]):
-        h = course.cell_length_m[i]
-        inertia = course.half_inertia_kg / h
-        against = course.line_force_n[i] + course.resistance_constant_n
-        linear, quadratic = course.resistance_linear, course.resistance_quadratic[i]
+        cell = cell_of(course, i)
         if course.max_deceleration_ms2 < np.inf:
-            change = 2.0 * course.max_deceleration_ms2 * h
-            speed2[i] = _greatest_steady(course.traction, inertia, against, linear, quadratic, speed2[i], change, 1.0)
+            change = 2.0 * course.max_deceleration_ms2 * cell.length_m
+            speed2[i] = _greatest_steady(traction, 0.0, cell, speed2[i], change, 1.0)
         if course.max_acceleration_ms2 < np.inf:
-            change = 2.0 * course.max_acceleration_ms2 * h
-            against += course.friction_effort_n
-            speed2[i + 1] = _greatest_steady(
-                course.braking, inertia, against, linear, quadratic, speed2[i + 1], change, -1.0
-            )
+            change = 2.0 * course.max_acceleration_ms2 * cell.length_m
+            speed2[i + 1] = _greatest_steady(braking, friction, cell, speed2[i + 1], change, -1.0)
 
 
 @njit(cache=True)
 def _forward(course: CourseData, speed2: FloatArray) -> int:
     """Lower `speed2` to what full effort reaches; return the cell that cannot be passed, or MOVED."""
+    traction = course.traction
     for i in range(course.cell_length_m.shape[0]):
-        h = course.cell_length_m[i]
-        reached = _greatest_reachable(
-            course.traction,
-            course.half_inertia_kg / h,
-            course.line_force_n[i] + course.resistance_constant_n,
-            course.resistance_linear,
-            course.resistance_quadratic[i],
-            speed2[i],
-            min(speed2[i + 1], speed2[i] + 2.0 * course.max_acceleration_ms2 * h),
-            1.0,
-        )
+        cell = cell_of(course, i)
+        bound = min(speed2[i + 1], speed2[i] + 2.0 * course.max_acceleration_ms2 * cell.length_m)
+        reached = _greatest_reachable(traction, 0.0, cell, speed2[i], bound, 1.0)
         if reached < 0.0 or (reached <= 0.0 and course.fixed_speed2[i + 1] != 0.0):
             return i
         speed2[i + 1] = reached
@@ -169,34 +146,18 @@ def entering_speed2_under_brakes(
 
     Negative where full braking does not slow the train down to `leaving_speed2` at all; all in [m2/s2].
     """
-    h = course.cell_length_m[number]
-    return _greatest_reachable(
-        course.braking,
-        course.half_inertia_kg / h,
-        course.line_force_n[number] + course.resistance_constant_n + course.friction_effort_n,
-        course.resistance_linear,
-        course.resistance_quadratic[number],
-        leaving_speed2,
-        largest_speed2,
-        -1.0,
-    )
+    cell, friction = cell_of(course, number), course.friction_effort_n
+    return _greatest_reachable(course.braking, friction, cell, leaving_speed2, largest_speed2, -1.0)
 
 
 @njit(cache=True)
 def _backward(course: CourseData, speed2: FloatArray) -> int:
     """Lower `speed2` to what full braking can still slow down; return the cell that cannot be passed, or MOVED."""
+    braking, friction = course.braking, course.friction_effort_n
     for i in range(course.cell_length_m.shape[0] - 1, -1, -1):
-        h = course.cell_length_m[i]
-        entered = _greatest_reachable(
-            course.braking,
-            course.half_inertia_kg / h,
-            course.line_force_n[i] + course.resistance_constant_n + course.friction_effort_n,
-            course.resistance_linear,
-            course.resistance_quadratic[i],
-            speed2[i + 1],
-            min(speed2[i], speed2[i + 1] + 2.0 * course.max_deceleration_ms2 * h),
-            -1.0,
-        )
+        cell = cell_of(course, i)
+        bound = min(speed2[i], speed2[i + 1] + 2.0 * course.max_deceleration_ms2 * cell.length_m)
+        entered = _greatest_reachable(braking, friction, cell, speed2[i + 1], bound, -1.0)
         if entered < 0.0 or (entered <= 0.0 and course.fixed_speed2[i] != 0.0):
             return i
         speed2[i] = entered
@@ -262,8 +223,8 @@ def slowed_to_reach(course: CourseData, speed2: FloatArray) -> FloatArray:
 
 @njit(cache=True, nogil=True)
 def running_time(cell_length_m: FloatArray, speed2: FloatArray) -> float:
-    """Return the time of a run [s]: 2 h / (v0 + v1) a cell."""
+    """Return the time of a run [s]."""
     total = 0.0
     for i in range(cell_length_m.shape[0]):
-        total += 2.0 * cell_length_m[i] / (math.sqrt(speed2[i]) + math.sqrt(speed2[i + 1]))
+        total += duration(cell_length_m[i], mean_speed(math.sqrt(speed2[i]), math.sqrt(speed2[i + 1])))
     return total

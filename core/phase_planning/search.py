@@ -13,6 +13,7 @@ import math
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import driving_power
+from railjoule.core.physics.resistance import running_resistance
 
 SPEED, TIME, DISTANCE, ENERGY = range(4)
 SLOPES = 3
@@ -55,7 +56,7 @@ def between(table: FloatArray, low: float, high: float) -> tuple[float, float, f
 
 @njit(cache=True)
 def _cruise_power(kind: int, parameters: FloatArray, resistance: FloatArray, speed: float) -> float:
-    effort = resistance[0] + (resistance[1] + resistance[2] * speed) * speed
+    effort = running_resistance(resistance[0], resistance[1], resistance[2], speed, speed * speed)
     return driving_power(kind, parameters, effort, speed)[0]
 
 

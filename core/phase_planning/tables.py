@@ -14,9 +14,11 @@ from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.drive import Drive, make_drive
 from railjoule.core.drive.induction.drive import InductionDrive
 from railjoule.core.errors import StrategyRefusedError
-from railjoule.core.motion.course import resistance_coefficients, vehicle_limit_n
+from railjoule.core.motion.course import vehicle_limit_n
+from railjoule.core.physics.braking import electric_efforts
+from railjoule.core.physics.resistance import resistance_coefficients, running_resistance
 from railjoule.core.scenario import Vehicle
-from railjoule.core.units import MS_PER_KMH
+from railjoule.core.units import MS_PER_KMH, N_PER_KN
 
 KNOT_STEP_MS = 0.25
 LEAST_ACCELERATION_MS2 = 2e-3
@@ -59,10 +61,8 @@ class PhaseModel:
 
     def resistance_n(self, speed_ms: FloatArray, speed2: FloatArray | None = None) -> FloatArray:
         """Return what resists at speeds [N], or at mean speeds of cells and their mean squares."""
-        constant, linear, quadratic = self.coefficients
         squares = np.square(speed_ms) if speed2 is None else speed2
-        force: FloatArray = constant + linear * np.asarray(speed_ms) + quadratic * squares
-        return force
+        return running_resistance(*self.coefficients, np.asarray(speed_ms), squares)
 
     @cached_property
     def coefficients(self) -> tuple[float, float, float]:
@@ -83,7 +83,7 @@ class PhaseModel:
     def braking_effort_n(self, speed_ms: FloatArray) -> FloatArray:
         """Return the effort of the electric brake [N], or of the friction brakes where there is none."""
         if self.brakes_with_friction:
-            effort = np.full(np.shape(speed_ms), 1e3 * self.vehicle.braking.friction_effort_kn)
+            effort = np.full(np.shape(speed_ms), N_PER_KN * self.vehicle.braking.friction_effort_kn)
         else:
             effort = np.minimum(
                 vehicle_limit_n(self.vehicle, speed_ms, braking=True), self.drive.effort_limit_n(speed_ms, braking=True)
@@ -108,9 +108,9 @@ class PhaseModel:
         """Return the line power while braking [W]; friction brakes spare the drive what it would have to draw."""
         if self.brakes_with_friction:
             return np.zeros(np.shape(speed_ms))
-        power = self.drive.line_power_w(-effort_n, speed_ms)
-        spared = effort_n <= 1e3 * self.vehicle.braking.friction_effort_kn
-        return np.where(spared, np.minimum(power, 0.0), power)
+        friction_n = N_PER_KN * self.vehicle.braking.friction_effort_kn
+        electric = electric_efforts(self.drive.kind, self.drive.parameters, effort_n, speed_ms, effort_n, friction_n)
+        return self.drive.line_power_w(-electric, speed_ms)
 
     def start(self, starting_current_a: float | None = None) -> FloatArray:
         """Return the table of a start from rest; shape (7, k)."""

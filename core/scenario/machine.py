@@ -5,9 +5,9 @@ from typing import Annotated, Self
 from pydantic import Field, model_validator
 
 from railjoule.core.scenario._base import Count, Number, Part
+from railjoule.core.units import H_PER_MH
 
 Resistance = Annotated[Number, Field(gt=0, le=100)]
-H_PER_MH = 1e-3
 
 
 class InductionMachine(Part):

@@ -7,8 +7,9 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.motion import Course, greatest_speeds
-from railjoule.core.motion.cell_step import COAST, FULL_BRAKE, FULL_TRACTION, cell_of, exit_speed2
-from railjoule.core.motion.course import FREE, CourseData
+from railjoule.core.motion.cell_step import COAST, FULL_BRAKE, FULL_TRACTION, exit_speed2
+from railjoule.core.motion.course import FREE
+from railjoule.core.physics.course_data import CourseData, cell_of, train_of
 
 STANDING_SPEED2 = 1e-9
 
@@ -40,15 +41,15 @@ def held(course: CourseData, speed2: float, coasting: bool) -> FloatArray:
         Squares of speed [m2/s2]; 0 from where it comes to a stand.
     """
     n = course.cell_length_m.shape[0]
-    traction, braking, step_ms = course.traction.table, course.braking.table, course.traction.table_step_ms
+    train, traction, braking = train_of(course), course.traction, course.braking
     run = np.zeros(n + 1)
     run[0] = speed2
     for i in range(n):
         cell = cell_of(course, i)
         if coasting:
-            after = exit_speed2(cell, traction, braking, step_ms, run[i], COAST)
+            after = exit_speed2(cell, train, traction, braking, run[i], COAST)
         else:
-            after = min(speed2, exit_speed2(cell, traction, braking, step_ms, run[i], FULL_TRACTION))
+            after = min(speed2, exit_speed2(cell, train, traction, braking, run[i], FULL_TRACTION))
         if after <= 0.0:
             break
         run[i + 1] = after
@@ -74,13 +75,13 @@ def fully_braked(course: CourseData, speed2: float) -> tuple[FloatArray, float]:
         From the first node to where it stands [m].
     """
     n = course.cell_length_m.shape[0]
-    traction, braking, step_ms = course.traction.table, course.braking.table, course.traction.table_step_ms
+    train, traction, braking = train_of(course), course.traction, course.braking
     run = np.zeros(n + 1)
     run[0] = speed2
     way = 0.0
     for i in range(n):
         cell = cell_of(course, i)
-        after = exit_speed2(cell, traction, braking, step_ms, run[i], FULL_BRAKE)
+        after = exit_speed2(cell, train, traction, braking, run[i], FULL_BRAKE)
         if after <= 0.0:
             return run, way + cell.length_m * run[i] / (run[i] - after)
         run[i + 1] = after

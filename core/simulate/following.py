@@ -17,9 +17,9 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError, TimetableError
 from railjoule.core.motion import build_course
-from railjoule.core.motion.cell_step import FULL_BRAKE, FULL_TRACTION, cell_of, exit_speed2
-from railjoule.core.motion.course import CourseData
+from railjoule.core.motion.cell_step import FULL_BRAKE, FULL_TRACTION, exit_speed2
 from railjoule.core.motion.mesh import line_borders, with_nodes_at
+from railjoule.core.physics.course_data import CourseData, cell_of, train_of
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.as_it_is import as_it_is, changed
 from railjoule.core.simulate.odometer import Stretch, believed_places, stopping_place, stretches
@@ -222,14 +222,7 @@ def _overrun(nodes: FloatArray, speed2: FloatArray, real: Scenario) -> tuple[Flo
     further = build_course(real, position_m=np.concatenate([nodes[-2:], beyond]))
     data, speeds = further.data, [float(speed2[-1])]
     for cell in range(1, len(beyond)):
-        after = exit_speed2(
-            cell_of(data, cell),
-            data.traction.table,
-            data.braking.table,
-            data.traction.table_step_ms,
-            speeds[-1],
-            FULL_BRAKE,
-        )
+        after = exit_speed2(cell_of(data, cell), train_of(data), data.traction, data.braking, speeds[-1], FULL_BRAKE)
         if after <= 0:
             last = OVERRUN_CELL_M * speeds[-1] / (speeds[-1] - after)
             ends = [*beyond[: cell - 1], (beyond[cell - 2] if cell > 1 else nodes[-1]) + last]
@@ -263,15 +256,15 @@ def follow_cells(
         The node at which the train stands before its end; -1 if it does not.
     """
     n = course.cell_length_m.shape[0]
-    traction, braking, step_ms = course.traction.table, course.braking.table, course.traction.table_step_ms
+    train, traction, braking = train_of(course), course.traction, course.braking
     speed2 = np.zeros(n + 1)
     speed2[0] = initial_speed2
     for i in range(n):
         cell = cell_of(course, i)
         left = math.exp(-cell.length_m / response_length_m) if response_length_m > 0.0 else 0.0
         wish = wanted_speed2[i + 1] + (speed2[i] - wanted_speed2[i]) * left if i < n - 1 else wanted_speed2[n]
-        top = exit_speed2(cell, traction, braking, step_ms, speed2[i], FULL_TRACTION)
-        low = exit_speed2(cell, traction, braking, step_ms, speed2[i], FULL_BRAKE)
+        top = exit_speed2(cell, train, traction, braking, speed2[i], FULL_TRACTION)
+        low = exit_speed2(cell, train, traction, braking, speed2[i], FULL_BRAKE)
         speed2[i + 1] = min(max(wish, low, 0.0), top)
         if speed2[i + 1] <= 0.0 and i < n - 1:
             return speed2, i + 1

@@ -111,7 +111,7 @@ class Leg:
         """Return the trajectory of this leg."""
         course = build_course(self.scenario, position_m=self.position_m)
         course = replace(course, dwell_s=self.dwell_s)
-        return make_trajectory(self.scenario, course, strategy, self.speed2, np.zeros(course.cell_count))
+        return make_trajectory(self.scenario, course, strategy, self.speed2)
 
 
 def leg_of(run: Trajectory) -> Leg:

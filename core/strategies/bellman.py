@@ -63,7 +63,6 @@ def bellman_with_law(task: Task) -> tuple[Trajectory, ControlLaw]:
         task.course,
         "bellman",
         found.speed2,
-        np.zeros(task.course.cell_count),
         price_of_time_w=found.price_w,
         iterations=found.sweeps,
     )

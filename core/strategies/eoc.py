@@ -18,6 +18,8 @@ from scipy.interpolate import CubicHermiteSpline
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.errors import SolverError
+from railjoule.core.motion import running_time
+from railjoule.core.physics.resistance import resistance_slope
 from railjoule.core.strategies.plain_line import PlainLine, check_feasible, plain_line
 from railjoule.core.strategies.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
@@ -76,7 +78,7 @@ def solve_eoc(line: PlainLine, travel_time_s: float, variant: Variant = "optimal
     SolverError
         If the boundary value solver does not converge.
     """
-    m, h, a, b, c = line.inertia_kg, line.loss_coefficient, line.constant_n, line.linear, line.quadratic
+    m, h, b, c = line.inertia_kg, line.loss_coefficient, line.linear, line.quadratic
     mean = line.distance_m / travel_time_s
     unit = m * mean / travel_time_s
     drag_work = 3 * c if variant == "optimal" else 0.0
@@ -84,9 +86,10 @@ def solve_eoc(line: PlainLine, travel_time_s: float, variant: Variant = "optimal
 
     def slopes(_: FloatArray, y: FloatArray, price: FloatArray) -> FloatArray:
         v, f = mean * y[1], unit * y[2]
-        acceleration = (f - (a + (b + c * v) * v)) / m
+        acceleration = (f - line.resistance_n(v)) / m
         # A + price, of which the one may vanish, is one unknown
-        rise = ((2 * b + drag_work * v) * v + 2 * h * f * (b + 2 * c * v) + price_unit * price[0]) / (2 * h * m)
+        worth = (2 * b + drag_work * v) * v + 2 * h * f * resistance_slope(b, c, v) + price_unit * price[0]
+        rise = worth / (2 * h * m)
         return np.vstack([y[1], acceleration * travel_time_s / mean, rise * travel_time_s / unit])
 
     def ends(start: FloatArray, end: FloatArray, _: FloatArray) -> FloatArray:
@@ -100,7 +103,7 @@ def solve_eoc(line: PlainLine, travel_time_s: float, variant: Variant = "optimal
     fine = np.linspace(0, 1, SAMPLES)
     y = solution.sol(fine)
     time, speed, effort = fine * travel_time_s, mean * y[1], unit * y[2]
-    shaft = (a + (b + c * speed) * speed) * speed
+    shaft = line.resistance_n(speed) * speed
     kinetic = 0.5 * m * (speed**2 - speed[0] ** 2)
     losses = cumulative_simpson(h * effort**2 + shaft, x=time, initial=0)
     return EocSolution(
@@ -116,7 +119,7 @@ def solve_eoc(line: PlainLine, travel_time_s: float, variant: Variant = "optimal
 def speed2_at(solution: EocSolution, line: PlainLine, position_m: FloatArray) -> FloatArray:
     """Return the squares of speed [m2/s2] at places [m], by cubics that meet value and slope 2 dv/dt at each sample."""
     v = solution.speed_ms
-    acceleration = (solution.effort_n - (line.constant_n + (line.linear + line.quadratic * v) * v)) / line.inertia_kg
+    acceleration = (solution.effort_n - line.resistance_n(v)) / line.inertia_kg
     place = solution.position_m
     rising = np.append(True, np.diff(np.maximum.accumulate(place)) > 0)
     curve = CubicHermiteSpline(place[rising], v[rising] ** 2, 2 * acceleration[rising])
@@ -142,7 +145,7 @@ def eoc(task: Task) -> Trajectory:
     variant = task.scenario.eoc.variant
     solution = solve_eoc(line, task.running_time_s, variant)
     speed2 = speed2_at(solution, line, task.course.position_m)
-    time = float(np.sum(2 * np.diff(task.course.position_m) / (np.sqrt(speed2[1:]) + np.sqrt(speed2[:-1]))))
+    time = running_time(task.course.data.cell_length_m, speed2)
     # between the nodes of the mesh the run is a polygon of speed squared: keep its time, not its samples
     speed2 *= (time / task.running_time_s) ** 2
     check_feasible(task.course, speed2)

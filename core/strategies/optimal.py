@@ -5,8 +5,6 @@ References: the method is in `railjoule.core.interior_point.solver`, the proof i
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from railjoule.core.errors import SolverError
 from railjoule.core.interior_point.proof import prove
 from railjoule.core.interior_point.solver import CONVERGED, Optimum, minimise_energy
@@ -111,12 +109,10 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
     bound = certify(task, optimum, proof_budget)
     if takes_power_idling(task):
         run = unswitched(task, optimum)
-        # friction spares the drive what it would have to draw
-        electric = np.zeros(task.course.cell_count)
         notes: tuple[str, ...] = (switching_note(task, optimum, run.energy_j),)
         speed2, price, iterations = run.speed2, run.price_of_time_w, run.iterations
     else:
-        electric, notes = optimum.braking * data.traction.constant_n, ()
+        notes = ()
         speed2, price, iterations = (
             optimum.speed2,
             optimum.time_multiplier * data.traction.constant_n,
@@ -127,7 +123,6 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
         task.course,
         "optimal",
         speed2,
-        electric,
         bound=bound,
         price_of_time_w=price,
         iterations=iterations,

@@ -74,7 +74,6 @@ def trajectory_of(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...
         course,
         "phases",
         np.concatenate(speeds) ** 2,
-        np.zeros(course.cell_count),
         price_of_time_w=None if price is None else price - course.data.auxiliary_power_w,
         notes=tuple(_sentence(plan) for plan in plans),
     )

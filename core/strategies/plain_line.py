@@ -8,6 +8,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.drive.kinds import COPPER_LOSS
 from railjoule.core.errors import StrategyRefusedError
 from railjoule.core.motion import Course
+from railjoule.core.physics.resistance import running_resistance
 from railjoule.core.strategies.task import Task
 from railjoule.core.units import MS_PER_KMH
 
@@ -39,6 +40,10 @@ class PlainLine:
     quadratic: float
     loss_coefficient: float
     notes: tuple[str, ...]
+
+    def resistance_n(self, speed_ms: FloatArray) -> FloatArray:
+        """Return what resists at speeds [m/s], line included [N]; shape as the argument's."""
+        return running_resistance(self.constant_n, self.linear, self.quadratic, speed_ms, np.square(speed_ms))
 
 
 def plain_line(task: Task) -> PlainLine:

@@ -235,8 +235,7 @@ def literal_trajectory(
 
 def _made(task: Task, course: Course, speed2: FloatArray, notes: tuple[str, ...]) -> Trajectory:
     """Return a trajectory with a bound for the time that it takes, which may be later than the timetable's."""
-    sparing = np.zeros(course.cell_count) if course.data.friction_effort_n > 0 else None
-    run = make_trajectory(task.scenario, course, "speed_limits", speed2, sparing, notes=notes)
+    run = make_trajectory(task.scenario, course, "speed_limits", speed2, notes=notes)
     late = replace(task, running_time_s=run.travel_time_s - task.dwell_s)
     return run.with_bound(_bound(late)) if late.has_slack else run
 

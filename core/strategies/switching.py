@@ -16,11 +16,11 @@ import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.drive.kernels import jumps_at_no_effort
-from railjoule.core.dynamic_programming.rollout import run_energy
 from railjoule.core.dynamic_programming.search import search
 from railjoule.core.interior_point.duty import coasting_exactly, duty
 from railjoule.core.interior_point.solver import LARGEST_VIOLATION, Optimum, minimise_energy
 from railjoule.core.motion import running_time
+from railjoule.core.physics.account import run_energy
 from railjoule.core.strategies.task import Task
 
 TOLERANCE = 1e-6

@@ -20,7 +20,8 @@ from scipy.optimize import brentq
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import StrategyRefusedError
-from railjoule.core.motion.course import resistance_coefficients, vehicle_limit_n
+from railjoule.core.motion.course import vehicle_limit_n
+from railjoule.core.physics.resistance import resistance_coefficients, resistance_slope, running_resistance
 from railjoule.core.scenario import Scenario, Vehicle
 from railjoule.core.scenario.drive import ConstantEfficiency
 from railjoule.core.units import MS_PER_KMH
@@ -99,7 +100,7 @@ def steady_speeds(scenario: Scenario, price_of_time_w: float, highest_ms: float 
     top = vehicle.traction.max_speed_kmh * MS_PER_KMH
 
     def lack(speed: float) -> float:
-        return driving * speed**2 * (linear + 2 * quadratic * speed) - price_of_time_w
+        return driving * speed**2 * resistance_slope(linear, quadratic, speed) - price_of_time_w
 
     hold = float(brentq(lack, 0.0, top)) if lack(top) > 0 else top
     highest = hold if highest_ms is None else min(highest_ms, hold)
@@ -148,4 +149,4 @@ def constant_efficiency_of(scenario: Scenario) -> ConstantEfficiency:
 def _resistance_n(vehicle: Vehicle, speed_ms: FloatArray | float) -> FloatArray:
     constant, linear, quadratic = resistance_coefficients(vehicle)
     speed = np.asarray(speed_ms, dtype=float)
-    return constant + linear * speed + quadratic * speed**2
+    return running_resistance(constant, linear, quadratic, speed, np.square(speed))

@@ -18,9 +18,8 @@ from railjoule.core.compiled import njit
 from railjoule.core.drive import make_drive
 from railjoule.core.errors import ScenarioError
 from railjoule.core.trajectory import Trajectory
-from railjoule.core.units import J_PER_KWH
+from railjoule.core.units import J_PER_KWH, W_PER_KW
 
-W_PER_KW = 1e3
 DAY_S = 86_400.0
 MOST_REPEATS, SAME_CHARGE = 200, 1e-9
 

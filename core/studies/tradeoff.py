@@ -17,7 +17,7 @@ from railjoule.core.scenario.options import EnocOptions
 from railjoule.core.strategies import certify, minimise, prepare_task, run_strategy
 from railjoule.core.strategies.switching import takes_power_idling
 from railjoule.core.strategies.task import LEAST_SLACK, Task
-from railjoule.core.units import J_PER_KWH
+from railjoule.core.units import J_PER_KWH, J_PER_WH
 
 if TYPE_CHECKING:
     import pandas
@@ -28,7 +28,6 @@ MOST_CELLS = 350
 """A course with more cells is meshed anew with longer ones: the frontier is redrawn while a slider moves."""
 FIRST_SLACK = 0.004
 """The first travel time of `frontier_times` exceeds the shortest one by this share."""
-J_PER_WH = J_PER_KWH / 1e3
 
 
 @dataclass(frozen=True, eq=False)

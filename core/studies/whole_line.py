@@ -20,13 +20,12 @@ from railjoule.core.scenario import Scenario
 from railjoule.core.strategies.optimal import optimal
 from railjoule.core.strategies.task import Task, prepare_task
 from railjoule.core.trajectory import Bound, Trajectory, make_trajectory
-from railjoule.core.units import J_PER_KWH
+from railjoule.core.units import J_PER_KWH, J_PER_WH
 
 if TYPE_CHECKING:
     import pandas
 
 Sharing = Literal["optimum", "proportional", "equal"]
-J_PER_WH = J_PER_KWH / 1e3
 
 
 @dataclass(frozen=True)
@@ -238,7 +237,6 @@ def _joined(task: Task, runs: list[Trajectory], sharing: Sharing) -> Trajectory:
     """Return runs that follow one another as one, with the dwells between them."""
     moving = [np.diff(run.position_m) > 0 for run in runs]
     speed2 = [run.speed_ms[np.append(True, moves)] ** 2 for run, moves in zip(runs, moving, strict=True)]
-    electric = [run.electric_braking_n[moves] for run, moves in zip(runs, moving, strict=True)]
     bounds = [run.bound for run in runs if run.bound is not None]
     bound = None
     if len(bounds) == len(runs):
@@ -250,7 +248,6 @@ def _joined(task: Task, runs: list[Trajectory], sharing: Sharing) -> Trajectory:
         task.course,
         "optimal",
         np.concatenate([speed2[0], *(values[1:] for values in speed2[1:])]),
-        np.concatenate(electric),
         bound=bound,
         iterations=sum(run.iterations for run in runs),
         notes=tuple(dict.fromkeys(note for run in runs for note in run.notes)),

@@ -13,8 +13,10 @@ from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.drive import constant_efficiency, copper_loss
 from railjoule.core.drive.kernels import may_draw_while_braking
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS
-from railjoule.core.motion.course import CourseData
-from railjoule.core.motion.effort_limit import EffortLimit
+from railjoule.core.drive.line_power import smooth_line_power
+from railjoule.core.physics.cell import duration, mean_speed, needed_force
+from railjoule.core.physics.course_data import CourseData, cells_of
+from railjoule.core.physics.effort_limit import EffortLimit
 
 DRIVES = {CONSTANT_EFFICIENCY: constant_efficiency, COPPER_LOSS: copper_loss}
 
@@ -102,9 +104,10 @@ class Program:
         data, h, sum_of = self.data, self.data.cell_length_m, self.casadi.sum1
         w = self._speed2_at_nodes()
         speed = self.casadi.sqrt(w)
-        v = 0.5 * (speed[1:] + speed[:-1])
-        rise = data.half_inertia_kg / (h * self.scale) * (w[1:] - w[:-1])
-        force = rise + self._resistance(v, 0.5 * (w[1:] + w[:-1]))
+        v = mean_speed(speed[:-1], speed[1:])
+        cells = cells_of(data)
+        rise = cells.inertia / self.scale * (w[1:] - w[:-1])
+        force = needed_force(cells, w[:-1], w[1:], v) / self.scale
         braking = self.braking if self.has_braking else self.traction - force
         top_speed = 0.5 * (reachable_speed[1:] + reachable_speed[:-1])
         self._limit_over_speed(self.traction, data.traction, v, top_speed)
@@ -116,9 +119,9 @@ class Program:
         if np.isfinite([data.max_acceleration_ms2, data.max_deceleration_ms2]).any():
             inertia = 2 * data.half_inertia_kg / self.scale
             self._keep(rise, -inertia * data.max_deceleration_ms2, inertia * data.max_acceleration_ms2)
-        duration = sum_of(h / v)
-        self._keep(duration, -np.inf, running_time_s)
-        return sum_of(h * self._energy_per_metre(v, braking)) + data.auxiliary_power_w / self.scale * duration
+        time = sum_of(duration(h, v))
+        self._keep(time, -np.inf, running_time_s)
+        return sum_of(h * self._energy_per_metre(v, braking)) + data.auxiliary_power_w / self.scale * time
 
     def _keep(self, expression: Any, low: float, high: float) -> None:
         self._constraints.append((expression, low, high))
@@ -129,11 +132,6 @@ class Program:
         pattern = ca.Sparsity.triplet(len(self.free), len(place), place.tolist(), list(range(len(place))))
         return ca.mtimes(ca.DM(pattern, 1.0), self.speed2) + ca.DM(np.where(self.free, 0.0, self.data.fixed_speed2))
 
-    def _resistance(self, v: Any, mean_speed2: Any) -> Any:
-        data = self.data
-        running = data.resistance_constant_n + data.resistance_linear * v + data.resistance_quadratic * mean_speed2
-        return (running + data.line_force_n) / self.scale
-
     def _energy_per_metre(self, v: Any, braking: Any) -> Any:
         """Return the line energy of the cells over their length, without auxiliaries."""
         drive, parameters, share = (
@@ -143,11 +141,9 @@ class Program:
         )
         taken = _formula(drive.driving_power)(parameters, self.traction * self.scale, v)[0] / v / self.scale
         generated = _formula(drive.generated_power)(parameters, braking * self.scale, v)[0] / v / self.scale
-        energy = taken - share * generated
         if self.may_draw:
             self._keep(self.drawn + generated, 0.0, np.inf)
-            energy = energy + (1 - share) * self.drawn
-        return energy
+        return smooth_line_power(taken, generated, self.drawn if self.may_draw else 0.0, share)
 
     def _limit_over_speed(self, effort: Any, limit: EffortLimit, v: Any, top_speed: FloatArray) -> None:
         """Keep an effort under its limit that varies with speed."""

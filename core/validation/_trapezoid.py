@@ -57,7 +57,7 @@ def sample_trapezoid(line: PlainLine, travel_time_s: float, acceleration_time_s:
             continue
         time = np.linspace(0, duration_s, SAMPLES_A_PART)
         speed = start_ms + acceleration_ms2 * time
-        resistance = line.constant_n + (line.linear + line.quadratic * speed) * speed
+        resistance = line.resistance_n(speed)
         effort = line.inertia_kg * acceleration_ms2 + resistance
         power = effort * speed + line.loss_coefficient * effort**2
         efforts.append(effort)

@@ -116,6 +116,7 @@ TABLES = tables()
 QUANTITIES, OTHERS, *_ = TABLES.values()
 INSIDE = {
     "drive": TABLES["Inside the drives"],
+    "physics": TABLES["Inside the physics"],
     "interior_point": TABLES["Inside the interior-point method"],
     "dynamic_programming": TABLES["Inside the dynamic programming"],
 }

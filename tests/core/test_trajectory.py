@@ -179,17 +179,24 @@ def test_friction_brakes_do_what_the_electric_brake_cannot():
     assert run.energy.losses_j["friction_brakes"] == pytest.approx(burnt)
 
 
-def test_an_electric_brake_that_would_draw_power_is_left_out_where_it_is_wanted():
-    """Below v = coefficient F, 1.5 m/s here and so in the last cell alone, friction saves what motors would draw."""
+def test_an_electric_brake_that_would_draw_power_leaves_it_to_friction():
+    """Below v = coefficient F, 1.5 m/s here and so in the last cell alone, motors would draw; they generate most, with
+    v^2 / (4 coefficient), at half of the effort that just generates nothing."""
     drive = {**COPPER_LOSS, "resistance_ohm": 0.3}
-    scenario = plain_scenario({"vehicle.drive": drive, "vehicle.braking.friction_effort_kn": 100.0})
-    course = build_course(scenario)
+    with_friction = plain_scenario({"vehicle.drive": drive, "vehicle.braking.friction_effort_kn": 100.0})
+    course = build_course(with_friction)
     speed2 = 2 * 0.7 * np.minimum(course.position_m, 2000 - course.position_m).clip(max=80.0)
-    by_motors = make_trajectory(scenario, course, "any", speed2)
-    by_friction = make_trajectory(scenario, course, "any", speed2, np.zeros(course.cell_count))
-    drawn = by_motors.line_power_w[-1]
-    assert drawn > 0
-    assert by_friction.electric_braking_n[-1] == 0
-    assert by_friction.energy.net_j == pytest.approx(by_motors.energy.net_j - drawn * np.diff(by_motors.time_s)[-1])
-    # elsewhere motors generate, and no wish to spare them is heard
-    assert np.array_equal(by_friction.electric_braking_n[:-1], by_motors.electric_braking_n[:-1])
+    without = plain_scenario({"vehicle.drive": drive})
+    by_motors = make_trajectory(without, build_course(without), "any", speed2)
+    by_both = make_trajectory(with_friction, course, "any", speed2)
+    assert by_motors.line_power_w[-1] > 0
+    coefficient, speed = course.drive.parameters[0], 0.5 * by_both.speed_ms[-2]
+    assert by_both.electric_braking_n[-1] == pytest.approx(speed / (2 * coefficient))
+    assert by_both.line_power_w[-1] == pytest.approx(-0.5 * speed**2 / (4 * coefficient))
+    spared = (by_motors.line_power_w - by_both.line_power_w) @ np.diff(by_motors.time_s)
+    assert by_both.energy.net_j == pytest.approx(by_motors.energy.net_j - spared)
+    # where motors generate the more the more they brake, they do all
+    mean_speed = 0.5 * (by_both.speed_ms[1:] + by_both.speed_ms[:-1])
+    fast = mean_speed > 2 * coefficient * by_motors.electric_braking_n
+    assert 0 < np.count_nonzero(~fast) < 8
+    assert np.array_equal(by_both.electric_braking_n[fast], by_motors.electric_braking_n[fast])

@@ -19,12 +19,13 @@ from railjoule.core.drive.induction.power import (
     operating_point,
 )
 from railjoule.core.drive.kinds import INDUCTION
+from railjoule.core.drive.line_power import resistor_power
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario.drive import Induction
+from railjoule.core.units import H_PER_MH
 
 NEGLIGIBLE_SHARE = 1e-7
 """An effort below this share of the largest one is rounding, and the machines are off."""
-H_PER_MH = 1e-3
 LOSS_KINDS = ("copper", "iron", "mechanical", "gear", "standstill_brake")
 
 
@@ -46,7 +47,7 @@ class InductionDrive(Drive):
         power = self.electrical_power_w(effort_n, speed_ms)
         found = self._machines(effort_n, speed_ms)
         losses = {kind: found[index].reshape(power.shape) for index, kind in enumerate(LOSS_KINDS)}
-        return losses | {"brake_resistors": -(1 - self.recuperation_factor) * np.minimum(power, 0)}
+        return losses | {"brake_resistors": resistor_power(power, self.recuperation_factor)}
 
     def current_a(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
         """Return the current of one machine, amplitude per phase and negative where it generates [A]."""

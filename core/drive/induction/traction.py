@@ -13,7 +13,8 @@ from railjoule.core.drive.induction.limits import greatest_torque_nm
 from railjoule.core.drive.induction.machine import Machine, machine_of
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario.drive import CopperLoss, DriveParameters, Induction
-from railjoule.core.scenario.machine import H_PER_MH, InductionMachine
+from railjoule.core.scenario.machine import InductionMachine
+from railjoule.core.units import H_PER_MH
 
 
 @dataclass(frozen=True)

@@ -13,10 +13,9 @@ from railjoule.core.drive.synchronous.losses import KINDS, MOTOR_KINDS, LossNumb
 from railjoule.core.drive.synchronous.machine import Machine
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario.drive import Synchronous
+from railjoule.core.units import H_PER_MH, M_PER_MM
 
 LOSS_KINDS = ("copper", "iron", "mechanical", "harmonics", "conduction", "switching")
-H_PER_MH = 1e-3
-M_PER_MM = 1e-3
 TABLE_TORQUES, TABLE_SPEEDS = 36, 41
 
 

@@ -9,6 +9,7 @@ from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.drive.induction.flux import fill_flux_currents
 from railjoule.core.drive.induction.traction import TractionMachines
 from railjoule.core.motion import Course
+from railjoule.core.physics.resistance import running_resistance
 from railjoule.core.simulate.field_oriented.reference import Reference
 
 VOLTAGE_RESERVE = 0.02
@@ -82,7 +83,9 @@ def _torque_nm(reference: Reference, course: Course, machines: TractionMachines)
     speed = np.maximum(reference.speed_ms[::COARSE], 0.0)
     places = reference.position_m[::COARSE]
     cell = np.clip(np.searchsorted(course.position_m, places, side="right") - 1, 0, course.cell_count - 1)
-    running = data.resistance_constant_n + (data.resistance_linear + data.resistance_quadratic[cell] * speed) * speed
+    running = running_resistance(
+        data.resistance_constant_n, data.resistance_linear, data.resistance_quadratic[cell], speed, speed * speed
+    )
     moving = np.where(speed > 0, running + course.curve_force_n[cell], 0.0)
     inertia = 2 * data.half_inertia_kg * reference.acceleration_ms2[::COARSE]
     force = inertia + moving + course.gradient_force_n[cell]

@@ -33,6 +33,8 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
+from railjoule.core.drive.line_power import line_power
+from railjoule.core.physics.resistance import running_resistance
 
 CURRENT_BANDWIDTH_RADS = 500.0
 CURRENT_BANDWIDTH_SHARE = 25.0
@@ -244,8 +246,9 @@ def fill_rates(
 
     # the train
     moving = min(max(v / CREEP_MS, -1.0), 1.0)
-    running = plant.resistance_constant_n + (plant.resistance_linear + way.resistance_quadratic[cell] * abs(v)) * abs(v)
-    running *= moving
+    running = moving * running_resistance(
+        plant.resistance_constant_n, plant.resistance_linear, way.resistance_quadratic[cell], abs(v), v * v
+    )
     curve = way.curve_force_n[cell] * moving
     friction = plant.mechanical_loss_torque_nm * moving
     force = wheel_force_n(plant, torque - friction)
@@ -302,7 +305,7 @@ def fill_rates(
 
     extras[VOLTAGE] = math.hypot(u_d, u_q)
     extras[TORQUE] = torque
-    extras[LINE_POWER] = power if power > 0.0 else plant.recuperation_factor * power
+    extras[LINE_POWER] = line_power(power, plant.recuperation_factor)
     by_current = too_much and abs(allowed_i_q) < by_voltage
     extras[CURRENT_HELD] = 1.0 if by_current else 0.0
     extras[VOLTAGE_HELD] = 1.0 if held or (too_much and not by_current) else 0.0

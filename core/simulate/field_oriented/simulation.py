@@ -9,6 +9,7 @@ import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray, frozen_array
 from railjoule.core.drive.induction.traction import TractionMachines, traction_machines
+from railjoule.core.drive.line_power import line_power, resistor_power
 from railjoule.core.energy import Energy
 from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError
 from railjoule.core.motion import Course, build_course
@@ -382,13 +383,13 @@ def _trajectory(
     gear = np.where(torque > 0, motors.gear_efficiency, 1 / motors.gear_efficiency)
     force = motors.motors * motors.turns_per_metre * torque * gear
     effort = 0.5 * (force[1:] + force[:-1])
-    line = states[:, p.DRAWN] - data.recuperation_factor * states[:, p.RETURNED]
-    line = line + data.auxiliary_power_w * time
+    returned = -line_power(-states[:, p.RETURNED], data.recuperation_factor)
+    line = states[:, p.DRAWN] - returned + data.auxiliary_power_w * time
     cell = np.clip(np.searchsorted(course.position_m, middle, side="right") - 1, 0, course.cell_count - 1)
     ends = states[-1]
     energy = Energy(
         traction_j=float(ends[p.DRAWN]),
-        recuperated_j=float(data.recuperation_factor * ends[p.RETURNED]),
+        recuperated_j=float(returned[-1]),
         auxiliary_j=data.auxiliary_power_w * float(time[-1]),
         running_resistance_j=float(ends[p.RUNNING]),
         curve_resistance_j=float(ends[p.CURVE]),
@@ -399,7 +400,7 @@ def _trajectory(
             "mechanical": float(ends[p.MECHANICAL]),
             "gear": float(ends[p.GEAR]),
             "magnetic_field": stored_j,
-            "brake_resistors": float((1 - data.recuperation_factor) * ends[p.RETURNED]),
+            "brake_resistors": float(resistor_power(-ends[p.RETURNED], data.recuperation_factor)),
         },
         kinetic_j=float(data.half_inertia_kg * (states[-1, p.V] ** 2 - states[0, p.V] ** 2)),
         potential_j=float(ends[p.CLIMB]),

@@ -17,7 +17,7 @@ from railjoule.core.interior_point.certificate import (
     tangent_minimum,
     usable_prices,
 )
-from railjoule.core.motion.effort_limit import limit_over_speed, table_speeds, tabulated_limit
+from railjoule.core.physics.effort_limit import limit_over_speed, table_speeds, tabulated_limit
 from railjoule.core.strategies import minimise, prepare_task
 from railjoule.core.trajectory import make_trajectory
 

@@ -22,7 +22,7 @@ from railjoule.core.interior_point.switching import (
     tangent,
 )
 from railjoule.core.interior_point.switching_bound import cheapest_effort, curve_bound
-from railjoule.core.motion.effort_limit import largest_effort
+from railjoule.core.physics.effort_limit import largest_effort
 from railjoule.core.strategies import prepare_task
 
 TASK = prepare_task(plain_scenario({"vehicle.drive": INDUCTION, "vehicle.traction": {"max_speed_kmh": 72.0}}))

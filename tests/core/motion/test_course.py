@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 
 from railjoule.core import ScenarioError, solve
 from railjoule.core.motion import build_course
-from railjoule.core.motion.course import FREE, resistance_coefficients
+from railjoule.core.motion.course import FREE
+from railjoule.core.physics.resistance import resistance_coefficients
 
 coefficients = st.fixed_dictionaries(
     {

@@ -5,7 +5,8 @@ import re
 import pytest
 
 from railjoule.core.errors import ScenarioError
-from railjoule.core.motion.course import build_course, resistance_coefficients
+from railjoule.core.motion.course import build_course
+from railjoule.core.physics.resistance import resistance_coefficients
 from railjoule.core.scenario import Line, Vehicle, load_scenario, preset_document, preset_names, preset_text
 
 SHIPPED = [(kind, name) for kind in ("vehicles", "lines", "scenarios") for name in preset_names(kind)]

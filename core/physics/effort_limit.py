@@ -61,7 +61,7 @@ def tabulated_limit(constant_n: float, efforts_n: FloatArray) -> EffortLimit:
     return EffortLimit(constant_n, np.inf, np.ascontiguousarray(curve.c[::-1].T), TABLE_STEP_MS)
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def limit_over_speed(limit: EffortLimit, speed: float) -> tuple[float, float, float]:
     """Return the limit that varies with speed [N] and its first and second derivative, without the constant."""
     pieces = limit.table.shape[0]
@@ -78,11 +78,11 @@ def limit_over_speed(limit: EffortLimit, speed: float) -> tuple[float, float, fl
     )
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def largest_effort(limit: EffortLimit, speed: float) -> float:
     """Return the largest effort [N] at a speed above zero [m/s]."""
-    if limit.table.shape[0] == 0 and limit.power_w == np.inf:
-        return limit.constant_n
+    if limit.table.shape[0] == 0:
+        return min(limit.constant_n, limit.power_w / speed)
     return min(limit.constant_n, limit_over_speed(limit, speed)[0])
 
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from railjoule.core import ScenarioError
 from railjoule.core.motion import build_course
-from railjoule.core.motion.effort_limit import (
+from railjoule.core.physics.effort_limit import (
     NO_TABLE,
     TABLE_STEP_MS,
     EffortLimit,

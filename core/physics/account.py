@@ -1,0 +1,125 @@
+"""The account of a cell: which efforts its force takes, what the drive takes or generates, what the line gives.
+
+All that counts energy counts it here: dynamic programming, trips under limits, the account of a trajectory. The
+interior-point method minimises the same with the efforts as variables, which no optimum leaves elsewhere.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.compiled import njit
+from railjoule.core.drive.kernels import driving_power, generated_power
+from railjoule.core.drive.line_power import line_power
+from railjoule.core.physics.braking import electric_effort
+from railjoule.core.physics.cell import Cell, duration, mean_speed, needed_force
+from railjoule.core.physics.course_data import CourseData, Train, cell_of, train_of
+from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
+
+
+class CellAccount(NamedTuple):
+    """What one cell takes.
+
+    Parameters
+    ----------
+    duration_s, mean_speed_ms : float
+        Time [s] and mean speed over it [m/s].
+    tractive_effort_n, electric_braking_n, friction_braking_n : float
+        Efforts at the wheels, all positive [N].
+    power_w : float
+        At the terminals of the drive, negative where it generates [W].
+    line_power_w : float
+        Taken from the line without auxiliaries, negative where it goes back [W].
+    excess_n : float
+        By how much the effort exceeds the largest one [N]; below zero where there is more.
+    """
+
+    duration_s: float
+    mean_speed_ms: float
+    tractive_effort_n: float
+    electric_braking_n: float
+    friction_braking_n: float
+    power_w: float
+    line_power_w: float
+    excess_n: float
+
+
+@njit(cache=True, error_model="numpy", forceinline=True)
+def account_of_cell(
+    cell: Cell,
+    train: Train,
+    traction: EffortLimit,
+    braking: EffortLimit,
+    drive: FloatArray,
+    start_speed2: float,
+    end_speed2: float,
+) -> CellAccount:
+    """Return the account of a cell from one square of speed [m2/s2] to another, not both zero.
+
+    Parameters
+    ----------
+    cell, train : Cell and Train
+        Of a course.
+    traction, braking, drive : EffortLimits and array
+        The course's `traction`, `braking` and `drive_parameters`.
+    start_speed2, end_speed2 : float
+        Squares of speed [m2/s2].
+    """
+    v = mean_speed(math.sqrt(start_speed2), math.sqrt(end_speed2))
+    force = needed_force(cell, start_speed2, end_speed2, v)
+    kind = train.drive_kind
+    if force >= 0.0:
+        driven, electric, friction = force, 0.0, 0.0
+        power = driving_power(kind, drive, force, v)[0]
+        excess = force - largest_effort(traction, v)
+    else:
+        strongest = largest_effort(braking, v)
+        driven, electric = 0.0, electric_effort(kind, drive, -force, v, strongest, train.friction_effort_n)
+        friction = -force - electric
+        power = -generated_power(kind, drive, electric, v)[0]
+        excess = -force - strongest - train.friction_effort_n
+    taken = line_power(power, train.recuperation_factor)
+    return CellAccount(duration(cell.length_m, v), v, driven, electric, friction, power, taken, excess)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def run_energy(course: CourseData, speed2: FloatArray) -> float:
+    """Return the line energy of a run without auxiliaries [J], for squares of speed at the nodes of shape (n + 1,)."""
+    train, traction, braking, drive = train_of(course), course.traction, course.braking, course.drive_parameters
+    total = 0.0
+    for i in range(course.cell_length_m.shape[0]):
+        account = account_of_cell(cell_of(course, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
+        total += account.line_power_w * account.duration_s
+    return total
+
+
+class RunAccount(NamedTuple):
+    """The accounts of all cells of a run: arrays of shape (n,), named as in `CellAccount`."""
+
+    duration_s: FloatArray
+    mean_speed_ms: FloatArray
+    tractive_effort_n: FloatArray
+    electric_braking_n: FloatArray
+    friction_braking_n: FloatArray
+    power_w: FloatArray
+    line_power_w: FloatArray
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def account_of_run(course: CourseData, speed2: FloatArray) -> RunAccount:
+    """Return the account of a run from squares of speed at its nodes [m2/s2], of shape (n + 1,)."""
+    n = course.cell_length_m.shape[0]
+    rows = np.empty((7, n))
+    train, traction, braking, drive = train_of(course), course.traction, course.braking, course.drive_parameters
+    for i in range(n):
+        account = account_of_cell(cell_of(course, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
+        rows[0, i] = account.duration_s
+        rows[1, i] = account.mean_speed_ms
+        rows[2, i] = account.tractive_effort_n
+        rows[3, i] = account.electric_braking_n
+        rows[4, i] = account.friction_braking_n
+        rows[5, i] = account.power_w
+        rows[6, i] = account.line_power_w
+    return RunAccount(rows[0], rows[1], rows[2], rows[3], rows[4], rows[5], rows[6])

@@ -1,0 +1,135 @@
+"""A course as compiled code takes it: the numbers of a train and of the line under it."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.compiled import njit
+from railjoule.core.physics.cell import Cell
+from railjoule.core.physics.effort_limit import EffortLimit
+
+SWITCHED_AT_WILL = np.zeros(0)
+
+
+class CourseData(NamedTuple):
+    """The numbers of a course of n cells.
+
+    Parameters
+    ----------
+    cell_length_m : array of shape (n,)
+        Lengths of the cells [m].
+    line_force_n : array of shape (n,)
+        Forces of gradients and curves against the train [N].
+    largest_speed2, fixed_speed2 : array of shape (n + 1,)
+        Squares of the limit of speed at the nodes, and of prescribed speeds; negative where a node is free [m2/s2].
+    half_inertia_kg : float
+        Half of the mass that resists acceleration [kg].
+    resistance_constant_n, resistance_linear : float
+        A and B of the running resistance [N, N s/m].
+    resistance_quadratic : array of shape (n,)
+        C with the factor of tunnels [N s2/m2].
+    traction, braking : EffortLimit
+        Largest efforts of the drive and of the electric brake.
+    friction_effort_n : float
+        Largest effort of the friction brakes [N].
+    max_acceleration_ms2, max_deceleration_ms2 : float
+        Limits of dv/dt, infinite where there is none [m/s2].
+    auxiliary_power_w : float
+        Taken all the time [W].
+    drive_kind, drive_parameters : int and array
+        What `railjoule.core.drive.kernels` take.
+    recuperation_factor : float
+        Share of the generated energy that the line takes back.
+    machines_on : array of shape (n,) or (0,)
+        Whether a drive that takes power without effort is on, 1, or off, 0, while no brake is used; empty where it may
+        be switched at will within a cell.
+    """
+
+    cell_length_m: FloatArray
+    line_force_n: FloatArray
+    largest_speed2: FloatArray
+    fixed_speed2: FloatArray
+    half_inertia_kg: float
+    resistance_constant_n: float
+    resistance_linear: float
+    resistance_quadratic: FloatArray
+    traction: EffortLimit
+    braking: EffortLimit
+    friction_effort_n: float
+    max_acceleration_ms2: float
+    max_deceleration_ms2: float
+    auxiliary_power_w: float
+    drive_kind: int
+    drive_parameters: FloatArray
+    recuperation_factor: float
+    machines_on: FloatArray = SWITCHED_AT_WILL
+
+
+class Train(NamedTuple):
+    """The plain numbers of a course's train, named as in `CourseData`.
+
+    Loops over cells take what holds arrays - two limits of effort and the drive's parameters - as arguments of their
+    own, out of the course before the loop: numba counts references to an array that is read out of a tuple, and that
+    costs more than the physics of a cell.
+    """
+
+    drive_kind: int
+    recuperation_factor: float
+    friction_effort_n: float
+    max_acceleration_ms2: float
+    max_deceleration_ms2: float
+
+
+@njit(cache=True)
+def train_of(course: CourseData) -> Train:
+    """Return the plain numbers of a course's train."""
+    return Train(
+        course.drive_kind,
+        course.recuperation_factor,
+        course.friction_effort_n,
+        course.max_acceleration_ms2,
+        course.max_deceleration_ms2,
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def cell_of(course: CourseData, number: int) -> Cell:
+    """Return one cell of a course."""
+    return Cell(
+        course.cell_length_m[number],
+        course.half_inertia_kg / course.cell_length_m[number],
+        course.resistance_constant_n + course.line_force_n[number],
+        course.resistance_linear,
+        course.resistance_quadratic[number],
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def scaled_cell_of(course: CourseData, number: int, scale: float) -> Cell:
+    """Return one cell of a course whose forces come out in shares of an effort [N], as the solver wants them."""
+    return Cell(
+        course.cell_length_m[number],
+        course.half_inertia_kg / (course.cell_length_m[number] * scale),
+        (course.resistance_constant_n + course.line_force_n[number]) / scale,
+        course.resistance_linear / scale,
+        course.resistance_quadratic[number] / scale,
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def part_of_cell(cell: Cell, length_m: float) -> Cell:
+    """Return a part of a cell [m]: as its force is constant, only its length differs, and inertia over length."""
+    inertia = cell.inertia * (cell.length_m / length_m)
+    return Cell(length_m, inertia, cell.constant_n, cell.linear, cell.quadratic)
+
+
+def cells_of(course: CourseData) -> Cell:
+    """Return all cells of a course at once, as arrays of shape (n,)."""
+    return Cell(
+        course.cell_length_m,
+        course.half_inertia_kg / course.cell_length_m,
+        course.resistance_constant_n + course.line_force_n,
+        course.resistance_linear,
+        course.resistance_quadratic,
+    )
