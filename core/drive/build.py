@@ -1,6 +1,8 @@
 """Make a drive from the parameters of a scenario."""
 
+from collections.abc import Callable
 from functools import lru_cache
+from typing import Any
 
 from railjoule.core.arrays import frozen_array
 from railjoule.core.drive.drive import Drive
@@ -18,23 +20,6 @@ from railjoule.core.scenario.drive import (
     LossPolynomial,
     Synchronous,
 )
-
-
-@lru_cache(maxsize=32)
-def make_drive(parameters: DriveParameters) -> Drive:
-    """Return the drive that the validated `parameters` of a scenario describe; kept for the next call."""
-    if isinstance(parameters, ConstantEfficiency):
-        return _constant_efficiency(parameters)
-    if isinstance(parameters, Induction):
-        return make_induction_drive(parameters)
-    if isinstance(parameters, LossPolynomial):
-        return _loss_polynomial(parameters)
-    if isinstance(parameters, EfficiencyMap):
-        return make_efficiency_map_drive(parameters)
-    if isinstance(parameters, Synchronous):
-        return make_synchronous_drive(parameters)
-    assert isinstance(parameters, CopperLoss)
-    return _copper_loss(parameters)
 
 
 def _constant_efficiency(parameters: ConstantEfficiency) -> Drive:
@@ -86,3 +71,20 @@ def _loss_polynomial(parameters: LossPolynomial) -> GearedDrive:
         amperes_per_newton=None,
         gear_loss_share=parameters.gear_loss_share,
     )
+
+
+MAKERS: dict[type[DriveParameters], Callable[[Any], Drive]] = {
+    ConstantEfficiency: _constant_efficiency,
+    CopperLoss: _copper_loss,
+    Induction: make_induction_drive,
+    LossPolynomial: _loss_polynomial,
+    EfficiencyMap: make_efficiency_map_drive,
+    Synchronous: make_synchronous_drive,
+}
+"""What makes a drive of the parameters of each kind."""
+
+
+@lru_cache(maxsize=32)
+def make_drive(parameters: DriveParameters) -> Drive:
+    """Return the drive that the validated `parameters` of a scenario describe; kept for the next call."""
+    return MAKERS[type(parameters)](parameters)

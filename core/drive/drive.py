@@ -6,6 +6,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.drive.kernels import electrical_power_array
+from railjoule.core.drive.kinds import CAPABILITIES
 from railjoule.core.drive.line_power import line_power, resistor_power
 
 
@@ -34,6 +35,15 @@ class Drive:
     recuperation_factor: float
     loss_kind: str
     amperes_per_newton: float | None
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.kind < len(CAPABILITIES):
+            raise ValueError(f"drive kind {self.kind} has no row in railjoule.core.drive.kinds.CAPABILITIES.")
+
+    @property
+    def jumps_at_no_effort(self) -> bool:
+        """Whether it takes power without effort when it is on, and none when it is off."""
+        return CAPABILITIES[self.kind].jumps_at_no_effort
 
     def electrical_power_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
         """Return the power at the terminals of the drive [W], negative where it generates; shape as the arguments'."""
@@ -65,6 +75,10 @@ class Drive:
     def weakening_limit_n(self, speed_ms: FloatArray, braking: bool = False) -> FloatArray:
         """Return the part of that limit that varies with speed [N], without the constant part that caps it."""
         return self.effort_limit_n(speed_ms, braking)
+
+    def limit_corners_ms(self, braking: bool = False) -> FloatArray:
+        """Return the speeds at which the slope of that part jumps [m/s], as far as they are known; shape (k,)."""
+        return np.zeros(0)
 
     def require_speed(self, speed_ms: float) -> None:
         """Raise ScenarioError if the model knows nothing of a speed [m/s]; most know all speeds."""

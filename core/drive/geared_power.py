@@ -12,7 +12,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive import loss_polynomial
 from railjoule.core.drive.geared_parameters import GEAR_LOSS, MOTORS, NEGLIGIBLE, TURNS
-from railjoule.core.drive.kinds import LOSS_POLYNOMIAL
+from railjoule.core.drive.kinds import LOSS_MAP, LOSS_POLYNOMIAL
 from railjoule.core.drive.loss_map import loss as loss_map
 from railjoule.core.drive.power_terms import PowerTerms
 
@@ -22,7 +22,9 @@ def _motor_loss(kind: int, parameters: FloatArray, braking: bool, torque: float,
     """Return the losses of one motor that is on, with its inverter [W], and their derivatives by torque and speed."""
     if kind == LOSS_POLYNOMIAL:
         return loss_polynomial.motor_loss(parameters, torque, rads)
-    return loss_map.motor_loss(parameters, braking, torque, rads)
+    if kind == LOSS_MAP:
+        return loss_map.motor_loss(parameters, braking, torque, rads)
+    raise ValueError("no kernel of drives knows this kind")
 
 
 @njit(cache=True)

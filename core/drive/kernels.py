@@ -1,7 +1,9 @@
 """The one place where compiled code asks a drive for its power, whatever its kind.
 
-A new drive is one file with `driving_power` and `generated_power`, one number in `kinds`, one branch here and one
-function in `build`; geared motors with another loss are one file with `motor_loss` and one branch in `geared_power`.
+A kind is asked for by its own number or by a column of `kinds.CAPABILITIES`, never by the order of the numbers. A new
+drive is one file with `driving_power` and `generated_power`, a number and a row in `kinds`, a branch in the first two
+functions here and one function in `build`; where its power jumps at no effort, a branch in `idle_power` and
+`power_when_on` too. Geared motors with another loss are one file with `motor_loss` and one branch in `geared_power`.
 No solver changes.
 """
 
@@ -9,7 +11,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive import constant_efficiency, copper_loss, geared_power
 from railjoule.core.drive.induction import power as induction
-from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, INDUCTION, LOSS_POLYNOMIAL
+from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS, DRAWS, GEARED, INDUCTION, JUMPS
 from railjoule.core.drive.power_terms import PowerTerms
 
 
@@ -18,11 +20,11 @@ def driving_power(kind: int, parameters: FloatArray, effort: float, speed: float
     """Line power [W] at a tractive effort [N] and speed [m/s] with first and second derivatives."""
     if kind == CONSTANT_EFFICIENCY:
         return constant_efficiency.driving_power(parameters, effort, speed)
+    if kind == COPPER_LOSS:
+        return copper_loss.driving_power(parameters, effort, speed)
     if kind == INDUCTION:
         return induction.driving_power(parameters, effort, speed)
-    if kind >= LOSS_POLYNOMIAL:
-        return geared_power.driving_power(kind, parameters, effort, speed)
-    return copper_loss.driving_power(parameters, effort, speed)
+    return geared_power.driving_power(kind, parameters, effort, speed)
 
 
 @njit(cache=True)
@@ -30,17 +32,23 @@ def generated_power(kind: int, parameters: FloatArray, effort: float, speed: flo
     """Electrical power [W] generated at a braking effort [N] and speed [m/s] with first and second derivatives."""
     if kind == CONSTANT_EFFICIENCY:
         return constant_efficiency.generated_power(parameters, effort, speed)
+    if kind == COPPER_LOSS:
+        return copper_loss.generated_power(parameters, effort, speed)
     if kind == INDUCTION:
         return induction.generated_power(parameters, effort, speed)
-    if kind >= LOSS_POLYNOMIAL:
-        return geared_power.generated_power(kind, parameters, effort, speed)
-    return copper_loss.generated_power(parameters, effort, speed)
+    return geared_power.generated_power(kind, parameters, effort, speed)
 
 
 @njit(cache=True)
 def jumps_at_no_effort(kind: int) -> bool:
     """Return whether a drive that is on takes power without effort, and none when it is off."""
-    return kind >= INDUCTION
+    return JUMPS[kind]
+
+
+@njit(cache=True)
+def may_draw_while_braking(kind: int) -> bool:
+    """Return whether a drive may need line power to brake, near standstill."""
+    return DRAWS[kind]
 
 
 @njit(cache=True)
@@ -48,7 +56,7 @@ def idle_power(kind: int, parameters: FloatArray, speed: float) -> tuple[float, 
     """Return the jump at zero effort: what a drive takes that is on without any [W], and two derivatives by speed."""
     if kind == INDUCTION:
         return induction.idle_power(parameters, speed)
-    if kind >= LOSS_POLYNOMIAL:
+    if GEARED[kind]:
         return geared_power.idle_power(kind, parameters, speed)
     return 0.0, 0.0, 0.0
 
@@ -59,12 +67,12 @@ def power_when_on(kind: int, parameters: FloatArray, braking: bool, effort: floa
     if not braking:
         if kind == INDUCTION:
             return induction.power_with_idle(parameters, effort, speed)
-        if kind >= LOSS_POLYNOMIAL:
+        if GEARED[kind]:
             return geared_power.power_with_idle(kind, parameters, effort, speed)
         return driving_power(kind, parameters, effort, speed)
     if kind == INDUCTION:
         p, p_f, p_v, p_ff, p_fv, p_vv = induction.generated_with_idle(parameters, effort, speed)
-    elif kind >= LOSS_POLYNOMIAL:
+    elif GEARED[kind]:
         p, p_f, p_v, p_ff, p_fv, p_vv = geared_power.generated_with_idle(kind, parameters, effort, speed)
     else:
         p, p_f, p_v, p_ff, p_fv, p_vv = generated_power(kind, parameters, effort, speed)
@@ -73,12 +81,15 @@ def power_when_on(kind: int, parameters: FloatArray, braking: bool, effort: floa
 
 @njit(cache=True)
 def work_bounds(kind: int, parameters: FloatArray) -> tuple[float, float]:
-    """Return the least line energy per work of traction, and the most energy generated per work of braking."""
+    """Return the least line energy per work of traction, and the most energy generated per work of braking.
+
+    Of a kind that tells no more they are 1: no drive gives energy for nothing.
+    """
     if kind == CONSTANT_EFFICIENCY:
         return 1.0 / parameters[0], parameters[1]
     if kind == INDUCTION:
         return induction.work_bounds(parameters)
-    if kind >= LOSS_POLYNOMIAL:
+    if GEARED[kind]:
         return geared_power.work_bounds(parameters)
     return 1.0, 1.0
 
@@ -91,7 +102,7 @@ def shaft_force(kind: int, parameters: FloatArray, braking: bool, effort: float)
     """
     if kind == INDUCTION:
         return induction.shaft_force(parameters, -effort if braking else effort)
-    if kind >= LOSS_POLYNOMIAL:
+    if GEARED[kind]:
         share = work_bounds(kind, parameters)[1 if braking else 0]
         return (-share * effort, -share) if braking else (share * effort, share)
     return (-effort, -1.0) if braking else (effort, 1.0)
@@ -117,12 +128,6 @@ def smooth_power_when_on(kind: int, parameters: FloatArray, braking: bool, effor
 def has_standstill_brake(kind: int, parameters: FloatArray) -> bool:
     """Return whether another brake takes over where the electric one would draw power."""
     return kind == INDUCTION and induction.has_standstill_brake(parameters)
-
-
-@njit(cache=True)
-def may_draw_while_braking(kind: int) -> bool:
-    """Return whether a drive may need line power to brake, near standstill."""
-    return kind != CONSTANT_EFFICIENCY
 
 
 @njit(cache=True, nogil=True)

@@ -78,6 +78,10 @@ class MapDrive(GearedDrive):
         limit = self.braking_n if braking else self.driving_n
         return np.full(np.shape(speed_ms), np.inf) if np.ptp(limit) == 0 else self.effort_limit_n(speed_ms, braking)
 
+    def limit_corners_ms(self, braking: bool = False) -> FloatArray:
+        """Return the speeds at which the limit is given [m/s]: between them it is straight."""
+        return self.limit_speed_ms
+
     def require_speed(self, speed_ms: float) -> None:
         """Raise ScenarioError if the map ends below a speed [m/s]."""
         if speed_ms > self.greatest_speed_ms * (1 + ROUNDING):
