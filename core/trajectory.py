@@ -11,14 +11,15 @@ from railjoule.core.energy import Energy
 from railjoule.core.motion.course import Course
 from railjoule.core.phases import Phase, find_phases
 from railjoule.core.physics.account import RunAccount, account_of_run
+from railjoule.core.physics.reference import SMALL_ENERGY_SHARE
 from railjoule.core.scenario import Scenario
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN, W_PER_KW
 
 if TYPE_CHECKING:
     import pandas
 
-SMALL_ENERGY_SHARE = 0.1
-"""Gaps are relative to the bound, but to no less than this share of the kinetic energy at the mean speed."""
+LATE_SHARE = 1e-6
+"""A run that is later than a bound's time by less than this share of it is in time but for rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,10 +32,21 @@ class Bound:
         No run that it covers needs less [J].
     statement : str
         Which runs it covers, in one sentence.
+    position_m : array of shape (n + 1,)
+        The nodes of the mesh over which it holds [m]: over others a run may need less.
+    travel_time_s : float
+        The longest time of a run that it covers, dwells included [s].
     """
 
     energy_j: float
     statement: str
+    position_m: FloatArray
+    travel_time_s: float
+
+    def covers(self, run: "Trajectory") -> bool:
+        """Return whether a run is over the same mesh and no later."""
+        in_time = run.travel_time_s <= self.travel_time_s * (1 + LATE_SHARE)
+        return in_time and np.array_equal(run.nodes_m, self.position_m)
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,6 +111,12 @@ class Trajectory:
         return self.tractive_effort_n - self.electric_braking_n - self.friction_braking_n
 
     @property
+    def nodes_m(self) -> FloatArray:
+        """Nodes of the mesh [m], each once, also where the train stands; shape (m,)."""
+        nodes: FloatArray = self.position_m[np.append(True, np.diff(self.position_m) > 0)]
+        return nodes
+
+    @property
     def energy_kwh(self) -> float:
         """Net energy at the line, auxiliaries included [kWh]."""
         return self.energy.net_kwh
@@ -144,8 +162,8 @@ class Trajectory:
         )
 
     def with_bound(self, bound: Bound | None) -> "Trajectory":
-        """Return the same run with another bound."""
-        return replace(self, bound=bound)
+        """Return the same run with another bound, or with none if that does not cover it."""
+        return replace(self, bound=bound if bound is not None and bound.covers(self) else None)
 
     def to_dataframe(self) -> "pandas.DataFrame":
         """Return the run as a table of its nodes, with the efforts and powers of the cells that begin there."""

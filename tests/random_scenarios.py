@@ -8,7 +8,7 @@ from railjoule.core.errors import RailjouleError
 from railjoule.core.motion.course import Course, build_course
 from railjoule.core.motion.passes import MOVED, greatest_speeds, running_time
 from railjoule.core.scenario import Scenario, scenario_from_document
-from railjoule.core.strategies.task import Task
+from railjoule.core.task import Task
 
 
 @dataclass(frozen=True, eq=False)

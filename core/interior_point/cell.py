@@ -33,22 +33,14 @@ from railjoule.core.physics.cell import (
 )
 from railjoule.core.physics.course_data import CourseData, scaled_cell_of
 from railjoule.core.physics.effort_limit import limit_over_speed
+from railjoule.core.physics.energy_per_metre import energy_per_metre
 
 
-@njit(cache=True, fastmath=FAST)
-def per_metre(power: PowerTerms, scale: float, speed: float) -> PowerTerms:
-    """Turn a power and its derivatives by effort and speed into scaled energy per metre and its derivatives."""
-    p, p_f, p_v, p_ff, p_fv, p_vv = power
-    inverse = 1.0 / speed
-    by_speed = (p_v - p * inverse) * inverse / scale
-    return (
-        p * inverse / scale,
-        p_f * inverse,
-        by_speed,
-        p_ff * inverse * scale,
-        (p_fv - p_f * inverse) * inverse,
-        (p_vv / scale - 2.0 * by_speed) * inverse,
-    )
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def scaled_energy_per_metre(power: PowerTerms, scale: float, speed: float) -> PowerTerms:
+    """Return the energy per metre of a power and its derivatives, energies and efforts over the effort `scale` [N]."""
+    e, e_f, e_v, e_ff, e_fv, e_vv = energy_per_metre(power, speed)
+    return e / scale, e_f, e_v / scale, e_ff * scale, e_fv, e_vv / scale
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
@@ -102,8 +94,8 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
         else:
             taken = driving_power(kind, parameters, max(f, 0.0) * scale, v)
             generated = generated_power(kind, parameters, max(x, 0.0) * scale, v)
-        e, e_f, e_v, e_ff, e_fv, e_vv = per_metre(taken, scale, v)
-        g, g_x, g_v, g_xx, g_xv, g_vv = per_metre(generated, scale, v)
+        e, e_f, e_v, e_ff, e_fv, e_vv = scaled_energy_per_metre(taken, scale, v)
+        g, g_x, g_v, g_xx, g_xv, g_vv = scaled_energy_per_metre(generated, scale, v)
         # of what braking generates, the line returns its share; the price of drawing counts as if it returned more
         drawn_price = z[DRAWN, i] if used[DRAWN] > 0.0 else 0.0
         returned = h[i] * share + drawn_price

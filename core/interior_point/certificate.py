@@ -23,7 +23,6 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import driving_power, generated_power, work_bounds
 from railjoule.core.interior_point.box import box_minimum
-from railjoule.core.interior_point.cell import per_metre
 from railjoule.core.interior_point.layout import (
     ACCELERATION,
     BRAKING_OVER_SPEED,
@@ -32,11 +31,22 @@ from railjoule.core.interior_point.layout import (
     TRACTION_OVER_SPEED,
 )
 from railjoule.core.interior_point.solver import Optimum
-from railjoule.core.physics.course_data import CourseData
-from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
+from railjoule.core.physics.cell import Cell, duration, force_slopes, mean_speed, mean_speed_slope, needed_force
+from railjoule.core.physics.course_data import CourseData, cell_of
+from railjoule.core.physics.effort_limit import (
+    TABLE_STEP_MS,
+    EffortLimit,
+    largest_effort,
+    limit_over_speed,
+    piece_at,
+)
+from railjoule.core.physics.energy_per_metre import energy_per_metre
+from railjoule.core.physics.resistance import running_resistance
 
 NOISE = 1e-6
 """Multipliers below this share of the cell's length are taken for zero."""
+FORCE_ROUNDING = 1e-6
+"""A box whose least force exceeds the largest effort by more than this share of it holds no run."""
 LARGEST_RAISE = 1e-3
 """The price of time is raised by at most this share to pay for limits over speed."""
 LOOSE = 1e-10
@@ -56,27 +66,25 @@ LOOSE = 1e-10
     BY_FRICTION,
     OVER_TRACTION,
     OVER_BRAKING,
-    INERTIA,
-    AGAINST,
-    LINEAR,
-    BEND,
+    TOP_TRACTION,
     TOP_BRAKING,
     TOP_FRICTION,
-) = range(18)
-"""Columns of a priced cell, scaled: it is CONSTANT + START w0 + END w1 + (TIME - POWER) / v + BY_SPEED v, less what
-limits over speed cost that are tables, plus what efforts cost beyond the price of the net force; that force is
-INERTIA (w1 - w0) + AGAINST + LINEAR (v0 + v1) + BEND (w0 + w1)."""
-COLUMNS = 18
+    MOTION,
+) = range(16)
+"""Columns of a priced cell: it is CONSTANT + START w0 + END w1 + (TIME - POWER) / v + BY_SPEED v [J], less what limits
+over speed cost that are tables, plus what efforts cost beyond the price of the net force. From MOTION on stands what
+that force depends on, as in `physics.cell.Cell`."""
+COLUMNS = MOTION + 5
 
 
 @njit(cache=True, error_model="numpy")
-def usable_prices(course: CourseData, optimum: Optimum, scale: float) -> tuple[float, FloatArray]:
-    """Return the price of time and the prices of limits over speed, noise taken out.
+def usable_prices(course: CourseData, optimum: Optimum) -> tuple[float, FloatArray]:
+    """Return the price of time [J/s] and the prices of limits over speed [J/N], noise taken out.
 
     A limit's price may exceed what the time in its cell is worth; where that is little, time becomes dearer.
     """
     h, z = course.cell_length_m, optimum.multiplier
-    auxiliaries = course.auxiliary_power_w / scale
+    auxiliaries = course.auxiliary_power_w
     over = np.empty((2, h.shape[0]))
     over[0], over[1] = z[TRACTION_OVER_SPEED], z[BRAKING_OVER_SPEED]
     needed = 0.0
@@ -84,26 +92,26 @@ def usable_prices(course: CourseData, optimum: Optimum, scale: float) -> tuple[f
         for side in range(2):
             if over[side, i] < NOISE * h[i]:
                 over[side, i] = 0.0
-        needed = max(needed, _power_price(course, scale, over, i) / h[i])
-    price = optimum.time_multiplier
+        needed = max(needed, _power_price(course, over, i) / h[i])
+    price = optimum.price_of_time_w
     if price + auxiliaries < needed < (price + auxiliaries) * (1.0 + LARGEST_RAISE):
         price = needed * (1.0 + 1e-12) - auxiliaries
     return price, over
 
 
 @njit(cache=True)
-def _power_price(course: CourseData, scale: float, over_speed: FloatArray, i: int) -> float:
-    """Return what the limits that are hyperbolas of speed cost in a cell, times its mean speed."""
+def _power_price(course: CourseData, over_speed: FloatArray, i: int) -> float:
+    """Return what the limits that are hyperbolas of speed cost in a cell, times its mean speed [W m]."""
     price = 0.0
     if over_speed[0, i] > 0.0 and course.traction.table.shape[0] == 0:
-        price += over_speed[0, i] * course.traction.power_w / scale
+        price += over_speed[0, i] * course.traction.power_w
     if over_speed[1, i] > 0.0 and course.braking.table.shape[0] == 0:
-        price += over_speed[1, i] * course.braking.power_w / scale
+        price += over_speed[1, i] * course.braking.power_w
     return price
 
 
 @njit(cache=True, error_model="numpy")
-def energy_tangents(course: CourseData, optimum: Optimum, scale: float) -> FloatArray:
+def energy_tangents(course: CourseData, optimum: Optimum) -> FloatArray:
     """Return the tangent planes of the cells' line energies: rows constant, by traction, by braking, by mean speed.
 
     Of the two rates at which a braking drive exchanges energy with the line, the mixture that the multipliers tell
@@ -112,15 +120,13 @@ def energy_tangents(course: CourseData, optimum: Optimum, scale: float) -> Float
     h, w = course.cell_length_m, optimum.speed2
     tangents = np.empty((4, h.shape[0]))
     for i in range(h.shape[0]):
-        v = 0.5 * (math.sqrt(w[i]) + math.sqrt(w[i + 1]))
-        f, x = max(optimum.traction[i], 0.0), max(optimum.braking[i], 0.0)
-        power = driving_power(course.drive_kind, course.drive_parameters, f * scale, v)
-        e, e_f, e_v, _, _, _ = per_metre(power, scale, v)
-        power = generated_power(course.drive_kind, course.drive_parameters, x * scale, v)
-        g, g_x, g_v, _, _, _ = per_metre(power, scale, v)
-        share = course.recuperation_factor
-        # any mixture of the two rates is a lower bound; the multiplier names the one that is exact here
-        share += min(max(optimum.multiplier[DRAWN, i] / h[i], 0.0), 1.0 - share)
+        v = mean_speed(math.sqrt(w[i]), math.sqrt(w[i + 1]))
+        f, x = max(optimum.traction_n[i], 0.0), max(optimum.braking_n[i], 0.0)
+        power = driving_power(course.drive_kind, course.drive_parameters, f, v)
+        e, e_f, e_v, _, _, _ = energy_per_metre(power, v)
+        power = generated_power(course.drive_kind, course.drive_parameters, x, v)
+        g, g_x, g_v, _, _, _ = energy_per_metre(power, v)
+        share = returned_share(course.recuperation_factor, optimum.multiplier[DRAWN, i] / h[i])
         tangents[0, i] = h[i] * (e - e_f * f - e_v * v - share * (g - g_x * x - g_v * v))
         tangents[1, i] = h[i] * e_f
         tangents[2, i] = -h[i] * share * g_x
@@ -128,34 +134,45 @@ def energy_tangents(course: CourseData, optimum: Optimum, scale: float) -> Float
     return tangents
 
 
+@njit(cache=True)
+def returned_share(recuperation_factor: float, drawn_price: float) -> float:
+    """Return at which rate generated energy counts in a bound: between the recuperation factor and 1.
+
+    `line_power` is the larger of the two, so any mixture is a lower bound; the multiplier of drawing, over the cell's
+    length, names the one that is exact at the point.
+    """
+    return recuperation_factor + min(max(drawn_price, 0.0), 1.0 - recuperation_factor)
+
+
 @njit(cache=True, error_model="numpy")
 def node_prices(
-    course: CourseData,
-    optimum: Optimum,
-    scale: float,
-    price_of_time: float,
-    over_speed: FloatArray,
-    tangents: FloatArray,
+    course: CourseData, optimum: Optimum, price_of_time: float, over_speed: FloatArray, tangents: FloatArray
 ) -> FloatArray:
-    """Return the price of speed squared at each node, the mean of what its two cells say; shape (n + 1,)."""
+    """Return the price of speed squared at each node, the mean of what its two cells say; shape (n + 1,).
+
+    What a cell says is the derivative of its Lagrangian by the square of speed at that node: the price of the net force
+    times its derivative, what the limits of acceleration are worth, and all that varies with the mean speed - priced
+    time, the energy's tangent, limits over speed - times the derivative of that.
+    """
     h, w, z = course.cell_length_m, optimum.speed2, optimum.multiplier
     n = h.shape[0]
     left, right = np.zeros(n + 1), np.zeros(n + 1)
-    linear = course.resistance_linear / scale
+    traction, braking = course.traction, course.braking
     for i in range(n):
         v0, v1 = math.sqrt(w[i]), math.sqrt(w[i + 1])
-        v = 0.5 * (v0 + v1)
-        k = course.half_inertia_kg / (h[i] * scale)
-        bend = 0.5 * course.resistance_quadratic[i] / scale
+        v, cell = mean_speed(v0, v1), cell_of(course, i)
+        u0 = mean_speed_slope(v0) if v0 > 0.0 else 0.0
+        u1 = mean_speed_slope(v1) if v1 > 0.0 else 0.0
+        by_start, by_end = force_slopes(cell, u0, u1)
         force = optimum.force_price[i]
-        rise = (z[ACCELERATION, i] - z[DECELERATION, i]) * k
-        by_speed = force * linear - price_of_time * h[i] / (v * v) + tangents[3, i]
+        rise = (z[ACCELERATION, i] - z[DECELERATION, i]) * cell.inertia
+        by_speed = tangents[3, i] - price_of_time * duration(h[i], v) / v
         if over_speed[0, i] > 0.0:
-            by_speed -= over_speed[0, i] * limit_over_speed(course.traction, v)[1] / scale
+            by_speed -= over_speed[0, i] * limit_over_speed(traction, v)[1]
         if over_speed[1, i] > 0.0:
-            by_speed -= over_speed[1, i] * limit_over_speed(course.braking, v)[1] / scale
-        right[i] = force * (k - bend) + rise - (by_speed * 0.25 / v0 if v0 > 0.0 else 0.0)
-        left[i + 1] = force * (k + bend) + rise + (by_speed * 0.25 / v1 if v1 > 0.0 else 0.0)
+            by_speed -= over_speed[1, i] * limit_over_speed(braking, v)[1]
+        right[i] = rise - force * by_start - by_speed * u0
+        left[i + 1] = rise + force * by_end + by_speed * u1
     # at an active limit of speed they differ by its multiplier: the middle leaves both cells above their minimum
     prices = 0.5 * (left + right)
     prices[0], prices[n] = right[0], left[n]
@@ -163,49 +180,47 @@ def node_prices(
 
 
 @njit(cache=True, error_model="numpy")
-def price_cells(course: CourseData, optimum: Optimum, scale: float) -> tuple[FloatArray, float, float]:
+def price_cells(course: CourseData, optimum: Optimum) -> tuple[FloatArray, float, float]:
     """Return the priced cells of a point, shape (n, COLUMNS), the sum of its end prices, and the price of time."""
     h, w, z = course.cell_length_m, optimum.speed2, optimum.multiplier
     n = h.shape[0]
-    time, over = usable_prices(course, optimum, scale)
-    price_of_time = time + course.auxiliary_power_w / scale
-    tangents = energy_tangents(course, optimum, scale)
-    node = node_prices(course, optimum, scale, price_of_time, over, tangents)
+    time, over = usable_prices(course, optimum)
+    price_of_time = time + course.auxiliary_power_w
+    tangents = energy_tangents(course, optimum)
+    node = node_prices(course, optimum, price_of_time, over, tangents)
     cells = np.zeros((n, COLUMNS))
-    linear = course.resistance_linear / scale
-    inertia = 2.0 * course.half_inertia_kg / scale
+    inertia = 2.0 * course.half_inertia_kg
     for i in range(n):
-        c = cells[i]
-        k = course.half_inertia_kg / (h[i] * scale)
-        bend = 0.5 * course.resistance_quadratic[i] / scale
+        c, cell = cells[i], cell_of(course, i)
         force = optimum.force_price[i]
-        rise = z[ACCELERATION, i] - z[DECELERATION, i]
-        c[INERTIA], c[LINEAR], c[BEND] = k, 0.5 * linear, bend
-        c[AGAINST] = (course.line_force_n[i] + course.resistance_constant_n) / scale
-        c[CONSTANT] = tangents[0, i] + force * c[AGAINST]
+        rise = (z[ACCELERATION, i] - z[DECELERATION, i]) * cell.inertia
+        for column in range(5):
+            c[MOTION + column] = cell[column]
+        by_start, by_end = force_slopes(cell, 0.0, 0.0)
+        c[CONSTANT] = tangents[0, i] + force * cell.constant_n
         for row, limit in ((ACCELERATION, course.max_acceleration_ms2), (DECELERATION, course.max_deceleration_ms2)):
             if z[row, i] > 0.0:
                 c[CONSTANT] -= z[row, i] * inertia * limit
-        c[START] = node[i] - force * (k - bend) - rise * k
-        c[END] = force * (k + bend) + rise * k - node[i + 1]
-        c[TIME], c[POWER] = price_of_time * h[i], _power_price(course, scale, over, i)
-        c[BY_SPEED] = tangents[3, i] + force * linear
-        c[MEAN_SPEED] = 0.5 * (math.sqrt(w[i]) + math.sqrt(w[i + 1]))
+        c[START] = node[i] + force * by_start - rise
+        c[END] = force * by_end + rise - node[i + 1]
+        c[TIME], c[POWER] = price_of_time * h[i], _power_price(course, over, i)
+        c[BY_SPEED] = tangents[3, i] + force * cell.linear
+        c[MEAN_SPEED] = mean_speed(math.sqrt(w[i]), math.sqrt(w[i + 1]))
         c[BY_TRACTION], c[BY_BRAKING], c[BY_FRICTION] = tangents[1, i] - force, tangents[2, i] + force, force
         c[OVER_TRACTION], c[OVER_BRAKING] = over[0, i], over[1, i]
-        c[TOP_BRAKING] = course.braking.constant_n / scale
-        c[TOP_FRICTION] = course.friction_effort_n / scale
+        c[TOP_TRACTION], c[TOP_BRAKING] = course.traction.constant_n, course.braking.constant_n
+        c[TOP_FRICTION] = course.friction_effort_n
     return cells, node[n] * w[n] - node[0] * w[0], time
 
 
 @njit(cache=True)
 def _largest_excess(c: FloatArray, x0: float, x1: float, value: float, slope: float) -> float:
     """Return an upper bound of a cubic piece less the line of a value and slope at x0, over [x0, x1]."""
-    first = ((c[3] * x0 + c[2]) * x0 + c[1]) * x0 + c[0] - value
-    last = ((c[3] * x1 + c[2]) * x1 + c[1]) * x1 + c[0] - value - slope * (x1 - x0)
+    first = ((c[4] * x0 + c[3]) * x0 + c[2]) * x0 + c[1] - value
+    last = ((c[4] * x1 + c[3]) * x1 + c[2]) * x1 + c[1] - value - slope * (x1 - x0)
     third = (x1 - x0) / 3.0
-    second = first + third * ((3.0 * c[3] * x0 + 2.0 * c[2]) * x0 + c[1] - slope)
-    before_last = last - third * ((3.0 * c[3] * x1 + 2.0 * c[2]) * x1 + c[1] - slope)
+    second = first + third * ((3.0 * c[4] * x0 + 2.0 * c[3]) * x0 + c[2] - slope)
+    before_last = last - third * ((3.0 * c[4] * x1 + 2.0 * c[3]) * x1 + c[2] - slope)
     # a cubic lies below the highest of its Bezier points
     highest: float = max(first, second, before_last, last)
     return highest
@@ -219,15 +234,16 @@ def table_majorant(limit: EffortLimit, v: float, low: float, high: float) -> tup
     near a kink the table is strongly curved over a very short way.
     """
     value, slope, half = limit_over_speed(limit, v)
-    step, last = limit.table_step_ms, limit.table.shape[0] - 1
     near, lift, far = 0.5 * half, 0.0, 0.0
-    for piece in range(min(int(low / step), last), min(int(high / step), last) + 1):
-        start = max(low, piece * step)
-        end = high if piece == last else min(high, (piece + 1) * step)
-        c, x0, x1 = limit.table[piece], start - piece * step, end - piece * step
+    first, last = piece_at(limit, low), piece_at(limit, high)
+    for piece in range(first, last + 1):
+        c = limit.table[piece]
+        start = low if piece == first else c[0]
+        end = high if piece == last else limit.table[piece + 1, 0]
+        x0, x1 = start - c[0], end - c[0]
         excess = _largest_excess(c, x0, x1, value + slope * (start - v), slope)
-        if start - step <= v <= end + step:
-            near, lift = max(near, c[2] + 3.0 * c[3] * x0, c[2] + 3.0 * c[3] * x1), max(lift, excess)
+        if start - TABLE_STEP_MS <= v <= end + TABLE_STEP_MS:
+            near, lift = max(near, c[3] + 3.0 * c[4] * x0, c[3] + 3.0 * c[4] * x1), max(lift, excess)
         elif excess > 0.0:
             far = max(far, excess / min((start - v) ** 2, (end - v) ** 2))
     reach = max(v - low, high - v) ** 2
@@ -241,7 +257,6 @@ def cell_minimum(
     cell: FloatArray,
     traction: EffortLimit,
     braking: EffortLimit,
-    scale: float,
     low0: float,
     high0: float,
     low1: float,
@@ -257,40 +272,39 @@ def cell_minimum(
     ----------
     cell : array of shape (COLUMNS,)
     traction, braking : EffortLimit
-    scale : float
-        The effort that 1 stands for [N].
     low0, high0, low1, high1 : float
         The box: speeds at start and end [m/s].
     """
-    k, bend = cell[INERTIA], cell[BEND]
-    against, linear = cell[AGAINST], cell[LINEAR]
-    least = (k + bend) * low1 * low1 - (k - bend) * high0 * high0 + against + linear * (low0 + low1)
-    most = (k + bend) * high1 * high1 - (k - bend) * low0 * low0 + against + linear * (high0 + high1)
-    strongest = 1.0
-    if traction.table.shape[0] == 0 and low0 + low1 > 0.0:
-        strongest = min(1.0, 2.0 * traction.power_w / (scale * (low0 + low1)))
-    if least > strongest + NOISE or -most > cell[TOP_BRAKING] + cell[TOP_FRICTION] + NOISE:
+    motion = Cell(cell[MOTION], cell[MOTION + 1], cell[MOTION + 2], cell[MOTION + 3], cell[MOTION + 4])
+    slow, fast = mean_speed(low0, low1), mean_speed(high0, high1)
+    # the force falls with the speed at the start and rises with that at the end and with the mean one
+    least = needed_force(motion, high0 * high0, low1 * low1, slow)
+    most = needed_force(motion, low0 * low0, high1 * high1, fast)
+    strongest, rounding = cell[TOP_TRACTION], FORCE_ROUNDING * cell[TOP_TRACTION]
+    if traction.table.shape[0] == 0 and slow > 0.0:
+        strongest = largest_effort(traction, slow)
+    if least > strongest + rounding or -most > cell[TOP_BRAKING] + cell[TOP_FRICTION] + rounding:
         return np.inf
     most = min(most, strongest)
     share = 1.0
     if cell[POWER] > cell[TIME]:
         share = cell[TIME] / cell[POWER]
-    best = _priced_minimum(cell, traction, braking, scale, share, least, most, low0, high0, low1, high1)
+    best = _priced_minimum(cell, traction, braking, share, least, most, low0, high0, low1, high1)
     if share < 1.0:
-        best = max(best, _priced_minimum(cell, traction, braking, scale, 0.0, least, most, low0, high0, low1, high1))
-        if low0 + low1 > 0.0:
-            best = max(
-                best, _priced_minimum(cell, traction, braking, scale, 1.0, least, most, low0, high0, low1, high1)
-            )
+        best = max(best, _priced_minimum(cell, traction, braking, 0.0, least, most, low0, high0, low1, high1))
+        if slow > 0.0:
+            best = max(best, _priced_minimum(cell, traction, braking, 1.0, least, most, low0, high0, low1, high1))
     return best
 
 
 @njit(cache=True)
-def effort_minimum(by_traction: float, by_braking: float, top_braking: float, least: float, most: float) -> float:
-    """Return the least cost of efforts f, b >= 0 with a difference in [least, most], at most 1 and `top_braking`."""
+def effort_minimum(
+    by_traction: float, by_braking: float, top_traction: float, top_braking: float, least: float, most: float
+) -> float:
+    """Return the least cost of efforts f, b >= 0 with a difference in [least, most], each up to its largest [N]."""
     if by_traction + by_braking < 0.0:
-        return min(by_traction, 0.0) + min(by_braking, 0.0) * top_braking
-    by_f = by_traction * (max(least, 0.0) if by_traction > 0.0 else min(max(most, 0.0), 1.0))
+        return min(by_traction, 0.0) * top_traction + min(by_braking, 0.0) * top_braking
+    by_f = by_traction * (max(least, 0.0) if by_traction > 0.0 else min(max(most, 0.0), top_traction))
     by_b = by_braking * (max(-most, 0.0) if by_braking > 0.0 else min(max(-least, 0.0), top_braking))
     return by_f + by_b
 
@@ -300,7 +314,6 @@ def _priced_minimum(
     cell: FloatArray,
     traction: EffortLimit,
     braking: EffortLimit,
-    scale: float,
     share: float,
     least: float,
     most: float,
@@ -316,18 +329,18 @@ def _priced_minimum(
     if cell[TOP_FRICTION] > 0.0:
         constant += min(by_braking, 0.0) * top_braking + min(cell[BY_FRICTION], 0.0) * cell[TOP_FRICTION]
         by_braking, top_braking = max(min(by_braking, cell[BY_FRICTION]), 0.0), 0.0
-    constant += effort_minimum(by_traction, by_braking, top_braking, least, most)
+    constant += effort_minimum(by_traction, by_braking, cell[TOP_TRACTION], top_braking, least, most)
     beta, gamma = cell[BY_SPEED], 0.0
     low, high = 0.5 * (low0 + low1), 0.5 * (high0 + high1)
     v = min(max(cell[MEAN_SPEED], low), high)
     if cell[OVER_TRACTION] > 0.0 and traction.table.shape[0] > 0:
-        price = share * cell[OVER_TRACTION] / scale
+        price = share * cell[OVER_TRACTION]
         value, slope, half = table_majorant(traction, v, low, high)
         constant -= price * (value - slope * v + half * v * v)
         beta -= price * (slope - 2.0 * half * v)
         gamma -= price * half
     if cell[OVER_BRAKING] > 0.0 and braking.table.shape[0] > 0:
-        price = share * cell[OVER_BRAKING] / scale
+        price = share * cell[OVER_BRAKING]
         value, slope, half = table_majorant(braking, v, low, high)
         constant -= price * (value - slope * v + half * v * v)
         beta -= price * (slope - 2.0 * half * v)
@@ -352,7 +365,7 @@ def tangent_minimum(
     v = 0.5 * (v0 + v1)
     top = 0.5 * (high0 + high1)
     value = cell[CONSTANT] + cell[START] * v0 * v0 + cell[END] * v1 * v1 + kappa / v + beta * v
-    value += min(cell[BY_TRACTION] + cell[OVER_TRACTION], 0.0)
+    value += min(cell[BY_TRACTION] + cell[OVER_TRACTION], 0.0) * cell[TOP_TRACTION]
     value += min(cell[BY_BRAKING] + cell[OVER_BRAKING], 0.0) * cell[TOP_BRAKING]
     value += min(cell[BY_FRICTION], 0.0) * cell[TOP_FRICTION]
     if kappa < 0.0 or kappa < beta * top * top:
@@ -370,7 +383,7 @@ def tangent_minimum(
 
 @njit(cache=True, error_model="numpy")
 def fastest_of_better_runs(
-    course: CourseData, optimum: Optimum, scale: float, fastest: FloatArray, running_time: float
+    course: CourseData, optimum: Optimum, fastest: FloatArray, running_time: float
 ) -> FloatArray:
     """Return the greatest speeds [m/s] of any run that needs no more energy than the point; shape (n + 1,).
 
@@ -383,12 +396,13 @@ def fastest_of_better_runs(
     speeds = np.sqrt(fastest)
     if drawn <= returned * (1.0 + 1e-9):
         return speeds
-    half = course.half_inertia_kg / scale
-    work = h * (course.resistance_constant_n + course.line_force_n) / scale
+    half = course.half_inertia_kg
+    work = h * (course.resistance_constant_n + course.line_force_n)
     length = h.sum()
     mean = length / running_time
-    drag = (course.resistance_quadratic.min() * mean + course.resistance_linear) * mean * length / scale
-    energy = optimum.energy - returned * drag
+    # what varies with speed costs least at one speed all the way
+    drag = running_resistance(0.0, course.resistance_linear, course.resistance_quadratic.min(), mean, mean * mean)
+    energy = optimum.energy_j - returned * drag * length
     before, after = 0.0, work.sum()
     for i in range(n + 1):
         left = energy - drawn * (before - half * w[0]) - returned * (after + half * w[n])

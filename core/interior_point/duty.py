@@ -13,7 +13,7 @@ from railjoule.core.physics.cell import mean_speed
 from railjoule.core.physics.course_data import CourseData, cell_of, train_of
 
 NEXT_TO_NOTHING = 1e-5
-"""Scaled efforts below this are what a barrier leaves of none."""
+"""Efforts below this share of the largest are what a barrier leaves of none."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -33,13 +33,13 @@ def duty(course: CourseData, optimum: Optimum) -> tuple[FloatArray, FloatArray]:
     worth : array of shape (n,)
         Price of force over least power per effort: above 1 driving pays, below it coasting.
     """
-    h, w, scale = course.cell_length_m, optimum.speed2, course.traction.constant_n
+    h, w = course.cell_length_m, optimum.speed2
     share, worth = np.empty(h.shape[0]), np.empty(h.shape[0])
     for i in range(h.shape[0]):
         v = mean_speed(math.sqrt(w[i]), math.sqrt(w[i + 1]))
         kind, parameters = course.drive_kind, course.drive_parameters
         power, touch = hull_power(kind, parameters, False, course.traction, 0.0, v, 0.0)
-        share[i] = min(optimum.traction[i] * scale / touch, 1.0)
+        share[i] = min(optimum.traction_n[i] / touch, 1.0)
         worth[i] = optimum.force_price[i] * v / (h[i] * power[1])
     return share, worth
 
@@ -57,10 +57,10 @@ def coasting_exactly(course: CourseData, optimum: Optimum, off: BoolArray) -> Fl
     off : array of shape (n,)
         Where the drive is off.
     """
-    speed2 = optimum.speed2.copy()
+    speed2, residue = optimum.speed2.copy(), NEXT_TO_NOTHING * course.traction.constant_n
     train, traction, braking = train_of(course), course.traction, course.braking
     for i in range(off.shape[0]):
-        small = optimum.traction[i] < NEXT_TO_NOTHING and optimum.braking[i] < NEXT_TO_NOTHING
+        small = optimum.traction_n[i] < residue and optimum.braking_n[i] < residue
         if off[i] and small and course.fixed_speed2[i + 1] < 0.0 and speed2[i] > 0.0:
             leaving = exit_speed2(cell_of(course, i), train, traction, braking, speed2[i], COAST)
             # never so far that the next cell would notice, nor beyond a limit

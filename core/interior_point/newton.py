@@ -32,9 +32,6 @@ from railjoule.core.interior_point.layout import (
     Work,
 )
 
-EXACT, CONVEX, FORCED = range(3)
-"""How the curvature is used: as it is, its positive part cell by cell, or with any pivot made positive."""
-
 
 @njit(cache=True, fastmath=FAST)
 def positive_part(a: float, b: float, c: float) -> tuple[float, float, float]:
@@ -61,8 +58,8 @@ def add_curvature(
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
-def condense(work: Work, mode: int) -> FloatArray:
-    """Gather weights, slopes and remainders of all cells; `curvature[6]` keeps its meaning.
+def condense(work: Work) -> FloatArray:
+    """Gather weights, slopes and remainders of all cells, with the positive part of each cell's curvature.
 
     Returns
     -------
@@ -83,10 +80,9 @@ def condense(work: Work, mode: int) -> FloatArray:
         remainder = alone * over / weight * lean * lean
         ff, fv, vv = curve[0, i], curve[1, i], curve[2, i]
         bb, bv, braking_vv, mean = curve[3, i], curve[4, i], curve[5, i], curve[6, i]
-        if mode != EXACT:
-            ff, fv, vv = positive_part(ff, fv, vv)
-            bb, bv, braking_vv = positive_part(bb, bv, braking_vv)
-            mean = max(mean, 0.0)
+        ff, fv, vv = positive_part(ff, fv, vv)
+        bb, bv, braking_vv = positive_part(bb, bv, braking_vv)
+        mean = max(mean, 0.0)
         cells.traction_weight[i], cells.traction_slope[i], speed = add_curvature(weight, slope, remainder, ff, fv, vv)
         alone = z[BRAKING_POSITIVE, i] / s[BRAKING_POSITIVE, i] + z[BRAKING_CONSTANT, i] / s[BRAKING_CONSTANT, i]
         over = z[BRAKING_OVER_SPEED, i] / s[BRAKING_OVER_SPEED, i]
@@ -147,49 +143,41 @@ def cell_block(
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
-def factor(work: Work, mode: int) -> int:
-    """Eliminate efforts and nodes; fill pivots and ratios.
+def factor(work: Work, forced: bool) -> bool:
+    """Eliminate efforts and nodes; fill pivots and ratios; return whether all pivots are positive.
 
-    Returns
-    -------
-    int
-        Number of negative pivots, or -1 if the system cannot be used in this mode.
+    With `forced`, those that rounding has made negative are turned round, and the factors are of use all the same.
     """
     cells, nodes, rows, curve = work.cells, work.nodes, work.rows, work.curvature
     on_node = work.bounds.multiplier[0] / work.bounds.slack[0] + work.bounds.multiplier[1] / work.bounds.slack[1]
-    on_speed = condense(work, mode)
+    on_speed = condense(work)
     limited_rise = work.used[ACCELERATION] > 0.0 or work.used[DECELERATION] > 0.0
     n = on_speed.shape[0]
-    negative = 0
     left = on_node[0]
     for i in range(n):
         u0, u1 = cells.speed_by_start[i], cells.speed_by_end[i]
         total = cells.traction_weight[i] + cells.braking_weight[i]
         if not total > 0.0:
-            return -1
+            return False
         apart = cells.traction_slope[i] - cells.braking_slope[i]
         lean0, lean1 = cells.force_by_start[i] + apart * u0, cells.force_by_end[i] + apart * u1
         cells.lean_start[i], cells.lean_end[i] = lean0, lean1
         both = cells.traction_weight[i] * cells.braking_weight[i] / total
-        rise, start, end = 0.0, curve[7, i], curve[8, i]
+        # falling with the mean speed bends these the right way; rising is left to the proof
+        rise, start, end = 0.0, max(curve[7, i], 0.0), max(curve[8, i], 0.0)
         if limited_rise:
             rise = rows.multiplier[ACCELERATION, i] / rows.slack[ACCELERATION, i]
             rise += rows.multiplier[DECELERATION, i] / rows.slack[DECELERATION, i]
             rise *= cells.rise_factor[i] * cells.rise_factor[i]
-        if mode != EXACT:
-            # falling with the mean speed bends these the right way; rising is left to the proof
-            start, end = max(start, 0.0), max(end, 0.0)
         m00, m01, m11, determinant = cell_block(lean0, lean1, both, u0, u1, on_speed[i], rise, start, end)
         right = m11
         nodes.inverse_pivot[i] = nodes.ratio[i] = 0.0
         if nodes.free[i] > 0.0:
             pivot = left + m00
             if not pivot > 0.0:
-                negative += 1
-                if mode == FORCED:
-                    pivot = max(abs(pivot), 1e-8 * abs(m00) + 1e-300)
-                elif negative > 1 or mode == CONVEX or abs(pivot) < 1e-12 * abs(m00):
-                    return -1
+                if not forced:
+                    return False
+                pivot = max(abs(pivot), 1e-8 * abs(m00) + 1e-300)
             nodes.inverse_pivot[i] = 1.0 / pivot
             if nodes.free[i + 1] > 0.0:
                 nodes.ratio[i] = m01 / pivot
@@ -198,10 +186,10 @@ def factor(work: Work, mode: int) -> int:
         left = right + on_node[i + 1]
     nodes.inverse_pivot[n] = 0.0
     if nodes.free[n] > 0.0:
-        if not left > 0.0:
-            negative += 1
-        nodes.inverse_pivot[n] = 1.0 / (left if mode != FORCED else max(abs(left), 1e-300))
-    return negative
+        if not (left > 0.0 or forced):
+            return False
+        nodes.inverse_pivot[n] = 1.0 / max(abs(left), 1e-300)
+    return True
 
 
 @njit(cache=True, fastmath=FAST)
@@ -216,20 +204,14 @@ def back_substitute(nodes: Nodes, vector: FloatArray) -> None:
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
-def factor_with_fallback(work: Work, exact_first: bool, time_slack: float, time_multiplier: float) -> float:
+def factor_with_fallback(work: Work) -> float:
     """Factor the system so that the step goes downhill; return the time's weight in the rank-one term.
 
-    The exact curvature is used if no pivot is negative, or one is and the rank-one term mends it.
+    Not a number where no factors can be had, as where a weight is none.
     """
     nodes = work.nodes
-    for mode in range(EXACT if exact_first else CONVEX, FORCED + 1):
-        negative = factor(work, mode)
-        if negative < 0:
-            continue
-        nodes.time_response[:] = nodes.time_gradient * nodes.free
-        back_substitute(nodes, nodes.time_response)
-        response = np.sum(nodes.time_gradient * nodes.time_response)
-        mended = negative == 1 and time_slack / time_multiplier + response < 0.0
-        if negative == 0 or mended or mode == FORCED:
-            return response
-    return 0.0
+    if not factor(work, False) and not factor(work, True):
+        return np.nan
+    nodes.time_response[:] = nodes.time_gradient * nodes.free
+    back_substitute(nodes, nodes.time_response)
+    return np.sum(nodes.time_gradient * nodes.time_response)

@@ -18,6 +18,7 @@ from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.interior_point.start import SLOWEST_SPEED2
 from railjoule.core.physics.course_data import CourseData
 from railjoule.core.physics.effort_limit import EffortLimit
+from railjoule.core.physics.reference import reference_energy
 
 MOST_INTERVALS = 64
 LARGEST_TABLE = 4_000_000
@@ -30,15 +31,15 @@ class Proof(NamedTuple):
 
     Parameters
     ----------
-    bound : float
-        Scaled energy that no run on the mesh undercuts.
+    bound_j : float
+        Energy that no run on the mesh undercuts, dwells not included [J].
     loose_cells : int
         Cells whose minimum over all speeds lies lower than at the point.
     evaluations : int
         Boxes that were looked at.
     """
 
-    bound: float
+    bound_j: float
     loose_cells: int
     evaluations: int
 
@@ -47,7 +48,7 @@ class Proof(NamedTuple):
 def prove(
     course: CourseData, optimum: Optimum, fastest: FloatArray, running_time: float, tolerance: float, budget: int
 ) -> Proof:
-    """Return a lower bound of the scaled energy.
+    """Return a lower bound of the energy of every run on a mesh.
 
     Parameters
     ----------
@@ -62,15 +63,13 @@ def prove(
     budget : int
         How many boxes may be looked at beyond one a cell.
     """
-    scale = course.traction.constant_n
     traction, braking = course.traction, course.braking
-    h, w = course.cell_length_m, optimum.speed2
-    n = h.shape[0]
-    cells, ends, price_of_time = price_cells(course, optimum, scale)
-    tops = fastest_of_better_runs(course, optimum, scale, fastest, running_time)
+    w = optimum.speed2
+    n = w.shape[0] - 1
+    cells, ends, price_of_time = price_cells(course, optimum)
+    tops = fastest_of_better_runs(course, optimum, fastest, running_time)
     offset = ends - price_of_time * running_time
-    kinetic = course.half_inertia_kg * (h.sum() / running_time) ** 2 / scale
-    reference = max(abs(optimum.energy), 0.1 * kinetic)
+    reference = reference_energy(course, optimum.energy_j, running_time)
     intervals = min(MOST_INTERVALS, int(math.sqrt(LARGEST_TABLE / n)) + 2)
     low, high = np.zeros((n + 1, intervals)), np.zeros((n + 1, intervals))
     for i in range(n + 1):
@@ -86,15 +85,15 @@ def prove(
         box = low[i, 0], high[i, 0], low[i + 1, 0], high[i + 1, 0]
         here, least = tangent_minimum(cells[i], v0, v1, *box)
         if tables or least < here - LOOSE * reference:
-            here = cell_minimum(cells[i], traction, braking, scale, v0, v0, v1, v1)
-            least = cell_minimum(cells[i], traction, braking, scale, *box)
+            here = cell_minimum(cells[i], traction, braking, v0, v0, v1, v1)
+            least = cell_minimum(cells[i], traction, braking, *box)
             loose[i] = least < here - LOOSE * reference
         total += least
-    bound = min(total, optimum.energy)
+    bound = min(total, optimum.energy_j)
     evaluations = n
-    if optimum.energy - bound > tolerance * reference and budget > 0:
-        target = optimum.energy - 0.9 * tolerance * reference
-        sharper, more = _sharpen(cells, traction, braking, scale, low, high, loose, offset, target, budget)
+    if optimum.energy_j - bound > tolerance * reference and budget > 0:
+        target = optimum.energy_j - 0.9 * tolerance * reference
+        sharper, more = _sharpen(cells, traction, braking, low, high, loose, offset, target, budget)
         bound = max(bound, sharper)
         evaluations += more
     return Proof(bound, int(loose.sum()), evaluations)
@@ -105,7 +104,6 @@ def _sharpen(
     cells: FloatArray,
     traction: EffortLimit,
     braking: EffortLimit,
-    scale: float,
     low: FloatArray,
     high: FloatArray,
     loose: BoolArray,
@@ -126,7 +124,7 @@ def _sharpen(
                 for a in range(count[i]):
                     for b in range(count[i + 1]):
                         value[i, a, b] = cell_minimum(
-                            cells[i], traction, braking, scale, low[i, a], high[i, a], low[i + 1, b], high[i + 1, b]
+                            cells[i], traction, braking, low[i, a], high[i, a], low[i + 1, b], high[i + 1, b]
                         )
                 evaluations += count[i] * count[i + 1]
         forward, backward = _chain(value, count)

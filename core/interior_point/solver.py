@@ -26,6 +26,7 @@ from railjoule.core.interior_point.newton import factor_with_fallback
 from railjoule.core.interior_point.start import TIME_WEIGHT, prepare
 from railjoule.core.interior_point.step import complementarity, longest_steps, move, set_direction
 from railjoule.core.physics.course_data import CourseData
+from railjoule.core.physics.reference import reference_energy
 
 CONVERGED, ITERATIONS_EXCEEDED = 0, 1
 LARGEST_VIOLATION = 1e-8
@@ -37,22 +38,22 @@ WHOLE_STEP = 0.99
 
 
 class Optimum(NamedTuple):
-    """What the method ends with; scaled values are in metres times the largest tractive effort.
+    """What the method ends with, in SI: how it scales its numbers is its own affair.
 
     Parameters
     ----------
     speed2 : array of shape (n + 1,)
         Squares of speed at the nodes [m2/s2].
-    traction, braking : array of shape (n,)
-        Tractive and electric braking effort of each cell, scaled.
+    traction_n, braking_n : array of shape (n,)
+        Tractive and electric braking effort of each cell [N].
     multiplier : array of shape (12, n)
-        Scaled multipliers of the cells' constraints, rows as in `layout`.
+        Multipliers of the cells' constraints, rows as in `layout`: energy over effort [J/N].
     force_price : array of shape (n,)
-        Scaled derivative of the Lagrangian by the net force of each cell.
-    time_multiplier : float
-        Scaled price of a second, auxiliary power not included.
-    energy : float
-        Scaled energy, auxiliaries included.
+        Derivative of the Lagrangian by the net force of each cell [J/N].
+    price_of_time_w : float
+        Multiplier of the timetable, auxiliary power not included [J/s].
+    energy_j : float
+        Line energy of the run with auxiliaries, dwells not included [J].
     relative_gap : float
         Sum of slack times multiplier over the energy.
     iterations : int
@@ -61,12 +62,12 @@ class Optimum(NamedTuple):
     """
 
     speed2: FloatArray
-    traction: FloatArray
-    braking: FloatArray
+    traction_n: FloatArray
+    braking_n: FloatArray
     multiplier: FloatArray
     force_price: FloatArray
-    time_multiplier: float
-    energy: float
+    price_of_time_w: float
+    energy_j: float
     relative_gap: float
     iterations: int
     status: int
@@ -127,7 +128,6 @@ def minimise_energy(
     tolerance: float,
     largest_iterations: int,
     least_centring: float,
-    exact_first: bool,
 ) -> Optimum:
     """Return the optimum of a course.
 
@@ -143,8 +143,6 @@ def minimise_energy(
     largest_iterations : int
     least_centring : float
         Lower bound of the centring; 0.2 ends the rare cycles that 1e-6 leaves.
-    exact_first : bool
-        Whether the exact curvature is tried before the convex one.
     """
     scale = course.traction.constant_n
     work = allocate(course.cell_length_m.shape[0])
@@ -152,7 +150,6 @@ def minimise_energy(
     length = course.cell_length_m.sum()
     time_weight = TIME_WEIGHT * length
     auxiliaries = course.auxiliary_power_w / scale
-    kinetic = course.half_inertia_kg * (length / running_time) ** 2 / scale
     step, near, poor, iteration = 1.0, 0, 0, 0
     status, energy, gap = ITERATIONS_EXCEEDED, 0.0, 1.0
     while iteration < largest_iterations:
@@ -163,7 +160,7 @@ def minimise_energy(
         violation = max(violation, (time - running_time) / running_time)
         product = _all_complementarity(work, 0.0, 0.0, time_slack, time_multiplier)
         barrier = product / weights
-        reference = max(abs(energy), 0.01 * gross, 0.1 * kinetic)
+        reference = max(reference_energy(course, energy * scale, running_time) / scale, 0.01 * gross)
         gap = product / reference
         dual = (dual_residual(course, work) + time_multiplier * abs(time_residual)) / reference
         if violation < LARGEST_VIOLATION and gap < 1.5 * tolerance:
@@ -176,7 +173,9 @@ def minimise_energy(
                 break
         # under this the dual residual is rounding noise, eps z / s, which grows as the barrier falls
         least = min(barrier, 0.1 * tolerance * reference / weights)
-        response = factor_with_fallback(work, exact_first, time_slack, time_multiplier)
+        response = factor_with_fallback(work)
+        if not np.isfinite(response):
+            break  # nothing to step along: what stands is told with its gap, and as not converged
         set_direction(course, work, response, 0.0, False, time_slack, time_multiplier, time_residual, 0.0)
         point, multipliers = longest_steps(work, time_slack, time_multiplier, 1.0)
         centring = (_all_complementarity(work, point, multipliers, time_slack, time_multiplier) / product) ** 3
@@ -199,12 +198,13 @@ def minimise_energy(
         iteration += 1
     return Optimum(
         work.nodes.speed2,
-        work.cells.traction,
-        work.cells.braking,
+        work.cells.traction * scale,
+        work.cells.braking * scale,
+        # an energy over an effort is a length, whatever both are scaled by
         work.rows.multiplier,
         work.cells.force_price,
-        time_multiplier,
-        energy,
+        time_multiplier * scale,
+        energy * scale,
         gap,
         iteration,
         status,

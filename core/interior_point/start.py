@@ -12,7 +12,6 @@ from railjoule.core.drive.kernels import (
     jumps_at_no_effort,
     may_draw_while_braking,
 )
-from railjoule.core.interior_point.cell import per_metre
 from railjoule.core.interior_point.layout import (
     ACCELERATION,
     BRAKING_CONSTANT,
@@ -33,6 +32,7 @@ from railjoule.core.motion.passes import running_time as running_time_of
 from railjoule.core.physics.cell import duration, mean_speed, needed_force
 from railjoule.core.physics.course_data import CourseData, scaled_cell_of
 from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
+from railjoule.core.physics.energy_per_metre import energy_per_metre
 
 SLOWEST_SPEED2 = 0.01
 """Floor of speed squared at inner nodes [m2/s2], 0.36 km/h: at rest a crest would have an infinite derivative."""
@@ -183,7 +183,7 @@ def _start_cells(course: CourseData, scale: float, work: Work) -> None:
         b = f - force
         x = b if top_friction <= 0.0 else 0.5 * (max(b - top_friction, 0.0) + min(b, electric))
         power = generated_power(course.drive_kind, course.drive_parameters, max(x, 0.0) * scale, v)
-        generated = per_metre(power, scale, v)[0]
+        generated = energy_per_metre(power, v)[0] / scale
         drawn = max(-generated, 0.0) + 1e-2 if rows.weight[DRAWN, i] > 0.0 else 0.0
         cells.traction[i], cells.braking[i], cells.drawn[i] = f, x, drawn
         rows.slack[TRACTION_POSITIVE, i] = f

@@ -18,8 +18,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import power_when_on, shaft_force, work_bounds
-from railjoule.core.interior_point.cell import per_metre
-from railjoule.core.interior_point.certificate import node_prices
+from railjoule.core.interior_point.certificate import node_prices, returned_share
 from railjoule.core.interior_point.layout import (
     ACCELERATION,
     BRAKING_OVER_SPEED,
@@ -31,8 +30,11 @@ from railjoule.core.interior_point.layout import (
 from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.interior_point.start import SLOWEST_SPEED2
 from railjoule.core.interior_point.switching import switched_powers, tabulate_rays
-from railjoule.core.physics.course_data import CourseData
+from railjoule.core.physics.cell import force_slopes, mean_speed
+from railjoule.core.physics.course_data import CourseData, cell_of
 from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
+from railjoule.core.physics.energy_per_metre import energy_per_metre
+from railjoule.core.physics.reference import reference_energy
 
 NARROWEST_SHARE = 1e-9
 FIRST_WIDTHS = (0.5, 0.25, 0.1, 0.04, 0.015)
@@ -43,7 +45,7 @@ STEPS = 60
 EXACT = 1e-9
 
 START, END, CONSTANT, TIME, BY_SPEED, PRICE, RETURNED, LENGTH = range(8)
-"""What a priced cell is, scaled: START w0 + END w1 + CONSTANT + TIME / v + BY_SPEED v, and over its LENGTH [m] efforts
+"""What a priced cell is [J]: START w0 + END w1 + CONSTANT + TIME / v + BY_SPEED v, and over its LENGTH [m] efforts
 at a PRICE per metre; RETURNED is the share of generated energy that counts."""
 COLUMNS = 8
 
@@ -127,7 +129,7 @@ def cheapest_effort(
 def effort_value(
     course: CourseData, cell: FloatArray, near: FloatArray, loss_speed: float, speed: float, precision: float
 ) -> float:
-    """Return what the cheapest efforts of a cell add to it, with losses at one speed and limits as well [scaled].
+    """Return what the cheapest efforts of a cell add to it [J], with losses at one speed and limits as well.
 
     Parameters
     ----------
@@ -138,17 +140,17 @@ def effort_value(
     loss_speed, speed : float
         The losses are those at the first speed, the way is made at the second [m/s].
     precision : float
-        How far it may lie below the least, scaled.
+        How far it may lie below the least [J].
     """
-    price, share, scale = cell[PRICE], cell[RETURNED], course.traction.constant_n
-    precision *= scale / cell[LENGTH]
+    price, share = cell[PRICE], cell[RETURNED]
+    precision /= cell[LENGTH]
     most = _greatest(course.traction, loss_speed, speed)
     total, near[0] = cheapest_effort(course, False, 1.0, price, loss_speed, speed, most, near[0], precision)
     most = _greatest(course.braking, loss_speed, speed)
     braking, near[1] = cheapest_effort(course, True, share, price, loss_speed, speed, most, near[1], precision)
     # a standstill brake does it without a loss that counts
     total += min(braking, price * most) + min(price, 0.0) * course.friction_effort_n
-    value: float = cell[LENGTH] * total / scale
+    value: float = cell[LENGTH] * total
     return value
 
 
@@ -285,39 +287,35 @@ def least_of_cell(
 
 
 @njit(cache=True, error_model="numpy")
-def price_switched_cells(course: CourseData, optimum: Optimum, scale: float) -> tuple[FloatArray, float]:
+def price_switched_cells(course: CourseData, optimum: Optimum) -> tuple[FloatArray, float]:
     """Return the priced cells of a point, shape (n, COLUMNS), and the sum of the prices at both ends."""
     h, w, z = course.cell_length_m, optimum.speed2, optimum.multiplier
     n = h.shape[0]
-    price_of_time = optimum.time_multiplier + course.auxiliary_power_w / scale
+    price_of_time = optimum.price_of_time_w + course.auxiliary_power_w
     tangents, over, rays = np.zeros((4, n)), np.empty((2, n)), np.empty((2, RAY_COUNT, 3))
     tabulate_rays(course, rays)
     over[0], over[1] = z[TRACTION_OVER_SPEED], z[BRAKING_OVER_SPEED]
     returned = np.empty(n)
     for i in range(n):
-        v = 0.5 * (math.sqrt(w[i]) + math.sqrt(w[i + 1]))
-        f, x = max(optimum.traction[i], 0.0) * scale, max(optimum.braking[i], 0.0) * scale
+        v = mean_speed(math.sqrt(w[i]), math.sqrt(w[i + 1]))
+        f, x = max(optimum.traction_n[i], 0.0), max(optimum.braking_n[i], 0.0)
         taken, generated = switched_powers(course, i, rays, f, x, v)
-        share = course.recuperation_factor
-        # where it draws, all of it counts: any mixture of the two rates is a lower bound
-        returned[i] = share + min(max(z[DRAWN, i] / h[i], 0.0), 1.0 - share)
-        tangents[3, i] = h[i] * (per_metre(taken, scale, v)[2] - returned[i] * per_metre(generated, scale, v)[2])
-    node = node_prices(course, optimum, scale, price_of_time, over, tangents)
+        returned[i] = returned_share(course.recuperation_factor, z[DRAWN, i] / h[i])
+        tangents[3, i] = h[i] * (energy_per_metre(taken, v)[2] - returned[i] * energy_per_metre(generated, v)[2])
+    node = node_prices(course, optimum, price_of_time, over, tangents)
     cells = np.zeros((n, COLUMNS))
-    linear = course.resistance_linear / scale
-    inertia = 2.0 * course.half_inertia_kg / scale
+    inertia = 2.0 * course.half_inertia_kg
     for i in range(n):
-        c, force = cells[i], optimum.force_price[i]
-        bend = 0.5 * course.resistance_quadratic[i] / scale
-        k = course.half_inertia_kg / (h[i] * scale)
-        rise = z[ACCELERATION, i] - z[DECELERATION, i]
-        c[CONSTANT] = force * (course.line_force_n[i] + course.resistance_constant_n) / scale
+        c, cell, force = cells[i], cell_of(course, i), optimum.force_price[i]
+        by_start, by_end = force_slopes(cell, 0.0, 0.0)
+        rise = (z[ACCELERATION, i] - z[DECELERATION, i]) * cell.inertia
+        c[CONSTANT] = force * cell.constant_n
         for row, limit in ((ACCELERATION, course.max_acceleration_ms2), (DECELERATION, course.max_deceleration_ms2)):
             if z[row, i] > 0.0:
                 c[CONSTANT] -= z[row, i] * inertia * limit
-        c[START] = node[i] - force * (k - bend) - rise * k
-        c[END] = force * (k + bend) + rise * k - node[i + 1]
-        c[TIME], c[BY_SPEED] = price_of_time * h[i], force * linear
+        c[START] = node[i] + force * by_start - rise
+        c[END] = force * by_end + rise - node[i + 1]
+        c[TIME], c[BY_SPEED] = price_of_time * h[i], force * cell.linear
         c[PRICE], c[RETURNED], c[LENGTH] = force / h[i], returned[i], h[i]
     return cells, node[n] * w[n] - node[0] * w[0]
 
@@ -326,7 +324,7 @@ def price_switched_cells(course: CourseData, optimum: Optimum, scale: float) -> 
 def switched_bound(
     course: CourseData, optimum: Optimum, fastest: FloatArray, running_time: float, tolerance: float, budget: int
 ) -> tuple[float, int]:
-    """Return a lower bound of the scaled energy, and how many pieces of speed it took.
+    """Return a lower bound of the energy [J], dwells not included, and how many pieces of speed it took.
 
     Parameters
     ----------
@@ -343,21 +341,20 @@ def switched_bound(
     budget : int
         Pieces that may be looked at in each cell.
     """
-    scale, w, h = course.traction.constant_n, optimum.speed2, course.cell_length_m
-    cells, ends = price_switched_cells(course, optimum, scale)
-    kinetic = course.half_inertia_kg * (h.sum() / running_time) ** 2 / scale
-    allowed = tolerance * max(abs(optimum.energy), 0.1 * kinetic) / h.sum()
-    bound, pieces = ends - optimum.time_multiplier * running_time, 0
+    w, h = optimum.speed2, course.cell_length_m
+    cells, ends = price_switched_cells(course, optimum)
+    allowed = tolerance * reference_energy(course, optimum.energy_j, running_time) / h.sum()
+    bound, pieces = ends - optimum.price_of_time_w * running_time, 0
     slowest = math.sqrt(SLOWEST_SPEED2)
     for i in range(h.shape[0]):
         low0, high0 = _range(course, fastest, w, slowest, i)
         low1, high1 = _range(course, fastest, w, slowest, i + 1)
-        v = 0.5 * (math.sqrt(w[i]) + math.sqrt(w[i + 1]))
+        v = mean_speed(math.sqrt(w[i]), math.sqrt(w[i + 1]))
         box = low0, high0, low1, high1
         least, seen = least_of_cell(course, cells[i], box, v, allowed * h[i], budget)
         bound += least
         pieces += seen
-    return min(bound, optimum.energy), pieces
+    return min(bound, optimum.energy_j), pieces
 
 
 @njit(cache=True)

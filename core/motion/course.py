@@ -1,6 +1,6 @@
 """A course: all that a run of this vehicle over this line obeys, as arrays over the mesh."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -9,8 +9,7 @@ from railjoule.core.drive import Drive, make_drive
 from railjoule.core.errors import ScenarioError
 from railjoule.core.motion.line_geometry import LineGeometry, geometry_at, meshed_geometry
 from railjoule.core.physics.cell import mean_speed, needed_force
-from railjoule.core.physics.course_data import CourseData, cells_of
-from railjoule.core.physics.effort_limit import NO_TABLE, TABLE_STEP_MS, EffortLimit, table_speeds, tabulated_limit
+from railjoule.core.physics.course_data import CourseData, cells_of, data_between
 from railjoule.core.physics.resistance import (
     curve_force_n,
     gradient_force_n,
@@ -18,11 +17,15 @@ from railjoule.core.physics.resistance import (
     resistance_coefficients,
     running_resistance,
 )
+from railjoule.core.physics.vehicle_limit import effort_limit
 from railjoule.core.scenario import Scenario, Vehicle
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, W_PER_KW
 
 FREE = -1.0
 """Mark of a node whose speed is not prescribed."""
+
+PER_CELL = ("gradient_permille", "tunnel_factor", "gradient_force_n", "curve_force_n", "cell_limit_ms")
+"""The arrays of a course with one entry a cell, beside those of its data."""
 
 LEAST_BRAKING_SHARE = 1e-9
 """A missing electric brake counts as this share of the tractive effort: an interior point needs an inside."""
@@ -61,6 +64,19 @@ class Course:
     dwell_s: FloatArray
     drive: Drive
     data: CourseData
+
+    def between(self, first: int, last: int) -> "Course":
+        """Return the course between two nodes, over the same mesh; the train does not stand at its ends."""
+        cells, nodes = slice(first, last), slice(first, last + 1)
+        dwell = self.dwell_s[nodes].copy()
+        dwell[[0, -1]] = 0.0
+        return replace(
+            self,
+            **{name: getattr(self, name)[cells] for name in PER_CELL},
+            position_m=self.position_m[nodes],
+            dwell_s=dwell,
+            data=data_between(self.data, first, last),
+        )
 
     @property
     def cell_count(self) -> int:
@@ -152,7 +168,7 @@ def _course_data(
     constant, linear, quadratic = resistance_coefficients(vehicle)
     traction, braking = vehicle.traction, vehicle.braking
     drive.require_speed(traction.max_speed_kmh * MS_PER_KMH)
-    pulling, electric = _traction_limit(vehicle, drive), _braking_limit(vehicle, drive)
+    pulling, electric = effort_limit(vehicle, drive), effort_limit(vehicle, drive, braking=True)
     least_braking = LEAST_BRAKING_SHARE * pulling.constant_n
     return CourseData(
         cell_length_m=np.diff(line.position_m),
@@ -173,63 +189,3 @@ def _course_data(
         drive_parameters=drive.parameters,
         recuperation_factor=drive.recuperation_factor,
     )
-
-
-def vehicle_limit_n(vehicle: Vehicle, speed_ms: FloatArray, braking: bool = False) -> FloatArray:
-    """Return the largest effort [N] that a vehicle's own limits allow, its drive's apart; shape as the speeds'.
-
-    Infinite where it sets none.
-    """
-    speed = np.asarray(speed_ms, dtype=float)
-    limits = vehicle.braking if braking else vehicle.traction
-    effort = np.full(speed.shape, np.inf)
-    if limits.max_effort_kn is not None:
-        effort = np.minimum(effort, limits.max_effort_kn * N_PER_KN)
-    if limits.max_power_kw is not None:
-        effort = np.minimum(effort, limits.max_power_kw * W_PER_KW / np.maximum(speed, 1e-3))
-    if not braking and vehicle.traction.curve:
-        knots = np.array(vehicle.traction.curve)
-        effort = np.minimum(effort, np.interp(speed, knots[:, 0] * MS_PER_KMH, knots[:, 1] * N_PER_KN))
-    return effort
-
-
-def _traction_limit(vehicle: Vehicle, drive: Drive) -> EffortLimit:
-    traction = vehicle.traction
-    curve = traction.curve or ()
-    top = max((effort for _, effort in curve), default=np.inf)
-    constant = min(traction.max_effort_kn or np.inf, top) * N_PER_KN
-    return _effort_limit(vehicle, drive, constant, traction.max_power_kw, curve, "traction")
-
-
-def _braking_limit(vehicle: Vehicle, drive: Drive) -> EffortLimit:
-    braking = vehicle.braking
-    constant = np.inf if braking.max_effort_kn is None else braking.max_effort_kn * N_PER_KN
-    return _effort_limit(vehicle, drive, constant, braking.max_power_kw, (), "braking")
-
-
-def _effort_limit(
-    vehicle: Vehicle,
-    drive: Drive,
-    constant_n: float,
-    power_kw: float | None,
-    curve: tuple[tuple[float, float], ...],
-    table: str,
-) -> EffortLimit:
-    """Combine the limits of a vehicle's table with those of its drive."""
-    braking = table == "braking"
-    power = np.inf if power_kw is None else power_kw * W_PER_KW
-    top_speed = vehicle.traction.max_speed_kmh * MS_PER_KMH
-    speeds = table_speeds(top_speed)
-    by_drive = drive.effort_limit_n(speeds, braking)
-    constant = min(constant_n, float(np.max(by_drive)))
-    if not np.isfinite(constant):
-        raise ScenarioError(f"vehicle.{table}.max_effort_kn is missing: this drive sets no limit of effort.")
-    weakening = drive.weakening_limit_n(speeds, braking)
-    if not curve and not np.isfinite(weakening).any():
-        return EffortLimit(constant, power, NO_TABLE, TABLE_STEP_MS)
-    # the constant caps it: a corner there would be rounded by the table
-    limit = np.minimum(weakening, power / np.maximum(speeds, 1e-3))
-    if curve:
-        knots = np.array(curve)
-        limit = np.minimum(limit, np.interp(speeds, knots[:, 0] * MS_PER_KMH, knots[:, 1] * N_PER_KN))
-    return tabulated_limit(constant, np.minimum(limit, 2 * constant))

@@ -14,9 +14,9 @@ from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.drive import Drive, make_drive
 from railjoule.core.drive.induction.drive import InductionDrive
 from railjoule.core.errors import StrategyRefusedError
-from railjoule.core.motion.course import vehicle_limit_n
 from railjoule.core.physics.braking import electric_efforts
 from railjoule.core.physics.resistance import resistance_coefficients, running_resistance
+from railjoule.core.physics.vehicle_limit import vehicle_limit_n
 from railjoule.core.scenario import Vehicle
 from railjoule.core.units import MS_PER_KMH, N_PER_KN
 

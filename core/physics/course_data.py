@@ -10,6 +10,9 @@ from railjoule.core.physics.cell import Cell
 from railjoule.core.physics.effort_limit import EffortLimit
 
 SWITCHED_AT_WILL = np.zeros(0)
+PER_CELL = ("cell_length_m", "line_force_n", "resistance_quadratic", "machines_on")
+PER_NODE = ("largest_speed2", "fixed_speed2")
+"""The arrays of a course's data with one entry a cell, and with one a node."""
 
 
 class CourseData(NamedTuple):
@@ -122,6 +125,13 @@ def part_of_cell(cell: Cell, length_m: float) -> Cell:
     """Return a part of a cell [m]: as its force is constant, only its length differs, and inertia over length."""
     inertia = cell.inertia * (cell.length_m / length_m)
     return Cell(length_m, inertia, cell.constant_n, cell.linear, cell.quadratic)
+
+
+def data_between(course: CourseData, first: int, last: int) -> CourseData:
+    """Return the data of a course between two nodes, over the same mesh."""
+    cells = {name: getattr(course, name)[first:last] for name in PER_CELL}
+    nodes = {name: getattr(course, name)[first : last + 1] for name in PER_NODE}
+    return course._replace(**cells, **nodes)
 
 
 def cells_of(course: CourseData) -> Cell:

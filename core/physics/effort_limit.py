@@ -1,15 +1,37 @@
-"""The largest effort at a speed: a constant, and a power or a table over speed."""
+"""The largest effort at a speed: a constant, and a power or a table over speed.
 
+A table holds a cubic between each two knots of speed, with the values and the slopes that the limit has there, taken
+from inside the piece: a knot may be a corner. Pieces that miss the limit are halved until they do not, so that a corner
+that nobody told ends up in a piece of a tenth of a millimetre a second, whose cubic cuts it off from below. The table
+is then lowered by what it still exceeds the limit anywhere, a few millionths: no run asks a motor for more than it has.
+"""
+
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
-from railjoule.core.arrays import FloatArray
+from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import njit
 
-NO_TABLE = np.zeros((0, 4))
 TABLE_STEP_MS = 0.125
+"""A piece of a table is looked up in steps of this length."""
+LONGEST_PIECE_MS = 0.5
+FIT_SHARE = 1e-6
+"""How close a table comes to its limit, as a share of the largest effort."""
+NARROWEST_MS = 1e-4
+"""Pieces are not halved below that: what one so narrow misses at a corner is within that share, too."""
+INSIDE = np.arange(1, 8) / 8
+"""Where a piece is compared with the limit that it stands for, as shares of its width."""
+SLOPE_SHARE = 1e-3
+"""Step of the differences that give a slope, as a share of the width of a piece."""
+SLOWEST_MS = 1e-3
+"""Stands for rest in limits of power, which end at the constant limit long before."""
+HERMITE = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [-3.0, 3.0, -2.0, -1.0], [2.0, -2.0, 1.0, 1.0]])
+"""Coefficients of 1, x, x^2, x^3 from the values at 0 and 1 and the slopes there."""
+COLUMNS = 5
+"""Of a table: where a piece begins, and the coefficients of 1, x, x^2, x^3 from there."""
+NO_TABLE, NO_PIECES = np.zeros((0, COLUMNS)), np.zeros(0, dtype=np.int64)
 
 
 class EffortLimit(NamedTuple):
@@ -20,61 +42,119 @@ class EffortLimit(NamedTuple):
     constant_n : float
         The largest effort at any speed [N].
     power_w : float
-        The largest effort times speed [W]; infinite where there is no such limit.
-    table : array of shape (m, 4)
-        Cubic pieces of the limit over equal steps of speed, from 0; it then stands for the power too.
-    table_step_ms : float
-        Length of a piece [m/s].
+        The largest effort times speed [W]; infinite where there is no such limit, or a table stands for it.
+    table : array of shape (m, 5)
+        Pieces of the limit over speed, from 0: begin [m/s] and coefficients of a cubic from there.
+    first_piece : array of shape (k,)
+        Number of the piece that holds the beginning of each of k equal steps of speed.
     """
 
     constant_n: float
     power_w: float
     table: FloatArray
-    table_step_ms: float
+    first_piece: IntArray
 
     def effort_n(self, speed_ms: FloatArray) -> FloatArray:
         """Return the largest effort [N] at speeds above zero [m/s]; shape as the argument's."""
-        if len(self.table) == 0:
-            return np.minimum(self.constant_n, self.power_w / np.asarray(speed_ms))
         speed = np.asarray(speed_ms, dtype=float)
         effort = np.empty(speed.size)
         _fill_efforts(self, speed.ravel(), effort)
         return effort.reshape(speed.shape)
 
 
-def table_speeds(top_speed_ms: float) -> FloatArray:
-    """Return the speeds [m/s] at which a tabulated limit up to `top_speed_ms` is given; shape (m + 1,)."""
-    return np.arange(0.0, top_speed_ms + 2 * TABLE_STEP_MS, TABLE_STEP_MS)
+def untabulated_limit(constant_n: float, power_w: float = np.inf) -> EffortLimit:
+    """Return the limit of a constant effort [N] and a power [W]."""
+    return EffortLimit(constant_n, power_w, NO_TABLE, NO_PIECES)
 
 
-def tabulated_limit(constant_n: float, efforts_n: FloatArray) -> EffortLimit:
-    """Return the limit through given points, joined by cubics that keep their shape.
+def fitted_limit(
+    constant_n: float, limit_n: Callable[[FloatArray], FloatArray], top_speed_ms: float, corners_ms: FloatArray
+) -> EffortLimit:
+    """Return the table of a limit over speed, nowhere above it.
 
     Parameters
     ----------
     constant_n : float
-        The largest effort at any speed [N].
-    efforts_n : array of shape (m + 1,)
-        The limit at the speeds of `table_speeds` [N].
+        The largest effort at any speed [N]; where the limit is higher the table need not be close to it.
+    limit_n : callable
+        The limit [N] at an array of speeds [m/s] of any shape.
+    top_speed_ms : float
+        Up to which speed it is wanted [m/s].
+    corners_ms : array
+        Speeds at which its slope may jump, as far as they are known [m/s].
     """
-    curve = PchipInterpolator(np.arange(len(efforts_n)) * TABLE_STEP_MS, efforts_n)
-    return EffortLimit(constant_n, np.inf, np.ascontiguousarray(curve.c[::-1].T), TABLE_STEP_MS)
+
+    def capped(speed: FloatArray) -> FloatArray:
+        # far above the constant limit, as near rest, it does not matter how steep it is
+        return np.minimum(limit_n(speed), 2 * constant_n)
+
+    knots = table_speeds(top_speed_ms)
+    knots = np.union1d(knots, corners_ms[(corners_ms > NARROWEST_MS) & (corners_ms < knots[-1])])
+    start, width = knots[:-1], np.diff(knots)
+    fitted, over = [], 1.0
+    while len(start):
+        cubic = _cubics(capped, start, width)
+        true = capped(start[:, None] + width[:, None] * INSIDE)
+        found = cubic @ INSIDE ** np.arange(4)[:, None]
+        missed = np.abs(found - true).max(axis=1) > FIT_SHARE * constant_n
+        split = missed & (true.min(axis=1) < constant_n) & (width > NARROWEST_MS)
+        fitted.append(np.column_stack([start, cubic / width[:, None] ** np.arange(4)])[~split])
+        limited = true[~split] < constant_n
+        over = max(over, np.max(found[~split][limited] / true[~split][limited], initial=1.0))
+        width = 0.5 * width[split]
+        start = np.concatenate([start[split], start[split] + width])
+        width = np.tile(width, 2)
+    table = np.concatenate(fitted)
+    # between the places that are compared it may exceed the limit by a little more than there
+    table[:, 1:] /= 1.0 + 2.0 * (over - 1.0)
+    return tabulated_limit(constant_n, table[np.argsort(table[:, 0])])
+
+
+def _cubics(limit_n: Callable[[FloatArray], FloatArray], start: FloatArray, width: FloatArray) -> FloatArray:
+    """Return coefficients of 1, x, x^2, x^3 for pieces that run from 0 to 1; shape (pieces, 4)."""
+    steps = np.array([0.0, SLOPE_SHARE, 2 * SLOPE_SHARE, 1 - 2 * SLOPE_SHARE, 1 - SLOPE_SHARE, 1.0])
+    f = limit_n(start[:, None] + width[:, None] * steps)
+    # differences of second order, from one side
+    first = (4 * f[:, 1] - 3 * f[:, 0] - f[:, 2]) / (2 * SLOPE_SHARE)
+    last = (3 * f[:, 5] - 4 * f[:, 4] + f[:, 3]) / (2 * SLOPE_SHARE)
+    cubics: FloatArray = np.column_stack([f[:, 0], f[:, 5], first, last]) @ HERMITE.T
+    return cubics
+
+
+def tabulated_limit(constant_n: float, table: FloatArray) -> EffortLimit:
+    """Return the limit of a constant effort [N] and a table of rising pieces, as `EffortLimit` has it."""
+    steps = np.arange(0.0, table[-1, 0] + TABLE_STEP_MS, TABLE_STEP_MS)
+    first = np.searchsorted(table[:, 0], steps, side="right") - 1
+    return EffortLimit(constant_n, np.inf, np.ascontiguousarray(table), first.astype(np.int64))
+
+
+def table_speeds(top_speed_ms: float) -> FloatArray:
+    """Return equal steps of speed [m/s] from 0 to just beyond `top_speed_ms`; shape (m + 1,)."""
+    return np.arange(0.0, top_speed_ms + 2 * LONGEST_PIECE_MS, LONGEST_PIECE_MS)
+
+
+@njit(cache=True, error_model="numpy")
+def piece_at(limit: EffortLimit, speed: float) -> int:
+    """Return the number of the piece of a table at a speed [m/s]; the last one goes on."""
+    step = min(int(speed / TABLE_STEP_MS), limit.first_piece.shape[0] - 1)
+    piece, last = int(limit.first_piece[step]), limit.table.shape[0] - 1
+    while piece < last and limit.table[piece + 1, 0] <= speed:
+        piece += 1
+    return piece
 
 
 @njit(cache=True, error_model="numpy")
 def limit_over_speed(limit: EffortLimit, speed: float) -> tuple[float, float, float]:
     """Return the limit that varies with speed [N] and its first and second derivative, without the constant."""
-    pieces = limit.table.shape[0]
-    if pieces == 0:
+    if limit.table.shape[0] == 0:
         effort = limit.power_w / speed
         return effort, -effort / speed, 2.0 * effort / (speed * speed)
-    piece = min(int(speed / limit.table_step_ms), pieces - 1)
-    x = speed - piece * limit.table_step_ms
-    c = limit.table[piece]
+    c = limit.table[piece_at(limit, speed)]
+    x = speed - c[0]
     return (
-        ((c[3] * x + c[2]) * x + c[1]) * x + c[0],
-        (3.0 * c[3] * x + 2.0 * c[2]) * x + c[1],
-        6.0 * c[3] * x + 2.0 * c[2],
+        ((c[4] * x + c[3]) * x + c[2]) * x + c[1],
+        (3.0 * c[4] * x + 2.0 * c[3]) * x + c[2],
+        6.0 * c[4] * x + 2.0 * c[3],
     )
 
 
@@ -86,7 +166,7 @@ def largest_effort(limit: EffortLimit, speed: float) -> float:
     return min(limit.constant_n, limit_over_speed(limit, speed)[0])
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def _fill_efforts(limit: EffortLimit, speed: FloatArray, effort: FloatArray) -> None:
     for i in range(speed.shape[0]):
         effort[i] = largest_effort(limit, speed[i])

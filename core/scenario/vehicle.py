@@ -47,7 +47,10 @@ class Traction(Part):
     max_speed_kmh: Number = Field(gt=0, le=600, description="Largest speed of the vehicle [km/h].")
     max_acceleration_ms2: Number | None = Field(None, gt=0, le=20, description="Largest dv/dt [m/s2].")
     curve: tuple[CurvePoint, ...] | None = Field(
-        None, min_length=2, max_length=1000, description="Largest tractive effort over speed, [[km/h, kN], ...]."
+        None,
+        min_length=2,
+        max_length=1000,
+        description="Largest tractive effort over speed, [[km/h, kN], ...]; beyond the last point its power goes on.",
     )
 
     @model_validator(mode="after")

@@ -46,7 +46,7 @@ from railjoule.core.simulate.train_on_its_way import (
     rest_scenario,
 )
 from railjoule.core.strategies import run_strategy
-from railjoule.core.strategies.task import prepare_task
+from railjoule.core.task import prepare_task
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import MS_PER_KMH
 

@@ -24,7 +24,7 @@ from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.as_it_is import as_it_is, changed
 from railjoule.core.simulate.odometer import Stretch, believed_places, stopping_place, stretches
 from railjoule.core.strategies import Task, run_strategy
-from railjoule.core.strategies.task import task_over
+from railjoule.core.task import task_over
 from railjoule.core.trajectory import Trajectory, make_trajectory
 
 OVERRUN_CELL_M, LONGEST_OVERRUN_CELLS = 5.0, 2000

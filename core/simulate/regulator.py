@@ -8,7 +8,7 @@ import numpy as np
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario import Scenario
 from railjoule.core.strategies.speed_limits import literal_trajectory, speed_limits
-from railjoule.core.strategies.task import prepare_task
+from railjoule.core.task import prepare_task
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import MS_PER_KMH
 

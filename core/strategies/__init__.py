@@ -4,16 +4,17 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
+from railjoule.core.bounds import bounded
 from railjoule.core.errors import SolverError, StrategyRefusedError, TimetableError
 from railjoule.core.scenario import STRATEGY_NAMES, Scenario, StrategyName
 from railjoule.core.strategies.bellman import bellman
 from railjoule.core.strategies.enoc import enoc
 from railjoule.core.strategies.eoc import eoc
 from railjoule.core.strategies.fastest import fastest
-from railjoule.core.strategies.optimal import certify, minimise, optimal
+from railjoule.core.strategies.optimal import optimal
 from railjoule.core.strategies.phases import phases
 from railjoule.core.strategies.speed_limits import speed_limits
-from railjoule.core.strategies.task import Task, prepare_task
+from railjoule.core.task import Task, prepare_task
 from railjoule.core.trajectory import Trajectory
 
 STRATEGIES: dict[StrategyName, Callable[[Task], Trajectory]] = {
@@ -35,7 +36,7 @@ def solve(
     initial_speed_ms: float = 0.0,
     final_speed_ms: float = 0.0,
 ) -> Trajectory:
-    """Return the run of a strategy over a scenario, with the lower bound that the optimum proves, if it does.
+    """Return the run of a strategy over a scenario, with the lower bound that an optimum proves, if it does.
 
     Parameters
     ----------
@@ -60,9 +61,7 @@ def solve(
     name = strategy or scenario.strategy
     task = prepare_task(scenario, initial_speed_ms, final_speed_ms)
     trajectory = run_strategy(task, name)
-    if trajectory.bound is None and task.has_slack:
-        trajectory = trajectory.with_bound(certify(task, minimise(task).optimum))
-    return trajectory
+    return bounded(task, trajectory) if task.has_slack else trajectory
 
 
 def run_strategy(task: Task, strategy: StrategyName) -> Trajectory:
@@ -101,9 +100,8 @@ def compare(scenario: Scenario) -> tuple[list[Trajectory], dict[StrategyName, st
         except (StrategyRefusedError, SolverError, TimetableError) as refusal:
             # a strategy may need more time than the fastest run
             refused[name] = str(refusal)
-    bound = next((run.bound for run in runs if run.bound is not None), None)
-    # a run that may be late has a bound of its own
-    return [run if run.bound is not None else run.with_bound(bound) for run in runs], refused
+    known = next((run.bound for run in runs if run.bound is not None), None)
+    return [bounded(task, run, known) for run in runs], refused
 
 
-__all__ = ["STRATEGIES", "Task", "certify", "compare", "minimise", "prepare_task", "run_strategy", "solve"]
+__all__ = ["STRATEGIES", "Task", "compare", "prepare_task", "run_strategy", "solve"]

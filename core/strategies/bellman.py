@@ -11,7 +11,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.dynamic_programming.backward import sweep_back
 from railjoule.core.dynamic_programming.search import Level, search
-from railjoule.core.strategies.task import Task
+from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 
 

@@ -14,7 +14,7 @@ from railjoule.core.errors import StrategyRefusedError
 from railjoule.core.motion import build_course
 from railjoule.core.motion.mesh import with_nodes_at
 from railjoule.core.strategies.plain_line import PlainLine, check_feasible, plain_line
-from railjoule.core.strategies.task import Task
+from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
 

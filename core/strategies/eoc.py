@@ -21,7 +21,7 @@ from railjoule.core.errors import SolverError
 from railjoule.core.motion import running_time
 from railjoule.core.physics.resistance import resistance_slope
 from railjoule.core.strategies.plain_line import PlainLine, check_feasible, plain_line
-from railjoule.core.strategies.task import Task
+from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 
 Variant = Literal["optimal", "as_printed"]

@@ -1,6 +1,6 @@
 """The fastest run under all limits: it decides whether a timetable can be kept."""
 
-from railjoule.core.strategies.task import Task
+from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 
 

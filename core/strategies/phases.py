@@ -13,7 +13,7 @@ from railjoule.core.phase_planning.plan import PhasePlan
 from railjoule.core.phase_planning.planner import PhasePlanner
 from railjoule.core.phase_planning.run import lay_out
 from railjoule.core.phase_planning.tables import phase_model
-from railjoule.core.strategies.task import Task
+from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
 

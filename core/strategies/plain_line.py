@@ -9,7 +9,7 @@ from railjoule.core.drive.kinds import COPPER_LOSS
 from railjoule.core.errors import StrategyRefusedError
 from railjoule.core.motion import Course
 from railjoule.core.physics.resistance import running_resistance
-from railjoule.core.strategies.task import Task
+from railjoule.core.task import Task
 from railjoule.core.units import MS_PER_KMH
 
 ALLOWED_EXCESS = 1e-6

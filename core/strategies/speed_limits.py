@@ -9,7 +9,8 @@ from dataclasses import replace
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
-from railjoule.core.errors import ScenarioError, SolverError, StrategyRefusedError
+from railjoule.core.bounds import bounded
+from railjoule.core.errors import ScenarioError, StrategyRefusedError
 from railjoule.core.limit_search.literal import ARRIVED, Relay, literal_trip
 from railjoule.core.limit_search.problem import Evaluation, LimitProblem, limit_problem
 from railjoule.core.limit_search.search import LimitSearch, search_limits
@@ -17,9 +18,8 @@ from railjoule.core.motion import Course, build_course
 from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.motion.mesh import finer_at_stops, with_nodes_at
 from railjoule.core.scenario import Scenario
-from railjoule.core.strategies.optimal import certify, minimise
-from railjoule.core.strategies.task import Task
-from railjoule.core.trajectory import Bound, Trajectory, make_trajectory
+from railjoule.core.task import Task
+from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
 
 LEAST_LIMIT_KMH = 1.0
@@ -124,7 +124,7 @@ def _problem(task: Task, running_time_s: float) -> LimitProblem:
     stops = task.course.position_m[task.course.data.fixed_speed2 == 0].tolist()
     nodes = finer_at_stops(task.course.position_m, stops, HALVINGS_AT_STOPS)
     return limit_problem(
-        build_course(task.scenario, *_ends_ms(task), nodes),
+        build_course(task.scenario, *task.end_speeds_ms, nodes),
         options.stop_deceleration_ms2,
         options.regulator != "coast",
         LEAST_LIMIT_KMH * MS_PER_KMH,
@@ -133,17 +133,11 @@ def _problem(task: Task, running_time_s: float) -> LimitProblem:
     )
 
 
-def _ends_ms(task: Task) -> tuple[float, float]:
-    """Return the speeds at the ends of a task [m/s]."""
-    initial, final = np.sqrt(np.maximum(task.course.data.fixed_speed2[[0, -1]], 0.0)).tolist()
-    return initial, final
-
-
 def _trajectory(task: Task, problem: LimitProblem, best: Evaluation, words: tuple[str, ...]) -> Trajectory:
     """Return the trajectory of limits on a mesh with nodes wherever the regulator changes its mind."""
     if task.scenario.search.regulator == "literal":
         return literal_trajectory(task, best.limits_ms, best.boundaries_m, words)
-    ends = _ends_ms(task)
+    ends = task.end_speeds_ms
     places, speed2 = problem.nodes_of(best.limits_ms, best.boundaries_m)
     fine = build_course(
         task.scenario,
@@ -234,18 +228,9 @@ def literal_trajectory(
 
 
 def _made(task: Task, course: Course, speed2: FloatArray, notes: tuple[str, ...]) -> Trajectory:
-    """Return a trajectory with a bound for the time that it takes, which may be later than the timetable's."""
+    """Return a trajectory with a bound over its own nodes and for its time, which may be later than the timetable's."""
     run = make_trajectory(task.scenario, course, "speed_limits", speed2, notes=notes)
-    late = replace(task, running_time_s=run.travel_time_s - task.dwell_s)
-    return run.with_bound(_bound(late)) if late.has_slack else run
-
-
-def _bound(task: Task) -> Bound | None:
-    """Return the bound of a task, or None if its optimum is not found."""
-    try:
-        return certify(task, minimise(task).optimum)
-    except SolverError:
-        return None
+    return bounded(task, run)
 
 
 def limit_words(limits_ms: FloatArray, boundaries_m: FloatArray) -> str:

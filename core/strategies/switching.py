@@ -15,27 +15,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray
-from railjoule.core.drive.kernels import jumps_at_no_effort
+from railjoule.core.bounds.minimum import SWITCHED_TOLERANCE
 from railjoule.core.dynamic_programming.search import search
 from railjoule.core.interior_point.duty import coasting_exactly, duty
 from railjoule.core.interior_point.solver import LARGEST_VIOLATION, Optimum, minimise_energy
 from railjoule.core.motion import running_time
 from railjoule.core.physics.account import run_energy
-from railjoule.core.strategies.task import Task
+from railjoule.core.physics.cell import mean_speed
+from railjoule.core.physics.reference import reference_energy
+from railjoule.core.task import Task
 
-TOLERANCE = 1e-6
-"""Relative gap asked for; derivatives of machines jump, and no step uses what lies below."""
 ITERATIONS, CENTRING = 60, 1e-6
 FULL, NONE = 0.98, 0.02
 """Shares of driving from which a cell counts as driven, and up to which as coasted."""
 FAR = 1e-3
 """A run this far above free switching, relatively, is worth a second decision."""
 TIME_SHARE, TIME_ROUNDING = 1e-7, 1e-9
-
-
-def takes_power_idling(task: Task) -> bool:
-    """Return whether the drive of a task takes power without effort when it is on."""
-    return bool(jumps_at_no_effort(task.course.data.drive_kind))
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,10 +106,8 @@ def summed_up(driven_share: FloatArray, cell_length_m: FloatArray) -> BoolArray:
 
 def _apart(task: Task, optimum: Optimum, energy_j: float) -> float:
     """Return how far an energy [J] lies above the optimum with free switching, relatively."""
-    data = task.course.data
-    least = optimum.energy * data.traction.constant_n
-    kinetic = data.half_inertia_kg * (data.cell_length_m.sum() / task.running_time_s) ** 2
-    return float((energy_j - least) / max(abs(least), 0.1 * kinetic))
+    least = optimum.energy_j
+    return float((energy_j - least) / reference_energy(task.course.data, least, task.running_time_s))
 
 
 def _solved(task: Task, on: BoolArray) -> Optimum:
@@ -123,7 +116,7 @@ def _solved(task: Task, on: BoolArray) -> Optimum:
     # coasting exactly afterwards may cost some of the last digits of the time
     spare = min(TIME_SHARE * task.running_time_s, 0.01 * (task.running_time_s - task.shortest_time_s))
     times = task.shortest_time_s, task.running_time_s - spare
-    return minimise_energy(data, task.greatest_speed2, *times, TOLERANCE, ITERATIONS, CENTRING, False)
+    return minimise_energy(data, task.greatest_speed2, *times, SWITCHED_TOLERANCE, ITERATIONS, CENTRING)
 
 
 def _drivable(task: Task, optimum: Optimum, off: BoolArray) -> Unswitched:
@@ -135,8 +128,8 @@ def _drivable(task: Task, optimum: Optimum, off: BoolArray) -> Unswitched:
     points = coasting_exactly(data, optimum, off), optimum.speed2
     speed2 = next((point for point in points if _keeps_limits(task, point)), None)
     energy = np.inf if speed2 is None else _energy_j(task, speed2)
-    price = optimum.time_multiplier * data.traction.constant_n
-    return Unswitched(optimum.speed2 if speed2 is None else speed2, energy, price, optimum.iterations)
+    best = optimum.speed2 if speed2 is None else speed2
+    return Unswitched(best, energy, optimum.price_of_time_w, optimum.iterations)
 
 
 def _by_recursion(task: Task) -> Unswitched:
@@ -155,9 +148,8 @@ def _energy_j(task: Task, speed2: FloatArray) -> float:
 def _keeps_limits(task: Task, speed2: FloatArray) -> bool:
     """Return whether a run is in time and needs no more effort than there is, but for rounding."""
     data, force = task.course.data, task.course.net_force_n(speed2)
-    mean_speed = 0.5 * (np.sqrt(speed2[1:]) + np.sqrt(speed2[:-1]))
-    excess = np.maximum(
-        force - data.traction.effort_n(mean_speed), -force - data.braking.effort_n(mean_speed) - data.friction_effort_n
-    )
+    speed = np.sqrt(speed2)
+    v = mean_speed(speed[:-1], speed[1:])
+    excess = np.maximum(force - data.traction.effort_n(v), -force - data.braking.effort_n(v) - data.friction_effort_n)
     in_time = running_time(data.cell_length_m, speed2) <= task.running_time_s * (1 + TIME_ROUNDING)
     return bool(in_time and excess.max() <= LARGEST_VIOLATION * data.traction.constant_n)

@@ -20,8 +20,8 @@ from scipy.optimize import brentq
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import StrategyRefusedError
-from railjoule.core.motion.course import vehicle_limit_n
 from railjoule.core.physics.resistance import resistance_coefficients, resistance_slope, running_resistance
+from railjoule.core.physics.vehicle_limit import vehicle_limit_n
 from railjoule.core.scenario import Scenario, Vehicle
 from railjoule.core.scenario.drive import ConstantEfficiency
 from railjoule.core.units import MS_PER_KMH

@@ -1,6 +1,6 @@
 """The trade-off of energy and time: the least energy of one run over its travel time.
 
-Each point is an optimum of `railjoule.core.strategies.optimal`; only the time changes, so mesh and fastest run are
+Each point is an optimum of `railjoule.core.bounds`; only the time changes, so mesh and fastest run are
 made once. The slope of the frontier is minus the price of a second, which each optimum tells.
 """
 
@@ -11,12 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.bounds import certify, minimise
 from railjoule.core.errors import SolverError, StrategyRefusedError, TimetableError
 from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.options import EnocOptions
-from railjoule.core.strategies import certify, minimise, prepare_task, run_strategy
-from railjoule.core.strategies.switching import takes_power_idling
-from railjoule.core.strategies.task import LEAST_SLACK, Task
+from railjoule.core.strategies import prepare_task, run_strategy
+from railjoule.core.task import LEAST_SLACK, Task
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 
 if TYPE_CHECKING:
@@ -118,17 +118,15 @@ def energy_time_frontier(
     most_cells : int
         A finer mesh is replaced by one with about this many cells.
     """
-    if takes_power_idling(task):
+    if task.course.drive.jumps_at_no_effort:
         # its optimum with free switching is a bound, and no run
         return strategy_frontier(task, travel_times_s, "optimal", most_cells)
     task = coarsened(task, most_cells)
-    scale = task.course.data.traction.constant_n
-    dwell_energy = task.course.data.auxiliary_power_w * task.dwell_s
 
     def point(timed: Task) -> tuple[float, float, float]:
-        optimum = minimise(timed, TOLERANCE).optimum
-        bound = certify(timed, optimum).energy_j if with_bounds else np.nan
-        return optimum.energy * scale + dwell_energy, optimum.time_multiplier * scale, bound
+        solution = minimise(timed, TOLERANCE)
+        bound = certify(timed, solution.optimum).energy_j if with_bounds else np.nan
+        return solution.energy_j, solution.optimum.price_of_time_w, bound
 
     return _frontier(task, "optimal", travel_times_s, point)
 
@@ -165,9 +163,8 @@ def coarsened(task: Task, most_cells: int) -> Task:
     count = task.course.cell_count
     if count <= most_cells:
         return task
-    fixed = task.course.data.fixed_speed2
     longer = task.scenario.with_(**{"solver.mesh_m": task.scenario.solver.mesh_m * count / most_cells})
-    return prepare_task(longer, float(np.sqrt(fixed[0])), float(np.sqrt(fixed[-1])))
+    return prepare_task(longer, *task.end_speeds_ms)
 
 
 def _frontier(

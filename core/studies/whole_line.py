@@ -7,7 +7,7 @@ fixed arrival parts the line: on either side of it a multiplier of its own holds
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -18,7 +18,7 @@ from railjoule.core.errors import ScenarioError
 from railjoule.core.motion import running_time
 from railjoule.core.scenario import Scenario
 from railjoule.core.strategies.optimal import optimal
-from railjoule.core.strategies.task import Task, prepare_task
+from railjoule.core.task import Task, prepare_task
 from railjoule.core.trajectory import Bound, Trajectory, make_trajectory
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 
@@ -172,30 +172,7 @@ def part_of(task: Task, first: int, last: int, running_time_s: float) -> Task:
     running_time_s : float
         Time allowed, without the dwells between them [s].
     """
-    course, cells, nodes = task.course, slice(first, last), slice(first, last + 1)
-    data = course.data
-    on_off = data.machines_on[cells] if len(data.machines_on) else data.machines_on
-    dwell = course.dwell_s[nodes].copy()
-    dwell[[0, -1]] = 0.0
-    part = replace(
-        course,
-        position_m=course.position_m[nodes],
-        gradient_permille=course.gradient_permille[cells],
-        tunnel_factor=course.tunnel_factor[cells],
-        gradient_force_n=course.gradient_force_n[cells],
-        curve_force_n=course.curve_force_n[cells],
-        cell_limit_ms=course.cell_limit_ms[cells],
-        dwell_s=dwell,
-        data=data._replace(
-            cell_length_m=data.cell_length_m[cells],
-            line_force_n=data.line_force_n[cells],
-            largest_speed2=data.largest_speed2[nodes],
-            fixed_speed2=data.fixed_speed2[nodes],
-            resistance_quadratic=data.resistance_quadratic[cells],
-            machines_on=on_off,
-        ),
-    )
-    speed2 = task.greatest_speed2[nodes]
+    part, speed2 = task.course.between(first, last), task.greatest_speed2[first : last + 1]
     return Task(task.scenario, part, speed2, running_time(part.data.cell_length_m, speed2), running_time_s)
 
 
@@ -240,9 +217,12 @@ def _joined(task: Task, runs: list[Trajectory], sharing: Sharing) -> Trajectory:
     bounds = [run.bound for run in runs if run.bound is not None]
     bound = None
     if len(bounds) == len(runs):
-        standing_j = task.course.data.auxiliary_power_w * (task.dwell_s - sum(_standing_s(run) for run in runs))
+        standing_s = task.dwell_s - sum(_standing_s(run) for run in runs)
+        standing_j = task.course.data.auxiliary_power_w * standing_s
         statement = f"No run with the same times from stop to stop needs less; of each part: {bounds[0].statement}"
-        bound = Bound(sum(part.energy_j for part in bounds) + standing_j, statement)
+        energy_j = sum(part.energy_j for part in bounds) + standing_j
+        time_s = sum(part.travel_time_s for part in bounds) + standing_s
+        bound = Bound(energy_j, statement, task.course.position_m, time_s)
     return make_trajectory(
         task.scenario,
         task.course,

@@ -156,10 +156,10 @@ class Program:
 
     def _tabulated(self, limit: EffortLimit, v: Any) -> Any:
         """Return a tabulated limit [N], piece by piece a cubic."""
-        ca, step = self.casadi, limit.table_step_ms
-        piece = ca.fmin(ca.floor(v / step), len(limit.table) - 1)
-        x = v - piece * step
-        c0, c1, c2, c3 = (ca.MX(ca.DM(np.ascontiguousarray(column))).nz[piece] for column in limit.table.T)
+        ca = self.casadi
+        piece = ca.low(limit.table[:, 0].tolist(), v)
+        start, c0, c1, c2, c3 = (ca.MX(ca.DM(np.ascontiguousarray(column))).nz[piece] for column in limit.table.T)
+        x = v - start
         return ((c3 * x + c2) * x + c1) * x + c0
 
 

@@ -9,9 +9,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 
+from railjoule.core.bounds import minimise
 from railjoule.core.errors import StrategyRefusedError
 from railjoule.core.scenario import load_scenario, preset_names
-from railjoule.core.strategies import STRATEGIES, Task, minimise, prepare_task, run_strategy
+from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
 from railjoule.core.units import J_PER_KWH
 from railjoule.core.validation.ipopt import IpoptProblem, is_installed, is_known
 
@@ -91,10 +92,8 @@ def _time_strategies(name: str, task: Task, budget_s: float) -> Iterator[Timing]
 def time_solver_alone(name: str, task: Task, budget_s: float = BUDGET_S) -> Timing:
     """Return the time of the interior-point method on given arrays, without proof and energy account."""
     solution = minimise(task)
-    dwell_energy = task.course.data.auxiliary_power_w * task.dwell_s
-    energy = solution.optimum.energy * task.course.data.traction.constant_n + dwell_energy
     median = warm_median_s(partial(minimise, task), budget_s)
-    return Timing(name, task.course.cell_count, ALONE, energy / J_PER_KWH, solution.iterations, median)
+    return Timing(name, task.course.cell_count, ALONE, solution.energy_j / J_PER_KWH, solution.iterations, median)
 
 
 def time_ipopt(name: str, task: Task, budget_s: float = BUDGET_S) -> Iterator[Timing]:

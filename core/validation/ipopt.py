@@ -14,7 +14,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.errors import SolverError
 from railjoule.core.interior_point.start import SLOWEST_SPEED2, start_speeds
-from railjoule.core.strategies.task import Task
+from railjoule.core.task import Task
 from railjoule.core.validation._program import DRIVES, Program
 
 OPTIONS: dict[str, Any] = {
@@ -117,7 +117,7 @@ class IpoptProblem:
         speed2 = data.fixed_speed2.copy()
         speed2[self._free] = np.array(solution["x"]).ravel()[: self._free.sum()]
         return IpoptRun(
-            energy_j=float(solution["f"]) * data.traction.constant_n + data.auxiliary_power_w * self._task.dwell_s,
+            energy_j=float(solution["f"]) * data.traction.constant_n + self._task.dwell_energy_j,
             speed2=frozen_array(speed2),
             iterations=int(stats["iter_count"]),
             solve_time_s=solve_time,

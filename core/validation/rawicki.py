@@ -10,12 +10,13 @@ from typing import Any, get_args
 
 import numpy as np
 
+from railjoule.core.bounds import minimise
 from railjoule.core.phase_planning.plan import PhasePlan
 from railjoule.core.phase_planning.planner import PhasePlanner
 from railjoule.core.scenario import Scenario, Vehicle, load_scenario
 from railjoule.core.scenario.disturbance import Reaction
 from railjoule.core.simulate.disturbances import simulate_disturbances
-from railjoule.core.strategies import minimise, prepare_task, run_strategy, solve
+from railjoule.core.strategies import prepare_task, run_strategy, solve
 from railjoule.core.units import J_PER_KWH
 from railjoule.core.validation.papers import citation, errata, printed_numbers
 from railjoule.core.validation.rawicki_identification import (
@@ -152,8 +153,8 @@ def free_current(vehicle: Vehicle, paper: Printed, distance_m: float, running_ti
 def _best_force_law(scenario: Scenario, case: str, entry: Printed) -> list[Row]:
     """Return the best of all force laws beside what other solvers found, without and with free switching."""
     task = prepare_task(scenario.with_(**{"drive.recuperation_factor": float(entry["recuperation_factor"])}))
-    run, data = run_strategy(task, "optimal"), task.course.data
-    switched = minimise(task).optimum.energy * data.traction.constant_n + data.auxiliary_power_w * task.dwell_s
+    run = run_strategy(task, "optimal")
+    switched = minimise(task).energy_j
     assert run.lower_bound_kwh is not None
     return [
         Row(case, f"En, {BEST_LAW}, without switching", "kWh", entry["energy_kwh"], run.energy_kwh, LOCAL),

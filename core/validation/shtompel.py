@@ -20,8 +20,8 @@ from railjoule.core.scenario.drive import Synchronous
 from railjoule.core.simulate.regulator import literal_spread
 from railjoule.core.strategies import solve
 from railjoule.core.strategies.speed_limits import limit_problem_of, speed_limits_with_search
-from railjoule.core.strategies.task import prepare_task
 from railjoule.core.studies.storage import storage_need
+from railjoule.core.task import prepare_task
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.core.validation.papers import citation, errata, printed_numbers

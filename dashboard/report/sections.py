@@ -9,10 +9,10 @@ from dataclasses import replace
 import numpy as np
 
 from railjoule.core import Trajectory
+from railjoule.core.bounds import PROVEN_GAP
 from railjoule.core.scenario import StrategyName, format_scenario
 from railjoule.core.simulate.disturbances import Ride
 from railjoule.core.simulate.field_oriented import FieldOrientedRun
-from railjoule.core.strategies.optimal import PROVEN_GAP
 from railjoule.core.studies.sensitivity import SensitivityTable
 from railjoule.dashboard.look import words
 from railjoule.dashboard.report.figures import Figures, Plot

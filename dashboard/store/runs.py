@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from railjoule.core import Scenario, SolverError, StrategyRefusedError, TimetableError, Trajectory
+from railjoule.core.bounds import bounded
 from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import Task, prepare_task, run_strategy
 from railjoule.core.strategies.bellman import ControlLaw, bellman_with_law
@@ -23,7 +24,7 @@ class Runs:
     cell_count : int
         Cells of the mesh.
     runs : mapping
-        The runs by strategy, each with the bound of the optimum.
+        The runs by strategy, each with a bound that covers it: that of the optimum, or its own over its own nodes.
     refused : mapping
         Why a strategy does not take the scenario.
     law : ControlLaw or None
@@ -76,30 +77,31 @@ def compute_runs_in_steps(wish: RunsWish) -> Iterator[Runs]:
     for name in dict.fromkeys(("optimal", *wish.strategies)):
         try:
             if name == "bellman" and wish.with_law:
-                runs[name], law = timed_with_law(task)
+                run, law = timed_with_law(task)
             else:
-                runs[name] = run_strategy(task, name)
+                run = run_strategy(task, name)
+            # the optimum comes first, and its bound covers the runs over the same mesh that are in time
+            runs[name] = bounded(task, run, runs["optimal"].bound if "optimal" in runs else None)
         except (StrategyRefusedError, SolverError, TimetableError) as refusal:
             refused[name] = str(refusal)
         if runs:
-            yield bounded(task, runs, refused, law)
+            yield runs_so_far(task, runs, refused, law)
     if not runs:
         raise StrategyRefusedError("; ".join(f"{name} {reason}" for name, reason in refused.items()))
 
 
-def bounded(
+def runs_so_far(
     task: Task,
     runs: Mapping[StrategyName, Trajectory],
     refused: Mapping[StrategyName, str],
     law: ControlLaw | None,
 ) -> Runs:
-    """Return the runs so far, each with the bound of the optimum where that is known."""
-    bound = runs["optimal"].bound if "optimal" in runs else None
+    """Return the runs so far as they are shown."""
     return Runs(
         scenario=task.scenario,
         shortest_time_s=task.shortest_travel_time_s,
         cell_count=task.course.cell_count,
-        runs={name: run.with_bound(bound) for name, run in runs.items()},
+        runs=dict(runs),
         refused=dict(refused),
         law=law,
     )

@@ -9,7 +9,7 @@ import panel as pn
 from bokeh.model import Model
 
 from railjoule.core import Trajectory
-from railjoule.core.strategies.optimal import PROVEN_GAP
+from railjoule.core.bounds import PROVEN_GAP
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.theme import parts_css
@@ -290,7 +290,9 @@ def phase_table(run: Trajectory) -> str:
 
 def notes(run: Trajectory) -> str:
     """Return what a run simplified, and what its bound covers."""
-    sentences = [*run.notes]
-    if run.bound is not None:
-        sentences.append(run.bound.statement)
+    return note_paragraphs([*run.notes, *([run.bound.statement] if run.bound is not None else [])])
+
+
+def note_paragraphs(sentences: Iterable[str]) -> str:
+    """Return sentences as notes, each a paragraph."""
     return "".join(f'<p class="note">{html.escape(sentence)}</p>' for sentence in sentences)

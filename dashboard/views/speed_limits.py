@@ -6,7 +6,7 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
-from railjoule.core.strategies.optimal import PROVEN_GAP
+from railjoule.core.bounds import PROVEN_GAP
 from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from railjoule.core import SolverError
-from railjoule.core.strategies import Task, certify, minimise
+from railjoule.core.bounds import certify, minimise
+from railjoule.core.physics.reference import reference_energy
+from railjoule.core.task import Task
 from tests.benchmarks.measurement import Measurement
 from tests.random_scenarios import random_run
 
@@ -16,7 +18,6 @@ MOST_ITERATIONS = 60
 PROVEN_GAP = 1e-6
 TIGHT_SHARE = 1.5
 """Every timetable below this many times the shortest time must be proven."""
-SMALL_ENERGY_SHARE = 0.1
 CHUNK = 50
 
 
@@ -39,10 +40,9 @@ def outcome(seed: int) -> Outcome:
         solution = minimise(task)
     except SolverError:
         return Outcome(seed, np.nan, np.nan, share)
-    energy = solution.optimum.energy * task.course.data.traction.constant_n
-    kinetic = task.course.data.half_inertia_kg * (task.course.length_m / task.running_time_s) ** 2
-    bound = certify(task, solution.optimum).energy_j
-    return Outcome(seed, solution.iterations, (energy - bound) / max(abs(energy), SMALL_ENERGY_SHARE * kinetic), share)
+    above = solution.energy_j - certify(task, solution.optimum).energy_j
+    size = reference_energy(task.course.data, solution.energy_j, task.running_time_s)
+    return Outcome(seed, solution.iterations, above / size, share)
 
 
 def population(count: int) -> Iterator[Measurement]:

@@ -63,7 +63,12 @@ CASES = {
 def callable_of(case: Case) -> Callable[[], Any]:
     """Return the call of a case, of whichever railjoule is on the path: names that both checkouts have."""
     from railjoule.core import load_scenario, solve  # noqa: PLC0415  (a worker's path decides which)
-    from railjoule.core.strategies import minimise, prepare_task, run_strategy  # noqa: PLC0415
+    from railjoule.core.strategies import prepare_task, run_strategy  # noqa: PLC0415
+
+    try:
+        from railjoule.core.bounds import minimise  # noqa: PLC0415
+    except ImportError:
+        from railjoule.core.strategies import minimise  # type: ignore[no-redef]  # noqa: PLC0415
 
     scenario = load_scenario(case.scenario).with_(**dict(case.changes))
     if case.call == "solve":

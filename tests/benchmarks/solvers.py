@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 
 from railjoule.core import load_scenario, solve
+from railjoule.core.bounds.minimum import FIRST_ITERATIONS, FREE_CENTRING, TOLERANCE
 from railjoule.core.interior_point.solver import minimise_energy
 from railjoule.core.scenario import preset_names
 from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.enoc import enoc_coefficients, enoc_surface
-from railjoule.core.strategies.optimal import FIRST_ITERATIONS, FREE_CENTRING, TOLERANCE
 from railjoule.core.strategies.plain_line import plain_line
 from railjoule.core.studies import energy_time_frontier, frontier_times
 from railjoule.core.validation.benchmark import ALONE, TEXTBOOK, TUNED, warm_median_s
@@ -42,7 +42,7 @@ def profile_two() -> Iterator[Measurement]:
     task = prepare_task(scenario)
     given = (task.course.data, task.greatest_speed2, task.shortest_time_s, task.running_time_s)
     calls: dict[str, Callable[[], object]] = {
-        ALONE: lambda: minimise_energy(*given, TOLERANCE, FIRST_ITERATIONS, FREE_CENTRING, False),
+        ALONE: lambda: minimise_energy(*given, TOLERANCE, FIRST_ITERATIONS, FREE_CENTRING),
         "solve()": lambda: solve(scenario),
     }
     if is_installed():

@@ -121,26 +121,39 @@ def test_arrays_and_fields_are_frozen(stopping):
         stopping.strategy = "other"
 
 
+def bound_of(run, energy_j, late_s=0.0):
+    """Return a bound over the nodes of a run, of runs that take as long as it does, or longer by `late_s`."""
+    return Bound(energy_j, "any", run.nodes_m, run.travel_time_s + late_s)
+
+
 def test_gap_is_relative_to_the_bound(stopping):
     net = stopping.energy.net_j
-    assert stopping.with_bound(Bound(0.8 * net, "any")).gap == pytest.approx(0.25)
-    assert stopping.with_bound(Bound(net, "any")).gap == 0
+    assert stopping.with_bound(bound_of(stopping, 0.8 * net)).gap == pytest.approx(0.25)
+    assert stopping.with_bound(bound_of(stopping, net)).gap == 0
 
 
 @pytest.mark.parametrize("bound_j", [0.0, 1.0, -2e5])
 def test_gap_of_a_small_bound_is_relative_to_a_tenth_of_the_kinetic_energy(stopping, bound_j):
     """Of 110 t at the mean speed, 2000 m in the time of the run."""
     tenth = 0.1 * 0.5 * 110e3 * (2000 / stopping.travel_time_s) ** 2
-    run = stopping.with_bound(Bound(bound_j, "any"))
+    run = stopping.with_bound(bound_of(stopping, bound_j))
     assert run.gap == pytest.approx((stopping.energy.net_j - bound_j) / tenth)
 
 
 def test_a_bound_can_be_given_and_taken_away(stopping):
-    bound = Bound(1.0, "any")
+    bound = bound_of(stopping, 1.0)
     given, taken = stopping.with_bound(bound), stopping.with_bound(None)
     assert given.bound is bound
     assert (taken.gap, taken.lower_bound_kwh) == (None, None)
     assert given.speed_ms is taken.speed_ms is stopping.speed_ms
+
+
+def test_a_bound_covers_the_runs_over_its_own_nodes_that_are_no_later(stopping):
+    assert len(stopping.nodes_m) == len(stopping.position_m) - 1  # where it dwells a node stands twice
+    assert stopping.with_bound(bound_of(stopping, 1.0, late_s=5.0)).bound is not None
+    assert stopping.with_bound(bound_of(stopping, 1.0, late_s=-5.0)).bound is None
+    other = Bound(1.0, "any", stopping.nodes_m[::2], stopping.travel_time_s)
+    assert stopping.with_bound(other).bound is None
 
 
 def test_table_has_a_row_a_node_and_its_unit_in_each_name(stopping):

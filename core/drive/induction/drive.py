@@ -62,9 +62,16 @@ class InductionDrive(Drive):
         )
 
     def weakening_limit_n(self, speed_ms: FloatArray, braking: bool = False) -> FloatArray:
-        """Return the same without the limit of the flux: above it at low speed, and without its corner."""
+        """Return the least of that which the voltage allows with either of the two other limits.
+
+        Over the ratio of the currents each of the limits of flux, current and voltage holds an effort in an interval,
+        and three intervals meet where each two of them do (Helly). So the least of three limits, each of a pair, is the
+        limit of all; that of flux and current is the constant one, the two others vary with speed. Where the pull-out
+        lies at a smaller ratio than full current at rated flux, flux and voltage bind without the current.
+        """
         current = self.braking_current_a if braking else self.starting_current_a
-        return self._efforts_n(speed_ms, current, braking, False)
+        with_current = self._efforts_n(speed_ms, current, braking, False)
+        return np.minimum(with_current, self._efforts_n(speed_ms, np.inf, braking, True))
 
     def corner_speed_ms(self, current_a: float, braking: bool = False) -> float:
         """Return the speed [m/s] up to which the voltage carries a current at rated flux; 0 if it never does."""

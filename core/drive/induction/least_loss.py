@@ -40,6 +40,9 @@ SHARPNESS, NEARNESS = 40.0, 0.8
 def best_ratio(machine: Machine, sign: float, strength: float, rotor_rads: float) -> tuple[float, int]:
     """Return the ratio |Iy| / Ix of least loss and what decides it.
 
+    A torque beyond what flux and voltage allow gets the ratio of the pull-out torque or, if that is larger, of the
+    rated flux, as though the voltage sufficed: the power goes on rising with the torque.
+
     Parameters
     ----------
     machine : Machine
@@ -60,7 +63,11 @@ def best_ratio(machine: Machine, sign: float, strength: float, rotor_rads: float
     if strength * value(quartic, ratio) <= voltage2 * ratio:
         return ratio, decider
     bound = ratio_within_voltage(quartic, strength, voltage2, ratio)
-    return (bound, FULL_VOLTAGE) if bound >= 0.0 else (pull_out_ratio(quartic), BEYOND)
+    if bound >= least:
+        return bound, FULL_VOLTAGE
+    # no machine gives that torque: with less than this ratio its flux would exceed the rated one, and its losses fall
+    pull_out = pull_out_ratio(quartic) if bound < 0.0 else 0.0
+    return (pull_out, BEYOND) if pull_out >= least else (least, RATED_FLUX)
 
 
 @njit(cache=True)

@@ -260,3 +260,26 @@ def test_a_machine_that_cannot_turn_itself():
         ScenarioError, match=r"^drive.mechanical_loss_torque_nm = 500 must be below what the motor gives"
     ):
         make_drive(scenario.vehicle.drive)
+
+
+@pytest.mark.parametrize("speed", [2.0, 6.0, 8.5, 11.0, 16.0])
+@pytest.mark.parametrize("change", [{}, {"starting_current_a": 400.0}, {"max_phase_voltage_v": 180.0}], ids=str)
+def test_beyond_what_the_machine_has_its_power_goes_on_rising(change, speed):
+    """It fell where flux and voltage bind without the current (fault 1): a run paid less for more than there is."""
+    drive = make_drive(plain_scenario({"vehicle.drive": {**INDUCTION, **change}}).vehicle.drive)
+    most = float(drive.effort_limit_n(np.array([speed]))[0])
+    efforts = most * np.linspace(0.5, 1.5, 400)
+    power = drive.electrical_power_w(efforts, np.full(400, speed))
+    assert (np.diff(power) > 0).all()
+
+
+@pytest.mark.parametrize("braking", [False, True], ids=["driving", "braking"])
+@pytest.mark.parametrize("change", [{}, {"starting_current_a": 400.0}, {"max_phase_voltage_v": 180.0}], ids=str)
+def test_the_least_of_three_pairs_of_limits_is_the_limit_of_all(change, braking):
+    """Flux with current is constant; the voltage with either of them is told apart."""
+    drive = make_drive(plain_scenario({"vehicle.drive": {**INDUCTION, **change}}).vehicle.drive)
+    speeds = np.linspace(0.0, 25.0, 400)
+    constant = float(drive.effort_limit_n(np.zeros(1), braking)[0])
+    assert np.minimum(constant, drive.weakening_limit_n(speeds, braking)) == pytest.approx(
+        drive.effort_limit_n(speeds, braking), rel=1e-6
+    )

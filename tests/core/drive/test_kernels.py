@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railjoule.core.drive import kernels
-from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS
-from railjoule.core.interior_point.cell import per_metre
+from railjoule.core.drive import Drive, kernels
+from railjoule.core.drive import kinds as kinds_of_drives
+from railjoule.core.drive.kinds import CAPABILITIES, CONSTANT_EFFICIENCY, COPPER_LOSS
 
 KINDS = {
     CONSTANT_EFFICIENCY: np.array([0.8, 0.7]),
@@ -43,27 +43,6 @@ def test_powers_and_derivatives(kind, braking, effort, speed):
 
 
 @given(kind=kinds, effort=efforts, speed=speeds)
-def test_energy_per_metre_and_its_derivatives(kind, effort, speed):
-    """`per_metre` divides by speed and by an effort that counts as 1; its argument is that effort's share."""
-    scale = 1e5
-
-    def energy(share, v):
-        return per_metre(kernels.driving_power(kind, KINDS[kind], share * scale, v), scale, v)
-
-    share, e = effort / scale, energy(effort / scale, speed)
-    assert e[0] == pytest.approx(by_hand(kind, False, effort, speed) / speed / scale, rel=1e-13)
-    by_share = by_hand(kind, False, (share + STEP * 1j) * scale, speed) / speed / scale
-    by_speed = by_hand(kind, False, effort, speed + STEP * 1j) / (speed + STEP * 1j) / scale
-    assert e[1] == pytest.approx(by_share.imag / STEP, rel=1e-12)
-    assert e[2] == pytest.approx(by_speed.imag / STEP, rel=1e-9, abs=1e-12)
-    d = 1e-4 * speed
-    for second, first, change in ((e[3], 1, (1e-4, 0.0)), (e[4], 1, (0.0, d)), (e[5], 2, (0.0, d))):
-        after = energy(share + change[0], speed + change[1])[first]
-        before = energy(share - change[0], speed - change[1])[first]
-        assert second == pytest.approx((after - before) / (2 * sum(change)), rel=1e-5, abs=1e-7)
-
-
-@given(kind=kinds, effort=efforts, speed=speeds)
 def test_bounds_of_work_hold(kind, effort, speed):
     drawn, returned = kernels.work_bounds(kind, KINDS[kind])
     work = effort * speed
@@ -86,3 +65,30 @@ def test_copper_loss_draws_power_near_standstill():
     )
     assert slower < 0 < faster
     assert math.isclose(slower, -faster, rel_tol=1e-9)
+
+
+def test_each_kind_has_its_row_of_capabilities():
+    numbers = {name: value for name, value in vars(kinds_of_drives).items() if isinstance(value, int)}
+    assert sorted(numbers.values()) == list(range(len(CAPABILITIES)))
+    assert [kernels.jumps_at_no_effort(kind) for kind in range(5)] == [False, False, True, True, True]
+    assert [kernels.may_draw_while_braking(kind) for kind in range(5)] == [False, True, True, True, True]
+    assert [row.geared for row in CAPABILITIES[:5]] == [False, False, False, True, True]
+
+
+@pytest.mark.parametrize("unknown", [-1, len(CAPABILITIES), 99])
+def test_an_unknown_kind_is_no_drive(unknown):
+    """Review A6: the next number was a geared map drive that idles, whatever its file said."""
+    with pytest.raises(ValueError, match=f"drive kind {unknown} has no row"):
+        Drive(unknown, np.zeros(2), 0.0, "none", None)
+
+
+@pytest.mark.parametrize("asked", [kernels.jumps_at_no_effort, kernels.may_draw_while_braking])
+def test_compiled_code_knows_no_unknown_kind(asked):
+    with pytest.raises(IndexError):
+        asked(len(CAPABILITIES))
+
+
+@pytest.mark.parametrize("kernel", [kernels.driving_power, kernels.generated_power])
+def test_no_power_of_an_unknown_kind(kernel):
+    with pytest.raises(ValueError, match="no kernel of drives knows this kind"):
+        kernel(len(CAPABILITIES), np.ones(12), 1e4, 10.0)

@@ -86,6 +86,39 @@ class Lagrangian:
             parts.append(data.cell_length_m * (1 - data.recuperation_factor) - z[DRAWN] - z[DRAWN_POSITIVE])
         return self._joined(parts)
 
+    def curvature(self, convex: bool) -> np.ndarray:
+        """Return the second derivatives of `value` that the compiled code fills in, as a dense matrix.
+
+        Sums over the cells of [[ff, fv], [fv, vv]] of traction and of electric braking, of what bends with the mean
+        speed, and of what a concave mean speed adds to its nodes; `convex` takes the positive part of each.
+        """
+        work, size = self.work, len(self.point)
+        traction = len(work.cells.traction)
+        first, node_of = len(self.free), {node: place for place, node in enumerate(self.free)}
+        friction = work.used[FRICTION_POSITIVE] > 0
+        curve, total = work.curvature, np.zeros((size, size))
+        for i in range(traction):
+            speed, force = np.zeros(size), np.zeros(size)
+            for node, by_speed, by_force in (
+                (i, work.cells.speed_by_start[i], work.cells.force_by_start[i]),
+                (i + 1, work.cells.speed_by_end[i], work.cells.force_by_end[i]),
+            ):
+                if node in node_of:
+                    speed[node_of[node]] += by_speed
+                    force[node_of[node]] += by_force
+            driving = np.eye(size)[first + i]
+            braking = np.eye(size)[first + traction + i] if friction else driving - force
+            for effort, rows in ((driving, (0, 1, 2)), (braking, (3, 4, 5))):
+                ff, fv, vv = curve[list(rows), i]
+                block = np.array([[ff, fv], [fv, vv]])
+                directions = np.array([effort, speed])
+                total += directions.T @ (positive(block) if convex else block) @ directions
+            total += (max(curve[6, i], 0.0) if convex else curve[6, i]) * np.outer(speed, speed)
+            for node, bent in ((i, curve[7, i]), (i + 1, curve[8, i])):
+                if node in node_of:
+                    total[node_of[node], node_of[node]] += max(bent, 0.0) if convex else bent
+        return total
+
     def of_limits(self, name: str) -> np.ndarray:
         """Return a field of the rows of all limits in use, in one array."""
         rows, bounds = self.work.rows, self.work.bounds
@@ -128,6 +161,12 @@ class Lagrangian:
         data = self.task.course.data
         energy, _, time, _ = evaluate(data, data.traction.constant_n, self._time_price, self.work)
         return energy, time
+
+
+def positive(block: np.ndarray) -> np.ndarray:
+    """Return the positive semidefinite part of a symmetric matrix."""
+    values, vectors = np.linalg.eigh(block)
+    return vectors @ np.diag(np.maximum(values, 0)) @ vectors.T
 
 
 @pytest.fixture(params=CASES)

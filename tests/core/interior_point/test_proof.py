@@ -7,9 +7,11 @@ from hypothesis import strategies as st
 from random_scenarios import random_run, random_speeds
 
 from railjoule.core import StrategyRefusedError, load_scenario, solve
+from railjoule.core.bounds import certify, minimise
 from railjoule.core.interior_point.proof import prove
 from railjoule.core.interior_point.solver import minimise_energy
-from railjoule.core.strategies import certify, minimise, prepare_task
+from railjoule.core.physics.reference import reference_energy
+from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.plain_line import check_feasible
 from railjoule.core.trajectory import make_trajectory
 
@@ -19,20 +21,17 @@ seeds = st.integers(0, 10**6)
 
 
 def bound_of(task, optimum, budget=ALL_BOXES):
-    return prove(task.course.data, optimum, task.greatest_speed2, task.running_time_s, TOLERANCE, budget).bound
+    return prove(task.course.data, optimum, task.greatest_speed2, task.running_time_s, TOLERANCE, budget).bound_j
 
 
 def after(task, iterations):
     """Return where the interior-point method stands after so many iterations."""
     times = task.shortest_time_s, task.running_time_s
-    return minimise_energy(task.course.data, task.greatest_speed2, *times, TOLERANCE, iterations, 1e-6, False)
+    return minimise_energy(task.course.data, task.greatest_speed2, *times, TOLERANCE, iterations, 1e-6)
 
 
 def size(task, energy):
-    """What gaps are relative to: the energy, but at least a tenth of the kinetic one at the mean speed."""
-    data = task.course.data
-    kinetic = data.half_inertia_kg * (task.course.length_m / task.running_time_s) ** 2 / data.traction.constant_n
-    return max(abs(energy), 0.1 * kinetic)
+    return reference_energy(task.course.data, energy, task.running_time_s)
 
 
 @given(seeds)
@@ -64,7 +63,7 @@ def test_no_strategy_needs_less(strategy, recuperation):
 @given(seeds, st.integers(1, 9))
 def test_the_bound_holds_for_the_multipliers_of_any_point(seed, iterations):
     task = random_run(seed, stops=seed % 2 == 1).task
-    least = minimise(task).optimum.energy
+    least = minimise(task).optimum.energy_j
     assert bound_of(task, after(task, iterations), 20_000) <= least + TOLERANCE * size(task, least)
 
 
@@ -75,9 +74,9 @@ def test_the_bound_holds_for_random_multipliers(seed):
     disturbed = optimum._replace(
         multiplier=optimum.multiplier * np.exp(rng.normal(0, 0.5, optimum.multiplier.shape)),
         force_price=optimum.force_price * np.exp(rng.normal(0, 0.3, optimum.force_price.shape)),
-        time_multiplier=optimum.time_multiplier * np.exp(rng.normal(0, 0.3)),
+        price_of_time_w=optimum.price_of_time_w * np.exp(rng.normal(0, 0.3)),
     )
-    assert bound_of(task, disturbed, 20_000) <= optimum.energy + TOLERANCE * size(task, optimum.energy)
+    assert bound_of(task, disturbed, 20_000) <= optimum.energy_j + TOLERANCE * size(task, optimum.energy_j)
 
 
 @given(seeds)
@@ -85,15 +84,15 @@ def test_more_than_the_optimum_is_not_proven(seed):
     """Whatever energy a point claims to need: the intervals that are dropped are not those of a better run."""
     task = random_run(seed, stops=seed % 2 == 1).task
     optimum = minimise(task).optimum
-    claimed = optimum._replace(energy=optimum.energy + 0.01 * size(task, optimum.energy))
-    assert bound_of(task, claimed, 50_000) <= optimum.energy
+    claimed = optimum._replace(energy_j=optimum.energy_j + 0.01 * size(task, optimum.energy_j))
+    assert bound_of(task, claimed, 50_000) <= optimum.energy_j
 
 
 def test_the_bound_rises_to_the_optimum():
     task = prepare_task(load_scenario("liashenko-ii"))
     bounds = [bound_of(task, after(task, iterations), 0) for iterations in range(1, 11)]
     assert np.all(np.diff(bounds) > 0)
-    assert bounds[-1] == pytest.approx(minimise(task).optimum.energy, rel=1e-6)
+    assert bounds[-1] == pytest.approx(minimise(task).optimum.energy_j, rel=1e-6)
 
 
 @pytest.mark.parametrize("seed", [21, 24])
@@ -101,9 +100,9 @@ def test_intervals_of_speed_close_what_loose_cells_leave(seed):
     """Seeds with a gap above a thousandth before intervals are cut, found among the first hundred."""
     task = random_run(seed, stops=seed % 2 == 1).task
     optimum = minimise(task).optimum
-    uncut, cut = (optimum.energy - bound_of(task, optimum, budget) for budget in (0, ALL_BOXES))
-    assert uncut > 1e-3 * size(task, optimum.energy)
-    assert 0 <= cut <= TOLERANCE * size(task, optimum.energy)
+    uncut, cut = (optimum.energy_j - bound_of(task, optimum, budget) for budget in (0, ALL_BOXES))
+    assert uncut > 1e-3 * size(task, optimum.energy_j)
+    assert 0 <= cut <= TOLERANCE * size(task, optimum.energy_j)
 
 
 def test_a_proof_keeps_its_budget():
@@ -111,5 +110,5 @@ def test_a_proof_keeps_its_budget():
     optimum, limits = minimise(task).optimum, (task.greatest_speed2, task.running_time_s, TOLERANCE)
     whole, short = (prove(task.course.data, optimum, *limits, budget) for budget in (ALL_BOXES, 2000))
     assert short.evaluations < whole.evaluations
-    assert short.bound < whole.bound
+    assert short.bound_j < whole.bound_j
     assert short.loose_cells == whole.loose_cells > 0

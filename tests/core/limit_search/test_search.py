@@ -6,7 +6,7 @@ import pytest
 from railjoule.core import load_scenario, solve
 from railjoule.core.limit_search.search import weyl_points
 from railjoule.core.strategies.speed_limits import limit_problem_of, speed_limits_with_search
-from railjoule.core.strategies.task import prepare_task
+from railjoule.core.task import prepare_task
 
 
 def test_weyl_points_fill_the_square_evenly():

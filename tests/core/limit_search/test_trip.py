@@ -14,7 +14,7 @@ from railjoule.core.limit_search.trip import trip_cost
 from railjoule.core.limit_search.way import way_of
 from railjoule.core.simulate.regulator import drive_under_limits, literal_spread
 from railjoule.core.strategies.speed_limits import limit_problem_of
-from railjoule.core.strategies.task import prepare_task
+from railjoule.core.task import prepare_task
 
 METRO = load_scenario("kharkiv-like-40kmh")
 TASK = prepare_task(METRO)

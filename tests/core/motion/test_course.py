@@ -1,6 +1,7 @@
 """A course: the numbers of a vehicle on a line in SI."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -109,3 +110,23 @@ def test_a_speed_at_an_end_that_is_none(name, speed):
     with pytest.raises(ScenarioError) as error:
         solve(plain_scenario(), **{name: speed})
     assert str(error.value) == f"{name} = {speed:g} must be a finite number of at least 0."
+
+
+def test_a_part_of_a_course_is_the_course_of_that_part():
+    """Every array, those of the data too: one that is added and not cut would keep its length."""
+    scenario = plain_scenario({"line.sections": HILLS, "line.stations": [{"position_m": 700.0, "dwell_s": 30.0}]})
+    course = build_course(scenario)
+    first, last = 17, int(np.flatnonzero(course.dwell_s)[0])
+    part = course.between(first, last)
+    assert part.cell_count == last - first
+    for whole, cut in ((vars(course), vars(part)), (course.data._asdict(), part.data._asdict())):
+        for name, value in whole.items():
+            if not isinstance(value, np.ndarray) or name in ("drive_parameters", "machines_on"):
+                continue
+            nodes = len(value) - course.cell_count
+            assert nodes in (0, 1), name
+            if name != "dwell_s":
+                assert cut[name].tolist() == value[first : last + nodes].tolist(), name
+    assert part.dwell_s.tolist() == [0.0] * (last - first + 1)
+    decided = course.data._replace(machines_on=np.arange(course.cell_count) % 2.0)
+    assert replace(course, data=decided).between(3, 6).data.machines_on.tolist() == [1, 0, 1]

@@ -3,20 +3,21 @@
 import numpy as np
 import pytest
 from builders import plain_scenario
+from every_drive import train
 from hypothesis import given
 from hypothesis import strategies as st
 
 from railjoule.core import ScenarioError
+from railjoule.core.drive import make_drive
 from railjoule.core.motion import build_course
 from railjoule.core.physics.effort_limit import (
-    NO_TABLE,
-    TABLE_STEP_MS,
-    EffortLimit,
+    FIT_SHARE,
+    fitted_limit,
     largest_effort,
     limit_over_speed,
-    table_speeds,
-    tabulated_limit,
+    untabulated_limit,
 )
+from railjoule.core.physics.vehicle_limit import curve_effort_n
 
 SPEEDS = np.linspace(0.5, 27, 300)
 CURVE = [[0, 100], [40, 90], [60, 55], [100, 30]]
@@ -39,16 +40,20 @@ def test_no_power_limit():
     assert largest_effort(traction, 20.0) == 100e3
 
 
-def test_a_curve_is_followed():
-    """Shape-preserving cubics through samples of a polygon: off only at its corners, where they cut less than 0.5 %."""
-    traction, _ = limits({"vehicle.traction.curve": CURVE, "vehicle.traction.max_power_kw": None})
+def polygon(speeds):
     knots = np.array(CURVE)
-    polygon = np.interp(SPEEDS * 3.6, knots[:, 0], knots[:, 1]) * 1e3
-    effort = traction.effort_n(SPEEDS)
-    assert effort == pytest.approx(polygon, rel=5e-3)
-    off_corners = (np.abs(SPEEDS[:, None] * 3.6 - knots[:, 0]) > 3 * TABLE_STEP_MS * 3.6).all(axis=1)
-    assert off_corners.sum() > 200
-    assert effort[off_corners] == pytest.approx(polygon[off_corners], rel=1e-9)
+    return np.interp(speeds * 3.6, knots[:, 0], knots[:, 1]) * 1e3
+
+
+def assert_just_below(limit, true):
+    """Never above, and closer than what a cubic may miss."""
+    assert (limit <= true).all()
+    assert limit == pytest.approx(true, abs=4 * FIT_SHARE * true.max())
+
+
+def test_a_curve_is_followed():
+    traction, _ = limits({"vehicle.traction.curve": CURVE, "vehicle.traction.max_power_kw": None})
+    assert_just_below(traction.effort_n(SPEEDS), polygon(SPEEDS))
 
 
 def test_curve_power_and_effort_hold_together():
@@ -58,11 +63,37 @@ def test_curve_power_and_effort_hold_together():
         "vehicle.traction.max_power_kw": 900,
     }
     traction, _ = limits(changes)
-    knots = np.array(CURVE)
-    polygon = np.interp(SPEEDS * 3.6, knots[:, 0], knots[:, 1]) * 1e3
-    lowest = np.minimum(np.minimum(polygon, 80e3), 900e3 / SPEEDS)
-    assert traction.effort_n(SPEEDS) == pytest.approx(lowest, rel=5e-3)
+    lowest = np.minimum(np.minimum(polygon(SPEEDS), 80e3), 900e3 / SPEEDS)
+    assert_just_below(traction.effort_n(SPEEDS), lowest)
     assert traction.effort_n(SPEEDS).max() == 80e3
+
+
+def test_beyond_its_last_point_a_curve_goes_on_with_its_power():
+    """100 kN at 60 km/h are 1667 kW; 200 kN up to 80 km/h would be 2222 kW at the top speed (review A4)."""
+    curve = [[0, 200], [40, 200], [60, 100]]
+    traction, _ = limits({"vehicle.traction.curve": curve, "vehicle.traction.max_power_kw": None})
+    beyond = np.array([60, 70, 80, 99]) / 3.6
+    assert traction.effort_n(beyond) * beyond == pytest.approx(100e3 * 60 / 3.6, rel=1e-5)
+    assert curve_effort_n(tuple(map(tuple, curve)), np.array([0.0, 50 / 3.6, 120 / 3.6])) == pytest.approx(
+        [200e3, 150e3, 50e3]
+    )
+
+
+@pytest.mark.parametrize("braking", [False, True], ids=["driving", "braking"])
+@pytest.mark.parametrize("name", ["induction", "synchronous", "efficiency map"])
+@pytest.mark.parametrize("power_kw", [None, 500.0])
+def test_no_drive_is_asked_for_more_than_it_has(name, braking, power_kw):
+    """At 5,000 speeds, corners of voltage, of power and of a map between them."""
+    own = {"max_power_kw": power_kw, "max_effort_kn": None}
+    scenario = train(
+        name, **{f"vehicle.{table}.{key}": value for table in ("traction", "braking") for key, value in own.items()}
+    )
+    data, drive = build_course(scenario).data, make_drive(scenario.vehicle.drive)
+    speeds = np.linspace(0.02, 70 / 3.6, 5000)
+    true = np.minimum(drive.effort_limit_n(speeds, braking), np.inf if power_kw is None else 1e3 * power_kw / speeds)
+    limit = data.braking if braking else data.traction
+    assert (limit.effort_n(speeds) <= true * (1 + 1e-9)).all()
+    assert limit.effort_n(speeds) == pytest.approx(true, abs=1e-5 * true.max())
 
 
 def test_the_curves_greatest_effort_is_the_constant_limit():
@@ -86,16 +117,36 @@ def test_a_missing_limit(table):
 @given(st.floats(0.2, 26.9))
 def test_derivatives(speed):
     step = 1e-6 * speed
-    table = tabulated_limit(100e3, 100e3 / (1 + 0.01 * table_speeds(27.0) ** 2))
-    hyperbola = EffortLimit(100e3, 1e6, NO_TABLE, TABLE_STEP_MS)
-    for limit in (table, hyperbola):
+    table = fitted_limit(100e3, lambda v: 100e3 / (1 + 0.01 * v**2), 27.0, np.zeros(0))
+    for limit in (table, untabulated_limit(100e3, 1e6)):
         _, slope, curvature = limit_over_speed(limit, speed)
         (high, high_slope, _), (low, low_slope, _) = (limit_over_speed(limit, speed + d) for d in (step, -step))
         assert slope == pytest.approx((high - low) / (2 * step), rel=1e-4, abs=1e-2)
-        on_border = abs(speed / TABLE_STEP_MS - round(speed / TABLE_STEP_MS)) < 1e-5  # curvature jumps there
+        on_border = len(limit.table) > 0 and np.abs(speed - limit.table[:, 0]).min() < 2 * step  # curvature jumps there
         assert on_border or curvature == pytest.approx((high_slope - low_slope) / (2 * step), rel=1e-4, abs=1.0)
 
 
 def test_beyond_the_table_its_last_piece_goes_on():
-    table = tabulated_limit(100e3, 100e3 - 1e3 * table_speeds(27.0))
+    table = fitted_limit(100e3, lambda v: 100e3 - 1e3 * v, 27.0, np.zeros(0))
     assert table.effort_n(np.array([30.0])) == pytest.approx([70e3])
+
+
+@given(st.floats(1.0, 26.0), st.floats(-8e3, -100.0), st.floats(-8e3, -100.0))
+def test_a_corner_that_nobody_told_is_found(corner, before, after):
+    """The least of two straight limits that cross, or the polygon that bends upwards there."""
+
+    def bent(v):
+        return 5e5 + np.where(v < corner, before, after) * (v - corner)
+
+    speeds = np.linspace(0.01, 27, 3000)
+    table = fitted_limit(1e6, bent, 27.0, np.zeros(0))
+    assert (table.effort_n(speeds) <= bent(speeds) * (1 + 1e-9)).all()
+    assert table.effort_n(speeds) == pytest.approx(bent(speeds), abs=4 * FIT_SHARE * 1e6)
+
+
+def test_what_lies_far_above_the_constant_limit_need_not_be_followed():
+    """A power near rest: no piece is spent on it."""
+    limit = fitted_limit(50e3, lambda v: 4e5 / np.maximum(v, 1e-3), 27.0, np.zeros(0))
+    assert limit.effort_n(np.array([1e-4, 1.0, 7.9])).tolist() == [50e3] * 3
+    assert len(limit.table) < 200
+    assert limit.effort_n(np.array([20.0])) == pytest.approx([20e3], rel=1e-5)

@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from random_scenarios import random_run
 
 from railjoule.core import TimetableError, solve
-from railjoule.core.strategies import minimise, run_strategy
-from railjoule.core.strategies.task import Task
+from railjoule.core.bounds import minimise
+from railjoule.core.strategies import run_strategy
+from railjoule.core.task import Task
 
 seeds = st.integers(0, 10**6)
 

@@ -21,12 +21,13 @@ def test_sections_of_the_line_where_none_are_given():
     assert "proves nothing" in run.notes[1]
 
 
-def test_its_bound_is_that_of_its_own_time():
+def test_its_bound_is_that_of_its_own_time_and_nodes():
     """A run that may be late could otherwise undercut the bound of the timetable."""
     scenario = plain_scenario(SHORT)
     run = solve(scenario)
     late = solve(scenario.with_(**{"timetable.travel_time_s": 1.01 * 180}), "optimal")
-    assert run.lower_bound_kwh == pytest.approx(late.lower_bound_kwh, rel=1e-6)
+    # over nodes of its own, too, which are finer
+    assert run.lower_bound_kwh == pytest.approx(late.lower_bound_kwh, rel=1e-4)
     assert run.gap > 0
     runs, _ = compare(scenario)
     bounds = {one.strategy: one.lower_bound_kwh for one in runs}

@@ -5,9 +5,10 @@ import pytest
 from builders import COPPER_LOSS, INDUCTION, plain_scenario
 
 from railjoule.core import load_scenario, solve
-from railjoule.core.strategies import compare, minimise, prepare_task, run_strategy
-from railjoule.core.strategies.optimal import certify, optimal
-from railjoule.core.strategies.switching import summed_up, takes_power_idling, unswitched
+from railjoule.core.bounds import certify, minimise
+from railjoule.core.strategies import compare, prepare_task, run_strategy
+from railjoule.core.strategies.optimal import optimal
+from railjoule.core.strategies.switching import summed_up, unswitched
 from railjoule.core.units import J_PER_KWH
 
 TRAM = {
@@ -44,7 +45,7 @@ def run(request):
 
 
 def relaxed_kwh(task):
-    return minimise(task).optimum.energy * task.course.data.traction.constant_n / J_PER_KWH
+    return minimise(task).energy_j / J_PER_KWH
 
 
 def test_free_switching_is_that_of_the_findings(run):
@@ -98,7 +99,7 @@ def test_all_strategies_share_the_bound():
     assert {one.strategy for one in runs} >= {"optimal", "bellman", "phases"}
     assert "optimal" not in refused
     assert all(one.gap > 0 for one in runs)
-    bound = solve(tram(), "phases").bound.energy_j
+    bound = solve(tram(), "fastest").bound.energy_j
     assert bound == pytest.approx(solve(tram(), "optimal").bound.energy_j, rel=1e-12)
 
 
@@ -135,7 +136,7 @@ def test_whatever_a_scenario_may_ask(changes):
 def test_a_bound_from_bad_multipliers_holds(multiplier):
     task = prepare_task(tram(recuperation=1.0))
     optimum = minimise(task).optimum
-    bad = optimum._replace(time_multiplier=multiplier * optimum.time_multiplier)
+    bad = optimum._replace(price_of_time_w=multiplier * optimum.price_of_time_w)
     assert certify(task, bad).energy_j < certify(task, optimum).energy_j
 
 
@@ -143,7 +144,7 @@ def test_more_pieces_make_a_better_bound():
     task = prepare_task(tram((650, 56.108)))
     optimum = minimise(task).optimum
     few, many = (certify(task, optimum, pieces).energy_j for pieces in (15, 60))
-    assert few < many < optimum.energy * task.course.data.traction.constant_n
+    assert few < many < optimum.energy_j
 
 
 def test_the_way_driven_stays_within_half_a_cell_of_the_shares():
@@ -163,8 +164,8 @@ def test_driving_by_turns_comes_near_free_switching():
 
 
 def test_only_drives_that_idle_are_switched():
-    assert takes_power_idling(prepare_task(tram()))
-    assert not takes_power_idling(prepare_task(plain_scenario({"vehicle.drive": COPPER_LOSS})))
+    assert prepare_task(tram()).course.drive.jumps_at_no_effort
+    assert not prepare_task(plain_scenario({"vehicle.drive": COPPER_LOSS})).course.drive.jumps_at_no_effort
 
 
 def test_the_shipped_tram_is_near_the_findings():

@@ -9,7 +9,7 @@ from builders import plain_scenario
 from railjoule.core import TimetableError, solve
 from railjoule.core.motion import running_time
 from railjoule.core.strategies import prepare_task
-from railjoule.core.strategies.task import LEAST_SLACK
+from railjoule.core.task import LEAST_SLACK
 
 STOPS = {
     "line.stations": [

@@ -2,11 +2,14 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import InfeasibleLineError, TimetableError
 from railjoule.core.motion import Course, build_course, greatest_speeds, running_time
 from railjoule.core.motion.passes import MOVED
 from railjoule.core.scenario import Scenario
+from railjoule.core.units import N_PER_KN
 
 LEAST_SLACK = 1e-9
 """A timetable must exceed the shortest time by this share, or the optimum has no inside to search."""
@@ -38,6 +41,17 @@ class Task:
     def dwell_s(self) -> float:
         """Time for which the train stands [s]."""
         return float(self.course.dwell_s.sum())
+
+    @property
+    def dwell_energy_j(self) -> float:
+        """What the auxiliaries take while the train stands [J]."""
+        return self.course.data.auxiliary_power_w * self.dwell_s
+
+    @property
+    def end_speeds_ms(self) -> tuple[float, float]:
+        """Speeds at both ends [m/s]; 0 where an end is free."""
+        initial, final = np.sqrt(np.maximum(self.course.data.fixed_speed2[[0, -1]], 0.0)).tolist()
+        return initial, final
 
     @property
     def travel_time_s(self) -> float:
@@ -100,12 +114,12 @@ def task_over(scenario: Scenario, course: Course) -> Task:
 def _obstacle_sentence(course: Course, cell: int, braking: bool) -> str:
     place, gradient = course.position_m[cell], course.gradient_permille[cell]
     if braking:
-        effort = round((course.data.braking.constant_n + course.data.friction_effort_n) / 1e3, 3)
+        effort = round((course.data.braking.constant_n + course.data.friction_effort_n) / N_PER_KN, 3)
         return (
             f"At {place:.0f} m, on a gradient of {gradient:.4g} per mille, the brakes of at most {effort:.4g} kN "
             "cannot slow the train down as the line asks."
         )
-    effort = course.data.traction.constant_n / 1e3
+    effort = course.data.traction.constant_n / N_PER_KN
     return (
         f"At {place:.0f} m, on a gradient of {gradient:.4g} per mille, the train comes to a stand: its effort of at "
         f"most {effort:.4g} kN and its run-up do not carry it on."

@@ -1,0 +1,19 @@
+"""The least energy of a task and what is proven of it: what strategies, studies and checks share.
+
+`minimise` finds the optimum, `certify` the energy that no run on the same mesh undercuts, `bound_of` both at once;
+`bounded` gives a run a bound that covers it.
+"""
+
+from railjoule.core.bounds.certified import PROOF_BUDGET, PROVEN_GAP, bound_of, bounded, certify, work_floor_j
+from railjoule.core.bounds.minimum import Solution, minimise
+
+__all__ = [
+    "PROOF_BUDGET",
+    "PROVEN_GAP",
+    "Solution",
+    "bound_of",
+    "bounded",
+    "certify",
+    "minimise",
+    "work_floor_j",
+]

@@ -1,0 +1,119 @@
+"""The energy that no run of a task undercuts, and which runs that covers.
+
+References: the proofs are in `railjoule.core.interior_point.certificate`, `...proof` and `...switching_bound`.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from railjoule.core.bounds.minimum import minimise
+from railjoule.core.errors import InfeasibleLineError, SolverError, TimetableError
+from railjoule.core.interior_point.proof import prove
+from railjoule.core.interior_point.solver import Optimum
+from railjoule.core.interior_point.switching_bound import switched_bound
+from railjoule.core.task import Task, prepare_task
+from railjoule.core.trajectory import Bound, Trajectory
+from railjoule.core.units import MS_PER_KMH
+
+PROVEN_GAP = 1e-6
+"""A run this close to its bound, relatively, counts as proven optimal."""
+PROOF_SHARE = 0.8
+"""A proof aims this much closer, so that a run's own rounding does not undo it."""
+PROOF_BUDGET = 2_000_000
+"""Boxes of speed that a proof may look at; a proof hardly ever needs more than one a cell."""
+SWITCHED_PROOF_TOLERANCE, PIECES_A_CELL = 2e-4, 44
+"""How close the bound of a drive that takes power without effort shall come to its multipliers' best, if it can."""
+MOST_REFINED = 4
+"""A run over more nodes than so many times the task's gets no bound: the printed regulator makes a cell of each step of
+time, tens of thousands down to hundredths of a millimetre, over which an optimum takes a minute and does not converge.
+Strategies with nodes of their own make at most twice the task's."""
+
+
+def bound_of(task: Task) -> Bound | None:
+    """Return the bound of a task, or None where there is no slack or its optimum is not found.
+
+    A bound is an extra: that it is missing is no reason to throw a finished run away.
+    """
+    if not task.has_slack:
+        return None
+    try:
+        return certify(task, minimise(task).optimum)
+    except SolverError:
+        return None
+
+
+def bounded(task: Task, run: Trajectory, known: Bound | None = None) -> Trajectory:
+    """Return a run with a bound that covers it: its own, else the one known, else one over its nodes and in its time.
+
+    A run over other nodes than the task's, or later than it, may need less than what is proven of the task. Over very
+    many more nodes it stays without.
+    """
+    if run.bound is not None:
+        return run
+    if known is not None and known.covers(run):
+        return run.with_bound(known)
+    if len(run.nodes_m) > MOST_REFINED * len(task.course.position_m):
+        return run
+    try:
+        return run.with_bound(bound_of(_covering(task, run)))
+    except (InfeasibleLineError, TimetableError):
+        # limits that this task's mesh keeps may ask too much of another's shorter cells
+        return run
+
+
+def _covering(task: Task, run: Trajectory) -> Task:
+    """Return a task over the nodes of a run and with its time, if that is longer."""
+    if not np.array_equal(run.nodes_m, task.course.position_m):
+        initial, final = task.end_speeds_ms
+        task = prepare_task(task.scenario, initial, final, run.nodes_m)
+    return replace(task, running_time_s=max(task.running_time_s, run.travel_time_s - task.dwell_s))
+
+
+def certify(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> Bound:
+    """Return the lower bound that the multipliers of an optimum prove, and what it covers."""
+    given = task.course.data, optimum, task.greatest_speed2, task.running_time_s
+    if task.course.drive.jumps_at_no_effort:
+        proven, _ = switched_bound(*given, SWITCHED_PROOF_TOLERANCE, min(PIECES_A_CELL, proof_budget))
+        statement = switched_bound_statement(task)
+    else:
+        proven = prove(*given, PROOF_SHARE * PROVEN_GAP, proof_budget).bound_j
+        statement = bound_statement(task)
+    energy = max(proven + task.dwell_energy_j, work_floor_j(task))
+    return Bound(energy, statement, task.course.position_m, task.travel_time_s)
+
+
+def work_floor_j(task: Task) -> float:
+    """Return the work at the wheels that every run needs [J], auxiliaries included: no drive gives energy for nothing.
+
+    It counts gradients, curves, constant running resistance and the speeds that are given at both ends.
+    """
+    data = task.course.data
+    start, end = data.fixed_speed2[[0, -1]]
+    # an end that is free may be at rest, a start that is free as fast as can be
+    start = task.greatest_speed2[0] if start < 0 else start
+    kinetic = data.half_inertia_kg * (max(end, 0.0) - start)
+    work = float(data.cell_length_m @ (data.line_force_n + data.resistance_constant_n))
+    return float(kinetic) + work + data.auxiliary_power_w * task.shortest_time_s + task.dwell_energy_j
+
+
+def bound_statement(task: Task) -> str:
+    """Return in one sentence which runs a bound covers."""
+    return f"No run over this mesh of {task.course.cell_count} cells, with one effort in each, {_conditions(task)}."
+
+
+def switched_bound_statement(task: Task) -> str:
+    """Return in one sentence which runs the bound of a drive covers that takes power without effort."""
+    return (
+        f"No run over this mesh of {task.course.cell_count} cells, even if it switches between driving, coasting and "
+        f"braking at will within each, {_conditions(task)}; this takes for granted that the power of the drive rises "
+        "ever faster with its effort, and that its losses do not fall with speed."
+    )
+
+
+def _conditions(task: Task) -> str:
+    slowest = 0.1 / MS_PER_KMH
+    return (
+        f"that keeps all limits, arrives within {task.travel_time_s:.1f} s and goes nowhere slower than "
+        f"{slowest:.2f} km/h between its stops needs less"
+    )

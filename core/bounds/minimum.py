@@ -1,0 +1,65 @@
+"""The optimum of a task, by the interior-point method with a second attempt."""
+
+from dataclasses import dataclass
+
+from railjoule.core.errors import SolverError
+from railjoule.core.interior_point.solver import CONVERGED, Optimum, minimise_energy
+from railjoule.core.task import Task
+
+TOLERANCE = 1e-7
+SWITCHED_TOLERANCE = 1e-6
+"""Relative gap asked of a drive whose power jumps: its derivatives jump too, and no step uses what lies below."""
+FIRST_ITERATIONS, SECOND_ITERATIONS = 40, 60
+FREE_CENTRING, STEADY_CENTRING = 1e-6, 0.2
+"""The first attempt may centre as little as it likes; the second always centres, which ends the rare cycles."""
+LOOSE_GAP = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """The optimum of a task, before it becomes a trajectory.
+
+    Parameters
+    ----------
+    optimum : Optimum
+        Point and multipliers.
+    iterations : int
+        Of all attempts together.
+    energy_j : float
+        Net energy at the line, auxiliaries and dwells included [J].
+    """
+
+    optimum: Optimum
+    iterations: int
+    energy_j: float
+
+
+def minimise(task: Task, tolerance: float = TOLERANCE) -> Solution:
+    """Return the optimum of a task; a drive that takes power without effort may be switched at will within a cell.
+
+    Parameters
+    ----------
+    task : Task
+        Must have slack in its timetable.
+    tolerance : float
+        Relative gap asked for, at least 1e-6 for such a drive.
+
+    Raises
+    ------
+    SolverError
+        If neither of two attempts converges; for such a drive, if the second does not come near it.
+    """
+    iterations = 0
+    jumps = task.course.drive.jumps_at_no_effort
+    if jumps:
+        tolerance = max(tolerance, SWITCHED_TOLERANCE)
+    given = task.course.data, task.greatest_speed2, task.shortest_time_s, task.running_time_s
+    for allowed, centring in ((FIRST_ITERATIONS, FREE_CENTRING), (SECOND_ITERATIONS, STEADY_CENTRING)):
+        optimum = minimise_energy(*given, tolerance, allowed, centring)
+        iterations += optimum.iterations
+        if optimum.status == CONVERGED:
+            return Solution(optimum, iterations, optimum.energy_j + task.dwell_energy_j)
+    if jumps and optimum.relative_gap < LOOSE_GAP:
+        # a relaxation is no run to drive: its multipliers are good enough for a bound and a decision where to drive
+        return Solution(optimum, iterations, optimum.energy_j + task.dwell_energy_j)
+    raise SolverError(f"the optimum was not found within {iterations} iterations.")

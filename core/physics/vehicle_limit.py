@@ -1,0 +1,84 @@
+"""What limits the efforts of a vehicle: its own table in the file, and its drive."""
+
+from functools import lru_cache
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.drive import Drive
+from railjoule.core.errors import ScenarioError
+from railjoule.core.physics.effort_limit import SLOWEST_MS, EffortLimit, fitted_limit, table_speeds, untabulated_limit
+from railjoule.core.scenario import Vehicle
+from railjoule.core.scenario.vehicle import Braking, Traction
+from railjoule.core.units import MS_PER_KMH, N_PER_KN, W_PER_KW
+
+Curve = tuple[tuple[float, float], ...]
+
+
+def curve_effort_n(curve: Curve, speed_ms: FloatArray) -> FloatArray:
+    """Return the effort of a curve [N] at speeds [m/s], straight between its points [km/h, kN].
+
+    Beyond its last point the power of that one goes on: what a motor gives at its limit of voltage, not what it pulls.
+    """
+    speed, points = np.asarray(speed_ms, dtype=float), np.array(curve)
+    places, efforts = points[:, 0] * MS_PER_KMH, points[:, 1] * N_PER_KN
+    beyond = np.minimum(1.0, places[-1] / np.maximum(speed, places[-1]))
+    effort: FloatArray = np.interp(speed, places, efforts) * beyond
+    return effort
+
+
+def vehicle_limit_n(vehicle: Vehicle, speed_ms: FloatArray, braking: bool = False) -> FloatArray:
+    """Return the largest effort [N] that a vehicle's own limits allow, its drive's apart; shape as the speeds'.
+
+    Infinite where it sets none.
+    """
+    limits = vehicle.braking if braking else vehicle.traction
+    effort = _varying_n(limits, np.asarray(speed_ms, dtype=float))
+    return effort if limits.max_effort_kn is None else np.minimum(effort, limits.max_effort_kn * N_PER_KN)
+
+
+def effort_limit(vehicle: Vehicle, drive: Drive, braking: bool = False) -> EffortLimit:
+    """Return the limit of a vehicle and its drive in one direction, for compiled code.
+
+    Raises
+    ------
+    ScenarioError
+        If neither limits the effort.
+    """
+    limits = vehicle.braking if braking else vehicle.traction
+    return _combined(limits, drive, vehicle.traction.max_speed_kmh * MS_PER_KMH)
+
+
+@lru_cache(maxsize=64)
+def _combined(limits: Traction | Braking, drive: Drive, top_speed_ms: float) -> EffortLimit:
+    """Combine the limits of a vehicle's table with those of its drive; kept for the next call."""
+    braking = isinstance(limits, Braking)
+    steps = table_speeds(top_speed_ms)
+    by_file = np.inf if limits.max_effort_kn is None else limits.max_effort_kn * N_PER_KN
+    by_curve = max((effort * N_PER_KN for _, effort in _curve_of(limits)), default=np.inf)
+    constant = float(min(by_file, by_curve, np.max(drive.effort_limit_n(steps, braking))))
+    if not np.isfinite(constant):
+        table = "braking" if braking else "traction"
+        raise ScenarioError(f"vehicle.{table}.max_effort_kn is missing: this drive sets no limit of effort.")
+    by_drive = np.isfinite(drive.weakening_limit_n(steps, braking)).any()
+    if not _curve_of(limits) and not by_drive:
+        return untabulated_limit(constant, np.inf if limits.max_power_kw is None else limits.max_power_kw * W_PER_KW)
+
+    def varying(speed: FloatArray) -> FloatArray:
+        return np.minimum(drive.weakening_limit_n(speed, braking), _varying_n(limits, speed))
+
+    corners = np.array([speed * MS_PER_KMH for speed, _ in _curve_of(limits)])
+    return fitted_limit(constant, varying, top_speed_ms, np.append(corners, drive.limit_corners_ms(braking)))
+
+
+def _curve_of(limits: Traction | Braking) -> Curve:
+    return limits.curve or () if isinstance(limits, Traction) else ()
+
+
+def _varying_n(limits: Traction | Braking, speed_ms: FloatArray) -> FloatArray:
+    """Return what varies with speed of a vehicle's own limits [N]; infinite where nothing does."""
+    effort = np.full(speed_ms.shape, np.inf)
+    if limits.max_power_kw is not None:
+        effort = np.minimum(effort, limits.max_power_kw * W_PER_KW / np.maximum(speed_ms, SLOWEST_MS))
+    curve = _curve_of(limits)
+    return np.minimum(effort, curve_effort_n(curve, speed_ms)) if curve else effort
