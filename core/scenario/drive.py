@@ -28,6 +28,15 @@ class DriveParameters(Part):
         0.0, ge=0, le=1, description="Share of the generated electrical energy that the line takes back."
     )
 
+    @property
+    def knows_voltage(self) -> bool:
+        """Whether the line voltage limits the effort of this kind of drive."""
+        return False
+
+    def at_voltage(self, factor: float) -> Self:
+        """Return the drive at a line voltage that is `factor` times the nominal one; itself where it knows none."""
+        return self
+
 
 class ConstantEfficiency(DriveParameters):
     """A drive whose losses are a fixed share of its power."""
@@ -51,6 +60,13 @@ class CopperLoss(DriveParameters):
     machine: InductionMachine | None = Field(
         None, description="The machine itself, for runs in closed loop; the loss model does not ask for it."
     )
+
+    def at_voltage(self, factor: float) -> Self:
+        """Return the drive with the machine's voltage times a factor: in closed loop alone it limits the effort."""
+        if self.machine is None:
+            return self
+        limit = factor * self.machine.max_phase_voltage_v
+        return self.model_copy(update={"machine": self.machine.model_copy(update={"max_phase_voltage_v": limit})})
 
 
 class Induction(DriveParameters):
@@ -78,6 +94,15 @@ class Induction(DriveParameters):
     standstill_brake: bool = Field(
         False, strict=True, description="A mechanical brake does what the motors could only do with power of the line."
     )
+
+    @property
+    def knows_voltage(self) -> bool:
+        """Whether the line voltage limits the effort: it does."""
+        return True
+
+    def at_voltage(self, factor: float) -> Self:
+        """Return the machines with the phase voltage that the inverter makes of `factor` times the nominal one."""
+        return self.model_copy(update={"max_phase_voltage_v": factor * self.max_phase_voltage_v})
 
     @model_validator(mode="after")
     def _is_a_machine(self) -> Self:
@@ -182,6 +207,15 @@ class Synchronous(GearedMotors):
     switching_energy_j: Number = Field(ge=0, le=100, description="On, off and recovery of one leg together [J].")
     switching_current_a: Current = Field(description="Current at which that energy holds [A].")
     switching_voltage_v: Number = Field(gt=0, le=1e5, description="Voltage at which that energy holds [V].")
+
+    @property
+    def knows_voltage(self) -> bool:
+        """Whether the line voltage limits the effort: it does."""
+        return True
+
+    def at_voltage(self, factor: float) -> Self:
+        """Return the machines with a direct-current link at `factor` times the nominal voltage."""
+        return self.model_copy(update={"link_voltage_v": factor * self.link_voltage_v})
 
     @model_validator(mode="after")
     def _is_a_machine(self) -> Self:

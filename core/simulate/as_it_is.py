@@ -1,7 +1,7 @@
 """The train as it really is: its load, its running resistance and the line voltage that it finds."""
 
 from railjoule.core.scenario import Scenario, Vehicle
-from railjoule.core.scenario.drive import CopperLoss, DriveParameters, Induction, Synchronous
+from railjoule.core.scenario.drive import DriveParameters
 from railjoule.core.scenario.vehicle import Braking, Resistance, SpecificResistance, Traction
 
 SPECIFIC_TERMS = tuple(SpecificResistance.model_fields)
@@ -53,17 +53,30 @@ def at_voltage(vehicle: Vehicle, factor: float) -> Vehicle:
         "curve": None if curve is None else tuple((factor * speed, effort) for speed, effort in curve),
     }
     less_braking = {"max_power_kw": None if braking.max_power_kw is None else factor * braking.max_power_kw}
-    drive = vehicle.drive
-    if isinstance(drive, Induction):
-        drive = drive.model_copy(update={"max_phase_voltage_v": factor * drive.max_phase_voltage_v})
-    elif isinstance(drive, CopperLoss) and drive.machine is not None:
-        limit = factor * drive.machine.max_phase_voltage_v
-        drive = drive.model_copy(update={"machine": drive.machine.model_copy(update={"max_phase_voltage_v": limit})})
-    elif isinstance(drive, Synchronous):
-        drive = drive.model_copy(update={"link_voltage_v": factor * drive.link_voltage_v})
     return changed(
         vehicle,
         traction=traction.model_copy(update=less_traction),
         braking=braking.model_copy(update=less_braking),
-        drive=drive,
+        drive=vehicle.drive.at_voltage(factor),
     )
+
+
+def voltage_notes(vehicle: Vehicle) -> tuple[str, ...]:
+    """Return in a sentence which efforts of a vehicle another line voltage leaves as they are, if there are any."""
+    if vehicle.drive.knows_voltage:
+        return ()
+    traction, braking = vehicle.traction, vehicle.braking
+    untouched = []
+    if traction.max_power_kw is None and traction.curve is None:
+        untouched.append("tractive effort, as vehicle.traction has neither max_power_kw nor curve")
+    if braking.max_power_kw is None and braking.max_effort_kn != 0:
+        untouched.append("electric braking, as vehicle.braking has no max_power_kw")
+    if not untouched:
+        return ()
+    model = getattr(vehicle.drive, "model", "")
+    return (f"drive.model = '{model}' knows no line voltage: it leaves the {' and the '.join(untouched)}.",)
+
+
+def notes_on(scenario: Scenario) -> tuple[str, ...]:
+    """Return what a scenario's disturbance asks for and its vehicle does not know."""
+    return voltage_notes(scenario.vehicle) if scenario.disturbance.line_voltage_factor != 1 else ()

@@ -29,9 +29,10 @@ from railjoule.core.scenario.disturbance import (
     Reaction,
     UnplannedLimit,
     UnplannedStop,
+    VoltageChange,
 )
 from railjoule.core.scenario.line import Station
-from railjoule.core.simulate.as_it_is import as_it_is
+from railjoule.core.simulate.as_it_is import as_it_is, notes_on, voltage_notes
 from railjoule.core.simulate.driver import STANDING_SPEED2, braking_envelope, fully_braked, held
 from railjoule.core.simulate.following import follow_cells
 from railjoule.core.simulate.leg import SAME_PLACE_M, Leg, joined, leg_of
@@ -138,7 +139,8 @@ class _Simulation:
         events = scenario.disturbance.events
         self.events = [event.model_copy(update={"reaction": reaction}) for event in events] if reaction else [*events]
         self.notices: list[tuple[float, float, str]] = []
-        self.notes: list[str] = []
+        voltages = any(isinstance(event, VoltageChange) for event in events)
+        self.notes = [*(voltage_notes(scenario.vehicle) if voltages else notes_on(scenario))]
         self.driven: list[Leg] = []
 
     def run(self, planned: Trajectory) -> Ride:

@@ -21,7 +21,7 @@ from railjoule.core.motion.cell_step import FULL_BRAKE, FULL_TRACTION, exit_spee
 from railjoule.core.motion.mesh import line_borders, with_nodes_at
 from railjoule.core.physics.course_data import CourseData, cell_of, train_of
 from railjoule.core.scenario import Scenario
-from railjoule.core.simulate.as_it_is import as_it_is, changed
+from railjoule.core.simulate.as_it_is import as_it_is, changed, notes_on
 from railjoule.core.simulate.odometer import Stretch, believed_places, stopping_place, stretches
 from railjoule.core.strategies import Task, run_strategy
 from railjoule.core.task import task_over
@@ -147,7 +147,8 @@ def follow(planned: Trajectory, scenario: Scenario) -> Following:
     course = build_course(real, position_m=np.concatenate(nodes))
     dwell = np.zeros(course.cell_count + 1)
     dwell[stop_nodes[:-1]] = [station.dwell_s for station in real.line.in_running_order().inner_stations]
-    actual = make_trajectory(real, replace(course, dwell_s=dwell), planned.strategy, np.concatenate(speeds))
+    course = replace(course, dwell_s=dwell)
+    actual = make_trajectory(real, course, planned.strategy, np.concatenate(speeds), notes=notes_on(scenario))
     return Following(planned, actual, tuple(errors), tuple(ways), scenario.disturbance.departure_delay_s)
 
 

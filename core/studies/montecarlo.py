@@ -10,6 +10,7 @@ from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.errors import InfeasibleLineError, ScenarioError
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.distribution import Distribution, Fixed, LogNormal, Normal, Triangular, Uniform
+from railjoule.core.simulate.as_it_is import voltage_notes
 from railjoule.core.simulate.following import follow, plan_for, plan_knowing_load, stops_of
 
 if TYPE_CHECKING:
@@ -65,6 +66,12 @@ class MonteCarloTable:
         return len(self.knowing_kwh)
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """What is drawn and changes nothing, in sentences."""
+        same = np.all(self.drawn["line_voltage_factor"] == 1)
+        return () if same else voltage_notes(self.scenario.vehicle)
+
+    @property
     def overconsumption(self) -> FloatArray:
         """Energy over that of the plan, less 1; shape (done,)."""
         return self.energy_kwh / self.planned_kwh - 1
@@ -94,6 +101,7 @@ class MonteCarloTable:
                 "strategy": self.scenario.strategy,
                 "planned_energy_kwh": self.planned_kwh,
                 "seed": self.scenario.montecarlo.seed,
+                "notes": " ".join(self.notes),
             },
         )
 

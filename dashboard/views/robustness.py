@@ -181,7 +181,7 @@ class RobustnessView(ChartPage):
             self.late.show(partial(self.late.draw, chance.delay_s))
             self.scatter.show(partial(self.scatter.draw, chance))
             self._show_texts()
-            self.chance_table.object = chance_table(chance)
+            self.chance_table.object = chance_table(chance) + parts.note_paragraphs(chance.notes)
 
     def _show_texts(self) -> None:
         reality = self.model.reality

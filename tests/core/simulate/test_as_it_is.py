@@ -1,10 +1,12 @@
 import numpy as np
 import pytest
+from builders import COPPER_LOSS, INDUCTION, LOSS_POLYNOMIAL, plain_scenario
 
 from railjoule.core import load_scenario
 from railjoule.core.motion import build_course
-from railjoule.core.simulate.as_it_is import as_it_is
+from railjoule.core.simulate.as_it_is import as_it_is, notes_on, voltage_notes
 from railjoule.core.simulate.following import simulate_following
+from railjoule.core.studies.montecarlo import monte_carlo
 
 
 def courses(**disturbance):
@@ -62,3 +64,66 @@ def test_kinds_of_cars_and_a_synchronous_drive_are_disturbed_as_well():
     assert real.drive.link_voltage_v == pytest.approx(0.9 * scenario.vehicle.drive.link_voltage_v)
     wanted = 1.5 * scenario.vehicle.specific_resistance.constant_n_per_kn
     assert real.specific_resistance.constant_n_per_kn == pytest.approx(wanted)
+
+
+VOLTAGE = {"disturbance.line_voltage_factor": 0.8}
+DRIVES = {
+    "constant_efficiency": {"model": "constant_efficiency", "traction_efficiency": 0.85},
+    "copper_loss": COPPER_LOSS,
+    "loss_polynomial": LOSS_POLYNOMIAL,
+    "induction": INDUCTION,
+}
+
+
+@pytest.mark.parametrize("model", DRIVES)
+def test_a_note_says_what_another_voltage_leaves_as_it_is(model):
+    limits = {"vehicle.traction.max_power_kw": None, "vehicle.braking.max_power_kw": 900.0}
+    notes = notes_on(plain_scenario({"vehicle.drive": DRIVES[model], **limits, **VOLTAGE}))
+    if model == "induction":
+        assert notes == ()
+        return
+    (note,) = notes
+    assert note == (
+        f"drive.model = '{model}' knows no line voltage: it leaves the tractive effort, as vehicle.traction has "
+        "neither max_power_kw nor curve."
+    )
+
+
+def test_there_is_no_note_where_nothing_is_left_out():
+    both = {"vehicle.traction.max_power_kw": 900.0, "vehicle.braking.max_power_kw": 900.0}
+    assert notes_on(plain_scenario({**both, **VOLTAGE})) == ()
+    assert notes_on(plain_scenario({"vehicle.traction.max_power_kw": None})) == ()
+
+
+def test_the_run_and_the_draw_bear_the_note():
+    scenario = load_scenario("liashenko-ii").with_(**{"vehicle.traction.max_power_kw": None, **VOLTAGE})
+    notes = voltage_notes(scenario.vehicle)
+    assert simulate_following(scenario).actual.notes == notes
+    table = monte_carlo(scenario.with_(**{"montecarlo.runs": 1}))
+    assert table.notes == notes
+    assert len(notes) == 1
+
+
+def test_each_kind_of_drive_has_its_own_voltage():
+    induction = plain_scenario({"vehicle.drive": INDUCTION}).vehicle.drive
+    assert induction.at_voltage(0.8).max_phase_voltage_v == pytest.approx(0.8 * induction.max_phase_voltage_v)
+    plain = plain_scenario().vehicle.drive
+    assert plain.at_voltage(0.8) is plain
+    machine = load_scenario("ftorek-300s").vehicle.drive
+    if machine.machine is not None:
+        lowered = machine.at_voltage(0.5).machine.max_phase_voltage_v
+        assert lowered == pytest.approx(0.5 * machine.machine.max_phase_voltage_v)
+    assert (induction.knows_voltage, plain.knows_voltage, machine.knows_voltage) == (True, False, False)
+
+
+def test_at_a_lower_voltage_power_falls_up_to_the_top_speed():
+    """Where the curve ends below it, too (review A4: there the voltage changed nothing)."""
+    changes = {
+        "vehicle.traction.curve": [[0, 200], [40, 200], [60, 100]],
+        "vehicle.traction.max_power_kw": None,
+        **VOLTAGE,
+    }
+    scenario = plain_scenario(changes)
+    full, less = build_course(scenario).data.traction, build_course(as_it_is(scenario)).data.traction
+    fast = np.array([65.0, 80.0, 95.0]) / 3.6
+    assert less.effort_n(fast) == pytest.approx(0.8 * full.effort_n(fast), rel=1e-5)
