@@ -68,7 +68,11 @@ def show(value: Any) -> str:
     """Return a short text of any value that a user may have written."""
     if isinstance(value, int) and value.bit_length() > LONGEST_INTEGER_BITS:
         return "a number of very many digits"  # Python refuses to write it down
-    text = f"{value:g}" if isinstance(value, float) else repr(value)
+    return shorten(f"{value:g}" if isinstance(value, float) else repr(value))
+
+
+def shorten(text: str) -> str:
+    """Return a text, of a long one its beginning."""
     return text if len(text) <= LONGEST_SHOWN else text[: LONGEST_SHOWN - 3] + "..."
 
 
@@ -123,7 +127,7 @@ def _without_tags(location: Sequence[str | int]) -> list[str | int]:
 def _dotted(location: Sequence[str | int]) -> str:
     text = ""
     for part in location:
-        name = part if isinstance(part, int) or len(part) <= LONGEST_SHOWN else part[: LONGEST_SHOWN - 3] + "..."
+        name = part if isinstance(part, int) else shorten(part)
         text += f"[{name}]" if isinstance(name, int) else f".{name}" if text else name
     for inner, outer in ALIASES.items():
         if text.startswith(inner + "."):

@@ -4,6 +4,7 @@ from typing import Any, Literal, Self, get_args
 
 from pydantic import Field, model_validator
 
+from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario._base import Part
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.scenario.line import Line
@@ -17,6 +18,7 @@ from railjoule.core.scenario.options import (
     SolverOptions,
 )
 from railjoule.core.scenario.timetable import Timetable
+from railjoule.core.scenario.toml_text import NESTED_TOO_DEEPLY
 from railjoule.core.scenario.vehicle import Vehicle
 
 StrategyName = Literal["optimal", "bellman", "eoc", "enoc", "phases", "speed_limits", "fastest"]
@@ -76,4 +78,7 @@ class Scenario(Part):
             scenario_from_document,
         )
 
-        return scenario_from_document(change_document(document_of(self), changes))
+        try:
+            return scenario_from_document(change_document(document_of(self), changes))
+        except RecursionError:
+            raise ScenarioError(f"scenario: {NESTED_TOO_DEEPLY}") from None

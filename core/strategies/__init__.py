@@ -10,7 +10,7 @@ from railjoule.core.strategies.bellman import bellman
 from railjoule.core.strategies.enoc import enoc
 from railjoule.core.strategies.eoc import eoc
 from railjoule.core.strategies.fastest import fastest
-from railjoule.core.strategies.optimal import certify, minimise, optimal
+from railjoule.core.strategies.optimal import certify, known_bound, minimise, optimal
 from railjoule.core.strategies.phases import phases
 from railjoule.core.strategies.speed_limits import speed_limits
 from railjoule.core.strategies.task import Task, prepare_task
@@ -61,7 +61,7 @@ def solve(
     task = prepare_task(scenario, initial_speed_ms, final_speed_ms)
     trajectory = run_strategy(task, name)
     if trajectory.bound is None and task.has_slack:
-        trajectory = trajectory.with_bound(certify(task, minimise(task).optimum))
+        trajectory = trajectory.with_bound(known_bound(task))
     return trajectory
 
 

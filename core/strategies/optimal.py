@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from railjoule.core.errors import SolverError
+from railjoule.core.budget import current_budget
+from railjoule.core.errors import SolverError, StrategyRefusedError
 from railjoule.core.interior_point.proof import prove
 from railjoule.core.interior_point.solver import CONVERGED, Optimum, minimise_energy
 from railjoule.core.interior_point.switching_bound import switched_bound
@@ -61,9 +62,12 @@ def minimise(task: Task, tolerance: float = TOLERANCE) -> Solution:
     ------
     SolverError
         If neither of two attempts converges; for such a drive, if the second does not come near it.
+    StrategyRefusedError
+        If the mesh has more cells than the current budget gives to such a drive.
     """
     iterations = 0
     if takes_power_idling(task):
+        task.require_cells(current_budget().idling_cells)
         tolerance = max(tolerance, SWITCHED_TOLERANCE)
     for allowed, centring in ((FIRST_ITERATIONS, FREE_CENTRING), (SECOND_ITERATIONS, STEADY_CENTRING)):
         optimum = minimise_energy(
@@ -102,7 +106,7 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
     ------
     TimetableError
         If the timetable cannot be kept.
-    SolverError
+    SolverError, StrategyRefusedError
         As `minimise`.
     """
     task.require_timetable()
@@ -145,6 +149,14 @@ def certify(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> B
         return Bound(max(_energy_j(task, bound), work_floor_j(task)), switched_bound_statement(task))
     proof = prove(*given, 0.8 * PROVEN_GAP, proof_budget)
     return Bound(max(_energy_j(task, proof.bound), work_floor_j(task)), bound_statement(task))
+
+
+def known_bound(task: Task) -> Bound | None:
+    """Return the lower bound of a task; None where its optimum is not found, or beyond the budget."""
+    try:
+        return certify(task, minimise(task).optimum)
+    except (SolverError, StrategyRefusedError):
+        return None
 
 
 def work_floor_j(task: Task) -> float:
