@@ -21,6 +21,8 @@ class Budget:
     ----------
     taker : str
         Who takes no more, as the sentences say.
+    row_count : int
+        Rows of any list in a scenario.
     cell_count : int
         Cells of any mesh, and steps of time of a run that makes a cell of each.
     strategy_cells : mapping
@@ -34,6 +36,7 @@ class Budget:
     """
 
     taker: str
+    row_count: int
     cell_count: int
     strategy_cells: Mapping[StrategyName, int] = field(hash=False)
     idling_cells: int
@@ -41,9 +44,25 @@ class Budget:
     loop_steps: int
 
 
-LIBRARY = Budget("railjoule", 200_000, {"bellman": 20_000, "speed_limits": 20_000}, 10_000, 10_000.0, 20_000_000)
-PAGE = Budget("the page", 20_000, {"bellman": 5_000, "speed_limits": 5_000}, 5_000, 2_500.0, 5_000_000)
-"""Smaller, as a server's threads are shared by all of its pages."""
+LIBRARY = Budget(
+    taker="railjoule",
+    row_count=100_000,
+    cell_count=200_000,
+    strategy_cells={"bellman": 20_000, "speed_limits": 20_000},
+    idling_cells=10_000,
+    loop_time_s=10_000.0,
+    loop_steps=20_000_000,
+)
+PAGE = Budget(
+    taker="the page",
+    row_count=5_000,
+    cell_count=20_000,
+    strategy_cells={"bellman": 5_000, "speed_limits": 5_000},
+    idling_cells=5_000,
+    loop_time_s=2_500.0,
+    loop_steps=5_000_000,
+)
+"""Smaller, as all pages of a server share its threads, and rows are checked anew at each move of a slider."""
 _CURRENT: ContextVar[Budget] = ContextVar("budget", default=LIBRARY)
 
 

@@ -89,7 +89,7 @@ class Session:
     def __init__(self) -> None:
         self.state = Workbench()
         self.browser = Browser()
-        self.runs = Worker(compute_runs, self._take_runs, self._take_failure)
+        self.runs = Worker(compute_runs, self._take_runs, self._take_failure, lambda wish: wish.is_slow)
         self.trade_off = Worker(compute_trade_off, self._take_trade_off, self._take_failure)
         self.compare = Compare(self.state)
         self.pins = Pins(self.state)
@@ -122,9 +122,10 @@ class Session:
         pn.state.on_session_destroyed(lambda _: self._end())
         self.shell.open()
         self._ask_trade_off()
-        if warmup().ready.is_set():
+        wish = self._wish()
+        if warmup().ready.is_set() and self.state.scenario.is_shipped and wish.is_short:
             # a page that is sent with its first run is there a second earlier than one that asks for it
-            self.runs.do(self._wish())
+            self.runs.do(wish)
         self.reporting = Reporting(self.state)
         self.shell.add(*ReportButton(self.reporting.model, self.browser).parts)
         pn.state.onload(self._load)

@@ -9,9 +9,9 @@ from typing import Any
 import param
 from panel.custom import JSComponent
 
-from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES
+from railjoule.dashboard.models.dropped import LARGEST_REPORT_BYTES, LARGEST_SCENARIO_BYTES
 
-ESM = """
+ESM = r"""
 const WORDS = {
   lost: "The connection to the server is lost. This page comes back by itself, as it is, when the server answers.",
   starting: "The server is starting. This page comes back by itself, as it is, in a moment.",
@@ -103,7 +103,8 @@ export function render({model, view}) {
   veil.textContent = "Drop a scenario file or a report to open it";
   const holds_files = (event) => [...(event.dataTransfer?.types ?? [])].includes("Files");
   const read = async (file) => {
-    if (file.size > model.largest_bytes) { model.send_msg({kind: "too_large", name: file.name}); return; }
+    const largest = /\.html?$/i.test(file.name) ? model.largest_report_bytes : model.largest_scenario_bytes;
+    if (file.size > largest) { model.send_msg({kind: "too_large", name: file.name}); return; }
     try {
       const text = new TextDecoder("utf-8", {fatal: true}).decode(await file.arrayBuffer());
       model.send_msg({kind: "drop", name: file.name, text});
@@ -145,7 +146,8 @@ class Lifeline(JSComponent):
 
     address = param.String(default="", doc="Query or fragment that holds the page's state.")
     started = param.Boolean(default=False, doc="Whether the page has loaded.")
-    largest_bytes = param.Integer(default=LARGEST_FILE_BYTES, doc="Size of the largest file that may be dropped.")
+    largest_scenario_bytes = param.Integer(default=LARGEST_SCENARIO_BYTES, doc="Largest scenario file to be dropped.")
+    largest_report_bytes = param.Integer(default=LARGEST_REPORT_BYTES, doc="Largest report to be dropped.")
 
     _esm = ESM
 

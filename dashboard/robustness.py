@@ -18,6 +18,7 @@ from railjoule.dashboard.store import (
     compute_chance,
     compute_reality,
     compute_table,
+    is_slow,
 )
 
 REALITY = ("actual_load_percent", "coordinate_error_m")
@@ -46,7 +47,12 @@ class Robustness:
 
     def __init__(self, state: Workbench) -> None:
         self.state, self.model = state, state.robustness
-        self.run = Worker(compute_reality, self._take_run, self._take_failure)
+        self.run = Worker(
+            compute_reality,
+            self._take_run,
+            self._take_failure,
+            lambda wish: is_slow(wish.scenario, wish.scenario.strategy),
+        )
         self.table = Study(compute_table, self._take_table, self._take_failure)
         self.chance = Study(compute_chance, self._take_chance, self._take_failure)
         self._asked: dict[str, Any] = {}

@@ -6,9 +6,7 @@ from typing import Any, ClassVar, Self
 
 import param
 
-from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES
-
-MOST_ITEMS, LONGEST_TEXT, LARGEST_INTEGER = 500, LARGEST_FILE_BYTES, 2**53
+MOST_ITEMS, LONGEST_TEXT, LARGEST_INTEGER = 500, 2_000_000, 2**53
 """Bounds of lists, of texts [characters] and of whole numbers without bounds of their own."""
 LONGEST_SHOWN = 40
 OWN = ("name", "originals")

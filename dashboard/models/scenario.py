@@ -6,9 +6,11 @@ from typing import Any
 import param
 
 from railjoule.core import Scenario, load_scenario
-from railjoule.core.scenario import format_scenario, parse_scenario, preset_names
+from railjoule.core.budget import PAGE, within
+from railjoule.core.scenario import preset_names
 from railjoule.core.strategies import prepare_task
 from railjoule.dashboard.models.numbers import TypedParameters
+from railjoule.dashboard.models.opened import open_scenario
 
 FIRST_SCENARIO = "metro-with-limit"
 TIME_FIELDS = {"travel_time_s": (1.0, 86_400.0), "acceleration_time_s": (1.0, 43_200.0)}
@@ -67,11 +69,10 @@ class ScenarioModel(TypedParameters):
         Raises
         ------
         RailjouleError
-            If it cannot be read, or no train can run it; then nothing changes.
+            If it cannot be read, is too large for a page, or no train can run it; then nothing changes.
         """
-        scenario = parse_scenario(text, name)
-        prepare_task(scenario)
-        self.param.update(opened=scenario, toml=format_scenario(scenario), edits={})
+        found = open_scenario(text, name)
+        self.param.update(opened=found.scenario, toml=found.toml, edits={})
         self.restore()
 
     def restore(self) -> None:
@@ -145,7 +146,8 @@ class ScenarioModel(TypedParameters):
 
     def _take(self, scenario: Scenario, edits: Mapping[str, Any]) -> None:
         """Show a scenario that comes from edits of the base."""
-        shortest = prepare_task(scenario).shortest_travel_time_s
+        with within(PAGE):
+            shortest = prepare_task(scenario).shortest_travel_time_s
         start = float(int(0.97 * shortest))
         end = float(int(TIMETABLE_RANGE * max(shortest, 0.75 * scenario.travel_time_s)) + 1)
         self.param.update(
@@ -157,6 +159,11 @@ class ScenarioModel(TypedParameters):
             acceleration_time_s=scenario.enoc.acceleration_time_s,
         )
         self.param.trigger("travel_time_s")
+
+    @property
+    def is_shipped(self) -> bool:
+        """Whether it is a shipped scenario of which nothing but the sliders' values was changed."""
+        return self.opened is None and not self.edits
 
     @property
     def base(self) -> Scenario:

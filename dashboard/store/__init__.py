@@ -37,7 +37,7 @@ from railjoule.dashboard.store.robustness import (
     compute_reality,
     compute_table,
 )
-from railjoule.dashboard.store.runs import Runs, RunsWish, compute_runs, compute_runs_in_steps
+from railjoule.dashboard.store.runs import Runs, RunsWish, compute_runs, compute_runs_in_steps, is_slow
 from railjoule.dashboard.store.speed_limits import (
     LimitRun,
     LimitsWish,
@@ -106,6 +106,7 @@ __all__ = [
     "compute_storage",
     "compute_table",
     "compute_trade_off",
+    "is_slow",
     "limit_changes",
     "limits_of",
     "machine_refusal",

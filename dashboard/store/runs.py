@@ -45,6 +45,24 @@ class Runs:
         return min(self.runs.values(), key=lambda run: run.energy.net_j)
 
 
+SECONDS_PER_CELL: Mapping[StrategyName, float] = {"bellman": 4e-4, "speed_limits": 1.6e-3}
+"""Measured on one busy core; all other strategies together take about a tenth of Bellman's."""
+OTHERS_SECONDS_PER_CELL = 5e-5
+SLOW_S, AT_ONCE_S = 1.0, 0.1
+
+
+def expected_s(scenario: Scenario, *strategies: StrategyName) -> float:
+    """Return about how long strategies take [s]: for deciding where to compute them, not for telling it."""
+    line, mesh_m = scenario.line, scenario.solver.mesh_m
+    cells = line.length_m / mesh_m + len(line.sections)
+    return cells * sum((SECONDS_PER_CELL.get(name, 0.0) for name in strategies), OTHERS_SECONDS_PER_CELL)
+
+
+def is_slow(scenario: Scenario, *strategies: StrategyName) -> bool:
+    """Return whether strategies take seconds."""
+    return expected_s(scenario, *strategies) > SLOW_S
+
+
 @dataclass(frozen=True)
 class RunsWish:
     """A scenario, the strategies to run on it, and whether the law of dynamic programming is asked for."""
@@ -52,6 +70,16 @@ class RunsWish:
     scenario: Scenario
     strategies: tuple[StrategyName, ...]
     with_law: bool = False
+
+    @property
+    def is_slow(self) -> bool:
+        """Whether it takes seconds."""
+        return is_slow(self.scenario, *self.strategies)
+
+    @property
+    def is_short(self) -> bool:
+        """Whether a page that opens may wait for it."""
+        return expected_s(self.scenario, *self.strategies) < AT_ONCE_S
 
 
 def compute_runs(wish: RunsWish) -> Runs:

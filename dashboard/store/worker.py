@@ -15,17 +15,27 @@ import panel as pn
 from bokeh.document import Document
 
 from railjoule.core import RailjouleError
+from railjoule.core.budget import PAGE, within
 
 LOG = logging.getLogger(__name__)
 THREADS = ThreadPoolExecutor(max_workers=2, thread_name_prefix="railjoule")
 LONG_THREADS = ThreadPoolExecutor(max_workers=2, thread_name_prefix="railjoule-long")
 """For studies of seconds, so that sliders need not wait for them."""
+SLOW_THREADS = ThreadPoolExecutor(max_workers=2, thread_name_prefix="railjoule-slow")
+"""For single runs of seconds, which need not wait for studies of minutes."""
 PAUSE_S = 0.002
 """A study sleeps this long after each step: the page's own turns come first."""
 UNKNOWN = "Something went wrong in the computation; the server's log has the details."
+NO_MEMORY = "This takes more memory than the server has; a longer solver.mesh_m needs less."
 
 Wish = TypeVar("Wish")
 Result = TypeVar("Result")
+
+
+def told(error: BaseException) -> RailjouleError:
+    """Return an error that nobody foresaw as a sentence for the page; the log has its details."""
+    LOG.error("a computation failed", exc_info=error)
+    return RailjouleError(NO_MEMORY if isinstance(error, MemoryError) else UNKNOWN)
 
 
 class Worker(Generic[Wish, Result]):
@@ -39,6 +49,8 @@ class Worker(Generic[Wish, Result]):
         Takes a result into the page; runs in the page's own turn.
     fail : callable
         Takes an error that the user can mend.
+    is_slow : callable
+        Whether a wish takes seconds: then it does not keep the short ones of other pages waiting.
     """
 
     def __init__(
@@ -46,8 +58,9 @@ class Worker(Generic[Wish, Result]):
         compute: Callable[[Wish], Result],
         deliver: Callable[[Result], None],
         fail: Callable[[RailjouleError], None],
+        is_slow: Callable[[Wish], bool] = lambda _: False,
     ) -> None:
-        self._compute, self._deliver, self._fail = compute, deliver, fail
+        self._compute, self._deliver, self._fail, self._is_slow = compute, deliver, fail, is_slow
         self._document: Document | None = None
         self._wish: Wish | None = None
         self._running = False
@@ -69,14 +82,18 @@ class Worker(Generic[Wish, Result]):
 
     def _start(self, wish: Wish) -> None:
         self._running = True
-        THREADS.submit(self._timed, wish).add_done_callback(self._hand_over)
+        threads = SLOW_THREADS if self._is_slow(wish) else THREADS
+        threads.submit(self._timed, wish).add_done_callback(self._hand_over)
 
     def _timed(self, wish: Wish) -> Result | RailjouleError:
         started = time.perf_counter()
         try:
-            return self._compute(wish)
+            with within(PAGE):
+                return self._compute(wish)
         except RailjouleError as error:
             return error
+        except (MemoryError, RecursionError) as error:
+            return told(error)
         finally:
             self.last_duration_s = time.perf_counter() - started
 
@@ -87,11 +104,7 @@ class Worker(Generic[Wish, Result]):
     def _finish(self, future: "Future[Result | RailjouleError]") -> None:
         self._running = False
         error = future.exception()
-        if error is None:
-            self._settle(future.result())
-        else:
-            LOG.error("a computation failed", exc_info=error)
-            self._fail(RailjouleError(UNKNOWN))
+        self._settle(future.result() if error is None else told(error))
         if self._wish is not None:
             wish, self._wish = self._wish, None
             self._start(wish)
@@ -152,16 +165,16 @@ class Study(Generic[Wish, Result]):
     def _work(self, wish: Wish, job: "_Job[Result]") -> None:
         result: Result | RailjouleError | None = None
         try:
-            for result in self._steps(wish):
-                if job.ended.is_set():
-                    return
-                job.offer(result, False, self._take)
-                time.sleep(PAUSE_S if job.document is not None else 0)
+            with within(PAGE):
+                for result in self._steps(wish):
+                    if job.ended.is_set():
+                        return
+                    job.offer(result, False, self._take)
+                    time.sleep(PAUSE_S if job.document is not None else 0)
         except RailjouleError as error:
             result = error
-        except Exception:
-            LOG.exception("a study failed")
-            result = RailjouleError(UNKNOWN)
+        except Exception as error:
+            result = told(error)
         if result is not None:
             job.offer(result, True, self._take)
 

@@ -75,6 +75,13 @@ def failure(what: str, why: str, shown: str) -> str:
     return f'<div class="message" role="alert"><b>{html.escape(what)}</b> {rest}</div>'
 
 
+def refusal(sentence: str) -> str:
+    """Return the message about what was not taken; what it is about comes first, up to a colon."""
+    about, colon, rest = sentence.partition(": ")
+    bold, plain = (f"{about}{colon}", rest) if colon else (sentence, "")
+    return f'<div class="message" role="alert"><b>{html.escape(bold)}</b>{html.escape(plain)}</div>'
+
+
 def figure(label: str, value: str, unit: str, detail: str, kind: str = "") -> str:
     """Return one number with its label and what it means, as HTML; a kind is `main` or `extra`."""
     return (

@@ -89,7 +89,7 @@ class Shell:
         self._wide = True
         self.main = stack()
         self.editor = editor
-        self.sidebar = Sidebar(state)
+        self.sidebar = Sidebar(state, share.keeping)
         self.tabs = pmui.TabMenu(
             items=list(PAGES), active=PAGES.index(state.page), variant="scrollable", scroll_buttons="false", margin=0
         )

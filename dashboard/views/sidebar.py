@@ -8,13 +8,12 @@ import panel as pn
 import panel_material_ui as pmui
 from panel.viewable import Viewable
 
-from railjoule.core import RailjouleError, ScenarioError
 from railjoule.core.scenario import StrategyName, load_scenario, preset_names
-from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES
 from railjoule.core.strategies import STRATEGIES
 from railjoule.core.strategies.enoc import best_acceleration_time
+from railjoule.dashboard.keeping import Keeping
 from railjoule.dashboard.look import words
-from railjoule.dashboard.models.dropped import scenario_text
+from railjoule.dashboard.models.dropped import LARGEST_REPORT_BYTES, NO_TEXT, TOO_LARGE
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import Runs
 from railjoule.dashboard.views.changes import Changes
@@ -54,8 +53,8 @@ class ScenarioFile(pmui.FileInput):
 class Sidebar:
     """The scenario beside every page."""
 
-    def __init__(self, state: Workbench) -> None:
-        self.state = state
+    def __init__(self, state: Workbench, keeping: Keeping) -> None:
+        self.state, self.keeping = state, keeping
         scenario = state.scenario
         self.preset = pmui.Select(
             label="Scenario",
@@ -66,10 +65,9 @@ class Sidebar:
             sizing_mode="stretch_width",
         )
         self.file = ScenarioFile(
-            refuse=self._refuse_file,
+            refuse=lambda: keeping.refuse_file("The file", TOO_LARGE),
             label="Open a scenario file",
-            accept=".toml,.html",
-            max_file_size=LARGEST_FILE_BYTES,
+            max_file_size=LARGEST_REPORT_BYTES,
             icon="folder_open",
             variant="text",
             size="small",
@@ -135,14 +133,11 @@ class Sidebar:
     def _open(self, event: Any) -> None:
         if event.new is None:
             return
+        name = str(self.file.filename)
         try:
-            name = str(self.file.filename)
-            self.state.scenario.open(scenario_text(decoded(event.new, name), name), name)
-        except RailjouleError as error:
-            self.state.failure = error
-
-    def _refuse_file(self) -> None:
-        self.state.failure = ScenarioError(f"The file is larger than the {LARGEST_FILE_BYTES / 1e6:g} MB allowed.")
+            self.keeping.open_file(name, event.new.decode("utf-8"))
+        except UnicodeDecodeError:
+            self.keeping.refuse_file(name, NO_TEXT)
 
     def _name_scenario(self, *_: Any) -> None:
         """Show in the list which scenario this is."""
@@ -178,20 +173,6 @@ def scenario_options(state: Workbench) -> dict[str, str]:
     if opened is not None:
         options[f"{opened.title or 'Without a title'} (file)"] = FROM_FILE
     return options
-
-
-def decoded(content: bytes, name: str) -> str:
-    """Return the text of a file.
-
-    Raises
-    ------
-    ScenarioError
-        If it is no text in UTF-8.
-    """
-    try:
-        return content.decode("utf-8")
-    except UnicodeDecodeError:
-        raise ScenarioError(f"{name}: not a text in UTF-8.") from None
 
 
 class HasView(Protocol):

@@ -19,7 +19,7 @@ SMALL = replace(PAGE, cell_count=300, strategy_cells={"bellman": 100, "speed_lim
 
 
 def test_the_pages_budget_is_smaller_in_everything():
-    assert PAGE.cell_count < LIBRARY.cell_count
+    assert (PAGE.row_count, PAGE.cell_count) < (LIBRARY.row_count, LIBRARY.cell_count)
     assert PAGE.strategy_cells.keys() == LIBRARY.strategy_cells.keys()
     assert all(PAGE.strategy_cells[name] < most for name, most in LIBRARY.strategy_cells.items())
     assert (PAGE.idling_cells, PAGE.loop_time_s) < (LIBRARY.idling_cells, LIBRARY.loop_time_s)
@@ -84,6 +84,19 @@ def test_no_mesh_has_more_cells_than_the_budget_even_if_it_is_known():
         pytest.raises(
             ScenarioError, match=r"^solver.mesh_m = 5 makes 406 cells; the page takes at most 300. Use 6.9 m or more.$"
         ),
+    ):
+        build_course(scenario)
+
+
+@pytest.mark.parametrize("key", ["line.sections", "line.speed_limits"])
+def test_more_rows_than_the_budget_has_are_refused(key):
+    limits = [{"from_m": index, "to_m": index + 1, "limit_kmh": 50} for index in range(301)]
+    rows = limits if key == "line.speed_limits" else [{"length_m": 5.0}] * 301
+    scenario = plain_scenario({key: rows, "solver.mesh_m": 1000.0})
+    build_course(scenario)
+    with (
+        within(replace(SMALL, row_count=300)),
+        pytest.raises(ScenarioError, match=rf"^{key} has 301 entries; the page takes at most 300\.$"),
     ):
         build_course(scenario)
 

@@ -322,7 +322,7 @@ def test_a_bad_file(capsys, tmp_path, case):
         ("line.sections=[{length_m = 1000, gradient_permille = 190}]", "comes to a stand"),
         ("line.file=other.csv", "line"),
         ("line.preset=nowhere", "there is no preset 'nowhere'"),
-        ("solver.mesh_m=0.001", "at most 200,000 are allowed"),
+        ("solver.mesh_m=0.001", "railjoule takes at most 200,000. Use"),
         ("strategy=none", "strategy"),
         ("=1", "must be KEY=VALUE"),
         ("no-equals-sign", "must be KEY=VALUE"),

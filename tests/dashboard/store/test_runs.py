@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from railjoule.core import TimetableError, load_scenario
+from railjoule.core.scenario import StrategyName
 from railjoule.dashboard.store import RunsWish, compute_runs
 
 
@@ -31,3 +32,20 @@ def test_the_law_of_dynamic_programming_comes_if_asked_for() -> None:
     assert with_law.law is not None
     assert with_law.runs["bellman"].solve_time_s > 0
     assert np.array_equal(with_law.runs["bellman"].speed_ms, without.runs["bellman"].speed_ms)
+
+
+@pytest.mark.parametrize(
+    ("changes", "strategies", "short", "slow"),
+    [
+        ({}, ("optimal", "fastest"), True, False),
+        ({}, ("optimal", "bellman"), False, False),
+        ({"solver.mesh_m": 0.5}, ("optimal", "bellman"), False, True),
+        ({"solver.mesh_m": 2.0}, ("speed_limits",), False, True),
+        ({"solver.mesh_m": 0.15}, ("optimal",), False, False),
+    ],
+)
+def test_long_work_is_known_before_it_begins(
+    changes: dict[str, float], strategies: tuple[StrategyName, ...], short: bool, slow: bool
+) -> None:
+    wish = RunsWish(load_scenario("metro-with-limit", changes), strategies)
+    assert (wish.is_short, wish.is_slow) == (short, slow)
