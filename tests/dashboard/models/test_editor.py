@@ -70,7 +70,13 @@ def test_every_field_takes_its_own_text_without_a_change(model: ScenarioModel, e
         ("vehicle.tare_kg", "0", "Above 0. Kept: 160000 kg."),
         ("vehicle.load_factor", "1,5", "At most 1. Kept: 0.5."),
         ("phases.cycles", "2.5", "A whole number. Kept: 1."),
-        ("timetable.travel_time_s", "soon", "Not a number. Kept: 170 s."),
+        (
+            "timetable.travel_time_s",
+            "soon",
+            "Travel time: 'soon' is no time: write seconds, min:s or h:min:s, such as 150, 2:30 or 1:02:03. "
+            "Kept: 170 s.",
+        ),
+        ("vehicle.tare_kg", "soon", "Not a number. Kept: 160000 kg."),
         ("simulation.sensor_errors_m", "1 2", "3 numbers. Kept: 0 0 0 m."),
     ],
 )

@@ -58,12 +58,15 @@ def test_numbers_as_people_type_them(model: ScenarioModel, text: str, number: fl
     assert model.parse("travel_time_s", text) == number
 
 
+NO_TIME = "is no time: write seconds, min:s or h:min:s, such as 150, 2:30 or 1:02:03."
+
+
 @pytest.mark.parametrize(
     ("field", "text", "sentence"),
     [
-        ("travel_time_s", "soon", "Not a number."),
-        ("travel_time_s", "nan", "Not a number."),
-        ("travel_time_s", "inf", "Not a number."),
+        ("travel_time_s", "soon", f"Travel time: 'soon' {NO_TIME}"),
+        ("travel_time_s", "nan", f"Travel time: 'nan' {NO_TIME}"),
+        ("travel_time_s", "inf", f"Travel time: 'inf' {NO_TIME}"),
         ("travel_time_s", "0", "At least 1."),
         ("travel_time_s", "86401", "At most 86400."),
         ("load_percent", "\u22121", "At least 0."),
