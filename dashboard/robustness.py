@@ -58,6 +58,8 @@ class Robustness:
         self._asked: dict[str, Any] = {}
         self._waiting: dict[str, Any] = {}
         state.scenario.follow(lambda scenario: (scenario.disturbance, scenario.simulation), self.model.take)
+        state.scenario.follow(lambda scenario: scenario.vehicle.crush_load_factor, self._take_crush_load)
+        self._take_crush_load()
         state.scenario.param.watch(self._ask, list(PLAN_FIELDS))
         state.param.watch(self._ask, ["page", "chosen"])
         self.model.param.watch(self._ask, [*REALITY, *FOLLOWER, *CHANCE, *TABLE])
@@ -68,6 +70,9 @@ class Robustness:
         """End all studies: the page is gone."""
         self.table.stop()
         self.chance.stop()
+
+    def _take_crush_load(self, *_: Any) -> None:
+        self.model.most_load_percent = self.state.scenario.most_load_percent
 
     def _with_strategy(self, changes: Mapping[str, Any]) -> Mapping[str, Any]:
         return {"strategy": self.state.chosen, **changes}

@@ -45,6 +45,7 @@ def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = Non
     return {
         "title": trajectory.scenario.title,
         "strategy": trajectory.strategy,
+        "load_factor": trajectory.scenario.vehicle.load_factor,
         "energy_kwh": trajectory.energy_kwh,
         "traction_energy_kwh": energy.traction_j / J_PER_KWH,
         "recuperated_kwh": energy.recuperated_j / J_PER_KWH,

@@ -4,7 +4,7 @@ import shutil
 import textwrap
 from collections.abc import Iterable, Sequence
 
-from railjoule.dashboard.look.words import PHASE_WORDS, SMALL_ENERGY_KWH, STRATEGY_WORDS, decimals
+from railjoule.dashboard.look.words import PHASE_WORDS, SMALL_ENERGY_KWH, STRATEGY_WORDS, decimals, load
 from railjoule.dashboard.summary import Summary
 
 PROVEN_GAP = 1e-6
@@ -44,6 +44,7 @@ def solution_text(summary: Summary) -> str:
         f"{title}: {STRATEGY_WORDS[summary['strategy']]}",
         f"{number(summary['distance_m'], 0)} m in {number(summary['travel_time_s'])} s, "
         f"at most {number(summary['max_speed_kmh'])} km/h",
+        *_crush_load_lines(summary),
         "",
         *_labelled("Energy", f"{energy(summary['energy_kwh'])} kWh at the line, {gap_words(summary['gap'])}"),
         *_bound_lines(summary),
@@ -63,13 +64,18 @@ def solution_text(summary: Summary) -> str:
 def comparison_text(comparison: Summary) -> str:
     """Return several runs over one scenario as a table, and who refused it."""
     results = comparison["results"]
-    lines = _comparison_table(results) if results else []
+    lines = [*_comparison_table(results), *_crush_load_lines(results[0])] if results else []
     for refusal in comparison["refused"]:
         lines += _wrapped(_about(STRATEGY_WORDS[refusal["strategy"]], refusal["reason"]))
     for result in results:
         word = STRATEGY_WORDS[result["strategy"]]
         lines += [line for note in result["notes"] for line in _wrapped(_about(word, note))]
     return "\n".join(lines)
+
+
+def _crush_load_lines(summary: Summary) -> list[str]:
+    """Return the line that tells a load above the capacity."""
+    return [f"{load(summary['load_factor']).capitalize()}."] if summary["load_factor"] > 1 else []
 
 
 def following_text(following: Summary) -> str:
@@ -82,6 +88,7 @@ def following_text(following: Summary) -> str:
             f"{title_words(planned['title'])}: {STRATEGY_WORDS[planned['strategy']]}, followed",
             "",
             *_two_runs({"planned": planned, "driven": actual}),
+            *_crush_load_lines(actual),
             "",
             f"{share}{following['delay_s']:+.2f} s, stopped {following['stop_error_m']:+.2f} m from the place.",
             f"Driver: {phase_words(actual['phases'])}",
@@ -103,6 +110,7 @@ def ride_text(ride: Summary) -> str:
             f"{title_words(planned['title'])}: {STRATEGY_WORDS[planned['strategy']]}, disturbed",
             "",
             *_two_runs({"undisturbed": planned, "driven": actual}),
+            *_crush_load_lines(actual),
             "",
             *learned,
             f"{share}{ride['delay_s']:+.2f} s against the timetable.",
@@ -129,6 +137,7 @@ def field_oriented_text(run: Summary) -> str:
             f"{title_words(planned['title'])}: {STRATEGY_WORDS[planned['strategy']]}, in closed loop",
             "",
             *_two_runs({"planned": planned, "driven": actual}),
+            *_crush_load_lines(actual),
             "",
             f"{share}{run['delay_s']:+.2f} s, stopped {run['stop_error_m']:+.3f} m from the place.",
             f"At most {tracking} m from the planned place, {current} A and {voltage} V of "

@@ -33,6 +33,8 @@ KIND_KEYS = ("model", "distribution")
 OF_MANY_KINDS = {"drive", *MonteCarloOptions.model_fields}
 """Tables of which a key tells the kind."""
 LONGEST_SHOWN = 60
+CLOSE_SECOND = 0.18
+"""A second name is proposed where its likeness is less than this below that of the first."""
 LONGEST_INTEGER_BITS = 4096
 
 
@@ -59,6 +61,8 @@ def nearest(name: str, known: Iterable[str]) -> str:
     """Return 'did you mean ...?' or a list of what is known, for an unknown `name`."""
     names = sorted(known)
     close = difflib.get_close_matches(name, names, n=2, cutoff=0.6)
+    likeness = [difflib.SequenceMatcher(None, name, match).ratio() for match in close]
+    close = [match for match, ratio in zip(close, likeness, strict=True) if ratio > likeness[0] - CLOSE_SECOND]
     if close:
         return "did you mean " + " or ".join(repr(match) for match in close) + "?"
     return "known are " + ", ".join(names)

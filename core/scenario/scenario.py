@@ -56,6 +56,15 @@ class Scenario(Part):
                 )
         return self
 
+    @model_validator(mode="after")
+    def _real_load_can_be_carried(self) -> Self:
+        load, most = self.disturbance.actual_load_factor, self.vehicle.crush_load_factor
+        if load is not None and load > most:
+            raise ValueError(
+                f"disturbance.actual_load_factor = {load:g} must be at most {most:g}, the vehicle.crush_load_factor"
+            )
+        return self
+
     @property
     def travel_time_s(self) -> float:
         """Time for the whole run, dwells included [s]."""

@@ -125,7 +125,8 @@ def sensitivity(
     Raises
     ------
     ScenarioError
-        If a load factor lies outside 0 to 1, or an error of the place beyond the way from one stop to the next.
+        If a load factor lies outside 0 to the vehicle's crush load, or an error of the place beyond the way from one
+        stop to the next.
     RailjouleError
         As `railjoule.core.solve` for the plan.
     """
@@ -141,9 +142,10 @@ def sensitivity_steps(
     knows: Knows = "nothing",
 ) -> Iterator[SensitivityTable]:
     """Yield the table of `sensitivity` empty, and again after each cell; arguments and errors as there."""
-    wrong = next((load for load in load_factors if not 0 <= load <= 1), None)
+    most = scenario.vehicle.crush_load_factor
+    wrong = next((load for load in load_factors if not 0 <= load <= most), None)
     if wrong is not None:
-        raise ScenarioError(f"a load factor of the table = {wrong:g} must lie between 0 and 1.")
+        raise ScenarioError(f"a load factor of the table = {wrong:g} must lie between 0 and {most:g}.")
     ways = [scenario, _turned(scenario)] if both_directions else [scenario]
     plans = [plan_for(way) for way in ways]
     shape = len(load_factors), len(coordinate_errors_m)

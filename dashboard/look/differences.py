@@ -12,7 +12,7 @@ WHOLES = ("vehicle", "line")
 """Tables that are told by their names where they come from different presets or files."""
 QUANTITIES: Mapping[str, tuple[str, Callable[[Any], str]]] = {
     "timetable.travel_time_s": ("travel time", lambda s: f"{words.number(s)} s"),
-    "vehicle.load_factor": ("load", lambda share: f"{words.number(100 * share, 0)} %"),
+    "vehicle.load_factor": ("load", lambda share: f"{words.number(100 * share).removesuffix('.0')} %"),
     "vehicle.drive.recuperation_factor": ("recuperation", lambda share: f"{words.number(100 * share, 0)} %"),
     "enoc.acceleration_time_s": ("ENOC\u2019s acceleration time", lambda s: f"{words.number(s)} s"),
     "line.reverse": ("run in reverse", lambda on: "yes" if on else "no"),

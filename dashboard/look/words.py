@@ -66,6 +66,12 @@ def price(watt: float) -> str:
     return number(wh_per_s, 1 if abs(wh_per_s) < SMALL_PRICE_WH_PER_S else 0)
 
 
+def load(factor: float) -> str:
+    """Return how full a vehicle is, such as 'load 50 %' or 'crush load, 120 % of capacity'."""
+    percent = number(100 * factor).removesuffix(".0")
+    return f"crush load, {percent} % of capacity" if factor > 1 else f"load {percent} %"
+
+
 def speed(ms: float, digits: int = 0) -> str:
     """Return a speed [m/s] in km/h."""
     return number(ms / MS_PER_KMH, digits)

@@ -134,9 +134,9 @@ class KeptPin(Kept):
 def pin_name(run: Trajectory) -> str:
     """Return what a pin is called until it is renamed, such as 'Optimal, 170.0 s, load 50 %, recuperation 40 %'."""
     strategy, vehicle = words.STRATEGY_WORDS[run.strategy], run.scenario.vehicle  # type: ignore[index]
-    load = words.number(100 * vehicle.load_factor, 0)
+    load = words.load(vehicle.load_factor)
     recuperation = words.number(100 * vehicle.drive.recuperation_factor, 0)
-    return f"{strategy}, {words.number(run.travel_time_s)} s, load {load} %, recuperation {recuperation} %"
+    return f"{strategy}, {words.number(run.travel_time_s)} s, {load}, recuperation {recuperation} %"
 
 
 def recipe_of(model: ScenarioModel, scenario: Scenario, strategy: StrategyName) -> Recipe:

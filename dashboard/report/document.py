@@ -95,8 +95,7 @@ def bokeh_script() -> str:
 def subtitle(findings: Findings) -> str:
     """Return length, vehicle and load of a scenario."""
     vehicle, run = findings.scenario.vehicle, findings.run
-    load = words.number(100 * vehicle.load_factor, 0)
-    return f"{words.number(run.distance_m / 1000)} km, {vehicle.name}, load {load} %"
+    return f"{words.number(run.distance_m / 1000)} km, {vehicle.name}, {words.load(vehicle.load_factor)}"
 
 
 def moment(made_at: datetime) -> str:

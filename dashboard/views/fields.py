@@ -226,6 +226,27 @@ class NumberField(TypedNumber):
         self.slider.param.update(start=min(self.slider.start, number), end=max(self.slider.end, number), value=number)
 
 
+class CrushLoad:
+    """The mark beneath a load above the capacity.
+
+    Parameters
+    ----------
+    field : NumberField
+        The load, % of capacity.
+    """
+
+    def __init__(self, field: NumberField) -> None:
+        self.field = field
+        self.view = html_pane(visible=False)
+        field.model.param.watch(self._show, field.field)
+        self._show()
+
+    def _show(self, *_: Any) -> None:
+        factor = getattr(self.field.model, self.field.field) / 100
+        self.view.visible = factor > 1
+        self.view.object = f'<div class="row small open">{html.escape(words.load(factor))}</div>' if factor > 1 else ""
+
+
 def tie(widget: Any, model: Any, field: str) -> None:
     """Let a widget's value and a field of a model follow each other."""
     widget.param.watch(lambda event: setattr(model, field, event.new), "value")

@@ -18,7 +18,7 @@ from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import Runs
 from railjoule.dashboard.views.changes import Changes
 from railjoule.dashboard.views.events import EventFields
-from railjoule.dashboard.views.fields import NumberField
+from railjoule.dashboard.views.fields import CrushLoad, NumberField
 from railjoule.dashboard.views.motor_fields import MotorFields
 from railjoule.dashboard.views.parts import Words, html_pane, swatch
 from railjoule.dashboard.views.reality import RealityFields
@@ -85,8 +85,15 @@ class Sidebar:
             scenario, "travel_time_s", "Travel time, s", step=0.5, digits=1, unit="s", ends=scenario.travel_time_range_s
         )
         self.load = NumberField(
-            scenario, "load_percent", "Load, % of capacity", step=1, digits=0, unit="%", ends=(0, 100)
+            scenario,
+            "load_percent",
+            "Load, % of capacity",
+            step=1,
+            digits=0,
+            unit="%",
+            ends=(0, scenario.most_load_percent),
         )
+        self.crush = CrushLoad(self.load)
         self.recuperation = NumberField(
             scenario, "recuperation_percent", "Recuperation, %", step=1, digits=0, unit="%", ends=(0, 100)
         )
@@ -105,6 +112,7 @@ class Sidebar:
             self.shortest,
             self.vehicle,
             self.load.view,
+            self.crush.view,
             self.recuperation.view,
             *own,
             self.line,
@@ -123,6 +131,7 @@ class Sidebar:
             self._describe, ["preset", "opened", "edits", "load_percent", "travel_time_s", "recuperation_percent"]
         )
         scenario.param.watch(self._move_ends, "travel_time_range_s")
+        scenario.param.watch(self._move_load, ["preset", "opened", "edits"])
         state.param.watch(self._show_runs, "runs")
         self._describe()
 
@@ -149,6 +158,9 @@ class Sidebar:
 
     def _move_ends(self, *_: Any) -> None:
         self.travel_time.set_ends(self.state.scenario.travel_time_range_s)
+
+    def _move_load(self, *_: Any) -> None:
+        self.load.set_ends((0, self.state.scenario.most_load_percent))
 
     def _describe(self, *_: Any) -> None:
         """Say which vehicle and line these are."""

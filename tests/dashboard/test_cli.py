@@ -315,7 +315,7 @@ def test_a_bad_file(capsys, tmp_path, case):
         ("timetable.travel_time_s=nan", "must be a finite number"),
         ("timetable.travel_time_s=soon", "must be a number"),
         ("vehicle.load_faktor=0.3", "did you mean 'load_factor'?"),
-        ("vehicle.load_factor=1.2", "must be at most 1"),
+        ("vehicle.load_factor=1.3", "vehicle.load_factor = 1.3 must be at most 1.2, the crush_load_factor."),
         ("vehicle=1", "vehicle"),
         ("line.sections=[]", "line.sections"),
         ("line.sections.length_m=3", "must be a list"),
@@ -537,3 +537,26 @@ def test_the_module_without_a_command_serves(monkeypatch, words, called):
     with pytest.raises(SystemExit):
         runpy.run_module("railjoule.dashboard", run_name="__main__")
     assert calls == [called]
+
+
+def test_a_crush_load_is_marked(capsys):
+    crowded = ["liashenko-ii", "--set", "vehicle.load_factor=1.2"]
+    for command in ("solve", "compare", "simulate"):
+        assert "Crush load, 120 % of capacity." in answer(capsys, command, *crowded)
+        assert "rush load" not in answer(capsys, command, "liashenko-ii")
+    assert json.loads(answer(capsys, "solve", *crowded, "--json"))["load_factor"] == 1.2
+
+
+def test_work_that_takes_too_long_is_refused_with_a_cure(capsys):
+    sentence = "bellman takes at most 20,000 cells, and solver.mesh_m = 0.05 makes 26,006. Use 0.066 m or more."
+    change = ["--set", "solver.mesh_m=0.05"]
+    assert sentence in complaint(capsys, "solve", "liashenko-ii", "--strategy", "bellman", *change)
+
+
+@pytest.mark.parametrize(("error", "words"), [(MemoryError, "more memory than there is"), (RecursionError, "nested")])
+def test_memory_that_is_not_there_is_told(capsys, monkeypatch, error, words):
+    def fail(*_):
+        raise error
+
+    monkeypatch.setattr("railjoule.dashboard.commands.solve_scenario", fail)
+    assert words in complaint(capsys, "solve", "liashenko-ii")

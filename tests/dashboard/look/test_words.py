@@ -51,3 +51,16 @@ def test_speeds_are_in_km_per_h() -> None:
 def test_phases_as_advice(name: str, text: str) -> None:
     phase = Phase(name, 0.0, 100.0, 5.0, 25.0, 0.0, 10.0, 1e6)  # type: ignore[arg-type]
     assert words.phase_words(phase) == text
+
+
+@pytest.mark.parametrize(
+    ("factor", "text"),
+    [
+        (0.5, "load 50 %"),
+        (0.505, "load 50.5 %"),
+        (1.0, "load 100 %"),
+        (1.2, "crush load, 120 % of capacity"),
+    ],
+)
+def test_a_load_above_the_capacity_is_a_crush_load(factor: float, text: str) -> None:
+    assert words.load(factor) == text

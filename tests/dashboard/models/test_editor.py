@@ -68,7 +68,11 @@ def test_every_field_takes_its_own_text_without_a_change(model: ScenarioModel, e
     ("key", "text", "sentence"),
     [
         ("vehicle.tare_kg", "0", "Above 0. Kept: 160000 kg."),
-        ("vehicle.load_factor", "1,5", "At most 1. Kept: 0.5."),
+        (
+            "vehicle.load_factor",
+            "1,5",
+            "vehicle.load_factor = 1.5 must be at most 1.2, the crush_load_factor. Kept: 0.5.",
+        ),
         ("phases.cycles", "2.5", "A whole number. Kept: 1."),
         (
             "timetable.travel_time_s",

@@ -85,7 +85,7 @@ def test_the_scenario_of_a_file_goes_with_the_link() -> None:
     ("query", "told"),
     [
         ("?v=2&load_percent=30", "The link is of version 2, this page reads version 1; it was not opened."),
-        ("?v=1&load_percent=140", "load_percent = 140 must be at most 100."),
+        ("?v=1&load_percent=340", "load_percent = 340 must be at most 300."),
         ("?v=1&load_percent=nan", "load_percent = nan must be a finite number."),
         ("?v=1&travel_time_s=1e9", "travel_time_s = 1e9 must be at most 86400."),
         ("?v=1&travel_time_s=" + "9" * 400, "must be a finite number."),

@@ -1,7 +1,7 @@
 import pytest
 
 from railjoule.dashboard.models.scenario import ScenarioModel
-from railjoule.dashboard.views.fields import NumberField
+from railjoule.dashboard.views.fields import CrushLoad, NumberField
 
 
 @pytest.fixture
@@ -75,3 +75,21 @@ def test_a_travel_time_is_read_as_on_a_clock(model: ScenarioModel) -> None:
     assert model.travel_time_s == 150.0
     assert "Travel time: &#x27;2:75&#x27; is no time: write seconds, min:s or h:min:s" in field.error.object
     assert "Kept: 150.0 s." in field.error.object
+
+
+def test_a_load_above_the_capacity_is_marked_and_bounded_by_the_vehicle(
+    model: ScenarioModel, field: NumberField
+) -> None:
+    crush = CrushLoad(field)
+    field.set_ends((0, model.most_load_percent))
+    assert (field.slider.end, crush.view.visible) == (120, False)
+    field.text.value = "115"
+    assert model.scenario().vehicle.load_factor == pytest.approx(1.15)
+    assert crush.view.visible
+    assert "crush load, 115 % of capacity" in crush.view.object
+    field.text.value = "121"
+    assert model.load_percent == 115
+    assert "At most 120, the vehicle&#x27;s crush load. Kept: 115 %." in field.error.object
+    model.edit({"vehicle.crush_load_factor": 1.5})
+    field.text.value = "121"
+    assert model.load_percent == 121
