@@ -18,6 +18,7 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.motor import Motor
+from railjoule.dashboard.not_found import NotFoundHandler
 from railjoule.dashboard.papers import Papers
 from railjoule.dashboard.pins import Pins
 from railjoule.dashboard.reporting import Reporting
@@ -237,6 +238,7 @@ def serve(address: str = "127.0.0.1", port: int = 5006) -> None:
         show=False,
         websocket_origin=origins,
         title="railjoule",
+        default_handler_class=NotFoundHandler,
     )
 
 

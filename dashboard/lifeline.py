@@ -46,15 +46,25 @@ const hold_the_line = (document_of_bokeh) => {
   document_of_bokeh.on_event("connection_lost", lost);
 };
 
-const writes = (event) => {
+// the field into which something was typed that has not been taken yet: there a step back is one of letters
+let typed_into = null;
+const field_of = (event) => {
   const target = event.composedPath()[0];
-  if (!(target instanceof HTMLElement)) { return false; }
-  const typed = target instanceof HTMLInputElement && !["range", "checkbox", "radio", "button"].includes(target.type);
-  return typed || target instanceof HTMLTextAreaElement || target.isContentEditable;
+  if (!(target instanceof HTMLElement)) { return null; }
+  const is_line = target instanceof HTMLInputElement && !["range", "checkbox", "radio", "button"].includes(target.type);
+  return is_line || target instanceof HTMLTextAreaElement || target.isContentEditable ? target : null;
+};
+const typing = {
+  input: (event) => { typed_into = field_of(event); },
+  focusin: (event) => { if (typed_into !== event.composedPath()[0]) { typed_into = null; } },
+  keyup: (event) => {
+    if (event.key === "Enter" && field_of(event) instanceof HTMLInputElement) { typed_into = null; }
+  },
 };
 const way_of = (event) => {
-  if (!(event.ctrlKey || event.metaKey) || event.altKey || writes(event)) { return null; }
-  const key = event.key.toLowerCase();
+  if (!(event.ctrlKey || event.metaKey) || event.altKey) { return null; }
+  const field = field_of(event), key = event.key.toLowerCase();
+  if (field && !(field instanceof HTMLInputElement && field !== typed_into)) { return null; }
   if (key === "z") { return event.shiftKey ? "redo" : "undo"; }
   return key === "y" && !event.shiftKey ? "redo" : null;
 };
@@ -111,6 +121,7 @@ export function render({model, view}) {
     } catch { model.send_msg({kind: "no_text", name: file.name}); }
   };
   const listeners = {
+    ...typing,
     keydown: (event) => {
       const way = way_of(event);
       if (way) { event.preventDefault(); model.send_msg({kind: way}); }

@@ -35,13 +35,19 @@ def document_css() -> str:
 @cache
 def report_css() -> str:
     """Return the style sheet of a report: colours as the system asks for them, on paper always the light ones."""
+    own = (ASSETS / "css" / "report.css").read_text(encoding="utf-8")
+    return "\n".join([_font_face(), bare_css(), parts_css().replace(":host", "body"), own])
+
+
+@cache
+def bare_css() -> str:
+    """Return the style sheet of a page without a script: colours as the system asks for them, no font of its own."""
     light, dark = (_variables(THEMES[name]) for name in ("light", "dark"))
     colours = (
         f":root {{ {light} --rj-font: {FONT}; color-scheme: light }}\n"
         f"@media screen and (prefers-color-scheme: dark) {{ :root {{ {dark} color-scheme: dark }} }}"
     )
-    own = [(ASSETS / "css" / name).read_text(encoding="utf-8") for name in ("page.css", "report.css")]
-    return "\n".join([_font_face(), colours, parts_css().replace(":host", "body"), *own])
+    return "\n".join([colours, (ASSETS / "css" / "page.css").read_text(encoding="utf-8")])
 
 
 def _font_face() -> str:

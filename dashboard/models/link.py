@@ -116,7 +116,8 @@ def sentence(refusals: list[str]) -> str:
     if not refusals:
         return ""
     more = f" (and {len(refusals) - MOST_TOLD} more)" if len(refusals) > MOST_TOLD else ""
-    return f"The link was opened without a part of it: {'; '.join(refusals[:MOST_TOLD])}{more}."
+    told = "; ".join(refusals[:MOST_TOLD])
+    return f"The link was opened without a part of it: {told}{more}{'' if told.endswith('?') and not more else '.'}"
 
 
 @lru_cache(maxsize=1)

@@ -38,10 +38,7 @@ def open_scenario(text: str, name: str) -> Opened:
     outcome = outcome_of(text)
     if isinstance(outcome, Opened):
         return outcome
-    words = str(outcome)
-    if words.startswith(f"{SOURCE}: "):
-        raise type(outcome)(f"{name}{words.removeprefix(SOURCE)}")
-    raise outcome
+    raise type(outcome)(f"{name}: {str(outcome).removeprefix(f'{SOURCE}: ')}")
 
 
 @lru_cache(maxsize=4)

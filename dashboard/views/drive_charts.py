@@ -90,33 +90,32 @@ class LineStrip(SceneChart):
         self.palette.paint(signs.glyph, text_color="ink2")
 
     def draw(self, scene: Scene) -> None:
-        """Draw height, changes of gradient and the gradients that have room."""
+        """Draw height above the start of the run, changes of gradient and the gradients that have room."""
         line = scene.run.scenario.line.in_running_order()
         gradients = np.array([section.gradient_permille for section in line.sections])
         borders, height = section_borders(line), height_profile(line)
-        height -= height.min()
-        top = max(float(height.max()), 1.0)
+        bottom, relief = float(height.min()), max(float(np.ptp(height)), 1.0)
         places = np.union1d(np.linspace(0, borders[-1], 200), borders) if scene.over_time else borders
         x = scene.x_of_place(places)
-        self.set_range(-0.08 * top, 1.7 * top)
-        base = np.full(len(places), -0.08 * top)
+        self.set_range(bottom - 0.08 * relief, bottom + 1.7 * relief)
+        base = np.full(len(places), bottom - 0.08 * relief)
         self.sources["height"].data = columns(x=x, y=np.interp(places, borders, height), base=base)
         self.sources["borders"].data = columns(x=scene.x_of_place(borders[1:-1]))
         ends = scene.x_of_place(borders)
         radii = np.array([section.curve_radius_m for section in line.sections])
-        self._draw_curves(ends[:-1][radii > 0], ends[1:][radii > 0], top)
+        self._draw_curves(ends[:-1][radii > 0], ends[1:][radii > 0], bottom, relief)
         texts = [words.signed(gradient, 0 if gradient == round(gradient) else 1) for gradient in gradients]
         room = np.diff(ends) / scene.end * scene.width_px
         texts = [curve_words(*told) for told in zip(texts, radii, room, strict=True)]
         fits = np.array([len(text) * WORD_PX + 6 < pixels for text, pixels in zip(texts, room, strict=True)])
         self.sources["signs"].data = {
-            **xy((0.5 * (ends[1:] + ends[:-1]))[fits], np.full(int(fits.sum()), 1.22 * top)),
+            **xy((0.5 * (ends[1:] + ends[:-1]))[fits], np.full(int(fits.sum()), bottom + 1.22 * relief)),
             "text": [text for text, fit in zip(texts, fits, strict=True) if fit],
         }
 
-    def _draw_curves(self, left: FloatArray, right: FloatArray, top: float) -> None:
+    def _draw_curves(self, left: FloatArray, right: FloatArray, bottom: float, relief: float) -> None:
         """Draw a hatched band over each curve."""
-        low, high = np.full(len(left), 1.58 * top), np.full(len(left), 1.68 * top)
+        low, high = (np.full(len(left), bottom + share * relief) for share in (1.58, 1.68))
         self.sources["curves"].data = columns(left=left, right=right, bottom=low, top=high)
 
 

@@ -41,17 +41,17 @@ SECTIONS = ", ".join(["{length_m = 5.0}"] * 5001)
         (
             GOOD + "\n[solver]\nmesh_m = 0.05\n",
             ScenarioError,
-            "solver.mesh_m = 0.05 makes 26,006 cells; the page takes at most 20,000. Use 0.066 m or more.",
+            "x: solver.mesh_m = 0.05 makes 26,006 cells; the page takes at most 20,000. Use 0.066 m or more.",
         ),
         (
             GOOD.replace('preset = "liashenko-ii"', f"sections = [{SECTIONS}]"),
             ScenarioError,
-            "line.sections has 5,001 entries; the page takes at most 5,000.",
+            "x: line.sections has 5,001 entries; the page takes at most 5,000.",
         ),
         (
             GOOD.replace('preset = "liashenko-ii"', "sections = [{length_m = 900, gradient_permille = 190}]"),
             InfeasibleLineError,
-            "At 0 m, on a gradient of 190 per mille, the train comes to a stand",
+            "x: At 0 m, on a gradient of 190 per mille, the train comes to a stand",
         ),
     ],
     ids=["long", "fine mesh", "many sections", "steep"],
