@@ -90,7 +90,7 @@ class Session:
     def __init__(self) -> None:
         self.state = Workbench()
         self.browser = Browser()
-        self.runs = Worker(compute_runs, self._take_runs, self._take_failure, lambda wish: wish.is_slow)
+        self.runs = Worker(compute_runs, self._take_runs, self._take_failure, is_slow=lambda wish: wish.is_slow)
         self.trade_off = Worker(compute_trade_off, self._take_trade_off, self._take_failure)
         self.compare = Compare(self.state)
         self.pins = Pins(self.state)

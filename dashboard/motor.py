@@ -34,7 +34,10 @@ class Motor:
     def __init__(self, state: Workbench) -> None:
         self.state, self.model = state, state.motor
         self.run = Worker(
-            compute_loop_run, self._take_run, self._take_failure, lambda wish: is_slow(wish.scenario, wish.strategy)
+            compute_loop_run,
+            self._take_run,
+            self._take_failure,
+            is_slow=lambda wish: is_slow(wish.scenario, wish.strategy),
         )
         self.rivals = Worker(compute_rivals, self._take_rivals, self._take_failure)
         self.map = Worker(compute_machine_map, self._take_map, self._take_failure)

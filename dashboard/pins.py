@@ -14,7 +14,7 @@ class Pins:
     def __init__(self, state: Workbench) -> None:
         self.state = state
         # nobody moves a slider and waits for them, and they may be many
-        self.worker = Worker(compute_recipes, self._take, self._take_failure, lambda _: True)
+        self.worker = Worker(compute_recipes, self._take, self._take_failure, is_slow=lambda _: True)
         state.param.watch(self._keep, "pins")
         state.param.watch(self._run, "kept_pins")
 

@@ -51,7 +51,7 @@ class Robustness:
             compute_reality,
             self._take_run,
             self._take_failure,
-            lambda wish: is_slow(wish.scenario, wish.scenario.strategy),
+            is_slow=lambda wish: is_slow(wish.scenario, wish.scenario.strategy),
         )
         self.table = Study(compute_table, self._take_table, self._take_failure)
         self.chance = Study(compute_chance, self._take_chance, self._take_failure)

@@ -30,7 +30,10 @@ class SpeedLimits:
     def __init__(self, state: Workbench) -> None:
         self.state, self.model = state, state.speed_limits
         self.run = Worker(
-            compute_limit_run, self._take_run, self._take_failure, lambda wish: is_slow(wish.scenario, "speed_limits")
+            compute_limit_run,
+            self._take_run,
+            self._take_failure,
+            is_slow=lambda wish: is_slow(wish.scenario, "speed_limits"),
         )
         self.trip = Worker(compute_limit_trip, self._take_trip, self._take_failure)
         self.storage = Worker(compute_storage, self._take_storage, self._take_failure)

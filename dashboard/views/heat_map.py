@@ -108,10 +108,12 @@ class HeatMapChart(Chart):
         if state != self._drawn:
             self._table, self._drawn = table, state
             self._draw_cells(table, measure)
-        self.frame.data = {
-            "x": [float(np.interp(error_m, errors, np.arange(len(errors))))],
-            "y": [float(np.interp(load_factor, loads, np.arange(len(loads))))],
-        }
+        # what lies beyond the table has no place in it
+        row, column = (
+            float(np.interp(value, places, np.arange(len(places)), left=np.nan, right=np.nan))
+            for value, places in ((load_factor, loads), (error_m, errors))
+        )
+        self.frame.data = {"x": [column], "y": [row]}
 
     def _draw_cells(self, table: SensitivityTable, measure: Measure) -> None:
         assert self.figure is not None

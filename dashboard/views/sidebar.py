@@ -331,7 +331,7 @@ class StrategyList:
             numbers,
             margin=0,
             sizing_mode="stretch_width",
-            height=28,
+            min_height=28,
             styles={"align-items": "center"},
         )
 

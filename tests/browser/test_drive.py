@@ -57,7 +57,11 @@ def test_typing_a_number(user: User) -> None:
 
 def test_a_bad_number_is_refused_beneath_its_field(user: User) -> None:
     energy = user.number("Energy at the line")
-    for text, refusal in (("140", "At most 100."), ("-3", "At least 0."), ("nan", "Not a number.")):
+    for text, refusal in (
+        ("140", "At most 120, the vehicle's crush load."),
+        ("-3", "At least 0."),
+        ("nan", "Not a number."),
+    ):
         user.type("Load, % of capacity", text)
         assert f"{refusal} Kept: 50 %." in user.alerts()
         assert user.number("Energy at the line") == energy

@@ -70,9 +70,9 @@ def test_what_cannot_be_is_told_and_the_last_run_stays(user: User) -> None:
     assert "less than the shortest way between two stops" in alert
     user.type("Coordinate error, m", "0")
     assert user.alerts() == []
-    user.type("Actual load, % of capacity", "120")
+    user.type("Actual load, % of capacity", "121")
     (alert,) = user.alerts()
-    assert alert == "At most 100. Kept: 70 %."
+    assert alert == "At most 120, the vehicle's crush load. Kept: 70 %."
 
 
 def test_nothing_grave(user: User) -> None:

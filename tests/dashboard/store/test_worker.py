@@ -168,7 +168,7 @@ def test_pages_compute_within_their_own_budget() -> None:
 def test_slow_work_keeps_no_short_work_waiting() -> None:
     gate, page = Gate(), Page()
     taken: list[int] = []
-    slow = [Worker(gate, taken.append, pytest.fail, lambda _: True) for _ in range(4)]
+    slow = [Worker(gate, taken.append, pytest.fail, is_slow=lambda _: True) for _ in range(4)]
     with set_curdoc(page.document):
         for worker in slow:
             worker.ask(1)
