@@ -1,7 +1,7 @@
 """How much work may be asked for at once; what asks for more is refused in a sentence before it begins.
 
 Time and memory of all strategies grow with the cells of the mesh. Measured on one busy core with the shipped vehicles:
-at their bounds of `LIBRARY` the strategies take 5 to 30 s and at most 0.5 GB, at those of `PAGE` 1 to 7 s.
+at the bounds of `LIBRARY` they take 5 to 30 s and at most 0.5 GB, a closed loop 0.9 GB; at those of `PAGE` 1 to 8 s.
 """
 
 import math

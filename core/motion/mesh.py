@@ -42,14 +42,14 @@ def line_mesh(line: Line, mesh_m: float) -> FloatArray:
     lengths = np.diff(borders)
     counts = np.maximum(np.ceil(lengths / mesh_m - 1e-9), 1)
     if counts.sum() > LIBRARY.cell_count:
-        require_cells(line, mesh_m, int(counts.sum()))
+        require_budget(line, mesh_m, int(counts.sum()))
     nodes = [np.linspace(a, b, int(n), endpoint=False) for a, b, n in zip(borders, borders[1:], counts, strict=False)]
     uniform = np.append(np.concatenate(nodes), borders[-1])
     stops = [0.0, *(station.position_m for station in line.inner_stations), borders[-1]]
     return _graded(uniform, np.asarray(stops))
 
 
-def require_cells(line: Line, mesh_m: float, cell_count: int, crossings: int = 0) -> None:
+def require_budget(line: Line, mesh_m: float, cell_count: int, crossings: int = 0) -> None:
     """Refuse a mesh of more cells than the current budget has.
 
     Parameters

@@ -58,7 +58,7 @@ def bellman(task: Task) -> Trajectory:
 def bellman_with_law(task: Task) -> tuple[Trajectory, ControlLaw]:
     """Return the run and the control law of the grid that spans all speeds; errors as `bellman`."""
     task.require_timetable()
-    task.require_strategy_cells("bellman")
+    task.require_budget("bellman")
     data = task.course.data
     found = search(data, task.greatest_speed2, task.running_time_s)
     trajectory = make_trajectory(

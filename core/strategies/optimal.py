@@ -67,7 +67,7 @@ def minimise(task: Task, tolerance: float = TOLERANCE) -> Solution:
     """
     iterations = 0
     if takes_power_idling(task):
-        task.require_cells(current_budget().idling_cells)
+        task.require_few_cells(current_budget().idling_cells)
         tolerance = max(tolerance, SWITCHED_TOLERANCE)
     for allowed, centring in ((FIRST_ITERATIONS, FREE_CENTRING), (SECOND_ITERATIONS, STEADY_CENTRING)):
         optimum = minimise_energy(

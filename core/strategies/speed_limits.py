@@ -63,7 +63,7 @@ def speed_limits_with_search(task: Task) -> tuple[Trajectory, LimitSearch]:
             raise StrategyRefusedError("needs limits under which the train does not come to a stand.")
         return _trajectory(task, problem, given, ()), LimitSearch((given,), given)
     task.require_timetable()
-    task.require_strategy_cells("speed_limits")
+    task.require_budget("speed_limits")
     problem = limit_problem_of(task)
     found = search_limits(problem, borders, options.free_boundaries)
     if not np.isfinite(found.best.energy_j):

@@ -61,7 +61,7 @@ class Task:
         if not self.has_slack:
             raise TimetableError(self.travel_time_s, self.shortest_travel_time_s)
 
-    def require_cells(self, most_cells: int) -> None:
+    def require_few_cells(self, most_cells: int) -> None:
         """Raise StrategyRefusedError if the mesh has more than `most_cells` cells."""
         if self.course.cell_count <= most_cells:
             return
@@ -72,10 +72,10 @@ class Task:
             f"{enough_words(line, most_cells, crossings)}"
         )
 
-    def require_strategy_cells(self, strategy: StrategyName) -> None:
+    def require_budget(self, strategy: StrategyName) -> None:
         """Raise StrategyRefusedError if the mesh has more cells than the current budget gives a strategy."""
         budget = current_budget()
-        self.require_cells(budget.strategy_cells.get(strategy, budget.cell_count))
+        self.require_few_cells(budget.strategy_cells.get(strategy, budget.cell_count))
 
 
 def prepare_task(

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 from railjoule.core import Scenario, SolverError, StrategyRefusedError, TimetableError, Trajectory
 from railjoule.core.scenario import StrategyName
+from railjoule.core.scenario.drive import ConstantEfficiency, CopperLoss
 from railjoule.core.strategies import Task, prepare_task, run_strategy
 from railjoule.core.strategies.bellman import ControlLaw, bellman_with_law
 
@@ -47,7 +48,9 @@ class Runs:
 
 SECONDS_PER_CELL: Mapping[StrategyName, float] = {"bellman": 4e-4, "speed_limits": 1.6e-3}
 """Measured on one busy core; all other strategies together take about a tenth of Bellman's."""
-OTHERS_SECONDS_PER_CELL = 5e-5
+OTHERS_SECONDS_PER_CELL, SWITCHING_SECONDS_PER_CELL2 = 5e-5, 1.6e-7
+"""The second for drives that take power idling, for which the optimum takes time with the square of its cells."""
+NEVER_IDLING = (ConstantEfficiency, CopperLoss)
 SLOW_S, AT_ONCE_S = 1.0, 0.1
 
 
@@ -55,7 +58,8 @@ def expected_s(scenario: Scenario, *strategies: StrategyName) -> float:
     """Return about how long strategies take [s]: for deciding where to compute them, not for telling it."""
     line, mesh_m = scenario.line, scenario.solver.mesh_m
     cells = line.length_m / mesh_m + len(line.sections)
-    return cells * sum((SECONDS_PER_CELL.get(name, 0.0) for name in strategies), OTHERS_SECONDS_PER_CELL)
+    switching = 0.0 if isinstance(scenario.vehicle.drive, NEVER_IDLING) else SWITCHING_SECONDS_PER_CELL2 * cells
+    return cells * (OTHERS_SECONDS_PER_CELL + switching + sum(SECONDS_PER_CELL.get(name, 0.0) for name in strategies))
 
 
 def is_slow(scenario: Scenario, *strategies: StrategyName) -> bool:

@@ -42,6 +42,7 @@ def test_the_law_of_dynamic_programming_comes_if_asked_for() -> None:
         ({"solver.mesh_m": 0.5}, ("optimal", "bellman"), False, True),
         ({"solver.mesh_m": 2.0}, ("speed_limits",), False, True),
         ({"solver.mesh_m": 0.15}, ("optimal",), False, False),
+        ({"vehicle.preset": "tram-105n", "solver.mesh_m": 0.5}, ("optimal",), False, True),
     ],
 )
 def test_long_work_is_known_before_it_begins(
