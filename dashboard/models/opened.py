@@ -41,7 +41,7 @@ def open_scenario(text: str, name: str) -> Opened:
     raise type(outcome)(f"{name}: {str(outcome).removeprefix(f'{SOURCE}: ')}")
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=8)
 def outcome_of(text: str) -> Opened | RailjouleError:
     """Return the scenario of a text or why there is none; long texts may be read here in a thread beforehand."""
     if len(text) > LONGEST_TEXT:

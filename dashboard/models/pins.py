@@ -11,7 +11,6 @@ from railjoule.core.scenario import (
     StrategyName,
     document_of,
     format_scenario,
-    parse_scenario,
     preset_names,
     scenario_from_document,
 )
@@ -19,6 +18,7 @@ from railjoule.core.scenario.document import Document
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import words
 from railjoule.dashboard.models.kept import Kept
+from railjoule.dashboard.models.opened import open_scenario
 from railjoule.dashboard.models.scenario import ScenarioModel
 
 MOST_PINS = 6
@@ -127,7 +127,7 @@ class KeptPin(Kept):
         RailjouleError
             If its text is no scenario.
         """
-        document = None if self.toml is None else document_of(parse_scenario(self.toml, "the pinned run"))
+        document = None if self.toml is None else document_of(open_scenario(self.toml, "the pinned run").scenario)
         return Recipe(self.preset, document, dict(self.changes), self.strategy)
 
 

@@ -2,7 +2,7 @@ import pytest
 
 from railjoule.core.scenario import load_scenario
 from railjoule.dashboard.models.editor import GROUPS, EditorModel, drive_kinds, preset_options
-from railjoule.dashboard.models.fields_of import Field, Table
+from railjoule.dashboard.models.fields_of import Field, Table, parts_of
 from railjoule.dashboard.models.scenario import ScenarioModel
 
 
@@ -195,3 +195,11 @@ def test_rows_can_be_added_to_every_table(editor: EditorModel, key: str) -> None
 def test_shipped_vehicles_and_lines_are_offered_by_name() -> None:
     assert preset_options("lines")["Flat, 5 km"] == "flat-5km"
     assert "tram-105n" in preset_options("vehicles").values()
+
+
+def test_a_table_of_too_many_rows_is_refused() -> None:
+    editor = EditorModel(ScenarioModel())
+    table = next(part for part in parts_of("line") if isinstance(part, Table) and part.key == "line.sections")
+    editor.paste(table, "1\n" * 5001)
+    assert editor.refused["line.sections"].sentence == "5,001 rows; the page takes at most 5,000. Nothing is changed."
+    assert not editor.scenario.edits
