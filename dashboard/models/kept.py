@@ -155,11 +155,7 @@ def _choices_words(value: Any, names: list[str]) -> str:
     if len(names) <= MOST_TOLD:
         return f"must be one of {', '.join(names)}"
     close = difflib.get_close_matches(str(value)[:LONGEST_SHOWN], names, n=1)
-    return (
-        f"is none of the {len(names)} known; did you mean {close[0]}?"
-        if close
-        else f"is none of the {len(names)} known"
-    )
+    return f"is none of the {len(names)} known{f'; did you mean {close[0]}?' if close else ''}"
 
 
 def _list(value: Any) -> list[Any]:

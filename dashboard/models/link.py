@@ -210,7 +210,7 @@ def _from_json(text: str) -> Any:
 def _require_small(value: Any) -> None:
     """Raise ValueError if lists and tables are nested too deeply or have too many entries.
 
-    What comes after it may count on the stack for any depth, and takes milliseconds for a thousand rows.
+    What copies and compares such values afterwards calls itself for each level, and is quick for a thousand rows.
     """
     level = [value] if isinstance(value, (list, dict)) else []
     for _ in range(DEEPEST):
