@@ -17,9 +17,9 @@ from railjoule.core.motion import Course, build_course
 from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.motion.mesh import finer_at_stops, with_nodes_at
 from railjoule.core.scenario import Scenario
-from railjoule.core.strategies.optimal import certify, minimise
+from railjoule.core.strategies.optimal import optimal
 from railjoule.core.strategies.task import Task
-from railjoule.core.trajectory import Bound, Trajectory, make_trajectory
+from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
 
 LEAST_LIMIT_KMH = 1.0
@@ -234,19 +234,17 @@ def literal_trajectory(
 
 
 def _made(task: Task, course: Course, speed2: FloatArray, notes: tuple[str, ...]) -> Trajectory:
-    """Return a trajectory with a bound for the time that it takes, which may be later than the timetable's."""
+    """Return a trajectory with bound and reference for the time that it takes, which may be later than planned."""
     sparing = np.zeros(course.cell_count) if course.data.friction_effort_n > 0 else None
     run = make_trajectory(task.scenario, course, "speed_limits", speed2, sparing, notes=notes)
     late = replace(task, running_time_s=run.travel_time_s - task.dwell_s)
-    return run.with_bound(_bound(late)) if late.has_slack else run
-
-
-def _bound(task: Task) -> Bound | None:
-    """Return the bound of a task, or None if its optimum is not found."""
+    if not late.has_slack:
+        return run
     try:
-        return certify(task, minimise(task).optimum)
+        best = optimal(late)
     except SolverError:
-        return None
+        return run
+    return replace(run, bound=best.bound, reference=best.reference)
 
 
 def limit_words(limits_ms: FloatArray, boundaries_m: FloatArray) -> str:

@@ -68,7 +68,7 @@ def test_what_is_not_known_is_null(run):
 
 
 def test_an_infinite_bound_is_null(run):
-    endless = summarise(run.with_bound(Bound(float("-inf"), "None.")))
+    endless = summarise(replace(run, bound=Bound(float("-inf"), "None.")))
     assert endless["lower_bound_kwh"] is None
     assert endless["gap"] is None
     json.dumps(endless, allow_nan=False)
