@@ -168,7 +168,7 @@ class _Simulation:
         allowed = self.scenario.travel_time_s
         delay = actual.travel_time_s - allowed
         if delay > self.scenario.disturbance.accepted_delay_s + LATE_S:
-            self.notes.append(f"It arrives {delay:.1f} s late.")
+            self.notes.append(f"The train arrives {delay:.1f} s late.")
         return Ride(planned, actual, allowed, tuple(self.notices), tuple(self.notes))
 
     def _drive(self, leg: Leg) -> None:

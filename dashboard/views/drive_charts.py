@@ -223,7 +223,7 @@ class DifferenceChart(RunChart):
             clear(self.sources["ends"])
             return
         last = float(difference[-1])
-        text = f"{words.signed(last, 2)} kWh"
+        text = f"{words.energy_difference(last)} kWh"
         self.sources["ends"].data = {"x": [float(x[-1])], "y": [last], "text": [text]}
 
 

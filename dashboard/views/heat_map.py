@@ -14,6 +14,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import load_scenario
 from railjoule.core.studies.sensitivity import COORDINATE_ERRORS_M, LOAD_FACTORS, SensitivityTable
 from railjoule.core.validation.papers import printed_numbers
+from railjoule.core.validation.table import CLOSE_PERCENT
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.views import parts
@@ -24,8 +25,6 @@ from railjoule.dashboard.views.surface import CAMERA, LIGHTING, scene_layout
 CELL = 0.96
 CAMERA_DISTANCE = 1.25
 """How much further away than ENOC's surface this one stands: its column is narrower."""
-WARM_DIFFERENCE = 1.0
-"""Differences to printed figures above this are marked [percentage points]."""
 
 
 @dataclass(frozen=True)
@@ -38,20 +37,27 @@ class Measure:
         Quantity and unit.
     values : callable
         Takes a table, gives an array of shape (loads, errors) in that unit.
-    digits : int
-        Decimals.
+    show : callable
+        What a number of that array reads.
     """
 
     words: str
     values: Callable[[SensitivityTable], FloatArray]
-    digits: int
+    show: Callable[[float], str]
+
+
+def percent_difference(percent: float) -> str:
+    """Return a relative difference that is in percent already."""
+    return words.share_difference(percent / 100)
 
 
 MEASURES = {
-    "over_replanned": Measure("Above a plan for that load, %", lambda table: 100 * table.over_replanned, 1),
-    "overconsumption": Measure("Above the plan, %", lambda table: 100 * table.overconsumption, 1),
-    "delay_s": Measure("Late at the stop, s", lambda table: table.delay_s, 1),
-    "stop_error_m": Measure("Beyond the stop, m", lambda table: table.stop_error_m, 2),
+    "over_replanned": Measure(
+        "Above a plan for that load, %", lambda table: 100 * table.over_replanned, percent_difference
+    ),
+    "overconsumption": Measure("Above the plan, %", lambda table: 100 * table.overconsumption, percent_difference),
+    "delay_s": Measure("Late at the stop, s", lambda table: table.delay_s, words.delay),
+    "stop_error_m": Measure("Beyond the stop, m", lambda table: table.stop_error_m, words.stop_error),
 }
 
 
@@ -124,7 +130,7 @@ class HeatMapChart(Chart):
             for number, known in zip(values.ravel(), done.ravel(), strict=True)
         ]
         texts = [
-            "" if not known else words.number(number, measure.digits) if np.isfinite(number) else "stands"
+            "" if not known else measure.show(number) if np.isfinite(number) else "stands"
             for number, known in zip(values.ravel(), done.ravel(), strict=True)
         ]
         self.cells.data = {
@@ -135,7 +141,7 @@ class HeatMapChart(Chart):
             "ink": [ink_on(fill) for fill in fills],
         }
         self._label(self.figure.xaxis[0], [words.signed(error, 0) for error in errors])
-        self._label(self.figure.yaxis[0], [words.number(100 * load, 0) for load in loads])
+        self._label(self.figure.yaxis[0], [words.setting(load) for load in loads])
         planned = table.scenario.vehicle.load_factor
         if planned in loads and 0.0 in errors:
             row, column = loads.index(planned), errors.index(0.0)
@@ -187,7 +193,8 @@ class CostSurface(Chart):
                     "colorscale": [[k / (len(scale) - 1), colour] for k, colour in enumerate(scale)],
                     "showscale": False,
                     "lighting": LIGHTING,
-                    "hovertemplate": "%{x:+.0f} m, load %{y:.0f} %: %{z:.2f}<extra></extra>",
+                    "text": [[measure.show(value) for value in row] for row in values.tolist()],
+                    "hovertemplate": "%{x:+.0f} m, load %{y:.0f} %: %{text}<extra></extra>",
                 }
             ],
             "layout": self._layout(bottom - 0.05 * room, top + 0.05 * room),
@@ -209,7 +216,7 @@ def printed_table(table: SensitivityTable) -> str:
     base = load_scenario(entry["scenario"])
     if scenario.vehicle != base.vehicle or scenario.timetable != base.timetable:
         return ""
-    header = ("Error, m", *(f"load {words.number(100 * load, 0)} %" for load in paper["load_factors"]))
+    header = ("Error, m", *(f"load {words.setting(load)} %" for load in paper["load_factors"]))
     rows = []
     for m, error in enumerate(paper["coordinate_errors_m"]):
         column = table.coordinate_errors_m.index(float(error))
@@ -217,11 +224,11 @@ def printed_table(table: SensitivityTable) -> str:
         for k, load in enumerate(paper["load_factors"]):
             ours = 100 * float(table.over_replanned[table.load_factors.index(load), column])
             printed = entry["overconsumption_percent"][m][k]
-            kind = "open" if abs(ours - printed) > WARM_DIFFERENCE else "muted"
+            kind = "open" if abs(ours - printed) > CLOSE_PERCENT else "muted"
             cells.append(
-                f'{words.number(ours)} <span class="muted">{words.number(printed)}</span> '
-                f'<span class="{kind}">{words.signed(ours - printed)}</span>'
+                f'{percent_difference(ours)} <span class="muted">{words.number(printed)}</span> '
+                f'<span class="{kind}">{percent_difference(ours - printed)}</span>'
             )
         rows.append((cells, False))
-    title = f"{entry['place']} of Liashenko 2025: ours, printed, difference, %"
+    title = f"{entry['place']} of Liashenko 2025: ours, %, printed, %, difference in percentage points"
     return f'<div class="dense">{parts.table(title, header, rows)}</div>'

@@ -68,7 +68,7 @@ def test_a_share_is_relative_to_the_reference(energy, reference, share):
 
 
 @pytest.mark.parametrize(
-    ("energy", "reference"), [(27.5, -0.628), (1.0, 0.0), (101.0, 1.0), (-1.0, -2.0), (float("nan"), 1.0), (1.0, -np.inf)]
+    ("energy", "reference"), [(27.5, -0.628), (1.0, 0.0), (101.0, 1.0), (-1.0, -2.0), (np.nan, 1.0), (1.0, -np.inf)]
 )
 def test_a_reference_that_is_negative_or_next_to_nothing_is_no_measure(energy, reference):
     assert np.isnan(share_above(energy, reference))

@@ -92,6 +92,8 @@ def test_a_validation_holds_rows_with_their_differences():
             "printed": 200.0,
             "ours": 201.0,
             "difference_percent": pytest.approx(0.5),
+            "difference_points": None,
+            "close": True,
             "note": "Why.",
         }
     ]

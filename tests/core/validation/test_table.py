@@ -28,7 +28,9 @@ def test_percentages_differ_by_percentage_points():
     assert Row("", "W", "Wh", 200.0, 201.0).difference_points is None
 
 
-@pytest.mark.parametrize(("printed", "close"), [(200.0, True), (198.5, True), (198.0, False), (None, False), (0.0, False)])
+@pytest.mark.parametrize(
+    ("printed", "close"), [(200.0, True), (198.5, True), (198.0, False), (None, False), (0.0, False)]
+)
 def test_other_numbers_are_close_within_one_percent(printed, close):
     assert Row("", "W", "Wh", printed, 200.0).is_close == close
 
