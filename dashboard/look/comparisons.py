@@ -15,8 +15,8 @@ from railjoule.dashboard.look import words
 
 OTHER_TIME_S = 0.05
 """From this difference on, a time reads differently."""
-LEAST_GAP_TOLD = 5e-5
-"""A gap below this would read as none."""
+LEAST_GAP_TOLD = 1e-4
+"""A gap that proves nothing reads as this at least, never as none."""
 
 
 class Amount(NamedTuple):
@@ -90,8 +90,9 @@ def above_bound(energy_kwh: float, bound_kwh: float | None, gap: float | None) -
         return None
     if is_proven(gap):
         return NOTHING
-    amount = above(energy_kwh, bound_kwh)
-    return Amount("< 0.01", "%") if 0 < gap < LEAST_GAP_TOLD else amount
+    if 0 < gap < LEAST_GAP_TOLD:
+        return Amount(words.share_difference(LEAST_GAP_TOLD), "%")
+    return above(energy_kwh, bound_kwh)
 
 
 def above_own_bound(run: Trajectory) -> Amount | None:

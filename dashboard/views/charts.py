@@ -68,7 +68,7 @@ CAPTION_PX = 21
 SHORT_COLUMN = 40
 SPREAD_PASSES = 100
 """Enough for a dozen labels that all want the same place."""
-END_LABEL_SHARE = 0.105
+END_LABEL_SHARE = 0.125
 """Share of the axis beyond the last stop that is kept free for labels at the ends of lines."""
 
 

@@ -15,7 +15,7 @@ from railjoule.core.scenario import load_scenario
 from railjoule.core.studies.sensitivity import COORDINATE_ERRORS_M, LOAD_FACTORS, SensitivityTable
 from railjoule.core.validation.papers import printed_numbers
 from railjoule.core.validation.table import CLOSE_PERCENT
-from railjoule.dashboard.look import words
+from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.charts import Chart, text_style
@@ -38,12 +38,29 @@ class Measure:
     values : callable
         Takes a table, gives an array of shape (loads, errors) in that unit.
     show : callable
-        What a number of that array reads.
+        How a number of that array reads.
+    reference_kwh : callable or None
+        Takes a table, gives the energies that shares are of, in a shape that fits that of the array [kWh].
     """
 
     words: str
     values: Callable[[SensitivityTable], FloatArray]
     show: Callable[[float], str]
+    reference_kwh: Callable[[SensitivityTable], FloatArray] | None = None
+
+    def texts(self, table: SensitivityTable) -> list[str]:
+        """Return what each cell reads, row after row; where there is no share to tell, the difference in kWh."""
+        values, energies = self.values(table), table.energy_kwh
+        references = np.full(energies.shape, np.nan) if self.reference_kwh is None else self.reference_kwh(table)
+        cells = zip(values.ravel(), energies.ravel(), np.broadcast_to(references, energies.shape).ravel(), strict=True)
+        return [
+            "stands"
+            if not np.isfinite(energy)
+            else self.show(float(value))
+            if np.isfinite(value)
+            else comparisons.above(float(energy), float(reference)).cell
+            for value, energy, reference in cells
+        ]
 
 
 def percent_difference(percent: float) -> str:
@@ -53,9 +70,17 @@ def percent_difference(percent: float) -> str:
 
 MEASURES = {
     "over_replanned": Measure(
-        "Above a plan for that load, %", lambda table: 100 * table.over_replanned, percent_difference
+        "Above a plan for that load, %",
+        lambda table: 100 * table.over_replanned,
+        percent_difference,
+        lambda table: table.knowing_kwh[:, None],
     ),
-    "overconsumption": Measure("Above the plan, %", lambda table: 100 * table.overconsumption, percent_difference),
+    "overconsumption": Measure(
+        "Above the plan, %",
+        lambda table: 100 * table.overconsumption,
+        percent_difference,
+        lambda table: np.array(table.planned_kwh),
+    ),
     "delay_s": Measure("Late at the stop, s", lambda table: table.delay_s, words.delay),
     "stop_error_m": Measure("Beyond the stop, m", lambda table: table.stop_error_m, words.stop_error),
 }
@@ -129,10 +154,7 @@ class HeatMapChart(Chart):
             colour_of(number, most, self.palette) if known else self.palette.tokens["page"]
             for number, known in zip(values.ravel(), done.ravel(), strict=True)
         ]
-        texts = [
-            "" if not known else measure.show(number) if np.isfinite(number) else "stands"
-            for number, known in zip(values.ravel(), done.ravel(), strict=True)
-        ]
+        texts = [text if known else "" for text, known in zip(measure.texts(table), done.ravel(), strict=True)]
         self.cells.data = {
             "x": x.tolist(),
             "y": y.tolist(),

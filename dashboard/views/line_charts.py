@@ -153,7 +153,7 @@ class LegBars(LineChart):
     value : callable
         What is drawn of a leg.
     show : callable
-        What the optimum's numbers above its bars read.
+        How the optimum's numbers above the bars read.
     """
 
     def __init__(
@@ -183,25 +183,25 @@ class LegBars(LineChart):
         signs = f.text(
             "x", "y", "text", source=self.sources["signs"], text_align="center", y_offset=-2, **text_style(11)
         )
-        self.palette.paint(signs.glyph, text_color="ink2")
+        self.palette.paint(signs.glyph, text_color=SHARING_TOKENS["optimum"])
         if self.last:
             f.xaxis.axis_label = "Distance, m"
 
     def draw(self, runs: LineRuns, width_px: float) -> None:
         """Draw the bars."""
-        low, high = 0.0, 0.0
-        for place, sharing in enumerate(SHARING_TOKENS):
-            left, right, top = bar_columns(runs.runs[sharing], place, self.value)
+        bars = [bar_columns(runs.runs[sharing], place, self.value) for place, sharing in enumerate(SHARING_TOKENS)]
+        for sharing, (left, right, top) in zip(SHARING_TOKENS, bars, strict=True):
             self.sources[sharing].data = columns(left=left, right=right, top=top)
-            low, high = min(low, float(top.min())), max(high, float(top.max()))
+        tallest = np.max([top for *_, top in bars], axis=0)
+        low, high = min(0.0, *(float(top.min()) for *_, top in bars)), max(0.0, float(tallest.max()))
         self.set_range(*nice_range(low, high, 0.16) if low < 0 else (0.0, 1.22 * max(high, 1e-9)))
         self.draw_stations(runs.best.legs)
-        left, right, top = bar_columns(runs.best, 0, self.value)
+        (left, _, top), *_, (_, right, _) = bars
         texts = [self.show_value(value) for value in top]
         needed = np.array([0.8 + 0.6 * len(text) for text in texts]) * WORD_PX
         fits = (right - left) / runs.best.run.distance_m * width_px > needed
         self.sources["signs"].data = {
-            **xy((0.5 * (left + right))[fits], np.maximum(top, 0.0)[fits]),
+            **xy((0.5 * (left + right))[fits], np.maximum(tallest, 0.0)[fits]),
             "text": [text for text, fit in zip(texts, fits, strict=True) if fit],
         }
 

@@ -100,7 +100,7 @@ def proof_figure(run: Trajectory) -> str:
     """Return how far a run is from the best known one, or from its bound where it is that one and not proven."""
     amount, reference = comparisons.above_reference(run), run.reference
     if amount is not None and reference is not None and not comparisons.is_reference(run):
-        label = f"Above the {comparisons.reference_noun(reference.proven)}"
+        label = "Above the optimum" if reference.proven else "Above best known"
         return figure(label, *amount, comparisons.reference_detail(run))
     if run.is_proven:
         return figure("Above the optimum", *comparisons.NOTHING, '<span class="proven">\u2713 proven</span>')
@@ -248,8 +248,13 @@ def runs_table(runs: Runs, chosen: str, pins: Sequence[Pin] = ()) -> str:
     for pin in reversed(pins):
         line = swatch("pinned") if pin is pins[-1] else '<svg width="22" height="8" aria-hidden="true"></svg>'
         rows.append(((f"{line}Pinned: {escaped(pin.name)}", *_run_cells(pin.trajectory, pinned)), False))
-    against = "to pinned, %" if pinned else f"above {comparisons.reference_name(runs.is_proven)}, %"
-    return table("Runs", ("Run", "kWh", against, "s", "km/h"), rows) + other_times(runs.runs.values())
+    head = ("Run", "kWh", "to pinned, %" if pinned else "above, %", "s", "km/h")
+    above = (
+        ""
+        if pinned
+        else f'<p class="note">Above the {comparisons.reference_noun(runs.is_proven)} in the same time.</p>'
+    )
+    return table("Runs", head, rows) + above + other_times(runs.runs.values())
 
 
 def _run_cells(run: Trajectory, pinned: Trajectory | None) -> tuple[str, str, str, str]:

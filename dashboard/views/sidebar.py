@@ -377,6 +377,7 @@ def strategy_numbers(runs: Runs, name: StrategyName, chosen: bool) -> str:
     if name not in runs.runs:
         return '<div class="result"><span class="reason">\u2013</span></div>'
     run = runs.runs[name]
-    above = comparisons.above_reference(run) or words.UNKNOWN
-    energy = words.energy(run.energy_kwh)
+    amount, energy = comparisons.above_reference(run), words.energy(run.energy_kwh)
+    # the title says kWh, and there is no room for it
+    above = words.UNKNOWN if amount is None else str(amount).removesuffix(" kWh")
     return f'<div class="result{" chosen" if chosen else ""}"><span>{energy}</span><span>{above}</span></div>'

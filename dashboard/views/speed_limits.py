@@ -285,7 +285,9 @@ def optimum_figure(run: LimitRun) -> str:
         detail = "no bound is known"
     else:
         amount = comparisons.above(reference.energy_kwh, bound)
-        detail = f'<span class="open">\u25d0 not proven</span>, {amount} above the bound {words.energy(bound)} kWh'
+        detail = (
+            f'<span class="open">\u25d0 not proven</span>, {amount.sentence} the bound of {words.energy(bound)} kWh'
+        )
     name = comparisons.reference_noun(reference.proven).capitalize()
     return parts.figure(name, words.energy(reference.energy_kwh), "kWh", detail)
 

@@ -99,7 +99,7 @@ class Teller:
         figures = {match["label"]: match for match in FIGURE.finditer(markup)}
         energy, time = figures["Energy at the line"], figures["Travel time"]
         self.tell(place, strategy, energy=plain(energy["value"]), time=plain(time["value"]))
-        above = next(match for label, match in figures.items() if label.startswith("Above the"))
+        above = next(match for label, match in figures.items() if label.startswith("Above "))
         text = amount(plain(f"{above['value']} {above['unit']}"))
         bound = re.search(rf"bound ({NUMBER}) kWh", plain(above["detail"]))
         if "bound" in above["label"]:

@@ -23,7 +23,7 @@ def test_energies_have_three_digits_below_five(kwh, text):
         (None, "no bound known"),
         (9e-7, "proven optimal"),
         (-1e-9, "proven optimal"),
-        (2e-5, "< 0.01 % above the bound"),
+        (2e-5, "0.01 % above the bound"),
         (0.0166, "1.7 % above the bound"),
         (2.5, "250 % above the bound"),
         (-0.01, "1.0 % below the bound of another mesh"),

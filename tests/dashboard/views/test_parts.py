@@ -59,14 +59,14 @@ def test_an_optimum_that_is_not_proven_is_told_by_its_bound() -> None:
     best, phases = (plain(parts.proof_figure(runs.runs[name])) for name in ("optimal", "phases"))
     # bound and optimum as `railjoule compare tram-950m` has them
     assert best == "Above the bound +0.05 % \u25d0 not proven , bound 0.995 kWh"
-    assert phases == "Above the best known run +5.8 % Optimal 0.995 kWh, bound 0.995 kWh"
+    assert phases == "Above best known +5.8 % Optimal 0.995 kWh, bound 0.995 kWh"
 
 
 def test_a_better_run_than_the_unproven_optimum_is_the_best_known() -> None:
     runs = compute_runs(RunsWish(load_scenario("kharkiv-like-20kmh"), ("bellman",)))
     optimal, bellman = (plain(parts.proof_figure(runs.runs[name])) for name in ("optimal", "bellman"))
     assert runs.best_known.strategy == "bellman"
-    assert "Above the best known run +0.16 % Bellman 5.50 kWh, bound 3.954 kWh" in optimal
+    assert "Above best known +0.16 % Bellman 5.50 kWh, bound 3.954 kWh" in optimal
     assert "Above the bound +39.1 %" in bellman
 
 
