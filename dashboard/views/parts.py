@@ -111,12 +111,14 @@ def proof_figure(run: Trajectory) -> str:
     return figure("Above the bound", *amount, detail)
 
 
-def price_figure(run: Trajectory, price_w: float | None) -> str:
-    """Return the price of a second at the optimum."""
-    if price_w is None:
+def price_figure(run: Trajectory, optimum: Trajectory) -> str:
+    """Return the price of a second: that of the run, or where its strategy tells none, that of the optimum."""
+    priced, of = (run, "") if run.price_of_time_w is not None else (optimum, ", at the optimum")
+    price = priced.price_of_time_w
+    if price is None:
         return figure("Price of a second", words.UNKNOWN, "", "")
-    saved = comparisons.above(run.energy_kwh - price_w / J_PER_KWH, run.energy_kwh)
-    return figure("Price of a second", words.price(price_w), "Wh/s", f"1 s later: {saved}")
+    saved = comparisons.above(priced.energy_kwh - price / J_PER_KWH, priced.energy_kwh)
+    return figure("Price of a second", words.price(price), "Wh/s", f"1 s later: {saved}{of}")
 
 
 def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: bool) -> str:
@@ -132,7 +134,7 @@ def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: b
         [
             figure("Energy at the line", words.energy(run.energy_kwh), "kWh", main, kind="main"),
             proof_figure(run),
-            price_figure(runs.best, runs.best.price_of_time_w),
+            price_figure(run, runs.best),
             figure("Travel time", words.time(run.travel_time_s), "s", comparisons.other_time_of(run) or slack),
             figure("Highest speed", words.number(run.max_speed_kmh), "km/h", f"mean {words.number(mean)}"),
             figure(
@@ -249,12 +251,9 @@ def runs_table(runs: Runs, chosen: str, pins: Sequence[Pin] = ()) -> str:
         line = swatch("pinned") if pin is pins[-1] else '<svg width="22" height="8" aria-hidden="true"></svg>'
         rows.append(((f"{line}Pinned: {escaped(pin.name)}", *_run_cells(pin.trajectory, pinned)), False))
     head = ("Run", "kWh", "to pinned, %" if pinned else "above, %", "s", "km/h")
-    above = (
-        ""
-        if pinned
-        else f'<p class="note">Above the {comparisons.reference_noun(runs.is_proven)} in the same time.</p>'
-    )
-    return table("Runs", head, rows) + above + other_times(runs.runs.values())
+    noun = comparisons.reference_noun(runs.is_proven)
+    above = "" if pinned else f'<p class="note">Above the {noun} in the same time.</p>'
+    return f"<div>{table('Runs', head, rows)}{above}{other_times(runs.runs.values())}</div>"
 
 
 def _run_cells(run: Trajectory, pinned: Trajectory | None) -> tuple[str, str, str, str]:

@@ -160,7 +160,7 @@ class TradeOffView(ChartPage):
             parts.figure(
                 f"{optimum} at {words.time(run.travel_time_s)} s", words.energy(run.energy_kwh), "kWh", detail, "main"
             ),
-            parts.price_figure(run, run.price_of_time_w),
+            parts.price_figure(run, run),
             changed(1.1, "10 % more time"),
             changed(0.9, "10 % less time"),
         ]

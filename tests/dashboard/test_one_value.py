@@ -35,7 +35,7 @@ FIGURE = re.compile(
 )
 NUMBER = r"-?[\d,]+(?:\.\d+)?"
 NAMES = {word: name for name, word in STRATEGY_WORDS.items()}
-CHART_NAMES = {"fastest possible": "fastest", "speed limits": "speed_limits", "Limits": "speed_limits"}
+CHART_NAMES = {"limits": "speed_limits", "Limits": "speed_limits"}
 PALETTE = Palette(dark=False)
 
 Told = dict[tuple[str, str], dict[str, str]]
@@ -99,6 +99,9 @@ class Teller:
         figures = {match["label"]: match for match in FIGURE.finditer(markup)}
         energy, time = figures["Energy at the line"], figures["Travel time"]
         self.tell(place, strategy, energy=plain(energy["value"]), time=plain(time["value"]))
+        price = figures["Price of a second"]
+        if "at the optimum" not in price["detail"]:
+            self.tell(place, strategy, price=plain(price["value"]))
         above = next(match for label, match in figures.items() if label.startswith("Above "))
         text = amount(plain(f"{above['value']} {above['unit']}"))
         bound = re.search(rf"bound ({NUMBER}) kWh", plain(above["detail"]))
@@ -193,7 +196,8 @@ class Teller:
         solved = " ".join(printed("solve", self.name).split())
         told = re.search(rf"Energy ({NUMBER}) kWh .*? Bound ({NUMBER}) kWh\. .*? Time ({NUMBER}) s", solved)
         assert told is not None
-        self.tell("solve", self.first, energy=told[1], bound=told[2], time=told[3])
+        saved = re.search(rf"would save ({NUMBER}) Wh", solved)
+        self.tell("solve", self.first, energy=told[1], bound=told[2], time=told[3], price=saved and saved[1])
 
 
 @pytest.fixture(scope="module", params=preset_names("scenarios"))

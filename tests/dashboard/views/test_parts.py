@@ -145,3 +145,15 @@ def test_tables_can_be_saved_under_their_titles() -> None:
 
 def test_a_new_page_has_no_run_yet() -> None:
     assert Workbench().run is None
+
+
+def test_the_price_of_a_second_is_that_of_the_run_where_its_strategy_tells_one(runs: Runs) -> None:
+    optimum, enoc = runs.runs["optimal"], runs.runs["enoc"]
+    assert optimum.price_of_time_w is not None
+    dearer = replace(enoc, price_of_time_w=2 * optimum.price_of_time_w)
+    assert f"{words.price(optimum.price_of_time_w)} Wh/s 1 s later: \u22120.30 %, at the optimum" in plain(
+        parts.price_figure(enoc, optimum)
+    )
+    assert f"{words.price(2 * optimum.price_of_time_w)} Wh/s 1 s later: \u22120.59 %" in plain(
+        parts.price_figure(dearer, optimum)
+    )
