@@ -15,6 +15,7 @@ from railjoule.dashboard.look import words
 
 OTHER_TIME_S = 0.05
 """From this difference on, a time reads differently."""
+WAITING = "more time saves nothing"
 LEAST_GAP_TOLD = 1e-4
 """A gap that proves nothing reads as this at least, never as none."""
 
@@ -133,15 +134,14 @@ def reference_words(reference: Reference, asked_s: float) -> str:
 
 
 def reference_detail(run: Trajectory) -> str:
-    """Return what a run is measured against, beneath a number: the optimum, or who is best and the bound."""
+    """Return what a run is measured against, short enough to stand beneath a number; empty where nothing is."""
     reference, bound_kwh = run.reference, run.lower_bound_kwh
     if reference is None:
         return ""
-    told = _energy_and_time(reference, run.scenario.travel_time_s)
-    if reference.proven:
-        return f"optimum {told}"
-    bound = "" if bound_kwh is None else f", bound {words.energy(bound_kwh)} kWh"
-    return f"{words.strategy(reference.strategy)} {told}{bound}"
+    best = f"{words.energy(reference.energy_kwh)} kWh"
+    if reference.proven or bound_kwh is None:
+        return f"{reference_name(reference.proven)} {best}"
+    return f"{best}, bound {words.energy(bound_kwh)}"
 
 
 def _energy_and_time(reference: Reference, asked_s: float) -> str:
@@ -168,11 +168,20 @@ def other_time(strategy: str, travel_time_s: float, asked_s: float) -> str:
     more = travel_time_s - asked_s
     if abs(more) < OTHER_TIME_S:
         return ""
-    asked = f"than the {words.time(asked_s)} s asked"
     if more > 0:
-        return f"{words.time(more)} s later {asked}"
-    why = ": more time would save nothing" if strategy == "optimal" else ""
-    return f"{words.time(-more)} s earlier {asked}{why}"
+        return f"{words.time(more)} s later than the {words.time(asked_s)} s asked"
+    early = f"{words.time(-more)} s earlier than the {words.time(asked_s)} s asked"
+    return f"{early}: {WAITING}" if strategy == "optimal" else early
+
+
+def time_asked(run: Trajectory) -> str:
+    """Return the time asked for where a run takes another one, beneath a number; empty where it does not."""
+    return f"asked {words.time(run.scenario.travel_time_s)} s" if other_time_of(run) else ""
+
+
+def waiting_of(run: Trajectory) -> str:
+    """Return why an optimum takes less time than asked, in four words; empty where it does not."""
+    return WAITING if WAITING in other_time_of(run) else ""
 
 
 def other_time_of(run: Trajectory) -> str:

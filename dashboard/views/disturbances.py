@@ -141,7 +141,7 @@ class DisturbancesView(ChartPage):
         spent, more = comparisons.saving(by_driver, planned.energy_kwh)
         verb, saved = comparisons.saving(computer.actual.energy_kwh, by_driver)
         arrives = comparisons.arrival(computer.delay_s - driver.delay_s)
-        beside = f"{'of' if verb == 'saves' else 'more than'} the driver\u2019s {energy}, and arrives {arrives}"
+        unit = saved.unit if verb == "saves" else f"{saved.unit} more"
         return [
             parts.figure(
                 "The events cost the driver" if spent == "costs" else "The events save the driver",
@@ -149,7 +149,13 @@ class DisturbancesView(ChartPage):
                 f"{energy}, undisturbed {words.energy(planned.energy_kwh)}",
                 "main",
             ),
-            parts.figure(f"A computer {verb}", *saved, beside),
+            parts.figure(
+                f"A computer {verb}",
+                saved.value,
+                unit,
+                f"arrives {arrives}",
+                whole=f"{saved} {'of' if verb == 'saves' else 'more than'} the driver\u2019s {energy}",
+            ),
             parts.figure("Known before", words.energy(known.actual.energy_kwh), "kWh", "from the start"),
             parts.figure("Driver arrives", words.delay(driver.delay_s), "s", "of delay"),
             parts.figure("Computer arrives", words.delay(computer.delay_s), "s", "of delay"),

@@ -74,10 +74,14 @@ def failure(what: str, why: str, shown: str) -> str:
     return f'<div class="message" role="alert"><b>{html.escape(what)}</b> {rest}</div>'
 
 
-def figure(label: str, value: str, unit: str, detail: str, kind: str = "") -> str:
-    """Return one number with its label and what it means, as HTML; a kind is `main` or `extra`."""
+def figure(label: str, value: str, unit: str, detail: str, kind: str = "", whole: str = "") -> str:
+    """Return one number with its label and what it means, as HTML.
+
+    A kind is `main` or `extra`; `whole` is a sentence that a resting mouse shows where there is no room for it.
+    """
+    title = f' title="{html.escape(whole)}"' if whole else ""
     return (
-        f'<div class="figure {kind}"><div class="label">{label}</div>'
+        f'<div class="figure {kind}"{title}><div class="label">{label}</div>'
         f'<div class="value">{value}<span>{unit}</span></div><div class="detail">{detail}</div></div>'
     )
 
@@ -101,14 +105,15 @@ def proof_figure(run: Trajectory) -> str:
     amount, reference = comparisons.above_reference(run), run.reference
     if amount is not None and reference is not None and not comparisons.is_reference(run):
         label = "Above the optimum" if reference.proven else "Above best known"
-        return figure(label, *amount, comparisons.reference_detail(run))
+        told = comparisons.reference_words(reference, run.scenario.travel_time_s)
+        return figure(label, *amount, comparisons.reference_detail(run), whole=f"{amount.sentence} the {told}")
     if run.is_proven:
         return figure("Above the optimum", *comparisons.NOTHING, '<span class="proven">\u2713 proven</span>')
     amount = comparisons.above_own_bound(run)
     if amount is None:
         return figure("Above the bound", words.UNKNOWN, "", "no bound is known")
-    detail = f'<span class="open">\u25d0 not proven</span>, bound {words.energy(run.lower_bound_kwh or 0.0)} kWh'
-    return figure("Above the bound", *amount, detail)
+    detail = f'<span class="open">\u25d0 bound</span> {words.energy(run.lower_bound_kwh or 0.0)} kWh'
+    return figure("Above the bound", *amount, detail, whole="Not proven: it may be this far above the optimum at most")
 
 
 def price_figure(run: Trajectory, optimum: Trajectory) -> str:
@@ -124,7 +129,8 @@ def price_figure(run: Trajectory, optimum: Trajectory) -> str:
 def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: bool) -> str:
     """Return the numbers of Drive."""
     energy = run.energy
-    main = change(run.energy_kwh, pinned.energy_kwh) if pinned else f"for {words.time(run.travel_time_s)} s"
+    waiting = comparisons.waiting_of(run) and f": {comparisons.waiting_of(run)}"
+    main = change(run.energy_kwh, pinned.energy_kwh) if pinned else f"for {words.time(run.travel_time_s)} s{waiting}"
     slack = f"{words.time(run.travel_time_s - runs.shortest_time_s)} s of slack"
     mean = run.distance_m / run.travel_time_s / MS_PER_KMH
     share = f"{words.share(energy.recuperated_j / energy.traction_j)} % of traction" if energy.traction_j > 0 else ""
@@ -135,7 +141,13 @@ def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: b
             figure("Energy at the line", words.energy(run.energy_kwh), "kWh", main, kind="main"),
             proof_figure(run),
             price_figure(run, runs.best),
-            figure("Travel time", words.time(run.travel_time_s), "s", comparisons.other_time_of(run) or slack),
+            figure(
+                "Travel time",
+                words.time(run.travel_time_s),
+                "s",
+                comparisons.time_asked(run) or slack,
+                whole=comparisons.other_time_of(run),
+            ),
             figure("Highest speed", words.number(run.max_speed_kmh), "km/h", f"mean {words.number(mean)}"),
             figure(
                 "Recuperated",

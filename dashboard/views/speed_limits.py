@@ -279,17 +279,17 @@ def optimum_figure(run: LimitRun) -> str:
     reference, bound = run.run.reference, run.run.lower_bound_kwh
     if reference is None:
         return parts.figure("Optimum", words.UNKNOWN, "", "not found")
+    whole = ""
     if reference.proven:
         detail = '<span class="proven">\u2713 proven</span>'
     elif bound is None:
         detail = "no bound is known"
     else:
         amount = comparisons.above(reference.energy_kwh, bound)
-        detail = (
-            f'<span class="open">\u25d0 not proven</span>, {amount.sentence} the bound of {words.energy(bound)} kWh'
-        )
+        detail = f'<span class="open">\u25d0</span> {amount.sentence} the bound'
+        whole = f"Not proven: the bound is {words.energy(bound)} kWh"
     name = comparisons.reference_noun(reference.proven).capitalize()
-    return parts.figure(name, words.energy(reference.energy_kwh), "kWh", detail)
+    return parts.figure(name, words.energy(reference.energy_kwh), "kWh", detail, whole=whole)
 
 
 def sections_table(run: LimitRun) -> str:

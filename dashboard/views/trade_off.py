@@ -152,7 +152,8 @@ class TradeOffView(ChartPage):
             more = comparisons.above(value, run.energy_kwh)
             return parts.figure(label, *more, f"{words.energy(value)} kWh at {words.time(then)} s")
 
-        detail = comparisons.other_time_of(run) or f"for {words.distance(run.distance_m)} km"
+        asked, waiting = comparisons.time_asked(run), comparisons.waiting_of(run)
+        detail = f"{asked}: {waiting}" if waiting else asked or f"for {words.distance(run.distance_m)} km"
         if now:
             detail = f"ENOC {words.energy(now[2])} kWh, {comparisons.above(now[2], run.energy_kwh)}"
         optimum = "Optimum" if run.is_proven else words.strategy(run.strategy)

@@ -104,7 +104,7 @@ class Teller:
             self.tell(place, strategy, price=plain(price["value"]))
         above = next(match for label, match in figures.items() if label.startswith("Above "))
         text = amount(plain(f"{above['value']} {above['unit']}"))
-        bound = re.search(rf"bound ({NUMBER}) kWh", plain(above["detail"]))
+        bound = re.search(rf"bound ({NUMBER})", plain(above["detail"]))
         if "bound" in above["label"]:
             self.tell(place, strategy, above_bound=text)
         else:
