@@ -134,14 +134,13 @@ def reference_words(reference: Reference, asked_s: float) -> str:
 
 
 def reference_detail(run: Trajectory) -> str:
-    """Return what a run is measured against, short enough to stand beneath a number; empty where nothing is."""
+    """Return what stands beneath a distance to the reference: the optimum, or the bound where none is proven."""
     reference, bound_kwh = run.reference, run.lower_bound_kwh
     if reference is None:
         return ""
-    best = f"{words.energy(reference.energy_kwh)} kWh"
     if reference.proven or bound_kwh is None:
-        return f"{reference_name(reference.proven)} {best}"
-    return f"{best}, bound {words.energy(bound_kwh)}"
+        return f"{reference_name(reference.proven)} {words.energy(reference.energy_kwh)} kWh"
+    return f"bound {words.energy(bound_kwh)} kWh"
 
 
 def _energy_and_time(reference: Reference, asked_s: float) -> str:

@@ -118,12 +118,12 @@ def proof_figure(run: Trajectory) -> str:
 
 def price_figure(run: Trajectory, optimum: Trajectory) -> str:
     """Return the price of a second: that of the run, or where its strategy tells none, that of the optimum."""
-    priced, of = (run, "") if run.price_of_time_w is not None else (optimum, ", at the optimum")
+    priced, whole = (run, "") if run.price_of_time_w is not None else (optimum, "That of the optimum")
     price = priced.price_of_time_w
     if price is None:
         return figure("Price of a second", words.UNKNOWN, "", "")
     saved = comparisons.above(priced.energy_kwh - price / J_PER_KWH, priced.energy_kwh)
-    return figure("Price of a second", words.price(price), "Wh/s", f"1 s later: {saved}{of}")
+    return figure("Price of a second", words.price(price), "Wh/s", f"1 s later: {saved}", whole=whole)
 
 
 def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: bool) -> str:

@@ -286,7 +286,7 @@ def optimum_figure(run: LimitRun) -> str:
         detail = "no bound is known"
     else:
         amount = comparisons.above(reference.energy_kwh, bound)
-        detail = f'<span class="open">\u25d0</span> {amount.sentence} the bound'
+        detail = f'<span class="open">\u25d0</span> {amount.sentence} bound'
         whole = f"Not proven: the bound is {words.energy(bound)} kWh"
     name = comparisons.reference_noun(reference.proven).capitalize()
     return parts.figure(name, words.energy(reference.energy_kwh), "kWh", detail, whole=whole)

@@ -99,9 +99,8 @@ class Teller:
         figures = {match["label"]: match for match in FIGURE.finditer(markup)}
         energy, time = figures["Energy at the line"], figures["Travel time"]
         self.tell(place, strategy, energy=plain(energy["value"]), time=plain(time["value"]))
-        price = figures["Price of a second"]
-        if "at the optimum" not in price["detail"]:
-            self.tell(place, strategy, price=plain(price["value"]))
+        if self.runs.runs[strategy].price_of_time_w is not None:
+            self.tell(place, strategy, price=plain(figures["Price of a second"]["value"]))
         above = next(match for label, match in figures.items() if label.startswith("Above "))
         text = amount(plain(f"{above['value']} {above['unit']}"))
         bound = re.search(rf"bound ({NUMBER})", plain(above["detail"]))
