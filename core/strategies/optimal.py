@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from railjoule.core.energy import energy_decimals
-from railjoule.core.errors import SolverError
+from railjoule.core.errors import SolverError, StrategyRefusedError
 from railjoule.core.interior_point.proof import prove
 from railjoule.core.interior_point.solver import CONVERGED, Optimum, minimise_energy
 from railjoule.core.interior_point.switching_bound import switched_bound
@@ -133,6 +133,14 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
         notes=notes,
     )
     return replace(best, reference=Reference(best.energy.net_j, best.strategy, task.travel_time_s, best.is_proven))
+
+
+def known_optimum(task: Task) -> Trajectory | None:
+    """Return the optimum of a task, to measure other runs against; None where it is not found."""
+    try:
+        return optimal(task)
+    except (SolverError, StrategyRefusedError):
+        return None
 
 
 def certify(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> Bound:

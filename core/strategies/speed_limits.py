@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
-from railjoule.core.errors import ScenarioError, SolverError, StrategyRefusedError
+from railjoule.core.errors import ScenarioError, StrategyRefusedError
 from railjoule.core.limit_search.literal import ARRIVED, Relay, literal_trip
 from railjoule.core.limit_search.problem import Evaluation, LimitProblem, limit_problem
 from railjoule.core.limit_search.search import LimitSearch, search_limits
@@ -17,7 +17,7 @@ from railjoule.core.motion import Course, build_course
 from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.motion.mesh import finer_at_stops, with_nodes_at
 from railjoule.core.scenario import Scenario
-from railjoule.core.strategies.optimal import optimal
+from railjoule.core.strategies.optimal import known_optimum
 from railjoule.core.strategies.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
@@ -238,13 +238,8 @@ def _made(task: Task, course: Course, speed2: FloatArray, notes: tuple[str, ...]
     sparing = np.zeros(course.cell_count) if course.data.friction_effort_n > 0 else None
     run = make_trajectory(task.scenario, course, "speed_limits", speed2, sparing, notes=notes)
     late = replace(task, running_time_s=run.travel_time_s - task.dwell_s)
-    if not late.has_slack:
-        return run
-    try:
-        best = optimal(late)
-    except SolverError:
-        return run
-    return replace(run, bound=best.bound, reference=best.reference)
+    best = known_optimum(late) if late.has_slack else None
+    return run if best is None else replace(run, bound=best.bound, reference=best.reference)
 
 
 def limit_words(limits_ms: FloatArray, boundaries_m: FloatArray) -> str:

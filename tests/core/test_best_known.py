@@ -1,10 +1,11 @@
 """What runs over one scenario are measured against."""
 
 from dataclasses import replace
+from importlib import import_module
 
 import pytest
 
-from railjoule.core import compare, load_scenario, solve
+from railjoule.core import SolverError, compare, load_scenario, solve
 from railjoule.core.best_known import measured
 from railjoule.core.strategies import prepare_task, run_strategy
 
@@ -87,3 +88,16 @@ def test_solving_alone_finds_bound_and_reference():
     assert run.reference.strategy == "optimal"
     assert run.gap == pytest.approx(run.energy.net_j / run.bound.energy_j - 1)
     assert run.above_share == pytest.approx(run.energy_kwh / solve(run.scenario, "optimal").energy_kwh - 1)
+
+
+def test_without_an_optimum_a_run_is_the_best_known_itself(monkeypatch) -> None:
+    """Where the solver gives up, a strategy still drives, with nothing proven."""
+
+    def give_up(_) -> None:
+        raise SolverError("the optimum was not found.")
+
+    # the package has a function of the module's name
+    monkeypatch.setattr(import_module("railjoule.core.strategies.optimal"), "optimal", give_up)
+    run = solve(load_scenario("liashenko-0"), "bellman")
+    assert run.bound is None
+    assert (run.reference.strategy, run.reference.proven) == ("bellman", False)
