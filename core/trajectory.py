@@ -1,13 +1,13 @@
 """A trajectory: one run as arrays over distance and time, with its energy account, whoever made it."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray, frozen_array
-from railjoule.core.energy import Energy
+from railjoule.core.energy import Energy, share_above
 from railjoule.core.motion.course import Course
 from railjoule.core.phases import Phase, find_phases
 from railjoule.core.scenario import Scenario
@@ -16,6 +16,8 @@ from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 if TYPE_CHECKING:
     import pandas
 
+PROVEN_GAP = 1e-6
+"""A run this close to its bound, relatively, counts as proven optimal."""
 SMALL_ENERGY_SHARE = 0.1
 """Gaps are relative to the bound, but to no less than this share of the kinetic energy at the mean speed."""
 
@@ -34,6 +36,33 @@ class Bound:
 
     energy_j: float
     statement: str
+
+
+@dataclass(frozen=True)
+class Reference:
+    """The best run that is known of a scenario among those that arrive within a time.
+
+    Parameters
+    ----------
+    energy_j : float
+        What it needs [J].
+    strategy : str
+        Who made it.
+    within_s : float
+        The time [s].
+    proven : bool
+        Whether its bound proves that it is the optimum.
+    """
+
+    energy_j: float
+    strategy: str
+    within_s: float
+    proven: bool
+
+    @property
+    def energy_kwh(self) -> float:
+        """What it needs [kWh]."""
+        return self.energy_j / J_PER_KWH
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +91,9 @@ class Trajectory:
         The account of the whole run.
     bound : Bound or None
         A proven lower bound of the scenario's energy, if one is known.
+    reference : Reference or None
+        The best known run within the time of the timetable, or within that of the run if it keeps to a time of its own;
+        None where none was looked for.
     price_of_time_w : float or None
         By how much the optimum falls if the timetable is a second longer [J/s], if the strategy knows it.
     iterations : int
@@ -87,6 +119,7 @@ class Trajectory:
     gradient_permille: FloatArray
     energy: Energy
     bound: Bound | None = None
+    reference: Reference | None = None
     price_of_time_w: float | None = None
     iterations: int = 0
     solve_time_s: float = 0.0
@@ -135,16 +168,30 @@ class Trajectory:
         scale = max(abs(self.bound.energy_j), SMALL_ENERGY_SHARE * kinetic)
         return (self.energy.net_j - self.bound.energy_j) / scale
 
+    @property
+    def is_proven(self) -> bool:
+        """Whether the bound proves that this is the optimum."""
+        return self.gap is not None and abs(self.gap) <= PROVEN_GAP
+
+    @property
+    def above_kwh(self) -> float | None:
+        """Energy less that of the best known run [kWh], if one is known."""
+        return None if self.reference is None else self.energy_kwh - self.reference.energy_kwh
+
+    @property
+    def above_share(self) -> float | None:
+        """The same as a share of what the best known run needs; None where that is next to nothing or negative."""
+        if self.reference is None:
+            return None
+        share = share_above(self.energy.net_j, self.reference.energy_j)
+        return None if np.isnan(share) else share
+
     @cached_property
     def phases(self) -> tuple[Phase, ...]:
         """What the driver does, in order."""
         return find_phases(
             self.position_m, self.time_s, self.speed_ms, self.effort_n, self.largest_effort_n, self.line_energy_j
         )
-
-    def with_bound(self, bound: Bound | None) -> "Trajectory":
-        """Return the same run with another bound."""
-        return replace(self, bound=bound)
 
     def to_dataframe(self) -> "pandas.DataFrame":
         """Return the run as a table of its nodes, with the efforts and powers of the cells that begin there."""

@@ -3,11 +3,12 @@
 References: the method is in `railjoule.core.interior_point.solver`, the proof in `...certificate` and `...proof`.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from railjoule.core.budget import current_budget
+from railjoule.core.energy import energy_decimals
 from railjoule.core.errors import SolverError, StrategyRefusedError
 from railjoule.core.interior_point.proof import prove
 from railjoule.core.interior_point.solver import CONVERGED, Optimum, minimise_energy
@@ -15,12 +16,10 @@ from railjoule.core.interior_point.switching_bound import switched_bound
 from railjoule.core.strategies.switching import TOLERANCE as SWITCHED_TOLERANCE
 from railjoule.core.strategies.switching import takes_power_idling, unswitched
 from railjoule.core.strategies.task import Task
-from railjoule.core.trajectory import Bound, Trajectory, make_trajectory
+from railjoule.core.trajectory import PROVEN_GAP, Bound, Reference, Trajectory, make_trajectory
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
 TOLERANCE = 1e-7
-PROVEN_GAP = 1e-6
-"""A run this close to its bound, relatively, counts as proven optimal."""
 FIRST_ITERATIONS, SECOND_ITERATIONS = 40, 60
 FREE_CENTRING, STEADY_CENTRING = 1e-6, 0.2
 LOOSE_GAP = 0.1
@@ -126,7 +125,7 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
             optimum.time_multiplier * data.traction.constant_n,
             solution.iterations,
         )
-    return make_trajectory(
+    best = make_trajectory(
         task.scenario,
         task.course,
         "optimal",
@@ -137,6 +136,15 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
         iterations=iterations,
         notes=notes,
     )
+    return replace(best, reference=Reference(best.energy.net_j, best.strategy, task.travel_time_s, best.is_proven))
+
+
+def known_optimum(task: Task) -> Trajectory | None:
+    """Return the optimum of a task, to measure other runs against; None where it is not found."""
+    try:
+        return optimal(task)
+    except (SolverError, StrategyRefusedError):
+        return None
 
 
 def certify(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> Bound:
@@ -149,14 +157,6 @@ def certify(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> B
         return Bound(max(_energy_j(task, bound), work_floor_j(task)), switched_bound_statement(task))
     proof = prove(*given, 0.8 * PROVEN_GAP, proof_budget)
     return Bound(max(_energy_j(task, proof.bound), work_floor_j(task)), bound_statement(task))
-
-
-def known_bound(task: Task) -> Bound | None:
-    """Return the lower bound of a task; None where its optimum is not found, or beyond the budget."""
-    try:
-        return certify(task, minimise(task).optimum)
-    except (SolverError, StrategyRefusedError):
-        return None
 
 
 def work_floor_j(task: Task) -> float:
@@ -204,7 +204,8 @@ def switching_note(task: Task, optimum: Optimum, energy_j: float) -> str:
     )
     known = ""
     if free <= energy_j + SMOOTHED * abs(energy_j):
-        known = f"free switching would need {_energy_j(task, optimum.energy) / J_PER_KWH:.4f} kWh; "
+        needed = _energy_j(task, optimum.energy) / J_PER_KWH
+        known = f"free switching would need {needed:.{energy_decimals(needed)}f} kWh; "
     return (
         "Driven or coasted cell by cell where free switching between driving, coasting and braking would drive for a "
         f"part of each, which is the best such run found, not proven; {known}{friction}."

@@ -18,7 +18,7 @@ from railjoule.core.motion import Course, build_course
 from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.motion.mesh import finer_at_stops, with_nodes_at
 from railjoule.core.scenario import Scenario
-from railjoule.core.strategies.optimal import known_bound
+from railjoule.core.strategies.optimal import known_optimum
 from railjoule.core.strategies.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
@@ -247,11 +247,12 @@ def _require_few_steps(step_s: float, running_time_s: float) -> None:
 
 
 def _made(task: Task, course: Course, speed2: FloatArray, notes: tuple[str, ...]) -> Trajectory:
-    """Return a trajectory with a bound for the time that it takes, which may be later than the timetable's."""
+    """Return a trajectory with bound and reference for the time that it takes, which may be later than planned."""
     sparing = np.zeros(course.cell_count) if course.data.friction_effort_n > 0 else None
     run = make_trajectory(task.scenario, course, "speed_limits", speed2, sparing, notes=notes)
     late = replace(task, running_time_s=run.travel_time_s - task.dwell_s)
-    return run.with_bound(known_bound(late)) if late.has_slack else run
+    best = known_optimum(late) if late.has_slack else None
+    return run if best is None else replace(run, bound=best.bound, reference=best.reference)
 
 
 def limit_words(limits_ms: FloatArray, boundaries_m: FloatArray) -> str:

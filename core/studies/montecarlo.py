@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError, ScenarioError
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.distribution import Distribution, Fixed, LogNormal, Normal, Triangular, Uniform
@@ -67,12 +68,12 @@ class MonteCarloTable:
     @property
     def overconsumption(self) -> FloatArray:
         """Energy over that of the plan, less 1; shape (done,)."""
-        return self.energy_kwh / self.planned_kwh - 1
+        return share_above(self.energy_kwh, self.planned_kwh)
 
     @property
     def over_replanned(self) -> FloatArray:
         """Energy over that of the plan of a train that knows its load, less 1; shape (done,)."""
-        return self.energy_kwh / self.knowing_kwh[: self.done] - 1
+        return share_above(self.energy_kwh, self.knowing_kwh[: self.done])
 
     def to_dataset(self) -> "xarray.Dataset":
         """Return the runs done so far with labels and units."""

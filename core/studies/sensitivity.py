@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError, ScenarioError
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.following import follow, plan_for, plan_knowing_load
@@ -68,12 +69,12 @@ class SensitivityTable:
     @property
     def overconsumption(self) -> FloatArray:
         """Energy over that of the plan, less 1; shape (k, m)."""
-        return self.energy_kwh / self.planned_kwh - 1
+        return share_above(self.energy_kwh, self.planned_kwh)
 
     @property
     def over_replanned(self) -> FloatArray:
         """Energy over that of the plan of a train that knows its load, less 1; shape (k, m)."""
-        return self.energy_kwh / self.knowing_kwh[:, None] - 1
+        return share_above(self.energy_kwh, self.knowing_kwh[:, None])
 
     def to_dataset(self) -> "xarray.Dataset":
         """Return the table with its labels and units."""

@@ -1,5 +1,15 @@
-"""Numbers and phases as people read them: narrow spaces for thousands, a true minus, a unit's usual digits."""
+"""Numbers and phases as people read them: narrow spaces for thousands, a true minus, a unit's usual digits.
 
+Each quantity has one function here, so that it reads alike on every page, in charts, in reports and, made plain, in a
+terminal. How runs compare is told in `railjoule.dashboard.look.comparisons`.
+"""
+
+import math
+from collections.abc import Callable
+from functools import wraps
+from typing import ParamSpec
+
+from railjoule.core.energy import energy_decimals
 from railjoule.core.phases import Phase, PhaseName
 from railjoule.core.scenario import StrategyName
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
@@ -7,6 +17,9 @@ from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 THIN_SPACE = "\u202f"
 MINUS = "\u2212"
 PER_MILLE = "\u2030"
+UNKNOWN = "\u2013"
+PLAIN_SIGNS = str.maketrans({THIN_SPACE: ",", MINUS: "-", UNKNOWN: "-"})
+"""What a terminal shows for them."""
 
 STRATEGY_WORDS: dict[StrategyName, str] = {
     "optimal": "Optimal",
@@ -26,15 +39,36 @@ PHASE_WORDS: dict[PhaseName, str] = {
     "stand": "stand",
 }
 J_PER_WH = J_PER_KWH / 1000
-SMALL_ENERGY_KWH = 5.0
+LEAST_ENERGY_KWH = 5e-4
+"""An energy below this reads as zero."""
 SMALL_PRICE_WH_PER_S = 100.0
 SHORT_TIME_S = 10.0
 AT_START_M = 0.5
 """A phase that begins nearer to the start needs no place."""
 
 
+P = ParamSpec("P")
+
+
+def plain_text(text: str) -> str:
+    """Return a number as a terminal shows it: with commas between thousands and a hyphen for a minus."""
+    return text.translate(PLAIN_SIGNS)
+
+
+def plain(show: Callable[P, str]) -> Callable[P, str]:
+    """Return a function that writes numbers as one that writes them for a terminal."""
+
+    @wraps(show)
+    def shown(*args: P.args, **kwargs: P.kwargs) -> str:
+        return plain_text(show(*args, **kwargs))
+
+    return shown
+
+
 def number(value: float, digits: int = 1) -> str:
-    """Return a number with `digits` decimals, narrow spaces between thousands and a true minus."""
+    """Return a number with `digits` decimals, narrow spaces between thousands and a true minus; a dash for NaN."""
+    if not math.isfinite(value):
+        return UNKNOWN
     text = f"{abs(value):,.{digits}f}".replace(",", THIN_SPACE)
     negative = value < 0 and any(character in "123456789" for character in text)
     return (MINUS if negative else "") + text
@@ -57,7 +91,52 @@ def signed(value: float, digits: int = 1) -> str:
 
 def energy(kwh: float) -> str:
     """Return an energy in kWh: two decimals, three below 5 kWh."""
-    return number(kwh, 3 if abs(kwh) < SMALL_ENERGY_KWH else 2)
+    return number(kwh, energy_decimals(kwh))
+
+
+def energy_difference(kwh: float) -> str:
+    """Return a difference of energies in kWh: as `energy`, with its sign."""
+    return signed(kwh, energy_decimals(kwh))
+
+
+def share(value: float) -> str:
+    """Return a share in percent, as 7.0 for 0.07: one decimal, two below 1 %, none from 100 % on."""
+    return number(100 * value, percent_decimals(100 * value))
+
+
+def share_difference(value: float) -> str:
+    """Return a relative difference in percent: as `share`, with its sign."""
+    return signed(100 * value, percent_decimals(100 * value))
+
+
+def percent_decimals(percent: float) -> int:
+    """Return with how many decimals a percentage is printed."""
+    return 2 if abs(percent) < 0.995 else 1 if abs(percent) < 99.95 else 0
+
+
+def setting(factor: float) -> str:
+    """Return a share that was set, such as a load, in percent: whole unless it was set finer."""
+    return number(100 * factor, 0 if abs(100 * factor - round(100 * factor)) < 0.05 else 1)
+
+
+def distance(metres: float) -> str:
+    """Return the length of a run or a line in km: two decimals."""
+    return number(metres / 1000, 2)
+
+
+def time(seconds: float) -> str:
+    """Return a time in s: one decimal."""
+    return number(seconds, 1)
+
+
+def delay(seconds: float) -> str:
+    """Return a difference of times in s: as `time`, with its sign; early is negative."""
+    return signed(seconds, 1)
+
+
+def stop_error(metres: float) -> str:
+    """Return how far beyond its place a train stands in m: two decimals, with its sign."""
+    return signed(metres, 2)
 
 
 def price(watt: float) -> str:
@@ -68,8 +147,12 @@ def price(watt: float) -> str:
 
 def load(factor: float) -> str:
     """Return how full a vehicle is, such as 'load 50 %' or 'crush load, 120 % of capacity'."""
-    percent = number(100 * factor).removesuffix(".0")
-    return f"crush load, {percent} % of capacity" if factor > 1 else f"load {percent} %"
+    return f"crush load, {setting(factor)} % of capacity" if factor > 1 else f"load {setting(factor)} %"
+
+
+def strategy(name: str) -> str:
+    """Return what a strategy is called."""
+    return STRATEGY_WORDS[name]  # type: ignore[index]
 
 
 def speed(ms: float, digits: int = 0) -> str:

@@ -133,10 +133,10 @@ class KeptPin(Kept):
 
 def pin_name(run: Trajectory) -> str:
     """Return what a pin is called until it is renamed, such as 'Optimal, 170.0 s, load 50 %, recuperation 40 %'."""
-    strategy, vehicle = words.STRATEGY_WORDS[run.strategy], run.scenario.vehicle  # type: ignore[index]
+    strategy, vehicle = words.strategy(run.strategy), run.scenario.vehicle
     load = words.load(vehicle.load_factor)
-    recuperation = words.number(100 * vehicle.drive.recuperation_factor, 0)
-    return f"{strategy}, {words.number(run.travel_time_s)} s, {load}, recuperation {recuperation} %"
+    recuperation = words.setting(vehicle.drive.recuperation_factor)
+    return f"{strategy}, {words.time(run.travel_time_s)} s, {load}, recuperation {recuperation} %"
 
 
 def recipe_of(model: ScenarioModel, scenario: Scenario, strategy: StrategyName) -> Recipe:

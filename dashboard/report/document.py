@@ -95,7 +95,7 @@ def bokeh_script() -> str:
 def subtitle(findings: Findings) -> str:
     """Return length, vehicle and load of a scenario."""
     vehicle, run = findings.scenario.vehicle, findings.run
-    return f"{words.number(run.distance_m / 1000)} km, {vehicle.name}, {words.load(vehicle.load_factor)}"
+    return f"{words.distance(run.distance_m)} km, {vehicle.name}, {words.load(vehicle.load_factor)}"
 
 
 def moment(made_at: datetime) -> str:
@@ -126,7 +126,7 @@ def optima_data(findings: Findings) -> dict[str, Any]:
 def _texts(findings: Findings, run: Trajectory) -> dict[str, Any]:
     """Return what is told of a run."""
     return {
-        "time": f"{words.number(run.travel_time_s)} s",
+        "time": f"{words.time(run.travel_time_s)} s",
         "shown": sections.shown_words(run),
         "energy": words.energy(run.energy_kwh),
         "phases": _phases(run),

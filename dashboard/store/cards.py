@@ -1,12 +1,12 @@
-"""The shipped scenarios as cards, each with the speed of its optimum."""
+"""The shipped scenarios as cards, each with the run that Drive shows first."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 
 from railjoule.core import RailjouleError, Trajectory, load_scenario
-from railjoule.core.scenario import preset_names
-from railjoule.core.strategies import prepare_task, run_strategy
+from railjoule.core.scenario import StrategyName, preset_names
+from railjoule.core.strategies import Task, prepare_task, run_strategy
 
 FIRST = ("metro-with-limit", "metro-10-stations", "tram-950m", "ftorek-300s", "kharkiv-like-40kmh", "liashenko-ii")
 """What one may begin with; the others follow."""
@@ -26,7 +26,7 @@ class Card:
     stations : int
         Planned stops between the ends.
     run : Trajectory
-        Its optimum; where that is not found, the fastest run.
+        That of the scenario's own strategy; where it refuses, the optimum; where that is not found, the fastest run.
     """
 
     name: str
@@ -47,12 +47,19 @@ def make_card(name: str) -> Card:
     """Return the card of a shipped scenario; it never changes, so each is made once a process."""
     scenario = load_scenario(name)
     task = prepare_task(scenario)
-    try:
-        run = run_strategy(task, "optimal")
-    except RailjouleError:
-        run = run_strategy(task, "fastest")
     line = scenario.line
+    run = _first_run(task, (scenario.strategy, "optimal", "fastest"))
     return Card(name, scenario.title, scenario.vehicle.name, line.length_m, len(line.inner_stations), run)
+
+
+def _first_run(task: Task, strategies: tuple[StrategyName, ...]) -> Trajectory:
+    """Return the run of the first strategy that takes a task; the last one takes every one."""
+    for strategy in strategies[:-1]:
+        try:
+            return run_strategy(task, strategy)
+        except RailjouleError:
+            continue
+    return run_strategy(task, strategies[-1])
 
 
 def compute_cards(names: tuple[str, ...]) -> Iterator[tuple[Card, ...]]:

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from railjoule.core import Scenario, SolverError, StrategyRefusedError, TimetableError, Trajectory
+from railjoule.core.best_known import measured
 from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.drive import ConstantEfficiency, CopperLoss
 from railjoule.core.strategies import Task, prepare_task, run_strategy
@@ -24,7 +25,7 @@ class Runs:
     cell_count : int
         Cells of the mesh.
     runs : mapping
-        The runs by strategy, each with the bound of the optimum.
+        The runs by strategy, each with its bound and what it is measured against.
     refused : mapping
         Why a strategy does not take the scenario.
     law : ControlLaw or None
@@ -44,6 +45,19 @@ class Runs:
         if "optimal" in self.runs:
             return self.runs["optimal"]
         return min(self.runs.values(), key=lambda run: run.energy.net_j)
+
+    @property
+    def best_known(self) -> Trajectory:
+        """The run that those within the timetable are measured against."""
+        reference = self.best.reference
+        known = (run for run in self.runs.values() if reference and run.energy.net_j == reference.energy_j)
+        return next(known, self.best)
+
+    @property
+    def is_proven(self) -> bool:
+        """Whether what runs within the timetable are measured against is proven to be the optimum."""
+        reference = self.best.reference
+        return reference is not None and reference.proven
 
 
 SECONDS_PER_CELL: Mapping[StrategyName, float] = {"bellman": 4e-4, "speed_limits": 1.6e-3}
@@ -114,24 +128,23 @@ def compute_runs_in_steps(wish: RunsWish) -> Iterator[Runs]:
         except (StrategyRefusedError, SolverError, TimetableError) as refusal:
             refused[name] = str(refusal)
         if runs:
-            yield bounded(task, runs, refused, law)
+            yield beside_each_other(task, runs, refused, law)
     if not runs:
         raise StrategyRefusedError("; ".join(f"{name} {reason}" for name, reason in refused.items()))
 
 
-def bounded(
+def beside_each_other(
     task: Task,
     runs: Mapping[StrategyName, Trajectory],
     refused: Mapping[StrategyName, str],
     law: ControlLaw | None,
 ) -> Runs:
-    """Return the runs so far, each with the bound of the optimum where that is known."""
-    bound = runs["optimal"].bound if "optimal" in runs else None
+    """Return the runs so far, each with its bound and what it is measured against."""
     return Runs(
         scenario=task.scenario,
         shortest_time_s=task.shortest_travel_time_s,
         cell_count=task.course.cell_count,
-        runs={name: run.with_bound(bound) for name, run in runs.items()},
+        runs=dict(zip(runs, measured([*runs.values()]), strict=True)),
         refused=dict(refused),
         law=law,
     )

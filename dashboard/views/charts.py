@@ -24,6 +24,7 @@ from bokeh.plotting import figure
 from panel.viewable import Viewable
 
 from railjoule.core.arrays import FloatArray
+from railjoule.core.energy import SMALL_ENERGY_KWH
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.look.tokens import DASHES, FONT, line_width
@@ -57,7 +58,8 @@ for (const chart of charts) {
   const values = chart.sources
     .map(([word, source]) => [word, at(source.data, chart.stepped)])
     .filter(([, number]) => isFinite(number))
-    .map(([word, number]) => (word ? word + " " : "") + text(number, chart.digits) + " " + chart.unit);
+    .map(([word, number]) => [word, number, chart.digits + (Math.abs(number) < chart.small ? 1 : 0)])
+    .map(([word, number, digits]) => (word ? word + " " : "") + text(number, digits) + " " + chart.unit);
   const where = chart.place ? text(place, chart.place[1]) + " " + chart.place[0] + ": " : "";
   chart.caption.text = values.length ? chart.words + "&ensp;&ensp;" + where + values.join("&ensp;&ensp;") : chart.words;
 }
@@ -66,7 +68,7 @@ CAPTION_PX = 21
 SHORT_COLUMN = 40
 SPREAD_PASSES = 100
 """Enough for a dozen labels that all want the same place."""
-END_LABEL_SHARE = 0.105
+END_LABEL_SHARE = 0.125
 """Share of the axis beyond the last stop that is kept free for labels at the ends of lines."""
 
 
@@ -248,6 +250,7 @@ class DistanceChart(Chart):
             "stepped": self.stepped,
             "unit": self.unit,
             "digits": self.digits,
+            "small": SMALL_ENERGY_KWH if self.unit == "kWh" else 0,
         }
         self.axis.add(self.told)
         return f

@@ -9,7 +9,7 @@ import panel_material_ui as pmui
 from railjoule.core import Trajectory
 from railjoule.core.scenario.disturbance import Reaction
 from railjoule.dashboard.browser import Browser
-from railjoule.dashboard.look import words
+from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import Rides
@@ -125,32 +125,40 @@ class DisturbancesView(ChartPage):
         planned = rides.undisturbed
         scenario = planned.scenario
         what = (
-            f"{words.number(planned.distance_m / 1000, 2)} km in {words.number(scenario.travel_time_s)} s, "
+            f"{words.distance(planned.distance_m)} km in {words.time(scenario.travel_time_s)} s, "
             f"{len(self.model.events)} event{'' if len(self.model.events) == 1 else 's'} on the way, "
             f"{words.STRATEGY_WORDS[planned.strategy].lower()} plans"
         )
         self.heading.object = parts.heading(scenario.title, what, "")
         self.figures.object = parts.figures(self._cells(rides), self.model.failure is not None)
         self.table.object = self._table(rides)
-        sentences = dict.fromkeys(note for ride in rides.rides.values() for note in ride.notes)
-        self.notes.object = "".join(f'<p class="note">{sentence}</p>' for sentence in (*sentences, WHO))
+        self.notes.object = "".join(f'<p class="note">{sentence}</p>' for sentence in (*told(rides), WHO))
 
     def _cells(self, rides: Rides) -> list[str]:
         planned, driver, computer, known = rides.undisturbed, *(rides.rides[one] for one in REACTION_WORDS)
-        saved = 100 * (1 - computer.actual.energy_kwh / driver.actual.energy_kwh)
-        energy = f"{words.energy(driver.actual.energy_kwh)} kWh"
+        by_driver = driver.actual.energy_kwh
+        energy = f"{words.energy(by_driver)} kWh"
+        spent, more = comparisons.saving(by_driver, planned.energy_kwh)
+        verb, saved = comparisons.saving(computer.actual.energy_kwh, by_driver)
+        arrives = comparisons.arrival(computer.delay_s - driver.delay_s)
+        unit = saved.unit if verb == "saves" else f"{saved.unit} more"
         return [
             parts.figure(
-                "The events cost the driver",
-                words.signed(100 * driver.overconsumption),
-                "%",
+                "The events cost the driver" if spent == "costs" else "The events save the driver",
+                *more,
                 f"{energy}, undisturbed {words.energy(planned.energy_kwh)}",
                 "main",
             ),
-            parts.figure("A computer saves", words.number(saved), "%", f"of the driver\u2019s {energy}"),
+            parts.figure(
+                f"A computer {verb}",
+                saved.value,
+                unit,
+                f"arrives {arrives}",
+                whole=f"{saved} {'of' if verb == 'saves' else 'more than'} the driver\u2019s {energy}",
+            ),
             parts.figure("Known before", words.energy(known.actual.energy_kwh), "kWh", "from the start"),
-            parts.figure("Driver arrives", words.signed(driver.delay_s), "s", "of delay"),
-            parts.figure("Computer arrives", words.signed(computer.delay_s), "s", "of delay"),
+            parts.figure("Driver arrives", words.delay(driver.delay_s), "s", "of delay"),
+            parts.figure("Computer arrives", words.delay(computer.delay_s), "s", "of delay"),
         ]
 
     def _table(self, rides: Rides) -> str:
@@ -160,8 +168,8 @@ class DisturbancesView(ChartPage):
                 (
                     "Undisturbed",
                     words.energy(planned.energy_kwh),
-                    "0",
-                    "0",
+                    comparisons.NOTHING.cell,
+                    words.delay(0.0),
                     words.number(planned.max_speed_kmh),
                     "\u2013",
                 ),
@@ -170,18 +178,30 @@ class DisturbancesView(ChartPage):
         ]
         for reaction, name in REACTION_WORDS.items():
             ride = rides.rides[reaction]
-            saved = saved_by(late, reaction) if late is not None and reaction in late.energy_kwh else "\u2013"
+            price = saved_by(late, reaction) if late is not None and reaction in late.energy_kwh else "\u2013"
             cells = (
                 name,
                 words.energy(ride.actual.energy_kwh),
-                words.signed(100 * ride.overconsumption),
-                words.signed(ride.delay_s) if abs(ride.delay_s) >= 0.05 else "0",
+                comparisons.above(ride.actual.energy_kwh, planned.energy_kwh).cell,
+                words.delay(ride.delay_s),
                 words.number(ride.actual.max_speed_kmh),
-                saved,
+                price,
             )
             rows.append((cells, reaction == "computer"))
         header = ("Ride", "kWh", "more, %", "late, s", "top, km/h", "1 s saves, Wh")
         return f'<div style="padding:0 6px">{parts.table("Who reacts", header, rows)}</div>'
+
+
+def told(rides: Rides) -> list[str]:
+    """Return what could not be kept, each sentence with the names of those whom it is about."""
+    who: dict[str, list[str]] = {}
+    for reaction, ride in rides.rides.items():
+        for note in ride.notes:
+            who.setdefault(note, []).append(REACTION_WORDS[reaction])
+    return [
+        note if len(names) == len(rides.rides) else f"{' and '.join(names)}: {note[0].lower()}{note[1:]}"
+        for note, names in who.items()
+    ]
 
 
 def drawn(rides: Rides) -> dict[str, Trajectory]:

@@ -158,7 +158,7 @@ class DriveView:
         assert run is not None
         assert runs is not None
         vehicle = run.scenario.vehicle
-        subtitle = f"{words.number(run.distance_m / 1000)} km, {vehicle.name}, {words.load(vehicle.load_factor)}"
+        subtitle = f"{words.distance(run.distance_m)} km, {vehicle.name}, {words.load(vehicle.load_factor)}"
         solved = (
             f"solved in {words.number(1e3 * run.solve_time_s)} ms, {run.iterations} iterations, {runs.cell_count} cells"
         )

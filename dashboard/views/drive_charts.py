@@ -13,6 +13,8 @@ from railjoule.dashboard.views.charts import Axis, clear, columns, nice_range, s
 from railjoule.dashboard.views.scene import PINNED, CellChart, RunChart, Scene, SceneChart, line_words
 
 WORD_PX = 7.2
+END_WORDS = {PINNED: "pinned", "fastest": "fastest", "speed_limits": "limits"}
+"""What stands at the end of a line, beside its number, where the whole name has no room."""
 
 
 class PhaseStrip(SceneChart):
@@ -174,10 +176,7 @@ class EnergyChart(RunChart):
         self.sources["ends"].data = {
             "x": [float(scene.x(named[name])[-1]) for name in ends],
             "y": places,
-            "text": [
-                f"{'pinned' if name == PINNED else line_words(name, scene)} {words.energy(e)}"
-                for name, e in ends.items()
-            ],
+            "text": [f"{END_WORDS.get(name) or line_words(name, scene)} {words.energy(e)}" for name, e in ends.items()],
             "colour": [self.palette.tokens["ink3" if name == PINNED else name] for name in ends],
         }
 
@@ -222,7 +221,7 @@ class DifferenceChart(RunChart):
             clear(self.sources["ends"])
             return
         last = float(difference[-1])
-        text = f"{words.signed(last, 2)} kWh"
+        text = f"{words.energy_difference(last)} kWh"
         self.sources["ends"].data = {"x": [float(x[-1])], "y": [last], "text": [text]}
 
 

@@ -8,7 +8,7 @@ import panel as pn
 
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.browser import Browser
-from railjoule.dashboard.look import words
+from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.models.learn import LESSONS, Lesson
@@ -138,22 +138,25 @@ class LearnView(ChartPage):
 def _energies(result: LessonResult, first: str, second: str) -> list[str]:
     one, other, *_ = result.runs.values()
     return [
-        parts.figure(first, words.energy(one.energy_kwh), "kWh", f"in {words.number(one.travel_time_s)} s"),
-        parts.figure(second, words.energy(other.energy_kwh), "kWh", f"in {words.number(other.travel_time_s)} s"),
+        parts.figure(first, words.energy(one.energy_kwh), "kWh", f"in {words.time(one.travel_time_s)} s"),
+        parts.figure(second, words.energy(other.energy_kwh), "kWh", f"in {words.time(other.travel_time_s)} s"),
     ]
 
 
-def _saved(result: LessonResult, label: str, digits: int = 1) -> str:
-    return parts.figure(label, words.signed(-100 * result.saved_share, digits), "%", "", "main")
+def _saved(result: LessonResult, what: str) -> str:
+    """Return what the first run saves of the second one's energy, or costs more."""
+    one, other, *_ = result.runs.values()
+    verb, amount = comparisons.saving(one.energy_kwh, other.energy_kwh)
+    return parts.figure(f"{what} {verb}", *amount, "", "main")
 
 
 def coasting_cells(result: LessonResult) -> list[str]:
     """Return the numbers of the first lesson."""
     run = result.runs["optimum"]
     coasts = sum(phase.end_m - phase.start_m for phase in run.phases if phase.phase == "coast")
-    share = words.number(100 * coasts / run.distance_m, 0)
+    share = words.share(coasts / run.distance_m)
     return [
-        _saved(result, "Coasting saves"),
+        _saved(result, "Coasting"),
         *_energies(result, "Optimum", "One speed"),
         parts.figure("Coasts", share, "%", "of the way"),
     ]
@@ -175,7 +178,7 @@ def recuperation_cells(result: LessonResult) -> list[str]:
     """Return the numbers of the third lesson."""
     run, steady = result.runs["optimum"], result.steady
     assert steady is not None
-    cells = [_saved(result, "Giving back saves"), *_energies(result, "Optimum", "Without")]
+    cells = [_saved(result, "Giving back"), *_energies(result, "Optimum", "Without")]
     off = next((phase.start_m for phase in run.phases if phase.phase == "coast"), None)
     where = "\u2013" if off is None else words.number(off, 0)
     cells.append(parts.figure("Motors off at", where, "m", f"brakes at {words.speed(steady.brake_ms)} km/h"))
@@ -184,7 +187,7 @@ def recuperation_cells(result: LessonResult) -> list[str]:
 
 def gradient_cells(result: LessonResult) -> list[str]:
     """Return the numbers of the fourth lesson."""
-    return [_saved(result, "Knowing it saves"), *_energies(result, "Knows the line", "Planned for level track")]
+    return [_saved(result, "Knowing it"), *_energies(result, "Knows the line", "Planned for level track")]
 
 
 def load_cells(result: LessonResult) -> list[str]:
@@ -192,9 +195,9 @@ def load_cells(result: LessonResult) -> list[str]:
     driven = result.runs["planned for 30 %"]
     late = driven.travel_time_s - driven.scenario.travel_time_s
     return [
-        _saved(result, "Knowing it saves"),
+        _saved(result, "Knowing it"),
         *_energies(result, "Load known", "Planned for 30 %"),
-        parts.figure("Arrives", words.signed(late), "s", "late" if late >= 0.05 else "on time"),
+        parts.figure("Arrives", words.delay(late), "s", "late" if late >= 0.05 else "on time"),
     ]
 
 

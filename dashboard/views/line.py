@@ -9,7 +9,7 @@ import panel_material_ui as pmui
 
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.browser import Browser
-from railjoule.dashboard.look import words
+from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.line import StationModel
 from railjoule.dashboard.models.workbench import Workbench
@@ -75,7 +75,7 @@ class LineView(ChartPage):
             self.axis,
             palette,
             supplement_s,
-            0,
+            words.time,
         )
         self.energy = LegBars(
             "leg_energy",
@@ -84,7 +84,7 @@ class LineView(ChartPage):
             self.axis,
             palette,
             energy_kwh,
-            1,
+            words.energy,
             last=True,
         )
         self.other = pmui.RadioButtonGroup(
@@ -196,8 +196,8 @@ class LineView(ChartPage):
         best, scenario = runs.best, runs.best.run.scenario
         standing = sum(station.dwell_s for station in scenario.line.inner_stations)
         what = (
-            f"{words.number(best.run.distance_m / 1000)} km, {len(best.legs)} legs in "
-            f"{words.number(best.run.travel_time_s)} s, {words.number(standing, 0)} s of them standing"
+            f"{words.distance(best.run.distance_m)} km, {len(best.legs)} legs in "
+            f"{words.time(best.run.travel_time_s)} s, {words.time(standing)} s of them standing"
         )
         self.heading.object = parts.heading(scenario.title, what, "")
         self.figures.object = parts.figures(figure_cells(runs), self.model.failure is not None)
@@ -238,13 +238,13 @@ def figure_cells(runs: LineRuns) -> list[str]:
     prices = [leg.price_of_time_w for leg in best.legs]
     one = max(prices) - min(prices) <= 1e-9 * max(prices)
     price = words.price(prices[0]) if one else f"{words.price(min(prices))}\u2013{words.price(max(prices))}"
-    costs = [words.signed(100 * (other / best.run.energy_kwh - 1), 2) for other in (plain, equal)]
+    costs = [comparisons.above(other, best.run.energy_kwh) for other in (plain, equal)]
     return [
         parts.figure(
             "Energy of the whole line", words.energy(best.run.energy_kwh), "kWh", "time shared by the optimum", "main"
         ),
-        parts.figure("In proportion", costs[0], "%", f"{words.energy(plain)} kWh"),
-        parts.figure("Equal supplements", costs[1], "%", f"{words.energy(equal)} kWh"),
+        parts.figure("In proportion", *costs[0], f"{words.energy(plain)} kWh"),
+        parts.figure("Equal supplements", *costs[1], f"{words.energy(equal)} kWh"),
         parts.figure("Price of a second", price, "Wh/s", "on every leg alike" if one else "one between fixed arrivals"),
         parts.proof_figure(best.run),
         parts.figure(

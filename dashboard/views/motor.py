@@ -227,7 +227,7 @@ class MotorView(ChartPage):
         scenario = self.state.scenario.scenario()
         what = "the plan through the control loop of its motors"
         run = self.model.run
-        aside = "" if run is None else f"arrives {words.signed(run.delay_s, 2)} s against the plan"
+        aside = "" if run is None else f"arrives {words.delay(run.delay_s)} s against the plan"
         self.heading.object = parts.heading(scenario.title, what, aside)
 
     def _show_rivals(self, *_: Any) -> None:
@@ -311,7 +311,7 @@ def run_figures(run: FieldOrientedRun) -> list[str]:
             f"torque {words.number(run.min_torque_current_a, 0)} to {words.number(run.max_torque_current_a, 0)}",
         ),
         parts.figure("Peak voltage", words.number(run.max_phase_voltage_v, 0), "V", "of a phase"),
-        parts.figure("Arrival", words.signed(run.delay_s, 2), "s", "against the plan", "extra"),
+        parts.figure("Arrival", words.delay(run.delay_s), "s", "against the plan", "extra"),
     ]
 
 
@@ -341,4 +341,4 @@ def parts_table(run: FieldOrientedRun) -> str:
 
 
 def _amount(joules: float, total: float) -> tuple[str, str]:
-    return words.number(joules / J_PER_KWH, 4), words.number(100 * joules / total if total else 0.0, 2)
+    return words.energy(joules / J_PER_KWH), words.share(joules / total if total else 0.0)

@@ -8,7 +8,7 @@ import panel as pn
 import panel_material_ui as pmui
 
 from railjoule.dashboard.browser import Browser
-from railjoule.dashboard.look import words
+from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import Reality
@@ -24,7 +24,13 @@ from railjoule.dashboard.views.driven_charts import (
     reality_words,
 )
 from railjoule.dashboard.views.fields import tie
-from railjoule.dashboard.views.heat_map import MEASURES, CostSurface, HeatMapChart, printed_table
+from railjoule.dashboard.views.heat_map import (
+    MEASURES,
+    CostSurface,
+    HeatMapChart,
+    percent_difference,
+    printed_table,
+)
 
 HEIGHTS = {
     "heatmap": (350, 440, 320),
@@ -76,8 +82,8 @@ class RobustnessView(ChartPage):
         self.heat_map = HeatMapChart(HEIGHTS["heatmap"][0], palette, self._choose)
         self.costs = CostSurface(HEIGHTS["costs"][0], palette)
         more, late = "Monte Carlo: more energy than a plan for the true load, %", "Monte Carlo: late at the stop, s"
-        self.more = HistogramChart("more", more, 1, HEIGHTS["more"][0], palette)
-        self.late = HistogramChart("late", late, 1, HEIGHTS["late"][0], palette)
+        self.more = HistogramChart("more", more, percent_difference, HEIGHTS["more"][0], palette)
+        self.late = HistogramChart("late", late, words.delay, HEIGHTS["late"][0], palette)
         self.scatter = LoadScatter(HEIGHTS["scatter"][0], palette)
         self.speed = DrivenSpeedChart(HEIGHTS["driven_speed"][0], self.axis, palette)
         self.effort = DrivenEffortChart(HEIGHTS["driven_effort"][0], self.axis, palette)
@@ -191,8 +197,8 @@ class RobustnessView(ChartPage):
         scenario = planned.scenario
         runs = self.model.table.done if self.model.table else 0
         what = (
-            f"plan for load {100 * scenario.vehicle.load_factor:.0f} % and the right place, "
-            f"{words.number(planned.distance_m / 1000)} km in {words.number(planned.travel_time_s)} s; what is driven "
+            f"plan for load {words.setting(scenario.vehicle.load_factor)} % and the right place, "
+            f"{words.distance(planned.distance_m)} km in {words.time(planned.travel_time_s)} s; what is driven "
             "when they are wrong"
         )
         self.heading.object = parts.heading(scenario.title, what, f"{runs} cells")
@@ -207,26 +213,25 @@ class RobustnessView(ChartPage):
         cells = [
             parts.figure(
                 reality_words(disturbance.actual_load_factor or 0.0, disturbance.coordinate_error_m).capitalize(),
-                words.signed(100 * (energy / reference - 1)),
-                "%",
+                *comparisons.above(energy, reference),
                 f"{words.energy(energy)} kWh, {against} {words.energy(reference)}",
                 "main",
             ),
-            parts.figure("Arrival", words.signed(following.delay_s), "s", "at the end"),
-            parts.figure("Stands", words.signed(following.stop_error_m, 2), "m", "beyond the stop"),
+            parts.figure("Arrival", words.delay(following.delay_s), "s", "at the end"),
+            parts.figure("Stands", words.stop_error(following.stop_error_m), "m", "beyond the stop"),
         ]
         table = self.model.table
         if table is not None and np.any(np.isfinite(table.over_replanned)):
             k, m = np.unravel_index(np.nanargmax(table.over_replanned), table.over_replanned.shape)
-            worst = 100 * float(table.over_replanned[k, m])
+            worst = words.share_difference(float(table.over_replanned[k, m]))
             place = reality_words(table.load_factors[k], table.coordinate_errors_m[m])
-            cells.append(parts.figure("Worst of the table", words.signed(worst), "%", place))
+            cells.append(parts.figure("Worst of the table", worst, "%", place))
         chance = self.model.chance
         values = finite(chance.over_replanned) if chance is not None else np.zeros(0)
         if chance is not None and len(values):
-            half, most = (100 * float(np.quantile(values, share)) for share in (0.5, 0.95))
+            half, most = (words.share_difference(float(np.quantile(values, share))) for share in (0.5, 0.95))
             drawn = f"of {words.number(chance.done, 0)} drawn"
-            cells.append(parts.figure("Half of all runs", f"&lt; {words.number(half)}", "%", drawn))
+            cells.append(parts.figure("Half of all runs", f"&lt; {half}", "%", drawn))
             seed = f"seed {chance.scenario.montecarlo.seed}"
-            cells.append(parts.figure("19 of 20 runs", f"&lt; {words.number(most)}", "%", seed))
+            cells.append(parts.figure("19 of 20 runs", f"&lt; {most}", "%", seed))
         return cells

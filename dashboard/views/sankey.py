@@ -63,7 +63,7 @@ def links_of(flow: EnergyFlow) -> tuple[Link, ...]:
 
 def kwh(joules: float) -> str:
     """Return an energy [J] in kWh as it stands at a ribbon."""
-    return words.number(joules / J_PER_KWH, 2)
+    return words.energy(joules / J_PER_KWH)
 
 
 class SankeyChart(Chart):

@@ -12,7 +12,7 @@ from railjoule.core.scenario import StrategyName, load_scenario, preset_names
 from railjoule.core.strategies import STRATEGIES
 from railjoule.core.strategies.enoc import best_acceleration_time
 from railjoule.dashboard.keeping import Keeping
-from railjoule.dashboard.look import words
+from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.models.dropped import LARGEST_REPORT_BYTES, NO_TEXT, TOO_LARGE
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import Runs
@@ -242,7 +242,7 @@ class EnocField:
             return
         best = best_acceleration_time(trade_off.coefficients, run.travel_time_s)
         self.best.visible = self.state.scenario.acceleration_time_s is not None
-        self.best.label = f"Best for {words.number(run.travel_time_s)} s: {words.number(best)} s"
+        self.best.label = f"Best for {words.time(run.travel_time_s)} s: {words.time(best)} s"
         self.field.suggest(best)
 
 
@@ -260,12 +260,11 @@ def line_rows(state: Workbench) -> str:
     """Return what the line is like, in rows."""
     line = state.scenario.edited.line.in_running_order()
     gradients = [section.gradient_permille for section in line.sections]
-    length = words.number(line.length_m / 1000, 1 if line.length_m >= 1000 else 2)
     if min(gradients) == max(gradients):
         level = "level" if gradients[0] == 0 else f"{words.signed(gradients[0], 0)} {words.PER_MILLE}"
     else:
         level = f"{words.signed(min(gradients), 0)} to {words.signed(max(gradients), 0)} {words.PER_MILLE}"
-    rows = [f"<div class='row'><span>{length} km, {level}</span></div>"]
+    rows = [f"<div class='row'><span>{words.distance(line.length_m)} km, {level}</span></div>"]
     rows += [
         f"<div class='row'><span>Limit {limit.limit_kmh:g} km/h</span>"
         f"<span>{limit.from_m:g}\u2013{limit.to_m:g} m</span></div>"
@@ -283,8 +282,8 @@ class StrategyList:
         self.numbers: dict[StrategyName, Words] = {}
         self.choices: dict[StrategyName, pmui.Button] = {}
         rows = [self._row(name) for name in STRATEGIES]
-        title = '<div class="section">Strategies <span>\u00b7 kWh, above optimum</span></div>'
-        self.view = pn.Column(html_pane(title), *rows, margin=0, sizing_mode="stretch_width")
+        self.title = html_pane(strategies_title(proven=True))
+        self.view = pn.Column(self.title, *rows, margin=0, sizing_mode="stretch_width")
         state.param.watch(self._show, ["runs", "chosen", "ticked"])
         state.param.watch(self._follow_ticks, "ticked")
 
@@ -349,6 +348,7 @@ class StrategyList:
         runs = self.state.runs
         if runs is None:
             return
+        self.title.object = strategies_title(runs.is_proven)
         for name in STRATEGIES:
             chosen = name == self.state.chosen
             weight = 600 if chosen else 400
@@ -357,14 +357,20 @@ class StrategyList:
             self.numbers[name].object = strategy_numbers(runs, name, chosen)
 
 
+def strategies_title(proven: bool) -> str:
+    """Return the title of the strategies, which says what their numbers are."""
+    above = comparisons.reference_name(proven)
+    return f'<div class="section">Strategies <span>\u00b7 kWh, above {above}</span></div>'
+
+
 def strategy_numbers(runs: Runs, name: StrategyName, chosen: bool) -> str:
-    """Return a strategy's energy and its distance to the optimum, or why it refuses."""
+    """Return a strategy's energy and by how much it lies above the best known run, or why it refuses."""
     if name in runs.refused:
         return f'<div class="result"><span class="reason">{html.escape(runs.refused[name].rstrip("."))}</span></div>'
     if name not in runs.runs:
         return '<div class="result"><span class="reason">\u2013</span></div>'
-    run, optimum = runs.runs[name], runs.best
-    share = 100 * (run.energy_kwh / optimum.energy_kwh - 1) if optimum.energy_kwh > 0 else 0.0
-    above = "0" if name == "optimal" else f"{words.signed(share) if abs(share) >= 0.05 else '+0.0'} %"
-    energy = words.energy(run.energy_kwh)
+    run = runs.runs[name]
+    amount, energy = comparisons.above_reference(run), words.energy(run.energy_kwh)
+    # the title says kWh, and there is no room for it
+    above = words.UNKNOWN if amount is None else str(amount).removesuffix(" kWh")
     return f'<div class="result{" chosen" if chosen else ""}"><span>{energy}</span><span>{above}</span></div>'

@@ -6,9 +6,8 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
-from railjoule.core.strategies.optimal import PROVEN_GAP
 from railjoule.dashboard.browser import Browser
-from railjoule.dashboard.look import words
+from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import LimitRun
@@ -226,7 +225,7 @@ class SpeedLimitsView(ChartPage):
         scenario, count = run.run.scenario, len(run.limits_kmh)
         how = "found by search" if scenario.search.limits_kmh is None else "given"
         what = (
-            f"{words.number(run.run.distance_m / 1000)} km in {words.number(run.planned_s)} s, {count} "
+            f"{words.distance(run.run.distance_m)} km in {words.time(run.planned_s)} s, {count} "
             f"section{'' if count == 1 else 's'}, limits {how}; the regulator "
             f"{REGULATOR_DOES[scenario.search.regulator]}"
         )
@@ -263,32 +262,34 @@ class SpeedLimitsView(ChartPage):
             detail = f'<span class="worse">{words.number(time_s - last)} s too late</span>'
         else:
             detail = f'<span class="open">{words.number(first - time_s)} s too early</span>'
-        return parts.figure("Travel time", words.number(time_s), "s", detail)
+        return parts.figure("Travel time", words.time(time_s), "s", detail)
 
 
 def cost_figure(run: LimitRun) -> str:
-    """Return what the limits cost beside the optimum; beside its bound where the optimum is not found."""
-    cost, gap = run.cost_share, run.run.gap
-    if cost is not None:
-        return parts.figure("Limits cost", words.signed(100 * cost), "%", "above the optimum in the same time", "main")
-    if gap is None:
-        return parts.figure("Limits cost", "\u2013", "", "no optimum to compare with", "main")
-    return parts.figure("Limits cost", f"\u2264 {words.number(100 * gap)}", "%", "above the bound in that time", "main")
+    """Return what the limits cost beside the best known run of the same time."""
+    cost, reference = comparisons.above_reference(run.run), run.run.reference
+    if cost is None or reference is None:
+        return parts.figure("Limits cost", words.UNKNOWN, "", "no optimum to compare with", "main")
+    name = comparisons.reference_noun(reference.proven)
+    return parts.figure("Limits cost", *cost, f"above the {name} in the same time", "main")
 
 
 def optimum_figure(run: LimitRun) -> str:
-    """Return the energy of the optimum in the time that the run takes, and how far it is proven."""
-    optimum = run.optimum
-    if optimum is None:
-        return parts.figure("Optimum", "\u2013", "", "not found")
-    gap = optimum.gap
-    if gap is None:
-        detail = "no bound is known"
-    elif gap <= PROVEN_GAP:
+    """Return the energy of the best known run in the time that the limits take, and how far it is from its bound."""
+    reference, bound = run.run.reference, run.run.lower_bound_kwh
+    if reference is None:
+        return parts.figure("Optimum", words.UNKNOWN, "", "not found")
+    whole = ""
+    if reference.proven:
         detail = '<span class="proven">\u2713 proven</span>'
+    elif bound is None:
+        detail = "no bound is known"
     else:
-        detail = f'<span class="open">\u25d0</span> bound {words.energy(optimum.lower_bound_kwh or 0)} kWh'
-    return parts.figure("Optimum", words.energy(optimum.energy_kwh), "kWh", detail)
+        amount = comparisons.above(reference.energy_kwh, bound)
+        detail = f'<span class="open">\u25d0</span> {amount.sentence} bound'
+        whole = f"Not proven: the bound is {words.energy(bound)} kWh"
+    name = comparisons.reference_noun(reference.proven).capitalize()
+    return parts.figure(name, words.energy(reference.energy_kwh), "kWh", detail, whole=whole)
 
 
 def sections_table(run: LimitRun) -> str:

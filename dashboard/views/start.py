@@ -12,7 +12,7 @@ from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.browser import Browser
-from railjoule.dashboard.look import words
+from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.models.workbench import Workbench
@@ -111,13 +111,14 @@ def hero(runs: Runs | None) -> str:
     run, fastest = runs.best, runs.runs.get("fastest")
     phases = dict.fromkeys(phase.phase for phase in run.phases)
     key = [
-        f"<span><b>{parts.escaped(run.scenario.title)}</b>: speed over {words.number(run.distance_m / 1000)} km</span>",
-        f"<span><b>{words.energy(run.energy_kwh)} kWh</b> in {words.number(run.travel_time_s)} s</span>",
+        f"<span><b>{parts.escaped(run.scenario.title)}</b>: speed over {words.distance(run.distance_m)} km</span>",
+        f"<span>{words.strategy(run.strategy)}: <b>{words.energy(run.energy_kwh)} kWh</b> "
+        f"in {words.time(run.travel_time_s)} s</span>",
     ]
     if fastest is not None:
         key.append(
             f"<span>dotted: as fast as can be, {words.energy(fastest.energy_kwh)} kWh in "
-            f"{words.number(fastest.travel_time_s)} s</span>"
+            f"{words.time(fastest.travel_time_s)} s</span>"
         )
     key += [
         f'<span><i style="background:var(--rj-{name.replace("_", "-")})"></i>{words.PHASE_WORDS[name]}</span>'
@@ -155,18 +156,21 @@ def picture(run: Trajectory, fastest: Trajectory | None) -> str:
 
 
 def card_html(card: Card) -> str:
-    """Return title, vehicle, length and speed of a scenario."""
+    """Return what a scenario is, and energy and time of its run with its strategy where that is not the optimum."""
     run = card.run
     stops = f", {card.stations} stations on the way" if card.stations else ""
     line = speed_line(run, 1.06 * run.max_speed_kmh, SMALL_WIDTH, SMALL_HEIGHT, "var(--rj-accent)", 1.8)
-    name = f"Speed over distance, up to {words.number(run.max_speed_kmh, 0)} km/h"
+    name = f"Speed over distance, up to {words.number(run.max_speed_kmh)} km/h"
+    strategy = "" if run.strategy == "optimal" else f"{words.strategy(run.strategy)}: "
+    asked = comparisons.other_time_of(run) and f" ({words.time(run.scenario.travel_time_s)}\u00a0s asked)"
     return (
         f'<div class="card"><p>{parts.escaped(card.vehicle)}</p>'
         f'<svg role="img" aria-label="{name}" viewBox="0 0 {SMALL_WIDTH:g} {SMALL_HEIGHT:g}" '
         f'preserveAspectRatio="none">{line}<path d="M0 {SMALL_HEIGHT - 0.5:g} H{SMALL_WIDTH:g}" '
         'stroke="var(--rj-line2)" vector-effect="non-scaling-stroke"/></svg>'
-        f"<p>{words.number(card.length_m / 1000, 2)} km{stops}, {words.energy(run.energy_kwh)}\u00a0kWh in "
-        f"{words.number(run.travel_time_s, 0)}\u00a0s</p></div>"
+        f"<p>{words.distance(card.length_m)}\u00a0km{stops}</p>"
+        f"<p>{strategy}{words.energy(run.energy_kwh)}\u00a0kWh in {words.time(run.travel_time_s)}\u00a0s{asked}</p>"
+        "</div>"
     )
 
 

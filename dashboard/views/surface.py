@@ -6,6 +6,7 @@ import numpy as np
 import panel as pn
 
 from railjoule.core.arrays import FloatArray
+from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import FONT
 from railjoule.dashboard.store import EnocMap
@@ -127,14 +128,14 @@ class SurfacePane(Chart):
             "x": [point[0] for point in points],
             "y": [point[1] for point in points],
             "z": [point[2] + POINT_LIFT * height for point in points],
-            "customdata": [point[2] for point in points],
+            "customdata": [words.energy(point[2]) for point in points],
             "marker": {
                 "size": 7,
                 "symbol": symbol,
                 "color": self.palette.tokens[token],
                 "line": {"color": "#FFFFFF", "width": 2},
             },
-            "hovertemplate": name + ": %{x:.1f} s, %{y:.1f} s: %{customdata:.3f} kWh<extra></extra>",
+            "hovertemplate": name + ": %{x:.1f} s, %{y:.1f} s: %{customdata} kWh<extra></extra>",
         }
 
 

@@ -11,7 +11,7 @@ from railjoule.core.strategies.enoc import best_acceleration_time, enoc_energy
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.core.validation.ftorek import TABLE_3_COPPER_WEIGHT
 from railjoule.dashboard.browser import Browser
-from railjoule.dashboard.look import words
+from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import TradeOff
@@ -19,7 +19,13 @@ from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.chart_page import ChartPage
 from railjoule.dashboard.views.charts import Chart
 from railjoule.dashboard.views.surface import SurfacePane
-from railjoule.dashboard.views.trade_off_charts import ContourChart, FrontierChart, ShareChart, printed_points
+from railjoule.dashboard.views.trade_off_charts import (
+    ContourChart,
+    FrontierChart,
+    ShareChart,
+    best_enoc_kwh,
+    printed_points,
+)
 
 HEIGHTS = {
     "frontier": (330, 450, 280),
@@ -132,25 +138,30 @@ class TradeOffView(ChartPage):
         self.table.object = self._table(trade_off, run, now)
 
     def _cells(self, trade_off: TradeOff, run: Trajectory, now: tuple[float, float, float] | None) -> list[str]:
-        time, energy = trade_off.frontier.travel_time_s, trade_off.frontier.energy_kwh
+        frontier = trade_off.frontier
 
         def changed(factor: float, label: str) -> str:
             then = factor * run.travel_time_s
-            if not time[0] <= then <= time[-1]:
-                return parts.figure(label, "\u2013", "", f"no train can, in {words.number(then)} s")
-            value = float(np.interp(then, time, energy))
-            share = words.signed(100 * (value / run.energy_kwh - 1))
-            return parts.figure(label, share, "%", f"{words.energy(value)} kWh at {words.number(then, 0)} s")
+            if then < frontier.shortest_travel_time_s:
+                return parts.figure(label, words.UNKNOWN, "", f"no train can, in {words.time(then)} s")
+            # the frontier's mesh may be coarser than that of the run: its differences are what counts
+            more_kwh = frontier.energy_kwh_at(then) - frontier.energy_kwh_at(run.travel_time_s)
+            if not np.isfinite(more_kwh):
+                return parts.figure(label, words.UNKNOWN, "", f"not known in {words.time(then)} s")
+            value = run.energy_kwh + more_kwh
+            more = comparisons.above(value, run.energy_kwh)
+            return parts.figure(label, *more, f"{words.energy(value)} kWh at {words.time(then)} s")
 
-        detail = f"for {words.number(run.distance_m / 1000)} km"
+        asked, waiting = comparisons.time_asked(run), comparisons.waiting_of(run)
+        detail = f"{asked}: {waiting}" if waiting else asked or f"for {words.distance(run.distance_m)} km"
         if now:
-            share = words.number(100 * (1 - run.energy_kwh / now[2]))
-            detail = f'<span class="better">\u25bc {share} %</span> against ENOC {words.energy(now[2])}'
+            detail = f"ENOC {words.energy(now[2])} kWh, {comparisons.above(now[2], run.energy_kwh)}"
+        optimum = "Optimum" if run.is_proven else words.strategy(run.strategy)
         cells = [
             parts.figure(
-                f"Optimum at {words.number(run.travel_time_s)} s", words.energy(run.energy_kwh), "kWh", detail, "main"
+                f"{optimum} at {words.time(run.travel_time_s)} s", words.energy(run.energy_kwh), "kWh", detail, "main"
             ),
-            parts.price_figure(run, run.price_of_time_w),
+            parts.price_figure(run, run),
             changed(1.1, "10 % more time"),
             changed(0.9, "10 % less time"),
         ]
@@ -158,7 +169,7 @@ class TradeOffView(ChartPage):
             best = best_acceleration_time(trade_off.coefficients, run.travel_time_s)
             cells.append(
                 parts.figure(
-                    "Best acceleration time", words.number(best), "s", f"ENOC at {words.number(run.travel_time_s)} s"
+                    "Best acceleration time", words.time(best), "s", f"ENOC at {words.time(run.travel_time_s)} s"
                 )
             )
         return cells
@@ -169,7 +180,7 @@ class TradeOffView(ChartPage):
                 (
                     f"{parts.swatch('optimal')}Optimal",
                     words.energy(run.energy_kwh),
-                    "0",
+                    comparisons.NOTHING.cell,
                     words.number(run.max_speed_kmh),
                     "\u2013",
                 ),
@@ -179,28 +190,26 @@ class TradeOffView(ChartPage):
 
         def enoc_row(name: str, ramp: float, energy: float) -> tuple[tuple[str, ...], bool]:
             peak = run.distance_m / (run.travel_time_s - ramp) / MS_PER_KMH
-            above = words.signed(100 * (energy / run.energy_kwh - 1))
             cells = (
                 f"{parts.swatch('enoc')}{name}",
                 words.energy(energy),
-                above,
+                comparisons.above(energy, run.energy_kwh).cell,
                 words.number(peak),
-                words.number(ramp),
+                words.time(ramp),
             )
             return cells, False
 
         coefficients, time = trade_off.coefficients, run.travel_time_s
         if coefficients is not None and now is not None:
             best = best_acceleration_time(coefficients, time)
-            energy = float(enoc_energy(coefficients, time, best)) / J_PER_KWH
-            rows.append(enoc_row("ENOC, best", best, energy))
+            rows.append(enoc_row("ENOC, best", best, best_enoc_kwh(trade_off, time)))
             if abs(now[1] - best) > 0.05:
                 rows.append(enoc_row("ENOC, as set", now[1], now[2]))
             times, ramps, energies = printed_points(trade_off)
             for k in np.flatnonzero(np.abs(times - time) < 0.05):
                 rows.append(enoc_row("ENOC as printed", float(ramps[k]), float(energies[k])))
-        header = ("Strategy", "kWh", "above, %", "top, km/h", "accelerates, s")
-        return f'<div style="padding:0 6px">{parts.table(f"At {words.number(time)} s", header, rows)}</div>'
+        header = ("Strategy", "kWh", "above optimal, %", "top, km/h", "accelerates, s")
+        return f'<div style="padding:0 6px">{parts.table(f"At {words.time(time)} s", header, rows)}</div>'
 
 
 def enoc_refusal(trade_off: TradeOff, time: float) -> str:
@@ -209,4 +218,5 @@ def enoc_refusal(trade_off: TradeOff, time: float) -> str:
         return f"ENOC {trade_off.refusal}"
     nearest = float(trade_off.frontier.travel_time_s[np.argmin(np.abs(trade_off.frontier.travel_time_s - time))])
     reason = dict(trade_off.enoc.refused).get(nearest)
-    return f"ENOC is drawn without the vehicle\u2019s limits here: for {nearest:.1f} s it {reason}" if reason else ""
+    sentence = f"ENOC is drawn without the vehicle\u2019s limits here: for {words.time(nearest)} s it {reason}"
+    return sentence if reason else ""

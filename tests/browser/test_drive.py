@@ -8,6 +8,7 @@ from playwright.sync_api import Browser, BrowserContext, expect
 from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User
+from railjoule.dashboard.views.charts import END_LABEL_SHARE
 
 
 @pytest.fixture(scope="module")
@@ -107,7 +108,7 @@ def test_strategies_of_a_plain_line(user: User) -> None:
     user.page.get_by_role("button", name="ENOC", exact=True).click()
     user.rest(1000)
     expect(user.figure_value("Energy at the line")).to_have_text("4.250kWh")
-    expect(user.figure_value("Above the optimum")).to_have_text("1.7%")
+    expect(user.figure_value("Above the optimum")).to_have_text("+1.7%")
 
 
 def test_a_strategy_that_refuses_says_why(user: User) -> None:
@@ -121,7 +122,7 @@ def test_over_time(user: User) -> None:
     user.page.get_by_role("button", name="Time", exact=True).click()
     user.rest(1000)
     assert user.picture("speed") != speed
-    assert x_range(user)[1] == pytest.approx(170 * 1.105, rel=1e-6)
+    assert x_range(user)[1] == pytest.approx(170 * (1 + END_LABEL_SHARE), rel=1e-6)
 
 
 def x_range(user: User) -> tuple[float, float]:

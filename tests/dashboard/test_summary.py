@@ -68,7 +68,7 @@ def test_what_is_not_known_is_null(run):
 
 
 def test_an_infinite_bound_is_null(run):
-    endless = summarise(run.with_bound(Bound(float("-inf"), "None.")))
+    endless = summarise(replace(run, bound=Bound(float("-inf"), "None.")))
     assert endless["lower_bound_kwh"] is None
     assert endless["gap"] is None
     json.dumps(endless, allow_nan=False)
@@ -92,6 +92,8 @@ def test_a_validation_holds_rows_with_their_differences():
             "printed": 200.0,
             "ours": 201.0,
             "difference_percent": pytest.approx(0.5),
+            "difference_points": None,
+            "close": True,
             "note": "Why.",
         }
     ]

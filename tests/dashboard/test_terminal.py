@@ -1,7 +1,7 @@
 import pytest
 
 from railjoule.dashboard import terminal
-from railjoule.dashboard.terminal import energy, gap_words, number, phase_words, printable, table_lines
+from railjoule.dashboard.terminal import bound_words, energy, number, phase_words, printable, table_lines, verdict
 
 
 @pytest.mark.parametrize(
@@ -23,14 +23,37 @@ def test_energies_have_three_digits_below_five(kwh, text):
         (None, "no bound known"),
         (9e-7, "proven optimal"),
         (-1e-9, "proven optimal"),
-        (2e-5, "0.002 % above the bound"),
-        (0.0165, "1.65 % above the bound"),
-        (2.5, "250.00 % above the bound"),
-        (-0.01, "1.00 % under the bound of another mesh"),
+        (2e-5, "0.01 % above the bound"),
+        (0.0166, "1.7 % above the bound"),
+        (2.5, "250 % above the bound"),
+        (-0.01, "1.0 % below the bound of another mesh"),
     ],
 )
 def test_gaps_in_words(gap, words):
-    assert gap_words(gap) == words
+    bound = None if gap is None else 4.0
+    assert bound_words({"energy_kwh": 4.0 * (1 + (gap or 0.0)), "lower_bound_kwh": bound, "gap": gap}) == words
+
+
+def run(energy_kwh, of_kwh=4.0, strategy="phases", proven=True, within_s=95.0):
+    """Return what `verdict` reads of a run beside the optimum."""
+    known = {"strategy": "optimal", "energy_kwh": of_kwh, "within_s": within_s, "proven": proven}
+    values = {"energy_kwh": energy_kwh, "strategy": strategy, "allowed_time_s": 95.0, "reference": known}
+    return {**values, "lower_bound_kwh": 4.0, "gap": energy_kwh / 4.0 - 1}
+
+
+@pytest.mark.parametrize(
+    ("summary", "words"),
+    [
+        (run(4.4), "10.0 % above the optimum of 4.000 kWh"),
+        (run(3.9, proven=False), "2.5 % below the best known run of 4.000 kWh"),
+        (run(4.4, proven=False, within_s=99.9), "10.0 % above the best known run of 4.000 kWh in 99.9 s"),
+        (run(27.5, -0.628), "28.13 kWh above the optimum of -0.628 kWh"),
+        (run(4.0, strategy="optimal"), "proven optimal"),
+        ({**run(4.4), "reference": None}, "10.0 % above the bound"),
+    ],
+)
+def test_a_run_is_measured_against_the_best_known_one(summary, words):
+    assert verdict(summary) == words
 
 
 def phase(name, **changes):

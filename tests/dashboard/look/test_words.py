@@ -33,6 +33,55 @@ def test_prices_are_in_wh_per_s(watt: float, text: str) -> None:
     assert words.price(watt) == text
 
 
+@pytest.mark.parametrize(("kwh", "text"), [(0.3861, "+0.386"), (-5.4321, "\u22125.43"), (0.0, "0.000")])
+def test_differences_of_energies_have_their_decimals_and_a_sign(kwh: float, text: str) -> None:
+    assert words.energy_difference(kwh) == text
+
+
+@pytest.mark.parametrize(
+    ("share", "text"),
+    [
+        (0.000474, "0.05"),
+        (0.00994, "0.99"),
+        (0.00996, "1.0"),
+        (0.0581, "5.8"),
+        (0.9994, "99.9"),
+        (0.9996, "100"),
+        (9.1708, "917"),
+        (-4e-5, "0.00"),
+        (float("nan"), "\u2013"),
+    ],
+)
+def test_shares_are_in_percent_with_more_decimals_the_smaller_they_are(share: float, text: str) -> None:
+    assert words.share(share) == text
+
+
+@pytest.mark.parametrize(("share", "text"), [(0.0581, "+5.8"), (-0.124, "\u221212.4"), (4e-5, "0.00"), (-4e-5, "0.00")])
+def test_relative_differences_have_a_sign_unless_they_read_as_zero(share: float, text: str) -> None:
+    assert words.share_difference(share) == text
+
+
+@pytest.mark.parametrize(("factor", "text"), [(0.5, "50"), (0.505, "50.5"), (0.3, "30"), (1 / 3, "33.3")])
+def test_settings_are_whole_unless_set_finer(factor: float, text: str) -> None:
+    assert words.setting(factor) == text
+
+
+@pytest.mark.parametrize(("metres", "text"), [(950.0, "0.95"), (2300.0, "2.30"), (48_529.0, "48.53")])
+def test_lengths_are_in_km(metres: float, text: str) -> None:
+    assert words.distance(metres) == text
+
+
+def test_times_delays_and_stopping_errors() -> None:
+    assert words.time(5769.6) == "5\u202f769.6"
+    assert (words.delay(36.46), words.delay(-0.9), words.delay(0.04)) == ("+36.5", "\u22120.9", "0.0")
+    assert words.stop_error(-0.256) == "\u22120.26"
+
+
+def test_a_terminal_has_signs_of_its_own() -> None:
+    assert words.plain(words.delay)(-1234.5) == "-1,234.5"
+    assert words.plain_text(words.number(float("nan"))) == "-"
+
+
 def test_speeds_are_in_km_per_h() -> None:
     assert words.speed(10.0) == "36"
 

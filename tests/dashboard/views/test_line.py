@@ -1,6 +1,7 @@
 import pytest
 
 from railjoule.core import load_scenario
+from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.store import LineRuns, LineWish, compute_line
 from railjoule.dashboard.views.charts import Axis
@@ -21,7 +22,7 @@ def runs() -> LineRuns:
 
 def test_the_bars_are_the_supplements_side_by_side(runs: LineRuns) -> None:
     palette = Palette(False)
-    bars = LegBars("supplements", "s", 120, Axis(palette), palette, supplement_s, 0)
+    bars = LegBars("supplements", "s", 120, Axis(palette), palette, supplement_s, words.time)
     bars.appear()
     bars.draw(runs, 900.0)
     for sharing, line in runs.runs.items():

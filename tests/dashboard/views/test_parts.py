@@ -1,4 +1,5 @@
 import re
+from dataclasses import replace
 
 import pytest
 
@@ -50,13 +51,53 @@ def test_figures_of_another_strategy_name_its_distance(runs: Runs) -> None:
     run = runs.runs["enoc"]
     above = 100 * (run.energy_kwh / runs.runs["optimal"].energy_kwh - 1)
     text = plain(parts.run_figures(runs, run, None, stale=False))
-    assert f"Above the optimum {above:.1f} % optimum 4.181 kWh" in text
+    assert f"Above the optimum +{above:.1f} % optimum 4.181 kWh" in text
+
+
+def test_an_optimum_that_is_not_proven_is_told_by_its_bound() -> None:
+    runs = compute_runs(RunsWish(load_scenario("tram-950m"), ("phases",)))
+    best, phases = (plain(parts.proof_figure(runs.runs[name])) for name in ("optimal", "phases"))
+    # bound and optimum as `railjoule compare tram-950m` has them
+    assert best == "Above the bound +0.05 % \u25d0 bound 0.995 kWh"
+    assert phases == "Above best known +5.8 % bound 0.995 kWh"
+
+
+def test_a_better_run_than_the_unproven_optimum_is_the_best_known() -> None:
+    runs = compute_runs(RunsWish(load_scenario("kharkiv-like-20kmh"), ("bellman",)))
+    optimal, bellman = (plain(parts.proof_figure(runs.runs[name])) for name in ("optimal", "bellman"))
+    assert runs.best_known.strategy == "bellman"
+    assert "Above best known +0.16 % bound 3.954 kWh" in optimal
+    assert "Above the bound +39.1 %" in bellman
+
+
+def test_a_run_without_bound_says_so(runs: Runs) -> None:
+    text = plain(parts.proof_figure(replace(runs.runs["optimal"], bound=None, reference=None)))
+    assert text == "Above the bound \u2013 no bound is known"
+
+
+def test_another_time_than_asked_stands_beside_the_time(runs: Runs) -> None:
+    text = plain(parts.run_figures(runs, runs.runs["fastest"], None, stale=False))
+    assert "Travel time 198.7 s asked 300.0 s" in text
+    assert "Fastest: 101.3 s earlier than the 300.0 s asked." in plain(parts.runs_table(runs, "optimal"))
+
+
+def test_next_to_a_negative_optimum_runs_differ_by_kilowatt_hours() -> None:
+    """At 9999 s this train rolls down to its end with 0.628 kWh given back; waiting any longer changes nothing."""
+    scenario = load_scenario("metro-with-limit", {"timetable.travel_time_s": 9999.0})
+    runs = compute_runs(RunsWish(scenario, ("fastest",)))
+    fastest = runs.runs["fastest"]
+    more = fastest.energy_kwh - runs.runs["optimal"].energy_kwh
+    assert plain(parts.proof_figure(fastest)) == f"Above the optimum +{more:.2f} kWh optimum \u22120.628 kWh"
+    assert f"+{more:.2f} kWh" in plain(parts.runs_table(runs, "optimal"))
+    text = plain(parts.run_figures(runs, runs.runs["optimal"], None, stale=False))
+    assert "for 5 767.0 s: more time saves nothing" in text
+    assert "Travel time 5 767.0 s asked 9 999.0 s" in text
 
 
 def test_the_bars_of_the_account_add_up(runs: Runs) -> None:
     run = runs.runs["optimal"]
     text = plain(parts.account(run))
-    assert text.endswith("The account closes at 4.18 kWh.")
+    assert text.endswith("The account closes at 4.181 kWh.")
     assert "Copper loss" in text
 
 
@@ -80,7 +121,7 @@ def test_the_table_of_runs_compares_with_the_pinned_one(runs: Runs) -> None:
         (9.0, 10.0, "\u25bc 10.0 % against pinned 10.00"),
         (11.0, 10.0, "\u25b2 10.0 % against pinned 10.00"),
         (10.0, 10.0, "as pinned, 10.00"),
-        (10.0, -1.0, "pinned \u22121.000"),
+        (10.0, -1.0, "\u25b2 11.00 kWh against pinned \u22121.000"),
     ],
 )
 def test_changes_against_the_pinned_run(now: float, before: float, text: str) -> None:
@@ -105,3 +146,15 @@ def test_tables_can_be_saved_under_their_titles() -> None:
 
 def test_a_new_page_has_no_run_yet() -> None:
     assert Workbench().run is None
+
+
+def test_the_price_of_a_second_is_that_of_the_run_where_its_strategy_tells_one(runs: Runs) -> None:
+    optimum, enoc = runs.runs["optimal"], runs.runs["enoc"]
+    assert optimum.price_of_time_w is not None
+    dearer = replace(enoc, price_of_time_w=2 * optimum.price_of_time_w)
+    told = parts.price_figure(enoc, optimum)
+    assert f"{words.price(optimum.price_of_time_w)} Wh/s 1 s later: \u22120.30 %" in plain(told)
+    assert 'title="That of the optimum"' in told
+    told = parts.price_figure(dearer, optimum)
+    assert f"{words.price(2 * optimum.price_of_time_w)} Wh/s 1 s later: \u22120.59 %" in plain(told)
+    assert "title" not in told
