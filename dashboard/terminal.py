@@ -4,7 +4,8 @@ import shutil
 import textwrap
 from collections.abc import Iterable, Sequence
 
-from railjoule.dashboard.look.words import PHASE_WORDS, SMALL_ENERGY_KWH, STRATEGY_WORDS, decimals
+from railjoule.core.advice import Instruction
+from railjoule.dashboard.look.words import SMALL_ENERGY_KWH, STRATEGY_WORDS, advice_words, decimals
 from railjoule.dashboard.summary import Summary
 
 PROVEN_GAP = 1e-6
@@ -49,7 +50,7 @@ def solution_text(summary: Summary) -> str:
         *_bound_lines(summary),
         *_labelled("Time", _time_words(summary)),
         *_price_lines(summary),
-        *_labelled("Driver", phase_words(summary["phases"])),
+        *_labelled("Driver", advice_in_words(summary["advice"])),
         "",
         "Account, kWh",
         *_account_lines(summary),
@@ -84,7 +85,7 @@ def following_text(following: Summary) -> str:
             *_two_runs({"planned": planned, "driven": actual}),
             "",
             f"{share}{following['delay_s']:+.2f} s, stopped {following['stop_error_m']:+.2f} m from the place.",
-            f"Driver: {phase_words(actual['phases'])}",
+            f"Driver: {advice_in_words(actual['advice'])}",
         ]
     )
 
@@ -107,7 +108,7 @@ def ride_text(ride: Summary) -> str:
             *learned,
             f"{share}{ride['delay_s']:+.2f} s against the timetable.",
             *ride["notes"],
-            f"Driver: {phase_words(actual['phases'])}",
+            f"Driver: {advice_in_words(actual['advice'])}",
         ]
     )
 
@@ -208,9 +209,9 @@ def gap_words(gap: float | None) -> str:
     return f"{share} above the bound" if gap > 0 else f"{share} under the bound of another mesh"
 
 
-def phase_words(phases: Sequence[Summary]) -> str:
-    """Return what the driver does, such as 'full power to 57 km/h in 21 s, coast from 342 m'."""
-    return ", ".join(_one_phase(phase) for phase in phases)
+def advice_in_words(advice: Sequence[Summary]) -> str:
+    """Return what the driver is told, such as 'full power to 57.2 km/h, coast from 342 m'."""
+    return ", ".join(advice_words(Instruction(**told), number) for told in advice)
 
 
 def table_lines(head: Cell, rows: Sequence[Cell], left: Iterable[int] = (0,)) -> list[str]:
@@ -226,18 +227,6 @@ def table_lines(head: Cell, rows: Sequence[Cell], left: Iterable[int] = (0,)) ->
         return "  ".join(words).rstrip()
 
     return [line(head), "  ".join("-" * width for width in widths), *(line(row) for row in rows)]
-
-
-def _one_phase(phase: Summary) -> str:
-    name, words = phase["phase"], PHASE_WORDS[phase["phase"]]
-    if name in {"full_power", "part_power"}:
-        duration = number(phase["end_s"] - phase["start_s"], 0)
-        return f"{words} to {number(phase['end_kmh'], 0)} km/h in {duration} s"
-    if name == "hold":
-        return f"{words} {number(phase['end_kmh'], 0)} km/h to {number(phase['end_m'], 0)} m"
-    if name == "stand":
-        return f"{words} {number(phase['end_s'] - phase['start_s'], 0)} s at {number(phase['start_m'], 0)} m"
-    return f"{words} from {number(phase['start_m'], 0)} m"
 
 
 def _comparison_table(results: Sequence[Summary]) -> list[str]:

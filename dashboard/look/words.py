@@ -1,6 +1,9 @@
 """Numbers and phases as people read them: narrow spaces for thousands, a true minus, a unit's usual digits."""
 
-from railjoule.core.phases import Phase, PhaseName
+from collections.abc import Callable
+
+from railjoule.core.advice import Instruction
+from railjoule.core.phases import PhaseName
 from railjoule.core.scenario import StrategyName
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
@@ -28,7 +31,6 @@ PHASE_WORDS: dict[PhaseName, str] = {
 J_PER_WH = J_PER_KWH / 1000
 SMALL_ENERGY_KWH = 5.0
 SMALL_PRICE_WH_PER_S = 100.0
-SHORT_TIME_S = 10.0
 AT_START_M = 0.5
 """A phase that begins nearer to the start needs no place."""
 
@@ -71,31 +73,39 @@ def speed(ms: float, digits: int = 0) -> str:
     return number(ms / MS_PER_KMH, digits)
 
 
-def phase_words(phase: Phase) -> str:
-    """Return what the driver does in a phase, such as 'full power to 38 km/h'."""
-    if phase.phase in {"full_power", "part_power"}:
-        return f"{PHASE_WORDS[phase.phase]} to {speed(phase.end_ms)} km/h"
-    if phase.phase == "hold":
-        return f"hold {speed(phase.end_ms)} km/h"
-    if phase.phase == "stand":
-        return f"stand {number(phase.end_s - phase.start_s, 0)} s"
-    return PHASE_WORDS[phase.phase]
+def tenths(value: float, number: Callable[[float, int], str] = number) -> str:
+    """Return a number as the advice has it: in tenths, whole where it is."""
+    return number(value, 0 if value == round(value) else 1)
 
 
-def advice_words(phase: Phase) -> str:
-    """Return what a driver is told to do, such as 'full power to 38 km/h in 12 s' or 'coast from 45 m'."""
-    text = phase_words(phase)
-    start = "" if phase.start_m < AT_START_M else f" from {number(phase.start_m, 0)} m"
-    if phase.phase == "stand":
-        return f"{text} at {number(phase.start_m, 0)} m"
-    if phase.phase in {"full_power", "part_power"}:
-        return f"{PHASE_WORDS[phase.phase]}{start} to {speed(phase.end_ms)} km/h in {duration(phase)} s"
-    if phase.phase == "coast" and not start:
-        return "roll"
-    return text + start
+def advice_words(told: Instruction, number: Callable[[float, int], str] = number) -> str:
+    """Return what a driver is told, such as 'full power to 36.9 km/h' or 'brake from 593 m to 50 km/h at 600 m'.
+
+    Parameters
+    ----------
+    told : Instruction
+        One line of the advice, whose numbers are printed as they are.
+    number : callable
+        Writes a number with its decimals.
+    """
+    action = "brake fully" if told.fully else PHASE_WORDS[told.action]
+    start = "" if told.from_m < AT_START_M else f" from {number(told.from_m, 0)} m"
+    if told.action == "stand":
+        return f"{action} {tenths(told.stand_s or 0.0, number)} s at {number(told.from_m, 0)} m"
+    if told.action == "hold":
+        return f"{action} {tenths(told.to_kmh or 0.0, number)} km/h{start}{_turns_words(told, number)}"
+    if told.to_kmh is None:
+        return f"{action}{start}" if start else "roll"
+    aim = f"{tenths(told.to_kmh, number)} km/h" if told.to_kmh > 0 else "a stop"
+    place = "" if told.at_m is None else f" at {number(told.at_m, 0)} m"
+    return f"{action}{start} to {aim}{place}"
 
 
-def duration(phase: Phase) -> str:
-    """Return how long a phase takes [s], whole from ten seconds on."""
-    seconds = phase.end_s - phase.start_s
-    return number(seconds, 0 if seconds >= SHORT_TIME_S else 1)
+def _turns_words(told: Instruction, number: Callable[[float, int], str]) -> str:
+    """Return how a speed is held by turns; nothing where it just is."""
+    if told.between_kmh is None:
+        return ""
+    low, high = (tenths(speed, number) for speed in told.between_kmh)
+    share = told.power_share or 1.0
+    power = "full power" if share == 1 else f"{100 * share:.0f} % power"
+    return f" by turns: {power} to {high} km/h, coast to {low} km/h"

@@ -51,7 +51,7 @@ class PhaseStrip(SceneChart):
         for number, (phase, pixels) in enumerate(zip(phases, room, strict=True), 1):
             full = f"{number}  {words.PHASE_WORDS[phase.phase]}"
             if phase.phase == "hold":
-                full = f"{full} {words.speed(phase.end_ms)}"
+                full = f"{full} {words.speed(phase.mean_speed_ms)}"
             fitting = full if len(full) * WORD_PX < pixels else str(number)
             texts.append(fitting if pixels > 1.6 * WORD_PX else "")
         self.sources["phases"].data = {

@@ -3,12 +3,14 @@
 import html
 import re
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from typing import Any
 
 import panel as pn
 from bokeh.model import Model
 
 from railjoule.core import Trajectory
+from railjoule.core.advice import AT_REST_MS
 from railjoule.core.strategies.optimal import PROVEN_GAP
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import words
@@ -17,6 +19,7 @@ from railjoule.dashboard.look.tokens import DASHES, PIN_DASHES, line_width
 from railjoule.dashboard.models.pins import Pin
 from railjoule.dashboard.store import Runs
 
+SAME_STOP_M = 0.5
 LOSS_WORDS = {
     "drive": "Drive losses",
     "copper": "Copper loss",
@@ -162,23 +165,47 @@ def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: b
 
 
 def advice(run: Trajectory, stale: bool) -> str:
-    """Return the phases of a run as advice to the driver, with buttons that copy and print it."""
+    """Return the advice to the driver, by legs where it stops on the way, with buttons that copy and print it."""
     items = []
-    for number, phase in enumerate(run.phases, 1):
-        text = words.advice_words(phase)
-        if number == 1:
-            text = text[0].upper() + text[1:]
-        items.append(f"<li><b>{number}</b>{text}</li>")
+    for number, told in enumerate(run.advice, 1):
+        text = words.advice_words(told)
+        items.append(f'<li class="told"><b>{number}</b>{text[0].upper() + text[1:] if number == 1 else text}</li>')
+    legs = _legs(run)
+    if len(legs) > 1:
+        items = [
+            f'<li class="leg"><span class="way">{escaped(way)}</span><ol>{"".join(items[first:end])}</ol></li>'
+            for way, first, end in legs
+        ]
+        items.append('<li class="note rest">The other legs stand in the table of phases.</li>')
     title = html.escape(f"{run.scenario.title or 'Run'}: {words.number(run.travel_time_s)} s")
     tools = "".join(
         f'<button type="button" class="save" data-act="{what.lower()}" aria-label="{what} the advice">{what}</button>'
         for what in ("Copy", "Print")
     )
-    kind = "advice stale" if stale else "advice"
+    kind = "advice" + (" legs" if len(legs) > 1 else "") + (" stale" if stale else "")
     return (
         f'<div class="card" data-title="{title}"><ol class="{kind}" aria-label="Driver\u2019s advice">'
         f'{"".join(items)}<li class="buttons">{tools}</li></ol></div>'
     )
+
+
+def _legs(run: Trajectory) -> list[tuple[str, int, int]]:
+    """Return from where to where each leg between two stops leads, and the first and the end of its phases."""
+    phases, stations = run.phases, run.scenario.line.in_running_order().stations
+
+    def name(place_m: float) -> str:
+        named = [station.name for station in stations if abs(station.position_m - place_m) < SAME_STOP_M]
+        return (named and named[0]) or f"{words.number(place_m, 0)} m"
+
+    departures = [
+        k for k, phase in enumerate(phases) if k == 0 or (phase.start_ms <= AT_REST_MS and phase.phase != "stand")
+    ]
+    stops = [name(place) for place in (*(phases[k].start_m for k in departures), phases[-1].end_m)]
+    borders = [*departures, len(phases)]
+    return [
+        (f"{start} \u2013 {stop}", first, end)
+        for (start, stop), (first, end) in zip(pairwise(stops), pairwise(borders), strict=True)
+    ]
 
 
 def account(run: Trajectory) -> str:
@@ -273,18 +300,21 @@ def _run_cells(run: Trajectory, reference: float) -> tuple[str, str, str, str]:
 
 
 def phase_table(run: Trajectory) -> str:
-    """Return the phases of a run as a table."""
+    """Return the phases of a run as a table: where the driver begins and what he aims at, time and energy."""
     rows = []
-    for number, phase in enumerate(run.phases, 1):
+    for number, (phase, told) in enumerate(zip(run.phases, run.advice, strict=True), 1):
         patch = f'<span class="patch" style="background:var(--rj-{phase.phase.replace("_", "-")})"></span>'
         cells = (
             f"{patch}{number} {words.PHASE_WORDS[phase.phase]}",
-            words.number(phase.start_m, 0),
+            words.number(told.from_m, 0),
             words.number(phase.end_s - phase.start_s),
-            words.speed(phase.end_ms),
+            words.speed(phase.end_ms) if told.to_kmh is None else words.tenths(told.to_kmh),
             words.number(phase.energy_j / J_PER_KWH, 2),
         )
         rows.append((cells, False))
+    if run.energy.auxiliary_j > 0:
+        # the phases' energies and this make the net energy
+        rows.append((("Auxiliaries", "", "", "", words.number(run.energy.auxiliary_j / J_PER_KWH, 2)), False))
     return table("Phases", ("Phase", "from, m", "s", "to, km/h", "kWh"), rows)
 
 
