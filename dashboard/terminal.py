@@ -5,7 +5,7 @@ import textwrap
 from collections.abc import Iterable, Sequence
 
 from railjoule.core.advice import Instruction
-from railjoule.dashboard.look.words import SMALL_ENERGY_KWH, STRATEGY_WORDS, advice_words, decimals
+from railjoule.dashboard.look.words import SMALL_ENERGY_KWH, STRATEGY_WORDS, advice_in_words, decimals
 from railjoule.dashboard.summary import Summary
 
 PROVEN_GAP = 1e-6
@@ -50,7 +50,7 @@ def solution_text(summary: Summary) -> str:
         *_bound_lines(summary),
         *_labelled("Time", _time_words(summary)),
         *_price_lines(summary),
-        *_labelled("Driver", advice_in_words(summary["advice"])),
+        *_labelled("Driver", driver_words(summary["advice"])),
         "",
         "Account, kWh",
         *_account_lines(summary),
@@ -85,7 +85,7 @@ def following_text(following: Summary) -> str:
             *_two_runs({"planned": planned, "driven": actual}),
             "",
             f"{share}{following['delay_s']:+.2f} s, stopped {following['stop_error_m']:+.2f} m from the place.",
-            f"Driver: {advice_in_words(actual['advice'])}",
+            f"Driver: {driver_words(actual['advice'])}",
         ]
     )
 
@@ -108,7 +108,7 @@ def ride_text(ride: Summary) -> str:
             *learned,
             f"{share}{ride['delay_s']:+.2f} s against the timetable.",
             *ride["notes"],
-            f"Driver: {advice_in_words(actual['advice'])}",
+            f"Driver: {driver_words(actual['advice'])}",
         ]
     )
 
@@ -209,9 +209,9 @@ def gap_words(gap: float | None) -> str:
     return f"{share} above the bound" if gap > 0 else f"{share} under the bound of another mesh"
 
 
-def advice_in_words(advice: Sequence[Summary]) -> str:
+def driver_words(advice: Sequence[Summary]) -> str:
     """Return what the driver is told, such as 'full power to 57.2 km/h, coast from 342 m'."""
-    return ", ".join(advice_words(Instruction(**told), number) for told in advice)
+    return ", ".join(advice_in_words([Instruction(**told) for told in advice], number))
 
 
 def table_lines(head: Cell, rows: Sequence[Cell], left: Iterable[int] = (0,)) -> list[str]:

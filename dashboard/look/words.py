@@ -1,6 +1,6 @@
 """Numbers and phases as people read them: narrow spaces for thousands, a true minus, a unit's usual digits."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterator, Sequence
 
 from railjoule.core.advice import Instruction
 from railjoule.core.phases import PhaseName
@@ -78,7 +78,7 @@ def tenths(value: float, number: Callable[[float, int], str] = number) -> str:
     return number(value, 0 if value == round(value) else 1)
 
 
-def advice_words(told: Instruction, number: Callable[[float, int], str] = number) -> str:
+def advice_words(told: Instruction, number: Callable[[float, int], str] = number, named: Collection[float] = ()) -> str:
     """Return what a driver is told, such as 'full power to 36.9 km/h' or 'brake from 593 m to 50 km/h at 600 m'.
 
     Parameters
@@ -87,18 +87,35 @@ def advice_words(told: Instruction, number: Callable[[float, int], str] = number
         One line of the advice, whose numbers are printed as they are.
     number : callable
         Writes a number with its decimals.
+    named : collection of float
+        Places that are named beside it, and not told again [m].
     """
+
+    def place(word: str, place_m: float | None) -> str:
+        return "" if place_m is None or place_m in named else f" {word} {number(place_m, 0)} m"
+
     action = "brake fully" if told.fully else PHASE_WORDS[told.action]
-    start = "" if told.from_m < AT_START_M else f" from {number(told.from_m, 0)} m"
     if told.action == "stand":
-        return f"{action} {tenths(told.stand_s or 0.0, number)} s at {number(told.from_m, 0)} m"
+        return f"{action} {tenths(told.stand_s or 0.0, number)} s{place('at', told.from_m)}"
+    start = place("from", told.from_m) if told.from_m >= AT_START_M else ""
     if told.action == "hold":
         return f"{action} {tenths(told.to_kmh or 0.0, number)} km/h{start}{_turns_words(told, number)}"
     if told.to_kmh is None:
         return f"{action}{start}" if start else "roll"
     aim = f"{tenths(told.to_kmh, number)} km/h" if told.to_kmh > 0 else "a stop"
-    place = "" if told.at_m is None else f" at {number(told.at_m, 0)} m"
-    return f"{action}{start} to {aim}{place}"
+    return f"{action}{start} to {aim}{place('at', told.at_m)}"
+
+
+def advice_in_words(
+    advice: Sequence[Instruction], number: Callable[[float, int], str] = number, named: Collection[float] = ()
+) -> Iterator[str]:
+    """Yield all that a driver is told; more of the same begins where it ended, and need not say so.
+
+    Arguments as `advice_words`.
+    """
+    for before, told in zip((None, *advice), advice, strict=False):
+        goes_on = before is not None and before.action == told.action and before.at_m == told.from_m
+        yield advice_words(told, number, (*named, told.from_m) if goes_on else named)
 
 
 def _turns_words(told: Instruction, number: Callable[[float, int], str]) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 import panel as pn
 from bokeh.model import Model
 
-from railjoule.core import Trajectory
+from railjoule.core import Phase, Trajectory
 from railjoule.core.advice import AT_REST_MS
 from railjoule.core.strategies.optimal import PROVEN_GAP
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
@@ -20,6 +20,8 @@ from railjoule.dashboard.models.pins import Pin
 from railjoule.dashboard.store import Runs
 
 SAME_STOP_M = 0.5
+MOST_IN_SIGHT = 10
+"""So many instructions stand above the charts; more are scrolled."""
 LOSS_WORDS = {
     "drive": "Drive losses",
     "copper": "Copper loss",
@@ -166,46 +168,45 @@ def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: b
 
 def advice(run: Trajectory, stale: bool) -> str:
     """Return the advice to the driver, by legs where it stops on the way, with buttons that copy and print it."""
-    items = []
-    for number, told in enumerate(run.advice, 1):
-        text = words.advice_words(told)
-        items.append(f'<li class="told"><b>{number}</b>{text[0].upper() + text[1:] if number == 1 else text}</li>')
-    legs = _legs(run)
-    if len(legs) > 1:
-        items = [
-            f'<li class="leg"><span class="way">{escaped(way)}</span><ol>{"".join(items[first:end])}</ol></li>'
-            for way, first, end in legs
-        ]
-        items.append('<li class="note rest">The other legs stand in the table of phases.</li>')
+    departures = [k for k, phase in enumerate(run.phases) if k == 0 or _departs(phase)]
+    stops = [*(run.phases[k].start_m for k in departures), run.phases[-1].end_m]
+    # a leg's name tells where it starts and stops
+    texts = list(words.advice_in_words(run.advice, named=stops if len(departures) > 1 else ()))
+    texts[0] = texts[0][0].upper() + texts[0][1:]
+    items = [f'<li class="told"><b>{number}</b>{text}</li>' for number, text in enumerate(texts, 1)]
+    if len(departures) > 1:
+        borders = pairwise([*departures, len(items)])
+        items = [_leg(run, ends, items[first:end]) for ends, (first, end) in zip(pairwise(stops), borders, strict=True)]
+    if len(texts) > MOST_IN_SIGHT:
+        # what is scrolled must be so by the keyboard too
+        kind = "many legs" if len(departures) > 1 else "many"
+        items = [f'<li><ol class="{kind}" tabindex="0" aria-label="All instructions">{"".join(items)}</ol></li>']
     title = html.escape(f"{run.scenario.title or 'Run'}: {words.number(run.travel_time_s)} s")
     tools = "".join(
         f'<button type="button" class="save" data-act="{what.lower()}" aria-label="{what} the advice">{what}</button>'
         for what in ("Copy", "Print")
     )
-    kind = "advice" + (" legs" if len(legs) > 1 else "") + (" stale" if stale else "")
+    kind = "advice stale" if stale else "advice"
     return (
         f'<div class="card" data-title="{title}"><ol class="{kind}" aria-label="Driver\u2019s advice">'
         f'{"".join(items)}<li class="buttons">{tools}</li></ol></div>'
     )
 
 
-def _legs(run: Trajectory) -> list[tuple[str, int, int]]:
-    """Return from where to where each leg between two stops leads, and the first and the end of its phases."""
-    phases, stations = run.phases, run.scenario.line.in_running_order().stations
+def _departs(phase: Phase) -> bool:
+    """Return whether a phase begins at rest, and drives on."""
+    return phase.start_ms <= AT_REST_MS and phase.phase != "stand"
 
-    def name(place_m: float) -> str:
-        named = [station.name for station in stations if abs(station.position_m - place_m) < SAME_STOP_M]
-        return (named and named[0]) or f"{words.number(place_m, 0)} m"
 
-    departures = [
-        k for k, phase in enumerate(phases) if k == 0 or (phase.start_ms <= AT_REST_MS and phase.phase != "stand")
-    ]
-    stops = [name(place) for place in (*(phases[k].start_m for k in departures), phases[-1].end_m)]
-    borders = [*departures, len(phases)]
-    return [
-        (f"{start} \u2013 {stop}", first, end)
-        for (start, stop), (first, end) in zip(pairwise(stops), pairwise(borders), strict=True)
-    ]
+def _leg(run: Trajectory, ends_m: tuple[float, float], items: Sequence[str]) -> str:
+    """Return the instructions of a leg between two stops [m] beside their names."""
+    stations = run.scenario.line.in_running_order().stations
+    names = []
+    for place in ends_m:
+        near = [station.name for station in stations if abs(station.position_m - place) < SAME_STOP_M]
+        names.append((near and near[0]) or f"{words.number(place, 0)} m")
+    way = escaped(" \u2013 ".join(names))
+    return f'<li class="leg"><span class="way">{way}</span><ol>{"".join(items)}</ol></li>'
 
 
 def account(run: Trajectory) -> str:

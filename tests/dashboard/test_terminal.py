@@ -4,7 +4,7 @@ import pytest
 
 from railjoule.core.advice import Instruction
 from railjoule.dashboard import terminal
-from railjoule.dashboard.terminal import advice_in_words, energy, gap_words, number, printable, table_lines
+from railjoule.dashboard.terminal import driver_words, energy, gap_words, number, printable, table_lines
 
 
 @pytest.mark.parametrize(
@@ -43,7 +43,7 @@ def test_advice_in_words():
         Instruction("brake", 1180, 0, 1300, fully=True),
         Instruction("stand", 1300, stand_s=21.0),
     ]
-    assert advice_in_words([asdict(told) for told in advice]) == (
+    assert driver_words([asdict(told) for told in advice]) == (
         "full power to 57.2 km/h, coast from 342 m, brake fully from 1,180 m to a stop at 1,300 m, "
         "stand 21 s at 1,300 m"
     )

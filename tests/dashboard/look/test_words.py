@@ -71,3 +71,29 @@ def test_instructions_can_be_written_with_other_numbers() -> None:
     assert words.advice_words(told, lambda value, digits: f"<{value:.{digits}f}>") == (
         "brake from <2196> m to <12.5> km/h at <2300> m"
     )
+
+
+def test_places_that_are_named_beside_it_are_not_told_again() -> None:
+    stops = (1150.0, 1950.0)
+    told = [
+        Instruction("full_power", 1150, 45.4),
+        Instruction("brake", 1913, 0, 1950, fully=True),
+        Instruction("stand", 1950, stand_s=30),
+    ]
+    texts = [words.advice_words(one, named=stops) for one in told]
+    assert texts == ["full power to 45.4 km/h", "brake fully from 1\u202f913 m to a stop", "stand 30 s"]
+
+
+def test_more_of_the_same_begins_where_it_ended() -> None:
+    advice = [
+        Instruction("part_power", 0, 17.8, 15),
+        Instruction("part_power", 15, 31.3, 55),
+        Instruction("hold", 55, 31.3),
+        Instruction("part_power", 80, 40, 120),
+    ]
+    assert list(words.advice_in_words(advice)) == [
+        "part power to 17.8 km/h at 15 m",
+        "part power to 31.3 km/h at 55 m",
+        "hold 31.3 km/h from 55 m",
+        "part power from 80 m to 40 km/h at 120 m",
+    ]

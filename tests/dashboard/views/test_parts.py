@@ -90,9 +90,16 @@ def test_changes_against_the_pinned_run(now: float, before: float, text: str) ->
 def test_advice_lists_the_instructions_in_order(runs: Runs) -> None:
     run: Trajectory = runs.runs["optimal"]
     text = plain(parts.advice(run, stale=False))
-    first, *others = (plain(words.advice_words(told)) for told in run.advice)
+    first, *others = (plain(text) for text in words.advice_in_words(run.advice))
     lines = [first[0].upper() + first[1:], *others]
     assert text == " ".join([*(f"{number} {line}" for number, line in enumerate(lines, 1)), "Copy Print"])
+
+
+def test_long_advice_is_scrolled_and_short_advice_is_not(runs: Runs) -> None:
+    long, short = runs.runs["optimal"], runs.runs["enoc"]
+    assert (len(long.advice), len(short.advice)) == (17, 3)
+    assert '<ol class="many" tabindex="0" aria-label="All instructions">' in parts.advice(long, stale=False)
+    assert "many" not in parts.advice(short, stale=False)
 
 
 def test_advice_of_a_line_with_stations_is_by_legs() -> None:
