@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 
 BRAKING_RESERVE_MS = HELD_WITHIN_MS
 """A brake is begun so early that it still suffices for a train that is faster by this: it reads the same speed."""
-SAME_PLACE_M, AT_REST_MS = 1e-6, 1e-3
+SWING_KMH = 2 * HELD_WITHIN_MS / MS_PER_KMH
+"""So far a hold by turns swings to each side, or less far up and farther down below a limit."""
+SAME_PLACE_M, BESIDE_M, AT_REST_MS = 1e-6, 1e-3, 1e-3
 POWERED: tuple[PhaseName, ...] = ("full_power", "part_power")
 
 
@@ -92,13 +94,17 @@ def _instruction(phase: Phase, from_m: float, end_m: float, data: RunData) -> In
     if action == "stand":
         return Instruction(action, from_m, stand_s=round(phase.end_s - phase.start_s, 1))
     if action == "hold":
-        speed = _tenths(phase.mean_speed_ms)
+        limit_kmh = _limit_kmh(data, phase.start_m, phase.end_m)
+        speed = _printed_kmh(phase.mean_speed_ms, limit_kmh)
         if phase.effort_share is None:
             return Instruction(action, from_m, speed)
-        return Instruction(action, from_m, speed, None, _between_kmh(phase, data), _hundredths(phase.effort_share))
+        # the run itself may swing faster and less far, as its mesh lets it; the energy of turns hardly depends on that
+        high = min(speed + SWING_KMH, limit_kmh)
+        between = round(high - 2 * SWING_KMH, 1), round(high, 1)
+        return Instruction(action, from_m, speed, None, between, _hundredths(phase.effort_share))
     if action == "coast" and phase.end_ms > AT_REST_MS:
         return Instruction(action, from_m)
-    speed = _tenths(phase.end_ms)
+    speed = _printed_kmh(phase.end_ms, _limit_kmh(data, phase.end_m - BESIDE_M, phase.end_m + BESIDE_M))
     if action == "full_power":
         return Instruction(action, from_m, speed)
     if action != "brake":
@@ -109,24 +115,20 @@ def _instruction(phase: Phase, from_m: float, end_m: float, data: RunData) -> In
     return Instruction(action, from_m, speed, end_m, fully=(phase.effort_share or 0.0) >= FULL_BRAKING_SHARE)
 
 
-def _tenths(speed_ms: float) -> float:
-    return round(speed_ms / MS_PER_KMH, 1)
+def _limit_kmh(data: RunData, start_m: float, end_m: float) -> float:
+    """Return the lowest limit between two places, in whole tenths [km/h]."""
+    first = int(np.searchsorted(data.position_m, start_m + SAME_PLACE_M)) - 1
+    end = int(np.searchsorted(data.position_m, end_m - SAME_PLACE_M))
+    limit_kmh = float(np.min(data.limit_ms[max(first, 0) : max(end, 1)])) / MS_PER_KMH
+    return math.floor(10 * limit_kmh + SAME_PLACE_M) / 10 if math.isfinite(limit_kmh) else limit_kmh
+
+
+def _printed_kmh(speed_ms: float, limit_kmh: float) -> float:
+    return min(round(speed_ms / MS_PER_KMH, 1), limit_kmh)
 
 
 def _hundredths(share: float) -> float:
     return 1.0 if share >= FULL_SHARE else round(share, 2)
-
-
-def _between_kmh(phase: Phase, data: RunData) -> tuple[float, float]:
-    """Return between which speeds a hold by turns swings: one km/h to each side, and below the limit.
-
-    The run itself may swing faster and less far, as its mesh lets it; the energy of turns hardly depends on that.
-    """
-    inside = (data.position_m[:-1] < phase.end_m) & (data.position_m[1:] > phase.start_m)
-    limit_kmh = math.floor(10 * float(np.min(data.limit_ms[inside])) / MS_PER_KMH + SAME_PLACE_M) / 10
-    swing = 2 * HELD_WITHIN_MS / MS_PER_KMH
-    high = min(_tenths(phase.mean_speed_ms) + swing, limit_kmh)
-    return round(high - 2 * swing, 1), round(high, 1)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -145,28 +147,22 @@ def brake_place_m(run: RunData, start: tuple[float, float], end: tuple[float, fl
     i = int(np.searchsorted(run.position_m, end[0] - 1e-9)) - 1
     # the square of speed from which full braking ends as the run does, backwards from there
     place, speed, reached = end[0], end[1], end[1] ** 2
-    while place > start[0]:
-        left, entering = max(run.position_m[i], start[0]), start[1]
-        if run.position_m[i] >= start[0]:
-            entering = run.speed_ms[i]
-        # a cell braked in part has its effort there
-        effort = run.effort_n[i] * (run.position_m[i + 1] - run.position_m[i]) / (place - left)
-        slope = (speed**2 - entering**2) / (place - left)
-        more = 2.0 * spare_braking_n(run, i, effort, slope) / run.inertia_kg
-        reached += (more - slope) * (place - left)
-        place, speed = left, entering
-        if place > start[0] or place == run.position_m[i]:
-            i -= 1
-    while reached < (speed + reserve_ms) ** 2 and i >= 0 and run.position_m[i + 1] > run.position_m[i]:
+    braking = True
+    while i >= 0 and run.position_m[i + 1] > run.position_m[i]:
+        braking = braking and place > start[0]
+        if not braking and reached >= (speed + reserve_ms) ** 2:
+            return float(place)
         left, entering = run.position_m[i], run.speed_ms[i]
-        # what the driver does before the brake, the cell before tells
-        effort = run.effort_n[i if place == run.position_m[i + 1] else max(i - 1, 0)]
+        whole = (run.speed_ms[i + 1] ** 2 - entering**2) / (run.position_m[i + 1] - left)
+        if braking and left < start[0]:
+            left, entering = start
         slope = (speed**2 - entering**2) / (place - left)
-        more = 2.0 * spare_braking_n(run, i, effort, slope) / run.inertia_kg
+        more = 2.0 * spare_braking_n(run, i, slope - whole) / run.inertia_kg
         entered = reached + (more - slope) * (place - left)
         missing, beyond = (speed + reserve_ms) ** 2 - reached, entered - (entering + reserve_ms) ** 2
-        if beyond >= 0.0:
+        if not braking and beyond >= 0.0:
             return float(place - (place - left) * missing / (missing + beyond))
         place, speed, reached = left, entering, entered
-        i -= 1
-    return place
+        if place == run.position_m[i]:
+            i -= 1
+    return float(place)

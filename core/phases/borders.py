@@ -88,7 +88,7 @@ def _move_border(run: RunData, row: FloatArray, first: int, last: int, before: f
         effort += share * run.effort_n[i]
         largest += share * run.largest_effort_n[i]
     half = 0.5 * run.inertia_kg
-    # a hold's own effort is the one without which the speed would stay
+    # the effort with which the speed would stay
     held = effort - slope * half
     one = _effort_of(before, largest, held, 0.0)
     other = _effort_of(row[KIND], largest, held, run.effort_n[min(last, run.effort_n.shape[0] - 1)])
@@ -142,7 +142,7 @@ def with_straight_pieces(run: RunData, rows: FloatArray) -> FloatArray:
         else:
             out[count] = rows[k]
             if kind == BRAKE:
-                out[count, SHARE] = _braking_share(run, int(rows[k, FIRST]), int(rows[k, LAST]), rows[k, PLACE])
+                out[count, SHARE] = _braking_share(run, rows[k])
             count += 1
         k = end
     return out[:count]
@@ -158,35 +158,31 @@ def _goes_on(run: RunData, row: FloatArray) -> bool:
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _is_full_brake(run: RunData, row: FloatArray) -> bool:
-    """Return whether a brake takes nearly all that the brakes have; its first cell may be braked in part."""
+    """Return whether a brake takes nearly all that the brakes have in each cell; the first may be braked in part."""
     first, last = int(row[FIRST]), int(row[LAST])
-    for i in range(first + 1, last):
-        if -run.effort_n[i] < FULL_BRAKING_SHARE * _most_braking_n(run, i):
+    for i in range(first if last == first + 1 else first + 1, last):
+        if -run.effort_n[i] < FULL_BRAKING_SHARE * (spare_braking_n(run, i) - run.effort_n[i]):
             return False
-    return last > first + 1 or _braking_share(run, first, last, row[PLACE]) >= FULL_BRAKING_SHARE
+    return True
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _braking_share(run: RunData, first: int, last: int, begin_m: float) -> float:
-    """Return which share of what the brakes have is used in cells, braked from a place on."""
+def _braking_share(run: RunData, row: FloatArray) -> float:
+    """Return which share of what the brakes have is used; a first cell that is braked in part tells nothing."""
+    first, last = int(row[FIRST]), int(row[LAST])
+    if row[PLACE] > run.position_m[first] and last > first + 1:
+        first += 1
     used = all_of_it = 0.0
     for i in range(first, last):
-        used -= run.effort_n[i] * (run.position_m[i + 1] - run.position_m[i])
-        all_of_it += _most_braking_n(run, i) * (run.position_m[i + 1] - max(run.position_m[i], begin_m))
+        length = run.position_m[i + 1] - run.position_m[i]
+        used -= run.effort_n[i] * length
+        all_of_it += (spare_braking_n(run, i) - run.effort_n[i]) * length
     return min(used / all_of_it, 1.0) if all_of_it > 0.0 else 1.0
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _most_braking_n(run: RunData, cell: int) -> float:
-    """Return the strongest braking [N] that a cell allows."""
-    change = run.speed_ms[cell + 1] ** 2 - run.speed_ms[cell] ** 2
-    slope = change / (run.position_m[cell + 1] - run.position_m[cell])
-    return float(spare_braking_n(run, cell, run.effort_n[cell], slope) - run.effort_n[cell])
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def spare_braking_n(run: RunData, cell: int, effort_n: float, slope_ms2: float) -> float:
-    """Return how much more a train could brake than it does [N].
+def spare_braking_n(run: RunData, cell: int, gain_ms2: float = 0.0) -> float:
+    """Return how much more a train could brake in a cell than it does [N].
 
     Parameters
     ----------
@@ -194,14 +190,16 @@ def spare_braking_n(run: RunData, cell: int, effort_n: float, slope_ms2: float) 
         The run.
     cell : int
         Where it is.
-    effort_n : float
-        Its effort there, braking negative [N].
-    slope_ms2 : float
-        The change of its square of speed over distance [m/s2].
+    gain_ms2 : float
+        By how much its square of speed changes more over a metre, in the part of the cell in question, than on
+        average over the cell [m/s2].
     """
-    spare = max(run.largest_braking_n[cell] + effort_n, 0.0)
+    half = 0.5 * run.inertia_kg
+    spare = max(run.largest_braking_n[cell] + run.effort_n[cell] + half * gain_ms2, 0.0)
     if run.max_deceleration_ms2 < math.inf:
-        spare = min(spare, max(0.5 * run.inertia_kg * (2.0 * run.max_deceleration_ms2 + slope_ms2), 0.0))
+        change = run.speed_ms[cell + 1] ** 2 - run.speed_ms[cell] ** 2
+        slope = change / (run.position_m[cell + 1] - run.position_m[cell]) + gain_ms2
+        spare = min(spare, max(half * (2.0 * run.max_deceleration_ms2 + slope), 0.0))
     return float(spare)
 
 
@@ -226,7 +224,7 @@ def _put_pieces(run: RunData, rows: FloatArray, first_row: int, end_row: int, ou
         row[PLACE], row[TIME], row[SPEED] = nodes[begin, 0], nodes[begin, 1], nodes[begin, 2]
         row[SHARE], row[STRAIGHT] = np.nan, 1.0
         if kind == BRAKE:
-            row[SHARE] = _braking_share(run, int(row[FIRST]), int(row[LAST]), row[PLACE])
+            row[SHARE] = _braking_share(run, row)
         count += 1
         begin = until
     return count

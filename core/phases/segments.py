@@ -122,9 +122,7 @@ def _is_covered(run: RunData, short: FloatArray, hold: FloatArray, beyond: Float
     first = int(min(short[FIRST], hold[FIRST]))
     last = int(max(short[LAST], hold[LAST]))
     speeds = run.speed_ms[first : last + 1]
-    top = np.max(speeds)
-    keeps_limits = top <= np.min(run.limit_ms[first:last]) + UNTOLD_MS
-    return bool(keeps_limits and top - np.min(speeds) <= 2.0 * HELD_WITHIN_MS)
+    return bool(_keeps_one_limit(run, first, last) and np.max(speeds) - np.min(speeds) <= 2.0 * HELD_WITHIN_MS)
 
 
 # ---- pulses
@@ -164,8 +162,10 @@ def with_pulses(run: RunData, rows: FloatArray) -> FloatArray:
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _is_pulse(run: RunData, row: FloatArray) -> bool:
-    kind = row[KIND]
-    return kind in (FULL_POWER, PART_POWER, COAST) and lasting(run, row) < PULSE_S
+    """Return whether power or coasting is so short that it may be one of several pulses."""
+    if row[KIND] == COAST:
+        return lasting(run, row) < PULSE_S
+    return (row[KIND] == FULL_POWER or row[KIND] == PART_POWER) and lasting(run, row) < SHORTEST_S
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -186,9 +186,16 @@ def _level_group(run: RunData, rows: FloatArray, first: int, last: int) -> int:
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _is_hold_by_turns(run: RunData, group: FloatArray) -> bool:
-    """Return whether pulses of one mean speed are so many that they are a hold."""
-    spent = run.time_s[int(group[-1, LAST])] - run.time_s[int(group[0, FIRST])]
-    return bool(np.sum(group[:, KIND] == COAST) >= LEAST_PULSES and spent > PULSE_S)
+    """Return whether pulses of one mean speed are so many that they are a hold; none of them under another's limit."""
+    first, last = int(group[0, FIRST]), int(group[-1, LAST])
+    many = np.sum(group[:, KIND] == COAST) >= LEAST_PULSES and run.time_s[last] - run.time_s[first] > PULSE_S
+    return bool(many and _keeps_one_limit(run, first, last))
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _keeps_one_limit(run: RunData, first: int, last: int) -> bool:
+    """Return whether all speeds of cells keep the lowest limit of them."""
+    return bool(np.max(run.speed_ms[first : last + 1]) <= np.min(run.limit_ms[first:last]) + UNTOLD_MS)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -197,16 +204,25 @@ def _put_turns(run: RunData, group: FloatArray, out: FloatArray, count: int) -> 
 
     The end of the last pulse is aimed at: where in a turn coasting for good begins must not be left to chance.
     """
-    first, last = int(group[0, FIRST]), int(group[-1, LAST])
+    last = int(group[-1, LAST])
     row = group.shape[0] - 1
     while row > 0 and (group[row, KIND] != COAST or run.time_s[last] - run.time_s[int(group[row, FIRST])] < SHORTEST_S):
         row -= 1
-    aimed = int(group[row, FIRST])
-    if aimed > first:
-        _set(run, out, count, HOLD, first, aimed)
+    if row > 0:
+        _set(run, out, count, HOLD, int(group[0, FIRST]), int(group[row, FIRST]))
         out[count, SHARE] = _power_share(run, group)
         count += 1
-    _set(run, out, count, PART_POWER, aimed, last)
+    return _put_chord(run, group[row:], out, count)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _put_chord(run: RunData, rows: FloatArray, out: FloatArray, count: int) -> int:
+    """Write rows as one steady change of speed, or as they are where that would break a limit."""
+    first, last = int(rows[0, FIRST]), int(rows[-1, LAST])
+    if not _chord_keeps_limits(run, first, last):
+        out[count : count + rows.shape[0]] = rows
+        return count + len(rows)
+    _set(run, out, count, PART_POWER, first, last)
     out[count, STRAIGHT] = 1.0
     return count + 1
 
@@ -227,21 +243,17 @@ def _power_share(run: RunData, group: FloatArray) -> float:
 @njit(cache=True, error_model="numpy", nogil=True)
 def _put_straight(run: RunData, group: FloatArray, out: FloatArray, count: int) -> int:
     """Write pulses as part power, each piece long enough to be told of and from the end of one pulse to another's."""
-    if group.shape[0] == 0:
-        return count
-    first, last = int(group[0, FIRST]), int(group[-1, LAST])
-    begin = first
-    for k in range(group.shape[0]):
-        end = int(group[k, LAST])
-        if group[k, KIND] == COAST or (end < last and run.time_s[end] - run.time_s[begin] < SHORTEST_S):
-            continue
-        short = run.time_s[end] - run.time_s[begin] < SHORTEST_S
-        if short and begin > first and _chord_keeps_limits(run, int(out[count - 1, FIRST]), end):
-            out[count - 1, LAST] = end
-        else:
-            _set(run, out, count, PART_POWER, begin, end)
-            out[count, STRAIGHT] = 1.0
-            count += 1
+    begin = 0
+    while begin < group.shape[0]:
+        end, started = begin + 1, run.time_s[int(group[begin, FIRST])]
+        # what is left after the piece must be long enough too
+        for k in range(begin, group.shape[0]):
+            long = run.time_s[int(group[k, LAST])] - started >= SHORTEST_S
+            rest = run.time_s[int(group[-1, LAST])] - run.time_s[int(group[k, LAST])]
+            end = k + 1
+            if long and group[k, KIND] != COAST and rest >= SHORTEST_S:
+                break
+        count = _put_chord(run, group[begin:end], out, count)
         begin = end
     return count
 

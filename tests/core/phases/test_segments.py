@@ -42,6 +42,20 @@ def test_pulses_that_gain_speed_are_part_power():
     assert middle[-1].end_ms == pytest.approx(11.4 + 8.0)
 
 
+def test_pulses_that_a_limit_shapes_stay_pulses():
+    """A hold at their mean of 45 km/h, or a steady change of speed, would pass the limit of 38 at each coast's end."""
+    limit = np.full(300, np.inf)
+    pieces = []
+    for k in range(4):
+        pieces += [(20.0, 14.0, 0.9), (60.0, 10.5, 0.0)]
+        limit[10 + 40 * k + 35 : 10 + 40 * k + 40] = 10.6
+    run = run_of((20, 10, 0.0), *pieces, (20, 14.0, 0.9), (500, 13, 0.0), cell_m=2.0)
+    run = run._replace(limit_ms=limit[: len(run.effort_n)])
+    names = [phase.phase for phase in find_phases(run)]
+    assert names.count("coast") == 6
+    assert "hold" not in names
+
+
 def test_power_that_is_briefly_less_than_full_counts_as_full():
     run = run_of((100, 10, 1.0), (20, 10.6, 0.7), (100, 14, 1.0), (500, 12, 0.0), start_ms=2.0)
     assert in_short(find_phases(run)) == [("full_power", 0, 220), ("coast", 220, 720)]

@@ -5,13 +5,16 @@ from functools import cache
 import numpy as np
 import pytest
 from builders import plain_scenario
+from hypothesis import given
+from hypothesis import strategies as st
+from random_scenarios import random_run
 
 from railjoule.core import load_scenario, solve
 from railjoule.core.advice import Instruction
 from railjoule.core.errors import InfeasibleLineError
 from railjoule.core.scenario import preset_names
 from railjoule.core.simulate.advised import drive_advice
-from railjoule.core.strategies import compare
+from railjoule.core.strategies import compare, run_strategy
 
 SCENARIOS = preset_names("scenarios")
 
@@ -51,6 +54,14 @@ def test_no_advice_is_longer_than_a_driver_can_follow(name):
         assert len(run.advice) <= 20 * stops
         lasting = [p.end_s - p.start_s for p in run.phases if p.phase in {"hold", "coast"}]
         assert np.percentile(lasting, 25, method="nearest") >= 5.0
+
+
+@given(st.integers(0, 10**6))
+def test_the_advice_of_a_run_at_its_limits_keeps_them(seed):
+    """The fastest run brakes with all it has before each limit and stop, and is followed open loop all the same."""
+    run = run_strategy(random_run(seed, stops=seed % 2 == 1).task, "fastest")
+    driven = drive_advice(run.scenario, run.advice, initial_speed_ms=run.speed_ms[0])
+    assert excess_kmh(driven) < SPEED_ROUNDING_KMH
 
 
 def flat(**changes):
