@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from railjoule.core.advice import Instruction, advise
 from railjoule.core.arrays import FloatArray, IntArray, frozen_array
 from railjoule.core.energy import Energy, share_above
 from railjoule.core.motion.course import Course
-from railjoule.core.phases import Phase, find_phases
+from railjoule.core.motion.line_profile import speed_limit_at
+from railjoule.core.phases import Phase, RunData, find_phases
 from railjoule.core.scenario import Scenario
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
@@ -81,6 +83,8 @@ class Trajectory:
         Efforts at the wheels, all positive [N].
     largest_effort_n : array of cells
         Largest tractive effort at the cell's speed [N].
+    largest_braking_n : array of cells
+        Largest braking effort at the cell's speed, friction brakes included [N].
     line_power_w : array of cells
         Power taken from the line, auxiliaries included; negative where energy goes back [W].
     current_a : array of cells or None
@@ -114,6 +118,7 @@ class Trajectory:
     electric_braking_n: FloatArray
     friction_braking_n: FloatArray
     largest_effort_n: FloatArray
+    largest_braking_n: FloatArray
     line_power_w: FloatArray
     current_a: FloatArray | None
     gradient_permille: FloatArray
@@ -187,11 +192,33 @@ class Trajectory:
         return None if np.isnan(share) else share
 
     @cached_property
+    def run_data(self) -> RunData:
+        """The run's arrays as its phases and its advice take them."""
+        line, vehicle = self.scenario.line.in_running_order(), self.scenario.vehicle
+        limit_kmh = speed_limit_at(line, 0.5 * (self.position_m[1:] + self.position_m[:-1]))
+        auxiliary_w = self.energy.auxiliary_j / self.travel_time_s
+        return RunData(
+            position_m=self.position_m,
+            time_s=self.time_s,
+            speed_ms=self.speed_ms,
+            energy_j=self.line_energy_j - auxiliary_w * (self.time_s - self.time_s[0]),
+            effort_n=self.effort_n,
+            largest_effort_n=self.largest_effort_n,
+            largest_braking_n=self.largest_braking_n,
+            limit_ms=np.minimum(limit_kmh, vehicle.traction.max_speed_kmh) * MS_PER_KMH,
+            inertia_kg=vehicle.total_inertia_kg,
+            max_deceleration_ms2=vehicle.braking.max_deceleration_ms2 or np.inf,
+        )
+
+    @cached_property
     def phases(self) -> tuple[Phase, ...]:
         """What the driver does, in order."""
-        return find_phases(
-            self.position_m, self.time_s, self.speed_ms, self.effort_n, self.largest_effort_n, self.line_energy_j
-        )
+        return find_phases(self.run_data)
+
+    @cached_property
+    def advice(self) -> tuple[Instruction, ...]:
+        """What a driver is told so that he drives this run, an instruction for each phase."""
+        return advise(self)
 
     def to_dataframe(self) -> "pandas.DataFrame":
         """Return the run as a table of its nodes, with the efforts and powers of the cells that begin there."""
@@ -283,6 +310,7 @@ def make_trajectory(
         electric_braking_n=frozen_array(with_dwell.cells(electric)),
         friction_braking_n=frozen_array(with_dwell.cells(braking - electric)),
         largest_effort_n=frozen_array(with_dwell.cells(data.traction.effort_n(mean_speed))),
+        largest_braking_n=frozen_array(with_dwell.cells(data.braking.effort_n(mean_speed) + data.friction_effort_n)),
         line_power_w=frozen_array(power),
         current_a=None if current is None else frozen_array(with_dwell.cells(current)),
         gradient_permille=frozen_array(with_dwell.cells(course.gradient_permille)),

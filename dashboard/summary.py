@@ -68,6 +68,7 @@ def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = Non
         "solve_time_s": trajectory.solve_time_s,
         "iterations": trajectory.iterations,
         "phases": [_phase(phase) for phase in trajectory.phases],
+        "advice": [asdict(told) for told in trajectory.advice],
         "notes": list(trajectory.notes),
     }
 

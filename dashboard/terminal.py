@@ -7,10 +7,11 @@ import shutil
 import textwrap
 from collections.abc import Iterable, Sequence
 
+from railjoule.core.advice import Instruction
 from railjoule.core.trajectory import Reference
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import comparisons, words
-from railjoule.dashboard.look.words import J_PER_WH, PHASE_WORDS, STRATEGY_WORDS, decimals
+from railjoule.dashboard.look.words import J_PER_WH, STRATEGY_WORDS, advice_in_words, decimals
 from railjoule.dashboard.summary import Summary
 
 WIDEST = 110
@@ -52,7 +53,7 @@ def solution_text(summary: Summary) -> str:
         *_bound_lines(summary),
         *_labelled("Time", _time_words(summary)),
         *_price_lines(summary),
-        *_labelled("Driver", phase_words(summary["phases"])),
+        *_labelled("Driver", driver_words(summary["advice"])),
         "",
         "Account, kWh",
         *_account_lines(summary),
@@ -92,7 +93,7 @@ def following_text(following: Summary) -> str:
             "",
             f"{_more(planned, actual)} energy, {delay(following['delay_s'])} s, "
             f"stopped {stop_error(following['stop_error_m'])} m from the place.",
-            f"Driver: {phase_words(actual['phases'])}",
+            f"Driver: {driver_words(actual['advice'])}",
         ]
     )
 
@@ -114,7 +115,7 @@ def ride_text(ride: Summary) -> str:
             *learned,
             f"{_more(planned, actual)} energy, {delay(ride['delay_s'])} s against the timetable.",
             *ride["notes"],
-            f"Driver: {phase_words(actual['phases'])}",
+            f"Driver: {driver_words(actual['advice'])}",
         ]
     )
 
@@ -231,9 +232,9 @@ def bound_words(summary: Summary) -> str:
     return words.plain_text(f"{amount.sentence} the bound{' of another mesh' if amount.is_less else ''}")
 
 
-def phase_words(phases: Sequence[Summary]) -> str:
-    """Return what the driver does, such as 'full power to 57 km/h in 21 s, coast from 342 m'."""
-    return ", ".join(_one_phase(phase) for phase in phases)
+def driver_words(advice: Sequence[Summary]) -> str:
+    """Return what the driver is told, such as 'full power to 57.2 km/h, coast from 342 m'."""
+    return ", ".join(advice_in_words([Instruction(**told) for told in advice], number))
 
 
 def table_lines(head: Cell, rows: Sequence[Cell], left: Iterable[int] = (0,)) -> list[str]:
@@ -249,18 +250,6 @@ def table_lines(head: Cell, rows: Sequence[Cell], left: Iterable[int] = (0,)) ->
         return "  ".join(words).rstrip()
 
     return [line(head), "  ".join("-" * width for width in widths), *(line(row) for row in rows)]
-
-
-def _one_phase(phase: Summary) -> str:
-    name, words = phase["phase"], PHASE_WORDS[phase["phase"]]
-    if name in {"full_power", "part_power"}:
-        duration = number(phase["end_s"] - phase["start_s"], 0)
-        return f"{words} to {number(phase['end_kmh'], 0)} km/h in {duration} s"
-    if name == "hold":
-        return f"{words} {number(phase['end_kmh'], 0)} km/h to {number(phase['end_m'], 0)} m"
-    if name == "stand":
-        return f"{words} {number(phase['end_s'] - phase['start_s'], 0)} s at {number(phase['start_m'], 0)} m"
-    return f"{words} from {number(phase['start_m'], 0)} m"
 
 
 def _comparison_table(results: Sequence[Summary]) -> list[str]:

@@ -5,12 +5,13 @@ terminal. How runs compare is told in `railjoule.dashboard.look.comparisons`.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Iterator, Sequence
 from functools import wraps
 from typing import ParamSpec
 
+from railjoule.core.advice import Instruction
 from railjoule.core.energy import energy_decimals
-from railjoule.core.phases import Phase, PhaseName
+from railjoule.core.phases import PhaseName
 from railjoule.core.scenario import StrategyName
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
@@ -42,7 +43,6 @@ J_PER_WH = J_PER_KWH / 1000
 LEAST_ENERGY_KWH = 5e-4
 """An energy below this reads as zero."""
 SMALL_PRICE_WH_PER_S = 100.0
-SHORT_TIME_S = 10.0
 AT_START_M = 0.5
 """A phase that begins nearer to the start needs no place."""
 
@@ -160,31 +160,56 @@ def speed(ms: float, digits: int = 0) -> str:
     return number(ms / MS_PER_KMH, digits)
 
 
-def phase_words(phase: Phase) -> str:
-    """Return what the driver does in a phase, such as 'full power to 38 km/h'."""
-    if phase.phase in {"full_power", "part_power"}:
-        return f"{PHASE_WORDS[phase.phase]} to {speed(phase.end_ms)} km/h"
-    if phase.phase == "hold":
-        return f"hold {speed(phase.end_ms)} km/h"
-    if phase.phase == "stand":
-        return f"stand {number(phase.end_s - phase.start_s, 0)} s"
-    return PHASE_WORDS[phase.phase]
+def tenths(value: float, number: Callable[[float, int], str] = number) -> str:
+    """Return a number as the advice has it: in tenths, whole where it is."""
+    return number(value, 0 if value == round(value) else 1)
 
 
-def advice_words(phase: Phase) -> str:
-    """Return what a driver is told to do, such as 'full power to 38 km/h in 12 s' or 'coast from 45 m'."""
-    text = phase_words(phase)
-    start = "" if phase.start_m < AT_START_M else f" from {number(phase.start_m, 0)} m"
-    if phase.phase == "stand":
-        return f"{text} at {number(phase.start_m, 0)} m"
-    if phase.phase in {"full_power", "part_power"}:
-        return f"{PHASE_WORDS[phase.phase]}{start} to {speed(phase.end_ms)} km/h in {duration(phase)} s"
-    if phase.phase == "coast" and not start:
-        return "roll"
-    return text + start
+def advice_words(told: Instruction, number: Callable[[float, int], str] = number, named: Collection[float] = ()) -> str:
+    """Return what a driver is told, such as 'full power to 36.9 km/h' or 'brake from 593 m to 50 km/h at 600 m'.
+
+    Parameters
+    ----------
+    told : Instruction
+        One line of the advice, whose numbers are printed as they are.
+    number : callable
+        Writes a number with its decimals.
+    named : collection of float
+        Places that are named beside it, and not told again [m].
+    """
+
+    def place(word: str, place_m: float | None) -> str:
+        return "" if place_m is None or place_m in named else f" {word} {number(place_m, 0)} m"
+
+    action = "brake fully" if told.fully else PHASE_WORDS[told.action]
+    if told.action == "stand":
+        return f"{action} {tenths(told.stand_s or 0.0, number)} s{place('at', told.from_m)}"
+    start = place("from", told.from_m) if told.from_m >= AT_START_M else ""
+    if told.action == "hold":
+        return f"{action} {tenths(told.to_kmh or 0.0, number)} km/h{start}{_turns_words(told, number)}"
+    if told.to_kmh is None:
+        return f"{action}{start}" if start else "roll"
+    aim = f"{tenths(told.to_kmh, number)} km/h" if told.to_kmh > 0 else "a stop"
+    return f"{action}{start} to {aim}{place('at', told.at_m)}"
 
 
-def duration(phase: Phase) -> str:
-    """Return how long a phase takes [s], whole from ten seconds on."""
-    seconds = phase.end_s - phase.start_s
-    return number(seconds, 0 if seconds >= SHORT_TIME_S else 1)
+def advice_in_words(
+    advice: Sequence[Instruction], number: Callable[[float, int], str] = number, named: Collection[float] = ()
+) -> Iterator[str]:
+    """Yield all that a driver is told; more of the same begins where it ended, and need not say so.
+
+    Arguments as `advice_words`.
+    """
+    for before, told in zip((None, *advice), advice, strict=False):
+        goes_on = before is not None and before.action == told.action and before.at_m == told.from_m
+        yield advice_words(told, number, (*named, told.from_m) if goes_on else named)
+
+
+def _turns_words(told: Instruction, number: Callable[[float, int], str]) -> str:
+    """Return how a speed is held by turns; nothing where it just is."""
+    if told.between_kmh is None:
+        return ""
+    low, high = (tenths(speed, number) for speed in told.between_kmh)
+    share = told.power_share or 1.0
+    power = "full power" if share == 1 else f"{100 * share:.0f} % power"
+    return f" by turns: {power} to {high} km/h, coast to {low} km/h"

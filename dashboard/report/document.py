@@ -138,8 +138,11 @@ def _texts(findings: Findings, run: Trajectory) -> dict[str, Any]:
 
 
 def _phases(run: Trajectory) -> list[list[Any]]:
-    """Return name, start [m], end [m] and last speed of the phases of a run."""
-    return [[phase.phase, phase.start_m, phase.end_m, words.speed(phase.end_ms)] for phase in run.phases]
+    """Return name, start [m], end [m] and the speed that is aimed at of the phases of a run."""
+    return [
+        [phase.phase, phase.start_m, phase.end_m, "" if told.to_kmh is None else words.tenths(told.to_kmh)]
+        for phase, told in zip(run.phases, run.advice, strict=True)
+    ]
 
 
 def _point(run: Trajectory) -> list[float]:

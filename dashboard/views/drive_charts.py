@@ -50,10 +50,10 @@ class PhaseStrip(SceneChart):
         right = np.array([phase.end_s if scene.over_time else phase.end_m for phase in phases])
         room = (right - left) / scene.end * scene.width_px
         texts = []
-        for number, (phase, pixels) in enumerate(zip(phases, room, strict=True), 1):
-            full = f"{number}  {words.PHASE_WORDS[phase.phase]}"
-            if phase.phase == "hold":
-                full = f"{full} {words.speed(phase.end_ms)}"
+        for number, (told, pixels) in enumerate(zip(scene.run.advice, room, strict=True), 1):
+            full = f"{number}  {words.PHASE_WORDS[told.action]}"
+            if told.action == "hold" and told.to_kmh is not None:
+                full = f"{full} {words.tenths(told.to_kmh)}"
             fitting = full if len(full) * WORD_PX < pixels else str(number)
             texts.append(fitting if pixels > 1.6 * WORD_PX else "")
         self.sources["phases"].data = {

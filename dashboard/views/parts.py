@@ -3,12 +3,14 @@
 import html
 import re
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from typing import Any
 
 import panel as pn
 from bokeh.model import Model
 
-from railjoule.core import Trajectory
+from railjoule.core import Phase, Trajectory
+from railjoule.core.advice import AT_REST_MS
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.theme import parts_css
@@ -16,6 +18,9 @@ from railjoule.dashboard.look.tokens import DASHES, PIN_DASHES, line_width
 from railjoule.dashboard.models.pins import Pin
 from railjoule.dashboard.store import Runs
 
+SAME_STOP_M = 0.5
+MOST_IN_SIGHT = 10
+"""So many instructions stand above the charts; more are scrolled."""
 LOSS_WORDS = {
     "drive": "Drive losses",
     "copper": "Copper loss",
@@ -175,13 +180,20 @@ def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: b
 
 
 def advice(run: Trajectory, stale: bool) -> str:
-    """Return the phases of a run as advice to the driver, with buttons that copy and print it."""
-    items = []
-    for number, phase in enumerate(run.phases, 1):
-        text = words.advice_words(phase)
-        if number == 1:
-            text = text[0].upper() + text[1:]
-        items.append(f"<li><b>{number}</b>{text}</li>")
+    """Return the advice to the driver, by legs where it stops on the way, with buttons that copy and print it."""
+    departures = [k for k, phase in enumerate(run.phases) if k == 0 or _departs(phase)]
+    stops = [*(run.phases[k].start_m for k in departures), run.phases[-1].end_m]
+    # a leg's name tells where it starts and stops
+    texts = list(words.advice_in_words(run.advice, named=stops if len(departures) > 1 else ()))
+    texts[0] = texts[0][0].upper() + texts[0][1:]
+    items = [f'<li class="told"><b>{number}</b>{text}</li>' for number, text in enumerate(texts, 1)]
+    if len(departures) > 1:
+        borders = pairwise([*departures, len(items)])
+        items = [_leg(run, ends, items[first:end]) for ends, (first, end) in zip(pairwise(stops), borders, strict=True)]
+    if len(texts) > MOST_IN_SIGHT:
+        # what is scrolled must be so by the keyboard too
+        kind = "many legs" if len(departures) > 1 else "many"
+        items = [f'<li><ol class="{kind}" tabindex="0" aria-label="All instructions">{"".join(items)}</ol></li>']
     title = html.escape(f"{run.scenario.title or 'Run'}: {words.time(run.travel_time_s)} s")
     tools = "".join(
         f'<button type="button" class="save" data-act="{what.lower()}" aria-label="{what} the advice">{what}</button>'
@@ -192,6 +204,22 @@ def advice(run: Trajectory, stale: bool) -> str:
         f'<div class="card" data-title="{title}"><ol class="{kind}" aria-label="Driver\u2019s advice">'
         f'{"".join(items)}<li class="buttons">{tools}</li></ol></div>'
     )
+
+
+def _departs(phase: Phase) -> bool:
+    """Return whether a phase begins at rest, and drives on."""
+    return phase.start_ms <= AT_REST_MS and phase.phase != "stand"
+
+
+def _leg(run: Trajectory, ends_m: tuple[float, float], items: Sequence[str]) -> str:
+    """Return the instructions of a leg between two stops [m] beside their names."""
+    stations = run.scenario.line.in_running_order().stations
+    names = []
+    for place in ends_m:
+        near = [station.name for station in stations if abs(station.position_m - place) < SAME_STOP_M]
+        names.append((near and near[0]) or f"{words.number(place, 0)} m")
+    way = escaped(" \u2013 ".join(names))
+    return f'<li class="leg"><span class="way">{way}</span><ol>{"".join(items)}</ol></li>'
 
 
 def account(run: Trajectory) -> str:
@@ -292,18 +320,21 @@ def other_times(runs: Iterable[Trajectory]) -> str:
 
 
 def phase_table(run: Trajectory) -> str:
-    """Return the phases of a run as a table."""
+    """Return the phases of a run as a table: where the driver begins and what he aims at, time and energy."""
     rows = []
-    for number, phase in enumerate(run.phases, 1):
+    for number, (phase, told) in enumerate(zip(run.phases, run.advice, strict=True), 1):
         patch = f'<span class="patch" style="background:var(--rj-{phase.phase.replace("_", "-")})"></span>'
         cells = (
             f"{patch}{number} {words.PHASE_WORDS[phase.phase]}",
-            words.number(phase.start_m, 0),
+            words.number(told.from_m, 0),
             words.number(phase.end_s - phase.start_s),
-            words.speed(phase.end_ms),
+            words.speed(phase.end_ms) if told.to_kmh is None else words.tenths(told.to_kmh),
             words.energy(phase.energy_j / J_PER_KWH),
         )
         rows.append((cells, False))
+    if run.energy.auxiliary_j > 0:
+        # the phases' energies and this make the net energy
+        rows.append((("Auxiliaries", "", "", "", words.energy(run.energy.auxiliary_j / J_PER_KWH)), False))
     return table("Phases", ("Phase", "from, m", "s", "to, km/h", "kWh"), rows)
 
 

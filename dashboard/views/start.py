@@ -125,7 +125,7 @@ def hero(runs: Runs | None) -> str:
         for name in phases
     ]
     alternative = f"Speed over distance of the optimum of {run.scenario.title}: " + ", ".join(
-        words.phase_words(phase) for phase in run.phases
+        words.advice_in_words(run.advice)
     )
     return (
         f'<div class="hero">{text}<svg role="img" aria-label="{parts.escaped(alternative)}" '

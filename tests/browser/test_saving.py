@@ -92,7 +92,7 @@ def test_the_advice_is_copied_and_printed(user: User) -> None:
     lines = user.page.evaluate("navigator.clipboard.readText()").splitlines()
     assert lines[0] == "Metro, profile II + I: 170.0 s"
     assert lines[1].startswith("1. Full power to ")
-    assert lines[-1].startswith(f"{len(lines) - 1}. brake from ")
+    assert lines[-1].startswith(f"{len(lines) - 1}. brake fully from ")
     user.page.get_by_role("button", name="Print the advice").click()
     sheet = user.page.frame_locator("#rj-print")
-    expect(sheet.locator("li")).to_have_count(len(lines) - 1)
+    expect(sheet.locator("p")).to_have_count(len(lines) - 1)

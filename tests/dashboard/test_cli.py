@@ -64,7 +64,7 @@ def test_solve_prints_words(capsys):
     assert text.startswith("Metro, profile II: Optimal\n1.30 km in 133.7 s, at most 46.1 km/h\n")
     assert "2.224 kWh at the line, proven optimal" in text
     assert "133.7 s; shortest possible 76.9 s, allowed 133.7 s: slack 56.8 s (73.8 %)" in text
-    assert "full power to 25 km/h in 6 s, coast from 20 m, brake from 1,275 m" in text
+    assert "full power to 27.6 km/h, coast from 24 m, brake fully from 1,278 m to a stop" in text
     assert "would save" in text
     assert "iterations" in text
 

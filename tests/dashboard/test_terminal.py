@@ -1,7 +1,10 @@
+from dataclasses import asdict
+
 import pytest
 
+from railjoule.core.advice import Instruction
 from railjoule.dashboard import terminal
-from railjoule.dashboard.terminal import bound_words, energy, number, phase_words, printable, table_lines, verdict
+from railjoule.dashboard.terminal import bound_words, driver_words, energy, number, printable, table_lines, verdict
 
 
 @pytest.mark.parametrize(
@@ -56,16 +59,16 @@ def test_a_run_is_measured_against_the_best_known_one(summary, words):
     assert verdict(summary) == words
 
 
-def phase(name, **changes):
-    base = {"start_m": 342.0, "end_m": 1180.0, "start_s": 10.0, "end_s": 31.0, "start_kmh": 0.0, "end_kmh": 57.2}
-    return {"phase": name, **base, **changes}
-
-
-def test_phases_in_words():
-    phases = [phase("full_power"), phase("coast"), phase("hold"), phase("brake", start_m=1180.0), phase("stand")]
-    assert phase_words(phases) == (
-        "full power to 57 km/h in 21 s, coast from 342 m, hold 57 km/h to 1,180 m, brake from 1,180 m, "
-        "stand 21 s at 342 m"
+def test_advice_in_words():
+    advice = [
+        Instruction("full_power", 0, 57.2),
+        Instruction("coast", 342),
+        Instruction("brake", 1180, 0, 1300, fully=True),
+        Instruction("stand", 1300, stand_s=21.0),
+    ]
+    assert driver_words([asdict(told) for told in advice]) == (
+        "full power to 57.2 km/h, coast from 342 m, brake fully from 1,180 m to a stop at 1,300 m, "
+        "stand 21 s at 1,300 m"
     )
 
 

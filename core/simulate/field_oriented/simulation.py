@@ -433,6 +433,7 @@ def _trajectory(
         electric_braking_n=frozen_array(np.maximum(-effort, 0.0)),
         friction_braking_n=frozen_array(np.zeros_like(effort)),
         largest_effort_n=frozen_array(data.traction.effort_n(mean_speed)),
+        largest_braking_n=frozen_array(data.braking.effort_n(mean_speed) + data.friction_effort_n),
         line_power_w=frozen_array(np.diff(line) / duration),
         current_a=frozen_array(0.5 * (states[1:, p.IQ] + states[:-1, p.IQ])),
         gradient_permille=frozen_array(course.gradient_permille[cell]),

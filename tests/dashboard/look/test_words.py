@@ -1,6 +1,6 @@
 import pytest
 
-from railjoule.core.phases import Phase
+from railjoule.core.advice import Instruction
 from railjoule.dashboard.look import words
 
 
@@ -87,19 +87,65 @@ def test_speeds_are_in_km_per_h() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "text"),
+    ("told", "text"),
     [
-        ("full_power", "full power to 36 km/h"),
-        ("part_power", "part power to 36 km/h"),
-        ("hold", "hold 36 km/h"),
-        ("coast", "coast"),
-        ("brake", "brake"),
-        ("stand", "stand 20 s"),
+        (Instruction("full_power", 0, 36.9), "full power to 36.9 km/h"),
+        (Instruction("full_power", 900, 63.3), "full power from 900 m to 63.3 km/h"),
+        (Instruction("part_power", 55, 42.8, 125), "part power from 55 m to 42.8 km/h at 125 m"),
+        (Instruction("hold", 600, 50), "hold 50 km/h from 600 m"),
+        (
+            Instruction("hold", 185, 46, None, (45, 47), 0.44),
+            "hold 46 km/h from 185 m by turns: 44 % power to 47 km/h, coast to 45 km/h",
+        ),
+        (
+            Instruction("hold", 1280, 45.2, None, (44.2, 46.2), 1.0),
+            "hold 45.2 km/h from 1\u202f280 m by turns: full power to 46.2 km/h, coast to 44.2 km/h",
+        ),
+        (Instruction("coast", 43), "coast from 43 m"),
+        (Instruction("coast", 0), "roll"),
+        (Instruction("coast", 740, 0, 826.6), "coast from 740 m to a stop at 827 m"),
+        (Instruction("brake", 4257, 61.2, 4540), "brake from 4\u202f257 m to 61.2 km/h at 4\u202f540 m"),
+        (Instruction("brake", 593, 50, 600, fully=True), "brake fully from 593 m to 50 km/h at 600 m"),
+        (Instruction("brake", 2196, 0, 2300, fully=True), "brake fully from 2\u202f196 m to a stop at 2\u202f300 m"),
+        (Instruction("stand", 1150, stand_s=25), "stand 25 s at 1\u202f150 m"),
+        (Instruction("stand", 1150, stand_s=12.5), "stand 12.5 s at 1\u202f150 m"),
     ],
 )
-def test_phases_as_advice(name: str, text: str) -> None:
-    phase = Phase(name, 0.0, 100.0, 5.0, 25.0, 0.0, 10.0, 1e6)  # type: ignore[arg-type]
-    assert words.phase_words(phase) == text
+def test_instructions_say_where_they_begin_and_what_they_aim_at(told: Instruction, text: str) -> None:
+    assert words.advice_words(told) == text
+
+
+def test_instructions_can_be_written_with_other_numbers() -> None:
+    told = Instruction("brake", 2196, 12.5, 2300)
+    assert words.advice_words(told, lambda value, digits: f"<{value:.{digits}f}>") == (
+        "brake from <2196> m to <12.5> km/h at <2300> m"
+    )
+
+
+def test_places_that_are_named_beside_it_are_not_told_again() -> None:
+    stops = (1150.0, 1950.0)
+    told = [
+        Instruction("full_power", 1150, 45.4),
+        Instruction("brake", 1913, 0, 1950, fully=True),
+        Instruction("stand", 1950, stand_s=30),
+    ]
+    texts = [words.advice_words(one, named=stops) for one in told]
+    assert texts == ["full power to 45.4 km/h", "brake fully from 1\u202f913 m to a stop", "stand 30 s"]
+
+
+def test_more_of_the_same_begins_where_it_ended() -> None:
+    advice = [
+        Instruction("part_power", 0, 17.8, 15),
+        Instruction("part_power", 15, 31.3, 55),
+        Instruction("hold", 55, 31.3),
+        Instruction("part_power", 80, 40, 120),
+    ]
+    assert list(words.advice_in_words(advice)) == [
+        "part power to 17.8 km/h at 15 m",
+        "part power to 31.3 km/h at 55 m",
+        "hold 31.3 km/h from 55 m",
+        "part power from 80 m to 40 km/h at 120 m",
+    ]
 
 
 @pytest.mark.parametrize(

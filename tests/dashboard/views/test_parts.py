@@ -128,14 +128,53 @@ def test_changes_against_the_pinned_run(now: float, before: float, text: str) ->
     assert plain(parts.change(now, before)) == text
 
 
-def test_advice_lists_the_phases_in_order(runs: Runs) -> None:
+def test_advice_lists_the_instructions_in_order(runs: Runs) -> None:
     run: Trajectory = runs.runs["optimal"]
     text = plain(parts.advice(run, stale=False))
-    assert text.startswith("1 ")
-    last, metres = len(run.phases), run.phases[-1].start_m
-    assert f" {last} brake from {metres:,.0f} m".replace(",", " ") in text
-    first = run.phases[0]
-    assert f"to {words.speed(first.end_ms)} km/h in {words.number(first.end_s, 0)} s" in text
+    first, *others = (plain(text) for text in words.advice_in_words(run.advice))
+    lines = [first[0].upper() + first[1:], *others]
+    assert text == " ".join([*(f"{number} {line}" for number, line in enumerate(lines, 1)), "Copy Print"])
+
+
+def test_long_advice_is_scrolled_and_short_advice_is_not(runs: Runs) -> None:
+    long, short = runs.runs["optimal"], runs.runs["enoc"]
+    assert (len(long.advice), len(short.advice)) == (17, 3)
+    assert '<ol class="many" tabindex="0" aria-label="All instructions">' in parts.advice(long, stale=False)
+    assert "many" not in parts.advice(short, stale=False)
+
+
+def test_advice_of_a_line_with_stations_is_by_legs() -> None:
+    run = solve(load_scenario("metro-10-stations"))
+    markup = parts.advice(run, stale=False)
+    ways = re.findall('<span class="way">([^<]*)</span>', markup)
+    assert ways[0] == "Harbour \u2013 Old Town"
+    assert ways[-1] == "Mills \u2013 Hill"
+    assert len(ways) == 9
+    legs = markup.split('<li class="leg">')[1:]
+    assert [leg.count('class="told"') for leg in legs] == [4, 4, 4, 4, 4, 4, 4, 6, 3]
+    assert all("stand" in plain(leg) for leg in legs[:-1])
+
+
+def test_stops_without_a_name_are_places(runs: Runs) -> None:
+    stations = [{"position_m": 1000.0, "dwell_s": 20.0}, {"position_m": 2000.0, "name": HOSTILE}]
+    run = solve(load_scenario("ftorek-300s", {"line.stations": stations, "timetable.travel_time_s": 500.0}))
+    text = plain(parts.advice(run, stale=False))
+    assert "0 m \u2013 1 000 m" in text
+    assert "1 000 m \u2013 &lt;img" in text
+
+
+def test_the_table_of_phases_tells_what_the_advice_does() -> None:
+    run = solve(load_scenario("metro-with-limit", {"vehicle.auxiliary_power_kw": 50.0}))
+    markup = parts.phase_table(run)
+    rows = [plain(row.replace("</td>", " |")) for row in markup.split("<tr>")[2:]]
+    assert len(rows) == len(run.advice) + 1
+    brake = next(row for row in rows if row.startswith("3 brake"))
+    told = run.advice[2]
+    assert brake.startswith(f"3 brake | {told.from_m:.0f} | ")
+    assert f"| {words.tenths(told.to_kmh or 0)} |" in brake
+    assert "| 0.00 |" in next(row for row in rows if "coast" in row)
+    # 50 kW for 170 s
+    assert "Auxiliaries | | | | 2.36 |" in rows[-1]
 
 
 def test_tables_can_be_saved_under_their_titles() -> None:
