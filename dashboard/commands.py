@@ -4,7 +4,6 @@ import importlib.util
 import json
 import os
 import sys
-import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -12,10 +11,11 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from railjoule.core import RailjouleError, Scenario, StrategyRefusedError, compare, load_scenario
+from railjoule.core import RailjouleError, Scenario, ScenarioError, StrategyRefusedError, compare, load_scenario
 from railjoule.core import solve as solve_scenario
 from railjoule.core.scenario import StrategyName, parse_scenario, preset_names
 from railjoule.core.scenario.text_file import read_text
+from railjoule.core.scenario.toml_text import read_toml
 from railjoule.core.simulate.disturbances import simulate_disturbances
 from railjoule.core.simulate.field_oriented import simulate_field_oriented
 from railjoule.core.simulate.following import simulate_following
@@ -244,8 +244,8 @@ def parsed_changes(words: Sequence[str]) -> dict[str, Any]:
 def parsed_value(text: str) -> Any:
     """Return the TOML value that a text gives, or the text itself."""
     try:
-        document = tomllib.loads(f"value = {text}")
-    except (ValueError, RecursionError):
+        document = read_toml(f"value = {text}", "--set")
+    except ScenarioError:
         return text
     return document["value"] if list(document) == ["value"] else text
 

@@ -4,12 +4,11 @@
 `bounded` gives a run a bound that covers it.
 """
 
-from railjoule.core.bounds.certified import PROOF_BUDGET, PROVEN_GAP, bound_of, bounded, certify, work_floor_j
+from railjoule.core.bounds.certified import PROOF_BUDGET, bound_of, bounded, certify, work_floor_j
 from railjoule.core.bounds.minimum import Solution, minimise
 
 __all__ = [
     "PROOF_BUDGET",
-    "PROVEN_GAP",
     "Solution",
     "bound_of",
     "bounded",

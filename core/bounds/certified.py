@@ -8,16 +8,14 @@ from dataclasses import replace
 import numpy as np
 
 from railjoule.core.bounds.minimum import minimise
-from railjoule.core.errors import InfeasibleLineError, SolverError, TimetableError
+from railjoule.core.errors import InfeasibleLineError, SolverError, StrategyRefusedError, TimetableError
 from railjoule.core.interior_point.proof import prove
 from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.interior_point.switching_bound import switched_bound
 from railjoule.core.task import Task, prepare_task
-from railjoule.core.trajectory import Bound, Trajectory
+from railjoule.core.trajectory import PROVEN_GAP, Bound, Trajectory
 from railjoule.core.units import MS_PER_KMH
 
-PROVEN_GAP = 1e-6
-"""A run this close to its bound, relatively, counts as proven optimal."""
 PROOF_SHARE = 0.8
 """A proof aims this much closer, so that a run's own rounding does not undo it."""
 PROOF_BUDGET = 2_000_000
@@ -31,7 +29,7 @@ Strategies with nodes of their own make at most twice the task's."""
 
 
 def bound_of(task: Task) -> Bound | None:
-    """Return the bound of a task, or None where there is no slack or its optimum is not found.
+    """Return the bound of a task, or None where there is no slack, its optimum is not found or takes too many cells.
 
     A bound is an extra: that it is missing is no reason to throw a finished run away.
     """
@@ -39,7 +37,7 @@ def bound_of(task: Task) -> Bound | None:
         return None
     try:
         return certify(task, minimise(task).optimum)
-    except SolverError:
+    except (SolverError, StrategyRefusedError):
         return None
 
 

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from railjoule.core.budget import current_budget
 from railjoule.core.errors import SolverError
 from railjoule.core.interior_point.solver import CONVERGED, Optimum, minimise_energy
 from railjoule.core.task import Task
@@ -48,10 +49,13 @@ def minimise(task: Task, tolerance: float = TOLERANCE) -> Solution:
     ------
     SolverError
         If neither of two attempts converges; for such a drive, if the second does not come near it.
+    StrategyRefusedError
+        If the mesh has more cells than the current budget gives to such a drive.
     """
     iterations = 0
     jumps = task.course.drive.jumps_at_no_effort
     if jumps:
+        task.require_few_cells(current_budget().idling_cells)
         tolerance = max(tolerance, SWITCHED_TOLERANCE)
     given = task.course.data, task.greatest_speed2, task.shortest_time_s, task.running_time_s
     for allowed, centring in ((FIRST_ITERATIONS, FREE_CENTRING), (SECOND_ITERATIONS, STEADY_CENTRING)):

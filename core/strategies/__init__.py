@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
+from railjoule.core.best_known import measured
 from railjoule.core.bounds import bounded
 from railjoule.core.errors import SolverError, StrategyRefusedError, TimetableError
 from railjoule.core.scenario import STRATEGY_NAMES, Scenario, StrategyName
@@ -11,7 +12,7 @@ from railjoule.core.strategies.bellman import bellman
 from railjoule.core.strategies.enoc import enoc
 from railjoule.core.strategies.eoc import eoc
 from railjoule.core.strategies.fastest import fastest
-from railjoule.core.strategies.optimal import optimal
+from railjoule.core.strategies.optimal import known_optimum, optimal
 from railjoule.core.strategies.phases import phases
 from railjoule.core.strategies.speed_limits import speed_limits
 from railjoule.core.task import Task, prepare_task
@@ -36,7 +37,7 @@ def solve(
     initial_speed_ms: float = 0.0,
     final_speed_ms: float = 0.0,
 ) -> Trajectory:
-    """Return the run of a strategy over a scenario, with the lower bound that an optimum proves, if it does.
+    """Return the run of a strategy over a scenario, with a bound that covers it and the best known run.
 
     Parameters
     ----------
@@ -61,7 +62,11 @@ def solve(
     name = strategy or scenario.strategy
     task = prepare_task(scenario, initial_speed_ms, final_speed_ms)
     trajectory = run_strategy(task, name)
-    return bounded(task, trajectory) if task.has_slack else trajectory
+    if trajectory.reference is None and task.has_slack:
+        best = known_optimum(task)
+        trajectory = bounded(task, trajectory, best.bound if best is not None else None)
+        *_, trajectory = measured([trajectory] if best is None else [best, trajectory])
+    return trajectory
 
 
 def run_strategy(task: Task, strategy: StrategyName) -> Trajectory:
@@ -101,7 +106,7 @@ def compare(scenario: Scenario) -> tuple[list[Trajectory], dict[StrategyName, st
             # a strategy may need more time than the fastest run
             refused[name] = str(refusal)
     known = next((run.bound for run in runs if run.bound is not None), None)
-    return [bounded(task, run, known) for run in runs], refused
+    return measured([bounded(task, run, known) for run in runs]), refused
 
 
 __all__ = ["STRATEGIES", "Task", "compare", "prepare_task", "run_strategy", "solve"]

@@ -3,10 +3,14 @@
 References: the method is in `railjoule.core.interior_point.solver`, the proof in `railjoule.core.bounds`.
 """
 
+from dataclasses import replace
+
 from railjoule.core.bounds import PROOF_BUDGET, Solution, certify, minimise
+from railjoule.core.energy import energy_decimals
+from railjoule.core.errors import SolverError, StrategyRefusedError
 from railjoule.core.strategies.switching import unswitched
 from railjoule.core.task import Task
-from railjoule.core.trajectory import Trajectory, make_trajectory
+from railjoule.core.trajectory import Reference, Trajectory, make_trajectory
 from railjoule.core.units import J_PER_KWH
 
 SMOOTHED = 1e-4
@@ -30,7 +34,7 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
     ------
     TimetableError
         If the timetable cannot be kept.
-    SolverError
+    SolverError, StrategyRefusedError
         As `railjoule.core.bounds.minimise`.
     """
     task.require_timetable()
@@ -43,7 +47,7 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
         run = unswitched(task, optimum)
         speed2, price, iterations = run.speed2, run.price_of_time_w, run.iterations
         notes = (switching_note(task, solution, run.energy_j + task.dwell_energy_j),)
-    return make_trajectory(
+    best = make_trajectory(
         task.scenario,
         task.course,
         "optimal",
@@ -53,6 +57,15 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
         iterations=iterations,
         notes=notes,
     )
+    return replace(best, reference=Reference(best.energy.net_j, best.strategy, task.travel_time_s, best.is_proven))
+
+
+def known_optimum(task: Task) -> Trajectory | None:
+    """Return the optimum of a task, to measure other runs against; None where it is not found."""
+    try:
+        return optimal(task)
+    except (SolverError, StrategyRefusedError):
+        return None
 
 
 def switching_note(task: Task, relaxed: Solution, energy_j: float) -> str:
@@ -64,7 +77,8 @@ def switching_note(task: Task, relaxed: Solution, energy_j: float) -> str:
     )
     known = ""
     if relaxed.energy_j <= energy_j + SMOOTHED * abs(energy_j):
-        known = f"free switching would need {relaxed.energy_j / J_PER_KWH:.4f} kWh; "
+        needed = relaxed.energy_j / J_PER_KWH
+        known = f"free switching would need {needed:.{energy_decimals(needed)}f} kWh; "
     return (
         "Driven or coasted cell by cell where free switching between driving, coasting and braking would drive for a "
         f"part of each, which is the best such run found, not proven; {known}{friction}."

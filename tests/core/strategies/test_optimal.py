@@ -8,11 +8,12 @@ from hypothesis import strategies as st
 from random_scenarios import random_run
 
 from railjoule.core import SolverError, load_scenario, solve
-from railjoule.core.bounds import PROVEN_GAP, minimise, work_floor_j
+from railjoule.core.bounds import minimise, work_floor_j
 from railjoule.core.bounds.minimum import TOLERANCE
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.core.strategies.optimal import optimal
 from railjoule.core.task import Task
+from railjoule.core.trajectory import PROVEN_GAP
 
 SAME = 1e-6
 """Each of two optima is within 1e-7 of the best; the rest is for rounding and what limits may be violated by."""
