@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray, frozen_array
+from railjoule.core.check import CheckResult
 from railjoule.core.energy import Energy
 from railjoule.core.motion.course import Course
 from railjoule.core.phases import Phase, find_phases
@@ -70,6 +71,8 @@ class Trajectory:
         How long the strategy took [s].
     notes : tuple of str
         Sentences on what was simplified.
+    check : CheckResult or None
+        What the independent check found, if it was asked.
     """
 
     scenario: Scenario
@@ -91,6 +94,7 @@ class Trajectory:
     iterations: int = 0
     solve_time_s: float = 0.0
     notes: tuple[str, ...] = field(default=())
+    check: CheckResult | None = None
 
     @property
     def effort_n(self) -> FloatArray:
