@@ -5,15 +5,17 @@ from functools import cached_property
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray
+from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.check.drives import loss_model
-from railjoule.core.check.loss_model import EXACT, LossModel
+from railjoule.core.check.loss_model import Losses, LossModel
 from railjoule.core.check.record import Record
 from railjoule.core.check.train import Route, Train, route_of, train_of
 from railjoule.core.scenario import Scenario
 
 ROUNDED_SPEED = 1e-9
 """A solver tells speeds to this share: over a short cell that is much force."""
+OFF = 1e-6
+"""Efforts below this share of the largest one may be rounding, and then the drive is off."""
 SMALL_LOSS_SHARE = 0.1
 """Losses below this share of the largest are told no better than those."""
 
@@ -48,7 +50,7 @@ class Case:
         return route_of(self.scenario)
 
     @cached_property
-    def losses(self) -> LossModel:
+    def model(self) -> LossModel:
         """The drive."""
         return loss_model(self.scenario.vehicle.drive)
 
@@ -102,9 +104,18 @@ class Case:
 
     @cached_property
     def rounding_permille(self) -> FloatArray:
-        """What the rounding of long ways makes of the mean gradient of a short cell [per mille]."""
-        height = sum(section.length_m * abs(section.gradient_permille) for section in self.route.sections)
-        return 10 * np.finfo(float).eps * height / self.record.length_m
+        """What the rounding of places makes of the mean gradient of a short cell [per mille]."""
+        route = self.route
+        steepest = max(abs(section.gradient_permille) for section in route.sections)
+        # over a train's length it is a difference of integrals of integrals
+        spread = max(route.length_m / route.train_m, 1.0) if route.train_m is not None and route.cars is None else 1.0
+        return 10 * steepest * spread * self.rounding_share
+
+    @cached_property
+    def rounding_share(self) -> FloatArray:
+        """Last digit of the length of the line over the length of each cell: how well its ends tell it."""
+        share: FloatArray = np.finfo(float).eps * self.route.length_m / self.record.length_m
+        return share
 
     @cached_property
     def large_effort_n(self) -> float:
@@ -122,27 +133,72 @@ class Case:
         line = 0.0 if told is None else float(np.sum(np.abs(told) * np.diff(record.time_s)))
         return max(wheels, line, 1.0)
 
-    def electrical_power_w(self, effort_n: FloatArray) -> FloatArray:
-        """Return the power at the terminals of the drive for electric efforts [W]; NaN where motors cannot do them.
+    @cached_property
+    def drive_power_w(self) -> FloatArray:
+        """What the line gives to the drive, as the run tells it: auxiliaries apart [W]."""
+        assert self.record.line_power_w is not None
+        return self.record.moving(self.record.line_power_w) - self.auxiliary_power_w
 
-        A drive without effort is off.
-        """
-        speed = self.record.mean_speed_ms
-        losses = sum(self.losses.losses_w(effort_n, speed).values(), np.zeros(len(speed)))
-        return np.where(effort_n == 0, 0.0, effort_n * speed + losses)
+    @cached_property
+    def electric_n(self) -> FloatArray:
+        """Effort of the drive, braking negative [N]; that of all brakes where the run does not tell the drive's."""
+        record = self.record
+        assert record.effort_n is not None
+        if record.electric_braking_n is None or record.tractive_effort_n is None:
+            return record.moving(record.effort_n)
+        return record.moving(record.tractive_effort_n - record.electric_braking_n)
 
-    def unsure_w(self, effort_n: FloatArray) -> FloatArray:
-        """Return by how much a right power may differ, as the drive's losses are tabulated [W]."""
-        if self.losses.accuracy == EXACT:
-            return np.zeros(len(effort_n))
-        losses = np.nan_to_num(sum(self.losses.losses_w(effort_n, self.record.mean_speed_ms).values()))
-        unsure: FloatArray = self.losses.accuracy * (losses + SMALL_LOSS_SHARE * np.max(losses, initial=0.0))
+    @cached_property
+    def off(self) -> BoolArray:
+        """Where the drive is off: without effort, or with one that the run itself takes for rounding."""
+        rounding = np.abs(self.electric_n) <= OFF * self.large_effort_n
+        off: BoolArray = (self.electric_n == 0) | (rounding & (self.drive_power_w == 0))
+        return off
+
+    @cached_property
+    def losses_w(self) -> Losses:
+        """What the drive loses by its formulas, by kind [W]; NaN where its motors cannot give the effort."""
+        losses = self.model.losses_w(self.electric_n, self.record.mean_speed_ms)
+        return {kind: np.where(self.off, 0.0, watts) for kind, watts in losses.items()}
+
+    @cached_property
+    def terminal_power_w(self) -> FloatArray:
+        """What the drive takes by its formulas, negative where it generates [W]; NaN as there."""
+        work = self.electric_n * self.record.mean_speed_ms
+        power: FloatArray = np.where(self.off, 0.0, work) + sum(self.losses_w.values(), np.zeros(len(work)))
+        return power
+
+    @cached_property
+    def unsure_w(self) -> FloatArray:
+        """By how much a right power may differ, as the drive's losses are tabulated [W]."""
+        losses = np.nan_to_num(sum(self.losses_w.values(), np.zeros(len(self.electric_n))))
+        unsure: FloatArray = self.model.accuracy * (losses + SMALL_LOSS_SHARE * np.max(losses, initial=0.0))
         return unsure
 
-    def line_power_w(self, effort_n: FloatArray) -> FloatArray:
-        """Return the power that the line gives to the drive for electric efforts [W]; NaN as there."""
-        power = self.electrical_power_w(effort_n)
-        return np.where(power < 0, self.recuperation_factor * power, power)
+    @cached_property
+    def electric_limit_n(self) -> FloatArray:
+        """Largest effort of the electric brake, within the limits of vehicle and motors [N]."""
+        braking, speed = self.scenario.vehicle.braking, self.record.mean_speed_ms
+        limit = self.model.largest_effort_n(speed, True)
+        if braking.max_effort_kn is not None:
+            limit = np.minimum(limit, braking.max_effort_kn * 1e3)
+        if braking.max_power_kw is not None:
+            limit = np.minimum(limit, braking.max_power_kw * 1e3 / np.maximum(speed, 1e-9))
+        return limit
+
+    def at_line_w(self, terminal_power_w: FloatArray) -> FloatArray:
+        """Return what the line gives for a power of the drive [W]: it takes back a share of what is generated."""
+        return np.where(terminal_power_w < 0, self.recuperation_factor * terminal_power_w, terminal_power_w)
+
+    def line_power_at_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
+        """Return the line power of the drive for electric efforts at speeds [W]; off without effort; NaN as there."""
+        losses = sum(self.model.losses_w(effort_n, speed_ms).values(), np.zeros(len(speed_ms)))
+        return self.at_line_w(np.where(effort_n == 0, 0.0, effort_n * speed_ms + losses))
+
+    @property
+    def auxiliary_power_w(self) -> float:
+        """Power of the auxiliaries [W]."""
+        return self.scenario.vehicle.auxiliary_power_kw * 1e3
 
     @property
     def recuperation_factor(self) -> float:

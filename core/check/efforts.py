@@ -65,7 +65,7 @@ def _brakes(case: Case, electric_n: FloatArray, friction_n: FloatArray) -> Itera
 def _all_brakes(case: Case, braking_n: FloatArray) -> Iterator[Finding]:
     """Compare the sum of the brakes alone, where nothing tells how they share."""
     friction = case.scenario.vehicle.braking.friction_effort_kn * 1e3
-    excess = (braking_n - electric_limit_n(case) - friction - case.rounding_n) / case.large_effort_n
+    excess = (braking_n - case.electric_limit_n - friction - case.rounding_n) / case.large_effort_n
     yield largest_of("effort of all brakes", "the largest effort", TABULATED, excess, case.record.middle_m)
     for name in ("electric braking effort", "friction braking effort", "sharing of the brakes"):
         yield Unchecked(name, "the table tells one effort for both brakes")
@@ -83,22 +83,13 @@ def _power(case: Case, name: str, effort_n: FloatArray, limit_w: float) -> Check
 
 def _motors(case: Case, name: str, effort_n: FloatArray, braking: bool) -> Iterator[Check]:
     """Compare with the largest effort of the motors, if they have a limit of their own."""
-    limit = case.losses.largest_effort_n(case.record.mean_speed_ms, braking)
-    if np.isfinite(limit).any():
-        scale = np.maximum(limit, LEAST_SHARE * case.large_effort_n)
-        excess = (effort_n - limit - case.rounding_n) / scale - ROUNDED_LIMIT
-        yield largest_of(name, "the motors' largest effort", TABULATED, excess, case.record.middle_m)
-
-
-def electric_limit_n(case: Case) -> FloatArray:
-    """Return the largest electric braking effort at the mean speed of each cell [N]; shape (k,)."""
-    braking, speed = case.scenario.vehicle.braking, case.record.mean_speed_ms
-    limit = case.losses.largest_effort_n(speed, True)
-    if braking.max_effort_kn is not None:
-        limit = np.minimum(limit, braking.max_effort_kn * 1e3)
-    if braking.max_power_kw is not None:
-        limit = np.minimum(limit, braking.max_power_kw * 1e3 / np.maximum(speed, 1e-9))
-    return limit
+    used = effort_n > 0
+    limit = case.model.largest_effort_n(case.record.mean_speed_ms[used], braking)
+    if np.isinf(limit).all():
+        return
+    scale = np.maximum(limit, LEAST_SHARE * case.large_effort_n)
+    excess = (effort_n[used] - limit - case.rounding_n[used]) / scale - ROUNDED_LIMIT
+    yield largest_of(name, "the motors' largest effort", TABULATED, excess, case.record.middle_m[used])
 
 
 def _signs(case: Case) -> Check:
@@ -115,10 +106,12 @@ def _signs(case: Case) -> Check:
 
 def _sharing(case: Case, electric_n: FloatArray, friction_n: FloatArray) -> Check:
     """Compare with a full electric brake: friction may only do what it cannot, or what would cost line power."""
-    speed = case.record.mean_speed_ms
-    full = np.minimum(electric_n + friction_n, np.maximum(electric_limit_n(case), electric_n))
-    lost = case.line_power_w(-electric_n) - case.line_power_w(-full)
+    used = friction_n > ROUNDED_LIMIT * case.large_effort_n
+    electric, speed = electric_n[used], case.record.mean_speed_ms[used]
+    full = np.minimum(electric + friction_n[used], np.maximum(case.electric_limit_n[used], electric))
+    lost = case.line_power_at_w(-electric, speed) - case.line_power_at_w(-full, speed)
+    if case.record.line_power_w is not None:
+        lost = lost - 2 * case.unsure_w[used]
     scale = np.maximum(full * speed, 1e-3 * case.large_effort_n * np.max(speed, initial=1.0))
-    lost = np.maximum(lost - case.unsure_w(-electric_n) - case.unsure_w(-full), 0.0)
-    share = np.nan_to_num(np.where(friction_n > ROUNDED_LIMIT * case.large_effort_n, lost / scale, 0.0))
-    return largest_of("sharing of the brakes", "the braking power", TABULATED, share, case.record.middle_m)
+    share = np.nan_to_num(lost / scale)
+    return largest_of("sharing of the brakes", "the braking power", TABULATED, share, case.record.middle_m[used])

@@ -17,7 +17,8 @@ ROUNDING, ROUNDED_GRADIENT, ROUNDED_FORCE = 1e-7, 1e-10, 1e-5
 ROUNDED_SPEED, ROUNDED_ACCELERATION = 1e-6, 1e-5
 LATE_S, LATE_SHARE = 1e-6, 2e-9
 """A timetable is kept to a millionth of a second, or to the rounding of a long sum of times."""
-PRICED = 1e-6
+PRICED = 1e-5
+"""An early arrival may cost what five digits of the energy do not tell."""
 STATED_FORCE = 1e-6
 
 
@@ -25,6 +26,7 @@ def motion_findings(case: Case) -> Iterator[Finding]:
     """Yield all findings about a run's motion."""
     yield _whole_line(case)
     yield _end_speeds(case)
+    yield _cell_lengths(case)
     yield _cell_times(case)
     yield from _stops(case)
     yield from _arrival(case)
@@ -65,6 +67,17 @@ def _end_speeds(case: Case) -> Check:
     most = case.scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH
     return largest_of(
         "speeds at the ends", "the vehicle's top speed", ROUNDING, misses / most, record.position_m[[0, -1]]
+    )
+
+
+def _cell_lengths(case: Case) -> Check:
+    """Compare cells with the last digit of their places: in a shorter one forces are nothing but rounding."""
+    return largest_of(
+        "cells long enough for their places",
+        "the cell, its ends' last digit",
+        ROUNDED_FORCE,
+        case.rounding_share,
+        case.record.middle_m,
     )
 
 
