@@ -24,12 +24,13 @@ from railjoule.core.check.powers import power_findings
 from railjoule.core.check.record import Record, record_of_run, record_of_table
 from railjoule.core.check.result import Check, CheckResult, Finding, Unchecked, largest_of, result_of
 from railjoule.core.scenario import Scenario, StrategyName
+from railjoule.core.units import MS_PER_KMH
 
 __all__ = ["Check", "CheckResult", "Unchecked", "check_run", "check_table"]
 
 
 def check_run(
-    scenario: Scenario, run: Any, *, initial_speed_ms: float = 0.0, final_speed_ms: float = 0.0
+    scenario: Scenario, run: Any, *, initial_speed_ms: float | None = None, final_speed_ms: float | None = None
 ) -> CheckResult:
     """Return how well a run keeps the rules of its scenario.
 
@@ -39,10 +40,10 @@ def check_run(
         What was asked for.
     run : Trajectory
         Or anything with its fields.
-    initial_speed_ms, final_speed_ms : float
-        Speeds at the ends of the run [m/s].
+    initial_speed_ms, final_speed_ms : float, optional
+        Speeds at the ends of the run [m/s]; those of the timetable where absent.
     """
-    return _check(Case(scenario, record_of_run(run), initial_speed_ms, final_speed_ms))
+    return _check(scenario, record_of_run(run), initial_speed_ms, final_speed_ms)
 
 
 def check_table(
@@ -50,8 +51,8 @@ def check_table(
     table: Mapping[str, Any],
     strategy: StrategyName | None = None,
     *,
-    initial_speed_ms: float = 0.0,
-    final_speed_ms: float = 0.0,
+    initial_speed_ms: float | None = None,
+    final_speed_ms: float | None = None,
 ) -> CheckResult:
     """Return how well the nodes of a run keep the rules of its scenario, as far as a table tells.
 
@@ -63,8 +64,8 @@ def check_table(
         Columns as `Trajectory.to_dataframe` has them, of which position_m, time_s and speed_kmh must be there.
     strategy : str, optional
         Who made the run, the scenario's where absent: some may be late.
-    initial_speed_ms, final_speed_ms : float
-        Speeds at the ends of the run [m/s].
+    initial_speed_ms, final_speed_ms : float, optional
+        Speeds at the ends of the run [m/s]; those of the timetable where absent.
 
     Raises
     ------
@@ -72,11 +73,16 @@ def check_table(
         If a column that must be there is missing, or one holds no numbers.
     """
     record = record_of_table(table, scenario.vehicle, strategy or scenario.strategy)
-    return _check(Case(scenario, record, initial_speed_ms, final_speed_ms))
+    return _check(scenario, record, initial_speed_ms, final_speed_ms)
 
 
-def _check(case: Case) -> CheckResult:
-    return result_of(list(_findings(case)))
+def _check(scenario: Scenario, record: Record, initial_ms: float | None, final_ms: float | None) -> CheckResult:
+    ends = [
+        # not every version of the format has speeds at the ends
+        getattr(scenario.timetable, key, 0.0) * MS_PER_KMH if given is None else given
+        for given, key in ((initial_ms, "entry_speed_kmh"), (final_ms, "exit_speed_kmh"))
+    ]
+    return result_of(list(_findings(Case(scenario, record, *ends))))
 
 
 def _findings(case: Case) -> Iterator[Finding]:

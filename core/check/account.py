@@ -65,7 +65,8 @@ def _account(case: Case) -> Iterator[Finding]:
         yield _energy(case, f"account: {name.removesuffix('_j').replace('_', ' ')}", told[name] - joules)
     yield from _losses(case, dict(losses))
     parts = sum(losses.values()) + sum(joules for name, joules in told.items() if name not in FLOWS)
-    yield _energy(case, "account: closes", parts - told["traction_j"] + told["recuperated_j"])
+    miss = parts - told["traction_j"] + told["recuperated_j"]
+    yield _energy(case, "account: closes", miss, ROUNDED_SUM + _off_j(case) / case.moved_j)
     yield _energy(case, "account: no negative loss", -min(losses.values(), default=0.0), signed=True)
     if record.line_energy_j is not None:
         yield _energy(case, "account: net energy", record.line_energy_j[-1] - _net_j(told))
@@ -84,14 +85,17 @@ def _losses(case: Case, told_j: dict[str, float]) -> Iterator[Finding]:
     losses = dict(case.losses_w)
     losses["brake_resistors"] = -(1 - case.recuperation_factor) * np.minimum(case.terminal_power_w, 0.0)
     sums = {kind: float(np.sum(watts * record.duration_s)) for kind, watts in losses.items()}
-    # what a drive that is off does of an effort counts as a loss, of any kind
-    unsure = case.unsure_w + np.where(case.off, np.abs(case.electric_n) * record.mean_speed_ms, 0.0)
-    allowed = ROUNDED_SUM + float(np.sum(unsure * record.duration_s)) / case.moved_j
+    allowed = ROUNDED_SUM + (float(np.sum(case.unsure_w * record.duration_s)) + _off_j(case)) / case.moved_j
     for kind in sorted(sums.keys() & told_j.keys()):
         miss = told_j.pop(kind) - sums.pop(kind)
         yield _energy(case, f"account: {kind.replace('_', ' ')}", miss, allowed)
     if told_j or sums:
         yield _energy(case, "account: other losses", sum(told_j.values()) - sum(sums.values()), allowed)
+
+
+def _off_j(case: Case) -> float:
+    """Return the work of efforts that are rounding while the drive is off [J], which is a loss of no told kind."""
+    return float(np.sum(np.where(case.off, np.abs(case.electric_n) * case.record.length_m, 0.0)))
 
 
 def _energy(case: Case, name: str, miss_j: float, allowed: float = ROUNDED_SUM, signed: bool = False) -> Check:
