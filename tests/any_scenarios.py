@@ -56,6 +56,12 @@ def any_document(seed: int) -> Table:
     return document
 
 
+def any_time(seed: int) -> float:
+    """Return the time of the scenario of a seed over the shortest one, without dwells: from all but none to much."""
+    rng = np.random.default_rng([seed, 1])
+    return float(rng.choice([1.002, rng.uniform(1.01, 1.1), rng.uniform(1.1, 1.6), rng.uniform(1.6, 4)]))
+
+
 def any_task(seed: int) -> Task | None:
     """Return the task of a seed, with a timetable that can be kept; None if no run passes its line."""
     document = any_document(seed)
@@ -63,9 +69,7 @@ def any_task(seed: int) -> Task | None:
         task = prepare_task(scenario_from_document(document))
     except InfeasibleLineError:
         return None
-    rng = np.random.default_rng([seed, 1])
-    factor = float(rng.choice([1.002, rng.uniform(1.01, 1.1), rng.uniform(1.1, 1.6), rng.uniform(1.6, 4)]))
-    total = task.shortest_time_s * factor + task.dwell_s
+    total = task.shortest_time_s * any_time(seed) + task.dwell_s
     if total > MOST_TIME_S:
         return None
     document["timetable"]["travel_time_s"] = total

@@ -64,7 +64,8 @@ def _powers_of_sharing(
     friction = case.scenario.vehicle.braking.friction_effort_kn * 1e3
     most = np.minimum(braking_n, limit_n * (1 + TABULATED))
     least = np.minimum(np.maximum(braking_n - friction, 0.0), most)
-    low, high = np.full(len(braking_n), np.inf), np.full(len(braking_n), -np.inf)
+    # right at its limit a motor has losses, and beyond it perhaps none are known
+    low = high = case.line_power_at_w(-np.clip(limit_n, least, most), speed_ms)
     for _ in range(SEARCHES):
         shared = [least + share * (most - least) for share in np.linspace(0, 1, SHARES)]
         powers = np.array([case.line_power_at_w(-electric, speed_ms) for electric in shared])
