@@ -278,8 +278,8 @@ def table(rows: list[Row]) -> str:
     scenarios = {row["seed"] for row in rows}
     refused = [row for row in rows if not row["strategy"]]
     lines = [
-        f"{len(scenarios)} scenarios, {sum(bool(row['strategy']) for row in rows)} calls; "
-        f"{len(refused)} scenarios were refused before any strategy.",
+        f"scenarios: {len(scenarios)}, of them refused before any strategy: {len(refused)}; "
+        f"calls: {sum(bool(row['strategy']) for row in rows)}",
         "",
         "| strategy | tried | solved | without a fault | refused | faults by rule |",
         "| --- | --- | --- | --- | --- | --- |",

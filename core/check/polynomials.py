@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray
+from railjoule.core.arrays import BoolArray, FloatArray
 
 REAL = 1e-6
 """Imaginary over real part up to which a root is one of two equal ones that rounding has split."""
@@ -27,11 +27,14 @@ def product(first: FloatArray, second: FloatArray) -> FloatArray:
 def real_roots(polynomial: FloatArray) -> FloatArray:
     """Return the real roots of polynomials of shape (k, m), NaN in the place of others; shape (k, m - 1).
 
-    They are the eigenvalues of companion matrices; the last coefficients must not be 0.
+    They are the eigenvalues of companion matrices. Polynomials whose last coefficient is 0 have none here.
     """
     degree = polynomial.shape[1] - 1
     companion = np.zeros((len(polynomial), degree, degree))
     companion[:, 1:, :-1] = np.eye(degree - 1)
-    companion[:, :, -1] = -polynomial[:, :-1] / polynomial[:, -1:]
-    roots = np.linalg.eigvals(companion)
-    return np.where(np.abs(roots.imag) <= REAL * np.abs(roots.real), roots.real, np.nan)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        companion[:, :, -1] = -polynomial[:, :-1] / polynomial[:, -1:]
+    known: BoolArray = np.isfinite(companion).all(axis=(1, 2))
+    roots = np.linalg.eigvals(np.where(known[:, None, None], companion, 0.0))
+    real = known[:, None] & (np.abs(roots.imag) <= REAL * np.abs(roots.real))
+    return np.where(real, roots.real, np.nan)

@@ -12,7 +12,7 @@ from railjoule.core.check.case import OFF, Case
 from railjoule.core.check.efforts import TABULATED
 from railjoule.core.check.result import Finding, Unchecked, largest_of
 
-ROUNDED_POWER, ROUNDED_CURRENT = 1e-8, 1e-6
+ROUNDED_POWER, ROUNDED_CURRENT = 1e-7, 1e-6
 SEARCHED = 1e-4
 """How well a search over ways to share the brakes finds the least power."""
 SHARES, SEARCHES = 25, 3
@@ -35,7 +35,7 @@ def power_findings(case: Case) -> Iterator[Finding]:
     else:
         allowed, misses = SEARCHED, _outside_sharing(case)
         yield Unchecked("line power of each brake", "the table tells one effort for both, so only what is possible")
-    # where motors cannot give an effort there is no power to compare with, and the efforts' limits are broken
+    # where motors cannot give an effort there is no power to compare with: the limits of efforts judge it
     misses = np.nan_to_num(np.maximum(misses - case.unsure_w, 0.0)) / scale
     standing = np.abs(record.line_power_w[~record.moves] - case.auxiliary_power_w) / large
     places = np.append(record.middle_m, record.position_m[:-1][~record.moves])
@@ -78,14 +78,13 @@ def _powers_of_sharing(
 
 def _current(case: Case) -> Iterator[Finding]:
     record = case.record
-    if record.current_a is None:
-        return
-    if record.electric_braking_n is None:
-        yield Unchecked("motor current", "the table tells one effort for both brakes")
-        return
     current = case.model.current_a(case.electric_n, record.mean_speed_ms)
     if current is None:
         yield Unchecked("motor current", "the drive's model has none")
+        return
+    if record.current_a is None or record.electric_braking_n is None:
+        reason = "has no column current_a" if record.current_a is None else "tells one effort for both brakes"
+        yield Unchecked("motor current", f"the table {reason}")
         return
     current = np.where(case.off, 0.0, current)
     large = float(np.nanmax(np.abs(current), initial=1e-9))

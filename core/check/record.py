@@ -1,7 +1,7 @@
 """The numbers of a run as the check takes them, from a trajectory or from a table of its nodes."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
@@ -107,14 +107,13 @@ class Record:
         """Return the values of the cells in which the train moves on; shape (k,)."""
         return values[self.moves]
 
-    def numbers(self) -> Iterator[tuple[str, FloatArray]]:
-        """Yield all numbers of the run by their names."""
-        for name, value in vars(self).items():
-            if isinstance(value, np.ndarray | float) and not isinstance(value, bool):
-                yield name, np.atleast_1d(np.asarray(value, dtype=float))
-        for mapping in (self.energies_j, self.losses_j):
-            for name, joules in (mapping or {}).items():
-                yield name, np.array([joules], dtype=float)
+    def numbers(self) -> Iterator[FloatArray]:
+        """Yield all numbers of the run; those of the run as a whole as arrays of shape (1,)."""
+        for value in (getattr(self, field.name) for field in fields(self)):
+            if isinstance(value, Mapping):
+                yield from (np.array([joules], dtype=float) for joules in value.values())
+            elif isinstance(value, np.ndarray | float):
+                yield np.atleast_1d(np.asarray(value, dtype=float))
 
 
 def record_of_run(run: Any) -> Record:

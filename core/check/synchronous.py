@@ -41,7 +41,7 @@ from railjoule.core.check.loss_model import (
 from railjoule.core.check.polynomials import product, real_roots
 from railjoule.core.scenario.drive import Synchronous
 
-TABULATED = 0.12
+TABLE_ACCURACY = 0.12
 """The largest difference between table and formulas that 40 random machines had in 640,000 points was 0.102."""
 H_PER_MH = 1e-3
 COPPER_OHM_M, VACUUM_H_PER_M = 2.2e-8, 4e-7 * math.pi
@@ -57,7 +57,7 @@ class SynchronousLosses:
     """The motors of a train with their inverters and gears."""
 
     parameters: Synchronous
-    accuracy = TABULATED
+    accuracy = TABLE_ACCURACY
 
     @cached_property
     def machine(self) -> "Machine":

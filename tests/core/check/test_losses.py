@@ -216,4 +216,5 @@ def test_polynomials_by_hand():
     roots = real_roots(np.array([[-6.0, 1.0, 1.0], [1.0, 0.0, 1.0]]))
     assert sorted(roots[0]) == pytest.approx([-3.0, 2.0])
     assert np.isnan(roots[1]).all()
+    assert np.isnan(real_roots(np.array([[1.0, 1.0, 0.0], [1.0, np.inf, 1.0]]))).all()
     assert values(np.array([[2.0, 1.0, -1.0]]), np.array([[3.0, 0.0]])).tolist() == [[-4.0, 2.0]]
