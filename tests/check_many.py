@@ -261,7 +261,8 @@ def drive_all(file: Path, seeds: range, processes: int, limit_s: float) -> list[
         finally:
             worker.close()
 
-    threads = [threading.Thread(target=keep_working) for _ in range(processes)]
+    # an interrupt ends this process at once, and workers whose input ends go after their call
+    threads = [threading.Thread(target=keep_working, daemon=True) for _ in range(processes)]
     for thread in threads:
         thread.start()
     for thread in threads:

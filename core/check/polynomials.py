@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from railjoule.core.arrays import BoolArray, FloatArray
+from railjoule.core.arrays import FloatArray
 
 REAL = 1e-6
 """Imaginary over real part up to which a root is one of two equal ones that rounding has split."""
@@ -34,7 +34,7 @@ def real_roots(polynomial: FloatArray) -> FloatArray:
     companion[:, 1:, :-1] = np.eye(degree - 1)
     with np.errstate(divide="ignore", invalid="ignore"):
         companion[:, :, -1] = -polynomial[:, :-1] / polynomial[:, -1:]
-    known: BoolArray = np.isfinite(companion).all(axis=(1, 2))
+    known = np.isfinite(companion.sum(axis=(1, 2)))
     roots = np.linalg.eigvals(np.where(known[:, None, None], companion, 0.0))
     real = known[:, None] & (np.abs(roots.imag) <= REAL * np.abs(roots.real))
     return np.where(real, roots.real, np.nan)
