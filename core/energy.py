@@ -3,8 +3,17 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from types import MappingProxyType
+from typing import overload
 
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
 from railjoule.core.units import J_PER_KWH
+
+SMALL_ENERGY_KWH = 5.0
+"""Energies below this are printed with a third decimal."""
+SMALL_REFERENCE = 0.01
+"""A reference below this share of the energy is no measure of it."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +76,32 @@ class Energy:
         }
         values["losses"] = {kind: joules / J_PER_KWH for kind, joules in self.losses_j.items()}
         return values
+
+
+@overload
+def share_above(energy: float, reference: float) -> float: ...
+@overload
+def share_above(energy: FloatArray, reference: FloatArray | float) -> FloatArray: ...
+def share_above(energy: FloatArray | float, reference: FloatArray | float) -> FloatArray | float:
+    """Return by which share energies lie above others: their ratio less 1.
+
+    A net energy may be negative or next to nothing, as that of a long run downhill: such a reference is no measure, and
+    the share is NaN. What is left to tell then is the difference itself.
+
+    Parameters
+    ----------
+    energy, reference : float or array
+        In the same unit; arrays of shapes that fit.
+    """
+    energies, references = np.asarray(energy, dtype=float), np.asarray(reference, dtype=float)
+    measured = references > SMALL_REFERENCE * np.abs(energies)
+    share = np.where(measured, energies / np.where(measured, references, 1.0) - 1, np.nan)
+    return share if share.ndim else float(share)
+
+
+def energy_decimals(energy_kwh: float) -> int:
+    """Return with how many decimals an energy [kWh] is printed, wherever it is."""
+    return 3 if abs(energy_kwh) < SMALL_ENERGY_KWH else 2
 
 
 def total_energy(parts: Sequence[Energy]) -> Energy:

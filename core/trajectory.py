@@ -1,22 +1,26 @@
 """A trajectory: one run as arrays over distance and time, with its energy account, whoever made it."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from railjoule.core.advice import Instruction, advise
 from railjoule.core.arrays import FloatArray, IntArray, frozen_array
 from railjoule.core.check import CheckResult
-from railjoule.core.energy import Energy
+from railjoule.core.energy import Energy, share_above
 from railjoule.core.motion.course import Course
-from railjoule.core.phases import Phase, find_phases
+from railjoule.core.motion.line_profile import speed_limit_at
+from railjoule.core.phases import Phase, RunData, find_phases
 from railjoule.core.scenario import Scenario
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
 if TYPE_CHECKING:
     import pandas
 
+PROVEN_GAP = 1e-6
+"""A run this close to its bound, relatively, counts as proven optimal."""
 SMALL_ENERGY_SHARE = 0.1
 """Gaps are relative to the bound, but to no less than this share of the kinetic energy at the mean speed."""
 
@@ -37,6 +41,33 @@ class Bound:
     statement: str
 
 
+@dataclass(frozen=True)
+class Reference:
+    """The best run that is known of a scenario among those that arrive within a time.
+
+    Parameters
+    ----------
+    energy_j : float
+        What it needs [J].
+    strategy : str
+        Who made it.
+    within_s : float
+        The time [s].
+    proven : bool
+        Whether its bound proves that it is the optimum.
+    """
+
+    energy_j: float
+    strategy: str
+    within_s: float
+    proven: bool
+
+    @property
+    def energy_kwh(self) -> float:
+        """What it needs [kWh]."""
+        return self.energy_j / J_PER_KWH
+
+
 @dataclass(frozen=True, eq=False)
 class Trajectory:
     """One run. Arrays of nodes have shape (n + 1,), arrays of cells (n,); a dwell is a cell without length.
@@ -53,6 +84,8 @@ class Trajectory:
         Efforts at the wheels, all positive [N].
     largest_effort_n : array of cells
         Largest tractive effort at the cell's speed [N].
+    largest_braking_n : array of cells
+        Largest braking effort at the cell's speed, friction brakes included [N].
     line_power_w : array of cells
         Power taken from the line, auxiliaries included; negative where energy goes back [W].
     current_a : array of cells or None
@@ -63,6 +96,9 @@ class Trajectory:
         The account of the whole run.
     bound : Bound or None
         A proven lower bound of the scenario's energy, if one is known.
+    reference : Reference or None
+        The best known run within the time of the timetable, or within that of the run if it keeps to a time of its own;
+        None where none was looked for.
     price_of_time_w : float or None
         By how much the optimum falls if the timetable is a second longer [J/s], if the strategy knows it.
     iterations : int
@@ -85,11 +121,13 @@ class Trajectory:
     electric_braking_n: FloatArray
     friction_braking_n: FloatArray
     largest_effort_n: FloatArray
+    largest_braking_n: FloatArray
     line_power_w: FloatArray
     current_a: FloatArray | None
     gradient_permille: FloatArray
     energy: Energy
     bound: Bound | None = None
+    reference: Reference | None = None
     price_of_time_w: float | None = None
     iterations: int = 0
     solve_time_s: float = 0.0
@@ -139,16 +177,52 @@ class Trajectory:
         scale = max(abs(self.bound.energy_j), SMALL_ENERGY_SHARE * kinetic)
         return (self.energy.net_j - self.bound.energy_j) / scale
 
+    @property
+    def is_proven(self) -> bool:
+        """Whether the bound proves that this is the optimum."""
+        return self.gap is not None and abs(self.gap) <= PROVEN_GAP
+
+    @property
+    def above_kwh(self) -> float | None:
+        """Energy less that of the best known run [kWh], if one is known."""
+        return None if self.reference is None else self.energy_kwh - self.reference.energy_kwh
+
+    @property
+    def above_share(self) -> float | None:
+        """The same as a share of what the best known run needs; None where that is next to nothing or negative."""
+        if self.reference is None:
+            return None
+        share = share_above(self.energy.net_j, self.reference.energy_j)
+        return None if np.isnan(share) else share
+
+    @cached_property
+    def run_data(self) -> RunData:
+        """The run's arrays as its phases and its advice take them."""
+        line, vehicle = self.scenario.line.in_running_order(), self.scenario.vehicle
+        limit_kmh = speed_limit_at(line, 0.5 * (self.position_m[1:] + self.position_m[:-1]))
+        auxiliary_w = self.energy.auxiliary_j / self.travel_time_s
+        return RunData(
+            position_m=self.position_m,
+            time_s=self.time_s,
+            speed_ms=self.speed_ms,
+            energy_j=self.line_energy_j - auxiliary_w * (self.time_s - self.time_s[0]),
+            effort_n=self.effort_n,
+            largest_effort_n=self.largest_effort_n,
+            largest_braking_n=self.largest_braking_n,
+            limit_ms=np.minimum(limit_kmh, vehicle.traction.max_speed_kmh) * MS_PER_KMH,
+            inertia_kg=vehicle.total_inertia_kg,
+            max_deceleration_ms2=vehicle.braking.max_deceleration_ms2 or np.inf,
+        )
+
     @cached_property
     def phases(self) -> tuple[Phase, ...]:
         """What the driver does, in order."""
-        return find_phases(
-            self.position_m, self.time_s, self.speed_ms, self.effort_n, self.largest_effort_n, self.line_energy_j
-        )
+        return find_phases(self.run_data)
 
-    def with_bound(self, bound: Bound | None) -> "Trajectory":
-        """Return the same run with another bound."""
-        return replace(self, bound=bound)
+    @cached_property
+    def advice(self) -> tuple[Instruction, ...]:
+        """What a driver is told so that he drives this run, an instruction for each phase."""
+        return advise(self)
 
     def to_dataframe(self) -> "pandas.DataFrame":
         """Return the run as a table of its nodes, with the efforts and powers of the cells that begin there."""
@@ -240,6 +314,7 @@ def make_trajectory(
         electric_braking_n=frozen_array(with_dwell.cells(electric)),
         friction_braking_n=frozen_array(with_dwell.cells(braking - electric)),
         largest_effort_n=frozen_array(with_dwell.cells(data.traction.effort_n(mean_speed))),
+        largest_braking_n=frozen_array(with_dwell.cells(data.braking.effort_n(mean_speed) + data.friction_effort_n)),
         line_power_w=frozen_array(power),
         current_a=None if current is None else frozen_array(with_dwell.cells(current)),
         gradient_permille=frozen_array(with_dwell.cells(course.gradient_permille)),

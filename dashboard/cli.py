@@ -66,6 +66,10 @@ def _run(arguments: Sequence[str] | None) -> int:
         return OK if _call(options) else BROKEN_RULE
     except RailjouleError as error:
         return _complain(str(error))
+    except MemoryError:
+        return _complain("this takes more memory than there is; a longer solver.mesh_m needs less.")
+    except RecursionError:
+        return _complain("this is nested too deeply.")
 
 
 def _call(options: argparse.Namespace) -> bool:

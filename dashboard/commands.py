@@ -4,7 +4,6 @@ import importlib.util
 import json
 import os
 import sys
-import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -25,6 +24,7 @@ from railjoule.core import (
 from railjoule.core import solve as solve_scenario
 from railjoule.core.scenario import STRATEGY_NAMES, StrategyName, parse_scenario, preset_names
 from railjoule.core.scenario.text_file import read_text
+from railjoule.core.scenario.toml_text import read_toml
 from railjoule.core.simulate.disturbances import simulate_disturbances
 from railjoule.core.simulate.field_oriented import simulate_field_oriented
 from railjoule.core.simulate.following import simulate_following
@@ -287,8 +287,8 @@ def parsed_changes(words: Sequence[str]) -> dict[str, Any]:
 def parsed_value(text: str) -> Any:
     """Return the TOML value that a text gives, or the text itself."""
     try:
-        document = tomllib.loads(f"value = {text}")
-    except (ValueError, RecursionError):
+        document = read_toml(f"value = {text}", "--set")
+    except ScenarioError:
         return text
     return document["value"] if list(document) == ["value"] else text
 

@@ -15,6 +15,7 @@ from railjoule.dashboard.store import (
     Worker,
     compute_late_arrivals,
     compute_rides,
+    is_slow,
 )
 
 NUMBERS = ("position_m", "to_m", "duration_s", "limit_kmh", "share_percent", "noticed_at_m")
@@ -25,7 +26,13 @@ class Disturbances:
 
     def __init__(self, state: Workbench) -> None:
         self.state, self.model = state, state.disturbances
-        self.rides = Worker(compute_rides, self._take_rides, self._take_failure)
+        self.rides = Worker(
+            compute_rides,
+            self._take_rides,
+            self._take_failure,
+            state.marks("Disturbances"),
+            is_slow=lambda wish: is_slow(wish.scenario, wish.scenario.strategy),
+        )
         self.late = Study(compute_late_arrivals, self._take_late, self._take_failure)
         self._asked: RidesWish | None = None
         self._drawn: RidesWish | None = None

@@ -1,24 +1,30 @@
 """What keeps a page: its address follows its state, each change can be undone, files and links are opened."""
 
+import logging
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Any
 
 import panel as pn
 import param
 
-from railjoule.core import RailjouleError, ScenarioError
-from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES
+from railjoule.core import RailjouleError
 from railjoule.dashboard.lifeline import Lifeline
 from railjoule.dashboard.models.document import Document, document_of, lay, originals_of
-from railjoule.dashboard.models.dropped import scenario_text
+from railjoule.dashboard.models.dropped import NO_TEXT, TOO_LARGE, refused_file, scenario_text, words_of
 from railjoule.dashboard.models.history import History
 from railjoule.dashboard.models.kept import Kept
-from railjoule.dashboard.models.link import LinkTooLongError, read_link, sentence, write_link
+from railjoule.dashboard.models.link import LinkTooLongError, ReadLink, read_link, sentence, write_link
+from railjoule.dashboard.models.opened import outcome_of
 from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.store.worker import SLOW_THREADS
 
+LOG = logging.getLogger(__name__)
 NOTE_MS = 200
 """The first change after a rest is taken note of this much later, with all that came meanwhile."""
 LONGEST_NAME = 80
+LONGEST_AT_ONCE = 50_000
+"""A scenario of more characters is read in a thread before the page takes it: that takes up to seconds."""
 
 
 class Keeping(param.Parameterized):
@@ -52,23 +58,46 @@ class Keeping(param.Parameterized):
             "undo": lambda _: self.undo(),
             "redo": lambda _: self.redo(),
             "drop": lambda message: self.open_file(str(message.get("name")), str(message.get("text"))),
-            "too_large": lambda _: self.tell(f"The file is larger than the {LARGEST_FILE_BYTES / 1e6:g} MB allowed."),
-            "no_text": lambda message: self.tell(f"{str(message.get('name'))[:LONGEST_NAME]}: not a text in UTF-8."),
+            "too_large": lambda message: self.refuse_file(str(message.get("name")), TOO_LARGE),
+            "no_text": lambda message: self.refuse_file(str(message.get("name")), NO_TEXT),
             "copied": self._take_copied,
         }
         for kind, callback in listeners.items():
             lifeline.listen(kind, callback)
 
     def begin(self, query: str) -> None:
-        """Open the state in the address of a new page; a step back from it there is none."""
-        self.open_link(query)
+        """Open the state in the address of a new page; there is no step back from it.
+
+        A long one is opened once the page has loaded. Whatever the address is, there is a page.
+        """
+        begun = True
+
+        def open_unless_long() -> None:
+            nonlocal begun
+            read = read_link(query)
+            begun = not self._takes_long(read.document.get("toml"))
+            if begun:
+                self._open(read)
+
+        self._attempt("link", open_unless_long)
         document = document_of(self.state)
         self.history = History(document)
         self._publish(document)
+        if not begun:
+            # until then a reload finds the same address
+            self.lifeline.address = query
+            pn.state.onload(lambda: self.open_link(query))
 
     def open_link(self, query: str) -> None:
         """Bring the page to the state in a query or fragment, and tell what of it cannot be opened."""
-        read = read_link(query)
+
+        def read() -> None:
+            found = read_link(query)
+            self._when_read(found.document.get("toml"), lambda: self._attempt("link", lambda: self._open(found)))
+
+        self._attempt("link", read)
+
+    def _open(self, read: ReadLink) -> None:
         refusals: tuple[str, ...] = ()
         if read.document:
             refusals = self._lay(read.document)
@@ -78,16 +107,51 @@ class Keeping(param.Parameterized):
             self.tell(told)
 
     def open_file(self, name: str, text: str) -> None:
-        """Take the scenario of a dropped file."""
+        """Take the scenario of a file that was dropped or chosen."""
         name = name[:LONGEST_NAME]
+
+        def take(toml: str) -> None:
+            try:
+                self.state.scenario.open(toml, name)
+            except RailjouleError as refusal:
+                self.tell(words_of(refusal, name))
+            else:
+                self.state.notice = ""
+
         try:
-            if len(text) > LARGEST_FILE_BYTES:
-                raise ScenarioError(f"{name}: more than the {LARGEST_FILE_BYTES / 1e6:g} MB allowed.")
-            self.state.scenario.open(scenario_text(text, name), name)
+            toml = scenario_text(text, name)
         except RailjouleError as refusal:
             self.tell(str(refusal))
         else:
-            self.state.notice = ""
+            self._when_read(toml, lambda: self._attempt("file", lambda: take(toml)))
+
+    def refuse_file(self, name: str, reason: str) -> None:
+        """Tell why a file was not opened, and what could be."""
+        self.tell(refused_file(name[:LONGEST_NAME], reason))
+
+    def _takes_long(self, toml: str | None) -> bool:
+        """Return whether a scenario is so long that a page with others beside it had better not wait for it."""
+        return toml is not None and len(toml) > LONGEST_AT_ONCE and pn.state.curdoc is not None
+
+    def _when_read(self, toml: str | None, then: Callable[[], None]) -> None:
+        """Go on with a scenario; with a long one in a later turn, once a thread has read it."""
+        document = pn.state.curdoc
+        if toml is None or document is None or not self._takes_long(toml):
+            then()
+        else:
+            reading = SLOW_THREADS.submit(outcome_of, toml)
+            reading.add_done_callback(lambda _: document.add_next_tick_callback(then))
+
+    def _attempt(self, what: str, act: Callable[[], None]) -> None:
+        """Do to the page what a stranger's text asks for; if that fails, leave the page as it was and say so."""
+        before = document_of(self.state)
+        try:
+            act()
+        except Exception:  # MemoryError and RecursionError are among them
+            LOG.exception("a %s could not be opened", what)
+            with suppress(Exception):
+                self._lay(before)
+            self.tell(f"The {what} could not be opened; the server's log has the details.")
 
     def tell(self, text: str) -> None:
         """Show a sentence above the page until it has been read."""

@@ -9,52 +9,77 @@ from typing import Any
 import param
 from panel.custom import JSComponent
 
-from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES
+from railjoule.dashboard.models.dropped import LARGEST_REPORT_BYTES, LARGEST_SCENARIO_BYTES
 
-ESM = """
+ESM = r"""
 const WORDS = {
-  lost: "The connection to the server is lost. This page comes back by itself, as it is, when the server answers.",
-  starting: "The server is starting. This page comes back by itself, as it is, in a moment.",
+  lost: "The connection to the server is lost. Your settings are kept in this page.",
+  starting: "The server is starting. Your settings are kept in this page.",
 };
-const ASK_AGAIN_MS = 1000, ANSWER_WITHIN_MS = 20000, LEAVING_MS = 100;
+const WAIT_S = [1, 2, 4, 8, 15], ANSWER_WITHIN_MS = 20000, LEAVING_MS = 100;
 
 const hold_the_line = (document_of_bokeh) => {
-  let leaving = false, banner = null;
-  const say = (text) => { if (banner.textContent !== text) { banner.textContent = text; } };
+  let leaving = false, banner = null, tries = 0, timer = null;
+  const part = (tag) => banner.appendChild(document.createElement(tag));
   const ask = async () => {
+    clearTimeout(timer);
+    const [words, left] = banner.children;
+    left.textContent = "Trying now.";
     try {
       const limit = AbortSignal.timeout(ANSWER_WITHIN_MS);
       const answer = await fetch(new URL("health", location.href), {cache: "no-store", signal: limit});
       // a server that runs this page as a script has no health check, but it answers
       if (answer.ok || answer.status === 404) { location.reload(); return; }
-      if (answer.status === 503) { say(WORDS.starting); }
-    } catch { say(WORDS.lost); }
-    setTimeout(ask, ASK_AGAIN_MS);
+      if (answer.status === 503 && words.textContent !== WORDS.starting) { words.textContent = WORDS.starting; }
+    } catch { if (words.textContent !== WORDS.lost) { words.textContent = WORDS.lost; } }
+    // each try that fails leaves an error in the browser's console: they become rare
+    wait(WAIT_S[Math.min(tries++, WAIT_S.length - 1)]);
+  };
+  const wait = (seconds) => {
+    if (seconds <= 0) { ask(); return; }
+    banner.children[1].textContent = `Trying again in ${seconds} s.`;
+    timer = setTimeout(wait, 1000, seconds - 1);
   };
   const lost = () => setTimeout(() => {
     if (leaving || banner) { return; }
     banner = document.createElement("div");
     banner.className = "rj-lost";
-    banner.setAttribute("role", "alert");
+    const words = part("span"), left = part("span"), again = part("button");
+    words.setAttribute("role", "alert");
+    left.setAttribute("aria-hidden", "true");
+    again.type = "button";
+    again.textContent = "Try now";
+    again.addEventListener("click", ask);
     for (const child of document.body.children) { child.inert = true; }
     document.body.prepend(banner);
-    say(WORDS.lost);
-    ask();
+    document.documentElement.classList.add("rj-gone");
+    words.textContent = WORDS.lost;
+    wait(WAIT_S[0]);
   }, LEAVING_MS);
   window.addEventListener("pagehide", () => { leaving = true; });
   window.addEventListener("pageshow", (event) => { if (event.persisted) { location.reload(); } });
   document_of_bokeh.on_event("connection_lost", lost);
 };
 
-const writes = (event) => {
+// the field into which something was typed that has not been taken yet: there a step back is one of letters
+let typed_into = null;
+const field_of = (event) => {
   const target = event.composedPath()[0];
-  if (!(target instanceof HTMLElement)) { return false; }
-  const typed = target instanceof HTMLInputElement && !["range", "checkbox", "radio", "button"].includes(target.type);
-  return typed || target instanceof HTMLTextAreaElement || target.isContentEditable;
+  if (!(target instanceof HTMLElement)) { return null; }
+  const is_line = target instanceof HTMLInputElement && !["range", "checkbox", "radio", "button"].includes(target.type);
+  return is_line || target instanceof HTMLTextAreaElement || target.isContentEditable ? target : null;
+};
+const typing = {
+  input: (event) => { typed_into = field_of(event); },
+  focusin: (event) => { if (typed_into !== event.composedPath()[0]) { typed_into = null; } },
+  keyup: (event) => {
+    if (event.key === "Enter" && field_of(event) instanceof HTMLInputElement) { typed_into = null; }
+  },
 };
 const way_of = (event) => {
-  if (!(event.ctrlKey || event.metaKey) || event.altKey || writes(event)) { return null; }
-  const key = event.key.toLowerCase();
+  if (!(event.ctrlKey || event.metaKey) || event.altKey) { return null; }
+  const field = field_of(event), key = event.key.toLowerCase();
+  if (field && !(field instanceof HTMLInputElement && field !== typed_into)) { return null; }
   if (key === "z") { return event.shiftKey ? "redo" : "undo"; }
   return key === "y" && !event.shiftKey ? "redo" : null;
 };
@@ -103,13 +128,15 @@ export function render({model, view}) {
   veil.textContent = "Drop a scenario file or a report to open it";
   const holds_files = (event) => [...(event.dataTransfer?.types ?? [])].includes("Files");
   const read = async (file) => {
-    if (file.size > model.largest_bytes) { model.send_msg({kind: "too_large", name: file.name}); return; }
+    const largest = /\.html?$/i.test(file.name) ? model.largest_report_bytes : model.largest_scenario_bytes;
+    if (file.size > largest) { model.send_msg({kind: "too_large", name: file.name}); return; }
     try {
       const text = new TextDecoder("utf-8", {fatal: true}).decode(await file.arrayBuffer());
       model.send_msg({kind: "drop", name: file.name, text});
     } catch { model.send_msg({kind: "no_text", name: file.name}); }
   };
   const listeners = {
+    ...typing,
     keydown: (event) => {
       const way = way_of(event);
       if (way) { event.preventDefault(); model.send_msg({kind: way}); }
@@ -145,7 +172,8 @@ class Lifeline(JSComponent):
 
     address = param.String(default="", doc="Query or fragment that holds the page's state.")
     started = param.Boolean(default=False, doc="Whether the page has loaded.")
-    largest_bytes = param.Integer(default=LARGEST_FILE_BYTES, doc="Size of the largest file that may be dropped.")
+    largest_scenario_bytes = param.Integer(default=LARGEST_SCENARIO_BYTES, doc="Largest scenario file to be dropped.")
+    largest_report_bytes = param.Integer(default=LARGEST_REPORT_BYTES, doc="Largest report to be dropped.")
 
     _esm = ESM
 

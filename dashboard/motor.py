@@ -21,6 +21,7 @@ from railjoule.dashboard.store import (
     compute_machine_map,
     compute_ripple,
     compute_rivals,
+    is_slow,
     machine_refusal,
 )
 
@@ -32,7 +33,13 @@ class Motor:
 
     def __init__(self, state: Workbench) -> None:
         self.state, self.model = state, state.motor
-        self.run = Worker(compute_loop_run, self._take_run, self._take_failure)
+        self.run = Worker(
+            compute_loop_run,
+            self._take_run,
+            self._take_failure,
+            state.marks(PAGE),
+            is_slow=lambda wish: is_slow(wish.scenario, wish.strategy),
+        )
         self.rivals = Worker(compute_rivals, self._take_rivals, self._take_failure)
         self.map = Worker(compute_machine_map, self._take_map, self._take_failure)
         self.ripple = Worker(compute_ripple, self._take_ripple, self._take_no_ripple)

@@ -13,7 +13,8 @@ class Pins:
 
     def __init__(self, state: Workbench) -> None:
         self.state = state
-        self.worker = Worker(compute_recipes, self._take, self._take_failure)
+        # nobody moves a slider and waits for them, and they may be many
+        self.worker = Worker(run_again, self._take, self._take_failure, is_slow=lambda _: True)
         state.param.watch(self._keep, "pins")
         state.param.watch(self._run, "kept_pins")
 
@@ -32,10 +33,7 @@ class Pins:
         if len(wanted) > MOST_PINS or len({one.colour for one in wanted}) < len(wanted):
             self._refuse(TOO_MANY if len(wanted) > MOST_PINS else "Two pinned runs of the link have one colour.")
             return
-        try:
-            self.worker.ask(tuple(one.recipe() for one in wanted))
-        except RailjouleError as refusal:
-            self._take_failure(refusal)
+        self.worker.ask(tuple(wanted))
 
     def _take(self, found: tuple[RecipeRun, ...]) -> None:
         wanted = self.state.kept_pins
@@ -53,3 +51,8 @@ class Pins:
         """Keep the pins that there are."""
         self.state.notice = sentence
         self.state.kept_pins = [KeptPin.of(pin) for pin in self.state.pins]
+
+
+def run_again(pins: tuple[KeptPin, ...]) -> tuple[RecipeRun, ...]:
+    """Return the runs of pins; raises RailjouleError if one of them cannot be read or run."""
+    return compute_recipes(tuple(one.recipe() for one in pins))

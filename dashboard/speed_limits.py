@@ -17,6 +17,7 @@ from railjoule.dashboard.store import (
     compute_limit_run,
     compute_limit_trip,
     compute_storage,
+    is_slow,
 )
 
 PAGE = "Speed limits"
@@ -28,7 +29,13 @@ class SpeedLimits:
 
     def __init__(self, state: Workbench) -> None:
         self.state, self.model = state, state.speed_limits
-        self.run = Worker(compute_limit_run, self._take_run, self._take_failure)
+        self.run = Worker(
+            compute_limit_run,
+            self._take_run,
+            self._take_failure,
+            state.marks("Speed limits"),
+            is_slow=lambda wish: is_slow(wish.scenario, "speed_limits"),
+        )
         self.trip = Worker(compute_limit_trip, self._take_trip, self._take_failure)
         self.storage = Worker(compute_storage, self._take_storage, self._take_failure)
         self.motor = Worker(motor_map, self._take_map, self._take_no_map)

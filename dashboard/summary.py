@@ -9,6 +9,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from railjoule.core import CheckResult, Phase, Trajectory
+from railjoule.core.trajectory import Reference
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
 if TYPE_CHECKING:
@@ -45,6 +46,7 @@ def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = Non
     return {
         "title": trajectory.scenario.title,
         "strategy": trajectory.strategy,
+        "load_factor": trajectory.scenario.vehicle.load_factor,
         "energy_kwh": trajectory.energy_kwh,
         "traction_energy_kwh": energy.traction_j / J_PER_KWH,
         "recuperated_kwh": energy.recuperated_j / J_PER_KWH,
@@ -60,10 +62,13 @@ def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = Non
         "lower_bound_kwh": _finite(trajectory.lower_bound_kwh),
         "gap": _finite(trajectory.gap),
         "bound_statement": trajectory.bound.statement if trajectory.bound else None,
+        "reference": _reference(trajectory.reference),
+        "above_reference": trajectory.above_share,
         "price_of_time_wh_per_s": _per_wh(trajectory.price_of_time_w),
         "solve_time_s": trajectory.solve_time_s,
         "iterations": trajectory.iterations,
         "phases": [_phase(phase) for phase in trajectory.phases],
+        "advice": [asdict(told) for told in trajectory.advice],
         "notes": list(trajectory.notes),
     }
 
@@ -160,6 +165,18 @@ def summarise_benchmark(timings: Sequence["Timing"]) -> Summary:
     return {"results": [asdict(timing) for timing in timings]}
 
 
+def _reference(reference: Reference | None) -> Summary | None:
+    """Return the best known run that another one is measured against, and its latest arrival."""
+    if reference is None:
+        return None
+    return {
+        "strategy": reference.strategy,
+        "energy_kwh": reference.energy_kwh,
+        "within_s": reference.within_s,
+        "proven": reference.proven,
+    }
+
+
 def _phase(phase: Phase) -> Summary:
     return {
         "phase": phase.phase,
@@ -190,6 +207,8 @@ def _row(row: "Row") -> Summary:
         "printed": row.printed,
         "ours": row.ours,
         "difference_percent": row.difference_percent,
+        "difference_points": row.difference_points,
+        "close": row.is_close,
         "note": row.note,
     }
 

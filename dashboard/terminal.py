@@ -1,30 +1,33 @@
-"""Results as text for a terminal, made from the plain values of `railjoule.dashboard.summary`."""
+"""Results as text for a terminal, made from the plain values of `railjoule.dashboard.summary`.
+
+Its numbers are those of the pages, from `railjoule.dashboard.look`, in signs that every terminal has.
+"""
 
 import shutil
 import textwrap
 from collections.abc import Iterable, Sequence
 
-from railjoule.dashboard.look.words import PHASE_WORDS, SMALL_ENERGY_KWH, STRATEGY_WORDS, decimals
+from railjoule.core.advice import Instruction
+from railjoule.core.trajectory import Reference
+from railjoule.core.units import J_PER_KWH
+from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.words import J_PER_WH, STRATEGY_WORDS, advice_in_words, decimals
 from railjoule.dashboard.summary import Summary
 
-PROVEN_GAP = 1e-6
-"""From this gap on, a run is called proven optimal."""
 WIDEST = 110
 LABEL_WIDTH = 15
-SMALLEST_SHOWN_KWH = 5e-4
 
 Cell = tuple[str, ...]
 
-
-def number(value: float, digits: int = 1) -> str:
-    """Return a number with commas between thousands, and no minus before a zero."""
-    text = f"{value:,.{digits}f}"
-    return text.lstrip("-") if not text.strip("-0.,") else text
-
-
-def energy(kwh: float) -> str:
-    """Return an energy in kWh: two decimals, three below 5 kWh."""
-    return number(kwh, 3 if abs(kwh) < SMALL_ENERGY_KWH else 2)
+number = words.plain(words.number)
+energy = words.plain(words.energy)
+share = words.plain(words.share)
+distance = words.plain(words.distance)
+time = words.plain(words.time)
+delay = words.plain(words.delay)
+stop_error = words.plain(words.stop_error)
+load = words.plain(words.load)
+price = words.plain(words.price)
 
 
 def printable(text: str) -> str:
@@ -42,14 +45,15 @@ def solution_text(summary: Summary) -> str:
     title = title_words(summary["title"])
     lines = [
         f"{title}: {STRATEGY_WORDS[summary['strategy']]}",
-        f"{number(summary['distance_m'], 0)} m in {number(summary['travel_time_s'])} s, "
+        f"{distance(summary['distance_m'])} km in {time(summary['travel_time_s'])} s, "
         f"at most {number(summary['max_speed_kmh'])} km/h",
+        *_crush_load_lines(summary),
         "",
-        *_labelled("Energy", f"{energy(summary['energy_kwh'])} kWh at the line, {gap_words(summary['gap'])}"),
+        *_labelled("Energy", f"{energy(summary['energy_kwh'])} kWh at the line, {verdict(summary)}"),
         *_bound_lines(summary),
         *_labelled("Time", _time_words(summary)),
         *_price_lines(summary),
-        *_labelled("Driver", phase_words(summary["phases"])),
+        *_labelled("Driver", driver_words(summary["advice"])),
         "",
         "Account, kWh",
         *_account_lines(summary),
@@ -79,7 +83,7 @@ def check_text(check: Summary) -> str:
 def comparison_text(comparison: Summary) -> str:
     """Return several runs over one scenario as a table, and who refused it."""
     results = comparison["results"]
-    lines = _comparison_table(results) if results else []
+    lines = [*_comparison_table(results), *_crush_load_lines(results[0])] if results else []
     for refusal in comparison["refused"]:
         lines += _wrapped(_about(STRATEGY_WORDS[refusal["strategy"]], refusal["reason"]))
     for result in results:
@@ -88,19 +92,24 @@ def comparison_text(comparison: Summary) -> str:
     return "\n".join(lines)
 
 
+def _crush_load_lines(summary: Summary) -> list[str]:
+    """Return the line that tells a load above the capacity."""
+    return [f"{load(summary['load_factor']).capitalize()}."] if summary["load_factor"] > 1 else []
+
+
 def following_text(following: Summary) -> str:
     """Return a plan and what became of it."""
     planned, actual = following["planned"], following["actual"]
-    more = following["overconsumption"]
-    share = "" if more is None else f"{100 * more:+.2f} % energy, "
     return "\n".join(
         [
             f"{title_words(planned['title'])}: {STRATEGY_WORDS[planned['strategy']]}, followed",
             "",
             *_two_runs({"planned": planned, "driven": actual}),
+            *_crush_load_lines(actual),
             "",
-            f"{share}{following['delay_s']:+.2f} s, stopped {following['stop_error_m']:+.2f} m from the place.",
-            f"Driver: {phase_words(actual['phases'])}",
+            f"{_more(planned, actual)} energy, {delay(following['delay_s'])} s, "
+            f"stopped {stop_error(following['stop_error_m'])} m from the place.",
+            f"Driver: {driver_words(actual['advice'])}",
         ]
     )
 
@@ -108,10 +117,8 @@ def following_text(following: Summary) -> str:
 def ride_text(ride: Summary) -> str:
     """Return a plan, what the train learned on its way, and the ride."""
     planned, actual = ride["planned"], ride["actual"]
-    more = ride["overconsumption"]
-    share = "" if more is None else f"{100 * more:+.2f} % energy, "
     learned = [
-        f"At {number(notice['position_m'], 0)} m, after {number(notice['time_s'])} s: {notice['event']}."
+        f"At {number(notice['position_m'], 0)} m, after {time(notice['time_s'])} s: {notice['event']}."
         for notice in ride["notices"]
     ]
     return "\n".join(
@@ -119,11 +126,12 @@ def ride_text(ride: Summary) -> str:
             f"{title_words(planned['title'])}: {STRATEGY_WORDS[planned['strategy']]}, disturbed",
             "",
             *_two_runs({"undisturbed": planned, "driven": actual}),
+            *_crush_load_lines(actual),
             "",
             *learned,
-            f"{share}{ride['delay_s']:+.2f} s against the timetable.",
+            f"{_more(planned, actual)} energy, {delay(ride['delay_s'])} s against the timetable.",
             *ride["notes"],
-            f"Driver: {phase_words(actual['phases'])}",
+            f"Driver: {driver_words(actual['advice'])}",
         ]
     )
 
@@ -131,12 +139,10 @@ def ride_text(ride: Summary) -> str:
 def field_oriented_text(run: Summary) -> str:
     """Return a plan, what the machines made of it, and what that took of current, voltage and energy."""
     planned, actual, parts = run["planned"], run["actual"], run["parts_kwh"]
-    more = run["overconsumption"]
-    share = "" if more is None else f"{100 * more:+.2f} % energy, "
-    rows = [(kind.replace("_", " "), f"{kwh:.4f}") for kind, kwh in parts.items()]
+    rows = [(kind.replace("_", " "), energy(kwh)) for kind, kwh in parts.items()]
     rows += [
-        ("sum of the parts", f"{run['energy_by_parts_kwh']:.4f}"),
-        ("input power over time", f"{run['energy_by_input_power_kwh']:.4f}"),
+        ("sum of the parts", energy(run["energy_by_parts_kwh"])),
+        ("input power over time", energy(run["energy_by_input_power_kwh"])),
     ]
     tracking = number(run["max_tracking_error_m"], 3)
     current, voltage = number(run["max_current_a"]), number(run["max_phase_voltage_v"], 0)
@@ -145,8 +151,10 @@ def field_oriented_text(run: Summary) -> str:
             f"{title_words(planned['title'])}: {STRATEGY_WORDS[planned['strategy']]}, in closed loop",
             "",
             *_two_runs({"planned": planned, "driven": actual}),
+            *_crush_load_lines(actual),
             "",
-            f"{share}{run['delay_s']:+.2f} s, stopped {run['stop_error_m']:+.3f} m from the place.",
+            f"{_more(planned, actual)} energy, {delay(run['delay_s'])} s, "
+            f"stopped {stop_error(run['stop_error_m'])} m from the place.",
             f"At most {tracking} m from the planned place, {current} A and {voltage} V of "
             f"{number(run['voltage_limit_v'], 0)} V a phase.",
             "",
@@ -157,12 +165,17 @@ def field_oriented_text(run: Summary) -> str:
     )
 
 
+def _more(planned: Summary, actual: Summary) -> str:
+    """Return by how much the energy of a ride lies above that of its plan."""
+    return words.plain_text(str(comparisons.above(actual["energy_kwh"], planned["energy_kwh"])))
+
+
 def _two_runs(runs: dict[str, Summary]) -> list[str]:
     rows = [
         (
             name,
             energy(run["energy_kwh"]),
-            number(run["travel_time_s"]),
+            time(run["travel_time_s"]),
             number(run["max_speed_kmh"]),
             energy(run["recuperated_kwh"]),
         )
@@ -214,19 +227,30 @@ def benchmark_text(benchmark: Summary) -> str:
     return "\n".join(lines)
 
 
-def gap_words(gap: float | None) -> str:
-    """Return in words how far a run is from the best."""
-    if gap is None:
+def verdict(summary: Summary) -> str:
+    """Return in words how far a run is from the best known one, or from its bound where it is that one itself."""
+    known = summary["reference"]
+    if known is None or (known["strategy"], known["energy_kwh"]) == (summary["strategy"], summary["energy_kwh"]):
+        return bound_words(summary)
+    reference = Reference(known["energy_kwh"] * J_PER_KWH, known["strategy"], known["within_s"], known["proven"])
+    more = comparisons.above(summary["energy_kwh"], known["energy_kwh"])
+    of = comparisons.reference_words(reference, summary["allowed_time_s"])
+    return words.plain_text(f"{more.sentence} the {of}")
+
+
+def bound_words(summary: Summary) -> str:
+    """Return in words how far a run is from its bound."""
+    amount = comparisons.above_bound(summary["energy_kwh"], summary["lower_bound_kwh"], summary["gap"])
+    if amount is None:
         return "no bound known"
-    if abs(gap) <= PROVEN_GAP:
+    if comparisons.is_proven(summary["gap"]):
         return "proven optimal"
-    share = f"{100 * abs(gap):.2g} %" if abs(gap) < 0.001 else f"{number(100 * abs(gap), 2)} %"
-    return f"{share} above the bound" if gap > 0 else f"{share} under the bound of another mesh"
+    return words.plain_text(f"{amount.sentence} the bound{' of another mesh' if amount.is_less else ''}")
 
 
-def phase_words(phases: Sequence[Summary]) -> str:
-    """Return what the driver does, such as 'full power to 57 km/h in 21 s, coast from 342 m'."""
-    return ", ".join(_one_phase(phase) for phase in phases)
+def driver_words(advice: Sequence[Summary]) -> str:
+    """Return what the driver is told, such as 'full power to 57.2 km/h, coast from 342 m'."""
+    return ", ".join(advice_in_words([Instruction(**told) for told in advice], number))
 
 
 def table_lines(head: Cell, rows: Sequence[Cell], left: Iterable[int] = (0,)) -> list[str]:
@@ -242,18 +266,6 @@ def table_lines(head: Cell, rows: Sequence[Cell], left: Iterable[int] = (0,)) ->
         return "  ".join(words).rstrip()
 
     return [line(head), "  ".join("-" * width for width in widths), *(line(row) for row in rows)]
-
-
-def _one_phase(phase: Summary) -> str:
-    name, words = phase["phase"], PHASE_WORDS[phase["phase"]]
-    if name in {"full_power", "part_power"}:
-        duration = number(phase["end_s"] - phase["start_s"], 0)
-        return f"{words} to {number(phase['end_kmh'], 0)} km/h in {duration} s"
-    if name == "hold":
-        return f"{words} {number(phase['end_kmh'], 0)} km/h to {number(phase['end_m'], 0)} m"
-    if name == "stand":
-        return f"{words} {number(phase['end_s'] - phase['start_s'], 0)} s at {number(phase['start_m'], 0)} m"
-    return f"{words} from {number(phase['start_m'], 0)} m"
 
 
 def _is_broken(check: Summary) -> bool:
@@ -281,21 +293,50 @@ def _comparison_table(results: Sequence[Summary]) -> list[str]:
         (
             STRATEGY_WORDS[result["strategy"]],
             energy(result["energy_kwh"]),
-            gap_words(result["gap"]),
-            number(result["travel_time_s"]),
+            _above_reference(result),
+            _above_bound(result),
+            time(result["travel_time_s"]),
             number(result["max_speed_kmh"]),
             energy(result["recuperated_kwh"]),
             number(1e3 * result["solve_time_s"]),
         )
         for result in results
     ]
-    head = ("strategy", "kWh", "against the bound", "time, s", "top, km/h", "recuperated, kWh", "solved in, ms")
+    of = comparisons.reference_name(first["reference"] is not None and first["reference"]["proven"])
+    above = (f"above {of}, %", "above bound, %")
+    head = ("strategy", "kWh", *above, "time, s", "top, km/h", "recuperated, kWh", "solved in, ms")
+    others = [(STRATEGY_WORDS[result["strategy"]], _other_time(result)) for result in results]
     return [
         title_words(first["title"]),
-        f"{number(first['distance_m'], 0)} m, {_time_words({**first, 'travel_time_s': first['allowed_time_s']})}",
+        f"{distance(first['distance_m'])} km, {_time_words({**first, 'travel_time_s': first['allowed_time_s']})}",
         "",
-        *table_lines(head, rows, left={0, 2}),
+        *table_lines(head, rows),
+        *_proof_lines(first),
+        *(f"{word}: {sentence}." for word, sentence in others if sentence),
     ]
+
+
+def _proof_lines(first: Summary) -> list[str]:
+    """Return what is proven of a comparison, from its first run."""
+    known, bound = first["reference"], first["lower_bound_kwh"]
+    if known is None:
+        return []
+    best = f"{energy(known['energy_kwh'])} kWh by {STRATEGY_WORDS[known['strategy']]}"
+    if known["proven"]:
+        return [f"The optimum, {best}, is proven optimal."]
+    bounded = "no bound is known" if bound is None else f"the bound is {energy(bound)} kWh"
+    return [f"The best known run, {best}, is not proven: {bounded}."]
+
+
+def _above_reference(result: Summary) -> str:
+    known = result["reference"]
+    amount = None if known is None else comparisons.above(result["energy_kwh"], known["energy_kwh"])
+    return words.plain_text(comparisons.cell(amount))
+
+
+def _above_bound(result: Summary) -> str:
+    amount = comparisons.above_bound(result["energy_kwh"], result["lower_bound_kwh"], result["gap"])
+    return words.plain_text(comparisons.cell(amount))
 
 
 def _about(word: str, note: str) -> str:
@@ -310,20 +351,25 @@ def _bound_lines(summary: Summary) -> list[str]:
 
 
 def _time_words(summary: Summary) -> str:
-    words, shortest = f"{number(summary['travel_time_s'])} s", summary["shortest_time_s"]
+    other, shortest = _other_time(summary), summary["shortest_time_s"]
+    taken = f"{time(summary['travel_time_s'])} s{f', {other}' if other else ''}"
     if shortest is None:
-        return words
+        return taken
     slack = summary["allowed_time_s"] - shortest
-    share = number(100 * slack / shortest, 0)
     return (
-        f"{words}; shortest possible {number(shortest)} s, allowed {number(summary['allowed_time_s'])} s: "
-        f"slack {number(slack)} s ({share} %)"
+        f"{taken}; shortest possible {time(shortest)} s, allowed {time(summary['allowed_time_s'])} s: "
+        f"slack {time(slack)} s ({share(slack / shortest)} %)"
     )
 
 
+def _other_time(summary: Summary) -> str:
+    told = comparisons.other_time(summary["strategy"], summary["travel_time_s"], summary["allowed_time_s"])
+    return words.plain_text(told)
+
+
 def _price_lines(summary: Summary) -> list[str]:
-    price = summary["price_of_time_wh_per_s"]
-    return [] if price is None else _labelled("A second more", f"would save {number(price)} Wh")
+    saved = summary["price_of_time_wh_per_s"]
+    return [] if saved is None else _labelled("A second more", f"would save {price(saved * J_PER_WH)} Wh")
 
 
 def _iteration_words(summary: Summary) -> str:
@@ -341,14 +387,13 @@ def _account_lines(summary: Summary) -> list[str]:
         ("kinetic, end less start", summary["kinetic_kwh"]),
         ("potential, end less start", summary["potential_kwh"]),
     ]
-    digits = 3 if abs(summary["traction_energy_kwh"]) < SMALL_ENERGY_KWH else 2
     width = max(len(name) for name, _ in taken + spent)
 
     def lines(entries: list[tuple[str, float]]) -> list[str]:
         return [
-            f"  {name.ljust(width)}  {number(kwh, digits).rjust(10)}"
+            f"  {name.ljust(width)}  {energy(kwh).rjust(10)}"
             for name, kwh in entries
-            if abs(kwh) >= SMALLEST_SHOWN_KWH
+            if abs(kwh) >= words.LEAST_ENERGY_KWH
         ]
 
     return [*lines(taken), "  of traction less recuperated go to", *lines(spent)]
@@ -361,7 +406,6 @@ def _validation_table(table: Summary) -> list[str]:
         if row["note"] and row["note"] not in notes:
             notes.append(row["note"])
         mark = f"[{notes.index(row['note']) + 1}]" if row["note"] else ""
-        difference = row["difference_percent"]
         rows.append(
             (
                 row["case"],
@@ -369,7 +413,7 @@ def _validation_table(table: Summary) -> list[str]:
                 row["unit"],
                 "" if row["printed"] is None else _plain(row["printed"]),
                 number(row["ours"], decimals(row["printed"]) + 1),
-                "" if difference is None else f"{difference:+.3f} %",
+                words.plain_text(comparisons.printed_difference(row["difference_percent"], row["difference_points"])),
                 mark,
             )
         )

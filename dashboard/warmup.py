@@ -13,6 +13,7 @@ from typing import Any
 from numba.core.dispatcher import Dispatcher
 
 from railjoule.core import compare, load_scenario, solve
+from railjoule.core.advice import advise
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.disturbances import simulate_disturbances
 from railjoule.core.simulate.field_oriented import current_ripple, simulate_field_oriented
@@ -50,7 +51,8 @@ class Warmup:
     def _run(self) -> None:
         try:
             for scenario in scenarios():
-                compare(scenario)
+                for run in compare(scenario)[0]:
+                    advise(run)
             simulate_following(load_scenario(SCENARIOS[0]))
             simulate_disturbances(load_scenario("tram-950m-stop"))
             drive_the_metro()

@@ -39,7 +39,8 @@ const within = (element, place) => {
 const token = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--rj-${name}`).trim();
 const slug = (text) => text.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-+|-+$/g, "").slice(0, 60);
 const file_name = (what, ending) => {
-  const title = deep(document, "h1").map((heading) => heading.textContent.trim()).find(Boolean) ?? "railjoule";
+  const title = window.railjoule.deep("h1").filter((heading) => heading.checkVisibility()).map((heading) => heading.textContent.trim())
+    .find(Boolean) ?? "railjoule";
   return `${[slug(title), slug(what)].filter(Boolean).join("-")}.${ending}`;
 };
 const offer = (content, type, name) => {
@@ -298,8 +299,11 @@ const equip = (place) => {
 
 // --- buttons within pieces of HTML
 
-const lines_of = (card) =>
-  [...card.querySelectorAll("li:not(.buttons)")].map((item, k) => `${k + 1}. ${item.textContent.trim().replace(/^\d+\s*/, "")}`);
+// the lines of the advice with their numbers, and between them from where to where each leg leads
+const lines_of = (card) => [...card.querySelectorAll(".told, .way")].map((item) => {
+  const number = item.querySelector("b")?.textContent;
+  return number ? `${number}. ${item.textContent.trim().slice(number.length)}` : item.textContent;
+});
 const card_text = (card) => [card.dataset.title, ...lines_of(card)].join("\n");
 const copy_text = async (text) => {
   if (navigator.clipboard) {
@@ -322,17 +326,17 @@ const print_card = (card) => {
   document.body.append(frame);
   const sheet = frame.contentDocument;
   const style = sheet.createElement("style");
-  style.textContent = "body { font: 20px/1.5 sans-serif; } h1 { font-size: 24px; } li { margin: 0 0 6px; }";
-  const [heading, list] = [sheet.createElement("h1"), sheet.createElement("ol")];
+  style.textContent = "body { font: 20px/1.5 sans-serif; } h1 { font-size: 24px; } h2 { font-size: 20px; } p { margin: 0 0 6px; }";
+  const heading = sheet.createElement("h1");
   heading.textContent = card.dataset.title;
-  for (const line of lines_of(card)) {
-    const item = sheet.createElement("li");
-    item.textContent = line.replace(/^\d+\. /, "");
-    list.append(item);
-  }
   sheet.title = card.dataset.title;
   sheet.head.append(style);
-  sheet.body.append(heading, list);
+  sheet.body.append(heading);
+  for (const line of lines_of(card)) {
+    const item = sheet.createElement(/^\d+\. /.test(line) ? "p" : "h2");
+    item.textContent = line;
+    sheet.body.append(item);
+  }
   frame.contentWindow.print();
 };
 const ACTIONS = {

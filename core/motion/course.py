@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.budget import current_budget
 from railjoule.core.drive import Drive, make_drive
 from railjoule.core.errors import ScenarioError
 from railjoule.core.motion.effort_limit import NO_TABLE, TABLE_STEP_MS, EffortLimit, table_speeds, tabulated_limit
@@ -141,11 +142,13 @@ def build_course(
     Raises
     ------
     ScenarioError
-        If the mesh would need too many cells, a limit of effort is missing, or an end's speed is none.
+        If the scenario has more rows or the mesh more cells than the current budget, a limit of effort is missing, or
+        an end's speed is none.
     """
     for name, speed in (("initial_speed_ms", initial_speed_ms), ("final_speed_ms", final_speed_ms)):
         if not 0 <= speed < np.inf:
             raise ScenarioError(f"{name} = {speed:g} must be a finite number of at least 0.")
+    _require_few_rows(scenario)
     vehicle = scenario.vehicle
     train = vehicle.length_m, vehicle.car_count
     if position_m is None:
@@ -170,6 +173,17 @@ def build_course(
         drive=drive,
         data=_course_data(vehicle, drive, line, gradient_force + curve_force, fixed),
     )
+
+
+def _require_few_rows(scenario: Scenario) -> None:
+    budget = current_budget()
+    for key, rows in (
+        ("line.sections", scenario.line.sections),
+        ("line.speed_limits", scenario.line.speed_limits),
+        ("drive.points", getattr(scenario.vehicle.drive, "points", ())),
+    ):
+        if len(rows) > budget.row_count:
+            raise ScenarioError(f"{key} has {len(rows):,} entries; {budget.taker} takes at most {budget.row_count:,}.")
 
 
 def _course_data(

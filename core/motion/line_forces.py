@@ -30,9 +30,11 @@ def cell_means(line: Line, values: FloatArray, position_m: FloatArray, offsets_m
     """
     borders = section_borders(line)
     integral = np.append(0.0, np.cumsum(values * np.diff(borders)))
-    places = position_m[None, :] - offsets_m[:, None]
-    inside = np.interp(places, borders, integral) + np.minimum(places, 0.0) * values[0]
-    means: FloatArray = np.diff(inside.mean(axis=0)) / np.diff(position_m)
+    inside = np.zeros(len(position_m))
+    for offset in offsets_m:  # all at once would take nodes times points of memory
+        places = position_m - offset
+        inside += np.interp(places, borders, integral) + np.minimum(places, 0.0) * values[0]
+    means: FloatArray = np.diff(inside / len(offsets_m)) / np.diff(position_m)
     return means
 
 

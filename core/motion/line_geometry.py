@@ -6,11 +6,15 @@ from functools import lru_cache
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.budget import LIBRARY
 from railjoule.core.motion.line_forces import car_crossings, mean_over_train
 from railjoule.core.motion.line_profile import speed_limit_at
-from railjoule.core.motion.mesh import line_mesh, with_nodes_at
+from railjoule.core.motion.mesh import line_mesh, require_budget, with_nodes_at
 from railjoule.core.scenario import Line, Section
 from railjoule.core.units import MS_PER_KMH
+
+MOST_KEPT_CELLS = 20_000
+"""Geometries of more cells, of 64 bytes each, are not kept for the next call."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +51,6 @@ class LineGeometry:
     dwell_s: FloatArray
 
 
-@lru_cache(maxsize=64)
 def meshed_geometry(line: Line, mesh_m: float, length_m: float | None, car_count: int | None) -> LineGeometry:
     """Return the geometry of a line over a mesh with cells of at most `mesh_m`; kept for the next call.
 
@@ -63,11 +66,24 @@ def meshed_geometry(line: Line, mesh_m: float, length_m: float | None, car_count
     Raises
     ------
     ScenarioError
-        If the mesh would need too many cells.
+        If the mesh would need more cells than the current budget has.
     """
+    large = line.length_m > MOST_KEPT_CELLS * mesh_m or len(line.sections) * (car_count or 1) > MOST_KEPT_CELLS
+    geometry = (_geometry.__wrapped__ if large else _geometry)(line, mesh_m, length_m, car_count)
+    # what is kept may come from a larger budget
+    crossings = (len(line.sections) - 1) * (car_count or 0)
+    require_budget(line, mesh_m, len(geometry.gradient_permille), crossings)
+    return geometry
+
+
+@lru_cache(maxsize=64)
+def _geometry(line: Line, mesh_m: float, length_m: float | None, car_count: int | None) -> LineGeometry:
     running = line.in_running_order()
     nodes = line_mesh(running, mesh_m)
     if length_m is not None and car_count is not None:
+        crossings = (len(line.sections) - 1) * car_count
+        if crossings > LIBRARY.cell_count:
+            require_budget(running, mesh_m, len(nodes) - 1 + crossings, crossings)
         # each car's step of force falls on a node, or cells that it cuts would mix driving and coasting
         nodes = with_nodes_at(nodes, car_crossings(running, length_m, car_count))
     return geometry_at(running, nodes, length_m, car_count)

@@ -29,10 +29,17 @@ def speed_limit_at(line: Line, position_m: FloatArray) -> FloatArray:
     """
     section = np.searchsorted(section_borders(line)[1:-1], position_m)
     limit = np.array([section.speed_limit_kmh or np.inf for section in line.sections])[section]
-    for stretch in line.speed_limits:
-        covered = (position_m > stretch.from_m) & (position_m < stretch.to_m)
-        limit = np.where(covered, np.minimum(limit, stretch.limit_kmh), limit)
-    return limit
+    ends = np.unique([place for stretch in line.speed_limits for place in (stretch.from_m, stretch.to_m)])
+    if not len(ends):
+        return limit
+    # between neighbouring ends the stretches allow one speed; the first and the last of these gaps lie beyond them all
+    between = np.full(len(ends) + 1, np.inf)
+    first = np.searchsorted(ends, [stretch.from_m for stretch in line.speed_limits]) + 1
+    beyond = np.searchsorted(ends, [stretch.to_m for stretch in line.speed_limits]) + 1
+    for stretch, start, stop in zip(line.speed_limits, first, beyond, strict=True):
+        between[start:stop] = np.minimum(between[start:stop], stretch.limit_kmh)
+    lower: FloatArray = np.minimum(limit, between[np.searchsorted(ends, position_m)])
+    return lower
 
 
 def limit_steps(line: Line, max_speed_kmh: float = np.inf) -> tuple[FloatArray, FloatArray]:

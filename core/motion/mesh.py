@@ -5,12 +5,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
+from railjoule.core.budget import LIBRARY, current_budget, rounded_up
 from railjoule.core.errors import ScenarioError
 from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.scenario.line import Line
 
-LARGEST_CELL_COUNT = 200_000
-SHORTEST_CELL_M = 1e-6
+SHORTEST_CELL_M, LONGEST_CELL_M = 1e-6, 1000.0
+"""The second is the greatest `solver.mesh_m`."""
 GRADING = (1.0, 0.5, 0.25, 0.125)
 """Lengths of the cells before a stop, as shares of the mesh: force and speed change fastest there."""
 
@@ -35,20 +36,59 @@ def line_mesh(line: Line, mesh_m: float) -> FloatArray:
     Raises
     ------
     ScenarioError
-        If that takes more than 200,000 cells.
+        If that takes more cells than any budget has.
     """
     borders = line_borders(line)
     lengths = np.diff(borders)
     counts = np.maximum(np.ceil(lengths / mesh_m - 1e-9), 1)
-    if counts.sum() > LARGEST_CELL_COUNT:
-        raise ScenarioError(
-            f"solver.mesh_m = {mesh_m:g} would cut the line of {borders[-1] / 1000:.6g} km into {counts.sum():,.0f} "
-            f"cells; at most {LARGEST_CELL_COUNT:,} are allowed."
-        )
+    if counts.sum() > LIBRARY.cell_count:
+        require_budget(line, mesh_m, int(counts.sum()))
     nodes = [np.linspace(a, b, int(n), endpoint=False) for a, b, n in zip(borders, borders[1:], counts, strict=False)]
     uniform = np.append(np.concatenate(nodes), borders[-1])
     stops = [0.0, *(station.position_m for station in line.inner_stations), borders[-1]]
     return _graded(uniform, np.asarray(stops))
+
+
+def require_budget(line: Line, mesh_m: float, cell_count: int, crossings: int = 0) -> None:
+    """Refuse a mesh of more cells than the current budget has.
+
+    Parameters
+    ----------
+    line, mesh_m
+        As in `line_mesh`.
+    cell_count, crossings : int
+        Cells of the mesh, and those that the cars of the train add to it.
+
+    Raises
+    ------
+    ScenarioError
+        If there are more.
+    """
+    budget = current_budget()
+    if cell_count > budget.cell_count:
+        raise ScenarioError(
+            f"solver.mesh_m = {mesh_m:g} makes {cell_count:,} cells; {budget.taker} takes at most "
+            f"{budget.cell_count:,}{enough_words(line, budget.cell_count, crossings)}"
+        )
+
+
+def enough_words(line: Line, most_cells: int, crossings: int = 0) -> str:
+    """Return the end of a sentence about too many cells: from which `solver.mesh_m` on there are few enough.
+
+    Parameters
+    ----------
+    line : Line
+        In running order.
+    most_cells, crossings : int
+        Cells allowed, and those that the cars of the train add.
+    """
+    stops = len(line.inner_stations) + 1
+    unavoidable = len(line_borders(line)) - 1 + 2 * stops * (len(GRADING) - 1) + crossings
+    if most_cells > unavoidable:
+        enough_m = rounded_up(line.length_m / (most_cells - unavoidable))
+        if enough_m <= LONGEST_CELL_M:
+            return f". Use {enough_m:g} m or more."
+    return f", and sections, limits and stops of the line alone make {unavoidable:,}."
 
 
 def with_nodes_at(position_m: FloatArray, places_m: Sequence[float] | FloatArray) -> FloatArray:
@@ -56,9 +96,14 @@ def with_nodes_at(position_m: FloatArray, places_m: Sequence[float] | FloatArray
 
     A node that all but falls on a place gives way to it: over a shorter cell rounding makes forces of its own.
     """
-    distance = np.abs(position_m[:, None] - np.asarray(places_m)[None, :]).min(axis=1, initial=np.inf)
-    distance[[0, -1]] = np.inf
-    return np.union1d(position_m[distance > SHORTEST_CELL_M], places_m)
+    places = np.unique(np.asarray(places_m, dtype=float))
+    if not len(places):
+        return np.unique(position_m)
+    after = np.searchsorted(places, position_m)
+    before, behind = places[np.maximum(after - 1, 0)], places[np.minimum(after, len(places) - 1)]
+    apart = np.minimum(np.abs(position_m - before), np.abs(position_m - behind)) > SHORTEST_CELL_M
+    apart[[0, -1]] = True
+    return np.union1d(position_m[apart], places)
 
 
 def finer_at_stops(position_m: FloatArray, stops_m: Sequence[float], halvings: int) -> FloatArray:

@@ -33,6 +33,8 @@ KIND_KEYS = ("model", "distribution")
 OF_MANY_KINDS = {"drive", *MonteCarloOptions.model_fields}
 """Tables of which a key tells the kind."""
 LONGEST_SHOWN = 60
+CLOSE_SECOND = 0.18
+"""A second name is proposed where its likeness is less than this below that of the first."""
 LONGEST_INTEGER_BITS = 4096
 
 
@@ -59,6 +61,8 @@ def nearest(name: str, known: Iterable[str]) -> str:
     """Return 'did you mean ...?' or a list of what is known, for an unknown `name`."""
     names = sorted(known)
     close = difflib.get_close_matches(name, names, n=2, cutoff=0.6)
+    likeness = [difflib.SequenceMatcher(None, name, match).ratio() for match in close]
+    close = [match for match, ratio in zip(close, likeness, strict=True) if ratio > likeness[0] - CLOSE_SECOND]
     if close:
         return "did you mean " + " or ".join(repr(match) for match in close) + "?"
     return "known are " + ", ".join(names)
@@ -68,7 +72,11 @@ def show(value: Any) -> str:
     """Return a short text of any value that a user may have written."""
     if isinstance(value, int) and value.bit_length() > LONGEST_INTEGER_BITS:
         return "a number of very many digits"  # Python refuses to write it down
-    text = f"{value:g}" if isinstance(value, float) else repr(value)
+    return shorten(f"{value:g}" if isinstance(value, float) else repr(value))
+
+
+def shorten(text: str) -> str:
+    """Return a text, of a long one its beginning."""
     return text if len(text) <= LONGEST_SHOWN else text[: LONGEST_SHOWN - 3] + "..."
 
 
@@ -123,7 +131,7 @@ def _without_tags(location: Sequence[str | int]) -> list[str | int]:
 def _dotted(location: Sequence[str | int]) -> str:
     text = ""
     for part in location:
-        name = part if isinstance(part, int) or len(part) <= LONGEST_SHOWN else part[: LONGEST_SHOWN - 3] + "..."
+        name = part if isinstance(part, int) else shorten(part)
         text += f"[{name}]" if isinstance(name, int) else f".{name}" if text else name
     for inner, outer in ALIASES.items():
         if text.startswith(inner + "."):

@@ -6,6 +6,7 @@ from pydantic import Field, model_validator
 
 from railjoule.core.scenario._base import Number, Part
 from railjoule.core.scenario.line import SpeedLimit
+from railjoule.core.scenario.vehicle import MOST_LOAD_FACTOR
 
 Reaction = Literal["driver", "computer", "known"]
 
@@ -67,7 +68,9 @@ class Disturbance(Part):
     coordinate_error_m: Number = Field(
         0.0, ge=-10_000, le=10_000, description="The train believes it is this much further on [m]."
     )
-    actual_load_factor: Number | None = Field(None, ge=0, le=1, description="Share of the capacity really on board.")
+    actual_load_factor: Number | None = Field(
+        None, ge=0, le=MOST_LOAD_FACTOR, description="Share of the capacity really on board."
+    )
     stops: tuple[UnplannedStop, ...] = Field((), max_length=100)
     speed_limits: tuple[UnplannedLimit, ...] = Field((), max_length=100)
     voltage_changes: tuple[VoltageChange, ...] = Field((), max_length=100)

@@ -8,12 +8,13 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from railjoule.core.errors import ScenarioError
-from railjoule.core.scenario._sentences import sentence_of, show
+from railjoule.core.scenario._sentences import sentence_of, shorten, show
 from railjoule.core.scenario.line import Line
 from railjoule.core.scenario.map_csv import read_map
 from railjoule.core.scenario.presets import PresetKind, preset_document
 from railjoule.core.scenario.scenario import Scenario
 from railjoule.core.scenario.sections_csv import read_sections
+from railjoule.core.scenario.toml_text import MOST_KEY_PARTS
 from railjoule.core.scenario.vehicle import Vehicle
 
 Document = dict[str, Any]
@@ -68,9 +69,17 @@ def document_of(scenario: Scenario) -> Document:
 
 
 def change_document(document: Document, changes: Mapping[str, Any]) -> Document:
-    """Return a copy of `document` with the keys of `changes`, dotted paths, set; None takes a key away."""
+    """Return a copy of `document` with the keys of `changes`, dotted paths, set; None takes a key away.
+
+    Raises
+    ------
+    ScenarioError
+        If a path has too many parts, or leads through what is no table.
+    """
     changed = deepcopy(document)
     for path, value in changes.items():
+        if path.count(".") >= MOST_KEY_PARTS:
+            raise ScenarioError(f"{shorten(path)}: a key has at most {MOST_KEY_PARTS} parts with dots between them.")
         *parents, key = (
             path.removeprefix("vehicle.").split(".") if path.startswith("vehicle.drive.") else path.split(".")
         )
@@ -78,7 +87,7 @@ def change_document(document: Document, changes: Mapping[str, Any]) -> Document:
         for parent in parents:
             table = table.setdefault(parent, {})
             if not isinstance(table, dict):
-                raise ScenarioError(f"{path}: {parent} is not a table.")
+                raise ScenarioError(f"{shorten(path)}: {shorten(parent)} is not a table.")
         if value is None:
             table.pop(key, None)
             continue

@@ -1,6 +1,5 @@
 """Scenarios as TOML files."""
 
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from railjoule.core.scenario.document import change_document, document_of, scena
 from railjoule.core.scenario.presets import preset_names, preset_text
 from railjoule.core.scenario.scenario import Scenario
 from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES, read_text
+from railjoule.core.scenario.toml_text import NESTED_TOO_DEEPLY, read_toml
 
 
 def load_scenario(path: str | Path, changes: Mapping[str, Any] | None = None) -> Scenario:
@@ -58,15 +58,11 @@ def parse_scenario(
     """
     if len(text) > LARGEST_FILE_BYTES:
         raise ScenarioError(f"{source}: more than the {LARGEST_FILE_BYTES / 1e6:g} MB allowed.")
+    document = read_toml(text, source)
     try:
-        document = tomllib.loads(text)
         return scenario_from_document(change_document(document, changes or {}), source, folder)
-    except tomllib.TOMLDecodeError as error:
-        raise ScenarioError(f"{source}: not a valid TOML file: {error}.") from None
     except RecursionError:
-        raise ScenarioError(f"{source}: not a valid scenario: its tables or lists are nested too deeply.") from None
-    except ValueError:  # the one that the standard library's parser lets through
-        raise ScenarioError(f"{source}: not a valid TOML file: a number in it has too many digits.") from None
+        raise ScenarioError(f"{source}: {NESTED_TOO_DEEPLY}") from None
 
 
 def format_scenario(scenario: Scenario) -> str:

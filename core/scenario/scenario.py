@@ -4,6 +4,7 @@ from typing import Any, Literal, Self, get_args
 
 from pydantic import Field, model_validator
 
+from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario._base import Part
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.scenario.line import Line
@@ -17,6 +18,7 @@ from railjoule.core.scenario.options import (
     SolverOptions,
 )
 from railjoule.core.scenario.timetable import Timetable
+from railjoule.core.scenario.toml_text import NESTED_TOO_DEEPLY
 from railjoule.core.scenario.vehicle import Vehicle
 
 StrategyName = Literal["optimal", "bellman", "eoc", "enoc", "phases", "speed_limits", "fastest"]
@@ -54,6 +56,15 @@ class Scenario(Part):
                 )
         return self
 
+    @model_validator(mode="after")
+    def _real_load_can_be_carried(self) -> Self:
+        load, most = self.disturbance.actual_load_factor, self.vehicle.crush_load_factor
+        if load is not None and load > most:
+            raise ValueError(
+                f"disturbance.actual_load_factor = {load:g} must be at most {most:g}, the vehicle.crush_load_factor"
+            )
+        return self
+
     @property
     def travel_time_s(self) -> float:
         """Time for the whole run, dwells included [s]."""
@@ -76,4 +87,7 @@ class Scenario(Part):
             scenario_from_document,
         )
 
-        return scenario_from_document(change_document(document_of(self), changes))
+        try:
+            return scenario_from_document(change_document(document_of(self), changes))
+        except RecursionError:
+            raise ScenarioError(f"scenario: {NESTED_TOO_DEEPLY}") from None

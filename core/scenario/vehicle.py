@@ -8,6 +8,8 @@ from pydantic import Field, model_validator
 from railjoule.core.scenario._base import Count, Number, Part
 from railjoule.core.scenario.drive import Drive
 
+MOST_LOAD_FACTOR = 3.0
+"""Of any vehicle: a capacity that counts seats alone, and standing passengers wherever there is room."""
 CurvePoint = tuple[Annotated[Number, Field(ge=0, le=600)], Annotated[Number, Field(ge=0, le=1e4)]]
 
 
@@ -77,7 +79,10 @@ class Vehicle(Part):
     tare_kg: Number = Field(gt=0, le=1e7, description="Mass of the empty vehicle [kg].")
     capacity_passengers: Number = Field(0, ge=0, le=1e5, description="Passengers of the full vehicle.")
     passenger_mass_kg: Number = Field(75.0, ge=0, le=500, description="Mass of one passenger [kg].")
-    load_factor: Number = Field(0.0, ge=0, le=1, description="Share of the capacity that is on board.")
+    load_factor: Number = Field(0.0, ge=0, le=MOST_LOAD_FACTOR, description="Share of the capacity that is on board.")
+    crush_load_factor: Number = Field(
+        1.0, ge=1, le=MOST_LOAD_FACTOR, description="Largest load factor: above 1, crush load."
+    )
     rotating_mass_factor: Number | None = Field(
         None, ge=0, le=5, description="Inertia of the turning parts, as a share of the total mass."
     )
@@ -91,6 +96,14 @@ class Vehicle(Part):
     traction: Traction
     braking: Braking
     drive: Drive
+
+    @model_validator(mode="after")
+    def _load_can_be_carried(self) -> Self:
+        if self.load_factor > self.crush_load_factor:
+            raise ValueError(
+                f"load_factor = {self.load_factor:g} must be at most {self.crush_load_factor:g}, the crush_load_factor"
+            )
+        return self
 
     @model_validator(mode="after")
     def _one_inertia(self) -> Self:

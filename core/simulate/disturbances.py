@@ -21,6 +21,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
+from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError, TimetableError
 from railjoule.core.motion import build_course
 from railjoule.core.scenario import Scenario
@@ -90,8 +91,8 @@ class Ride:
 
     @property
     def overconsumption(self) -> float:
-        """Energy over that of the undisturbed plan, less 1."""
-        return self.actual.energy.net_j / self.planned.energy.net_j - 1
+        """Share by which the energy lies above that of the undisturbed plan; NaN where that is no measure."""
+        return share_above(self.actual.energy.net_j, self.planned.energy.net_j)
 
 
 def undisturbed_plan(scenario: Scenario) -> Trajectory:
@@ -167,7 +168,7 @@ class _Simulation:
         allowed = self.scenario.travel_time_s
         delay = actual.travel_time_s - allowed
         if delay > self.scenario.disturbance.accepted_delay_s + LATE_S:
-            self.notes.append(f"It arrives {delay:.1f} s late.")
+            self.notes.append(f"The train arrives {delay:.1f} s late.")
         return Ride(planned, actual, allowed, tuple(self.notices), tuple(self.notes))
 
     def _drive(self, leg: Leg) -> None:

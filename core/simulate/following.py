@@ -15,6 +15,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
+from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError, TimetableError
 from railjoule.core.motion import build_course
 from railjoule.core.motion.cell_step import FULL_BRAKE, FULL_TRACTION, cell_of, exit_speed2
@@ -65,8 +66,8 @@ class Following:
 
     @property
     def overconsumption(self) -> float:
-        """Energy over that of the plan, less 1."""
-        return self.actual.energy.net_j / self.planned.energy.net_j - 1
+        """Share by which the energy lies above that of the plan; NaN where that is no measure."""
+        return share_above(self.actual.energy.net_j, self.planned.energy.net_j)
 
 
 def simulate_following(scenario: Scenario) -> Following:

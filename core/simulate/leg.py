@@ -146,6 +146,7 @@ def _two_joined(one: Trajectory, other: Trajectory) -> Trajectory:
         electric_braking_n=cells("electric_braking_n"),
         friction_braking_n=cells("friction_braking_n"),
         largest_effort_n=cells("largest_effort_n"),
+        largest_braking_n=cells("largest_braking_n"),
         line_power_w=cells("line_power_w"),
         current_a=cells("current_a") if has_current else None,
         gradient_permille=cells("gradient_permille"),

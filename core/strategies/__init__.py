@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
+from railjoule.core.best_known import measured
 from railjoule.core.check import check_run
 from railjoule.core.errors import CheckError, SolverError, StrategyRefusedError, TimetableError
 from railjoule.core.scenario import STRATEGY_NAMES, Scenario, StrategyName
@@ -11,7 +12,7 @@ from railjoule.core.strategies.bellman import bellman
 from railjoule.core.strategies.enoc import enoc
 from railjoule.core.strategies.eoc import eoc
 from railjoule.core.strategies.fastest import fastest
-from railjoule.core.strategies.optimal import certify, minimise, optimal
+from railjoule.core.strategies.optimal import certify, known_optimum, minimise, optimal
 from railjoule.core.strategies.phases import phases
 from railjoule.core.strategies.speed_limits import speed_limits
 from railjoule.core.strategies.task import Task, prepare_task
@@ -37,7 +38,7 @@ def solve(
     final_speed_ms: float = 0.0,
     check: bool = False,
 ) -> Trajectory:
-    """Return the run of a strategy over a scenario, with the lower bound that the optimum proves, if it does.
+    """Return the run of a strategy over a scenario, with the bound that the optimum proves and the best known run.
 
     Parameters
     ----------
@@ -68,7 +69,8 @@ def solve(
     task = prepare_task(scenario, initial_speed_ms, final_speed_ms)
     trajectory = run_strategy(task, name)
     if trajectory.bound is None and task.has_slack:
-        trajectory = trajectory.with_bound(certify(task, minimise(task).optimum))
+        best = known_optimum(task)
+        *_, trajectory = measured([trajectory] if best is None else [best, trajectory])
     if not check:
         return trajectory
     result = check_run(scenario, trajectory, initial_speed_ms=initial_speed_ms, final_speed_ms=final_speed_ms)
@@ -114,9 +116,7 @@ def compare(scenario: Scenario) -> tuple[list[Trajectory], dict[StrategyName, st
         except (StrategyRefusedError, SolverError, TimetableError) as refusal:
             # a strategy may need more time than the fastest run
             refused[name] = str(refusal)
-    bound = next((run.bound for run in runs if run.bound is not None), None)
-    # a run that may be late has a bound of its own
-    return [run if run.bound is not None else run.with_bound(bound) for run in runs], refused
+    return measured(runs), refused
 
 
 __all__ = ["STRATEGIES", "Task", "certify", "compare", "minimise", "prepare_task", "run_strategy", "solve"]

@@ -41,12 +41,14 @@ class ControlLaw:
 
 
 def bellman(task: Task) -> Trajectory:
-    """Return the cheapest run that backward induction finds; it takes every scenario.
+    """Return the cheapest run that backward induction finds; it takes every scenario within its budget of cells.
 
     Raises
     ------
     TimetableError
         If the timetable cannot be kept.
+    StrategyRefusedError
+        If the mesh has more cells than the current budget.
     SolverError
         If the grid holds no run.
     """
@@ -56,6 +58,7 @@ def bellman(task: Task) -> Trajectory:
 def bellman_with_law(task: Task) -> tuple[Trajectory, ControlLaw]:
     """Return the run and the control law of the grid that spans all speeds; errors as `bellman`."""
     task.require_timetable()
+    task.require_budget("bellman")
     data = task.course.data
     found = search(data, task.greatest_speed2, task.running_time_s)
     trajectory = make_trajectory(

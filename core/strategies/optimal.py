@@ -3,23 +3,23 @@
 References: the method is in `railjoule.core.interior_point.solver`, the proof in `...certificate` and `...proof`.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from railjoule.core.errors import SolverError
+from railjoule.core.budget import current_budget
+from railjoule.core.energy import energy_decimals
+from railjoule.core.errors import SolverError, StrategyRefusedError
 from railjoule.core.interior_point.proof import prove
 from railjoule.core.interior_point.solver import CONVERGED, Optimum, minimise_energy
 from railjoule.core.interior_point.switching_bound import switched_bound
 from railjoule.core.strategies.switching import TOLERANCE as SWITCHED_TOLERANCE
 from railjoule.core.strategies.switching import takes_power_idling, unswitched
 from railjoule.core.strategies.task import Task
-from railjoule.core.trajectory import Bound, Trajectory, make_trajectory
+from railjoule.core.trajectory import PROVEN_GAP, Bound, Reference, Trajectory, make_trajectory
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
 TOLERANCE = 1e-7
-PROVEN_GAP = 1e-6
-"""A run this close to its bound, relatively, counts as proven optimal."""
 FIRST_ITERATIONS, SECOND_ITERATIONS = 40, 60
 FREE_CENTRING, STEADY_CENTRING = 1e-6, 0.2
 LOOSE_GAP = 0.1
@@ -61,9 +61,12 @@ def minimise(task: Task, tolerance: float = TOLERANCE) -> Solution:
     ------
     SolverError
         If neither of two attempts converges; for such a drive, if the second does not come near it.
+    StrategyRefusedError
+        If the mesh has more cells than the current budget gives to such a drive.
     """
     iterations = 0
     if takes_power_idling(task):
+        task.require_few_cells(current_budget().idling_cells)
         tolerance = max(tolerance, SWITCHED_TOLERANCE)
     for allowed, centring in ((FIRST_ITERATIONS, FREE_CENTRING), (SECOND_ITERATIONS, STEADY_CENTRING)):
         optimum = minimise_energy(
@@ -102,7 +105,7 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
     ------
     TimetableError
         If the timetable cannot be kept.
-    SolverError
+    SolverError, StrategyRefusedError
         As `minimise`.
     """
     task.require_timetable()
@@ -122,7 +125,7 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
             optimum.time_multiplier * data.traction.constant_n,
             solution.iterations,
         )
-    return make_trajectory(
+    best = make_trajectory(
         task.scenario,
         task.course,
         "optimal",
@@ -133,6 +136,15 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
         iterations=iterations,
         notes=notes,
     )
+    return replace(best, reference=Reference(best.energy.net_j, best.strategy, task.travel_time_s, best.is_proven))
+
+
+def known_optimum(task: Task) -> Trajectory | None:
+    """Return the optimum of a task, to measure other runs against; None where it is not found."""
+    try:
+        return optimal(task)
+    except (SolverError, StrategyRefusedError):
+        return None
 
 
 def certify(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> Bound:
@@ -192,7 +204,8 @@ def switching_note(task: Task, optimum: Optimum, energy_j: float) -> str:
     )
     known = ""
     if free <= energy_j + SMOOTHED * abs(energy_j):
-        known = f"free switching would need {_energy_j(task, optimum.energy) / J_PER_KWH:.4f} kWh; "
+        needed = _energy_j(task, optimum.energy) / J_PER_KWH
+        known = f"free switching would need {needed:.{energy_decimals(needed)}f} kWh; "
     return (
         "Driven or coasted cell by cell where free switching between driving, coasting and braking would drive for a "
         f"part of each, which is the best such run found, not proven; {known}{friction}."

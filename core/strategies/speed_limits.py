@@ -9,7 +9,8 @@ from dataclasses import replace
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
-from railjoule.core.errors import ScenarioError, SolverError, StrategyRefusedError
+from railjoule.core.budget import current_budget, rounded_up
+from railjoule.core.errors import ScenarioError, StrategyRefusedError
 from railjoule.core.limit_search.literal import ARRIVED, Relay, literal_trip
 from railjoule.core.limit_search.problem import Evaluation, LimitProblem, limit_problem
 from railjoule.core.limit_search.search import LimitSearch, search_limits
@@ -17,9 +18,9 @@ from railjoule.core.motion import Course, build_course
 from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.motion.mesh import finer_at_stops, with_nodes_at
 from railjoule.core.scenario import Scenario
-from railjoule.core.strategies.optimal import certify, minimise
+from railjoule.core.strategies.optimal import known_optimum
 from railjoule.core.strategies.task import Task
-from railjoule.core.trajectory import Bound, Trajectory, make_trajectory
+from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
 
 LEAST_LIMIT_KMH = 1.0
@@ -43,7 +44,7 @@ def speed_limits(task: Task) -> Trajectory:
     ScenarioError
         If a given limit or border is out of bounds.
     StrategyRefusedError
-        If the regulator cannot keep the timetable, or there are too many sections.
+        If the regulator cannot keep the timetable, there are too many sections, or cells for a search.
     """
     return speed_limits_with_search(task)[0]
 
@@ -62,6 +63,7 @@ def speed_limits_with_search(task: Task) -> tuple[Trajectory, LimitSearch]:
             raise StrategyRefusedError("needs limits under which the train does not come to a stand.")
         return _trajectory(task, problem, given, ()), LimitSearch((given,), given)
     task.require_timetable()
+    task.require_budget("speed_limits")
     problem = limit_problem_of(task)
     found = search_limits(problem, borders, options.free_boundaries)
     if not np.isfinite(found.best.energy_j):
@@ -193,11 +195,12 @@ def literal_trajectory(
     Raises
     ------
     StrategyRefusedError
-        If the line has stops on its way, or the regulator does not bring the train to its end.
+        If the line has stops on its way, the regulator does not bring the train to its end, or takes too many steps.
     """
     options, scenario = task.scenario.search, task.scenario
     if scenario.line.inner_stations:
         raise StrategyRefusedError("needs a line without stops between its ends for the literal regulator.")
+    _require_few_steps(options.time_step_s, task.running_time_s)
     relay = Relay(
         options.dead_zone_kmh * MS_PER_KMH,
         options.regulation_speed_kmh * MS_PER_KMH,
@@ -233,20 +236,23 @@ def literal_trajectory(
     )
 
 
+def _require_few_steps(step_s: float, running_time_s: float) -> None:
+    """Refuse a step of time that makes more cells of the printed regulator's run than the current budget has."""
+    most = current_budget().cell_count
+    if running_time_s > most * step_s:
+        raise StrategyRefusedError(
+            f"takes at most {most:,} steps of the literal regulator, and search.time_step_s = {step_s:g} makes "
+            f"{running_time_s / step_s:,.0f}. Use {rounded_up(running_time_s / most):g} s or more."
+        )
+
+
 def _made(task: Task, course: Course, speed2: FloatArray, notes: tuple[str, ...]) -> Trajectory:
-    """Return a trajectory with a bound for the time that it takes, which may be later than the timetable's."""
+    """Return a trajectory with bound and reference for the time that it takes, which may be later than planned."""
     sparing = np.zeros(course.cell_count) if course.data.friction_effort_n > 0 else None
     run = make_trajectory(task.scenario, course, "speed_limits", speed2, sparing, notes=notes)
     late = replace(task, running_time_s=run.travel_time_s - task.dwell_s)
-    return run.with_bound(_bound(late)) if late.has_slack else run
-
-
-def _bound(task: Task) -> Bound | None:
-    """Return the bound of a task, or None if its optimum is not found."""
-    try:
-        return certify(task, minimise(task).optimum)
-    except SolverError:
-        return None
+    best = known_optimum(late) if late.has_slack else None
+    return run if best is None else replace(run, bound=best.bound, reference=best.reference)
 
 
 def limit_words(limits_ms: FloatArray, boundaries_m: FloatArray) -> str:

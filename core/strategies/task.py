@@ -3,10 +3,12 @@
 from dataclasses import dataclass
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.errors import InfeasibleLineError, TimetableError
+from railjoule.core.budget import current_budget
+from railjoule.core.errors import InfeasibleLineError, StrategyRefusedError, TimetableError
 from railjoule.core.motion import Course, build_course, greatest_speeds, running_time
+from railjoule.core.motion.mesh import enough_words
 from railjoule.core.motion.passes import MOVED
-from railjoule.core.scenario import Scenario
+from railjoule.core.scenario import Scenario, StrategyName
 
 LEAST_SLACK = 1e-9
 """A timetable must exceed the shortest time by this share, or the optimum has no inside to search."""
@@ -58,6 +60,22 @@ class Task:
         """Raise TimetableError unless the timetable is longer than the shortest possible time."""
         if not self.has_slack:
             raise TimetableError(self.travel_time_s, self.shortest_travel_time_s)
+
+    def require_few_cells(self, most_cells: int) -> None:
+        """Raise StrategyRefusedError if the mesh has more than `most_cells` cells."""
+        if self.course.cell_count <= most_cells:
+            return
+        line, mesh = self.scenario.line.in_running_order(), self.scenario.solver.mesh_m
+        crossings = (len(line.sections) - 1) * (self.scenario.vehicle.car_count or 0)
+        raise StrategyRefusedError(
+            f"takes at most {most_cells:,} cells, and solver.mesh_m = {mesh:g} makes {self.course.cell_count:,}"
+            f"{enough_words(line, most_cells, crossings)}"
+        )
+
+    def require_budget(self, strategy: StrategyName) -> None:
+        """Raise StrategyRefusedError if the mesh has more cells than the current budget gives a strategy."""
+        budget = current_budget()
+        self.require_few_cells(budget.strategy_cells.get(strategy, budget.cell_count))
 
 
 def prepare_task(

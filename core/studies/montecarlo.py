@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError, ScenarioError
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.distribution import Distribution, Fixed, LogNormal, Normal, Triangular, Uniform
@@ -24,7 +25,7 @@ FACTOR_BOUNDS = (0.05, 2.0)
 """Between these drawn factors lie: a train without any voltage or resistance is not meant."""
 LONGEST_DELAY_S = 86400.0
 PLANNED_LOADS = np.linspace(0.0, 1.0, 9)
-"""Loads whose own plans are computed; between them their energy is interpolated."""
+"""Shares of the largest load whose own plans are computed; between them their energy is interpolated."""
 RUNS_PER_STEP = 40
 
 
@@ -67,12 +68,12 @@ class MonteCarloTable:
     @property
     def overconsumption(self) -> FloatArray:
         """Energy over that of the plan, less 1; shape (done,)."""
-        return self.energy_kwh / self.planned_kwh - 1
+        return share_above(self.energy_kwh, self.planned_kwh)
 
     @property
     def over_replanned(self) -> FloatArray:
         """Energy over that of the plan of a train that knows its load, less 1; shape (done,)."""
-        return self.energy_kwh / self.knowing_kwh[: self.done] - 1
+        return share_above(self.energy_kwh, self.knowing_kwh[: self.done])
 
     def to_dataset(self) -> "xarray.Dataset":
         """Return the runs done so far with labels and units."""
@@ -149,8 +150,9 @@ def monte_carlo_steps(scenario: Scenario) -> Iterator[MonteCarloTable]:
 def draw(scenario: Scenario) -> dict[str, FloatArray]:
     """Return values of all `QUANTITIES` from their distributions, each of shape (runs,).
 
-    A distribution is cut off at the bounds of its quantity. More runs with the same seed begin with the same values,
-    and another distribution of one quantity leaves the others as they were.
+    A distribution is cut off at the bounds of its quantity; the load's are 0 and 1, or the crush load where the plan or
+    the distribution itself goes above 1. More runs with the same seed begin with the same values, and another
+    distribution of one quantity leaves the others as they were.
 
     Raises
     ------
@@ -161,7 +163,7 @@ def draw(scenario: Scenario) -> dict[str, FloatArray]:
     shares = np.random.default_rng(options.seed).random((options.runs, len(QUANTITIES)))
     way = float(min(np.diff([0.0, *stops_of(scenario)])))
     bounds = {
-        "load_factor": (0.0, 1.0),
+        "load_factor": (0.0, _largest_load(scenario)),
         "coordinate_error_m": (np.nextafter(-way, 0), np.nextafter(way, 0)),
         "resistance_factor": FACTOR_BOUNDS,
         "line_voltage_factor": FACTOR_BOUNDS,
@@ -175,6 +177,14 @@ def draw(scenario: Scenario) -> dict[str, FloatArray]:
         name: frozen_array(_cut_off(name, getattr(options, name), planned[name], bounds[name], shares[:, k]))
         for k, name in enumerate(QUANTITIES)
     }
+
+
+def _largest_load(scenario: Scenario) -> float:
+    """Return the largest load factor that may be drawn: of full trains, unless more is asked for."""
+    load = scenario.montecarlo.load_factor
+    named = [getattr(load, name, None) or 0.0 for name in ("value", "mean", "median", "mode", "high")]
+    beyond = max(scenario.vehicle.load_factor, *named) > 1
+    return scenario.vehicle.crush_load_factor if beyond else 1.0
 
 
 def _cut_off(
@@ -214,7 +224,8 @@ def _frozen(distribution: Distribution, planned: float) -> Any:
 
 def _energies_knowing(scenario: Scenario, load_factors: FloatArray) -> FloatArray:
     """Return the energy [kWh] of plans that know their load; NaN beyond the loads that can be planned for."""
-    planned = {load: plan_knowing_load(scenario, load) for load in PLANNED_LOADS.tolist()}
+    loads = (_largest_load(scenario) * PLANNED_LOADS).tolist()
+    planned = {load: plan_knowing_load(scenario, load) for load in loads}
     known = {load: plan.energy_kwh for load, plan in planned.items() if plan is not None}
     if not known:
         return np.full(len(load_factors), np.nan)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError, ScenarioError
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.following import follow, plan_for, plan_knowing_load
@@ -68,12 +69,12 @@ class SensitivityTable:
     @property
     def overconsumption(self) -> FloatArray:
         """Energy over that of the plan, less 1; shape (k, m)."""
-        return self.energy_kwh / self.planned_kwh - 1
+        return share_above(self.energy_kwh, self.planned_kwh)
 
     @property
     def over_replanned(self) -> FloatArray:
         """Energy over that of the plan of a train that knows its load, less 1; shape (k, m)."""
-        return self.energy_kwh / self.knowing_kwh[:, None] - 1
+        return share_above(self.energy_kwh, self.knowing_kwh[:, None])
 
     def to_dataset(self) -> "xarray.Dataset":
         """Return the table with its labels and units."""
@@ -125,7 +126,8 @@ def sensitivity(
     Raises
     ------
     ScenarioError
-        If a load factor lies outside 0 to 1, or an error of the place beyond the way from one stop to the next.
+        If a load factor lies outside 0 to the vehicle's crush load, or an error of the place beyond the way from one
+        stop to the next.
     RailjouleError
         As `railjoule.core.solve` for the plan.
     """
@@ -141,9 +143,10 @@ def sensitivity_steps(
     knows: Knows = "nothing",
 ) -> Iterator[SensitivityTable]:
     """Yield the table of `sensitivity` empty, and again after each cell; arguments and errors as there."""
-    wrong = next((load for load in load_factors if not 0 <= load <= 1), None)
+    most = scenario.vehicle.crush_load_factor
+    wrong = next((load for load in load_factors if not 0 <= load <= most), None)
     if wrong is not None:
-        raise ScenarioError(f"a load factor of the table = {wrong:g} must lie between 0 and 1.")
+        raise ScenarioError(f"a load factor of the table = {wrong:g} must lie between 0 and {most:g}.")
     ways = [scenario, _turned(scenario)] if both_directions else [scenario]
     plans = [plan_for(way) for way in ways]
     shape = len(load_factors), len(coordinate_errors_m)

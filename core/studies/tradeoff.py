@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.interpolate import CubicHermiteSpline
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.errors import SolverError, StrategyRefusedError, TimetableError
@@ -73,6 +74,18 @@ class Frontier:
     def price_of_time_wh_per_s(self) -> FloatArray:
         """Price of a second [Wh/s]; shape (m,)."""
         return self.price_of_time_w / J_PER_WH
+
+    def energy_kwh_at(self, travel_time_s: float) -> float:
+        """Return the energy at a time between those of the points [kWh]: a cubic with their slopes; NaN beyond them.
+
+        A straight line between two points lies above the frontier, by as much as a per cent.
+        """
+        known = np.isfinite(self.energy_j) & np.isfinite(self.price_of_time_w)
+        times = self.travel_time_s[known]
+        if len(times) < 2 or not times[0] <= travel_time_s <= times[-1]:
+            return float("nan")
+        cubic = CubicHermiteSpline(times, self.energy_kwh[known], -self.price_of_time_w[known] / J_PER_KWH)
+        return float(cubic(travel_time_s))
 
     def to_dataframe(self) -> "pandas.DataFrame":
         """Return the frontier as a table, one row a travel time."""

@@ -10,6 +10,7 @@ from typing import Any, get_args
 
 import numpy as np
 
+from railjoule.core.energy import share_above
 from railjoule.core.phase_planning.plan import PhasePlan
 from railjoule.core.phase_planning.planner import PhasePlanner
 from railjoule.core.scenario import Scenario, Vehicle, load_scenario
@@ -88,7 +89,7 @@ def figures(vehicle: Vehicle, paper: Printed, distance_m: float, running_time_s:
             continue
         first = _part_one(planner, paper)
         second = _kwh(_part_two(planner, paper))
-        penalty = 100 * ((first + second) / alone[recuperation] - 1)
+        penalty = 100 * share_above(first + second, alone[recuperation])
         rows += [
             Row(case, "En", "kWh", printed, first + second, NOT_UNIQUE),
             Row(case, "En of part II", "kWh", _printed_part_two(entry, paper), second, NOT_UNIQUE),

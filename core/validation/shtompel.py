@@ -14,6 +14,7 @@ from scipy.optimize import differential_evolution
 from railjoule.core.arrays import FloatArray
 from railjoule.core.drive import make_drive
 from railjoule.core.drive.synchronous.drive import efficiency_maps, torque_envelope
+from railjoule.core.energy import share_above
 from railjoule.core.limit_search.search import LimitSearch
 from railjoule.core.scenario import Scenario, load_scenario
 from railjoule.core.scenario.drive import Synchronous
@@ -110,7 +111,7 @@ def evaluations() -> list[Row]:
                 "its energy over ours less 1",
                 "%",
                 None,
-                100 * (other.fun / search.best.energy_j - 1),
+                100 * share_above(float(other.fun), search.best.energy_j),
                 "An even search over one ratio is enough: it says nothing of more sections.",
             ),
         ]
@@ -165,7 +166,7 @@ def near_full_power() -> list[Row]:
         half = solve(_late(scenario).with_(**{"vehicle.traction.max_power_kw": 0.5 * power}), "bellman")
         speeds = 0.5 * (full.speed_ms[1:] + full.speed_ms[:-1])
         largest = float(np.max(full.tractive_effort_n * speeds)) / 1e3
-        more = 100 * (half.energy_kwh / full.energy_kwh - 1)
+        more = 100 * share_above(half.energy_kwh, full.energy_kwh)
         case = f"{speed} km/h, optimum"
         rows += [
             Row(
@@ -193,7 +194,7 @@ def costs() -> list[Row]:
             "coast limits, three sections, free borders": _limits(speed, "coast", True),
         }
         for case, run in runs.items():
-            more = 100 * (run.energy_kwh / best - 1)
+            more = 100 * share_above(run.energy_kwh, best)
             rows.append(Row(f"{speed} km/h, {case}", "more than the optimum", "%", None, more, ASSUMED))
     return rows
 

@@ -3,6 +3,9 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+CLOSE_PERCENT = 1.0
+"""A number of ours is close that differs by at most this: in percent, a percentage in percentage points."""
+
 
 @dataclass(frozen=True)
 class Row:
@@ -37,6 +40,26 @@ class Row:
         if self.printed is None or self.printed == 0:
             return None
         return 100 * (self.ours / self.printed - 1)
+
+    @property
+    def is_percentage(self) -> bool:
+        """Whether both numbers are percentages: a small one may be many times another that is next to it."""
+        return self.unit == "%"
+
+    @property
+    def difference_points(self) -> float | None:
+        """Our percentage less the printed one, in percentage points; None for other units or where none is printed."""
+        return self.ours - self.printed if self.is_percentage and self.printed is not None else None
+
+    @property
+    def difference(self) -> float | None:
+        """The difference that is fair to the quantity: of percentages in percentage points, of others in percent."""
+        return self.difference_points if self.is_percentage else self.difference_percent
+
+    @property
+    def is_close(self) -> bool:
+        """Whether that difference is known and at most `CLOSE_PERCENT`."""
+        return self.difference is not None and abs(self.difference) <= CLOSE_PERCENT
 
 
 @dataclass(frozen=True)

@@ -11,10 +11,10 @@ MOST_SENTENCES = 6
 WHOLES = ("vehicle", "line")
 """Tables that are told by their names where they come from different presets or files."""
 QUANTITIES: Mapping[str, tuple[str, Callable[[Any], str]]] = {
-    "timetable.travel_time_s": ("travel time", lambda s: f"{words.number(s)} s"),
-    "vehicle.load_factor": ("load", lambda share: f"{words.number(100 * share, 0)} %"),
-    "vehicle.drive.recuperation_factor": ("recuperation", lambda share: f"{words.number(100 * share, 0)} %"),
-    "enoc.acceleration_time_s": ("ENOC\u2019s acceleration time", lambda s: f"{words.number(s)} s"),
+    "timetable.travel_time_s": ("travel time", lambda s: f"{words.time(s)} s"),
+    "vehicle.load_factor": ("load", lambda share: f"{words.setting(share)} %"),
+    "vehicle.drive.recuperation_factor": ("recuperation", lambda share: f"{words.setting(share)} %"),
+    "enoc.acceleration_time_s": ("ENOC\u2019s acceleration time", lambda s: f"{words.time(s)} s"),
     "line.reverse": ("run in reverse", lambda on: "yes" if on else "no"),
 }
 """Keys of the file that have words of their own."""

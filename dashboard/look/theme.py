@@ -8,6 +8,8 @@ from typing import Any
 from railjoule.dashboard.look.tokens import FONT, THEMES, ThemeName, Tokens
 
 ASSETS = files("railjoule.assets")
+DURATIONS = ("shortest", "shorter", "short", "standard", "complex", "enteringScreen", "leavingScreen")
+"""Of the movements of panel-material-ui."""
 
 
 @cache
@@ -35,13 +37,19 @@ def document_css() -> str:
 @cache
 def report_css() -> str:
     """Return the style sheet of a report: colours as the system asks for them, on paper always the light ones."""
+    own = (ASSETS / "css" / "report.css").read_text(encoding="utf-8")
+    return "\n".join([_font_face(), bare_css(), parts_css().replace(":host", "body"), own])
+
+
+@cache
+def bare_css() -> str:
+    """Return the style sheet of a page without a script: colours as the system asks for them, no font of its own."""
     light, dark = (_variables(THEMES[name]) for name in ("light", "dark"))
     colours = (
         f":root {{ {light} --rj-font: {FONT}; color-scheme: light }}\n"
         f"@media screen and (prefers-color-scheme: dark) {{ :root {{ {dark} color-scheme: dark }} }}"
     )
-    own = [(ASSETS / "css" / name).read_text(encoding="utf-8") for name in ("page.css", "report.css")]
-    return "\n".join([_font_face(), colours, parts_css().replace(":host", "body"), *own])
+    return "\n".join([colours, (ASSETS / "css" / "page.css").read_text(encoding="utf-8")])
 
 
 def _font_face() -> str:
@@ -75,6 +83,8 @@ def _material(name: ThemeName, t: Tokens) -> dict[str, Any]:
         },
         "typography": {"fontFamily": FONT, "fontSize": 13, "button": {"textTransform": "none", "fontWeight": 500}},
         "shape": {"borderRadius": 6},
+        # nothing moves but data; and colours that fade would be unreadable half way from light to dark
+        "transitions": {"duration": dict.fromkeys(DURATIONS, 0)},
         "components": {
             "MuiTab": root(
                 textTransform="none", minHeight=48, minWidth=0, padding="0 10px", fontSize=13, color=t["ink2"]

@@ -1,12 +1,26 @@
-"""Numbers and phases as people read them: narrow spaces for thousands, a true minus, a unit's usual digits."""
+"""Numbers and phases as people read them: narrow spaces for thousands, a true minus, a unit's usual digits.
 
-from railjoule.core.phases import Phase, PhaseName
+Each quantity has one function here, so that it reads alike on every page, in charts, in reports and, made plain, in a
+terminal. How runs compare is told in `railjoule.dashboard.look.comparisons`.
+"""
+
+import math
+from collections.abc import Callable, Collection, Iterator, Sequence
+from functools import wraps
+from typing import ParamSpec
+
+from railjoule.core.advice import Instruction
+from railjoule.core.energy import energy_decimals
+from railjoule.core.phases import PhaseName
 from railjoule.core.scenario import StrategyName
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
 THIN_SPACE = "\u202f"
 MINUS = "\u2212"
 PER_MILLE = "\u2030"
+UNKNOWN = "\u2013"
+PLAIN_SIGNS = str.maketrans({THIN_SPACE: ",", MINUS: "-", UNKNOWN: "-"})
+"""What a terminal shows for them."""
 
 STRATEGY_WORDS: dict[StrategyName, str] = {
     "optimal": "Optimal",
@@ -26,15 +40,35 @@ PHASE_WORDS: dict[PhaseName, str] = {
     "stand": "stand",
 }
 J_PER_WH = J_PER_KWH / 1000
-SMALL_ENERGY_KWH = 5.0
+LEAST_ENERGY_KWH = 5e-4
+"""An energy below this reads as zero."""
 SMALL_PRICE_WH_PER_S = 100.0
-SHORT_TIME_S = 10.0
 AT_START_M = 0.5
 """A phase that begins nearer to the start needs no place."""
 
 
+P = ParamSpec("P")
+
+
+def plain_text(text: str) -> str:
+    """Return a number as a terminal shows it: with commas between thousands and a hyphen for a minus."""
+    return text.translate(PLAIN_SIGNS)
+
+
+def plain(show: Callable[P, str]) -> Callable[P, str]:
+    """Return a function that writes numbers as one that writes them for a terminal."""
+
+    @wraps(show)
+    def shown(*args: P.args, **kwargs: P.kwargs) -> str:
+        return plain_text(show(*args, **kwargs))
+
+    return shown
+
+
 def number(value: float, digits: int = 1) -> str:
-    """Return a number with `digits` decimals, narrow spaces between thousands and a true minus."""
+    """Return a number with `digits` decimals, narrow spaces between thousands and a true minus; a dash for NaN."""
+    if not math.isfinite(value):
+        return UNKNOWN
     text = f"{abs(value):,.{digits}f}".replace(",", THIN_SPACE)
     negative = value < 0 and any(character in "123456789" for character in text)
     return (MINUS if negative else "") + text
@@ -57,7 +91,52 @@ def signed(value: float, digits: int = 1) -> str:
 
 def energy(kwh: float) -> str:
     """Return an energy in kWh: two decimals, three below 5 kWh."""
-    return number(kwh, 3 if abs(kwh) < SMALL_ENERGY_KWH else 2)
+    return number(kwh, energy_decimals(kwh))
+
+
+def energy_difference(kwh: float) -> str:
+    """Return a difference of energies in kWh: as `energy`, with its sign."""
+    return signed(kwh, energy_decimals(kwh))
+
+
+def share(value: float) -> str:
+    """Return a share in percent, as 7.0 for 0.07: one decimal, two below 1 %, none from 100 % on."""
+    return number(100 * value, percent_decimals(100 * value))
+
+
+def share_difference(value: float) -> str:
+    """Return a relative difference in percent: as `share`, with its sign."""
+    return signed(100 * value, percent_decimals(100 * value))
+
+
+def percent_decimals(percent: float) -> int:
+    """Return with how many decimals a percentage is printed."""
+    return 2 if abs(percent) < 0.995 else 1 if abs(percent) < 99.95 else 0
+
+
+def setting(factor: float) -> str:
+    """Return a share that was set, such as a load, in percent: whole unless it was set finer."""
+    return number(100 * factor, 0 if abs(100 * factor - round(100 * factor)) < 0.05 else 1)
+
+
+def distance(metres: float) -> str:
+    """Return the length of a run or a line in km: two decimals."""
+    return number(metres / 1000, 2)
+
+
+def time(seconds: float) -> str:
+    """Return a time in s: one decimal."""
+    return number(seconds, 1)
+
+
+def delay(seconds: float) -> str:
+    """Return a difference of times in s: as `time`, with its sign; early is negative."""
+    return signed(seconds, 1)
+
+
+def stop_error(metres: float) -> str:
+    """Return how far beyond its place a train stands in m: two decimals, with its sign."""
+    return signed(metres, 2)
 
 
 def price(watt: float) -> str:
@@ -66,36 +145,71 @@ def price(watt: float) -> str:
     return number(wh_per_s, 1 if abs(wh_per_s) < SMALL_PRICE_WH_PER_S else 0)
 
 
+def load(factor: float) -> str:
+    """Return how full a vehicle is, such as 'load 50 %' or 'crush load, 120 % of capacity'."""
+    return f"crush load, {setting(factor)} % of capacity" if factor > 1 else f"load {setting(factor)} %"
+
+
+def strategy(name: str) -> str:
+    """Return what a strategy is called."""
+    return STRATEGY_WORDS[name]  # type: ignore[index]
+
+
 def speed(ms: float, digits: int = 0) -> str:
     """Return a speed [m/s] in km/h."""
     return number(ms / MS_PER_KMH, digits)
 
 
-def phase_words(phase: Phase) -> str:
-    """Return what the driver does in a phase, such as 'full power to 38 km/h'."""
-    if phase.phase in {"full_power", "part_power"}:
-        return f"{PHASE_WORDS[phase.phase]} to {speed(phase.end_ms)} km/h"
-    if phase.phase == "hold":
-        return f"hold {speed(phase.end_ms)} km/h"
-    if phase.phase == "stand":
-        return f"stand {number(phase.end_s - phase.start_s, 0)} s"
-    return PHASE_WORDS[phase.phase]
+def tenths(value: float, number: Callable[[float, int], str] = number) -> str:
+    """Return a number as the advice has it: in tenths, whole where it is."""
+    return number(value, 0 if value == round(value) else 1)
 
 
-def advice_words(phase: Phase) -> str:
-    """Return what a driver is told to do, such as 'full power to 38 km/h in 12 s' or 'coast from 45 m'."""
-    text = phase_words(phase)
-    start = "" if phase.start_m < AT_START_M else f" from {number(phase.start_m, 0)} m"
-    if phase.phase == "stand":
-        return f"{text} at {number(phase.start_m, 0)} m"
-    if phase.phase in {"full_power", "part_power"}:
-        return f"{PHASE_WORDS[phase.phase]}{start} to {speed(phase.end_ms)} km/h in {duration(phase)} s"
-    if phase.phase == "coast" and not start:
-        return "roll"
-    return text + start
+def advice_words(told: Instruction, number: Callable[[float, int], str] = number, named: Collection[float] = ()) -> str:
+    """Return what a driver is told, such as 'full power to 36.9 km/h' or 'brake from 593 m to 50 km/h at 600 m'.
+
+    Parameters
+    ----------
+    told : Instruction
+        One line of the advice, whose numbers are printed as they are.
+    number : callable
+        Writes a number with its decimals.
+    named : collection of float
+        Places that are named beside it, and not told again [m].
+    """
+
+    def place(word: str, place_m: float | None) -> str:
+        return "" if place_m is None or place_m in named else f" {word} {number(place_m, 0)} m"
+
+    action = "brake fully" if told.fully else PHASE_WORDS[told.action]
+    if told.action == "stand":
+        return f"{action} {tenths(told.stand_s or 0.0, number)} s{place('at', told.from_m)}"
+    start = place("from", told.from_m) if told.from_m >= AT_START_M else ""
+    if told.action == "hold":
+        return f"{action} {tenths(told.to_kmh or 0.0, number)} km/h{start}{_turns_words(told, number)}"
+    if told.to_kmh is None:
+        return f"{action}{start}" if start else "roll"
+    aim = f"{tenths(told.to_kmh, number)} km/h" if told.to_kmh > 0 else "a stop"
+    return f"{action}{start} to {aim}{place('at', told.at_m)}"
 
 
-def duration(phase: Phase) -> str:
-    """Return how long a phase takes [s], whole from ten seconds on."""
-    seconds = phase.end_s - phase.start_s
-    return number(seconds, 0 if seconds >= SHORT_TIME_S else 1)
+def advice_in_words(
+    advice: Sequence[Instruction], number: Callable[[float, int], str] = number, named: Collection[float] = ()
+) -> Iterator[str]:
+    """Yield all that a driver is told; more of the same begins where it ended, and need not say so.
+
+    Arguments as `advice_words`.
+    """
+    for before, told in zip((None, *advice), advice, strict=False):
+        goes_on = before is not None and before.action == told.action and before.at_m == told.from_m
+        yield advice_words(told, number, (*named, told.from_m) if goes_on else named)
+
+
+def _turns_words(told: Instruction, number: Callable[[float, int], str]) -> str:
+    """Return how a speed is held by turns; nothing where it just is."""
+    if told.between_kmh is None:
+        return ""
+    low, high = (tenths(speed, number) for speed in told.between_kmh)
+    share = told.power_share or 1.0
+    power = "full power" if share == 1 else f"{100 * share:.0f} % power"
+    return f" by turns: {power} to {high} km/h, coast to {low} km/h"

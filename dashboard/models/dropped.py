@@ -1,10 +1,24 @@
 """The scenario in a file that a user brings: a TOML file, or a report that carries one."""
 
 import re
+from pathlib import PurePath
 
+from railjoule.core import RailjouleError, ScenarioError
+from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES
+from railjoule.core.scenario.toml_text import TomlError
+from railjoule.dashboard.models.kept import LONGEST_TEXT
 from railjoule.dashboard.report.embedded import scenario_in_report
 
 PAGE = re.compile(r"\s*(<!doctype html|<html)", re.IGNORECASE)
+LARGEST_REPORT_BYTES, LARGEST_SCENARIO_BYTES = LARGEST_FILE_BYTES, LONGEST_TEXT
+REPORTS, SCENARIOS, TABLES = (".html", ".htm"), (".toml",), (".csv", ".tsv", ".xls", ".xlsx", ".ods")
+WHAT_CAN_BE_OPENED = "Only scenarios (.toml) and reports of railjoule (.html) can be opened"
+ELSEWHERE = "; a table of sections, limits or stations goes into the editor, where each list takes a pasted one"
+NO_SCENARIO, NO_TEXT = "it holds no scenario", "it is no text in UTF-8"
+TOO_LARGE = (
+    f"it is larger than the {LARGEST_SCENARIO_BYTES / 1e6:g} MB of a scenario or the {LARGEST_REPORT_BYTES / 1e6:g} MB "
+    "of a report"
+)
 
 
 def scenario_text(text: str, name: str) -> str:
@@ -13,7 +27,24 @@ def scenario_text(text: str, name: str) -> str:
     Raises
     ------
     ScenarioError
-        If the file is a page without a scenario.
+        If the file is too large, or a page without a scenario.
     """
+    if len(text) > LARGEST_REPORT_BYTES:
+        raise ScenarioError(refused_file(name, TOO_LARGE))
     text = text.removeprefix("\ufeff")
-    return scenario_in_report(text, name) if PAGE.match(text) else text
+    toml = scenario_in_report(text, name) if PAGE.match(text) else text
+    if len(toml) > LARGEST_SCENARIO_BYTES:
+        raise ScenarioError(refused_file(name, TOO_LARGE))
+    return toml
+
+
+def words_of(refusal: RailjouleError, name: str) -> str:
+    """Return why the scenario of a file is refused; what is wrong in a TOML file only where it is meant to be one."""
+    foreign = PurePath(name).suffix.lower() not in {*SCENARIOS, *REPORTS}
+    return refused_file(name, NO_SCENARIO) if foreign and isinstance(refusal, TomlError) else str(refusal)
+
+
+def refused_file(name: str, reason: str) -> str:
+    """Return why a file cannot be opened, and what can."""
+    suffix = PurePath(name).suffix.lower()
+    return f"{name}: {reason}. {WHAT_CAN_BE_OPENED}{ELSEWHERE if suffix in TABLES else ''}."

@@ -9,6 +9,7 @@ import param
 from pydantic import BaseModel
 
 from railjoule.core import RailjouleError, Scenario
+from railjoule.core.budget import PAGE
 from railjoule.core.scenario import preset_document, preset_names
 from railjoule.core.scenario.presets import PresetKind
 from railjoule.dashboard.models.fields_of import Field, Table, models_of, parts_of, tables_in
@@ -248,6 +249,8 @@ class EditorModel(param.Parameterized):
             self._refuse(table.key, Refusal("", f"{sentence_of(error)} Nothing is changed."))
 
     def _set_rows(self, table: Table, rows: Sequence[Row]) -> None:
+        if len(rows) > PAGE.row_count:
+            raise CellError(f"{len(rows):,} rows; the page takes at most {PAGE.row_count:,}.")
         if list(rows) == entries_at(self.look().before, table):
             self._set(table.key, None, back=True)
             return

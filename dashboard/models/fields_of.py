@@ -9,7 +9,7 @@ from typing import Any, Literal
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.map_csv import COLUMNS as MAP_COLUMNS
 from railjoule.dashboard.look.words import MINUS, THIN_SPACE
-from railjoule.dashboard.models.numbers import parse_number
+from railjoule.dashboard.models.numbers import clock, parse_number, parse_time
 
 Kind = Literal["number", "whole", "yes_no", "choice", "text", "numbers"]
 Schema = Mapping[str, Any]
@@ -61,6 +61,8 @@ POINT_COLUMNS: Mapping[str, tuple[str, ...]] = {
 YES = ("yes", "true", "1")
 NO = ("no", "false", "0")
 SEPARATORS = re.compile(r"[;\s]+")
+LONG_S = 3600.0
+"""A time that may be so long is read as on a clock, too."""
 TABLE_KEYS = ("preset", "model")
 """Keys of tables that are chosen, not typed."""
 
@@ -136,6 +138,8 @@ class Field:
             if value is not None
         ]
         text = " and ".join(parts)
+        if self._may_be_long and self.most is not None:
+            text += f" ({clock(self.most)})"
         if self.kind == "whole":
             text = f"a whole number, {text}" if text else "a whole number"
         return text
@@ -147,7 +151,12 @@ class Field:
         meaning = SMALL_UNIT.sub("", self.help)
         several = " Numbers with spaces between them." if self.kind == "numbers" else ""
         empty = " May be left empty." if self.optional else ""
-        return f"{meaning}{several}{f' {bounds[:1].upper()}{bounds[1:]}.' if bounds else ''}{empty}".strip()
+        forms = " Also as 2:30 or 2 min 30 s." if self._may_be_long else ""
+        return f"{meaning}{several}{f' {bounds[:1].upper()}{bounds[1:]}.' if bounds else ''}{forms}{empty}".strip()
+
+    @property
+    def _may_be_long(self) -> bool:
+        return self.unit == "s" and (self.most is None or self.most >= LONG_S)
 
     def parse(self, text: str) -> Any:
         """Return the value that a text gives; None for nothing where that is allowed.
@@ -177,7 +186,12 @@ class Field:
         return self._parse_number(text)
 
     def _parse_number(self, text: str) -> float:
-        number = parse_number(text, (self.least, self.most))
+        bounds = self.least, self.most
+        if self.unit == "s":
+            # the cell of a table is named by its row and column
+            number = parse_time(text, bounds, self.label.split(",")[0] if "." in self.key else "")
+        else:
+            number = parse_number(text, bounds)
         if self.above is not None and number <= self.above:
             raise ValueError(f"Above {self.above:g}.")
         if self.below is not None and number >= self.below:

@@ -1,16 +1,15 @@
 """What of a model belongs to the page's state, and the one check of every value that comes from outside."""
 
+import difflib
 import math
 from collections.abc import Mapping
 from typing import Any, ClassVar, Self
 
 import param
 
-from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES
-
-MOST_ITEMS, LONGEST_TEXT, LARGEST_INTEGER = 500, LARGEST_FILE_BYTES, 2**53
+MOST_ITEMS, LONGEST_TEXT, LARGEST_INTEGER = 500, 2_000_000, 2**53
 """Bounds of lists, of texts [characters] and of whole numbers without bounds of their own."""
-LONGEST_SHOWN = 40
+LONGEST_SHOWN, MOST_TOLD = 40, 8
 OWN = ("name", "originals")
 
 
@@ -147,8 +146,16 @@ def _number(value: Any, bounds: tuple[float | None, float | None], whole: bool) 
 def _choice(value: Any, objects: Any) -> Any:
     found = [one for one in objects if type(one) is type(value) and one == value]
     if not found:
-        raise ValueError(f"must be one of {', '.join(map(str, objects))}")
+        raise ValueError(_choices_words(value, list(map(str, objects))))
     return found[0]
+
+
+def _choices_words(value: Any, names: list[str]) -> str:
+    """Return the end of a sentence about what is no choice: a few choices are told, of many those most like it."""
+    if len(names) <= MOST_TOLD:
+        return f"must be one of {', '.join(names)}"
+    close = difflib.get_close_matches(str(value)[:LONGEST_SHOWN], names, n=1)
+    return f"is none of the {len(names)} known{f'; did you mean {close[0]}?' if close else ''}"
 
 
 def _list(value: Any) -> list[Any]:

@@ -13,6 +13,7 @@ from urllib.parse import parse_qsl, quote_plus
 import param
 
 from railjoule.core import RailjouleError
+from railjoule.core.budget import PAGE
 from railjoule.dashboard.models.document import Document, changed, fields_of
 from railjoule.dashboard.models.kept import LONGEST_TEXT, Kept, short
 from railjoule.dashboard.models.workbench import Workbench
@@ -23,6 +24,8 @@ LONGEST_QUERY, LONGEST_LINK = 1_500, 2_000_000
 LONGEST_PLAIN = 200
 """A longer text is packed."""
 MOST_FIELDS, MOST_TOLD = 500, 3
+MOST_KEYS, DEEPEST = 500, 12
+"""Keys of a table in a link, and tables and lists one in the other; the deepest real ones are 5."""
 PACKED, NOTHING, EMPTY = "~", "none", "[]"
 
 
@@ -74,7 +77,8 @@ def write_link(document: Mapping[str, Any], originals: Mapping[str, Any]) -> str
 def read_link(query: str) -> ReadLink:
     """Return the document that a query or a fragment holds; every value in it is of its kind and in its bounds.
 
-    It never fails: what cannot be read is left out, and told in one sentence.
+    It never fails: what cannot be read is left out, and told in one sentence. All of its values together have as many
+    characters as one text may have.
     """
     text = query.lstrip("?#")
     if len(text) > LONGEST_LINK:
@@ -93,11 +97,14 @@ def read_link(query: str) -> ReadLink:
         return ReadLink(refusal=f"The link is of version {told}, this page reads version {VERSION}; it was not opened.")
     document: Document = {}
     refusals: list[str] = []
+    left = LONGEST_TEXT
     for key, value in pairs.items():
         if key not in known:
             refusals.append(f"{short(key)} is not known")
             continue
         try:
+            value = _unpacked(value, left)  # noqa: PLW2901
+            left -= len(value)
             document[key] = _value(*known[key], value)
         except ValueError as refusal:
             refusals.append(f"{key} = {short(value)} {refusal}")
@@ -109,7 +116,8 @@ def sentence(refusals: list[str]) -> str:
     if not refusals:
         return ""
     more = f" (and {len(refusals) - MOST_TOLD} more)" if len(refusals) > MOST_TOLD else ""
-    return f"The link was opened without a part of it: {'; '.join(refusals[:MOST_TOLD])}{more}."
+    told = "; ".join(refusals[:MOST_TOLD])
+    return f"The link was opened without a part of it: {told}{more}{'' if told.endswith('?') and not more else '.'}"
 
 
 @lru_cache(maxsize=1)
@@ -133,16 +141,21 @@ def _text(value: Any) -> str:
     return _packed(text) if len(text) > LONGEST_PLAIN else text
 
 
+@lru_cache(maxsize=4)
 def _packed(text: str) -> str:
+    """Return a text packed; kept, as a long one takes a tenth of a second and is written at every change."""
     return PACKED + base64.urlsafe_b64encode(zlib.compress(text.encode(), 9)).decode().rstrip("=")
 
 
-def _unpacked(text: str) -> str:
-    """Return a packed text; nothing longer than a file may be comes out."""
+def _unpacked(text: str, longest: int) -> str:
+    """Return a text unpacked if it is packed; raises ValueError where it is longer than allowed."""
+    if not text.startswith(PACKED):
+        return text
+    packed = text.removeprefix(PACKED)
     try:
-        raw = base64.urlsafe_b64decode(text + "=" * (-len(text) % 4))
+        raw = base64.urlsafe_b64decode(packed + "=" * (-len(packed) % 4))
         unpacker = zlib.decompressobj()
-        content = unpacker.decompress(raw, LONGEST_TEXT)
+        content = unpacker.decompress(raw, max(longest, 1))
         if unpacker.unconsumed_tail or not unpacker.eof:
             raise ValueError("is longer than allowed, or not whole")
         return content.decode()
@@ -159,8 +172,6 @@ def _value(model: Kept, name: str, text: str) -> Any:
         With the end of a sentence that begins with field and text.
     """
     parameter = model.param[name]
-    if text.startswith(PACKED):
-        text = _unpacked(text[1:])
     if text == NOTHING and parameter.allow_None:
         return None
     if isinstance(parameter, param.Boolean):
@@ -189,6 +200,27 @@ def _from_json(text: str) -> Any:
         raise ValueError("must be finite")
 
     try:
-        return json.loads(text, parse_constant=refuse)
+        value = json.loads(text, parse_constant=refuse)
     except (ValueError, RecursionError):
         raise ValueError("is no list or table that can be read") from None
+    _require_small(value)
+    return value
+
+
+def _require_small(value: Any) -> None:
+    """Raise ValueError if lists and tables are nested too deeply or have too many entries.
+
+    What copies and compares such values afterwards calls itself for each level, and is quick for a thousand rows.
+    """
+    level = [value] if isinstance(value, (list, dict)) else []
+    for _ in range(DEEPEST):
+        inner: list[Any] = []
+        for one in level:
+            most = PAGE.row_count if isinstance(one, list) else MOST_KEYS
+            if len(one) > most:
+                raise ValueError(f"has a list or table of {len(one):,} entries; the page takes at most {most:,}")
+            entries = one if isinstance(one, list) else one.values()
+            inner += [entry for entry in entries if isinstance(entry, (list, dict))]
+        level = inner
+    if level:
+        raise ValueError("is nested too deeply")

@@ -11,7 +11,6 @@ from railjoule.core.scenario import (
     StrategyName,
     document_of,
     format_scenario,
-    parse_scenario,
     preset_names,
     scenario_from_document,
 )
@@ -19,6 +18,7 @@ from railjoule.core.scenario.document import Document
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import words
 from railjoule.dashboard.models.kept import Kept
+from railjoule.dashboard.models.opened import open_scenario
 from railjoule.dashboard.models.scenario import ScenarioModel
 
 MOST_PINS = 6
@@ -127,16 +127,16 @@ class KeptPin(Kept):
         RailjouleError
             If its text is no scenario.
         """
-        document = None if self.toml is None else document_of(parse_scenario(self.toml, "the pinned run"))
+        document = None if self.toml is None else document_of(open_scenario(self.toml, "the pinned run").scenario)
         return Recipe(self.preset, document, dict(self.changes), self.strategy)
 
 
 def pin_name(run: Trajectory) -> str:
     """Return what a pin is called until it is renamed, such as 'Optimal, 170.0 s, load 50 %, recuperation 40 %'."""
-    strategy, vehicle = words.STRATEGY_WORDS[run.strategy], run.scenario.vehicle  # type: ignore[index]
-    load = words.number(100 * vehicle.load_factor, 0)
-    recuperation = words.number(100 * vehicle.drive.recuperation_factor, 0)
-    return f"{strategy}, {words.number(run.travel_time_s)} s, load {load} %, recuperation {recuperation} %"
+    strategy, vehicle = words.strategy(run.strategy), run.scenario.vehicle
+    load = words.load(vehicle.load_factor)
+    recuperation = words.setting(vehicle.drive.recuperation_factor)
+    return f"{strategy}, {words.time(run.travel_time_s)} s, {load}, recuperation {recuperation} %"
 
 
 def recipe_of(model: ScenarioModel, scenario: Scenario, strategy: StrategyName) -> Recipe:

@@ -7,6 +7,7 @@ import param
 
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.scenario.options import MonteCarloOptions, SimulationOptions
+from railjoule.core.scenario.vehicle import MOST_LOAD_FACTOR
 from railjoule.core.studies.montecarlo import MonteCarloTable
 from railjoule.core.studies.sensitivity import Knows, SensitivityTable
 from railjoule.dashboard.models.numbers import TypedParameters
@@ -42,9 +43,11 @@ class RobustnessModel(TypedParameters):
         "knows",
         "measure",
     )
-    passing = ("drawing",)
+    passing = ("drawing", "most_load_percent")
 
-    actual_load_percent = param.Number(default=FIRST_LOAD_PERCENT, bounds=(0, 100), doc="Actual load, % of capacity")
+    actual_load_percent = param.Number(
+        default=FIRST_LOAD_PERCENT, bounds=(0, 100 * MOST_LOAD_FACTOR), doc="Actual load, % of capacity"
+    )
     coordinate_error_m = param.Number(default=FIRST_ERROR_M, bounds=(-10_000, 10_000), doc="Coordinate error, m")
     speed_error_percent = param.Number(default=0.0, bounds=(-50, 50), doc="Speed measured wrong by, %")
     target_braking = param.Boolean(default=True, doc="Whether the train brakes along the target curve.")
@@ -69,6 +72,7 @@ class RobustnessModel(TypedParameters):
     reality = param.ClassSelector(class_=Reality, default=None, allow_None=True, doc="The last good run.")
     table = param.ClassSelector(class_=SensitivityTable, default=None, allow_None=True, doc="The table so far.")
     chance = param.ClassSelector(class_=MonteCarloTable, default=None, allow_None=True, doc="Runs drawn so far.")
+    most_load_percent = param.Number(default=100.0, doc="The vehicle's crush load, % of capacity.")
     drawing = param.Boolean(default=False, doc="Whether chance is drawing.")
     draw_all = param.Event(doc="Let chance draw all its runs.")
     stop_drawing = param.Event(doc="Stop chance; what it drew stands.")
@@ -94,6 +98,13 @@ class RobustnessModel(TypedParameters):
                 if getattr(simulation, name) is not None
             },
         )
+
+    def parse(self, field: str, text: str) -> float:
+        """Return the number that a text gives for a field; the load has the bound of the vehicle."""
+        number = super().parse(field, text)
+        if field == "actual_load_percent" and number > self.most_load_percent:
+            raise ValueError(f"At most {self.most_load_percent:g}, the vehicle's crush load.")
+        return number
 
     @property
     def changes(self) -> Mapping[str, Any]:

@@ -5,10 +5,13 @@ from typing import Any
 
 import param
 
-from railjoule.core import Scenario, load_scenario
-from railjoule.core.scenario import format_scenario, parse_scenario, preset_names
+from railjoule.core import Scenario, ScenarioError, load_scenario
+from railjoule.core.budget import PAGE, within
+from railjoule.core.scenario import preset_names
+from railjoule.core.scenario.vehicle import MOST_LOAD_FACTOR
 from railjoule.core.strategies import prepare_task
 from railjoule.dashboard.models.numbers import TypedParameters
+from railjoule.dashboard.models.opened import open_scenario
 
 FIRST_SCENARIO = "metro-with-limit"
 TIME_FIELDS = {"travel_time_s": (1.0, 86_400.0), "acceleration_time_s": (1.0, 43_200.0)}
@@ -39,7 +42,7 @@ class ScenarioModel(TypedParameters):
     opened = param.ClassSelector(class_=Scenario, default=None, allow_None=True, doc="The scenario of a file.")
     toml = param.String(default=None, allow_None=True, doc="That scenario as a text.")
     travel_time_s = param.Number(default=100.0, doc="Travel time, s")
-    load_percent = param.Number(default=0.0, bounds=(0, 100), doc="Load, % of capacity")
+    load_percent = param.Number(default=0.0, bounds=(0, 100 * MOST_LOAD_FACTOR), doc="Load, % of capacity")
     recuperation_percent = param.Number(default=0.0, bounds=(0, 100), doc="Recuperation, %")
     acceleration_time_s = param.Number(default=None, allow_None=True, doc="Acceleration time, s")
     travel_time_range_s = param.Range(default=(50.0, 200.0), doc="Ends of the travel time's slider.")
@@ -67,11 +70,10 @@ class ScenarioModel(TypedParameters):
         Raises
         ------
         RailjouleError
-            If it cannot be read, or no train can run it; then nothing changes.
+            If it cannot be read, is too large for a page, or no train can run it; then nothing changes.
         """
-        scenario = parse_scenario(text, name)
-        prepare_task(scenario)
-        self.param.update(opened=scenario, toml=format_scenario(scenario), edits={})
+        found = open_scenario(text, name)
+        self.param.update(opened=found.scenario, toml=found.toml, edits={})
         self.restore()
 
     def restore(self) -> None:
@@ -115,12 +117,19 @@ class ScenarioModel(TypedParameters):
         Raises
         ------
         RailjouleError
-            If no train can run what comes out; then nothing changes.
+            If no train can run what comes out; then nothing changes. If the load is more than the vehicle carries; then
+            all but the load is taken over.
         """
         edits = values["edits"]
         if edits != self.edits:
             self._take(self.base.with_(**edits), edits)
-        self.param.update(**{field: values[field] for field in FIELD_KEYS.values() if field in values})
+        fields = {field: values[field] for field in FIELD_KEYS.values() if field in values}
+        load, most = fields.get("load_percent", 0.0), self.most_load_percent
+        if load > most:
+            fields.pop("load_percent")
+        self.param.update(**fields)
+        if load > most:
+            raise ScenarioError(f"load_percent = {load:g} must be at most {most:g}, the crush load of the vehicle.")
 
     def follow(self, part: Callable[[Scenario], object], take: Callable[[Scenario], None]) -> None:
         """Tell who has fields of its own when the scenario is another one, or that part of it was edited.
@@ -145,7 +154,8 @@ class ScenarioModel(TypedParameters):
 
     def _take(self, scenario: Scenario, edits: Mapping[str, Any]) -> None:
         """Show a scenario that comes from edits of the base."""
-        shortest = prepare_task(scenario).shortest_travel_time_s
+        with within(PAGE):
+            shortest = prepare_task(scenario).shortest_travel_time_s
         start = float(int(0.97 * shortest))
         end = float(int(TIMETABLE_RANGE * max(shortest, 0.75 * scenario.travel_time_s)) + 1)
         self.param.update(
@@ -157,6 +167,11 @@ class ScenarioModel(TypedParameters):
             acceleration_time_s=scenario.enoc.acceleration_time_s,
         )
         self.param.trigger("travel_time_s")
+
+    @property
+    def is_shipped(self) -> bool:
+        """Whether it is a shipped scenario of which nothing but the sliders' values was changed."""
+        return self.opened is None and not self.edits
 
     @property
     def base(self) -> Scenario:
@@ -199,6 +214,18 @@ class ScenarioModel(TypedParameters):
         """
         changes = self.changes
         return self.base.with_(**changes) if changes else self.base
+
+    @property
+    def most_load_percent(self) -> float:
+        """The vehicle's crush load, % of capacity."""
+        return float(round(100 * self.edited.vehicle.crush_load_factor, 6))
+
+    def parse(self, field: str, text: str) -> float:
+        """Return the number that a text gives for a field; the load has the bound of the vehicle."""
+        number = super().parse(field, text)
+        if field == "load_percent" and number > self.most_load_percent:
+            raise ValueError(f"At most {self.most_load_percent:g}, the vehicle's crush load.")
+        return number
 
     def bounds_of(self, field: str) -> tuple[float | None, float | None]:
         """Return the least and the largest number that a field takes, ends included."""

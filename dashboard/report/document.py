@@ -95,8 +95,7 @@ def bokeh_script() -> str:
 def subtitle(findings: Findings) -> str:
     """Return length, vehicle and load of a scenario."""
     vehicle, run = findings.scenario.vehicle, findings.run
-    load = words.number(100 * vehicle.load_factor, 0)
-    return f"{words.number(run.distance_m / 1000)} km, {vehicle.name}, load {load} %"
+    return f"{words.distance(run.distance_m)} km, {vehicle.name}, {words.load(vehicle.load_factor)}"
 
 
 def moment(made_at: datetime) -> str:
@@ -127,7 +126,7 @@ def optima_data(findings: Findings) -> dict[str, Any]:
 def _texts(findings: Findings, run: Trajectory) -> dict[str, Any]:
     """Return what is told of a run."""
     return {
-        "time": f"{words.number(run.travel_time_s)} s",
+        "time": f"{words.time(run.travel_time_s)} s",
         "shown": sections.shown_words(run),
         "energy": words.energy(run.energy_kwh),
         "phases": _phases(run),
@@ -139,8 +138,11 @@ def _texts(findings: Findings, run: Trajectory) -> dict[str, Any]:
 
 
 def _phases(run: Trajectory) -> list[list[Any]]:
-    """Return name, start [m], end [m] and last speed of the phases of a run."""
-    return [[phase.phase, phase.start_m, phase.end_m, words.speed(phase.end_ms)] for phase in run.phases]
+    """Return name, start [m], end [m] and the speed that is aimed at of the phases of a run."""
+    return [
+        [phase.phase, phase.start_m, phase.end_m, "" if told.to_kmh is None else words.tenths(told.to_kmh)]
+        for phase, told in zip(run.phases, run.advice, strict=True)
+    ]
 
 
 def _point(run: Trajectory) -> list[float]:

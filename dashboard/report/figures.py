@@ -148,7 +148,7 @@ class Figures:
                 "The phases stand in a table below."
             )
         if isinstance(chart, PhaseStrip):
-            return "Phases: " + ", ".join(words.phase_words(phase) for phase in run.phases)
+            return "Phases: " + ", ".join(words.advice_in_words(run.advice))
         if isinstance(chart, LineStrip):
             return "Gradient and height of the line; the sections stand in a table below."
         if isinstance(chart, EnergyChart):

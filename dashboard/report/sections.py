@@ -9,12 +9,12 @@ from dataclasses import replace
 import numpy as np
 
 from railjoule.core import Trajectory
-from railjoule.core.scenario import StrategyName, format_scenario
+from railjoule.core.scenario import format_scenario
 from railjoule.core.simulate.disturbances import Ride
 from railjoule.core.simulate.field_oriented import FieldOrientedRun
-from railjoule.core.strategies.optimal import PROVEN_GAP
 from railjoule.core.studies.sensitivity import SensitivityTable
-from railjoule.dashboard.look import words
+from railjoule.core.units import J_PER_KWH
+from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.report.figures import Figures, Plot
 from railjoule.dashboard.report.tables import scenario_tables
 from railjoule.dashboard.store.report import Findings
@@ -64,8 +64,8 @@ def result(findings: Findings, figures: Figures) -> str:
 
 def shown_words(run: Trajectory) -> str:
     """Return whose numbers are shown."""
-    name: StrategyName = run.strategy  # type: ignore[assignment]
-    return f"{words.STRATEGY_WORDS[name]}, {words.number(run.travel_time_s)} s"
+    other = comparisons.other_time_of(run)
+    return f"{words.strategy(run.strategy)}, {words.time(run.travel_time_s)} s{f', {other}' if other else ''}"
 
 
 def numbers(findings: Findings, run: Trajectory) -> str:
@@ -85,8 +85,8 @@ def slider(findings: Findings) -> str:
     return (
         '<div class="slider screen"><label for="time">Travel time of the optimum, s</label>'
         f'<input id="time" type="range" min="0" max="{len(optima) - 1}" step="1" value="{own}" '
-        f'aria-valuetext="{words.number(optima[own].travel_time_s)} s">'
-        f'<output for="time">{words.number(optima[own].travel_time_s)} s</output>'
+        f'aria-valuetext="{words.time(optima[own].travel_time_s)} s">'
+        f'<output for="time">{words.time(optima[own].travel_time_s)} s</output>'
         '<button type="button" id="back">Back to the timetable</button></div>'
     )
 
@@ -121,11 +121,11 @@ def trade_off(findings: Findings, figures: Figures) -> str:
     rows = [
         (
             (
-                words.number(run.travel_time_s),
+                words.time(run.travel_time_s),
                 words.energy(run.energy_kwh),
-                "\u2013" if run.price_of_time_w is None else words.price(run.price_of_time_w),
+                words.UNKNOWN if run.price_of_time_w is None else words.price(run.price_of_time_w),
                 words.number(run.max_speed_kmh),
-                gap_words(run),
+                comparisons.cell(comparisons.above_own_bound(run)),
             ),
             k == own_index(findings),
         )
@@ -136,13 +136,6 @@ def trade_off(findings: Findings, figures: Figures) -> str:
     cells = int(np.count_nonzero(np.diff(optima[0].position_m)))
     note = f'<p class="note">{len(optima)} optima over a mesh of {words.number(cells, 0)} cells.</p>'
     return section("trade-off", "Energy and time", f"{plots}{parts.table('Optima', head, rows)}{note}")
-
-
-def gap_words(run: Trajectory) -> str:
-    """Return how far a run is from its bound, in percent."""
-    if run.gap is None:
-        return "\u2013"
-    return "0.00" if abs(run.gap) <= PROVEN_GAP else words.number(100 * run.gap, 2)
 
 
 # ---- what is proven, who refused
@@ -170,25 +163,27 @@ def about(name: str, sentence: str) -> str:
 
 def certificate(findings: Findings) -> list[str]:
     """Return in sentences what is proven of the optimum and of the run that is shown."""
-    best, run = findings.runs.best, findings.run
-    if best.bound is None or best.gap is None or best.lower_bound_kwh is None:
+    best, run = findings.runs.best_known, findings.run
+    above = comparisons.above_own_bound(best)
+    if best.bound is None or above is None or best.lower_bound_kwh is None:
         return ["No lower bound of the energy is known for this timetable, so nothing is proven."]
     energy_words, bound_words = words.energy(best.energy_kwh), words.energy(best.lower_bound_kwh)
-    if abs(best.gap) <= PROVEN_GAP:
+    if best.is_proven:
         first = (
             f"The optimum needs {energy_words} kWh, and it is proven: no run that the bound covers needs less, up to "
             "one part in a million."
         )
     else:
         first = (
-            f"The best run needs {energy_words} kWh. A bound of {bound_words} kWh is proven, so it is at most "
-            f"{gap_words(best)} % above the least energy that is possible."
+            f"The best known run needs {energy_words} kWh. A bound of {bound_words} kWh is proven, so it is at most "
+            f"{above.size} {above.unit} above the least energy that is possible."
         )
     sentences = [first, f"What the bound covers: {best.bound.statement}", NOT_PROVEN]
-    if run is not best and run.gap is not None:
-        name: StrategyName = run.strategy  # type: ignore[assignment]
-        needed = f"{words.STRATEGY_WORDS[name]} needs {words.energy(run.energy_kwh)} kWh"
-        sentences.insert(1, f"{needed}, {gap_words(run)} % above the bound.")
+    more = comparisons.above_reference(run)
+    if run is not best and run.reference is not None and more is not None:
+        needed = f"{words.strategy(run.strategy)} needs {words.energy(run.energy_kwh)} kWh"
+        known = comparisons.reference_words(run.reference, run.scenario.travel_time_s)
+        sentences.insert(1, f"{needed}, {more.sentence} the {known}.")
     return sentences
 
 
@@ -208,23 +203,21 @@ def reality(findings: Findings, figures: Figures) -> str:
             (
                 word,
                 words.energy(run.energy_kwh),
-                words.number(run.travel_time_s),
+                words.time(run.travel_time_s),
                 words.number(run.max_speed_kmh),
-                words.number(run.energy.recuperated_j / 3.6e6, 2),
+                words.energy(run.energy.recuperated_j / J_PER_KWH),
             ),
             False,
         )
         for word, run in (("Planned", found.planned), ("Driven", found.actual))
     ]
-    more = words.signed(100 * found.overconsumption, 2)
-    text = (
-        f"{more} % energy, {words.signed(found.delay_s, 2)} s, stopped {words.signed(found.stop_error_m, 2)} m from "
-        "the place."
-    )
+    more = comparisons.above(found.actual.energy_kwh, found.planned.energy_kwh)
+    late, beyond = words.delay(found.delay_s), words.stop_error(found.stop_error_m)
+    text = f"{more} energy, {late} s, stopped {beyond} m from the place."
     events = ""
     if isinstance(found, Ride):
         learned = [
-            f"At {words.number(place, 0)} m, after {words.number(time)} s: {notice}."
+            f"At {words.number(place, 0)} m, after {words.time(time)} s: {notice}."
             for place, time, notice in found.notices
         ]
         events = "".join(f"<li>{html.escape(sentence)}</li>" for sentence in [*learned, *found.notes])
@@ -252,15 +245,15 @@ def sensitivity_table(found: SensitivityTable) -> str:
     rows = [
         (
             (
-                words.number(100 * load, 0),
-                *("\u2013" if np.isnan(share) else words.signed(100 * share) for share in shares),
+                words.setting(load),
+                *(words.share_difference(share) for share in shares),
             ),
             False,
         )
         for load, shares in zip(found.load_factors, found.overconsumption, strict=True)
     ]
     ways = "there and back" if found.both_directions else "one way"
-    load = words.number(100 * found.scenario.vehicle.load_factor, 0)
+    load = words.setting(found.scenario.vehicle.load_factor)
     note = (
         f'<p class="note">The plan for a load of {load} % is followed {ways} with another load, by a train that '
         f"believes to be further on by the error; planned are {words.energy(found.planned_kwh)} kWh. "

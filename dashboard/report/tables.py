@@ -93,7 +93,7 @@ def _masses(scenario: Scenario) -> Iterator[Row]:
 
 def _timetable(scenario: Scenario) -> Iterator[Row]:
     yield from _fields(scenario.timetable)
-    yield "Length of the line", words.number(scenario.line.length_m, 0), "m"
+    yield "Length of the line", words.distance(scenario.line.length_m), "km"
     yield from _fields(scenario.solver)
 
 

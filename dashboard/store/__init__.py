@@ -1,6 +1,6 @@
 """What the workbench computes: the only place of the dashboard that asks the core to solve."""
 
-from railjoule.dashboard.store.cards import Card, card_names, compute_cards
+from railjoule.dashboard.store.cards import Card, card_names, compute_cards, outlines
 from railjoule.dashboard.store.disturbances import (
     LateArrivals,
     Rides,
@@ -37,7 +37,7 @@ from railjoule.dashboard.store.robustness import (
     compute_reality,
     compute_table,
 )
-from railjoule.dashboard.store.runs import Runs, RunsWish, compute_runs, compute_runs_in_steps
+from railjoule.dashboard.store.runs import Runs, RunsWish, compute_runs, compute_runs_in_steps, is_slow
 from railjoule.dashboard.store.speed_limits import (
     LimitRun,
     LimitsWish,
@@ -106,7 +106,9 @@ __all__ = [
     "compute_storage",
     "compute_table",
     "compute_trade_off",
+    "is_slow",
     "limit_changes",
     "limits_of",
     "machine_refusal",
+    "outlines",
 ]

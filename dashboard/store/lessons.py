@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from railjoule.core import Scenario, Trajectory, load_scenario, solve
+from railjoule.core.energy import share_above
 from railjoule.core.simulate.following import follow, plan_for
 from railjoule.core.strategies import prepare_task
 from railjoule.core.studies.plain_driving import one_speed_run
@@ -53,7 +54,7 @@ class LessonResult:
     def saved_share(self) -> float:
         """What the first run needs less than the second, as a share of the second."""
         first, second, *_ = (run.energy_kwh for run in self.runs.values())
-        return 1 - first / second
+        return -share_above(first, second)
 
 
 def compute_lesson(wish: LessonWish) -> LessonResult:

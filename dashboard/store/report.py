@@ -116,7 +116,8 @@ def _optima(findings: Findings) -> Iterator[tuple[tuple[Trajectory, ...], float]
             run = run_strategy(replace(task, running_time_s=time - task.dwell_s), "optimal")
         except RailjouleError:
             continue
-        optima = (*optima, run)
+        # asked for another time, it is not late
+        optima = (*optima, replace(run, scenario=run.scenario.with_(**{"timetable.travel_time_s": time})))
         yield optima, k / len(times)
 
 

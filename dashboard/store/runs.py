@@ -5,7 +5,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from railjoule.core import Scenario, SolverError, StrategyRefusedError, TimetableError, Trajectory
+from railjoule.core.best_known import measured
 from railjoule.core.scenario import StrategyName
+from railjoule.core.scenario.drive import ConstantEfficiency, CopperLoss
 from railjoule.core.strategies import Task, prepare_task, run_strategy
 from railjoule.core.strategies.bellman import ControlLaw, bellman_with_law
 
@@ -23,7 +25,7 @@ class Runs:
     cell_count : int
         Cells of the mesh.
     runs : mapping
-        The runs by strategy, each with the bound of the optimum.
+        The runs by strategy, each with its bound and what it is measured against.
     refused : mapping
         Why a strategy does not take the scenario.
     law : ControlLaw or None
@@ -44,6 +46,40 @@ class Runs:
             return self.runs["optimal"]
         return min(self.runs.values(), key=lambda run: run.energy.net_j)
 
+    @property
+    def best_known(self) -> Trajectory:
+        """The run that those within the timetable are measured against."""
+        reference = self.best.reference
+        known = (run for run in self.runs.values() if reference and run.energy.net_j == reference.energy_j)
+        return next(known, self.best)
+
+    @property
+    def is_proven(self) -> bool:
+        """Whether what runs within the timetable are measured against is proven to be the optimum."""
+        reference = self.best.reference
+        return reference is not None and reference.proven
+
+
+SECONDS_PER_CELL: Mapping[StrategyName, float] = {"bellman": 4e-4, "speed_limits": 1.6e-3}
+"""Measured on one busy core; all other strategies together take about a tenth of Bellman's."""
+OTHERS_SECONDS_PER_CELL, SWITCHING_SECONDS_PER_CELL2 = 5e-5, 1.6e-7
+"""The second for drives that take power idling, for which the optimum takes time with the square of its cells."""
+NEVER_IDLING = (ConstantEfficiency, CopperLoss)
+SLOW_S, AT_ONCE_S = 1.0, 0.1
+
+
+def expected_s(scenario: Scenario, *strategies: StrategyName) -> float:
+    """Return about how long strategies take [s]: for deciding where to compute them, not for telling it."""
+    line, mesh_m = scenario.line, scenario.solver.mesh_m
+    cells = line.length_m / mesh_m + len(line.sections)
+    switching = 0.0 if isinstance(scenario.vehicle.drive, NEVER_IDLING) else SWITCHING_SECONDS_PER_CELL2 * cells
+    return cells * (OTHERS_SECONDS_PER_CELL + switching + sum(SECONDS_PER_CELL.get(name, 0.0) for name in strategies))
+
+
+def is_slow(scenario: Scenario, *strategies: StrategyName) -> bool:
+    """Return whether strategies take seconds."""
+    return expected_s(scenario, *strategies) > SLOW_S
+
 
 @dataclass(frozen=True)
 class RunsWish:
@@ -52,6 +88,16 @@ class RunsWish:
     scenario: Scenario
     strategies: tuple[StrategyName, ...]
     with_law: bool = False
+
+    @property
+    def is_slow(self) -> bool:
+        """Whether it takes seconds."""
+        return is_slow(self.scenario, *self.strategies)
+
+    @property
+    def is_short(self) -> bool:
+        """Whether a page that opens may wait for it."""
+        return expected_s(self.scenario, *self.strategies) < AT_ONCE_S
 
 
 def compute_runs(wish: RunsWish) -> Runs:
@@ -82,24 +128,23 @@ def compute_runs_in_steps(wish: RunsWish) -> Iterator[Runs]:
         except (StrategyRefusedError, SolverError, TimetableError) as refusal:
             refused[name] = str(refusal)
         if runs:
-            yield bounded(task, runs, refused, law)
+            yield beside_each_other(task, runs, refused, law)
     if not runs:
         raise StrategyRefusedError("; ".join(f"{name} {reason}" for name, reason in refused.items()))
 
 
-def bounded(
+def beside_each_other(
     task: Task,
     runs: Mapping[StrategyName, Trajectory],
     refused: Mapping[StrategyName, str],
     law: ControlLaw | None,
 ) -> Runs:
-    """Return the runs so far, each with the bound of the optimum where that is known."""
-    bound = runs["optimal"].bound if "optimal" in runs else None
+    """Return the runs so far, each with its bound and what it is measured against."""
     return Runs(
         scenario=task.scenario,
         shortest_time_s=task.shortest_travel_time_s,
         cell_count=task.course.cell_count,
-        runs={name: run.with_bound(bound) for name, run in runs.items()},
+        runs=dict(zip(runs, measured([*runs.values()]), strict=True)),
         refused=dict(refused),
         law=law,
     )

@@ -80,13 +80,6 @@ class LimitRun:
         return self.search.best.boundaries_m
 
     @property
-    def cost_share(self) -> float | None:
-        """Energy over the optimum's, less 1."""
-        if self.optimum is None or self.optimum.energy_kwh <= 0:
-            return None
-        return self.run.energy_kwh / self.optimum.energy_kwh - 1
-
-    @property
     def window_s(self) -> tuple[float, float]:
         """Earliest and latest arrival that the window allows [s]."""
         window = self.run.scenario.search.time_window

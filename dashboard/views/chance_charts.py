@@ -1,5 +1,7 @@
 """What chance makes of a plan: histograms with their quantiles, energy over load."""
 
+from collections.abc import Callable
+
 import numpy as np
 from bokeh.models import ColumnDataSource, Range1d
 
@@ -26,9 +28,11 @@ def finite(values: FloatArray) -> FloatArray:
 class HistogramChart(Chart):
     """How often a value came out, with 5 %, median and 95 % as hairlines."""
 
-    def __init__(self, name: str, words: str, digits: int, height: int, palette: Palette) -> None:
+    kind = "bars"
+
+    def __init__(self, name: str, words: str, show: Callable[[float], str], height: int, palette: Palette) -> None:
         super().__init__(name, words, height)
-        self.palette, self.digits = palette, digits
+        self.palette, self.show_value = palette, show
         self.x_range, self.y_range = Range1d(0, 1), Range1d(0, 1)
 
     def build(self) -> None:
@@ -76,8 +80,8 @@ class HistogramChart(Chart):
             "x": places.tolist(),
             "y": [1.06 * most] * len(places),
             "text": [
-                f"{word}: {words.number(place, self.digits)}"
-                for word, place in zip(QUANTILES.values(), places, strict=True)
+                f"{word}: {self.show_value(place)}"
+                for word, place in zip(QUANTILES.values(), places.tolist(), strict=True)
             ],
             "align": ["right", "center", "left"],
             "offset": [2, 0, -2],
@@ -85,29 +89,34 @@ class HistogramChart(Chart):
 
 
 def chance_table(table: MonteCarloTable) -> str:
-    """Return the quantiles of all results of the runs so far, and how many runs there are."""
-    results = {
-        "Energy, kWh": (table.energy_kwh, 3),
-        "Above the plan, %": (100 * table.overconsumption, 1),
-        "Above a plan for that load, %": (100 * table.over_replanned, 1),
-        "Late at the stop, s": (table.delay_s, 1),
-        "Beyond the stop, m": (table.stop_error_m, 2),
+    """Return quantiles and ends of all results of the runs so far, and how many runs there are."""
+    results: dict[str, tuple[FloatArray, Callable[[float], str]]] = {
+        "Energy, kWh": (table.energy_kwh, words.energy),
+        "Above the plan, %": (table.overconsumption, words.share_difference),
+        "Above a plan for that load, %": (table.over_replanned, words.share_difference),
+        "Late at the stop, s": (table.delay_s, words.delay),
+        "Beyond the stop, m": (table.stop_error_m, words.stop_error),
     }
     rows = []
-    for name, (values, digits) in results.items():
+    for name, (values, show) in results.items():
         reached = finite(values)
         if len(reached):
-            places = [*np.quantile(reached, list(QUANTILES)), reached[np.argmax(np.abs(reached))]]
-            rows.append(((name, *(words.number(float(place), digits) for place in places)), False))
+            places = (reached.min(), *np.quantile(reached, list(QUANTILES)), reached.max())
+            cells = [show(float(place)) for place in places]
+            if values is table.delay_s:
+                cells[0], cells[-1] = f"earliest {cells[0]}", f"latest {cells[-1]}"
+            rows.append(((name, *cells), False))
     seed, stuck = table.scenario.montecarlo.seed, int(np.isnan(table.energy_kwh).sum())
     text = f"{words.number(table.done, 0)} of {words.number(table.runs, 0)} runs, seed {seed}."
     text += f" In {words.number(stuck, 0)} of them the train comes to a stand." if stuck else ""
-    quantiles = parts.table("Monte Carlo", ("Result", *QUANTILES.values(), "largest"), rows)
+    quantiles = parts.table("Monte Carlo", ("Result", "least", *QUANTILES.values(), "most"), rows)
     return f'<div style="padding:0 6px 0 50px">{quantiles}<p class="note">{text}</p></div>'
 
 
 class LoadScatter(Chart):
     """Energy of each run over the load that it carried."""
+
+    kind = "map"
 
     def __init__(self, height: int, palette: Palette) -> None:
         super().__init__("scatter", "Monte Carlo: energy, kWh, over load, %", height)

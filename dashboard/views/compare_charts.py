@@ -84,7 +84,7 @@ class ComparedChart(RunLinesChart):
         return float(values.min()), float(values.max())
 
     def name_ends(
-        self, among: Sequence[Contender], over_time: bool, narrow: bool, show: Callable[[float, int], str]
+        self, among: Sequence[Contender], over_time: bool, narrow: bool, show: Callable[[float], str]
     ) -> None:
         """Write sign and last value at the ends of the lines, and make room for them."""
         if narrow:
@@ -101,7 +101,7 @@ class ComparedChart(RunLinesChart):
         self.sources["names"].data = {
             "x": [end_of(contender.run, over_time) for contender in among],
             "y": places,
-            "text": [f"{c.sign} {show(end, 2)}" for c, end in zip(among, ends, strict=True)],
+            "text": [f"{c.sign} {show(end)}" for c, end in zip(among, ends, strict=True)],
             "colour": [self.palette.tokens[contender.key] for contender in among],
         }
 
@@ -190,7 +190,7 @@ class ComparedEnergyChart(ComparedChart):
         """Draw all runs."""
         drawn = without_fastest(among, reference)
         self.set_range(*nice_range(*self.fill_all(drawn, reference, over_time)))
-        self.name_ends(drawn, over_time, narrow, words.number)
+        self.name_ends(drawn, over_time, narrow, words.energy)
 
 
 class ComparedDifferenceChart(ComparedChart):
@@ -224,7 +224,7 @@ class ComparedDifferenceChart(ComparedChart):
         others = [contender for contender in without_fastest(among, reference) if contender is not reference]
         drawn = others or [reference]
         self.set_range(*nice_range(*self.fill_all(drawn, drawn[0], over_time, reference.run), 0.1))
-        self.name_ends(drawn, over_time, narrow, words.signed)
+        self.name_ends(drawn, over_time, narrow, words.energy_difference)
 
 
 class ComparedEffortChart(ComparedChart):

@@ -3,14 +3,11 @@
 from collections.abc import Mapping, Sequence
 
 from railjoule.core import Trajectory
+from railjoule.core.strategies import STRATEGIES
 from railjoule.core.units import J_PER_KWH
-from railjoule.dashboard.look import words
+from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.models.contenders import Contender
 from railjoule.dashboard.views import parts
-
-SAME_KWH, SAME_S, SAME_SHARE = 0.005, 0.05, 0.05
-"""Differences below these are none: in kWh, s and %."""
-NONE = "\u2013"
 
 
 def comparison_table(among: Sequence[Contender], reference: Contender) -> str:
@@ -28,12 +25,13 @@ def comparison_table(among: Sequence[Contender], reference: Contender) -> str:
         rows.append((cells, contender is reference))
     title = "Runs side by side, energies in kWh"
     table = parts.table(title, header, rows)
-    return f'<div class="wide-table" tabindex="0" role="region" aria-label="{title}">{table}</div>'
+    notes = parts.other_times(contender.run for contender in among if contender.key in STRATEGIES)
+    return f'<div class="wide-table" tabindex="0" role="region" aria-label="{title}">{table}</div>{notes}'
 
 
 def _any(losses: Sequence[Mapping[str, float]], kind: str) -> bool:
     """Return whether any run has a loss that its table would show."""
-    return any(abs(each.get(kind, 0.0)) >= SAME_KWH * J_PER_KWH for each in losses)
+    return any(abs(each.get(kind, 0.0)) >= words.LEAST_ENERGY_KWH * J_PER_KWH for each in losses)
 
 
 def loss_word(kind: str) -> str:
@@ -43,23 +41,16 @@ def loss_word(kind: str) -> str:
 
 def numbers(run: Trajectory, reference: Trajectory, kinds: Sequence[str]) -> list[str]:
     """Return the cells of a run but its name."""
-    energy, other = run.energy, reference.energy_kwh
-    more_kwh, more_s = run.energy_kwh - other, run.travel_time_s - reference.travel_time_s
-    share = 100 * more_kwh / other if other > 0 else 0.0
-    gap = NONE if run.gap is None else words.number(max(100 * run.gap, 0.0), 2)
+    energy = run.energy
+    losses = (energy.losses_j.get(kind) for kind in kinds)
     return [
         words.energy(run.energy_kwh),
-        difference(more_kwh, SAME_KWH, 2),
-        difference(share, SAME_SHARE, 1) if other > 0 else NONE,
-        words.number(run.travel_time_s),
-        difference(more_s, SAME_S, 1),
+        words.energy_difference(run.energy_kwh - reference.energy_kwh),
+        comparisons.cell(comparisons.above(run.energy_kwh, reference.energy_kwh)),
+        words.time(run.travel_time_s),
+        words.delay(run.travel_time_s - reference.travel_time_s),
         words.number(run.max_speed_kmh),
-        words.number(energy.recuperated_j / J_PER_KWH, 2),
-        *(words.number(energy.losses_j[kind] / J_PER_KWH, 2) if kind in energy.losses_j else NONE for kind in kinds),
-        gap,
+        words.energy(energy.recuperated_j / J_PER_KWH),
+        *(words.UNKNOWN if joules is None else words.energy(joules / J_PER_KWH) for joules in losses),
+        comparisons.cell(comparisons.above_own_bound(run)),
     ]
-
-
-def difference(value: float, same: float, digits: int) -> str:
-    """Return a difference with its sign, or 0."""
-    return "0" if abs(value) < same else words.signed(value, digits)

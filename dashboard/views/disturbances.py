@@ -1,22 +1,19 @@
 """Disturbances: events on the way, who reacts how, and what catching up costs."""
 
 from functools import partial
-from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+from panel.viewable import Viewable
 
 from railjoule.core import Trajectory
 from railjoule.core.scenario.disturbance import Reaction
-from railjoule.dashboard.browser import Browser
-from railjoule.dashboard.look import words
-from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.store import Rides
 from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.chart_page import ChartPage
 from railjoule.dashboard.views.charts import Axis, Chart
 from railjoule.dashboard.views.fields import tie
+from railjoule.dashboard.views.page import PageView
 from railjoule.dashboard.views.ride_charts import LateChart, RideEnergyChart, RideSpeedChart, saved_by
 
 HEIGHTS = {"ride_speed": (300, 380, 240), "ride_energy": (170, 200, 150), "late_arrival": (240, 280, 210)}
@@ -38,15 +35,17 @@ WHO = (
 )
 
 
-class DisturbancesView(ChartPage):
+class DisturbancesView(PageView):
     """The page of what happens on the way."""
 
+    page = "Disturbances"
     heights = HEIGHTS
 
-    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
-        super().__init__(state, browser, palette)
+    def make(self) -> Viewable:
+        """Make the pieces of the page, and return them laid out."""
+        state, palette = self.state, self.palette
         self.model = model = state.disturbances
-        self.heading, self.figures, self.table, self.notes = (parts.html_pane() for _ in range(4))
+        self.table, self.notes = (parts.html_pane() for _ in range(2))
         self.dropping = pmui.RadioButtonGroup(
             options={"Drop a stop": "stop", "Drop a limit": "limit"},
             value=model.dropping,
@@ -65,13 +64,11 @@ class DisturbancesView(ChartPage):
         tools.sizing_mode = "stretch_width"
         lower = parts.stack(parts.stack(self.table, self.notes), self.late.place, css=LOWER_CSS)
         body = parts.stack(self.speed.place, self.energy.place, lower, css=BODY_CSS)
-        self.view = parts.stack(self.heading, self.message, self.figures, tools, body)
         tie(self.dropping, model, "dropping")
         tie(self.over, state, "over_time")
-        state.param.watch(self._show, "over_time")
-        model.param.watch(self._show, ["rides", "failure"])
-        model.param.watch(self._show_late, "late")
-        self.begin()
+        self.shows(self._show, (state, ["over_time"]), (model, ["rides", "failure"]))
+        self.shows(self._show_late, (model, ["late"]))
+        return parts.stack(self.heading, self.message, self.figures, tools, body)
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -88,33 +85,25 @@ class DisturbancesView(ChartPage):
         else:
             self.axis.settle("m", 0)
 
-    def redraw(self) -> None:
-        """Draw everything again, as after a change of theme."""
-        self._show()
-        self._show_late()
-
-    def _show(self, *_: Any) -> None:
+    def _show(self) -> None:
         rides = self.model.rides
-        with pn.io.hold():
-            self.tell(self.model.failure, "Shown: the last rides that can be driven." if rides is not None else "")
-            if rides is None or self.state.page != "Disturbances":
-                return
-            over_time = self.state.over_time
-            runs = drawn(rides)
-            ends = [run.time_s[-1] if over_time else run.position_m[-1] for run in runs.values()]
-            self.axis.fit(float(max(ends)), roomy=False)
-            self.speed.show(partial(self.speed.draw, runs, list(self.model.events), over_time))
-            self.energy.show(partial(self.energy.draw, runs, over_time))
-            self._draw_late(rides)
-            self._show_texts(rides)
-            self.settle()
+        self.tell(self.model.failure, "Shown: the last rides that can be driven." if rides is not None else "")
+        if rides is None:
+            return
+        over_time = self.state.over_time
+        runs = drawn(rides)
+        ends = [run.time_s[-1] if over_time else run.position_m[-1] for run in runs.values()]
+        self.axis.fit(float(max(ends)), roomy=False)
+        self.speed.show(partial(self.speed.draw, runs, list(self.model.events), over_time))
+        self.energy.show(partial(self.energy.draw, runs, over_time))
+        self._draw_late(rides)
+        self._show_texts(rides)
 
-    def _show_late(self, *_: Any) -> None:
+    def _show_late(self) -> None:
         rides = self.model.rides
         if rides is not None:
-            with pn.io.hold():
-                self._draw_late(rides)
-                self.table.object = self._table(rides)
+            self._draw_late(rides)
+            self.table.object = self._table(rides)
 
     def _draw_late(self, rides: Rides) -> None:
         if self.model.late is not None:
@@ -125,32 +114,40 @@ class DisturbancesView(ChartPage):
         planned = rides.undisturbed
         scenario = planned.scenario
         what = (
-            f"{words.number(planned.distance_m / 1000, 2)} km in {words.number(scenario.travel_time_s)} s, "
+            f"{words.distance(planned.distance_m)} km in {words.time(scenario.travel_time_s)} s, "
             f"{len(self.model.events)} event{'' if len(self.model.events) == 1 else 's'} on the way, "
             f"{words.STRATEGY_WORDS[planned.strategy].lower()} plans"
         )
         self.heading.object = parts.heading(scenario.title, what, "")
         self.figures.object = parts.figures(self._cells(rides), self.model.failure is not None)
         self.table.object = self._table(rides)
-        sentences = dict.fromkeys(note for ride in rides.rides.values() for note in ride.notes)
-        self.notes.object = "".join(f'<p class="note">{sentence}</p>' for sentence in (*sentences, WHO))
+        self.notes.object = "".join(f'<p class="note">{sentence}</p>' for sentence in (*told(rides), WHO))
 
     def _cells(self, rides: Rides) -> list[str]:
         planned, driver, computer, known = rides.undisturbed, *(rides.rides[one] for one in REACTION_WORDS)
-        saved = 100 * (1 - computer.actual.energy_kwh / driver.actual.energy_kwh)
-        energy = f"{words.energy(driver.actual.energy_kwh)} kWh"
+        by_driver = driver.actual.energy_kwh
+        energy = f"{words.energy(by_driver)} kWh"
+        spent, more = comparisons.saving(by_driver, planned.energy_kwh)
+        verb, saved = comparisons.saving(computer.actual.energy_kwh, by_driver)
+        arrives = comparisons.arrival(computer.delay_s - driver.delay_s)
+        unit = saved.unit if verb == "saves" else f"{saved.unit} more"
         return [
             parts.figure(
-                "The events cost the driver",
-                words.signed(100 * driver.overconsumption),
-                "%",
+                "The events cost the driver" if spent == "costs" else "The events save the driver",
+                *more,
                 f"{energy}, undisturbed {words.energy(planned.energy_kwh)}",
                 "main",
             ),
-            parts.figure("A computer saves", words.number(saved), "%", f"of the driver\u2019s {energy}"),
+            parts.figure(
+                f"A computer {verb}",
+                saved.value,
+                unit,
+                f"arrives {arrives}",
+                whole=f"{saved} {'of' if verb == 'saves' else 'more than'} the driver\u2019s {energy}",
+            ),
             parts.figure("Known before", words.energy(known.actual.energy_kwh), "kWh", "from the start"),
-            parts.figure("Driver arrives", words.signed(driver.delay_s), "s", "of delay"),
-            parts.figure("Computer arrives", words.signed(computer.delay_s), "s", "of delay"),
+            parts.figure("Driver arrives", words.delay(driver.delay_s), "s", "of delay"),
+            parts.figure("Computer arrives", words.delay(computer.delay_s), "s", "of delay"),
         ]
 
     def _table(self, rides: Rides) -> str:
@@ -160,8 +157,8 @@ class DisturbancesView(ChartPage):
                 (
                     "Undisturbed",
                     words.energy(planned.energy_kwh),
-                    "0",
-                    "0",
+                    comparisons.NOTHING.cell,
+                    words.delay(0.0),
                     words.number(planned.max_speed_kmh),
                     "\u2013",
                 ),
@@ -170,18 +167,30 @@ class DisturbancesView(ChartPage):
         ]
         for reaction, name in REACTION_WORDS.items():
             ride = rides.rides[reaction]
-            saved = saved_by(late, reaction) if late is not None and reaction in late.energy_kwh else "\u2013"
+            price = saved_by(late, reaction) if late is not None and reaction in late.energy_kwh else "\u2013"
             cells = (
                 name,
                 words.energy(ride.actual.energy_kwh),
-                words.signed(100 * ride.overconsumption),
-                words.signed(ride.delay_s) if abs(ride.delay_s) >= 0.05 else "0",
+                comparisons.above(ride.actual.energy_kwh, planned.energy_kwh).cell,
+                words.delay(ride.delay_s),
                 words.number(ride.actual.max_speed_kmh),
-                saved,
+                price,
             )
             rows.append((cells, reaction == "computer"))
         header = ("Ride", "kWh", "more, %", "late, s", "top, km/h", "1 s saves, Wh")
         return f'<div style="padding:0 6px">{parts.table("Who reacts", header, rows)}</div>'
+
+
+def told(rides: Rides) -> list[str]:
+    """Return what could not be kept, each sentence with the names of those whom it is about."""
+    who: dict[str, list[str]] = {}
+    for reaction, ride in rides.rides.items():
+        for note in ride.notes:
+            who.setdefault(note, []).append(REACTION_WORDS[reaction])
+    return [
+        note if len(names) == len(rides.rides) else f"{' and '.join(names)}: {note[0].lower()}{note[1:]}"
+        for note, names in who.items()
+    ]
 
 
 def drawn(rides: Rides) -> dict[str, Trajectory]:

@@ -13,10 +13,15 @@ from railjoule.dashboard.views.charts import Axis, clear, columns, nice_range, s
 from railjoule.dashboard.views.scene import PINNED, CellChart, RunChart, Scene, SceneChart, line_words
 
 WORD_PX = 7.2
+END_WORDS = {PINNED: "pinned", "fastest": "fastest", "speed_limits": "limits"}
+"""What stands at the end of a line, beside its number, where the whole name has no room."""
 
 
 class PhaseStrip(SceneChart):
     """The phases of the chosen run as a strip of numbered bands."""
+
+    kind = "strip"
+    title = "phases of the run"
 
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
         super().__init__("phases", "", height, axis, palette)
@@ -48,10 +53,10 @@ class PhaseStrip(SceneChart):
         right = np.array([phase.end_s if scene.over_time else phase.end_m for phase in phases])
         room = (right - left) / scene.end * scene.width_px
         texts = []
-        for number, (phase, pixels) in enumerate(zip(phases, room, strict=True), 1):
-            full = f"{number}  {words.PHASE_WORDS[phase.phase]}"
-            if phase.phase == "hold":
-                full = f"{full} {words.speed(phase.end_ms)}"
+        for number, (told, pixels) in enumerate(zip(scene.run.advice, room, strict=True), 1):
+            full = f"{number}  {words.PHASE_WORDS[told.action]}"
+            if told.action == "hold" and told.to_kmh is not None:
+                full = f"{full} {words.tenths(told.to_kmh)}"
             fitting = full if len(full) * WORD_PX < pixels else str(number)
             texts.append(fitting if pixels > 1.6 * WORD_PX else "")
         self.sources["phases"].data = {
@@ -90,33 +95,32 @@ class LineStrip(SceneChart):
         self.palette.paint(signs.glyph, text_color="ink2")
 
     def draw(self, scene: Scene) -> None:
-        """Draw height, changes of gradient and the gradients that have room."""
+        """Draw height above the start of the run, changes of gradient and the gradients that have room."""
         line = scene.run.scenario.line.in_running_order()
         gradients = np.array([section.gradient_permille for section in line.sections])
         borders, height = section_borders(line), height_profile(line)
-        height -= height.min()
-        top = max(float(height.max()), 1.0)
+        bottom, relief = float(height.min()), max(float(np.ptp(height)), 1.0)
         places = np.union1d(np.linspace(0, borders[-1], 200), borders) if scene.over_time else borders
         x = scene.x_of_place(places)
-        self.set_range(-0.08 * top, 1.7 * top)
-        base = np.full(len(places), -0.08 * top)
+        self.set_range(bottom - 0.08 * relief, bottom + 1.7 * relief)
+        base = np.full(len(places), bottom - 0.08 * relief)
         self.sources["height"].data = columns(x=x, y=np.interp(places, borders, height), base=base)
         self.sources["borders"].data = columns(x=scene.x_of_place(borders[1:-1]))
         ends = scene.x_of_place(borders)
         radii = np.array([section.curve_radius_m for section in line.sections])
-        self._draw_curves(ends[:-1][radii > 0], ends[1:][radii > 0], top)
+        self._draw_curves(ends[:-1][radii > 0], ends[1:][radii > 0], bottom, relief)
         texts = [words.signed(gradient, 0 if gradient == round(gradient) else 1) for gradient in gradients]
         room = np.diff(ends) / scene.end * scene.width_px
         texts = [curve_words(*told) for told in zip(texts, radii, room, strict=True)]
         fits = np.array([len(text) * WORD_PX + 6 < pixels for text, pixels in zip(texts, room, strict=True)])
         self.sources["signs"].data = {
-            **xy((0.5 * (ends[1:] + ends[:-1]))[fits], np.full(int(fits.sum()), 1.22 * top)),
+            **xy((0.5 * (ends[1:] + ends[:-1]))[fits], np.full(int(fits.sum()), bottom + 1.22 * relief)),
             "text": [text for text, fit in zip(texts, fits, strict=True) if fit],
         }
 
-    def _draw_curves(self, left: FloatArray, right: FloatArray, top: float) -> None:
+    def _draw_curves(self, left: FloatArray, right: FloatArray, bottom: float, relief: float) -> None:
         """Draw a hatched band over each curve."""
-        low, high = np.full(len(left), 1.58 * top), np.full(len(left), 1.68 * top)
+        low, high = (np.full(len(left), bottom + share * relief) for share in (1.58, 1.68))
         self.sources["curves"].data = columns(left=left, right=right, bottom=low, top=high)
 
 
@@ -175,10 +179,7 @@ class EnergyChart(RunChart):
         self.sources["ends"].data = {
             "x": [float(scene.x(named[name])[-1]) for name in ends],
             "y": places,
-            "text": [
-                f"{'pinned' if name == PINNED else line_words(name, scene)} {words.energy(e)}"
-                for name, e in ends.items()
-            ],
+            "text": [f"{END_WORDS.get(name) or line_words(name, scene)} {words.energy(e)}" for name, e in ends.items()],
             "colour": [self.palette.tokens["ink3" if name == PINNED else name] for name in ends],
         }
 
@@ -223,7 +224,7 @@ class DifferenceChart(RunChart):
             clear(self.sources["ends"])
             return
         last = float(difference[-1])
-        text = f"{words.signed(last, 2)} kWh"
+        text = f"{words.energy_difference(last)} kWh"
         self.sources["ends"].data = {"x": [float(x[-1])], "y": [last], "text": [text]}
 
 

@@ -217,4 +217,4 @@ def mark_sensors(source: ColumnDataSource, marks: list[tuple[float, str]], top: 
 
 def reality_words(load_factor: float, error_m: float) -> str:
     """Return what is otherwise in reality, such as 'load 100 %, +10 m'."""
-    return f"load {words.number(100 * load_factor, 0)} %, {words.signed(error_m, 0)} m"
+    return f"load {words.setting(load_factor)} %, {words.signed(error_m, 0)} m"

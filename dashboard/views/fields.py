@@ -12,6 +12,8 @@ from panel.viewable import Viewable
 from railjoule.dashboard.look import words
 from railjoule.dashboard.views.parts import html_pane
 
+MOST_TYPED_DIGITS, ROUNDING = 6, 1e-12
+"""More decimals than these nobody types; by less than the second, as a share, binary numbers miss decimal ones."""
 HIDDEN_LABEL = {"position": "absolute", "clipPath": "inset(50%)", "width": "1px", "height": "1px", "overflow": "hidden"}
 
 
@@ -28,6 +30,17 @@ class Numbers(Protocol):
 
     def parse(self, field: str, text: str) -> float:
         """Return the number that a text gives; raises ValueError with a sentence."""
+
+
+def shown(number: float, digits: int) -> str:
+    """Return a number with `digits` decimals, and with more where somebody has typed them.
+
+    A number that a computation gave has no end in sight; it is rounded.
+    """
+    for more in range(digits, MOST_TYPED_DIGITS + 1):
+        if abs(round(number, more) - number) <= ROUNDING * max(abs(number), 1.0):
+            return words.number(number, more)
+    return words.number(number, digits)
 
 
 class TypedNumber:
@@ -55,7 +68,7 @@ class TypedNumber:
         number = getattr(model, field)
         self.text = pmui.TextInput(
             label=f"{of}{label}, as a number",
-            value="" if number is None else words.number(number, digits),
+            value="" if number is None else shown(number, digits),
             variant="standard",
             size="small",
             width=74,
@@ -104,7 +117,7 @@ class TypedNumber:
         before = self.model.originals.get(self.field, now)
         self.mark.visible = now != before
         if now != before:
-            was = "not set" if before is None else f"{words.number(before, self.digits)} {self.unit}".rstrip()
+            was = "not set" if before is None else f"{shown(before, self.digits)} {self.unit}".rstrip()
             text = html.escape(f"changed: was {was}")
             self.mark.object = f'<span class="dot" role="img" title="{text}" aria-label="{text}"></span>'
 
@@ -114,7 +127,8 @@ class TypedNumber:
         try:
             number = self.model.parse(self.field, event.new)
         except ValueError as error:
-            sentence = f"{error} Kept: {words.number(self._kept(), self.digits)} {self.unit}".rstrip() + "."
+            kept = f"{shown(self._kept(), self.digits)} {self.unit}".rstrip()
+            sentence = f"{error} Kept: {kept}."
             self.error.param.update(
                 object=f'<div class="error" role="alert">{html.escape(sentence)}</div>', visible=True
             )
@@ -134,7 +148,7 @@ class TypedNumber:
 
     def _show(self, number: float) -> None:
         self.error.visible = False
-        self.text.value = words.number(number, self.digits)
+        self.text.value = shown(number, self.digits)
 
 
 class NumberField(TypedNumber):
@@ -210,6 +224,27 @@ class NumberField(TypedNumber):
     def _show(self, number: float) -> None:
         super()._show(number)
         self.slider.param.update(start=min(self.slider.start, number), end=max(self.slider.end, number), value=number)
+
+
+class CrushLoad:
+    """The mark beneath a load above the capacity.
+
+    Parameters
+    ----------
+    field : NumberField
+        The load, % of capacity.
+    """
+
+    def __init__(self, field: NumberField) -> None:
+        self.field = field
+        self.view = html_pane(visible=False)
+        field.model.param.watch(self._show, field.field)
+        self._show()
+
+    def _show(self, *_: Any) -> None:
+        factor = getattr(self.field.model, self.field.field) / 100
+        self.view.visible = factor > 1
+        self.view.object = f'<div class="row small open">{html.escape(words.load(factor))}</div>' if factor > 1 else ""
 
 
 def tie(widget: Any, model: Any, field: str) -> None:

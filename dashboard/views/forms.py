@@ -44,6 +44,12 @@ export function render({model}) {
       row.input = make("input", {type: "text", id, "aria-describedby": described, autocomplete: "off",
         spellcheck: "false", class: wide ? "wide" : "", inputmode: wide ? null : "decimal"});
       row.input.addEventListener("change", () => send(row, row.input.value));
+      row.input.addEventListener("keydown", (event) => {
+        // what was typed and not taken goes first, the editor with the next press
+        if (event.key !== "Escape" || row.known === null || row.input.value === row.known) return;
+        event.stopPropagation();
+        row.input.value = row.known;
+      });
     }
     row.dot = make("span", {class: "dot", hidden: true});
     row.was = make("span", {class: "hidden"});
@@ -136,6 +142,12 @@ export function render({model}) {
         send({what: "paste", row, column: index, text});
       });
       input.addEventListener("keydown", (event) => {
+        const before = known[row]?.[index];
+        if (event.key === "Escape" && before !== undefined && input.value !== before) {
+          event.stopPropagation();
+          input.value = before;
+          return;
+        }
         const by = {ArrowUp: -1, ArrowDown: 1, Enter: 1}[event.key];
         if (!by || !cells[row + by]) return;
         event.preventDefault();
@@ -217,13 +229,13 @@ export function render({model}) {
       focus(wanted);
     }
     wanted = null;
-    rows.forEach((texts, row) => texts.forEach((text, column) => {
+    known = rows.map((texts, row) => texts.map((text, column) => {
       const wrong = refusal && refusal.row === row && refusal.column === column;
       const shown = wrong ? refusal.text : text, cell = cells[row][column];
       if (known[row]?.[column] !== shown) { cell.value = shown; }
       cell.setAttribute("aria-invalid", wrong ? "true" : "false");
+      return shown;
     }));
-    known = rows.map((texts) => [...texts]);
     tell(refusal ? refusal.sentence : "");
   };
   model.on("version", show);
@@ -272,7 +284,8 @@ export function render({model, el}) {
   head.innerHTML = '<div><h2 tabindex="-1">Scenario</h2><p class="muted small" role="status"></p></div>' +
     '<button type="button" class="small-button" aria-label="Close the editor" title="Close (Escape)">\\u00d7</button>';
   const title = head.querySelector("h2"), status = head.querySelector("p"), close = head.querySelector("button");
-  const shut = () => model.send_msg({what: "close"});
+  // at once: the answer of the server hides what has the focus
+  const shut = () => { leave(); model.send_msg({what: "close"}); };
   close.addEventListener("click", shut);
   const host = () => {
     let node = el;
@@ -308,7 +321,11 @@ export function render({model, el}) {
     const menu = [...document.querySelectorAll("header button")].find(in_sight);
     if (in_sight(opener) && opener !== document.body) { opener.focus(); } else { menu?.focus(); }
   };
-  const turn = () => model.open ? enter() : leave();
+  const turn = () => {
+    if (model.open) { enter(); return; }
+    const now = deep_active();
+    if (now === document.body || holds(now)) { leave(); }
+  };
   const tell = () => { status.textContent = model.status; };
   model.on("open", turn);
   model.on("status", tell);

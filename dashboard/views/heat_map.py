@@ -14,7 +14,8 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import load_scenario
 from railjoule.core.studies.sensitivity import COORDINATE_ERRORS_M, LOAD_FACTORS, SensitivityTable
 from railjoule.core.validation.papers import printed_numbers
-from railjoule.dashboard.look import words
+from railjoule.core.validation.table import CLOSE_PERCENT
+from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.charts import Chart, text_style
@@ -24,8 +25,6 @@ from railjoule.dashboard.views.surface import CAMERA, LIGHTING, scene_layout
 CELL = 0.96
 CAMERA_DISTANCE = 1.25
 """How much further away than ENOC's surface this one stands: its column is narrower."""
-WARM_DIFFERENCE = 1.0
-"""Differences to printed figures above this are marked [percentage points]."""
 
 
 @dataclass(frozen=True)
@@ -38,20 +37,52 @@ class Measure:
         Quantity and unit.
     values : callable
         Takes a table, gives an array of shape (loads, errors) in that unit.
-    digits : int
-        Decimals.
+    show : callable
+        How a number of that array reads.
+    reference_kwh : callable or None
+        Takes a table, gives the energies that shares are of, in a shape that fits that of the array [kWh].
     """
 
     words: str
     values: Callable[[SensitivityTable], FloatArray]
-    digits: int
+    show: Callable[[float], str]
+    reference_kwh: Callable[[SensitivityTable], FloatArray] | None = None
+
+    def texts(self, table: SensitivityTable) -> list[str]:
+        """Return what each cell reads, row after row; where there is no share to tell, the difference in kWh."""
+        values, energies = self.values(table), table.energy_kwh
+        references = np.full(energies.shape, np.nan) if self.reference_kwh is None else self.reference_kwh(table)
+        cells = zip(values.ravel(), energies.ravel(), np.broadcast_to(references, energies.shape).ravel(), strict=True)
+        return [
+            "stands"
+            if not np.isfinite(energy)
+            else self.show(float(value))
+            if np.isfinite(value)
+            else comparisons.above(float(energy), float(reference)).cell
+            for value, energy, reference in cells
+        ]
+
+
+def percent_difference(percent: float) -> str:
+    """Return a relative difference that is in percent already."""
+    return words.share_difference(percent / 100)
 
 
 MEASURES = {
-    "over_replanned": Measure("Above a plan for that load, %", lambda table: 100 * table.over_replanned, 1),
-    "overconsumption": Measure("Above the plan, %", lambda table: 100 * table.overconsumption, 1),
-    "delay_s": Measure("Late at the stop, s", lambda table: table.delay_s, 1),
-    "stop_error_m": Measure("Beyond the stop, m", lambda table: table.stop_error_m, 2),
+    "over_replanned": Measure(
+        "Above a plan for that load, %",
+        lambda table: 100 * table.over_replanned,
+        percent_difference,
+        lambda table: table.knowing_kwh[:, None],
+    ),
+    "overconsumption": Measure(
+        "Above the plan, %",
+        lambda table: 100 * table.overconsumption,
+        percent_difference,
+        lambda table: np.array(table.planned_kwh),
+    ),
+    "delay_s": Measure("Late at the stop, s", lambda table: table.delay_s, words.delay),
+    "stop_error_m": Measure("Beyond the stop, m", lambda table: table.stop_error_m, words.stop_error),
 }
 
 
@@ -65,6 +96,9 @@ def colour_of(number: float, most: float, palette: Palette) -> str:
 
 class HeatMapChart(Chart):
     """Loads upwards, errors to the right, one number a cell; a press chooses the cell."""
+
+    kind = "map"
+    title = "table of loads and coordinate errors"
 
     def __init__(self, height: int, palette: Palette, choose: Callable[[float, float], None]) -> None:
         super().__init__("heatmap", "", height)
@@ -91,6 +125,7 @@ class HeatMapChart(Chart):
         frame = f.rect("x", "y", CELL, CELL, source=self.frame, fill_color=None, line_width=2.5)
         self.palette.paint(frame.glyph, line_color="accent")
         f.on_event(Tap, self._press)
+        self._drawn = ()
         self.content = pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_width")
 
     def _press(self, event: Any) -> None:
@@ -108,10 +143,12 @@ class HeatMapChart(Chart):
         if state != self._drawn:
             self._table, self._drawn = table, state
             self._draw_cells(table, measure)
-        self.frame.data = {
-            "x": [float(np.interp(error_m, errors, np.arange(len(errors))))],
-            "y": [float(np.interp(load_factor, loads, np.arange(len(loads))))],
-        }
+        # what lies beyond the table has no place in it
+        row, column = (
+            float(np.interp(value, places, np.arange(len(places)), left=np.nan, right=np.nan))
+            for value, places in ((load_factor, loads), (error_m, errors))
+        )
+        self.frame.data = {"x": [column], "y": [row]}
 
     def _draw_cells(self, table: SensitivityTable, measure: Measure) -> None:
         assert self.figure is not None
@@ -123,10 +160,7 @@ class HeatMapChart(Chart):
             colour_of(number, most, self.palette) if known else self.palette.tokens["page"]
             for number, known in zip(values.ravel(), done.ravel(), strict=True)
         ]
-        texts = [
-            "" if not known else words.number(number, measure.digits) if np.isfinite(number) else "stands"
-            for number, known in zip(values.ravel(), done.ravel(), strict=True)
-        ]
+        texts = [text if known else "" for text, known in zip(measure.texts(table), done.ravel(), strict=True)]
         self.cells.data = {
             "x": x.tolist(),
             "y": y.tolist(),
@@ -135,7 +169,7 @@ class HeatMapChart(Chart):
             "ink": [ink_on(fill) for fill in fills],
         }
         self._label(self.figure.xaxis[0], [words.signed(error, 0) for error in errors])
-        self._label(self.figure.yaxis[0], [words.number(100 * load, 0) for load in loads])
+        self._label(self.figure.yaxis[0], [words.setting(load) for load in loads])
         planned = table.scenario.vehicle.load_factor
         if planned in loads and 0.0 in errors:
             row, column = loads.index(planned), errors.index(0.0)
@@ -152,6 +186,9 @@ class HeatMapChart(Chart):
 class CostSurface(Chart):
     """The same table as a surface that can be turned."""
 
+    kind = "map"
+    title = "table of loads and coordinate errors, as a surface"
+
     def __init__(self, height: int, palette: Palette) -> None:
         super().__init__("costs", "", height)
         self.palette = palette
@@ -166,6 +203,7 @@ class CostSurface(Chart):
             margin=0,
         )
         name = pn.pane.HTML('<span data-figure="Table of loads and coordinate errors, as a surface"></span>', margin=0)
+        self._drawn = ()
         self.content, self.figure = pn.Column(name, self.pane, margin=0, sizing_mode="stretch_width"), self.pane
 
     def draw(self, table: SensitivityTable, measure: Measure) -> None:
@@ -187,7 +225,8 @@ class CostSurface(Chart):
                     "colorscale": [[k / (len(scale) - 1), colour] for k, colour in enumerate(scale)],
                     "showscale": False,
                     "lighting": LIGHTING,
-                    "hovertemplate": "%{x:+.0f} m, load %{y:.0f} %: %{z:.2f}<extra></extra>",
+                    "text": [[measure.show(value) for value in row] for row in values.tolist()],
+                    "hovertemplate": "%{x:+.0f} m, load %{y:.0f} %: %{text}<extra></extra>",
                 }
             ],
             "layout": self._layout(bottom - 0.05 * room, top + 0.05 * room),
@@ -209,7 +248,7 @@ def printed_table(table: SensitivityTable) -> str:
     base = load_scenario(entry["scenario"])
     if scenario.vehicle != base.vehicle or scenario.timetable != base.timetable:
         return ""
-    header = ("Error, m", *(f"load {words.number(100 * load, 0)} %" for load in paper["load_factors"]))
+    header = ("Error, m", *(f"load {words.setting(load)} %" for load in paper["load_factors"]))
     rows = []
     for m, error in enumerate(paper["coordinate_errors_m"]):
         column = table.coordinate_errors_m.index(float(error))
@@ -217,11 +256,11 @@ def printed_table(table: SensitivityTable) -> str:
         for k, load in enumerate(paper["load_factors"]):
             ours = 100 * float(table.over_replanned[table.load_factors.index(load), column])
             printed = entry["overconsumption_percent"][m][k]
-            kind = "open" if abs(ours - printed) > WARM_DIFFERENCE else "muted"
+            kind = "open" if abs(ours - printed) > CLOSE_PERCENT else "muted"
             cells.append(
-                f'{words.number(ours)} <span class="muted">{words.number(printed)}</span> '
-                f'<span class="{kind}">{words.signed(ours - printed)}</span>'
+                f'{percent_difference(ours)} <span class="muted">{words.number(printed)}</span> '
+                f'<span class="{kind}">{percent_difference(ours - printed)}</span>'
             )
         rows.append((cells, False))
-    title = f"{entry['place']} of Liashenko 2025: ours, printed, difference, %"
+    title = f"{entry['place']} of Liashenko 2025: ours, %, printed, %, difference in percentage points"
     return f'<div class="dense">{parts.table(title, header, rows)}</div>'

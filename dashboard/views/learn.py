@@ -2,23 +2,21 @@
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any
 
-import panel as pn
+from panel.viewable import Viewable
 
 from railjoule.core.units import J_PER_KWH
-from railjoule.dashboard.browser import Browser
-from railjoule.dashboard.look import words
+from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.models.learn import LESSONS, Lesson
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import LessonResult
 from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.chart_page import ChartPage
 from railjoule.dashboard.views.charts import Chart
 from railjoule.dashboard.views.fields import NumberField
 from railjoule.dashboard.views.lesson_charts import LessonSpeedChart, PhasePlaneChart, PriceChart
+from railjoule.dashboard.views.page import PageView
 
 PAGE = "Learn"
 SPEED_HEIGHTS, PLANE_HEIGHTS, PRICE_HEIGHTS = (200, 250, 190), (250, 300, 240), (200, 240, 190)
@@ -99,21 +97,21 @@ class LessonView:
             chart.show(partial(chart.draw, result))
 
 
-class LearnView(ChartPage):
+class LearnView(PageView):
     """The page of lessons."""
 
+    page = PAGE
     heights = HEIGHTS
 
-    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
-        super().__init__(state, browser, palette)
-        self.lessons = {lesson.name: LessonView(lesson, state, palette) for lesson in LESSONS}
+    def make(self) -> Viewable:
+        """Make the pieces of the page, and return them laid out."""
+        self.lessons = {lesson.name: LessonView(lesson, self.state, self.palette) for lesson in LESSONS}
         self._shown: dict[str, LessonResult] = {}
         heading = parts.html_pane(
             parts.heading("Learn", "five lessons; each figure is solved anew as you move its slider", "")
         )
-        self.view = parts.stack(heading, self.message, *(lesson.view for lesson in self.lessons.values()))
-        state.learn.param.watch(self._show, ["shown", "failure"])
-        self.begin()
+        self.shows(self._show, (self.state.learn, ["shown", "failure"]))
+        return parts.stack(heading, self.message, *(lesson.view for lesson in self.lessons.values()))
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -121,39 +119,41 @@ class LearnView(ChartPage):
         return tuple(chart for lesson in self.lessons.values() for chart in lesson.charts)
 
     def redraw(self) -> None:
-        """Draw everything again, as after a change of theme."""
+        """Draw everything again, also the lessons whose sliders have not moved."""
         self._shown = {}
-        self._show()
+        super().redraw()
 
-    def _show(self, *_: Any) -> None:
+    def _show(self) -> None:
         learn = self.state.learn
-        with pn.io.hold():
-            self.tell(learn.failure, "Shown: the last place of the slider that can be driven.")
-            for name, result in learn.shown.items():
-                if self._shown.get(name) is not result:
-                    self.lessons[name].show(result)
-            self._shown = dict(learn.shown)
+        self.tell(learn.failure, "Shown: the last place of the slider that can be driven.")
+        for name, result in learn.shown.items():
+            if self._shown.get(name) is not result:
+                self._shown[name] = result
+                self.lessons[name].show(result)
 
 
 def _energies(result: LessonResult, first: str, second: str) -> list[str]:
     one, other, *_ = result.runs.values()
     return [
-        parts.figure(first, words.energy(one.energy_kwh), "kWh", f"in {words.number(one.travel_time_s)} s"),
-        parts.figure(second, words.energy(other.energy_kwh), "kWh", f"in {words.number(other.travel_time_s)} s"),
+        parts.figure(first, words.energy(one.energy_kwh), "kWh", f"in {words.time(one.travel_time_s)} s"),
+        parts.figure(second, words.energy(other.energy_kwh), "kWh", f"in {words.time(other.travel_time_s)} s"),
     ]
 
 
-def _saved(result: LessonResult, label: str, digits: int = 1) -> str:
-    return parts.figure(label, words.signed(-100 * result.saved_share, digits), "%", "", "main")
+def _saved(result: LessonResult, what: str) -> str:
+    """Return what the first run saves of the second one's energy, or costs more."""
+    one, other, *_ = result.runs.values()
+    verb, amount = comparisons.saving(one.energy_kwh, other.energy_kwh)
+    return parts.figure(f"{what} {verb}", *amount, "", "main")
 
 
 def coasting_cells(result: LessonResult) -> list[str]:
     """Return the numbers of the first lesson."""
     run = result.runs["optimum"]
     coasts = sum(phase.end_m - phase.start_m for phase in run.phases if phase.phase == "coast")
-    share = words.number(100 * coasts / run.distance_m, 0)
+    share = words.share(coasts / run.distance_m)
     return [
-        _saved(result, "Coasting saves"),
+        _saved(result, "Coasting"),
         *_energies(result, "Optimum", "One speed"),
         parts.figure("Coasts", share, "%", "of the way"),
     ]
@@ -175,7 +175,7 @@ def recuperation_cells(result: LessonResult) -> list[str]:
     """Return the numbers of the third lesson."""
     run, steady = result.runs["optimum"], result.steady
     assert steady is not None
-    cells = [_saved(result, "Giving back saves"), *_energies(result, "Optimum", "Without")]
+    cells = [_saved(result, "Giving back"), *_energies(result, "Optimum", "Without")]
     off = next((phase.start_m for phase in run.phases if phase.phase == "coast"), None)
     where = "\u2013" if off is None else words.number(off, 0)
     cells.append(parts.figure("Motors off at", where, "m", f"brakes at {words.speed(steady.brake_ms)} km/h"))
@@ -184,7 +184,7 @@ def recuperation_cells(result: LessonResult) -> list[str]:
 
 def gradient_cells(result: LessonResult) -> list[str]:
     """Return the numbers of the fourth lesson."""
-    return [_saved(result, "Knowing it saves"), *_energies(result, "Knows the line", "Planned for level track")]
+    return [_saved(result, "Knowing it"), *_energies(result, "Knows the line", "Planned for level track")]
 
 
 def load_cells(result: LessonResult) -> list[str]:
@@ -192,9 +192,9 @@ def load_cells(result: LessonResult) -> list[str]:
     driven = result.runs["planned for 30 %"]
     late = driven.travel_time_s - driven.scenario.travel_time_s
     return [
-        _saved(result, "Knowing it saves"),
+        _saved(result, "Knowing it"),
         *_energies(result, "Load known", "Planned for 30 %"),
-        parts.figure("Arrives", words.signed(late), "s", "late" if late >= 0.05 else "on time"),
+        parts.figure("Arrives", words.delay(late), "s", "late" if late >= 0.05 else "on time"),
     ]
 
 

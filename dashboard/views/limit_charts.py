@@ -22,7 +22,7 @@ LINES: Mapping[str, tuple[str, dict[str, Any]]] = {
     "optimum": ("optimal", {"line_width": 1.8, "line_dash": DRIVEN_DASH}),
     "run": ("speed_limits", {"line_width": 2.4}),
 }
-LINE_WORDS = {"optimum": "optimum in the same time", "run": "under the limits"}
+LINE_WORDS = {"optimum": "optimal in the same time", "run": "under the limits"}
 HEADROOM = 1.09
 FAR_ABOVE = 9e3
 LEAST_SECTION_M = 10

@@ -11,7 +11,6 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.motion.line_profile import limit_steps
 from railjoule.core.studies.whole_line import Leg, Sharing, WholeLine
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
-from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.store import LineRuns
 from railjoule.dashboard.views.charts import Axis, add_zero, clear, columns, nice_range, text_style, xy
@@ -153,9 +152,11 @@ class LegBars(LineChart):
         As in `Chart`.
     value : callable
         What is drawn of a leg.
-    value_digits : int
-        Decimals of the optimum's numbers, written above its bars.
+    show : callable
+        How the optimum's numbers above the bars read.
     """
+
+    kind = "bars"
 
     def __init__(
         self,
@@ -165,11 +166,11 @@ class LegBars(LineChart):
         axis: Axis,
         palette: Palette,
         value: Callable[[Leg], float],
-        value_digits: int,
+        show: Callable[[float], str],
         last: bool = False,
     ) -> None:
         super().__init__(name, words, height, axis, palette)
-        self.value, self.value_digits, self.last = value, value_digits, last
+        self.value, self.show_value, self.last = value, show, last
 
     def build(self) -> None:
         """Make the figure."""
@@ -184,24 +185,26 @@ class LegBars(LineChart):
         signs = f.text(
             "x", "y", "text", source=self.sources["signs"], text_align="center", y_offset=-2, **text_style(11)
         )
-        self.palette.paint(signs.glyph, text_color="ink2")
+        self.palette.paint(signs.glyph, text_color=SHARING_TOKENS["optimum"])
         if self.last:
             f.xaxis.axis_label = "Distance, m"
 
     def draw(self, runs: LineRuns, width_px: float) -> None:
         """Draw the bars."""
-        low, high = 0.0, 0.0
-        for place, sharing in enumerate(SHARING_TOKENS):
-            left, right, top = bar_columns(runs.runs[sharing], place, self.value)
+        bars = [bar_columns(runs.runs[sharing], place, self.value) for place, sharing in enumerate(SHARING_TOKENS)]
+        for sharing, (left, right, top) in zip(SHARING_TOKENS, bars, strict=True):
             self.sources[sharing].data = columns(left=left, right=right, top=top)
-            low, high = min(low, float(top.min())), max(high, float(top.max()))
+        tallest = np.max([top for *_, top in bars], axis=0)
+        low, high = min(0.0, *(float(top.min()) for *_, top in bars)), max(0.0, float(tallest.max()))
         self.set_range(*nice_range(low, high, 0.16) if low < 0 else (0.0, 1.22 * max(high, 1e-9)))
         self.draw_stations(runs.best.legs)
-        left, right, top = bar_columns(runs.best, 0, self.value)
-        fits = (right - left) / runs.best.run.distance_m * width_px > (2 + 0.6 * self.value_digits) * WORD_PX
+        (left, _, top), *_, (_, right, _) = bars
+        texts = [self.show_value(value) for value in top]
+        needed = np.array([0.8 + 0.6 * len(text) for text in texts]) * WORD_PX
+        fits = (right - left) / runs.best.run.distance_m * width_px > needed
         self.sources["signs"].data = {
-            **xy((0.5 * (left + right))[fits], np.maximum(top, 0.0)[fits]),
-            "text": [words.number(value, self.value_digits) for value in top[fits]],
+            **xy((0.5 * (left + right))[fits], np.maximum(tallest, 0.0)[fits]),
+            "text": [text for text, fit in zip(texts, fits, strict=True) if fit],
         }
 
 

@@ -5,6 +5,7 @@ from bokeh.models import ColumnDataSource, ContourRenderer, LinearColorMapper, R
 from bokeh.plotting.contour import contour_data
 
 from railjoule.core.arrays import FloatArray
+from railjoule.core.energy import share_above
 from railjoule.core.studies.motor_map import MotorMap, OperatingPoints
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
@@ -25,6 +26,8 @@ MAP_WORDS = {"drive": "motor and inverter", "motor": "the motor alone"}
 
 class MotorMapChart(Chart):
     """Efficiency over speed and torque of one motor, with the run's cells as points."""
+
+    kind = "map"
 
     def __init__(self, height: int, palette: Palette, name: str = "motor_map") -> None:
         super().__init__(name, "Efficiency, %, over torque and speed of one motor; points: the run", height)
@@ -167,8 +170,8 @@ def storage_table(storage: StorageCurve) -> str:
 
     def row(name: str, energy: float, strong: bool = False) -> tuple[tuple[str, ...], bool]:
         saved = chosen.with_resistors_kwh - energy
-        share = 100 * saved / chosen.with_resistors_kwh if chosen.with_resistors_kwh > 0 else 0.0
-        return (name, words.energy(energy), words.energy(saved), words.number(share)), strong
+        share = -share_above(energy, chosen.with_resistors_kwh)
+        return (name, words.energy(energy), words.energy(saved), words.share(share)), strong
 
     rows = [
         row("Resistors", chosen.with_resistors_kwh),

@@ -8,6 +8,7 @@ import numpy as np
 from bokeh.models import ColumnDataSource, Range1d
 
 from railjoule.core.arrays import FloatArray
+from railjoule.core.energy import share_above
 from railjoule.core.simulate.field_oriented import FieldOrientedRun, Ripple
 from railjoule.core.studies.detuning import DetuningTable
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
@@ -355,7 +356,7 @@ def detuning_cost(table: DetuningTable) -> tuple[FloatArray, FloatArray]:
     right = table.energy_kwh[np.argmin(np.abs(factors - 1))]
     known = np.flatnonzero(np.isfinite(table.energy_kwh) & np.isfinite(right))
     known = known[np.argsort(factors[known])]
-    return factors[known], 100 * (table.energy_kwh[known] / right - 1)
+    return factors[known], 100 * share_above(table.energy_kwh[known], float(right))
 
 
 def detuning_table(table: DetuningTable) -> str:
@@ -365,7 +366,7 @@ def detuning_table(table: DetuningTable) -> str:
         k = table.rotor_resistance_factors.index(factor)
         cells = (
             f"{words.number(factor, 2)} \u00d7",
-            words.signed(more, 2),
+            words.share_difference(more / 100),
             words.number(table.max_current_a[k], 0),
             words.number(table.max_phase_voltage_v[k], 0),
             " ".join(length(table.max_tracking_error_m[k])),

@@ -8,17 +8,16 @@ from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+from panel.viewable import Viewable
 
 from railjoule.core.validation import COMPARISONS, Erratum, Row, Table
 from railjoule.core.validation.papers import citation, printed_numbers
-from railjoule.dashboard.browser import Browser
-from railjoule.dashboard.look import words
-from railjoule.dashboard.look.paint import Palette
+from railjoule.core.validation.table import CLOSE_PERCENT
+from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.theme import parts_css
-from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import PaperTables
 from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.failures import failure_words
+from railjoule.dashboard.views.page import PageView
 
 FILES = {
     "ftorek": "ftorek-2025",
@@ -28,10 +27,20 @@ FILES = {
 }
 """What holds the printed numbers of each paper."""
 AUTHORS = {"ftorek": "Ftorek", "liashenko": "Liashenko", "rawicki": "Rawicki", "shtompel": "Shtompel"}
-WARM_PERCENT = 1.0
-"""A difference beyond this stands in warm."""
-SAME_PERCENT = 0.05
-COLUMNS = ("table", "place", "case", "quantity", "unit", "printed", "ours", "difference_percent", "note")
+SAME_PERCENT, MUCH_PERCENT = 0.05, 10.0
+"""Differences below the first are none, beyond the second much: in percent, of percentages in percentage points."""
+COLUMNS = (
+    "table",
+    "place",
+    "case",
+    "quantity",
+    "unit",
+    "printed",
+    "ours",
+    "difference_percent",
+    "difference_points",
+    "note",
+)
 PAPER_CSS = ":host { border-top: 1px solid var(--rj-line); padding: 12px 20px 14px; } " + (
     "@media (max-width: 899px) { :host { padding: 10px 14px; } }"
 )
@@ -50,12 +59,14 @@ ol { margin: 4px 0 0; padding-left: 22px; font-size: 12px; color: var(--rj-ink2)
 SMALL: dict[str, Any] = {"size": "small", "margin": (6, 8, 4, 0)}
 
 
-class PapersView:
+class PapersView(PageView):
     """The page of validation tables."""
 
-    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
-        self.model = state.papers
-        self.message = parts.html_pane(visible=False)
+    page = "Papers"
+
+    def make(self) -> Viewable:
+        """Make the pieces of the page, and return them laid out."""
+        self.model = self.state.papers
         self.progress_words = parts.html_pane()
         self.progress = pmui.LinearProgress(value=0, width=320, height=4, margin=(10, 8))
         self.stop = pmui.Button(
@@ -72,29 +83,22 @@ class PapersView:
             self.progress, self.stop, self.progress_words, align_items="center", margin=0, visible=False
         )
         bar = parts.stack(self.all, self.busy, styles={"padding": "0 20px 8px"})
-        self.view = parts.stack(heading, self.message, bar, *(section.view for section in self.sections.values()))
-        self.model.param.watch(self._show, ["results", "asked", "failure"])
-        self._show()
-
-    def redraw(self) -> None:
-        """Draw everything again, as after a change of theme: the style sheet does it."""
+        self.shows(self._show, (self.model, ["results", "asked", "failure"]))
+        return parts.stack(heading, self.message, bar, *(section.view for section in self.sections.values()))
 
     def _ask(self, names: tuple[str, ...], *_: Any) -> None:
         self.model.compare = list(names)
 
-    def _show(self, *_: Any) -> None:
+    def _show(self) -> None:
         model = self.model
-        with pn.io.hold():
-            self.message.visible = model.failure is not None
-            if model.failure is not None:
-                self.message.object = parts.failure(*failure_words(model.failure), "")
-            busy = bool(model.asked)
-            self.busy.visible = busy
-            self.all.disabled = busy
-            if busy:
-                self._tell_progress()
-            for name, section in self.sections.items():
-                section.show(model.results.get(name), busy)
+        self.tell(model.failure, "")
+        busy = bool(model.asked)
+        self.busy.visible = busy
+        self.all.disabled = busy
+        if busy:
+            self._tell_progress()
+        for name, section in self.sections.items():
+            section.show(model.results.get(name), busy)
 
     def _tell_progress(self) -> None:
         asked = self.model.asked
@@ -153,8 +157,9 @@ def tables_csv(tables: tuple[Table, ...]) -> str:
     writer.writerow(COLUMNS)
     for table in tables:
         for row in table.rows:
-            cells = (row.case, row.quantity, row.unit, row.printed, row.ours, row.difference_percent, row.note)
-            writer.writerow((table.title, table.place, *cells))
+            cells = (row.case, row.quantity, row.unit, row.printed, row.ours)
+            differences = row.difference_percent, row.difference_points
+            writer.writerow((table.title, table.place, *cells, *differences, row.note))
     return file.getvalue()
 
 
@@ -183,11 +188,10 @@ def table_html(table: Table, opened: bool) -> str:
 
 
 def row_cells(row: Row, notes: list[str]) -> tuple[str, ...]:
-    """Return the cells of a row; a difference beyond 1 % in warm."""
-    difference = row.difference_percent
-    share = "" if difference is None else f"{words.signed(difference, 2)} %"
-    if difference is not None and abs(difference) > WARM_PERCENT:
-        share = f'<span class="open">{share}</span>'
+    """Return the cells of a row; a difference that is not close in warm."""
+    difference = comparisons.printed_difference(row.difference_percent, row.difference_points)
+    if difference and not row.is_close:
+        difference = f'<span class="open">{difference}</span>'
     unit = f" [{parts.escaped(row.unit)}]" if row.unit else ""
     mark = f"({notes.index(row.note) + 1})" if row.note else ""
     return (
@@ -195,7 +199,7 @@ def row_cells(row: Row, notes: list[str]) -> tuple[str, ...]:
         f"{parts.escaped(row.quantity)}{unit}",
         "\u2013" if row.printed is None else words.number(row.printed, words.decimals(row.printed)),
         words.number(row.ours, words.decimals(row.printed) + 1),
-        share,
+        difference,
         difference_words(row),
         mark,
     )
@@ -203,7 +207,7 @@ def row_cells(row: Row, notes: list[str]) -> tuple[str, ...]:
 
 def difference_words(row: Row) -> str:
     """Return a difference in words."""
-    difference = row.difference_percent
+    difference = row.difference
     if row.printed is None:
         return "none printed"
     if difference is None:
@@ -213,17 +217,20 @@ def difference_words(row: Row) -> str:
     side = "larger" if abs(row.ours) > abs(row.printed) else "smaller"
     if row.ours * row.printed < 0:
         return "of the other sign"
-    size = "a little" if abs(difference) <= WARM_PERCENT else "" if abs(difference) <= 10 * WARM_PERCENT else "much"
+    size = "a little" if row.is_close else "" if abs(difference) <= MUCH_PERCENT else "much"
     return f"{size} {side}".strip()
 
 
 def summary_words(table: Table) -> str:
-    """Return how many rows lie how close to the print."""
-    differences = [abs(row.difference_percent) for row in table.rows if row.difference_percent is not None]
-    if not differences:
+    """Return how many rows lie how close to the print, and by which measure."""
+    compared = [row for row in table.rows if row.difference is not None]
+    if not compared:
         return f"{len(table.rows)} rows, nothing to compare with"
-    close = sum(difference <= WARM_PERCENT for difference in differences)
-    return f"{close} of {len(differences)} within 1 %"
+    percentages = sum(row.is_percentage for row in compared)
+    within = f"{CLOSE_PERCENT:g} percentage point" if percentages == len(compared) else f"{CLOSE_PERCENT:g} %"
+    if 0 < percentages < len(compared):
+        within += f", percentages within {CLOSE_PERCENT:g} percentage point"
+    return f"{sum(row.is_close for row in compared)} of {len(compared)} within {within}"
 
 
 def errata_html(errata: tuple[Erratum, ...]) -> str:

@@ -3,20 +3,27 @@
 import html
 import re
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import panel as pn
+from bokeh.document import Document
 from bokeh.model import Model
+from bokeh.models import InlineStyleSheet
 
-from railjoule.core import Trajectory
-from railjoule.core.strategies.optimal import PROVEN_GAP
+from railjoule.core import Phase, Trajectory
+from railjoule.core.advice import AT_REST_MS
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
-from railjoule.dashboard.look import words
+from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.look.tokens import DASHES, PIN_DASHES, line_width
 from railjoule.dashboard.models.pins import Pin
 from railjoule.dashboard.store import Runs
 
+SAME_STOP_M = 0.5
+MOST_IN_SIGHT = 10
+"""So many instructions stand above the charts; more are scrolled."""
 LOSS_WORDS = {
     "drive": "Drive losses",
     "copper": "Copper loss",
@@ -27,8 +34,22 @@ LOSS_WORDS = {
 }
 
 
+SHEETS: WeakKeyDictionary[Document, dict[str, InlineStyleSheet]] = WeakKeyDictionary()
+"""Style sheets of each document: there are hundreds of panes, and it is sent each sheet once."""
+
+
 class Words(pn.pane.HTML):
     """HTML that changes often: only the new text goes to the browser, not every property of the pane anew."""
+
+    def _get_properties(self, doc: Document | None) -> dict[str, Any]:
+        properties: dict[str, Any] = super()._get_properties(doc)
+        if doc is not None and "stylesheets" in properties:
+            known = SHEETS.setdefault(doc, {})
+            properties["stylesheets"] = [
+                known.setdefault(sheet, InlineStyleSheet(css=sheet)) if isinstance(sheet, str) else sheet
+                for sheet in properties["stylesheets"]
+            ]
+        return properties
 
     def _update(self, ref: str, model: Model) -> None:
         model.text = self._transform_object(self.object)["object"]
@@ -75,10 +96,21 @@ def failure(what: str, why: str, shown: str) -> str:
     return f'<div class="message" role="alert"><b>{html.escape(what)}</b> {rest}</div>'
 
 
-def figure(label: str, value: str, unit: str, detail: str, kind: str = "") -> str:
-    """Return one number with its label and what it means, as HTML; a kind is `main` or `extra`."""
+def refusal(sentence: str) -> str:
+    """Return the message about what was not taken; what it is about comes first, up to a colon."""
+    about, colon, rest = sentence.partition(": ")
+    bold, plain = (f"{about}{colon}", rest) if colon else (sentence, "")
+    return f'<div class="message" role="alert"><b>{html.escape(bold)}</b>{html.escape(plain)}</div>'
+
+
+def figure(label: str, value: str, unit: str, detail: str, kind: str = "", whole: str = "") -> str:
+    """Return one number with its label and what it means, as HTML.
+
+    A kind is `main` or `extra`; `whole` is a sentence that a resting mouse shows where there is no room for it.
+    """
+    title = f' title="{html.escape(whole)}"' if whole else ""
     return (
-        f'<div class="figure {kind}"><div class="label">{label}</div>'
+        f'<div class="figure {kind}"{title}><div class="label">{label}</div>'
         f'<div class="value">{value}<span>{unit}</span></div><div class="detail">{detail}</div></div>'
     )
 
@@ -88,72 +120,75 @@ def figures(cells: Iterable[str], stale: bool = False) -> str:
     return f'<div class="{"stale" if stale else ""}"><div class="figures" role="status">{"".join(cells)}</div></div>'
 
 
-def change(now: float, before: float, decimals: int = 1) -> str:
-    """Return by how much a quantity that should be small has changed, as HTML."""
-    if before <= 0:
-        return f"pinned {words.energy(before)}"
-    share = 100 * (now / before - 1)
-    if abs(share) < 0.5 * 10**-decimals:
+def change(now: float, before: float) -> str:
+    """Return by how much an energy [kWh] has changed against the pinned one, as HTML."""
+    amount = comparisons.above(now, before)
+    if amount.is_none:
         return f"as pinned, {words.energy(before)}"
-    sign, kind = ("\u25bc", "better") if share < 0 else ("\u25b2", "worse")
-    amount = words.number(abs(share), decimals)
-    return f'<span class="{kind}">{sign} {amount} %</span> against pinned {words.energy(before)}'
+    sign, kind = ("\u25bc", "better") if amount.is_less else ("\u25b2", "worse")
+    return f'<span class="{kind}">{sign} {amount.size} {amount.unit}</span> against pinned {words.energy(before)}'
 
 
 def proof_figure(run: Trajectory) -> str:
-    """Return how far a run is from the proven optimum."""
-    gap = run.gap
-    if gap is None:
-        return figure("Above the optimum", "\u2013", "", "no bound is known")
-    if run.strategy == "optimal":
-        if gap <= PROVEN_GAP:
-            return figure("Above the optimum", "0.00", "%", '<span class="proven">\u2713 proven</span>')
-        detail = f'<span class="open">\u25d0 bound only</span> {words.energy(run.lower_bound_kwh or 0)} kWh'
-        return figure("Above the bound", f"\u2264 {words.number(100 * gap, 2)}", "%", detail)
-    detail = f"optimum {words.energy(run.lower_bound_kwh or 0)} kWh"
-    return figure("Above the optimum", words.number(100 * gap, 1 if gap > 0.01 else 2), "%", detail)
+    """Return how far a run is from the best known one, or from its bound where it is that one and not proven."""
+    amount, reference = comparisons.above_reference(run), run.reference
+    if amount is not None and reference is not None and not comparisons.is_reference(run):
+        label = "Above the optimum" if reference.proven else "Above best known"
+        told = comparisons.reference_words(reference, run.scenario.travel_time_s)
+        return figure(label, *amount, comparisons.reference_detail(run), whole=f"{amount.sentence} the {told}")
+    if run.is_proven:
+        return figure("Above the optimum", *comparisons.NOTHING, '<span class="proven">\u2713 proven</span>')
+    amount = comparisons.above_own_bound(run)
+    if amount is None:
+        return figure("Above the bound", words.UNKNOWN, "", "no bound is known")
+    detail = f'<span class="open">\u25d0 bound</span> {words.energy(run.lower_bound_kwh or 0.0)} kWh'
+    return figure("Above the bound", *amount, detail, whole="Not proven: it may be this far above the optimum at most")
 
 
-def price_figure(run: Trajectory, price_w: float | None) -> str:
-    """Return the price of a second at the optimum."""
-    if price_w is None:
-        return figure("Price of a second", "\u2013", "", "")
-    share = 100 * price_w / max(run.energy.net_j, 1.0)
-    return figure(
-        "Price of a second",
-        words.price(price_w),
-        "Wh/s",
-        f"1 s later: {words.signed(-share, 1 if share >= 1 else 2)} %",
-    )
+def price_figure(run: Trajectory, optimum: Trajectory) -> str:
+    """Return the price of a second: that of the run, or where its strategy tells none, that of the optimum."""
+    priced, whole = (run, "") if run.price_of_time_w is not None else (optimum, "That of the optimum")
+    price = priced.price_of_time_w
+    if price is None:
+        return figure("Price of a second", words.UNKNOWN, "", "")
+    saved = comparisons.above(priced.energy_kwh - price / J_PER_KWH, priced.energy_kwh)
+    return figure("Price of a second", words.price(price), "Wh/s", f"1 s later: {saved}", whole=whole)
 
 
 def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: bool) -> str:
     """Return the numbers of Drive."""
     energy = run.energy
-    main = change(run.energy_kwh, pinned.energy_kwh) if pinned else f"for {words.number(run.travel_time_s)} s"
-    slack = run.travel_time_s - runs.shortest_time_s
+    waiting = comparisons.waiting_of(run) and f": {comparisons.waiting_of(run)}"
+    main = change(run.energy_kwh, pinned.energy_kwh) if pinned else f"for {words.time(run.travel_time_s)} s{waiting}"
+    slack = f"{words.time(run.travel_time_s - runs.shortest_time_s)} s of slack"
     mean = run.distance_m / run.travel_time_s / MS_PER_KMH
-    share = 100 * energy.recuperated_j / energy.traction_j if energy.traction_j > 0 else 0.0
+    share = f"{words.share(energy.recuperated_j / energy.traction_j)} % of traction" if energy.traction_j > 0 else ""
     mass = run.scenario.vehicle.total_mass_kg / 1000
     per_tonne = energy.net_j / (J_PER_KWH / 1000) / mass / (run.distance_m / 1000)
     return figures(
         [
             figure("Energy at the line", words.energy(run.energy_kwh), "kWh", main, kind="main"),
             proof_figure(run),
-            price_figure(runs.best, runs.best.price_of_time_w),
-            figure("Travel time", words.number(run.travel_time_s), "s", f"{words.number(slack)} s of slack"),
+            price_figure(run, runs.best),
+            figure(
+                "Travel time",
+                words.time(run.travel_time_s),
+                "s",
+                comparisons.time_asked(run) or slack,
+                whole=comparisons.other_time_of(run),
+            ),
             figure("Highest speed", words.number(run.max_speed_kmh), "km/h", f"mean {words.number(mean)}"),
             figure(
                 "Recuperated",
                 words.energy(energy.recuperated_j / J_PER_KWH),
                 "kWh",
-                f"{words.number(share, 0)} % of traction",
+                share,
             ),
             figure(
                 "Per tonne and km",
                 words.number(per_tonne),
                 "Wh",
-                f"{words.number(mass, 0)} t, {words.number(run.distance_m / 1000)} km",
+                f"{words.number(mass, 0)} t, {words.distance(run.distance_m)} km",
                 kind="extra",
             ),
         ],
@@ -162,14 +197,21 @@ def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: b
 
 
 def advice(run: Trajectory, stale: bool) -> str:
-    """Return the phases of a run as advice to the driver, with buttons that copy and print it."""
-    items = []
-    for number, phase in enumerate(run.phases, 1):
-        text = words.advice_words(phase)
-        if number == 1:
-            text = text[0].upper() + text[1:]
-        items.append(f"<li><b>{number}</b>{text}</li>")
-    title = html.escape(f"{run.scenario.title or 'Run'}: {words.number(run.travel_time_s)} s")
+    """Return the advice to the driver, by legs where it stops on the way, with buttons that copy and print it."""
+    departures = [k for k, phase in enumerate(run.phases) if k == 0 or _departs(phase)]
+    stops = [*(run.phases[k].start_m for k in departures), run.phases[-1].end_m]
+    # a leg's name tells where it starts and stops
+    texts = list(words.advice_in_words(run.advice, named=stops if len(departures) > 1 else ()))
+    texts[0] = texts[0][0].upper() + texts[0][1:]
+    items = [f'<li class="told"><b>{number}</b>{text}</li>' for number, text in enumerate(texts, 1)]
+    if len(departures) > 1:
+        borders = pairwise([*departures, len(items)])
+        items = [_leg(run, ends, items[first:end]) for ends, (first, end) in zip(pairwise(stops), borders, strict=True)]
+    if len(texts) > MOST_IN_SIGHT:
+        # what is scrolled must be so by the keyboard too
+        kind = "many legs" if len(departures) > 1 else "many"
+        items = [f'<li><ol class="{kind}" tabindex="0" aria-label="All instructions">{"".join(items)}</ol></li>']
+    title = html.escape(f"{run.scenario.title or 'Run'}: {words.time(run.travel_time_s)} s")
     tools = "".join(
         f'<button type="button" class="save" data-act="{what.lower()}" aria-label="{what} the advice">{what}</button>'
         for what in ("Copy", "Print")
@@ -179,6 +221,22 @@ def advice(run: Trajectory, stale: bool) -> str:
         f'<div class="card" data-title="{title}"><ol class="{kind}" aria-label="Driver\u2019s advice">'
         f'{"".join(items)}<li class="buttons">{tools}</li></ol></div>'
     )
+
+
+def _departs(phase: Phase) -> bool:
+    """Return whether a phase begins at rest, and drives on."""
+    return phase.start_ms <= AT_REST_MS and phase.phase != "stand"
+
+
+def _leg(run: Trajectory, ends_m: tuple[float, float], items: Sequence[str]) -> str:
+    """Return the instructions of a leg between two stops [m] beside their names."""
+    stations = run.scenario.line.in_running_order().stations
+    names = []
+    for place in ends_m:
+        near = [station.name for station in stations if abs(station.position_m - place) < SAME_STOP_M]
+        names.append((near and near[0]) or f"{words.number(place, 0)} m")
+    way = escaped(" \u2013 ".join(names))
+    return f'<li class="leg"><span class="way">{way}</span><ol>{"".join(items)}</ol></li>'
 
 
 def account(run: Trajectory) -> str:
@@ -202,7 +260,7 @@ def account(run: Trajectory) -> str:
     def bar(word: str, start: float, length: float, colour: str, strong: bool = False) -> str:
         left, width = 100 * min(start, start + length) / scale, 100 * abs(length) / scale
         name = f"<b>{word}</b>" if strong else word
-        amount = words.number(length / J_PER_KWH, 2)
+        amount = words.energy(length / J_PER_KWH)
         return (
             f'<span>{name}</span><span class="track"><i style="left:{max(left, 0):.2f}%;width:{max(width, 0.4):.2f}%;'
             f'background:{colour}"></i></span><span class="amount">{f"<b>{amount}</b>" if strong else amount}</span>'
@@ -222,8 +280,8 @@ def account(run: Trajectory) -> str:
     for word, joules in uses:
         rows.append(bar(word, place, joules, neutral))
         place += joules
-    given = " + ".join(words.number(j / J_PER_KWH, 2) for j in (energy.net_j, *(joules for _, joules in gains)))
-    used = words.number(sum(joules for _, joules in uses) / J_PER_KWH, 2)
+    given = " + ".join(words.energy(j / J_PER_KWH) for j in (energy.net_j, *(joules for _, joules in gains)))
+    used = words.energy(sum(joules for _, joules in uses) / J_PER_KWH)
     closes = f"The account closes: {given} = {used} kWh." if gains else f"The account closes at {used} kWh."
     bars = f'<div class="flow">{"".join(rows)}</div><p class="note">{closes}</p>'
     return f'<div class="block"><h2>Where the energy goes, kWh</h2>{bars}</div>'
@@ -250,41 +308,50 @@ def table(title: str, header: Sequence[str], rows: Iterable[tuple[Sequence[str],
 def runs_table(runs: Runs, chosen: str, pins: Sequence[Pin] = ()) -> str:
     """Return all runs of the scenario and the pinned ones, side by side; the last one pinned is the reference."""
     pinned = pins[-1].trajectory if pins else None
-    reference = pinned.energy_kwh if pinned else runs.best.energy_kwh
     rows = []
     for name, run in runs.runs.items():
-        word = words.STRATEGY_WORDS[name]
-        rows.append(((f"{swatch(name)}{word}", *_run_cells(run, reference)), name == chosen))
+        rows.append(((f"{swatch(name)}{words.strategy(name)}", *_run_cells(run, pinned)), name == chosen))
     for pin in reversed(pins):
         line = swatch("pinned") if pin is pins[-1] else '<svg width="22" height="8" aria-hidden="true"></svg>'
-        rows.append(((f"{line}Pinned: {escaped(pin.name)}", *_run_cells(pin.trajectory, reference)), False))
-    against = "to pinned, %" if pinned else "above, %"
-    return table("Runs", ("Run", "kWh", against, "s", "km/h"), rows)
+        rows.append(((f"{line}Pinned: {escaped(pin.name)}", *_run_cells(pin.trajectory, pinned)), False))
+    head = ("Run", "kWh", "to pinned, %" if pinned else "above, %", "s", "km/h")
+    noun = comparisons.reference_noun(runs.is_proven)
+    above = "" if pinned else f'<p class="note">Above the {noun} in the same time.</p>'
+    return f"<div>{table('Runs', head, rows)}{above}{other_times(runs.runs.values())}</div>"
 
 
-def _run_cells(run: Trajectory, reference: float) -> tuple[str, str, str, str]:
-    share = 100 * (run.energy_kwh / reference - 1) if reference > 0 else 0.0
+def _run_cells(run: Trajectory, pinned: Trajectory | None) -> tuple[str, str, str, str]:
+    amount = comparisons.above(run.energy_kwh, pinned.energy_kwh) if pinned else comparisons.above_reference(run)
     return (
         words.energy(run.energy_kwh),
-        words.signed(share) if abs(share) >= 0.05 else "0",
-        words.number(run.travel_time_s),
-        words.number(run.max_speed_kmh, 0),
+        comparisons.cell(amount),
+        words.time(run.travel_time_s),
+        words.number(run.max_speed_kmh),
     )
 
 
+def other_times(runs: Iterable[Trajectory]) -> str:
+    """Return which runs take another time than asked, as notes to a table."""
+    told = ((words.strategy(run.strategy), comparisons.other_time_of(run)) for run in runs)
+    return "".join(f'<p class="note">{name}: {sentence}.</p>' for name, sentence in told if sentence)
+
+
 def phase_table(run: Trajectory) -> str:
-    """Return the phases of a run as a table."""
+    """Return the phases of a run as a table: where the driver begins and what he aims at, time and energy."""
     rows = []
-    for number, phase in enumerate(run.phases, 1):
+    for number, (phase, told) in enumerate(zip(run.phases, run.advice, strict=True), 1):
         patch = f'<span class="patch" style="background:var(--rj-{phase.phase.replace("_", "-")})"></span>'
         cells = (
             f"{patch}{number} {words.PHASE_WORDS[phase.phase]}",
-            words.number(phase.start_m, 0),
+            words.number(told.from_m, 0),
             words.number(phase.end_s - phase.start_s),
-            words.speed(phase.end_ms),
-            words.number(phase.energy_j / J_PER_KWH, 2),
+            words.speed(phase.end_ms) if told.to_kmh is None else words.tenths(told.to_kmh),
+            words.energy(phase.energy_j / J_PER_KWH),
         )
         rows.append((cells, False))
+    if run.energy.auxiliary_j > 0:
+        # the phases' energies and this make the net energy
+        rows.append((("Auxiliaries", "", "", "", words.energy(run.energy.auxiliary_j / J_PER_KWH)), False))
     return table("Phases", ("Phase", "from, m", "s", "to, km/h", "kWh"), rows)
 
 

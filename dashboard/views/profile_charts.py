@@ -149,8 +149,10 @@ class ProfileChart(DistanceChart):
             self._drop([float(x) for x in new["x"]], [float(y) for y in new["y"]])
 
     def draw(self, line: Line) -> None:
-        """Draw the line as its file describes it, not as it is run."""
+        """Draw the line as its file describes it, not as it is run; heights count from where the run starts."""
         x, y = section_borders(line), height_profile(line)
+        if line.reverse:
+            y = y - y[-1]
         relief = max(float(np.ptp(y)), LEAST_RELIEF * float(x[-1]))
         low, high = float(y.min()) - ROOM_SHARE * relief, float(y.max()) + ROOM_SHARE * relief
         self.set_range(low, high)

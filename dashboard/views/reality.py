@@ -8,7 +8,7 @@ import panel_material_ui as pmui
 from railjoule.dashboard.look import words
 from railjoule.dashboard.models.robustness import FULL_RUNS
 from railjoule.dashboard.models.workbench import Workbench
-from railjoule.dashboard.views.fields import NumberField, TypedNumber, tie
+from railjoule.dashboard.views.fields import CrushLoad, NumberField, TypedNumber, tie
 from railjoule.dashboard.views.parts import html_pane, stack
 
 
@@ -20,6 +20,7 @@ class RealityFields:
         self.load = NumberField(
             model, "actual_load_percent", "Actual load, % of capacity", step=1, digits=0, unit="%", ends=(0, 100)
         )
+        self.crush = CrushLoad(self.load)
         self.place = NumberField(
             model, "coordinate_error_m", "Coordinate error, m", step=1, digits=0, unit="m", ends=(-25, 25)
         )
@@ -68,6 +69,7 @@ class RealityFields:
         self.view = stack(
             html_pane('<div class="section">Reality <span>\u00b7 the framed cell</span></div>'),
             self.load.view,
+            self.crush.view,
             self.place.view,
             self.speed.view,
             html_pane('<div class="section">Braking sensors <span>\u00b7 metres before the stop</span></div>'),
@@ -80,7 +82,12 @@ class RealityFields:
             html_pane('<hr class="rule">'),
         )
         tie(self.braking, model, "target_braking")
+        model.param.watch(self._move_load, "most_load_percent")
+        self._move_load()
         model.param.watch(self._show_progress, ["chance", "drawing"])
+
+    def _move_load(self, *_: Any) -> None:
+        self.load.set_ends((0, self.state.robustness.most_load_percent))
 
     def _show_progress(self, *_: Any) -> None:
         model = self.state.robustness

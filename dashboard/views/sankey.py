@@ -63,11 +63,13 @@ def links_of(flow: EnergyFlow) -> tuple[Link, ...]:
 
 def kwh(joules: float) -> str:
     """Return an energy [J] in kWh as it stands at a ribbon."""
-    return words.number(joules / J_PER_KWH, 2)
+    return words.energy(joules / J_PER_KWH)
 
 
 class SankeyChart(Chart):
     """The flow of a run's energy, drawn as SVG within the page."""
+
+    kind = "bars"
 
     def __init__(self, height: int, palette: Palette) -> None:
         super().__init__("sankey", "Energy from the line to losses and back, kWh", height)

@@ -11,7 +11,7 @@ from railjoule.core import RailjouleError
 from railjoule.dashboard.keeping import Keeping
 from railjoule.dashboard.models.recipes import Recipe, as_command, as_python, as_toml, recipe_of
 from railjoule.dashboard.models.workbench import Workbench
-from railjoule.dashboard.views.parts import html_pane, stack
+from railjoule.dashboard.views.parts import html_pane, refusal, stack
 
 COPIED = {
     True: "Copied.",
@@ -111,7 +111,7 @@ class Share:
     def _tell(self, *_: Any) -> None:
         text = self.state.notice
         self.message.visible = bool(text)
-        self.notice.object = f'<div class="message info" role="alert">{html.escape(text)}</div>' if text else ""
+        self.notice.object = refusal(text) if text else ""
 
 
 def file_name(title: str) -> str:

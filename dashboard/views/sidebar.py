@@ -2,30 +2,33 @@
 
 import html
 from collections.abc import Callable, Mapping
+from functools import cache
 from typing import Any, Protocol
 
 import panel as pn
 import panel_material_ui as pmui
 from panel.viewable import Viewable
 
-from railjoule.core import RailjouleError, ScenarioError
 from railjoule.core.scenario import StrategyName, load_scenario, preset_names
-from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES
 from railjoule.core.strategies import STRATEGIES
 from railjoule.core.strategies.enoc import best_acceleration_time
-from railjoule.dashboard.look import words
-from railjoule.dashboard.models.dropped import scenario_text
+from railjoule.dashboard.keeping import Keeping
+from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.messages import added_to, unfrozen
+from railjoule.dashboard.models.dropped import LARGEST_REPORT_BYTES, NO_TEXT, TOO_LARGE
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import Runs
 from railjoule.dashboard.views.changes import Changes
 from railjoule.dashboard.views.events import EventFields
-from railjoule.dashboard.views.fields import NumberField
+from railjoule.dashboard.views.fields import CrushLoad, NumberField
 from railjoule.dashboard.views.motor_fields import MotorFields
 from railjoule.dashboard.views.parts import Words, html_pane, swatch
 from railjoule.dashboard.views.reality import RealityFields
 from railjoule.dashboard.views.sections import SectionFields
 
+FIELDS_AFTER_MS = 200
 FROM_FILE = "from a file"
+NOT_SHOWN = "These fields could not be shown: the program made an error, which the server\u2019s log describes."
 HIDE_LABEL_CSS = """
 .MuiFormControlLabel-label { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
 """
@@ -54,8 +57,8 @@ class ScenarioFile(pmui.FileInput):
 class Sidebar:
     """The scenario beside every page."""
 
-    def __init__(self, state: Workbench) -> None:
-        self.state = state
+    def __init__(self, state: Workbench, keeping: Keeping) -> None:
+        self.state, self.keeping = state, keeping
         scenario = state.scenario
         self.preset = pmui.Select(
             label="Scenario",
@@ -66,10 +69,9 @@ class Sidebar:
             sizing_mode="stretch_width",
         )
         self.file = ScenarioFile(
-            refuse=self._refuse_file,
+            refuse=lambda: keeping.refuse_file("The file", TOO_LARGE),
             label="Open a scenario file",
-            accept=".toml,.html",
-            max_file_size=LARGEST_FILE_BYTES,
+            max_file_size=LARGEST_REPORT_BYTES,
             icon="folder_open",
             variant="text",
             size="small",
@@ -82,13 +84,21 @@ class Sidebar:
             size="small",
             margin=(2, 8, 0, 8),
             on_click=lambda _: setattr(state.editor, "open", not state.editor.open),
+            css_classes=["rj-edit"],
         )
         self.travel_time = NumberField(
             scenario, "travel_time_s", "Travel time, s", step=0.5, digits=1, unit="s", ends=scenario.travel_time_range_s
         )
         self.load = NumberField(
-            scenario, "load_percent", "Load, % of capacity", step=1, digits=0, unit="%", ends=(0, 100)
+            scenario,
+            "load_percent",
+            "Load, % of capacity",
+            step=1,
+            digits=0,
+            unit="%",
+            ends=(0, scenario.most_load_percent),
         )
+        self.crush = CrushLoad(self.load)
         self.recuperation = NumberField(
             scenario, "recuperation_percent", "Recuperation, %", step=1, digits=0, unit="%", ends=(0, 100)
         )
@@ -107,6 +117,7 @@ class Sidebar:
             self.shortest,
             self.vehicle,
             self.load.view,
+            self.crush.view,
             self.recuperation.view,
             *own,
             self.line,
@@ -125,6 +136,7 @@ class Sidebar:
             self._describe, ["preset", "opened", "edits", "load_percent", "travel_time_s", "recuperation_percent"]
         )
         scenario.param.watch(self._move_ends, "travel_time_range_s")
+        scenario.param.watch(self._move_load, ["preset", "opened", "edits"])
         state.param.watch(self._show_runs, "runs")
         self._describe()
 
@@ -135,14 +147,11 @@ class Sidebar:
     def _open(self, event: Any) -> None:
         if event.new is None:
             return
+        name = str(self.file.filename)
         try:
-            name = str(self.file.filename)
-            self.state.scenario.open(scenario_text(decoded(event.new, name), name), name)
-        except RailjouleError as error:
-            self.state.failure = error
-
-    def _refuse_file(self) -> None:
-        self.state.failure = ScenarioError(f"The file is larger than the {LARGEST_FILE_BYTES / 1e6:g} MB allowed.")
+            self.keeping.open_file(name, event.new.decode("utf-8"))
+        except UnicodeDecodeError:
+            self.keeping.refuse_file(name, NO_TEXT)
 
     def _name_scenario(self, *_: Any) -> None:
         """Show in the list which scenario this is."""
@@ -154,6 +163,9 @@ class Sidebar:
 
     def _move_ends(self, *_: Any) -> None:
         self.travel_time.set_ends(self.state.scenario.travel_time_range_s)
+
+    def _move_load(self, *_: Any) -> None:
+        self.load.set_ends((0, self.state.scenario.most_load_percent))
 
     def _describe(self, *_: Any) -> None:
         """Say which vehicle and line these are."""
@@ -171,27 +183,19 @@ class Sidebar:
             )
 
 
+@cache
+def shipped_scenarios() -> tuple[tuple[str, str], ...]:
+    """Return title and name of each shipped scenario; they never change."""
+    return tuple((load_scenario(name).title, name) for name in preset_names("scenarios"))
+
+
 def scenario_options(state: Workbench) -> dict[str, str]:
     """Return the scenarios to choose from by their titles, that of a file included."""
-    options = {load_scenario(name).title: name for name in preset_names("scenarios")}
+    options = dict(shipped_scenarios())
     opened = state.scenario.opened
     if opened is not None:
         options[f"{opened.title or 'Without a title'} (file)"] = FROM_FILE
     return options
-
-
-def decoded(content: bytes, name: str) -> str:
-    """Return the text of a file.
-
-    Raises
-    ------
-    ScenarioError
-        If it is no text in UTF-8.
-    """
-    try:
-        return content.decode("utf-8")
-    except UnicodeDecodeError:
-        raise ScenarioError(f"{name}: not a text in UTF-8.") from None
 
 
 class HasView(Protocol):
@@ -205,15 +209,32 @@ class PageFields:
 
     def __init__(self, state: Workbench, page: str, make: Callable[[Workbench], HasView]) -> None:
         self.state, self.page, self.make = state, page, make
+        self._called = False
         self.view = pn.Column(margin=0, sizing_mode="stretch_width")
         state.param.watch(self._show, "page")
         self._show()
 
     def _show(self, *_: Any) -> None:
-        here = self.state.page == self.page
-        if here and not self.view.objects:
-            self.view[:] = [self.make(self.state).view]
-        self.view.visible = here
+        self.view.visible = self.state.page == self.page
+        if not self.view.visible or self.view.objects or self._called:
+            return
+        document = pn.state.curdoc
+        if document is None:
+            self._fill()
+        else:
+            # the page itself comes first
+            self._called = True
+            document.add_timeout_callback(self._fill, FIELDS_AFTER_MS)
+
+    def _fill(self) -> None:
+        self._called = False
+        with added_to(self.view):
+            try:
+                with unfrozen():
+                    self.view[:] = [self.make(self.state).view]
+            except Exception as error:
+                self.state.faults.note(error, f"the fields of {self.page} could not be shown")
+                self.view[:] = [html_pane(f'<p class="error" role="alert">{NOT_SHOWN}</p>')]
 
 
 class EnocField:
@@ -249,7 +270,7 @@ class EnocField:
             return
         best = best_acceleration_time(trade_off.coefficients, run.travel_time_s)
         self.best.visible = self.state.scenario.acceleration_time_s is not None
-        self.best.label = f"Best for {words.number(run.travel_time_s)} s: {words.number(best)} s"
+        self.best.label = f"Best for {words.time(run.travel_time_s)} s: {words.time(best)} s"
         self.field.suggest(best)
 
 
@@ -267,12 +288,11 @@ def line_rows(state: Workbench) -> str:
     """Return what the line is like, in rows."""
     line = state.scenario.edited.line.in_running_order()
     gradients = [section.gradient_permille for section in line.sections]
-    length = words.number(line.length_m / 1000, 1 if line.length_m >= 1000 else 2)
     if min(gradients) == max(gradients):
         level = "level" if gradients[0] == 0 else f"{words.signed(gradients[0], 0)} {words.PER_MILLE}"
     else:
         level = f"{words.signed(min(gradients), 0)} to {words.signed(max(gradients), 0)} {words.PER_MILLE}"
-    rows = [f"<div class='row'><span>{length} km, {level}</span></div>"]
+    rows = [f"<div class='row'><span>{words.distance(line.length_m)} km, {level}</span></div>"]
     rows += [
         f"<div class='row'><span>Limit {limit.limit_kmh:g} km/h</span>"
         f"<span>{limit.from_m:g}\u2013{limit.to_m:g} m</span></div>"
@@ -290,8 +310,8 @@ class StrategyList:
         self.numbers: dict[StrategyName, Words] = {}
         self.choices: dict[StrategyName, pmui.Button] = {}
         rows = [self._row(name) for name in STRATEGIES]
-        title = '<div class="section">Strategies <span>\u00b7 kWh, above optimum</span></div>'
-        self.view = pn.Column(html_pane(title), *rows, margin=0, sizing_mode="stretch_width")
+        self.title = html_pane(strategies_title(proven=True))
+        self.view = pn.Column(self.title, *rows, margin=0, sizing_mode="stretch_width")
         state.param.watch(self._show, ["runs", "chosen", "ticked"])
         state.param.watch(self._follow_ticks, "ticked")
 
@@ -338,7 +358,7 @@ class StrategyList:
             numbers,
             margin=0,
             sizing_mode="stretch_width",
-            height=28,
+            min_height=28,
             styles={"align-items": "center"},
         )
 
@@ -356,6 +376,7 @@ class StrategyList:
         runs = self.state.runs
         if runs is None:
             return
+        self.title.object = strategies_title(runs.is_proven)
         for name in STRATEGIES:
             chosen = name == self.state.chosen
             weight = 600 if chosen else 400
@@ -364,14 +385,20 @@ class StrategyList:
             self.numbers[name].object = strategy_numbers(runs, name, chosen)
 
 
+def strategies_title(proven: bool) -> str:
+    """Return the title of the strategies, which says what their numbers are."""
+    above = comparisons.reference_name(proven)
+    return f'<div class="section">Strategies <span>\u00b7 kWh, above {above}</span></div>'
+
+
 def strategy_numbers(runs: Runs, name: StrategyName, chosen: bool) -> str:
-    """Return a strategy's energy and its distance to the optimum, or why it refuses."""
+    """Return a strategy's energy and by how much it lies above the best known run, or why it refuses."""
     if name in runs.refused:
         return f'<div class="result"><span class="reason">{html.escape(runs.refused[name].rstrip("."))}</span></div>'
     if name not in runs.runs:
         return '<div class="result"><span class="reason">\u2013</span></div>'
-    run, optimum = runs.runs[name], runs.best
-    share = 100 * (run.energy_kwh / optimum.energy_kwh - 1) if optimum.energy_kwh > 0 else 0.0
-    above = "0" if name == "optimal" else f"{words.signed(share) if abs(share) >= 0.05 else '+0.0'} %"
-    energy = words.energy(run.energy_kwh)
+    run = runs.runs[name]
+    amount, energy = comparisons.above_reference(run), words.energy(run.energy_kwh)
+    # the title says kWh, and there is no room for it
+    above = words.UNKNOWN if amount is None else str(amount).removesuffix(" kWh")
     return f'<div class="result{" chosen" if chosen else ""}"><span>{energy}</span><span>{above}</span></div>'

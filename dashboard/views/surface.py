@@ -6,6 +6,7 @@ import numpy as np
 import panel as pn
 
 from railjoule.core.arrays import FloatArray
+from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import FONT
 from railjoule.dashboard.store import EnocMap
@@ -35,6 +36,8 @@ LIGHTING = {"ambient": 0.85, "diffuse": 0.35, "specular": 0.02, "roughness": 0.9
 
 class SurfacePane(Chart):
     """The surface with its valley, the present point and the printed ones."""
+
+    kind = "map"
 
     def __init__(self, height: int, palette: Palette) -> None:
         super().__init__("surface", "ENOC: energy, kWh, as a surface (drag to turn)", height)
@@ -127,14 +130,14 @@ class SurfacePane(Chart):
             "x": [point[0] for point in points],
             "y": [point[1] for point in points],
             "z": [point[2] + POINT_LIFT * height for point in points],
-            "customdata": [point[2] for point in points],
+            "customdata": [words.energy(point[2]) for point in points],
             "marker": {
                 "size": 7,
                 "symbol": symbol,
                 "color": self.palette.tokens[token],
                 "line": {"color": "#FFFFFF", "width": 2},
             },
-            "hovertemplate": name + ": %{x:.1f} s, %{y:.1f} s: %{customdata:.3f} kWh<extra></extra>",
+            "hovertemplate": name + ": %{x:.1f} s, %{y:.1f} s: %{customdata} kWh<extra></extra>",
         }
 
 

@@ -3,23 +3,27 @@
 from typing import Any
 
 import numpy as np
-import panel as pn
 import panel_material_ui as pmui
+from panel.viewable import Viewable
 
 from railjoule.core import Trajectory
 from railjoule.core.strategies.enoc import best_acceleration_time, enoc_energy
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.core.validation.ftorek import TABLE_3_COPPER_WEIGHT
-from railjoule.dashboard.browser import Browser
-from railjoule.dashboard.look import words
-from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import TradeOff
 from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.chart_page import ChartPage
 from railjoule.dashboard.views.charts import Chart
+from railjoule.dashboard.views.page import PageView
 from railjoule.dashboard.views.surface import SurfacePane
-from railjoule.dashboard.views.trade_off_charts import ContourChart, FrontierChart, ShareChart, printed_points
+from railjoule.dashboard.views.trade_off_charts import (
+    ContourChart,
+    FrontierChart,
+    ShareChart,
+    best_enoc_kwh,
+    printed_points,
+)
 
 HEIGHTS = {
     "frontier": (330, 450, 280),
@@ -48,14 +52,16 @@ def map_of(state: Workbench) -> tuple[bool, float]:
     return now if now in MAPS.values() else (state.wide_map, 1.0)
 
 
-class TradeOffView(ChartPage):
+class TradeOffView(PageView):
     """The page of the trade-off."""
 
+    page = "Trade-off"
     heights = HEIGHTS
 
-    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
-        super().__init__(state, browser, palette)
-        self.heading, self.figures, self.table, self.refusal = (parts.html_pane() for _ in range(4))
+    def make(self) -> Viewable:
+        """Make the pieces of the page, and return them laid out."""
+        state, palette = self.state, self.palette
+        self.table, self.refusal = (parts.html_pane() for _ in range(2))
         self.frontier = FrontierChart(HEIGHTS["frontier"][0], state, palette)
         self.share = ShareChart(HEIGHTS["share"][0], self.frontier.x_range, palette)
         self.surface = SurfacePane(HEIGHTS["surface"][0], palette)
@@ -67,15 +73,16 @@ class TradeOffView(ChartPage):
             size="small",
             margin=(6, 0, 8, 6),
             width=360,
+            visible=False,
         )
         self.left = parts.stack(self.frontier.place, self.share.place, self.table)
         self.right = parts.stack(self.map, self.surface.place, self.contour.place)
         self.body = parts.stack(self.left, self.right, css=LAYOUT_CSS)
-        self.view = parts.stack(self.heading, self.figures, self.refusal, self.body)
         self.map.param.watch(self._choose_map, "value")
         state.param.watch(self._follow_map, ["wide_map", "copper_weight"])
-        state.param.watch(self._show, ["trade_off", "runs"])
-        self.begin()
+        self.shows(self._show_failure, (state, ["failure", "runs"]))
+        self.shows(self._show, (state, ["trade_off", "runs"]))
+        return parts.stack(self.heading, self.message, self.figures, self.refusal, self.body)
 
     def _choose_map(self, event: Any) -> None:
         wide, weight = event.new
@@ -89,27 +96,29 @@ class TradeOffView(ChartPage):
         """All charts of the page."""
         return self.frontier, self.share, self.surface, self.contour
 
-    def redraw(self) -> None:
-        """Draw everything again, as after a change of theme."""
-        self._show()
+    def _show_failure(self) -> None:
+        run = self.state.run
+        shown = "" if run is None else f"Shown: the last good run, {words.number(run.travel_time_s)} s."
+        self.tell(self.state.failure, shown)
 
-    def _show(self, *_: Any) -> None:
+    def _show(self) -> None:
         trade_off, runs = self.state.trade_off, self.state.runs
-        if trade_off is None or runs is None or self.state.page != "Trade-off":
+        if trade_off is None or runs is None:
             return
         run = runs.best
         now = self._present(trade_off, run.travel_time_s)
-        with pn.io.hold():
-            self._show_texts(trade_off, run, now)
-            plain = trade_off.enoc_map is not None
-            self.right.visible = self.share.place.visible = plain
-            self.body.css_classes = [] if plain else ["rj-single"]
-            self.frontier.show(lambda: self.frontier.draw(trade_off, run))
-            self.share.show(lambda: self.share.draw(trade_off, run))
-            self.surface.show(
-                lambda: self.surface.draw(trade_off.enoc_map, now, printed_points(trade_off, everywhere=True))
-            )
-            self.contour.show(lambda: self.contour.draw(trade_off, now))
+        self._show_texts(trade_off, run, now)
+        plain = trade_off.enoc_map is not None
+        self.map.visible = self.right.visible = self.share.place.visible = plain
+        self.body.css_classes = [] if plain else ["rj-single"]
+        self.frontier.show(lambda: self.frontier.draw(trade_off, run))
+        if not plain:
+            return
+        self.share.show(lambda: self.share.draw(trade_off, run))
+        self.surface.show(
+            lambda: self.surface.draw(trade_off.enoc_map, now, printed_points(trade_off, everywhere=True))
+        )
+        self.contour.show(lambda: self.contour.draw(trade_off, now))
 
     def _present(self, trade_off: TradeOff, time: float) -> tuple[float, float, float] | None:
         """Return travel time [s], acceleration time [s] and energy [kWh] of the present ENOC run."""
@@ -132,25 +141,30 @@ class TradeOffView(ChartPage):
         self.table.object = self._table(trade_off, run, now)
 
     def _cells(self, trade_off: TradeOff, run: Trajectory, now: tuple[float, float, float] | None) -> list[str]:
-        time, energy = trade_off.frontier.travel_time_s, trade_off.frontier.energy_kwh
+        frontier = trade_off.frontier
 
         def changed(factor: float, label: str) -> str:
             then = factor * run.travel_time_s
-            if not time[0] <= then <= time[-1]:
-                return parts.figure(label, "\u2013", "", f"no train can, in {words.number(then)} s")
-            value = float(np.interp(then, time, energy))
-            share = words.signed(100 * (value / run.energy_kwh - 1))
-            return parts.figure(label, share, "%", f"{words.energy(value)} kWh at {words.number(then, 0)} s")
+            if then < frontier.shortest_travel_time_s:
+                return parts.figure(label, words.UNKNOWN, "", f"no train can, in {words.time(then)} s")
+            # the frontier's mesh may be coarser than that of the run: its differences are what counts
+            more_kwh = frontier.energy_kwh_at(then) - frontier.energy_kwh_at(run.travel_time_s)
+            if not np.isfinite(more_kwh):
+                return parts.figure(label, words.UNKNOWN, "", f"not known in {words.time(then)} s")
+            value = run.energy_kwh + more_kwh
+            more = comparisons.above(value, run.energy_kwh)
+            return parts.figure(label, *more, f"{words.energy(value)} kWh at {words.time(then)} s")
 
-        detail = f"for {words.number(run.distance_m / 1000)} km"
+        asked, waiting = comparisons.time_asked(run), comparisons.waiting_of(run)
+        detail = f"{asked}: {waiting}" if waiting else asked or f"for {words.distance(run.distance_m)} km"
         if now:
-            share = words.number(100 * (1 - run.energy_kwh / now[2]))
-            detail = f'<span class="better">\u25bc {share} %</span> against ENOC {words.energy(now[2])}'
+            detail = f"ENOC {words.energy(now[2])} kWh, {comparisons.above(now[2], run.energy_kwh)}"
+        optimum = "Optimum" if run.is_proven else words.strategy(run.strategy)
         cells = [
             parts.figure(
-                f"Optimum at {words.number(run.travel_time_s)} s", words.energy(run.energy_kwh), "kWh", detail, "main"
+                f"{optimum} at {words.time(run.travel_time_s)} s", words.energy(run.energy_kwh), "kWh", detail, "main"
             ),
-            parts.price_figure(run, run.price_of_time_w),
+            parts.price_figure(run, run),
             changed(1.1, "10 % more time"),
             changed(0.9, "10 % less time"),
         ]
@@ -158,7 +172,7 @@ class TradeOffView(ChartPage):
             best = best_acceleration_time(trade_off.coefficients, run.travel_time_s)
             cells.append(
                 parts.figure(
-                    "Best acceleration time", words.number(best), "s", f"ENOC at {words.number(run.travel_time_s)} s"
+                    "Best acceleration time", words.time(best), "s", f"ENOC at {words.time(run.travel_time_s)} s"
                 )
             )
         return cells
@@ -169,7 +183,7 @@ class TradeOffView(ChartPage):
                 (
                     f"{parts.swatch('optimal')}Optimal",
                     words.energy(run.energy_kwh),
-                    "0",
+                    comparisons.NOTHING.cell,
                     words.number(run.max_speed_kmh),
                     "\u2013",
                 ),
@@ -179,28 +193,26 @@ class TradeOffView(ChartPage):
 
         def enoc_row(name: str, ramp: float, energy: float) -> tuple[tuple[str, ...], bool]:
             peak = run.distance_m / (run.travel_time_s - ramp) / MS_PER_KMH
-            above = words.signed(100 * (energy / run.energy_kwh - 1))
             cells = (
                 f"{parts.swatch('enoc')}{name}",
                 words.energy(energy),
-                above,
+                comparisons.above(energy, run.energy_kwh).cell,
                 words.number(peak),
-                words.number(ramp),
+                words.time(ramp),
             )
             return cells, False
 
         coefficients, time = trade_off.coefficients, run.travel_time_s
         if coefficients is not None and now is not None:
             best = best_acceleration_time(coefficients, time)
-            energy = float(enoc_energy(coefficients, time, best)) / J_PER_KWH
-            rows.append(enoc_row("ENOC, best", best, energy))
+            rows.append(enoc_row("ENOC, best", best, best_enoc_kwh(trade_off, time)))
             if abs(now[1] - best) > 0.05:
                 rows.append(enoc_row("ENOC, as set", now[1], now[2]))
             times, ramps, energies = printed_points(trade_off)
             for k in np.flatnonzero(np.abs(times - time) < 0.05):
                 rows.append(enoc_row("ENOC as printed", float(ramps[k]), float(energies[k])))
-        header = ("Strategy", "kWh", "above, %", "top, km/h", "accelerates, s")
-        return f'<div style="padding:0 6px">{parts.table(f"At {words.number(time)} s", header, rows)}</div>'
+        header = ("Strategy", "kWh", "above optimal, %", "top, km/h", "accelerates, s")
+        return f'<div style="padding:0 6px">{parts.table(f"At {words.time(time)} s", header, rows)}</div>'
 
 
 def enoc_refusal(trade_off: TradeOff, time: float) -> str:
@@ -209,4 +221,5 @@ def enoc_refusal(trade_off: TradeOff, time: float) -> str:
         return f"ENOC {trade_off.refusal}"
     nearest = float(trade_off.frontier.travel_time_s[np.argmin(np.abs(trade_off.frontier.travel_time_s - time))])
     reason = dict(trade_off.enoc.refused).get(nearest)
-    return f"ENOC is drawn without the vehicle\u2019s limits here: for {nearest:.1f} s it {reason}" if reason else ""
+    sentence = f"ENOC is drawn without the vehicle\u2019s limits here: for {words.time(nearest)} s it {reason}"
+    return sentence if reason else ""

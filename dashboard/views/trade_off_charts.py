@@ -9,9 +9,11 @@ from bokeh.plotting.contour import contour_data
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
+from railjoule.core.energy import share_above
+from railjoule.core.strategies.enoc import best_acceleration_time, enoc_energy
 from railjoule.core.units import J_PER_KWH
 from railjoule.core.validation.papers import printed_numbers
-from railjoule.dashboard.look import words
+from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import EnocMap, TradeOff
@@ -114,7 +116,7 @@ class FrontierChart(Chart):
         self.now.location = now
         self.sources["point"].data = {"x": [now], "y": [run.energy_kwh]}
         signs: list[tuple[float, float, str, str, str, int, int]] = []
-        below = [f"{words.energy(run.energy_kwh)} kWh at {words.number(now)} s", f"1 s saves {words.price(price)} Wh"]
+        below = [f"{words.energy(run.energy_kwh)} kWh at {words.time(now)} s", f"1 s saves {words.price(price)} Wh"]
         for k, text in enumerate(below):
             colour = tokens["optimal" if k == 0 else "ink2"]
             side = "left" if now - self.x_range.start < 0.3 * (self.x_range.end - self.x_range.start) else "right"
@@ -164,7 +166,7 @@ class ShareChart(Chart):
             clear(self.line)
             clear(self.sign)
             return
-        share = 100 * (enoc / optimal - 1)
+        share = 100 * share_above(enoc, optimal)
         drawn = time > trade_off.frontier.shortest_travel_time_s * (1 + STEEPEST_SHARE)
         self.y_range.update(start=0, end=float(np.ceil(np.max(share, where=drawn, initial=0.0) * 1.15 + 0.2)))
         self.line.data = xy(time, share)
@@ -172,13 +174,16 @@ class ShareChart(Chart):
         if now < time[0]:
             clear(self.sign)
         else:
+            more = comparisons.above(best_enoc_kwh(trade_off, now), run.energy_kwh)
             here = float(np.interp(now, time, share))
-            self.sign.data = {"x": [now], "y": [here], "text": [f"{words.signed(here)} % at {words.number(now)} s"]}
+            self.sign.data = {"x": [now], "y": [here], "text": [f"{more} at {words.time(now)} s"]}
         self.now.location = now
 
 
 class ContourChart(Chart):
     """ENOC's energy over travel time and acceleration time, as contours."""
+
+    kind = "map"
 
     def __init__(self, height: int, palette: Palette) -> None:
         super().__init__("contour", "ENOC: energy, kWh, over travel time, s, and acceleration time, s", height)
@@ -275,6 +280,14 @@ def enoc_curve(trade_off: TradeOff) -> tuple[FloatArray, FloatArray, FloatArray]
         return np.zeros(0), np.zeros(0), np.zeros(0)
     taken = np.isfinite(enoc.energy_kwh)
     return enoc.travel_time_s[taken], enoc.energy_kwh[taken], frontier.energy_kwh[taken]
+
+
+def best_enoc_kwh(trade_off: TradeOff, travel_time_s: float) -> float:
+    """Return ENOC's energy with its best acceleration time [kWh]; the trade-off must have one."""
+    coefficients = trade_off.coefficients
+    assert coefficients is not None
+    best = best_acceleration_time(coefficients, travel_time_s)
+    return float(enoc_energy(coefficients, travel_time_s, best)) / J_PER_KWH
 
 
 def printed_points(trade_off: TradeOff, everywhere: bool = False) -> tuple[FloatArray, FloatArray, FloatArray]:

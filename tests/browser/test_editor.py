@@ -130,7 +130,7 @@ def test_rows_are_added_moved_and_removed_by_key(user: User) -> None:
 
 def drag(user: User, chart: str, start: tuple[float, float], end: tuple[float, float]) -> None:
     """Drag from one place to another: shares of the frame, from the left and from above."""
-    place = drawer(user).locator(f".rj-chart-{chart}")
+    place = drawer(user).locator(f".rj-chart-{chart}:visible")
     place.scroll_into_view_if_needed()
     canvas = place.locator("canvas").first
     expect(canvas).to_be_visible()
@@ -177,3 +177,46 @@ def test_nothing_grave_on_a_narrow_screen_in_light_and_dark(server: Server, chro
         expect(drawer(reader).get_by_role("alert")).to_be_visible()
         assert_nothing_grave(reader)
         assert reader.page.evaluate("document.scrollingElement.scrollWidth") <= 390
+
+
+def test_a_step_back_in_a_cell_is_one_of_the_scenario_unless_letters_wait(user: User) -> None:
+    open_group(user, "Vehicle")
+    tare = field(user, "Tare, kg")
+    enter(user, "Tare, kg", "170000")
+    expect(field(user, "Tare, kg changed")).to_be_visible()
+    user.rest(500)  # the address takes note of it
+    field(user, "Tare, kg changed").press("Control+z")
+    expect(tare).to_have_value("160000")
+    tare.press("End")
+    tare.press("5")
+    expect(tare).to_have_value("1600005")
+    tare.press("Control+z")
+    expect(tare).to_have_value("160000")
+    expect(field(user, "Tare, kg changed")).to_be_hidden()
+
+
+def test_escape_takes_letters_back_before_it_closes_the_editor(user: User) -> None:
+    open_group(user, "Line")
+    cell = field(user, "Length, m, row 1")
+    before = cell.input_value()
+    cell.press("End")
+    cell.press("9")
+    cell.press("Escape")
+    expect(cell).to_have_value(before)
+    expect(cell).to_be_focused()
+    opener = user.page.get_by_role("button", name="Edit scenario")
+    cell.press("Escape")
+    # at once, not when the server has hidden the drawer
+    assert opener.evaluate("element => element === element.getRootNode().activeElement")
+    expect(drawer(user)).to_be_hidden()
+    expect(opener).to_be_focused()
+
+
+def test_times_are_typed_as_on_a_clock(user: User) -> None:
+    open_group(user, "Timetable")
+    enter(user, "Travel time, s", "2 min 45 s")
+    expect(field(user, "Travel time, s changed")).to_have_value("165")
+    enter(user, "Travel time, s changed", "2:75")
+    expect(drawer(user).get_by_role("alert")).to_contain_text("'2:75' is no time: write seconds, min:s or h:min:s")
+    user.page.keyboard.press("Escape")
+    expect(drawer(user)).to_be_hidden()

@@ -2,9 +2,11 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from railjoule.core import Energy
+from railjoule.core.energy import energy_decimals, share_above
 
 ACCOUNT = Energy(
     traction_j=36e6,
@@ -58,3 +60,27 @@ def test_losses_are_a_frozen_copy():
     assert energy.losses_j["drive"] == 1
     with pytest.raises(TypeError):
         energy.losses_j["drive"] = 2.0
+
+
+@pytest.mark.parametrize(("energy", "reference", "share"), [(12.0, 10.0, 0.2), (9.0, 10.0, -0.1), (101.0, 1.02, 98.02)])
+def test_a_share_is_relative_to_the_reference(energy, reference, share):
+    assert share_above(energy, reference) == pytest.approx(share, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("energy", "reference"), [(27.5, -0.628), (1.0, 0.0), (101.0, 1.0), (-1.0, -2.0), (np.nan, 1.0), (1.0, -np.inf)]
+)
+def test_a_reference_that_is_negative_or_next_to_nothing_is_no_measure(energy, reference):
+    assert np.isnan(share_above(energy, reference))
+
+
+def test_shares_of_tables_go_cell_by_cell():
+    energies = np.array([[11.0, np.nan], [3.0, 4.0]])
+    share = share_above(energies, np.array([10.0, -1.0])[:, None])
+    assert share[0, 0] == pytest.approx(0.1)
+    assert np.isnan(share).tolist() == [[False, True], [True, True]]
+
+
+@pytest.mark.parametrize(("kwh", "decimals"), [(4.9994, 3), (5.0, 2), (-0.3, 3), (-7.0, 2)])
+def test_energies_below_five_have_three_decimals(kwh, decimals):
+    assert energy_decimals(kwh) == decimals

@@ -1,6 +1,6 @@
 """A run as arrays: its account, its gap, its table."""
 
-from dataclasses import FrozenInstanceError, fields
+from dataclasses import FrozenInstanceError, fields, replace
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from railjoule.core import Bound, compare, load_scenario, solve
 from railjoule.core.motion import build_course
 from railjoule.core.scenario import preset_names
 from railjoule.core.strategies import STRATEGIES
-from railjoule.core.trajectory import make_trajectory
+from railjoule.core.trajectory import Reference, make_trajectory
 
 DWELL = {
     "line.stations": [{"position_m": 900.0, "dwell_s": 30.0}],
@@ -123,24 +123,41 @@ def test_arrays_and_fields_are_frozen(stopping):
 
 def test_gap_is_relative_to_the_bound(stopping):
     net = stopping.energy.net_j
-    assert stopping.with_bound(Bound(0.8 * net, "any")).gap == pytest.approx(0.25)
-    assert stopping.with_bound(Bound(net, "any")).gap == 0
+    assert replace(stopping, bound=Bound(0.8 * net, "any")).gap == pytest.approx(0.25)
+    assert replace(stopping, bound=Bound(net, "any")).gap == 0
 
 
 @pytest.mark.parametrize("bound_j", [0.0, 1.0, -2e5])
 def test_gap_of_a_small_bound_is_relative_to_a_tenth_of_the_kinetic_energy(stopping, bound_j):
     """Of 110 t at the mean speed, 2000 m in the time of the run."""
     tenth = 0.1 * 0.5 * 110e3 * (2000 / stopping.travel_time_s) ** 2
-    run = stopping.with_bound(Bound(bound_j, "any"))
+    run = replace(stopping, bound=Bound(bound_j, "any"))
     assert run.gap == pytest.approx((stopping.energy.net_j - bound_j) / tenth)
 
 
-def test_a_bound_can_be_given_and_taken_away(stopping):
-    bound = Bound(1.0, "any")
-    given, taken = stopping.with_bound(bound), stopping.with_bound(None)
-    assert given.bound is bound
-    assert (taken.gap, taken.lower_bound_kwh) == (None, None)
-    assert given.speed_ms is taken.speed_ms is stopping.speed_ms
+def test_a_run_without_bound_has_no_gap_and_is_not_proven(stopping):
+    run = replace(stopping, bound=None)
+    assert (run.gap, run.lower_bound_kwh, run.is_proven) == (None, None, False)
+
+
+@pytest.mark.parametrize(("share", "proven"), [(0.0, True), (9e-7, True), (-9e-7, True), (2e-6, False), (-2e-6, False)])
+def test_a_run_is_proven_within_one_part_in_a_million_of_its_bound(stopping, share, proven):
+    bound = Bound(stopping.energy.net_j / (1 + share), "any")
+    assert replace(stopping, bound=bound).is_proven == proven
+
+
+def test_a_run_tells_by_how_much_it_lies_above_its_reference(stopping):
+    net = stopping.energy.net_j
+    run = replace(stopping, reference=Reference(0.8 * net, "other", 150.0, proven=True))
+    assert run.above_share == pytest.approx(0.25)
+    assert run.above_kwh == pytest.approx(0.2 * net / 3.6e6)
+    assert (replace(run, reference=None).above_share, replace(run, reference=None).above_kwh) == (None, None)
+
+
+def test_a_negative_reference_is_no_measure_but_leaves_the_difference(stopping):
+    run = replace(stopping, reference=Reference(-3.6e6, "other", 150.0, proven=True))
+    assert run.above_share is None
+    assert run.above_kwh == pytest.approx(stopping.energy_kwh + 1)
 
 
 def test_table_has_a_row_a_node_and_its_unit_in_each_name(stopping):

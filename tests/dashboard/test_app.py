@@ -53,3 +53,20 @@ def test_pages_share_nothing() -> None:
 
 def test_pages_can_be_made() -> None:
     assert isinstance(make_page(), Page)
+
+
+@pytest.mark.parametrize(
+    ("link", "at_once"),
+    [
+        ("", True),
+        ("?v=1&preset=tram-950m&travel_time_s=95", True),
+        ("?v=1&ticked=optimal,bellman", False),
+        ('?v=1&edits={"solver.mesh_m":0.25}', False),
+    ],
+)
+def test_only_short_runs_of_shipped_scenarios_are_waited_for(
+    monkeypatch: pytest.MonkeyPatch, link: str, at_once: bool
+) -> None:
+    monkeypatch.setattr("railjoule.dashboard.app.address_query", lambda: link)
+    monkeypatch.setattr("panel.state.onload", lambda _: None)
+    assert (Session().state.runs is not None) == at_once

@@ -61,17 +61,17 @@ def test_solve_prints_json(capsys):
 
 def test_solve_prints_words(capsys):
     text = answer(capsys, "solve", "liashenko-ii")
-    assert text.startswith("Metro, profile II: Optimal\n1,300 m in 133.7 s, at most 46.1 km/h\n")
+    assert text.startswith("Metro, profile II: Optimal\n1.30 km in 133.7 s, at most 46.1 km/h\n")
     assert "2.224 kWh at the line, proven optimal" in text
-    assert "133.7 s; shortest possible 76.9 s, allowed 133.7 s: slack 56.8 s (74 %)" in text
-    assert "full power to 25 km/h in 6 s, coast from 20 m, brake from 1,275 m" in text
+    assert "133.7 s; shortest possible 76.9 s, allowed 133.7 s: slack 56.8 s (73.8 %)" in text
+    assert "full power to 27.6 km/h, coast from 24 m, brake fully from 1,278 m to a stop" in text
     assert "would save" in text
     assert "iterations" in text
 
 
 def test_solve_tells_how_far_a_strategy_is_from_the_best(capsys):
     text = answer(capsys, "solve", "ftorek-300s", "--strategy", "enoc")
-    assert "1.65 % above the bound" in text
+    assert "1.7 % above the optimum of 4.181 kWh" in text
     assert "A second more" not in text
     assert "ENOC accelerates and brakes for 31.0 s each" in text
 
@@ -312,7 +312,7 @@ def test_validate_prints_json(capsys):
     assert [paper["paper"] for paper in papers] == ["ftorek"]
     assert len(papers[0]["tables"]) == 10
     assert list(papers[0]["tables"][0]["rows"][0]) == [
-        "case", "quantity", "unit", "printed", "ours", "difference_percent", "note",
+        "case", "quantity", "unit", "printed", "ours", "difference_percent", "difference_points", "close", "note",
     ]  # fmt: skip
 
 
@@ -408,14 +408,14 @@ def test_a_bad_file(capsys, tmp_path, case):
         ("timetable.travel_time_s=nan", "must be a finite number"),
         ("timetable.travel_time_s=soon", "must be a number"),
         ("vehicle.load_faktor=0.3", "did you mean 'load_factor'?"),
-        ("vehicle.load_factor=1.2", "must be at most 1"),
+        ("vehicle.load_factor=1.3", "vehicle.load_factor = 1.3 must be at most 1.2, the crush_load_factor."),
         ("vehicle=1", "vehicle"),
         ("line.sections=[]", "line.sections"),
         ("line.sections.length_m=3", "must be a list"),
         ("line.sections=[{length_m = 1000, gradient_permille = 190}]", "comes to a stand"),
         ("line.file=other.csv", "line"),
         ("line.preset=nowhere", "there is no preset 'nowhere'"),
-        ("solver.mesh_m=0.001", "at most 200,000 are allowed"),
+        ("solver.mesh_m=0.001", "railjoule takes at most 200,000. Use"),
         ("strategy=none", "strategy"),
         ("=1", "must be KEY=VALUE"),
         ("no-equals-sign", "must be KEY=VALUE"),
@@ -561,7 +561,7 @@ def test_simulate_shows_the_plan_and_what_became_of_it(capsys):
     more = answer["actual"]["energy_kwh"] / answer["planned"]["energy_kwh"] - 1
     assert answer["overconsumption"] == pytest.approx(more)
     assert main(["simulate", "liashenko-ii", "--set", *changes]) == OK
-    assert f"{100 * more:+.2f} % energy" in capsys.readouterr().out
+    assert f"{100 * more:+.1f} % energy" in capsys.readouterr().out
 
 
 def test_simulate_drives_in_closed_loop(capsys):
@@ -571,7 +571,7 @@ def test_simulate_drives_in_closed_loop(capsys):
     assert answer["energy_by_parts_kwh"] == pytest.approx(answer["energy_by_input_power_kwh"], rel=5e-4)
     assert answer["parts_kwh"]["magnetising"] == answer["magnetising_loss_kwh"] > 0
     assert main(["simulate", "ftorek-300s", "--set", "simulation.kind=field_oriented"]) == OK
-    assert f"{answer['energy_by_input_power_kwh']:.4f}" in capsys.readouterr().out
+    assert f"{answer['energy_by_input_power_kwh']:.3f}" in capsys.readouterr().out
 
 
 def test_a_closed_loop_without_a_machine_is_refused_in_one_sentence(capsys):
@@ -630,3 +630,26 @@ def test_the_module_without_a_command_serves(monkeypatch, words, called):
     with pytest.raises(SystemExit):
         runpy.run_module("railjoule.dashboard", run_name="__main__")
     assert calls == [called]
+
+
+def test_a_crush_load_is_marked(capsys):
+    crowded = ["liashenko-ii", "--set", "vehicle.load_factor=1.2"]
+    for command in ("solve", "compare", "simulate"):
+        assert "Crush load, 120 % of capacity." in answer(capsys, command, *crowded)
+        assert "rush load" not in answer(capsys, command, "liashenko-ii")
+    assert json.loads(answer(capsys, "solve", *crowded, "--json"))["load_factor"] == 1.2
+
+
+def test_work_that_takes_too_long_is_refused_with_a_cure(capsys):
+    sentence = "bellman takes at most 20,000 cells, and solver.mesh_m = 0.05 makes 26,006. Use 0.066 m or more."
+    change = ["--set", "solver.mesh_m=0.05"]
+    assert sentence in complaint(capsys, "solve", "liashenko-ii", "--strategy", "bellman", *change)
+
+
+@pytest.mark.parametrize(("error", "words"), [(MemoryError, "more memory than there is"), (RecursionError, "nested")])
+def test_memory_that_is_not_there_is_told(capsys, monkeypatch, error, words):
+    def fail(*_):
+        raise error
+
+    monkeypatch.setattr("railjoule.dashboard.commands.solve_scenario", fail)
+    assert words in complaint(capsys, "solve", "liashenko-ii")

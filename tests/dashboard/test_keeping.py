@@ -1,4 +1,10 @@
+import json
+import tracemalloc
+from urllib.parse import urlencode
+
 import pytest
+from panel.io.state import set_curdoc
+from turns import Page
 
 from railjoule.core import load_scenario
 from railjoule.core.scenario import format_scenario
@@ -6,6 +12,8 @@ from railjoule.dashboard.disturbances import Disturbances
 from railjoule.dashboard.keeping import Keeping
 from railjoule.dashboard.lifeline import Lifeline
 from railjoule.dashboard.line import WholeLines
+from railjoule.dashboard.models.document import document_of
+from railjoule.dashboard.models.link import _packed
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.motor import Motor
 from railjoule.dashboard.robustness import Robustness
@@ -112,3 +120,71 @@ def test_changed_keys_can_be_taken_back_one_by_one(state: Workbench) -> None:
 )
 def test_a_file_s_name_is_made_of_letters_and_digits(title: str, name: str) -> None:
     assert file_name(title) == name
+
+
+TOML = """
+[vehicle]
+preset = "metro-81-7036"
+[line]
+sections = [{length_m = 900}]
+[timetable]
+travel_time_s = 400
+"""
+DOTTED = ".".join("a" * 50_000)
+HOSTILE = {
+    "key of many parts": {"toml": f"{DOTTED} = 1"},
+    "fine mesh": {"edits": json.dumps({"solver.mesh_m": 0.05})},
+    "nested": {"edits": '{"a":' + "[" * 900 + "]" * 900 + "}"},
+    "edit of many parts": {"edits": json.dumps({DOTTED: 1})},
+    "edit of many rows": {"edits": json.dumps({"line.sections": [{"length_m": 1}] * 100_000})},
+    "many edits": {"edits": json.dumps({f"line.a{number}": 1 for number in range(100_000)})},
+    "many sections": {"toml": TOML.replace("sections = [", "sections = [" + "{length_m = 1}, " * 100_000)},
+}
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_a_hostile_address_opens_a_page_that_says_so(name: str) -> None:
+    state = Workbench()
+    keeping = Keeping(state, Lifeline())
+    packed = {key: _packed(text) for key, text in HOSTILE[name].items()}
+    tracemalloc.start()
+    keeping.begin(f"?{urlencode({'v': 1, 'page': 'Drive', **packed})}")
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert state.notice.startswith("The link was opened without a part of it: ")
+    assert len(state.notice) < 300
+    assert (state.page, state.scenario.preset) == ("Drive", Workbench().scenario.preset)
+    assert keeping.lifeline.address == "?v=1&page=Drive"
+    assert peak < (200e6 if name == "many sections" else 50e6)
+
+
+@pytest.mark.parametrize("error", [MemoryError, RecursionError, RuntimeError])
+def test_an_address_that_breaks_something_opens_the_plain_page(
+    state: Workbench, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, error: type[Exception]
+) -> None:
+    keeping, before = Keeping(state, Lifeline()), document_of(state)
+
+    def break_down(*_: object) -> None:
+        state.scenario.load_percent = 77.0
+        state.page = "Learn"
+        raise error
+
+    monkeypatch.setattr(keeping, "_open", break_down)
+    keeping.begin("?v=1&page=Drive")
+    assert document_of(state) == before
+    assert state.notice == "The link could not be opened; the server's log has the details."
+    assert len(caplog.records) == 1
+    assert keeping.lifeline.address == ""
+
+
+def test_a_long_scenario_is_read_in_a_thread(state: Workbench) -> None:
+    page, keeping = Page(), Keeping(state, Lifeline())
+    sections = "{length_m = 1.0}, " * 4000
+    long = TOML.replace("sections = [", f"sections = [{sections}")
+    with set_curdoc(page.document):
+        keeping.begin("")
+        keeping.open_file("long.toml", long)
+        assert state.scenario.opened is None
+    page.take_turn()
+    assert state.scenario.opened is not None
+    assert len(state.scenario.opened.line.sections) == 4001

@@ -4,6 +4,7 @@ from dataclasses import replace
 import pytest
 
 from railjoule.core import Bound, compare, load_scenario, solve
+from railjoule.core.advice import Instruction
 from railjoule.core.scenario import preset_names
 from railjoule.core.validation.table import Erratum, Row, Table, Validation
 from railjoule.dashboard.summary import summarise, summarise_comparison, summarise_validation
@@ -58,7 +59,14 @@ def test_phases_cover_the_run(summary):
     phases = summary["phases"]
     assert phases[0]["start_m"] == 0
     assert phases[-1]["end_m"] == summary["distance_m"]
-    assert sum(phase["energy_kwh"] for phase in phases) == pytest.approx(summary["energy_kwh"])
+    own = summary["energy_kwh"] - summary["auxiliary_kwh"]
+    assert sum(phase["energy_kwh"] for phase in phases) == pytest.approx(own)
+
+
+def test_the_advice_is_told_with_the_numbers_that_are_printed(run, summary):
+    assert [Instruction(**told) for told in summary["advice"]] == list(run.advice)
+    assert len(summary["advice"]) == len(summary["phases"])
+    assert all(told["from_m"] == round(told["from_m"]) for told in summary["advice"])
 
 
 def test_what_is_not_known_is_null(run):
@@ -68,7 +76,7 @@ def test_what_is_not_known_is_null(run):
 
 
 def test_an_infinite_bound_is_null(run):
-    endless = summarise(run.with_bound(Bound(float("-inf"), "None.")))
+    endless = summarise(replace(run, bound=Bound(float("-inf"), "None.")))
     assert endless["lower_bound_kwh"] is None
     assert endless["gap"] is None
     json.dumps(endless, allow_nan=False)
@@ -92,6 +100,8 @@ def test_a_validation_holds_rows_with_their_differences():
             "printed": 200.0,
             "ours": 201.0,
             "difference_percent": pytest.approx(0.5),
+            "difference_points": None,
+            "close": True,
             "note": "Why.",
         }
     ]

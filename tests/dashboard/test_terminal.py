@@ -1,7 +1,10 @@
+from dataclasses import asdict
+
 import pytest
 
+from railjoule.core.advice import Instruction
 from railjoule.dashboard import terminal
-from railjoule.dashboard.terminal import energy, gap_words, number, phase_words, printable, table_lines
+from railjoule.dashboard.terminal import bound_words, driver_words, energy, number, printable, table_lines, verdict
 
 
 @pytest.mark.parametrize(
@@ -23,26 +26,49 @@ def test_energies_have_three_digits_below_five(kwh, text):
         (None, "no bound known"),
         (9e-7, "proven optimal"),
         (-1e-9, "proven optimal"),
-        (2e-5, "0.002 % above the bound"),
-        (0.0165, "1.65 % above the bound"),
-        (2.5, "250.00 % above the bound"),
-        (-0.01, "1.00 % under the bound of another mesh"),
+        (2e-5, "0.01 % above the bound"),
+        (0.0166, "1.7 % above the bound"),
+        (2.5, "250 % above the bound"),
+        (-0.01, "1.0 % below the bound of another mesh"),
     ],
 )
 def test_gaps_in_words(gap, words):
-    assert gap_words(gap) == words
+    bound = None if gap is None else 4.0
+    assert bound_words({"energy_kwh": 4.0 * (1 + (gap or 0.0)), "lower_bound_kwh": bound, "gap": gap}) == words
 
 
-def phase(name, **changes):
-    base = {"start_m": 342.0, "end_m": 1180.0, "start_s": 10.0, "end_s": 31.0, "start_kmh": 0.0, "end_kmh": 57.2}
-    return {"phase": name, **base, **changes}
+def run(energy_kwh, of_kwh=4.0, strategy="phases", proven=True, within_s=95.0):
+    """Return what `verdict` reads of a run beside the optimum."""
+    known = {"strategy": "optimal", "energy_kwh": of_kwh, "within_s": within_s, "proven": proven}
+    values = {"energy_kwh": energy_kwh, "strategy": strategy, "allowed_time_s": 95.0, "reference": known}
+    return {**values, "lower_bound_kwh": 4.0, "gap": energy_kwh / 4.0 - 1}
 
 
-def test_phases_in_words():
-    phases = [phase("full_power"), phase("coast"), phase("hold"), phase("brake", start_m=1180.0), phase("stand")]
-    assert phase_words(phases) == (
-        "full power to 57 km/h in 21 s, coast from 342 m, hold 57 km/h to 1,180 m, brake from 1,180 m, "
-        "stand 21 s at 342 m"
+@pytest.mark.parametrize(
+    ("summary", "words"),
+    [
+        (run(4.4), "10.0 % above the optimum of 4.000 kWh"),
+        (run(3.9, proven=False), "2.5 % below the best known run of 4.000 kWh"),
+        (run(4.4, proven=False, within_s=99.9), "10.0 % above the best known run of 4.000 kWh in 99.9 s"),
+        (run(27.5, -0.628), "28.13 kWh above the optimum of -0.628 kWh"),
+        (run(4.0, strategy="optimal"), "proven optimal"),
+        ({**run(4.4), "reference": None}, "10.0 % above the bound"),
+    ],
+)
+def test_a_run_is_measured_against_the_best_known_one(summary, words):
+    assert verdict(summary) == words
+
+
+def test_advice_in_words():
+    advice = [
+        Instruction("full_power", 0, 57.2),
+        Instruction("coast", 342),
+        Instruction("brake", 1180, 0, 1300, fully=True),
+        Instruction("stand", 1300, stand_s=21.0),
+    ]
+    assert driver_words([asdict(told) for told in advice]) == (
+        "full power to 57.2 km/h, coast from 342 m, brake fully from 1,180 m to a stop at 1,300 m, "
+        "stand 21 s at 1,300 m"
     )
 
 

@@ -5,6 +5,7 @@ from railjoule.dashboard.warmup import Warmup, all_kernels
 
 EVERY_STRATEGY = """
 from railjoule.core import compare, load_scenario
+from railjoule.core.advice import advise
 from railjoule.core.scenario import preset_names
 from railjoule.core.simulate.field_oriented import current_ripple, simulate_field_oriented
 from railjoule.core.studies.induction_map import induction_map
@@ -21,10 +22,13 @@ warmup().start()
 assert warmup().ready.wait(240)
 before = compiled()
 for name in preset_names("scenarios"):
-    compare(load_scenario(name))
+    for run in compare(load_scenario(name))[0]:
+        advise(run)
     compute_trade_off(TradeOffWish(load_scenario(name), 400.0, False, 1.0))
 machine = load_scenario("ftorek-300s")
-current_ripple(simulate_field_oriented(machine), 100.0)
+driven = simulate_field_oriented(machine)
+advise(driven.actual)
+current_ripple(driven, 100.0)
 induction_map(machine)
 metro = load_scenario("kharkiv-like-20kmh")
 motor_map(metro)

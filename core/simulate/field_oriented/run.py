@@ -5,6 +5,7 @@ from typing import Literal, NamedTuple
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.drive.induction.traction import TractionMachines
+from railjoule.core.energy import share_above
 from railjoule.core.scenario import Scenario
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH
@@ -147,5 +148,5 @@ class FieldOrientedRun:
 
     @property
     def overconsumption(self) -> float:
-        """Energy over that of the plan, less 1."""
-        return self.actual.energy.net_j / self.planned.energy.net_j - 1
+        """Share by which the energy lies above that of the plan; NaN where that is no measure."""
+        return share_above(self.actual.energy.net_j, self.planned.energy.net_j)

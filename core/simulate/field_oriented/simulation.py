@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray, frozen_array
+from railjoule.core.budget import current_budget, rounded_up
 from railjoule.core.drive.induction.traction import TractionMachines, traction_machines
 from railjoule.core.energy import Energy
 from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError
@@ -57,7 +58,8 @@ def simulate_field_oriented(scenario: Scenario, plan: Trajectory | None = None) 
     Raises
     ------
     ScenarioError
-        If the drive has no induction machine, or the scenario asks for what is not simulated here.
+        If the drive has no induction machine, the scenario asks for what is not simulated here, or for more steps
+        of time than the current budget has.
     InfeasibleLineError
         If the train does not reach its end.
     SolverError
@@ -68,6 +70,7 @@ def simulate_field_oriented(scenario: Scenario, plan: Trajectory | None = None) 
     traction_machines(scenario.vehicle.drive)
     _refuse_what_is_not_simulated(scenario)
     planned = plan if plan is not None else solve(scenario)
+    _require_few_steps(scenario, planned.travel_time_s)
     options, real = scenario.simulation, as_it_is(scenario)
     machines, course = traction_machines(real.vehicle.drive), build_course(real)
     reference = make_reference(planned, options.reference_window_s)
@@ -97,6 +100,21 @@ def _refuse_what_is_not_simulated(scenario: Scenario) -> None:
     ):
         if there:
             raise ScenarioError(f"simulation.kind = field_oriented knows no {words}; kind = following does.")
+
+
+def _require_few_steps(scenario: Scenario, duration_s: float) -> None:
+    """Refuse a plan that takes too long for the closed loop, or a step of time that is too short for the plan."""
+    budget, step = current_budget(), scenario.simulation.time_step_s
+    if duration_s > budget.loop_time_s:
+        raise ScenarioError(
+            f"A plan of {duration_s:,.0f} s is too long for the closed loop: {budget.taker} takes at most "
+            f"{budget.loop_time_s:,.0f} s."
+        )
+    if duration_s > budget.loop_steps * step:
+        raise ScenarioError(
+            f"simulation.time_step_s = {step:g} makes {duration_s / step:,.0f} steps; {budget.taker} takes at most "
+            f"{budget.loop_steps:,}. Use {rounded_up(duration_s / budget.loop_steps):g} s or more."
+        )
 
 
 def _run(
@@ -415,6 +433,7 @@ def _trajectory(
         electric_braking_n=frozen_array(np.maximum(-effort, 0.0)),
         friction_braking_n=frozen_array(np.zeros_like(effort)),
         largest_effort_n=frozen_array(data.traction.effort_n(mean_speed)),
+        largest_braking_n=frozen_array(data.braking.effort_n(mean_speed) + data.friction_effort_n),
         line_power_w=frozen_array(np.diff(line) / duration),
         current_a=frozen_array(0.5 * (states[1:, p.IQ] + states[:-1, p.IQ])),
         gradient_permille=frozen_array(course.gradient_permille[cell]),

@@ -1,5 +1,8 @@
 """The mesh: nodes on every change of the line, no cell longer than asked, shorter ones at the stops."""
 
+import re
+import tracemalloc
+
 import numpy as np
 import pytest
 from builders import HILLS, plain_scenario
@@ -7,8 +10,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from railjoule.core import ScenarioError
-from railjoule.core.motion.mesh import GRADING, LARGEST_CELL_COUNT, line_borders, line_mesh
-from railjoule.core.scenario import Line
+from railjoule.core.budget import LIBRARY
+from railjoule.core.motion.mesh import (
+    GRADING,
+    SHORTEST_CELL_M,
+    enough_words,
+    line_borders,
+    line_mesh,
+    with_nodes_at,
+)
+from railjoule.core.scenario import Line, preset_document
 
 LINE = Line.model_validate(
     {
@@ -61,9 +72,49 @@ def test_a_line_of_one_cell():
 
 def test_a_mesh_of_more_than_200000_cells():
     line = plain_scenario({"line.sections": [{"length_m": 200e3}]}).line
-    assert len(line_mesh(line, 1)) == LARGEST_CELL_COUNT + 1 + 6
+    assert len(line_mesh(line, 1)) == LIBRARY.cell_count + 1 + 6
     with pytest.raises(ScenarioError) as error:
         line_mesh(line, 0.9999)
     assert str(error.value) == (
-        "solver.mesh_m = 0.9999 would cut the line of 200 km into 200,021 cells; at most 200,000 are allowed."
+        "solver.mesh_m = 0.9999 makes 200,021 cells; railjoule takes at most 200,000. Use 1.1 m or more."
     )
+
+
+def test_a_line_of_too_many_sections():
+    line = Line.model_validate({"sections": [{"length_m": 1}] * 2000})
+    assert enough_words(line, 1000) == ", and sections, limits and stops of the line alone make 2,006."
+
+
+@given(st.integers(100, 5000), st.sampled_from(["metro-10-stations", "liashenko-ii", "flat-950m"]))
+def test_the_mesh_that_is_recommended_is_enough(most, preset):
+    line = Line.model_validate(preset_document("lines", preset))
+    enough_m = float(re.search(r"Use (\S+) m", enough_words(line, most))[1])
+    assert len(line_mesh(line, enough_m)) - 1 <= most
+
+
+def brute_force(position_m, places_m):
+    """Measure the distance of each node from each place."""
+    distance = np.abs(position_m[:, None] - places_m[None, :]).min(axis=1, initial=np.inf)
+    distance[[0, -1]] = np.inf
+    return np.union1d(position_m[distance > SHORTEST_CELL_M], places_m)
+
+
+NEAR = st.sampled_from([0.0, 1e-7, -1e-7, SHORTEST_CELL_M, -SHORTEST_CELL_M, 2e-6, -2e-6])
+NODES = st.lists(st.integers(0, 30), min_size=2, max_size=20, unique=True).map(lambda nodes: np.sort(nodes) / 3)
+
+
+@given(NODES, st.lists(st.tuples(st.integers(0, 60), NEAR), max_size=30))
+def test_nodes_at_places_are_those_of_the_plain_rule(position_m, places):
+    places_m = np.array([place / 6 + near for place, near in places])
+    assert np.array_equal(with_nodes_at(position_m, places_m), brute_force(position_m, places_m))
+
+
+@pytest.mark.parametrize("count", [50_000, 200_000])
+def test_many_nodes_at_many_places_take_memory_in_proportion(count):
+    random = np.random.default_rng(1)
+    position_m, places_m = np.linspace(0, 1e5, count), random.random(count) * 1e5
+    tracemalloc.start()
+    with_nodes_at(position_m, places_m)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 250 * count  # bytes: 50 MB for 200,000; all distances at once would be 320 GB

@@ -16,7 +16,10 @@ CASES = {
     "infinite": ({"timetable.travel_time_s": math.inf}, "timetable.travel_time_s = inf must be a finite number."),
     "negative mass": ({"vehicle.tare_kg": -1.0}, "vehicle.tare_kg = -1 must be above 0."),
     "negative load": ({"vehicle.load_factor": -0.1}, "vehicle.load_factor = -0.1 must be at least 0."),
-    "too much load": ({"vehicle.load_factor": 1.5}, "vehicle.load_factor = 1.5 must be at most 1."),
+    "too much load": (
+        {"vehicle.load_factor": 1.5},
+        "vehicle.load_factor = 1.5 must be at most 1, the crush_load_factor.",
+    ),
     "no time": ({"timetable.travel_time_s": 0}, "timetable.travel_time_s = 0 must be above 0."),
     "more than a day": ({"timetable.travel_time_s": 86401}, "timetable.travel_time_s = 86401 must be at most 86400."),
     "text for a number": ({"vehicle.tare_kg": "100"}, "vehicle.tare_kg = '100' must be a number."),

@@ -51,3 +51,22 @@ def test_kinds_of_cars_must_make_the_train(count, words):
                 "vehicle.resistance": {"car_kinds": [{"cars": 5, "constant_n_per_kn": 2.0}]},
             }
         )
+
+
+def test_a_crush_load_is_possible_up_to_what_the_vehicle_names():
+    crowded = {"vehicle.crush_load_factor": 1.25, "vehicle.load_factor": 1.2}
+    assert plain_scenario(crowded).vehicle.load_mass_kg == pytest.approx(1.2 * 400 * 75)
+    with pytest.raises(
+        ScenarioError, match=r"vehicle.load_factor = 1.3 must be at most 1.25, the crush_load_factor\.$"
+    ):
+        plain_scenario({**crowded, "vehicle.load_factor": 1.3})
+    with pytest.raises(ScenarioError, match=r"vehicle.crush_load_factor = 0.9 must be at least 1\.$"):
+        plain_scenario({"vehicle.crush_load_factor": 0.9})
+
+
+def test_the_real_load_may_be_a_crush_load_too():
+    real = {"disturbance.actual_load_factor": 1.2}
+    assert plain_scenario({"vehicle.crush_load_factor": 1.2, **real}).disturbance.actual_load_factor == 1.2
+    sentence = r"disturbance.actual_load_factor = 1.2 must be at most 1, the vehicle.crush_load_factor\.$"
+    with pytest.raises(ScenarioError, match=sentence):
+        plain_scenario(real)

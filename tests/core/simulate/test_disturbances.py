@@ -124,7 +124,7 @@ def test_a_rest_that_cannot_be_kept_is_driven_as_fast_as_allowed():
     scenario = metro(time_s=120.0, stops=[{"position_m": 900.0, "duration_s": 30.0, "noticed_at_m": 400.0}])
     ride = simulate_disturbances(scenario, "computer")
     assert ride.delay_s > 20
-    assert ride.notes == (f"It arrives {ride.delay_s:.1f} s late.",)
+    assert ride.notes == (f"The train arrives {ride.delay_s:.1f} s late.",)
 
 
 def test_a_drop_of_voltage_takes_power_and_recuperation_gives_energy():

@@ -110,7 +110,10 @@ def test_a_hill_that_the_real_load_cannot_climb():
         ({"disturbance.coordinate_error_m": 3000.0}, "must be less than the shortest way between two stops, 2000 m"),
         ({"simulation.reset_sensor_m": 2500.0}, "simulation.reset_sensor_m = 2500 must be less than"),
         ({"simulation.stop_sensor_m": 250.0}, "the sensors must stand in the order D1, D2, D3"),
-        ({"disturbance.actual_load_factor": 1.5}, "disturbance.actual_load_factor = 1.5 must be at most 1"),
+        (
+            {"disturbance.actual_load_factor": 1.5},
+            "disturbance.actual_load_factor = 1.5 must be at most 1, the vehicle.crush",
+        ),
     ],
 )
 def test_bad_input_is_one_sentence(changes, words):

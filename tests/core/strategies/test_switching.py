@@ -83,7 +83,7 @@ def test_statement_and_note_say_what_is_bounded():
     assert best.notes == (
         "Driven or coasted cell by cell where free switching between driving, coasting and braking would drive for a "
         f"part of each, which is the best such run found, not proven; free switching would need "
-        f"{relaxed_kwh(task):.4f} kWh; the vehicle has no friction brakes to share in.",
+        f"{relaxed_kwh(task):.3f} kWh; the vehicle has no friction brakes to share in.",
     )
 
 

@@ -87,12 +87,32 @@ def test_what_is_drawn_stays_within_its_bounds():
 
 
 @pytest.mark.parametrize(
+    ("changes", "most"),
+    [
+        ({}, 1.0),
+        ({"vehicle.load_factor": 1.0}, 1.0),
+        ({"vehicle.load_factor": 1.1}, 1.2),
+        ({"montecarlo.load_factor": {"distribution": "normal", "mean": 1.1, "standard_deviation": 5.0}}, 1.2),
+        ({"montecarlo.load_factor": {"distribution": "uniform", "low": 0.0, "high": 1.2}}, 1.2),
+    ],
+)
+def test_crush_loads_are_drawn_where_they_are_asked_for(changes, most):
+    wide = {"montecarlo.load_factor": {"distribution": "normal", "standard_deviation": 5.0}}
+    drawn = draw(few(2000, **{**wide, **changes}))["load_factor"]
+    assert 0.97 * most < drawn.max() <= most
+
+
+def test_crush_loads_have_plans_that_know_them():
+    assert np.isfinite(monte_carlo(few(20, **{"vehicle.load_factor": 1.15})).over_replanned).all()
+
+
+@pytest.mark.parametrize(
     ("distribution", "sentence"),
     [
-        ({"distribution": "fixed", "value": 1.5}, "montecarlo.load_factor.value = 1.5 must lie within 0 to 1."),
+        ({"distribution": "fixed", "value": 1.5}, "montecarlo.load_factor.value = 1.5 must lie within 0 to 1.2."),
         (
             {"distribution": "uniform", "low": 2.0, "high": 3.0},
-            "montecarlo.load_factor: the distribution has nothing within 0 to 1.",
+            "montecarlo.load_factor: the distribution has nothing within 0 to 1.2.",
         ),
     ],
 )

@@ -71,6 +71,6 @@ def test_a_cell_that_cannot_be_driven_is_nan():
     assert np.isnan(table.energy_kwh).tolist() == [[False], [True]]
 
 
-def test_a_load_above_the_capacity_is_refused():
-    with pytest.raises(ScenarioError, match=r"a load factor of the table = 1.2 must lie between 0 and 1."):
-        sensitivity(load_scenario("liashenko-0"), [1.2])
+def test_a_load_above_the_crush_load_is_refused():
+    with pytest.raises(ScenarioError, match=r"a load factor of the table = 1.3 must lie between 0 and 1.2.$"):
+        sensitivity(load_scenario("liashenko-0"), [1.3])

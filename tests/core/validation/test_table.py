@@ -19,6 +19,22 @@ def test_nothing_printed_has_no_difference(printed):
     assert Row("", "W", "Wh", printed, 201.0).difference_percent is None
 
 
+def test_percentages_differ_by_percentage_points():
+    """0.1 % printed and 2.2 % computed are 2.1 points apart, not 2100 %; 0 % is a number like any other."""
+    row = Row("", "overconsumption", "%", 0.1, 2.2)
+    assert row.difference_points == row.difference == pytest.approx(2.1)
+    assert not row.is_close
+    assert Row("", "overconsumption", "%", 0.0, 0.9).is_close
+    assert Row("", "W", "Wh", 200.0, 201.0).difference_points is None
+
+
+@pytest.mark.parametrize(
+    ("printed", "close"), [(200.0, True), (198.5, True), (198.0, False), (None, False), (0.0, False)]
+)
+def test_other_numbers_are_close_within_one_percent(printed, close):
+    assert Row("", "W", "Wh", printed, 200.0).is_close == close
+
+
 def test_a_comparison_is_computed_table_by_table() -> None:
     tables = [Table(f"table {k}", ()) for k in range(3)]
     asked: list[int] = []

@@ -1,6 +1,6 @@
 import pytest
 
-from railjoule.core.phases import Phase
+from railjoule.core.advice import Instruction
 from railjoule.dashboard.look import words
 
 
@@ -33,21 +33,129 @@ def test_prices_are_in_wh_per_s(watt: float, text: str) -> None:
     assert words.price(watt) == text
 
 
+@pytest.mark.parametrize(("kwh", "text"), [(0.3861, "+0.386"), (-5.4321, "\u22125.43"), (0.0, "0.000")])
+def test_differences_of_energies_have_their_decimals_and_a_sign(kwh: float, text: str) -> None:
+    assert words.energy_difference(kwh) == text
+
+
+@pytest.mark.parametrize(
+    ("share", "text"),
+    [
+        (0.000474, "0.05"),
+        (0.00994, "0.99"),
+        (0.00996, "1.0"),
+        (0.0581, "5.8"),
+        (0.9994, "99.9"),
+        (0.9996, "100"),
+        (9.1708, "917"),
+        (-4e-5, "0.00"),
+        (float("nan"), "\u2013"),
+    ],
+)
+def test_shares_are_in_percent_with_more_decimals_the_smaller_they_are(share: float, text: str) -> None:
+    assert words.share(share) == text
+
+
+@pytest.mark.parametrize(("share", "text"), [(0.0581, "+5.8"), (-0.124, "\u221212.4"), (4e-5, "0.00"), (-4e-5, "0.00")])
+def test_relative_differences_have_a_sign_unless_they_read_as_zero(share: float, text: str) -> None:
+    assert words.share_difference(share) == text
+
+
+@pytest.mark.parametrize(("factor", "text"), [(0.5, "50"), (0.505, "50.5"), (0.3, "30"), (1 / 3, "33.3")])
+def test_settings_are_whole_unless_set_finer(factor: float, text: str) -> None:
+    assert words.setting(factor) == text
+
+
+@pytest.mark.parametrize(("metres", "text"), [(950.0, "0.95"), (2300.0, "2.30"), (48_529.0, "48.53")])
+def test_lengths_are_in_km(metres: float, text: str) -> None:
+    assert words.distance(metres) == text
+
+
+def test_times_delays_and_stopping_errors() -> None:
+    assert words.time(5769.6) == "5\u202f769.6"
+    assert (words.delay(36.46), words.delay(-0.9), words.delay(0.04)) == ("+36.5", "\u22120.9", "0.0")
+    assert words.stop_error(-0.256) == "\u22120.26"
+
+
+def test_a_terminal_has_signs_of_its_own() -> None:
+    assert words.plain(words.delay)(-1234.5) == "-1,234.5"
+    assert words.plain_text(words.number(float("nan"))) == "-"
+
+
 def test_speeds_are_in_km_per_h() -> None:
     assert words.speed(10.0) == "36"
 
 
 @pytest.mark.parametrize(
-    ("name", "text"),
+    ("told", "text"),
     [
-        ("full_power", "full power to 36 km/h"),
-        ("part_power", "part power to 36 km/h"),
-        ("hold", "hold 36 km/h"),
-        ("coast", "coast"),
-        ("brake", "brake"),
-        ("stand", "stand 20 s"),
+        (Instruction("full_power", 0, 36.9), "full power to 36.9 km/h"),
+        (Instruction("full_power", 900, 63.3), "full power from 900 m to 63.3 km/h"),
+        (Instruction("part_power", 55, 42.8, 125), "part power from 55 m to 42.8 km/h at 125 m"),
+        (Instruction("hold", 600, 50), "hold 50 km/h from 600 m"),
+        (
+            Instruction("hold", 185, 46, None, (45, 47), 0.44),
+            "hold 46 km/h from 185 m by turns: 44 % power to 47 km/h, coast to 45 km/h",
+        ),
+        (
+            Instruction("hold", 1280, 45.2, None, (44.2, 46.2), 1.0),
+            "hold 45.2 km/h from 1\u202f280 m by turns: full power to 46.2 km/h, coast to 44.2 km/h",
+        ),
+        (Instruction("coast", 43), "coast from 43 m"),
+        (Instruction("coast", 0), "roll"),
+        (Instruction("coast", 740, 0, 826.6), "coast from 740 m to a stop at 827 m"),
+        (Instruction("brake", 4257, 61.2, 4540), "brake from 4\u202f257 m to 61.2 km/h at 4\u202f540 m"),
+        (Instruction("brake", 593, 50, 600, fully=True), "brake fully from 593 m to 50 km/h at 600 m"),
+        (Instruction("brake", 2196, 0, 2300, fully=True), "brake fully from 2\u202f196 m to a stop at 2\u202f300 m"),
+        (Instruction("stand", 1150, stand_s=25), "stand 25 s at 1\u202f150 m"),
+        (Instruction("stand", 1150, stand_s=12.5), "stand 12.5 s at 1\u202f150 m"),
     ],
 )
-def test_phases_as_advice(name: str, text: str) -> None:
-    phase = Phase(name, 0.0, 100.0, 5.0, 25.0, 0.0, 10.0, 1e6)  # type: ignore[arg-type]
-    assert words.phase_words(phase) == text
+def test_instructions_say_where_they_begin_and_what_they_aim_at(told: Instruction, text: str) -> None:
+    assert words.advice_words(told) == text
+
+
+def test_instructions_can_be_written_with_other_numbers() -> None:
+    told = Instruction("brake", 2196, 12.5, 2300)
+    assert words.advice_words(told, lambda value, digits: f"<{value:.{digits}f}>") == (
+        "brake from <2196> m to <12.5> km/h at <2300> m"
+    )
+
+
+def test_places_that_are_named_beside_it_are_not_told_again() -> None:
+    stops = (1150.0, 1950.0)
+    told = [
+        Instruction("full_power", 1150, 45.4),
+        Instruction("brake", 1913, 0, 1950, fully=True),
+        Instruction("stand", 1950, stand_s=30),
+    ]
+    texts = [words.advice_words(one, named=stops) for one in told]
+    assert texts == ["full power to 45.4 km/h", "brake fully from 1\u202f913 m to a stop", "stand 30 s"]
+
+
+def test_more_of_the_same_begins_where_it_ended() -> None:
+    advice = [
+        Instruction("part_power", 0, 17.8, 15),
+        Instruction("part_power", 15, 31.3, 55),
+        Instruction("hold", 55, 31.3),
+        Instruction("part_power", 80, 40, 120),
+    ]
+    assert list(words.advice_in_words(advice)) == [
+        "part power to 17.8 km/h at 15 m",
+        "part power to 31.3 km/h at 55 m",
+        "hold 31.3 km/h from 55 m",
+        "part power from 80 m to 40 km/h at 120 m",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("factor", "text"),
+    [
+        (0.5, "load 50 %"),
+        (0.505, "load 50.5 %"),
+        (1.0, "load 100 %"),
+        (1.2, "crush load, 120 % of capacity"),
+    ],
+)
+def test_a_load_above_the_capacity_is_a_crush_load(factor: float, text: str) -> None:
+    assert words.load(factor) == text

@@ -2,7 +2,7 @@ import pytest
 
 from railjoule.core.scenario import load_scenario
 from railjoule.dashboard.models.editor import GROUPS, EditorModel, drive_kinds, preset_options
-from railjoule.dashboard.models.fields_of import Field, Table
+from railjoule.dashboard.models.fields_of import Field, Table, parts_of
 from railjoule.dashboard.models.scenario import ScenarioModel
 
 
@@ -68,9 +68,19 @@ def test_every_field_takes_its_own_text_without_a_change(model: ScenarioModel, e
     ("key", "text", "sentence"),
     [
         ("vehicle.tare_kg", "0", "Above 0. Kept: 160000 kg."),
-        ("vehicle.load_factor", "1,5", "At most 1. Kept: 0.5."),
+        (
+            "vehicle.load_factor",
+            "1,5",
+            "vehicle.load_factor = 1.5 must be at most 1.2, the crush_load_factor. Kept: 0.5.",
+        ),
         ("phases.cycles", "2.5", "A whole number. Kept: 1."),
-        ("timetable.travel_time_s", "soon", "Not a number. Kept: 170 s."),
+        (
+            "timetable.travel_time_s",
+            "soon",
+            "Travel time: 'soon' is no time: write seconds, min:s or h:min:s, such as 150, 2:30 or 1:02:03. "
+            "Kept: 170 s.",
+        ),
+        ("vehicle.tare_kg", "soon", "Not a number. Kept: 160000 kg."),
         ("simulation.sensor_errors_m", "1 2", "3 numbers. Kept: 0 0 0 m."),
     ],
 )
@@ -185,3 +195,11 @@ def test_rows_can_be_added_to_every_table(editor: EditorModel, key: str) -> None
 def test_shipped_vehicles_and_lines_are_offered_by_name() -> None:
     assert preset_options("lines")["Flat, 5 km"] == "flat-5km"
     assert "tram-105n" in preset_options("vehicles").values()
+
+
+def test_a_table_of_too_many_rows_is_refused() -> None:
+    editor = EditorModel(ScenarioModel())
+    table = next(part for part in parts_of("line") if isinstance(part, Table) and part.key == "line.sections")
+    editor.paste(table, "1\n" * 5001)
+    assert editor.refused["line.sections"].sentence == "5,001 rows; the page takes at most 5,000. Nothing is changed."
+    assert not editor.scenario.edits

@@ -39,5 +39,5 @@ def test_numbers_have_bounds() -> None:
     assert model.parse("seed", "12") == 12
     with pytest.raises(ValueError, match=r"A whole number\."):
         model.parse("seed", "1.5")
-    with pytest.raises(ValueError, match=r"At most 100\."):
+    with pytest.raises(ValueError, match=r"^At most 100, the vehicle's crush load\.$"):
         model.parse("actual_load_percent", "120")

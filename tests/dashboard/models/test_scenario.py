@@ -1,6 +1,6 @@
 import pytest
 
-from railjoule.core import RailjouleError, load_scenario
+from railjoule.core import RailjouleError, ScenarioError, load_scenario
 from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.models.scenario import ScenarioModel
 
@@ -58,12 +58,15 @@ def test_numbers_as_people_type_them(model: ScenarioModel, text: str, number: fl
     assert model.parse("travel_time_s", text) == number
 
 
+NO_TIME = "is no time: write seconds, min:s or h:min:s, such as 150, 2:30 or 1:02:03."
+
+
 @pytest.mark.parametrize(
     ("field", "text", "sentence"),
     [
-        ("travel_time_s", "soon", "Not a number."),
-        ("travel_time_s", "nan", "Not a number."),
-        ("travel_time_s", "inf", "Not a number."),
+        ("travel_time_s", "soon", f"Travel time: 'soon' {NO_TIME}"),
+        ("travel_time_s", "nan", f"Travel time: 'nan' {NO_TIME}"),
+        ("travel_time_s", "inf", f"Travel time: 'inf' {NO_TIME}"),
         ("travel_time_s", "0", "At least 1."),
         ("travel_time_s", "86401", "At most 86400."),
         ("load_percent", "\u22121", "At least 0."),
@@ -121,3 +124,15 @@ def test_followers_hear_of_other_scenarios_and_of_their_part_alone(model: Scenar
     assert heard == [0.05, 0.01]
     model.choose("liashenko-i")
     assert len(heard) == 3
+
+
+def test_a_load_that_the_vehicle_does_not_carry_is_left_out() -> None:
+    model = ScenarioModel()
+    values = {**model.keep(), "load_percent": 150.0, "travel_time_s": 155.0}
+    with pytest.raises(
+        ScenarioError, match=r"load_percent = 150 must be at most 120, the crush load of the vehicle\.$"
+    ):
+        model.lay(values)
+    assert (model.load_percent, model.travel_time_s) == (50.0, 155.0)
+    model.lay({**values, "edits": {"vehicle.crush_load_factor": 1.6}})
+    assert model.load_percent == 150.0

@@ -25,8 +25,8 @@ def test_given_limits_are_driven_and_compared_over_the_same_time(run: LimitRun) 
     assert run.run.energy_kwh == pytest.approx(drive_under_limits(SCENARIO, [50.0, 30.0]).energy_kwh, rel=1e-9)
     assert run.optimum is not None
     assert run.optimum.travel_time_s == pytest.approx(run.run.travel_time_s, abs=0.01)
-    assert run.cost_share == pytest.approx(run.run.energy_kwh / run.optimum.energy_kwh - 1)
-    assert run.cost_share > 0
+    assert run.run.above_share == pytest.approx(run.run.energy_kwh / run.optimum.energy_kwh - 1)
+    assert run.run.above_share > 0
     assert run.limits_kmh == pytest.approx([50.0, 30.0])
 
 
@@ -53,7 +53,7 @@ def test_a_time_without_optimum_says_why() -> None:
     flat_out = {"strategy": "speed_limits", "search.limits_kmh": [80.0, 80.0], "search.stop_deceleration_ms2": 20.0}
     found = compute_limit_run(LimitsWish(level(), flat_out))
     assert (found.optimum is None) == bool(found.no_optimum)
-    assert found.cost_share is None
+    assert found.run.above_share is None
     assert "shortest possible" in found.no_optimum
 
 

@@ -1,33 +1,13 @@
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import pytest
-from bokeh.document import Document
 from panel.io.state import set_curdoc
+from turns import PATIENCE_S, Page
 
 from railjoule.core import RailjouleError
+from railjoule.core.budget import LIBRARY, PAGE, current_budget
 from railjoule.dashboard.store import Study, Worker
-
-PATIENCE_S = 20.0
-
-
-class Page:
-    """A document whose turns the test takes itself."""
-
-    def __init__(self) -> None:
-        self.document = Document()
-        self._turns: list[Callable[[], None]] = []
-        self._due = threading.Semaphore(0)
-        self.document.add_next_tick_callback = self._note  # type: ignore[method-assign,assignment]
-
-    def _note(self, callback: Callable[[], None]) -> None:
-        self._turns.append(callback)
-        self._due.release()
-
-    def take_turn(self) -> None:
-        assert self._due.acquire(timeout=PATIENCE_S)
-        with set_curdoc(self.document):
-            self._turns.pop(0)()
 
 
 class Gate:
@@ -164,3 +144,38 @@ def test_an_error_of_a_study_is_told() -> None:
     assert taken == [0, 1, 2]
     assert failures == ["too far"]
     assert not study.busy
+
+
+@pytest.mark.parametrize("error", [MemoryError, RecursionError])
+def test_work_that_takes_too_much_is_told_even_without_a_page(error: type[Exception]) -> None:
+    def compute(_: int) -> int:
+        raise error
+
+    failures: list[str] = []
+    Worker(compute, pytest.fail, lambda failure: failures.append(str(failure))).ask(1)
+    assert len(failures) == 1
+    assert ("more memory than the server has" in failures[0]) == (error is MemoryError)
+
+
+def test_pages_compute_within_their_own_budget() -> None:
+    budgets = []
+    Worker(lambda _: current_budget(), budgets.append, pytest.fail).ask(1)
+    Study(lambda _: iter([current_budget()]), lambda budget, _: budgets.append(budget), pytest.fail).ask(1)
+    assert set(map(id, budgets)) == {id(PAGE)}
+    assert current_budget() is LIBRARY
+
+
+def test_slow_work_keeps_no_short_work_waiting() -> None:
+    gate, page = Gate(), Page()
+    taken: list[int] = []
+    slow = [Worker(gate, taken.append, pytest.fail, is_slow=lambda _: True) for _ in range(4)]
+    with set_curdoc(page.document):
+        for worker in slow:
+            worker.ask(1)
+        Worker(lambda wish: wish, taken.append, pytest.fail).ask(2)
+    page.take_turn()
+    assert taken == [2]
+    gate.open.set()
+    for _ in slow:
+        page.take_turn()
+    assert taken == [2, 10, 10, 10, 10]

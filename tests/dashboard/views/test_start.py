@@ -12,10 +12,26 @@ from railjoule.dashboard.views.start import HEIGHT, WIDTH, card_html, hero, pict
 def test_every_shipped_scenario_has_one_card() -> None:
     assert sorted(card_names()) == sorted(preset_names("scenarios"))
     steps = list(compute_cards(("metro-10-stations", "liashenko-ii")))
-    assert [len(cards) for cards in steps] == [1, 2]
+    assert [[card.run is not None for card in cards] for cards in steps] == [[True, False], [True, True]]
+    assert "Being computed" in card_html(steps[0][1])
     text = card_html(steps[-1][0])
-    assert "10.40 km, 8 stations on the way" in text
+    assert "10.40\u00a0km, 8 stations on the way" in text
     assert "Metro 81-7036, 5 cars" in text
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        # energies and times as `railjoule solve` has them
+        ("tram-950m", "Phases: 1.053 kWh in 95.0 s"),
+        ("kharkiv-like-20kmh", "Speed limits: 5.92 kWh in 436.3 s (432.0 s asked)"),
+        ("liashenko-ii", "2.224 kWh in 133.7 s"),
+    ],
+)
+def test_a_card_tells_the_run_that_drive_shows(name: str, words: str) -> None:
+    ((card,),) = compute_cards((name,))
+    last = re.findall(r"<p>(.*?)</p>", card_html(card))[-1]
+    assert last.replace("\u00a0", " ") == words
 
 
 @pytest.fixture(scope="module")

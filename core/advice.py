@@ -1,0 +1,168 @@
+"""What a driver is told: the phases of a run as instructions, with the numbers that are printed and no others.
+
+Whoever does what they say keeps the timetable, the limits and the energy of the run: speeds to a tenth of a km/h, as
+half a km/h at the end of full power would change a run's energy by percents; places to a metre, brakes early and power
+late, so that no limit is broken. `railjoule.core.simulate.advised` drives them.
+"""
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from railjoule.core.compiled import njit
+from railjoule.core.phases import Phase, PhaseName, RunData
+from railjoule.core.phases.borders import FULL_BRAKING_SHARE, spare_braking_n
+from railjoule.core.phases.labels import FULL_SHARE, HELD_WITHIN_MS
+from railjoule.core.units import MS_PER_KMH
+
+if TYPE_CHECKING:
+    from railjoule.core.trajectory import Trajectory
+
+BRAKING_RESERVE_MS = HELD_WITHIN_MS
+"""A brake is begun so early that it still suffices for a train that is faster by this: it reads the same speed."""
+SWING_KMH = 2 * HELD_WITHIN_MS / MS_PER_KMH
+"""So far a hold by turns swings to each side, or less far up and farther down below a limit."""
+SAME_PLACE_M, BESIDE_M, AT_REST_MS = 1e-6, 1e-3, 1e-3
+POWERED: tuple[PhaseName, ...] = ("full_power", "part_power")
+
+
+@dataclass(frozen=True)
+class Instruction:
+    """One line of the advice, its numbers rounded as they are printed.
+
+    An instruction holds until the next one begins. Coasting after full power begins when the speed of the full power
+    is reached, and its place tells where that is; everything else begins at its place.
+
+    Parameters
+    ----------
+    action : str
+        What the driver does.
+    from_m : float
+        Where it begins, in whole metres; at a start or a stop the place itself [m].
+    to_kmh : float or None
+        The speed that power or a brake leads to, or that is held: in tenths; None for coasting and standing [km/h].
+    at_m : float or None
+        Where part power or a brake reaches that speed, or coasting comes to a stop, in whole metres; at a stop the
+        place itself [m].
+    between_kmh : tuple of two floats or None
+        Of a speed held by turns: where power is taken and where it is taken off [km/h].
+    power_share : float or None
+        Of a speed held by turns: the share of full power that is taken, in hundredths.
+    fully : bool
+        Whether a brake takes all that the brakes have.
+    stand_s : float or None
+        How long the train stands, in tenths of a second [s].
+    """
+
+    action: PhaseName
+    from_m: float
+    to_kmh: float | None = None
+    at_m: float | None = None
+    between_kmh: tuple[float, float] | None = None
+    power_share: float | None = None
+    fully: bool = False
+    stand_s: float | None = None
+
+
+def advise(run: "Trajectory") -> tuple[Instruction, ...]:
+    """Return one instruction for each phase of a run, in order."""
+    phases, data = run.phases, run.run_data
+    begins = [_begin_m(phase, data) for phase in phases]
+    # a brake's reserve ends where the phase before it begins
+    begins = [begins[0], *(max(place, before) for before, place in pairwise(begins))]
+    ends = [*begins[1:], phases[-1].end_m]
+    return tuple(_instruction(phase, begin, end, data) for phase, begin, end in zip(phases, begins, ends, strict=True))
+
+
+def _begin_m(phase: Phase, data: RunData) -> float:
+    """Return where a phase is to begin [m]: brakes with their reserve, power no earlier than a limit may end."""
+    if phase.start_ms <= AT_REST_MS or phase.start_m == data.position_m[0]:
+        return phase.start_m
+    if phase.phase == "brake":
+        start, end = (phase.start_m, phase.start_ms), (phase.end_m, phase.end_ms)
+        return float(math.floor(brake_place_m(data, start, end, BRAKING_RESERVE_MS) + SAME_PLACE_M))
+    if phase.phase in POWERED:
+        return float(math.ceil(phase.start_m - SAME_PLACE_M))
+    return float(round(phase.start_m))
+
+
+def _instruction(phase: Phase, from_m: float, end_m: float, data: RunData) -> Instruction:
+    action = phase.phase
+    if action == "stand":
+        return Instruction(action, from_m, stand_s=round(phase.end_s - phase.start_s, 1))
+    if action == "hold":
+        limit_kmh = _limit_kmh(data, phase.start_m, phase.end_m)
+        speed = _printed_kmh(phase.mean_speed_ms, limit_kmh)
+        if phase.effort_share is None:
+            return Instruction(action, from_m, speed)
+        # the run itself may swing faster and less far, as its mesh lets it; the energy of turns hardly depends on that
+        high = min(speed + SWING_KMH, limit_kmh)
+        between = round(high - 2 * SWING_KMH, 1), round(high, 1)
+        return Instruction(action, from_m, speed, None, between, _hundredths(phase.effort_share))
+    if action == "coast" and phase.end_ms > AT_REST_MS:
+        return Instruction(action, from_m)
+    speed = _printed_kmh(phase.end_ms, _limit_kmh(data, phase.end_m - BESIDE_M, phase.end_m + BESIDE_M))
+    if action == "full_power":
+        return Instruction(action, from_m, speed)
+    if action != "brake":
+        return Instruction(action, from_m, speed, end_m)
+    if speed > 0 and phase.end_m < data.position_m[-1]:
+        # a limit begins where many brakes end
+        end_m = max(min(float(math.floor(phase.end_m + SAME_PLACE_M)), end_m), from_m)
+    return Instruction(action, from_m, speed, end_m, fully=(phase.effort_share or 0.0) >= FULL_BRAKING_SHARE)
+
+
+def _limit_kmh(data: RunData, start_m: float, end_m: float) -> float:
+    """Return the lowest limit between two places, in whole tenths [km/h]."""
+    first = int(np.searchsorted(data.position_m, start_m + SAME_PLACE_M)) - 1
+    end = int(np.searchsorted(data.position_m, end_m - SAME_PLACE_M))
+    limit_kmh = float(np.min(data.limit_ms[max(first, 0) : max(end, 1)])) / MS_PER_KMH
+    return math.floor(10 * limit_kmh + SAME_PLACE_M) / 10 if math.isfinite(limit_kmh) else limit_kmh
+
+
+def _printed_kmh(speed_ms: float, limit_kmh: float) -> float:
+    return min(round(speed_ms / MS_PER_KMH, 1), limit_kmh)
+
+
+def _hundredths(share: float) -> float:
+    return 1.0 if share >= FULL_SHARE else round(share, 2)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def brake_place_m(run: RunData, start: tuple[float, float], end: tuple[float, float], reserve_ms: float) -> float:
+    """Return the last place, up to the start of a brake, from which all brakes suffice for a faster train [m].
+
+    Parameters
+    ----------
+    run : RunData
+        The run.
+    start, end : tuple of two floats
+        Place [m] and speed [m/s] where its brake begins and ends.
+    reserve_ms : float
+        By how much the train is faster than in the run where it begins to brake [m/s].
+    """
+    i = int(np.searchsorted(run.position_m, end[0] - 1e-9)) - 1
+    # the square of speed from which full braking ends as the run does, backwards from there
+    place, speed, reached = end[0], end[1], end[1] ** 2
+    braking = True
+    while i >= 0 and run.position_m[i + 1] > run.position_m[i]:
+        braking = braking and place > start[0]
+        if not braking and reached >= (speed + reserve_ms) ** 2:
+            return float(place)
+        left, entering = run.position_m[i], run.speed_ms[i]
+        whole = (run.speed_ms[i + 1] ** 2 - entering**2) / (run.position_m[i + 1] - left)
+        if braking and left < start[0]:
+            left, entering = start
+        slope = (speed**2 - entering**2) / (place - left)
+        more = 2.0 * spare_braking_n(run, i, slope - whole) / run.inertia_kg
+        entered = reached + (more - slope) * (place - left)
+        missing, beyond = (speed + reserve_ms) ** 2 - reached, entered - (entering + reserve_ms) ** 2
+        if not braking and beyond >= 0.0:
+            return float(place - (place - left) * missing / (missing + beyond))
+        place, speed, reached = left, entering, entered
+        if place == run.position_m[i]:
+            i -= 1
+    return float(place)

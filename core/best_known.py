@@ -1,0 +1,42 @@
+"""Runs over one scenario beside each other: which of them is the best known, and what each is measured against.
+
+A run is measured against the best that is known among those that arrive within the time of the timetable. A run with a
+time of its own, as one under speed limits that may be late, brings the optimum over that time with it. What is proven
+to be the optimum within the time stays the reference: a run on another mesh may need a hair less.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from railjoule.core.trajectory import Reference, Trajectory
+
+ON_TIME_S = 1e-3
+"""A run that arrives later than this after a time is not within it: searches for a time end this close to it."""
+
+
+def measured(runs: Sequence[Trajectory]) -> list[Trajectory]:
+    """Return runs over one scenario, each with its bound and the best known run within its time."""
+    bound = next((run.bound for run in runs if run.bound is not None), None)
+    return [
+        replace(run, bound=run.bound if run.bound is not None else bound, reference=_reference(run, runs))
+        for run in runs
+    ]
+
+
+def _reference(run: Trajectory, runs: Sequence[Trajectory]) -> Reference | None:
+    """Return what a run is measured against."""
+    own = run.reference
+    within = run.scenario.travel_time_s if own is None else own.within_s
+    known = [] if own is None else [own]
+    known += [
+        Reference(other.energy.net_j, other.strategy, within, _is_optimum_within(within, other))
+        for other in runs
+        if other.travel_time_s <= within + ON_TIME_S
+    ]
+    proven = next((reference for reference in known if reference.proven), None)
+    return proven or min(known, key=lambda reference: reference.energy_j, default=None)
+
+
+def _is_optimum_within(time_s: float, run: Trajectory) -> bool:
+    """Return whether a run is proven to be the optimum within a time: its bound may be that of a shorter one."""
+    return run.is_proven and run.reference is not None and run.reference.within_s >= time_s - ON_TIME_S

@@ -1,0 +1,321 @@
+"""A driver who does what the advice says, and nothing else: open loop, without a look at the run or the clock.
+
+He knows his train and his line as a driver does, so he can hold a speed, change it steadily, and set his brake so that
+he comes to a speed at a place. He knows nothing of the run: all numbers are those of the instructions, as printed.
+
+- Full power: all the power that the train has, until the speed is reached, which he then keeps until the next
+  instruction; coasting begins at once.
+- Part power: a steady change of speed squared to the speed at the place.
+- Hold: the speed, by power or brakes; what differs from it fades within metres. By turns: the power named up to the
+  upper speed, then coasting down to the lower one.
+- Coast: neither power nor brakes; to a stop that coasting leads to, the last seconds are driven as part power is. He
+  lets no train come to a stand elsewhere: slower than creeping he holds his speed.
+- Brake: a steady change of speed squared, as with part power. Fully: nearly all that the brakes have, one share of it
+  set once where it begins, so that the speed is reached at the place.
+- Stand: as long as it says.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from railjoule.core.advice import Instruction
+from railjoule.core.arrays import BoolArray, FloatArray, IntArray
+from railjoule.core.compiled import njit
+from railjoule.core.errors import InfeasibleLineError
+from railjoule.core.motion import build_course
+from railjoule.core.motion.cell_step import COAST as NOTHING
+from railjoule.core.motion.cell_step import FULL_BRAKE, FULL_TRACTION, Cell, cell_of, exit_speed2
+from railjoule.core.motion.course import CourseData
+from railjoule.core.motion.mesh import finer_at_stops, line_borders, with_nodes_at
+from railjoule.core.phases import NAMES
+from railjoule.core.phases.labels import SHORTEST_S
+from railjoule.core.phases.phase import COAST, FULL_POWER, HOLD
+from railjoule.core.scenario import Scenario
+from railjoule.core.trajectory import Trajectory, make_trajectory
+from railjoule.core.units import MS_PER_KMH
+
+CELL_M, HALVINGS_AT_STOPS = 1.0, 4
+ADJUSTED_WITHIN_M = 20.0
+"""Over this length a difference from a speed to hold falls to 1/e; assumed."""
+CREEPING_MS = 3.0 * MS_PER_KMH
+"""Slower than this a driver does not wait whether coasting brings him to a stand; assumed."""
+BISECTIONS = 50
+SHORTEST_M = 1e-9
+STANDING_MS = 1e-3
+
+
+class Orders(NamedTuple):
+    """Instructions for a moving train as arrays of shape (m,); speeds in m/s, what one does not name is not a number.
+
+    `begins_m` is infinite where the speed of full power tells when it begins.
+    """
+
+    action: IntArray
+    begins_m: FloatArray
+    speed_ms: FloatArray
+    at_m: FloatArray
+    low_ms: FloatArray
+    high_ms: FloatArray
+    power_share: FloatArray
+    fully: BoolArray
+
+
+def drive_advice(
+    scenario: Scenario, advice: Sequence[Instruction], strategy: str = "advised", initial_speed_ms: float = 0.0
+) -> Trajectory:
+    """Return the run of a driver who does what he is told.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The train and its line; its timetable does not bind the run.
+    advice : sequence of Instruction
+        What he is told, in order.
+    strategy : str
+        Whose advice it is.
+    initial_speed_ms : float
+        Speed at the start [m/s].
+
+    Raises
+    ------
+    InfeasibleLineError
+        If the train comes to a stand before a stop, or runs past one.
+    """
+    course = build_course(scenario, position_m=_mesh(scenario, advice))
+    moving = [instruction for instruction in advice if instruction.action != "stand"]
+    place, speed2, stand = drive_cells(course.data, course.position_m, _orders(moving), initial_speed_ms**2)
+    if stand >= 0:
+        raise InfeasibleLineError(f"At {place[-1]:.0f} m the train comes to a stand before its stop.")
+    driven = build_course(scenario, position_m=place)
+    dwell = np.zeros(len(place))
+    for stop in (instruction for instruction in advice if instruction.to_kmh == 0 or instruction.stand_s is not None):
+        node = int(np.argmin(np.abs(place - (stop.from_m if stop.at_m is None else stop.at_m))))
+        if speed2[node] > STANDING_MS**2:
+            speed_kmh = np.sqrt(speed2[node]) / MS_PER_KMH
+            raise InfeasibleLineError(f"The train passes the stop at {place[node]:.0f} m with {speed_kmh:.1f} km/h.")
+        speed2[node] = 0.0
+        dwell[node] += stop.stand_s or 0.0
+    return make_trajectory(scenario, replace(driven, dwell_s=dwell), strategy, speed2, np.zeros(driven.cell_count))
+
+
+def _mesh(scenario: Scenario, advice: Sequence[Instruction]) -> FloatArray:
+    """Return nodes [m] a metre apart, at all places of line and advice, and closer at the stops."""
+    line = scenario.line.in_running_order()
+    stops = [0.0, *(station.position_m for station in line.inner_stations), line.length_m]
+    named = [place for told in advice for place in (told.from_m, told.at_m) if place is not None]
+    fixed = np.unique([*line_borders(line), *named, *stops])
+    nodes = np.append(np.arange(0.0, line.length_m, CELL_M), line.length_m)
+    nodes = with_nodes_at(nodes, fixed[(fixed > 0) & (fixed < line.length_m)])
+    return finer_at_stops(nodes, stops, HALVINGS_AT_STOPS)
+
+
+def _orders(moving: Sequence[Instruction]) -> Orders:
+    """Return instructions as arrays."""
+    begins = [told.from_m for told in moving]
+    for k in range(1, len(moving)):
+        if moving[k].action == "coast" and moving[k - 1].action == "full_power":
+            begins[k] = np.inf
+    speeds = np.array(
+        [(np.nan if told.to_kmh is None else told.to_kmh, *(told.between_kmh or (np.nan, np.nan))) for told in moving]
+    )
+    speeds *= MS_PER_KMH
+    return Orders(
+        action=np.array([NAMES.index(told.action) for told in moving]),
+        begins_m=np.array(begins),
+        speed_ms=speeds[:, 0].copy(),
+        at_m=np.array([np.nan if told.at_m is None else told.at_m for told in moving]),
+        low_ms=speeds[:, 1].copy(),
+        high_ms=speeds[:, 2].copy(),
+        power_share=np.array([np.nan if told.power_share is None else told.power_share for told in moving]),
+        fully=np.array([told.fully for told in moving]),
+    )
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def drive_cells(
+    course: CourseData, position_m: FloatArray, orders: Orders, initial_speed2: float
+) -> tuple[FloatArray, FloatArray, int]:
+    """Return places and squares of speed of a train that follows orders, and where it comes to a stand.
+
+    Parameters
+    ----------
+    course : CourseData
+        What the train obeys.
+    position_m : array of shape (n + 1,)
+        Nodes of the course [m], all places of the orders among them.
+    orders : Orders
+        What the driver is told.
+    initial_speed2 : float
+        Square of speed at the first node [m2/s2].
+
+    Returns
+    -------
+    place_m, speed2 : array of shape (k,)
+        The nodes and those between them at which power is switched [m], and squares of speed there [m2/s2].
+    stand : int
+        The cell in which the train comes to a stand too early; -1 if it does not.
+    """
+    n, last = course.cell_length_m.shape[0], orders.action.shape[0] - 1
+    place, speed2 = [position_m[0]], [initial_speed2]
+    k, switched, braking, w = 0, False, -1.0, initial_speed2
+    for i in range(n):
+        whole, x, left = cell_of(course, i), position_m[i], position_m[i + 1] - position_m[i]
+        while left > SHORTEST_M:
+            following = _order_at(orders, k, x)
+            if following != k:
+                k, switched = following, orders.action[following] == HOLD and w >= orders.high_ms[following] ** 2
+            if orders.fully[k] and x == orders.begins_m[k]:
+                braking = _braking_share(course, position_m, (i, orders.at_m[k]), w, orders.speed_ms[k] ** 2)
+            after, part, switched = _driven(
+                course, _part_of(whole, left / whole.length_m), (orders, k), (x, w), switched, braking
+            )
+            if switched and orders.action[k] == FULL_POWER and k < last and orders.begins_m[k + 1] == math.inf:
+                k, switched = k + 1, False
+            if part * left <= SHORTEST_M:
+                continue
+            w, x, left = max(after, 0.0), x + part * left, left - part * left
+            place.append(x if left > SHORTEST_M else position_m[i + 1])
+            speed2.append(w)
+            if w <= 0.0 and (left > SHORTEST_M or orders.speed_ms[k] != 0.0 or place[-1] != orders.at_m[k]):
+                return np.array(place), np.array(speed2), i
+    return np.array(place), np.array(speed2), -1
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _order_at(orders: Orders, present: int, place_m: float) -> int:
+    """Return the last order whose place is reached; one of coasting after full power has none."""
+    for k in range(orders.action.shape[0] - 1, present, -1):
+        if orders.begins_m[k] <= place_m + SHORTEST_M:
+            return k
+    return present
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _part_of(cell: Cell, part: float) -> Cell:
+    """Return a part of a cell."""
+    return Cell(
+        cell.length_m * part,
+        cell.inertia / part,
+        cell.against_n,
+        cell.linear,
+        cell.quadratic,
+        cell.traction_n,
+        cell.traction_w,
+        cell.braking_n,
+        cell.braking_w,
+        cell.friction_n,
+        cell.max_acceleration_ms2,
+        cell.max_deceleration_ms2,
+        cell.drive_kind,
+        cell.recuperation_factor,
+    )
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _reach(course: CourseData, cell: Cell, speed2: float) -> tuple[float, float, float]:
+    """Return the squares of speed that full braking, coasting and full power lead to."""
+    traction, braking, step_ms = course.traction.table, course.braking.table, course.traction.table_step_ms
+    return (
+        exit_speed2(cell, traction, braking, step_ms, speed2, FULL_BRAKE),
+        exit_speed2(cell, traction, braking, step_ms, speed2, NOTHING),
+        exit_speed2(cell, traction, braking, step_ms, speed2, FULL_TRACTION),
+    )
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _driven(
+    course: CourseData,
+    cell: Cell,
+    order: tuple[Orders, int],
+    state: tuple[float, float],
+    switched: bool,
+    braking: float,
+) -> tuple[float, float, bool]:
+    """Return what a cell, or the part of it until power is switched, is left with.
+
+    Returns
+    -------
+    speed2 : float
+        Square of speed [m2/s2].
+    part : float
+        Which part of the cell is driven.
+    switched : bool
+        Whether the speed of full power is reached; by turns, whether power is off; coasting, whether it was faster
+        than creeping.
+    """
+    orders, k = order
+    place, speed2 = state
+    action, aim2 = orders.action[k], orders.speed_ms[k] ** 2
+    low, free, top = _reach(course, cell, speed2)
+    if action == COAST and not _comes_to_stand(orders.at_m[k] - place, speed2, switched):
+        rolling = min(speed2, CREEPING_MS**2, top) if switched else 0.0
+        return max(free, rolling), 1.0, switched or free > CREEPING_MS**2
+    if action == FULL_POWER and not switched:
+        if top < aim2:
+            return top, 1.0, False
+        return max(speed2, aim2), _part_until(speed2, top, aim2), True
+    if action == HOLD and orders.power_share[k] > 0.0:
+        wish = free if switched else free + orders.power_share[k] * (top - free)
+        limit2 = orders.low_ms[k] ** 2 if switched else orders.high_ms[k] ** 2
+        if (wish > limit2) if switched else (wish < limit2):
+            return wish, 1.0, switched
+        return limit2, _part_until(speed2, wish, limit2), not switched
+    if orders.fully[k] and braking >= 0.0 and place < orders.at_m[k] - SHORTEST_M:
+        return free + braking * (low - free), 1.0, False
+    if action == HOLD:
+        wish = aim2 + (speed2 - aim2) * math.exp(-cell.length_m / ADJUSTED_WITHIN_M)
+    elif action == FULL_POWER:
+        wish = aim2
+    else:
+        wish = speed2 + (aim2 - speed2) * min(cell.length_m / max(orders.at_m[k] - place, SHORTEST_M), 1.0)
+    return min(max(wish, low), top), 1.0, switched
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _comes_to_stand(way_m: float, speed2: float, was_faster: bool) -> bool:
+    """Return whether coasting to a stop is in its last seconds or too slow; its way is not a number if it has none."""
+    if math.isnan(way_m):
+        return False
+    return (was_faster and speed2 <= CREEPING_MS**2) or 2.0 * way_m <= SHORTEST_S * math.sqrt(speed2)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _part_until(entering2: float, leaving2: float, wanted2: float) -> float:
+    """Return in which part of a cell the square of speed, which changes linearly, comes to a wanted one."""
+    if leaving2 == entering2:
+        return 0.0
+    return min(max((wanted2 - entering2) / (leaving2 - entering2), 0.0), 1.0)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _braking_share(
+    course: CourseData, position_m: FloatArray, way: tuple[int, float], speed2: float, aim2: float
+) -> float:
+    """Return which share of what the brakes have leads to a speed at a place; negative where none is needed."""
+    first, at_m = way
+    last = int(np.searchsorted(position_m, at_m - SHORTEST_M))
+    if _braked(course, first, last, speed2, 0.0) <= aim2:
+        return -1.0
+    low, high = 0.0, 1.0
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        if _braked(course, first, last, speed2, middle) > aim2:
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _braked(course: CourseData, first: int, last: int, speed2: float, share: float) -> float:
+    """Return the square of speed after cells under a share of full braking; negative where the train stands before."""
+    for i in range(first, last):
+        low, free, _ = _reach(course, cell_of(course, i), speed2)
+        speed2 = free + share * (low - free)
+        if speed2 <= 0.0:
+            return speed2 - (last - 1 - i)
+    return speed2

@@ -1,0 +1,188 @@
+"""How runs compare, in words: with the best known run, with a bound, with another run, with the time asked for.
+
+Whoever tells such a thing calls this module: a page's numbers and tables, a report, the command line. What a run is
+measured against is decided in `railjoule.core.best_known`, and when a share of an energy means anything in
+`railjoule.core.energy.share_above`.
+"""
+
+import math
+from typing import NamedTuple
+
+from railjoule.core import Trajectory
+from railjoule.core.energy import share_above
+from railjoule.core.trajectory import PROVEN_GAP, Reference
+from railjoule.dashboard.look import words
+
+OTHER_TIME_S = 0.05
+"""From this difference on, a time reads differently."""
+WAITING = "more time saves nothing"
+LEAST_GAP_TOLD = 1e-4
+"""A gap that proves nothing reads as this at least, never as none."""
+
+
+class Amount(NamedTuple):
+    """By how much one energy exceeds another: a share, or the difference where a share would mean nothing."""
+
+    value: str
+    unit: str
+
+    def __str__(self) -> str:
+        return f"{self.value} {self.unit}"
+
+    @property
+    def cell(self) -> str:
+        """The amount under a heading that says %."""
+        return self.value if self.unit == "%" else str(self)
+
+    @property
+    def sentence(self) -> str:
+        """The amount as in '5.8 % above'."""
+        return f"{self.size} {self.unit} {'below' if self.is_less else 'above'}"
+
+    @property
+    def size(self) -> str:
+        """The amount without its sign."""
+        return self.value.lstrip(f"+{words.MINUS}")
+
+    @property
+    def is_less(self) -> bool:
+        """Whether the energy lies below the other."""
+        return self.value.startswith(words.MINUS)
+
+    @property
+    def is_none(self) -> bool:
+        """Whether it reads as no difference at all."""
+        return not any(character in "123456789" for character in self.value)
+
+
+NOTHING = Amount(words.share_difference(0.0), "%")
+
+
+def above(energy_kwh: float, reference_kwh: float) -> Amount:
+    """Return by how much an energy [kWh] lies above another: in percent, or in kWh where that is no measure."""
+    share = share_above(energy_kwh, reference_kwh)
+    if math.isfinite(share):
+        return Amount(words.share_difference(share), "%")
+    return Amount(words.energy_difference(energy_kwh - reference_kwh), "kWh")
+
+
+def saving(energy_kwh: float, reference_kwh: float) -> tuple[str, Amount]:
+    """Return whether a run 'saves' or 'costs' energy [kWh] beside another, and how much of the other's, unsigned."""
+    amount = above(energy_kwh, reference_kwh)
+    return "costs" if not amount.is_less and not amount.is_none else "saves", Amount(amount.size, amount.unit)
+
+
+def above_reference(run: Trajectory) -> Amount | None:
+    """Return by how much a run lies above the best known one; None where none was looked for."""
+    return None if run.reference is None else above(run.energy_kwh, run.reference.energy_kwh)
+
+
+def above_bound(energy_kwh: float, bound_kwh: float | None, gap: float | None) -> Amount | None:
+    """Return by how much an energy lies above its bound, nothing if that proves it; None where no bound is known.
+
+    Parameters
+    ----------
+    energy_kwh, bound_kwh : float
+        Energy and bound [kWh].
+    gap : float or None
+        As `Trajectory.gap` has it.
+    """
+    if bound_kwh is None or gap is None:
+        return None
+    if is_proven(gap):
+        return NOTHING
+    if 0 < gap < LEAST_GAP_TOLD:
+        return Amount(words.share_difference(LEAST_GAP_TOLD), "%")
+    return above(energy_kwh, bound_kwh)
+
+
+def above_own_bound(run: Trajectory) -> Amount | None:
+    """Return by how much a run lies above its bound."""
+    return above_bound(run.energy_kwh, run.lower_bound_kwh, run.gap)
+
+
+def cell(amount: Amount | None) -> str:
+    """Return an amount under a heading that says %; a dash where there is none."""
+    return words.UNKNOWN if amount is None else amount.cell
+
+
+def is_proven(gap: float | None) -> bool:
+    """Return whether a gap is so small that it proves the optimum."""
+    return gap is not None and abs(gap) <= PROVEN_GAP
+
+
+def is_reference(run: Trajectory) -> bool:
+    """Return whether a run is itself the best known one."""
+    reference = run.reference
+    return reference is not None and reference.strategy == run.strategy and reference.energy_j == run.energy.net_j
+
+
+def reference_name(proven: bool) -> str:
+    """Return what others are measured against is called at the head of a column: the optimum only where proven."""
+    return "optimum" if proven else "best known"
+
+
+def reference_noun(proven: bool) -> str:
+    """Return the same within a sentence."""
+    return "optimum" if proven else "best known run"
+
+
+def reference_words(reference: Reference, asked_s: float) -> str:
+    """Return a reference within a sentence, as 'optimum of 4.144 kWh in 303.0 s' for a run with a time of its own."""
+    who = "" if reference.strategy == "optimal" else f" ({words.strategy(reference.strategy)})"
+    return f"{reference_noun(reference.proven)}{who} of {_energy_and_time(reference, asked_s)}"
+
+
+def reference_detail(run: Trajectory) -> str:
+    """Return what stands beneath a distance to the reference: the optimum, or the bound where none is proven."""
+    reference, bound_kwh = run.reference, run.lower_bound_kwh
+    if reference is None:
+        return ""
+    if reference.proven or bound_kwh is None:
+        return f"{reference_name(reference.proven)} {words.energy(reference.energy_kwh)} kWh"
+    return f"bound {words.energy(bound_kwh)} kWh"
+
+
+def _energy_and_time(reference: Reference, asked_s: float) -> str:
+    time = "" if abs(reference.within_s - asked_s) < OTHER_TIME_S else f" in {words.time(reference.within_s)} s"
+    return f"{words.energy(reference.energy_kwh)} kWh{time}"
+
+
+def printed_difference(percent: float | None, points: float | None) -> str:
+    """Return how a number of ours differs from a printed one, as `Row` has it; of percentages in percentage points."""
+    if points is not None:
+        return f"{words.share_difference(points / 100)} pp"
+    return "" if percent is None else f"{words.share_difference(percent / 100)} %"
+
+
+def arrival(later_s: float) -> str:
+    """Return how much later a run arrives than another [s], in words."""
+    if abs(later_s) < OTHER_TIME_S:
+        return "at the same time"
+    return f"{words.time(abs(later_s))} s {'later' if later_s > 0 else 'earlier'}"
+
+
+def other_time(strategy: str, travel_time_s: float, asked_s: float) -> str:
+    """Return by how much a run takes another time than asked, in a few words; empty if it does not."""
+    more = travel_time_s - asked_s
+    if abs(more) < OTHER_TIME_S:
+        return ""
+    if more > 0:
+        return f"{words.time(more)} s later than the {words.time(asked_s)} s asked"
+    early = f"{words.time(-more)} s earlier than the {words.time(asked_s)} s asked"
+    return f"{early}: {WAITING}" if strategy == "optimal" else early
+
+
+def time_asked(run: Trajectory) -> str:
+    """Return the time asked for where a run takes another one, beneath a number; empty where it does not."""
+    return f"asked {words.time(run.scenario.travel_time_s)} s" if other_time_of(run) else ""
+
+
+def waiting_of(run: Trajectory) -> str:
+    """Return why an optimum takes less time than asked, in four words; empty where it does not."""
+    return WAITING if WAITING in other_time_of(run) else ""
+
+
+def other_time_of(run: Trajectory) -> str:
+    """Return by how much a run takes another time than its scenario asks."""
+    return other_time(run.strategy, run.travel_time_s, run.scenario.travel_time_s)

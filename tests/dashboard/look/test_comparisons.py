@@ -1,0 +1,94 @@
+from dataclasses import replace
+
+import pytest
+
+from railjoule.core import Bound, Trajectory, load_scenario, solve
+from railjoule.core.trajectory import Reference
+from railjoule.dashboard.look import comparisons
+from railjoule.dashboard.look.words import MINUS
+
+
+@pytest.fixture(scope="module")
+def run() -> Trajectory:
+    return solve(load_scenario("liashenko-ii"))
+
+
+@pytest.mark.parametrize(
+    ("energy", "reference", "text", "sentence"),
+    [
+        (5.29, 5.0, "+5.8 %", "5.8 % above"),
+        (4.38, 5.0, f"{MINUS}12.4 %", "12.4 % below"),
+        (5.0, 5.0, "0.00 %", "0.00 % above"),
+        (27.457, -0.628, "+28.09 kWh", "28.09 kWh above"),
+        (-2.0, -1.0, f"{MINUS}1.000 kWh", "1.000 kWh below"),
+    ],
+)
+def test_an_energy_lies_above_another(energy: float, reference: float, text: str, sentence: str) -> None:
+    amount = comparisons.above(energy, reference)
+    assert str(amount) == text
+    assert amount.sentence == sentence
+
+
+def test_a_column_of_percentages_tells_another_unit() -> None:
+    assert comparisons.above(5.29, 5.0).cell == "+5.8"
+    assert comparisons.above(27.457, -0.628).cell == "+28.09 kWh"
+    assert comparisons.cell(None) == "\u2013"
+
+
+@pytest.mark.parametrize(
+    ("gap", "text"), [(5e-7, "0.00 %"), (-5e-7, "0.00 %"), (2e-5, "+0.01 %"), (0.0005, "+0.05 %"), (-4e-5, "0.00 %")]
+)
+def test_a_gap_that_proves_nothing_does_not_read_as_none(gap: float, text: str) -> None:
+    assert str(comparisons.above_bound(4.0 * (1 + gap), 4.0, gap)) == text
+
+
+def test_without_a_bound_there_is_no_gap(run: Trajectory) -> None:
+    assert comparisons.above_own_bound(replace(run, bound=None)) is None
+    assert comparisons.above_reference(replace(run, reference=None)) is None
+
+
+def test_a_saving_is_never_negative() -> None:
+    """A computer that spends 12.4 % more than the driver costs that."""
+    assert comparisons.saving(1.124, 1.0) == ("costs", ("12.4", "%"))
+    assert comparisons.saving(0.9, 1.0) == ("saves", ("10.0", "%"))
+    assert comparisons.saving(1.0, 1.0) == ("saves", ("0.00", "%"))
+    assert comparisons.saving(1.0, -1.0) == ("costs", ("2.000", "kWh"))
+
+
+def test_only_a_proven_reference_is_the_optimum(run: Trajectory) -> None:
+    assert comparisons.is_reference(run)
+    own = run.reference
+    assert own is not None
+    assert comparisons.reference_words(own, own.within_s) == "optimum of 2.224 kWh"
+    other = Reference(own.energy_j, "bellman", own.within_s + 1, proven=False)
+    assert comparisons.reference_words(other, own.within_s) == "best known run (Bellman) of 2.224 kWh in 134.7 s"
+    assert not comparisons.is_reference(replace(run, reference=other))
+
+
+@pytest.mark.parametrize(
+    ("strategy", "time", "words"),
+    [
+        ("optimal", 9999.04, ""),
+        ("optimal", 5769.6, "4\u202f229.4 s earlier than the 9\u202f999.0 s asked: more time saves nothing"),
+        ("fastest", 9990.0, "9.0 s earlier than the 9\u202f999.0 s asked"),
+        ("speed_limits", 10_003.0, "4.0 s later than the 9\u202f999.0 s asked"),
+    ],
+)
+def test_another_time_than_asked_is_told(strategy: str, time: float, words: str) -> None:
+    assert comparisons.other_time(strategy, time, 9999.0) == words
+
+
+def test_one_arrives_later_or_earlier() -> None:
+    assert comparisons.arrival(1.1) == "1.1 s later"
+    assert comparisons.arrival(-1.1) == "1.1 s earlier"
+    assert comparisons.arrival(0.01) == "at the same time"
+
+
+def test_printed_percentages_differ_by_points() -> None:
+    assert comparisons.printed_difference(2129.0, 2.129) == "+2.1 pp"
+    assert comparisons.printed_difference(-0.5, None) == f"{MINUS}0.50 %"
+    assert comparisons.printed_difference(None, None) == ""
+
+
+def test_a_bound_without_end_tells_nothing(run: Trajectory) -> None:
+    assert str(comparisons.above_own_bound(replace(run, bound=Bound(float("-inf"), "None.")))) == "\u2013 kWh"

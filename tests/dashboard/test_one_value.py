@@ -1,0 +1,229 @@
+"""One number, one value: what is told of a run reads alike on the pages, in charts, in reports and on the command line.
+
+The texts are those that the views, the report and the commands make; no expected number is written down here.
+"""
+
+import html
+import re
+from collections import defaultdict
+from collections.abc import Iterator
+from contextlib import redirect_stdout
+from datetime import UTC, datetime
+from io import StringIO
+
+import pytest
+
+from railjoule.core.scenario import StrategyName, preset_names
+from railjoule.core.strategies import STRATEGIES
+from railjoule.dashboard.browser import Browser
+from railjoule.dashboard.cli import main
+from railjoule.dashboard.keeping import Keeping
+from railjoule.dashboard.lifeline import Lifeline
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look.words import STRATEGY_WORDS
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.report.document import report_html
+from railjoule.dashboard.store import RunsWish, compute_runs
+from railjoule.dashboard.store.cards import make_card
+from railjoule.dashboard.store.report import Findings
+from railjoule.dashboard.views.compare import CompareView
+from railjoule.dashboard.views.drive import DriveView
+from railjoule.dashboard.views.sidebar import Sidebar
+from railjoule.dashboard.views.start import card_html
+
+FIGURE = re.compile(
+    r'<div class="label">(?P<label>.*?)</div><div class="value">(?P<value>.*?)<span>(?P<unit>.*?)</span></div>'
+    r'<div class="detail">(?P<detail>.*?)</div></div>'
+)
+NUMBER = r"-?[\d,]+(?:\.\d+)?"
+NAMES = {word: name for name, word in STRATEGY_WORDS.items()}
+CHART_NAMES = {"limits": "speed_limits", "Limits": "speed_limits"}
+PALETTE = Palette(dark=False)
+
+Told = dict[tuple[str, str], dict[str, str]]
+"""What is told: by strategy and quantity, the text by the place where it stands."""
+
+
+def plain(markup: str) -> str:
+    """Return the text of some markup with the signs of a terminal: '1,080.0' and '-0.628'."""
+    text = html.unescape(re.sub(r"<[^>]+>", " ", markup))
+    return " ".join(re.sub("(?<=[0-9])\u202f(?=[0-9])", ",", text).replace("\u2212", "-").split())
+
+
+def amount(text: str) -> str:
+    """Return by how much something lies above, without its sign and its unit."""
+    return text.removesuffix(" %").lstrip("+")
+
+
+def rows_of(markup: str, first: str) -> Iterator[dict[str, str]]:
+    """Yield the rows of a table of runs by the heads of its columns; `first` is what its first column is called."""
+    for table in re.findall(r"<table>.*?</table>", markup, re.DOTALL):
+        heads = [plain(cell) for cell in re.findall(r"<th.*?>(.*?)</th>", table, re.DOTALL)]
+        if heads[0] == first:
+            for row in re.findall(r"<tr.*?>(.*?)</tr>", table, re.DOTALL):
+                cells = [plain(cell) for cell in re.findall(r"<td>(.*?)</td>", row, re.DOTALL)]
+                yield dict(zip(heads, cells, strict=False))
+
+
+def printed(*arguments: str) -> str:
+    """Return what a command prints."""
+    output = StringIO()
+    with redirect_stdout(output):
+        assert main(arguments) == 0
+    return output.getvalue()
+
+
+class Teller:
+    """Collects what one scenario's runs are told to be."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.told: Told = defaultdict(dict)
+        self.state = Workbench()
+        self.drive = DriveView(self.state, Browser(), PALETTE)
+        self.sidebar = Sidebar(self.state, Keeping(self.state, Lifeline()))
+        self.compare = CompareView(self.state, Browser(), PALETTE)
+        self.state.scenario.choose(name)
+        self.first: StrategyName = self.state.chosen
+        self.state.ticked = list(STRATEGIES)
+        self.runs = compute_runs(RunsWish(self.state.scenario.scenario(), tuple(STRATEGIES)))
+        self.state.page = "Drive"
+        self.state.runs = self.runs
+
+    def tell(self, place: str, strategy: str, **quantities: str | None) -> None:
+        """Take down what a place tells of a run."""
+        for quantity, text in quantities.items():
+            if text is not None:
+                self.told[strategy, quantity][place] = text
+
+    def head(self, place: str, strategy: str, markup: str) -> None:
+        """Read the row of numbers of Drive or of a report."""
+        figures = {match["label"]: match for match in FIGURE.finditer(markup)}
+        energy, time = figures["Energy at the line"], figures["Travel time"]
+        self.tell(place, strategy, energy=plain(energy["value"]), time=plain(time["value"]))
+        if self.runs.runs[strategy].price_of_time_w is not None:
+            self.tell(place, strategy, price=plain(figures["Price of a second"]["value"]))
+        above = next(match for label, match in figures.items() if label.startswith("Above "))
+        text = amount(plain(f"{above['value']} {above['unit']}"))
+        bound = re.search(rf"bound ({NUMBER})", plain(above["detail"]))
+        if "bound" in above["label"]:
+            self.tell(place, strategy, above_bound=text)
+        else:
+            self.tell(place, strategy, above=text)
+        self.tell(place, strategy, bound=bound and bound[1])
+        if "Per tonne and km" in figures:
+            length = re.search(rf"t, ({NUMBER}) km", plain(figures["Per tonne and km"]["detail"]))
+            self.tell(place, "", distance=length and length[1])
+
+    def pages(self) -> None:
+        """Read Drive, the sidebar, Compare and their charts."""
+        for name in self.runs.runs:
+            self.state.chosen = name
+            self.head("head", name, self.drive.figures.object)
+        heading = re.search(rf'<span class="muted">({NUMBER}) km,', self.drive.heading.object)
+        side = re.search(rf"({NUMBER}) km", plain(self.sidebar.line.object))
+        self.tell("heading", "", distance=heading and heading[1])
+        self.tell("sidebar", "", distance=side and side[1])
+        self.runs_table("table", self.drive.runs.object)
+        for name, pane in self.sidebar.strategies.numbers.items():
+            told = re.findall(r"<span>(.*?)</span>", pane.object)
+            if name in self.runs.runs:
+                self.tell("sidebar", name, energy=plain(told[0]), above=amount(plain(told[1])))
+        chart = next(chart for chart in self.drive.charts if chart.name == "energy")
+        for text in chart.sources["ends"].data["text"]:
+            name, energy = text.rsplit(" ", 1)
+            strategy = CHART_NAMES.get(name) or NAMES[name if name.isupper() else name.capitalize()]
+            self.tell("chart", strategy, energy=plain(energy))
+        self.state.page = "Compare"
+        for row in rows_of(self.compare.table.object, "Run"):
+            if row:
+                name = NAMES[row["Run"]]
+                self.tell("compare", name, energy=row["kWh"], time=row["s"], above_bound=amount(row["above bound, %"]))
+        _, energies, *_ = self.compare.compared
+        for text in energies.sources["names"].data["text"]:
+            name, energy = text.rsplit(" ", 1)
+            self.tell("compared", CHART_NAMES.get(name) or NAMES[name], energy=plain(energy))
+
+    def runs_table(self, place: str, markup: str) -> None:
+        """Read the table of runs of Drive or of a report."""
+        for row in rows_of(markup, "Run"):
+            if row and row["Run"] in NAMES:
+                above = next(text for head, text in row.items() if head.startswith("above"))
+                self.tell(place, NAMES[row["Run"]], energy=row["kWh"], time=row["s"], above=amount(above))
+
+    def card(self) -> None:
+        """Read the card on Start."""
+        text = plain(card_html(make_card(self.name)).split("</button>")[1])
+        length = re.search(rf"({NUMBER}) km", text)
+        run = re.search(rf"(?:([A-Z][a-z ]+): )?({NUMBER}) kWh in ({NUMBER}) s", text)
+        assert length is not None
+        assert run is not None
+        self.tell("card", "", distance=length[1])
+        self.tell("card", NAMES[run[1] or "Optimal"], energy=run[2], time=run[3])
+        self.tell("card", "", shown=run[1] or "Optimal")
+        self.tell("drive", "", shown=STRATEGY_WORDS[self.first])
+
+    def report(self) -> None:
+        """Read a report; its figures and optima over other times have their own tests."""
+        page = report_html(Findings(self.runs.scenario, self.runs), datetime(2026, 1, 1, tzinfo=UTC))
+        shown = page[: page.index('id="scenario"')]
+        self.head("report", self.first, shown)
+        self.runs_table("report's table", shown)
+        length = re.search(rf'<p class="muted">({NUMBER}) km, ', shown)
+        self.tell("report", "", distance=length and length[1])
+        bound = re.search(rf"A bound of ({NUMBER}) kWh", plain(shown))
+        self.tell("report's proof", self.runs.best.strategy, bound=bound and bound[1])
+
+    def commands(self) -> None:
+        """Read what the commands `compare` and `solve` print for people."""
+        _, line, _, head, rule, *rows = printed("compare", self.name).splitlines()
+        length = re.match(rf"({NUMBER}) (?:km|m),", line)
+        self.tell("command", "", distance=length and length[1])
+        ends = [match.span() for match in re.finditer("-+", rule)]
+        heads = [head[start:end].strip() for start, end in ends]
+        for row in rows:
+            cells = dict(zip(heads, (row[start:end].strip() for start, end in ends), strict=True))
+            if cells["strategy"] not in NAMES or cells["strategy"] == row.strip():
+                break
+            above = next(
+                text for head, text in cells.items() if head.startswith(("above opt", "above best", "against"))
+            )
+            bound = cells.get("above bound, %")
+            name = NAMES[cells["strategy"]]
+            self.tell("command", name, energy=cells["kWh"], time=cells["time, s"], above=amount(above))
+            self.tell("command", name, above_bound=bound and amount(bound))
+        solved = " ".join(printed("solve", self.name).split())
+        told = re.search(rf"Energy ({NUMBER}) kWh .*? Bound ({NUMBER}) kWh\. .*? Time ({NUMBER}) s", solved)
+        assert told is not None
+        saved = re.search(rf"would save ({NUMBER}) Wh", solved)
+        self.tell("solve", self.first, energy=told[1], bound=told[2], time=told[3], price=saved and saved[1])
+
+
+@pytest.fixture(scope="module", params=preset_names("scenarios"))
+def teller(request: pytest.FixtureRequest) -> Teller:
+    """What is told of a shipped scenario's runs."""
+    teller = Teller(request.param)
+    teller.pages()
+    teller.card()
+    teller.report()
+    teller.commands()
+    return teller
+
+
+def test_what_is_told_of_a_run_reads_alike_everywhere(teller: Teller) -> None:
+    contradictions = {key: texts for key, texts in teller.told.items() if len(set(texts.values())) > 1}
+    assert not contradictions
+
+
+def test_each_quantity_is_read_where_it_stands(teller: Teller) -> None:
+    """Lest the test above compare nothing."""
+    told, first = teller.told, teller.first
+    assert told["", "distance"].keys() == {"head", "heading", "sidebar", "card", "report", "command"}
+    everywhere = {"head", "table", "compare", "card", "report", "report's table", "command", "solve"}
+    assert told[first, "time"].keys() == everywhere
+    assert told[first, "energy"].keys() == {*everywhere, "sidebar", "chart", "compared"}
+    for name in teller.runs.runs:
+        assert told[name, "above"].keys() >= {"sidebar", "table", "report's table", "command"}
+        assert told[name, "above_bound"].keys() >= {"compare", "command"}
+    assert "head" in told["fastest", "above"]
+    assert "solve" in told[first, "bound"]
