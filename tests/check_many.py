@@ -20,6 +20,7 @@ import traceback
 import warnings
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -94,7 +95,7 @@ def calls(seed: int, done: Iterable[str], generator: ModuleType | None, referenc
             run = run_strategy(task, name)
             seconds = time.perf_counter() - started
             bound = run.bound if name == "optimal" else bound
-            run = run if run.bound is not None or not task.has_slack else run.with_bound(bound)
+            run = run if run.bound is not None or not task.has_slack else replace(run, bound=bound)
             found = checked(run)
             if reference is not None:
                 found["reference"] = [[kind, amount] for kind, amount, _ in reference.check(document, run, name)]

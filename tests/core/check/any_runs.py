@@ -7,6 +7,7 @@
 import warnings
 from collections import defaultdict
 from collections.abc import Iterator
+from dataclasses import replace
 
 from railjoule.core import RailjouleError, Trajectory, check_run
 from railjoule.core.strategies import STRATEGIES, run_strategy
@@ -31,7 +32,7 @@ def any_runs(seed: int) -> Iterator[Trajectory]:
         except RailjouleError:
             continue
         bound = run.bound if name == "optimal" else bound
-        yield run if run.bound is not None else run.with_bound(bound)
+        yield run if run.bound is not None else replace(run, bound=bound)
 
 
 def main() -> None:
