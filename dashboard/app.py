@@ -1,5 +1,7 @@
 """The dashboard: composes one open page, and serves it. `panel serve` may run this file too."""
 
+import logging
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -9,11 +11,13 @@ from railjoule.core import RailjouleError
 from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.compare import Compare
 from railjoule.dashboard.disturbances import Disturbances
+from railjoule.dashboard.faults import handle
 from railjoule.dashboard.health import HealthHandler
 from railjoule.dashboard.keeping import Keeping
 from railjoule.dashboard.learn import Learn
 from railjoule.dashboard.lifeline import Lifeline
 from railjoule.dashboard.line import WholeLines
+from railjoule.dashboard.logs import keep_quiet, write_down
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
@@ -41,6 +45,7 @@ from railjoule.dashboard.views.editor import EditorView
 from railjoule.dashboard.views.learn import LearnView
 from railjoule.dashboard.views.line import LineView
 from railjoule.dashboard.views.motor import MotorView
+from railjoule.dashboard.views.page import PageView
 from railjoule.dashboard.views.papers import PapersView
 from railjoule.dashboard.views.reporting import ReportButton
 from railjoule.dashboard.views.robustness import RobustnessView
@@ -51,35 +56,27 @@ from railjoule.dashboard.views.start import StartView
 from railjoule.dashboard.views.trade_off import TradeOffView
 from railjoule.dashboard.warmup import warmup
 
-pn.extension("plotly", notifications=False)
+pn.extension("plotly", notifications=False, exception_handler=handle)
+keep_quiet()
 
+LOG = logging.getLogger(__name__)
 POLL_MS = 300
 EXTRA_PATTERNS = [("/health", HealthHandler)]
-View = (
-    StartView
-    | DriveView
-    | CompareView
-    | TradeOffView
-    | RobustnessView
-    | DisturbancesView
-    | SpeedLimitsView
-    | MotorView
-    | LineView
-    | LearnView
-    | PapersView
-)
-VIEWS: dict[str, type[View]] = {
-    "Start": StartView,
-    "Drive": DriveView,
-    "Compare": CompareView,
-    "Trade-off": TradeOffView,
-    "Robustness": RobustnessView,
-    "Disturbances": DisturbancesView,
-    "Speed limits": SpeedLimitsView,
-    "Motor": MotorView,
-    "Line": LineView,
-    "Learn": LearnView,
-    "Papers": PapersView,
+VIEWS: dict[str, type[PageView]] = {
+    view.page: view
+    for view in (
+        StartView,
+        DriveView,
+        CompareView,
+        TradeOffView,
+        RobustnessView,
+        DisturbancesView,
+        SpeedLimitsView,
+        MotorView,
+        LineView,
+        LearnView,
+        PapersView,
+    )
 }
 """What draws each page."""
 
@@ -90,8 +87,16 @@ class Session:
     def __init__(self) -> None:
         self.state = Workbench()
         self.browser = Browser()
-        self.runs = Worker(compute_runs, self._take_runs, self._take_failure, is_slow=lambda wish: wish.is_slow)
-        self.trade_off = Worker(compute_trade_off, self._take_trade_off, self._take_failure)
+        self.runs = Worker(
+            compute_runs,
+            self._take_runs,
+            self._take_failure,
+            self.state.marks("Start", "Drive", "Compare", "Trade-off"),
+            is_slow=lambda wish: wish.is_slow,
+        )
+        self.trade_off = Worker(
+            compute_trade_off, self._take_trade_off, self._take_failure, self.state.marks("Trade-off")
+        )
         self.compare = Compare(self.state)
         self.pins = Pins(self.state)
         self.robustness = Robustness(self.state)
@@ -105,9 +110,9 @@ class Session:
         self.lifeline = Lifeline()
         self.keeping = Keeping(self.state, self.lifeline)
         self.keeping.begin(address_query())
-        self.state.dark = self.browser.dark = self.state.colours == "dark"
+        self._begin_colours()
         self.palette = Palette(self.state.dark)
-        self.views: dict[str, View] = {}
+        self.views: dict[str, PageView] = {}
         self.editor = EditorView(self.state, self.browser, self.palette)
         pages = {name: self._make(view) for name, view in VIEWS.items()}
         share = Share(self.state, self.keeping)
@@ -120,6 +125,7 @@ class Session:
         self.state.param.watch(self._ask_runs, ["ticked", "chosen"])
         self.state.param.watch(self._ask_trade_off, ["page", "wide_map", "copper_weight"])
         self.state.param.watch(self._paint, "dark")
+        self._opened_s = time.monotonic()
         pn.state.on_session_destroyed(lambda _: self._end())
         self.shell.open()
         self._ask_trade_off()
@@ -131,8 +137,15 @@ class Session:
         self.shell.add(*ReportButton(self.reporting.model, self.browser).parts)
         pn.state.onload(self._load)
 
+    def _begin_colours(self) -> None:
+        """Take the colours of the address, else those for which the system asked when it was here last."""
+        chosen, asked = self.state.colours, pn.state.cookies.get("railjoule_dark") == "1"
+        self.browser.wants_dark, self.browser.follows_system = asked, chosen == "system"
+        self.state.dark = self.browser.dark = asked if chosen == "system" else chosen == "dark"
+
     def _end(self) -> None:
         """End what still runs: the page is gone."""
+        LOG.info("a page was open for %.0f s, at last %s", time.monotonic() - self._opened_s, self.state.page)
         self.compare.end()
         self.robustness.end()
         self.disturbances.end()
@@ -141,7 +154,7 @@ class Session:
         self.papers.end()
         self.reporting.end()
 
-    def _make(self, view: type[View]) -> Callable[[], pn.viewable.Viewable]:
+    def _make(self, view: type[PageView]) -> Callable[[], pn.viewable.Viewable]:
         def make() -> pn.viewable.Viewable:
             made = view(self.state, self.browser, self.palette)
             self.views[view.__name__] = made
@@ -229,6 +242,7 @@ def serve(address: str = "127.0.0.1", port: int = 5006) -> None:
         The port to listen on.
     """
     origins = [f"{address}:{port}", f"localhost:{port}", f"127.0.0.1:{port}"]
+    write_down()
     warmup().start()
     pn.serve(
         {"/": make_page},

@@ -1,97 +1,18 @@
-"""What only the browser knows, and what only it can mend.
+"""What only the browser knows, and what it can do without waiting for the server.
 
-It tells the width of the window, the wish for dark colours and which charts are in sight; it names what screen
-readers would otherwise find without a name.
+It tells the width of the window, whether the system asks for dark colours and which charts are in sight; it turns to
+pages that are open already and opens the drawer at once; it names what screen readers would otherwise find without a
+name.
 """
 
 from collections.abc import Callable
+from importlib.resources import files
 from typing import Any
 
 import param
 from panel.custom import JSComponent
 
-DEEP_JS = """
-const all_roots = () => {
-  const found = [];
-  const walk = (root) => {
-    found.push(root);
-    for (const element of root.querySelectorAll("*")) { if (element.shadowRoot) walk(element.shadowRoot); }
-  };
-  walk(document);
-  return found;
-};
-const deep = (selector, roots = all_roots()) => roots.flatMap((root) => [...root.querySelectorAll(selector)]);
-const chart_of = (element) => [...element.classList].find((name) => name.startsWith("rj-chart-"))?.slice(9);
-"""
-"""Finds all shadow roots and elements in them, and the name of a chart."""
-ESM = (
-    DEEP_JS
-    + """
-export function render({model}) {
-  const dark = window.matchMedia("(prefers-color-scheme: dark)");
-  const theme = () => document.documentElement.classList.toggle("rj-dark", model.dark);
-  model.on("dark", theme);
-  model.on("started", () => document.documentElement.classList.add("rj-started"));
-  theme();
-  const tell = () => {
-    model.window_width = window.innerWidth;
-    model.wants_dark = dark.matches;
-  };
-  window.addEventListener("resize", tell);
-  dark.addEventListener("change", tell);
-  tell();
-
-  const seen = new Map();
-  const observer = new IntersectionObserver((entries) => {
-    for (const entry of entries) { seen.set(entry.target, entry.isIntersecting); }
-    const in_sight = [...seen].filter(([element, visible]) => visible && element.isConnected);
-    const names = [...new Set(in_sight.map(([element]) => chart_of(element)))].sort();
-    if (JSON.stringify(names) !== JSON.stringify(model.charts_in_sight)) { model.charts_in_sight = names; }
-  }, {rootMargin: "120px"});
-  const look = () => {
-    const roots = all_roots();
-    for (const element of deep(".rj-chart", roots)) {
-      if (!seen.has(element)) { seen.set(element, false); observer.observe(element); }
-      window.railjoule_equip?.(element);
-    }
-    for (const element of [...seen.keys()]) {
-      if (!element.isConnected) { seen.delete(element); observer.unobserve(element); }
-    }
-    for (const bar of deep("[role=progressbar]:not([aria-label])", roots)) {
-      bar.setAttribute("aria-label", "Progress");
-    }
-    for (const region of deep(".main-content:not([tabindex])", roots)) {
-      region.tabIndex = 0;
-      region.setAttribute("role", "region");
-      region.setAttribute("aria-label", "Page in sight");
-    }
-    // the library lays wide margins over those of a scene
-    for (const scene of deep(".js-plotly-plot", roots)) {
-      if (scene.layout?.margin?.l) { window.Plotly.relayout(scene, {margin: {l: 0, r: 0, t: 0, b: 2}}); }
-    }
-    // keys do nothing in a figure, whose words stand on its frame
-    for (const layer of deep(".bk-events[tabindex='0']", roots)) { layer.tabIndex = -1; }
-    // a download leaves the link behind that began it, without a name
-    for (const link of deep("a[download]:empty", roots)) { link.hidden = true; }
-    for (const heading of deep("h5", roots)) {
-      if (!heading.textContent.trim()) { heading.setAttribute("role", "presentation"); }
-    }
-  };
-  look();
-  const timer = setInterval(look, 300);
-  model.on("remove", () => {
-    clearInterval(timer);
-    observer.disconnect();
-    window.removeEventListener("resize", tell);
-    dark.removeEventListener("change", tell);
-  });
-  return document.createElement("span");
-}
-"""
-)
-
-FIRST_CHARTS = ("energy", "line", "phases", "speed")
-"""What a desktop window shows at first; the page is sent with these charts drawn."""
+from railjoule.dashboard.models.workbench import PAGES
 
 
 class Browser(JSComponent):
@@ -103,15 +24,25 @@ class Browser(JSComponent):
 
     window_width = param.Integer(default=1280, doc="Width of the window [px].")
     wants_dark = param.Boolean(default=False, doc="Whether the system asks for dark colours.")
+    follows_system = param.Boolean(default=True, doc="Whether the page takes the colours that the system asks for.")
     dark = param.Boolean(default=False, doc="Whether the page is dark.")
     started = param.Boolean(default=False, doc="Whether the page has loaded.")
-    charts_in_sight = param.List(default=list(FIRST_CHARTS), doc="Names of the charts in sight.")
+    charts_in_sight = param.List(default=[], doc="Names of the charts in sight.")
+    pages = param.List(default=list(PAGES), doc="Names of all pages.")
+    page = param.String(default="", doc="The page in sight, as the server has it.")
+    drawer = param.Boolean(default=False, doc="Whether the scenario's editor is open.")
+    working = param.Boolean(default=False, doc="Whether the page in sight waits for a result.")
 
-    _esm = ESM
+    _esm = (files("railjoule.assets") / "scripts" / "browser.js").read_text(encoding="utf-8")
+    _priority_changes = ("window_width", "wants_dark", "charts_in_sight")
+    """They are sent rarely: they need not wait for others to come."""
 
     def __init__(self, **params: object) -> None:
         super().__init__(**params)
         self._followers: list[tuple[list[str], list[Any], Callable[[], None]]] = []
+        self._idle: list[Callable[[], None]] = []
+        self._toggle: Callable[[bool], None] = lambda _: None
+        self._open: Callable[[str], None] = lambda _: None
 
     def follow(self, names: list[str], callback: Callable[[], None]) -> None:
         """Call back when any of the named values changes, and when the page has loaded if any has changed by then."""
@@ -125,5 +56,30 @@ class Browser(JSComponent):
             if self._values(names) != known:
                 callback()
 
+    def when_idle(self, callback: Callable[[], None]) -> None:
+        """Call back once, when the browser has nothing else to do."""
+        self._idle.append(callback)
+        if len(self._idle) == 1:
+            self._send_msg({"kind": "when_idle"})
+
+    def on_toggle(self, callback: Callable[[bool], None]) -> None:
+        """Call back when the user asks for dark colours, or for light ones."""
+        self._toggle = callback
+
+    def on_open(self, callback: Callable[[str], None]) -> None:
+        """Call back with the name of a shipped scenario when the user opens one of Start's cards."""
+        self._open = callback
+
     def _values(self, names: list[str]) -> list[Any]:
         return [getattr(self, name) for name in names]
+
+    def _handle_msg(self, data: Any) -> None:
+        kind = data.get("kind") if isinstance(data, dict) else None
+        if kind == "idle":
+            callbacks, self._idle = self._idle, []
+            for callback in callbacks:
+                callback()
+        elif kind == "dark":
+            self._toggle(bool(data.get("dark")))
+        elif kind == "scenario":
+            self._open(str(data.get("name")))

@@ -30,6 +30,7 @@ class Disturbances:
             compute_rides,
             self._take_rides,
             self._take_failure,
+            state.marks("Disturbances"),
             is_slow=lambda wish: is_slow(wish.scenario, wish.scenario.strategy),
         )
         self.late = Study(compute_late_arrivals, self._take_late, self._take_failure)

@@ -11,6 +11,9 @@ SERVICE_UNAVAILABLE = 503
 class HealthHandler(RequestHandler):
     """Answers 200 with the energy of a small run, 503 while the kernels compile."""
 
+    def _log(self) -> None:
+        """Write down nothing: who waits for the server asks often."""
+
     def get(self) -> None:
         """Solve, once the kernels are ready."""
         if not warmup().ready.is_set():

@@ -13,33 +13,48 @@ from railjoule.dashboard.models.dropped import LARGEST_REPORT_BYTES, LARGEST_SCE
 
 ESM = r"""
 const WORDS = {
-  lost: "The connection to the server is lost. This page comes back by itself, as it is, when the server answers.",
-  starting: "The server is starting. This page comes back by itself, as it is, in a moment.",
+  lost: "The connection to the server is lost. Your settings are kept in this page.",
+  starting: "The server is starting. Your settings are kept in this page.",
 };
-const ASK_AGAIN_MS = 1000, ANSWER_WITHIN_MS = 20000, LEAVING_MS = 100;
+const WAIT_S = [1, 2, 4, 8, 15], ANSWER_WITHIN_MS = 20000, LEAVING_MS = 100;
 
 const hold_the_line = (document_of_bokeh) => {
-  let leaving = false, banner = null;
-  const say = (text) => { if (banner.textContent !== text) { banner.textContent = text; } };
+  let leaving = false, banner = null, tries = 0, timer = null;
+  const part = (tag) => banner.appendChild(document.createElement(tag));
   const ask = async () => {
+    clearTimeout(timer);
+    const [words, left] = banner.children;
+    left.textContent = "Trying now.";
     try {
       const limit = AbortSignal.timeout(ANSWER_WITHIN_MS);
       const answer = await fetch(new URL("health", location.href), {cache: "no-store", signal: limit});
       // a server that runs this page as a script has no health check, but it answers
       if (answer.ok || answer.status === 404) { location.reload(); return; }
-      if (answer.status === 503) { say(WORDS.starting); }
-    } catch { say(WORDS.lost); }
-    setTimeout(ask, ASK_AGAIN_MS);
+      if (answer.status === 503 && words.textContent !== WORDS.starting) { words.textContent = WORDS.starting; }
+    } catch { if (words.textContent !== WORDS.lost) { words.textContent = WORDS.lost; } }
+    // each try that fails leaves an error in the browser's console: they become rare
+    wait(WAIT_S[Math.min(tries++, WAIT_S.length - 1)]);
+  };
+  const wait = (seconds) => {
+    if (seconds <= 0) { ask(); return; }
+    banner.children[1].textContent = `Trying again in ${seconds} s.`;
+    timer = setTimeout(wait, 1000, seconds - 1);
   };
   const lost = () => setTimeout(() => {
     if (leaving || banner) { return; }
     banner = document.createElement("div");
     banner.className = "rj-lost";
-    banner.setAttribute("role", "alert");
+    const words = part("span"), left = part("span"), again = part("button");
+    words.setAttribute("role", "alert");
+    left.setAttribute("aria-hidden", "true");
+    again.type = "button";
+    again.textContent = "Try now";
+    again.addEventListener("click", ask);
     for (const child of document.body.children) { child.inert = true; }
     document.body.prepend(banner);
-    say(WORDS.lost);
-    ask();
+    document.documentElement.classList.add("rj-gone");
+    words.textContent = WORDS.lost;
+    wait(WAIT_S[0]);
   }, LEAVING_MS);
   window.addEventListener("pagehide", () => { leaving = true; });
   window.addEventListener("pageshow", (event) => { if (event.persisted) { location.reload(); } });

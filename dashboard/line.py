@@ -16,7 +16,9 @@ class WholeLines:
 
     def __init__(self, state: Workbench) -> None:
         self.state, self.model = state, state.line
-        self.run = Worker(compute_line, self._take, self._take_failure, is_slow=lambda wish: is_slow(wish.scenario))
+        self.run = Worker(
+            compute_line, self._take, self._take_failure, state.marks(PAGE), is_slow=lambda wish: is_slow(wish.scenario)
+        )
         self._watched: list[StationModel] = []
         self._quiet = False
         state.scenario.param.watch(self._take_scenario, ["preset", "opened", "edits"])

@@ -37,6 +37,7 @@ class Motor:
             compute_loop_run,
             self._take_run,
             self._take_failure,
+            state.marks(PAGE),
             is_slow=lambda wish: is_slow(wish.scenario, wish.strategy),
         )
         self.rivals = Worker(compute_rivals, self._take_rivals, self._take_failure)

@@ -21,6 +21,7 @@ from railjoule.dashboard.store import (
     is_slow,
 )
 
+PAGE = "Robustness"
 REALITY = ("actual_load_percent", "coordinate_error_m")
 FOLLOWER = (
     "speed_error_percent",
@@ -51,11 +52,13 @@ class Robustness:
             compute_reality,
             self._take_run,
             self._take_failure,
+            state.marks(PAGE),
             is_slow=lambda wish: is_slow(wish.scenario, wish.scenario.strategy),
         )
-        self.table = Study(compute_table, self._take_table, self._take_failure)
-        self.chance = Study(compute_chance, self._take_chance, self._take_failure)
+        self.table = Study(compute_table, self._take_table, self._take_failure, state.marks(PAGE))
+        self.chance = Study(compute_chance, self._take_chance, self._take_failure, state.marks(PAGE))
         self._asked: dict[str, Any] = {}
+        self._all = False
         self._waiting: dict[str, Any] = {}
         state.scenario.follow(lambda scenario: (scenario.disturbance, scenario.simulation), self.model.take)
         state.scenario.follow(lambda scenario: scenario.vehicle.crush_load_factor, self._take_crush_load)
@@ -86,7 +89,8 @@ class Robustness:
 
         The run comes first, then the table, then chance: each waits until the one before is done.
         """
-        if self.state.page != "Robustness":
+        if self.state.page != PAGE:
+            self._rest()
             return
         scenario, changes = self.state.scenario.scenario(), self._with_strategy(self.model.changes)
         run = RealityWish(scenario, changes)
@@ -105,6 +109,21 @@ class Robustness:
         else:
             self._go_on()
 
+    def _rest(self) -> None:
+        """Leave studies that nobody sees, as they take turns from the page in sight; they begin anew with it.
+
+        All runs that were asked for by hand go on.
+        """
+        for kind in self._waiting:
+            self._asked.pop(kind, None)
+        self._waiting.clear()
+        if self.table.busy:
+            self.table.stop()
+            self._asked.pop("table", None)
+        if self.chance.busy and not self._all:
+            self._stop()
+            self._asked.pop("chance", None)
+
     def _go_on(self) -> None:
         """Begin with the next study that waits."""
         if "table" in self._waiting:
@@ -117,13 +136,14 @@ class Robustness:
         before, self._asked[kind] = self._asked.get(kind), wish
         return bool(before != wish)
 
-    def _draw(self, wish: RealityWish) -> None:
+    def _draw(self, wish: RealityWish, all_runs: bool = False) -> None:
+        self._all = all_runs
         self.model.drawing = True
         self.chance.ask(wish)
 
     def _draw_all(self, *_: Any) -> None:
         self._waiting.pop("chance", None)
-        self._draw(self._draws(self.state.scenario.scenario(), FULL_RUNS))
+        self._draw(self._draws(self.state.scenario.scenario(), FULL_RUNS), all_runs=True)
 
     def _stop(self, *_: Any) -> None:
         self.chance.stop()

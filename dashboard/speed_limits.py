@@ -33,6 +33,7 @@ class SpeedLimits:
             compute_limit_run,
             self._take_run,
             self._take_failure,
+            state.marks("Speed limits"),
             is_slow=lambda wish: is_slow(wish.scenario, "speed_limits"),
         )
         self.trip = Worker(compute_limit_trip, self._take_trip, self._take_failure)

@@ -39,7 +39,8 @@ const within = (element, place) => {
 const token = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--rj-${name}`).trim();
 const slug = (text) => text.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-+|-+$/g, "").slice(0, 60);
 const file_name = (what, ending) => {
-  const title = deep(document, "h1").map((heading) => heading.textContent.trim()).find(Boolean) ?? "railjoule";
+  const title = window.railjoule.deep("h1").filter((heading) => heading.checkVisibility()).map((heading) => heading.textContent.trim())
+    .find(Boolean) ?? "railjoule";
   return `${[slug(title), slug(what)].filter(Boolean).join("-")}.${ending}`;
 };
 const offer = (content, type, name) => {

@@ -8,6 +8,8 @@ from typing import Any
 from railjoule.dashboard.look.tokens import FONT, THEMES, ThemeName, Tokens
 
 ASSETS = files("railjoule.assets")
+DURATIONS = ("shortest", "shorter", "short", "standard", "complex", "enteringScreen", "leavingScreen")
+"""Of the movements of panel-material-ui."""
 
 
 @cache
@@ -81,6 +83,8 @@ def _material(name: ThemeName, t: Tokens) -> dict[str, Any]:
         },
         "typography": {"fontFamily": FONT, "fontSize": 13, "button": {"textTransform": "none", "fontWeight": 500}},
         "shape": {"borderRadius": 6},
+        # nothing moves but data; and colours that fade would be unreadable half way from light to dark
+        "transitions": {"duration": dict.fromkeys(DURATIONS, 0)},
         "components": {
             "MuiTab": root(
                 textTransform="none", minHeight=48, minWidth=0, padding="0 10px", fontSize=13, color=t["ink2"]

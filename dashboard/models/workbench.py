@@ -1,5 +1,6 @@
 """The state of one open page: its scenario, what it shows, what was computed, what is pinned."""
 
+from collections.abc import Callable
 from typing import Any
 
 import param
@@ -7,6 +8,7 @@ import param
 from railjoule.core import RailjouleError, Trajectory
 from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
+from railjoule.dashboard.faults import Faults
 from railjoule.dashboard.models.disturbances import DisturbancesModel
 from railjoule.dashboard.models.editor import EditorModel
 from railjoule.dashboard.models.kept import Kept
@@ -74,8 +76,13 @@ class Workbench(Kept):
     failure = param.ClassSelector(
         class_=RailjouleError, default=None, allow_None=True, doc="Why the last wish could not be met."
     )
+    late = param.ClassSelector(
+        class_=frozenset, default=frozenset(), doc="Pages that show what is from before the last change."
+    )
 
     def __init__(self, **params: Any) -> None:
+        self.faults = Faults(self._tell_fault)
+        self._late: dict[object, tuple[str, ...]] = {}
         self.scenario = ScenarioModel()
         self.editor = EditorModel(self.scenario)
         self.start = StartModel()
@@ -88,6 +95,22 @@ class Workbench(Kept):
         self.papers = PapersModel()
         super().__init__(**params)
         self.scenario.param.watch(self._take_strategy, ["preset", "opened"])
+
+    def _tell_fault(self, sentence: str) -> None:
+        self.notice = sentence
+
+    def marks(self, *pages: str) -> Callable[[bool], None]:
+        """Return what a piece of work calls when these pages wait for it, and when they no longer do."""
+        key = object()
+
+        def mark(late: bool) -> None:
+            if late:
+                self._late[key] = pages
+            else:
+                self._late.pop(key, None)
+            self.late = frozenset(page for waiting in self._late.values() for page in waiting)
+
+        return mark
 
     def _take_strategy(self, *_: Any) -> None:
         """Show the strategy that a scenario's file names."""

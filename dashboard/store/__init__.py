@@ -1,6 +1,6 @@
 """What the workbench computes: the only place of the dashboard that asks the core to solve."""
 
-from railjoule.dashboard.store.cards import Card, card_names, compute_cards
+from railjoule.dashboard.store.cards import Card, card_names, compute_cards, outlines
 from railjoule.dashboard.store.disturbances import (
     LateArrivals,
     Rides,
@@ -110,4 +110,5 @@ __all__ = [
     "limit_changes",
     "limits_of",
     "machine_refusal",
+    "outlines",
 ]

@@ -1,7 +1,7 @@
 """The shipped scenarios as cards, each with the run that Drive shows first."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 from railjoule.core import RailjouleError, Trajectory, load_scenario
@@ -25,8 +25,9 @@ class Card:
         Length of its line [m].
     stations : int
         Planned stops between the ends.
-    run : Trajectory
-        That of the scenario's own strategy; where it refuses, the optimum; where that is not found, the fastest run.
+    run : Trajectory or None
+        That of the scenario's own strategy; where it refuses, the optimum; where that is not found, the fastest run;
+        None until it is computed.
     """
 
     name: str
@@ -34,7 +35,7 @@ class Card:
     vehicle: str
     length_m: float
     stations: int
-    run: Trajectory
+    run: Trajectory | None = None
 
 
 def card_names() -> tuple[str, ...]:
@@ -43,13 +44,24 @@ def card_names() -> tuple[str, ...]:
 
 
 @cache
-def make_card(name: str) -> Card:
-    """Return the card of a shipped scenario; it never changes, so each is made once a process."""
+def outline(name: str) -> Card:
+    """Return the card of a shipped scenario without its run; it never changes, so each is made once a process."""
     scenario = load_scenario(name)
-    task = prepare_task(scenario)
     line = scenario.line
-    run = _first_run(task, (scenario.strategy, "optimal", "fastest"))
-    return Card(name, scenario.title, scenario.vehicle.name, line.length_m, len(line.inner_stations), run)
+    return Card(name, scenario.title, scenario.vehicle.name, line.length_m, len(line.inner_stations))
+
+
+@cache
+def make_card(name: str) -> Card:
+    """Return the card of a shipped scenario with its run."""
+    scenario = load_scenario(name)
+    run = _first_run(prepare_task(scenario), (scenario.strategy, "optimal", "fastest"))
+    return replace(outline(name), run=run)
+
+
+def outlines() -> tuple[Card, ...]:
+    """Return all cards without their runs."""
+    return tuple(outline(name) for name in card_names())
 
 
 def _first_run(task: Task, strategies: tuple[StrategyName, ...]) -> Trajectory:
@@ -63,8 +75,8 @@ def _first_run(task: Task, strategies: tuple[StrategyName, ...]) -> Trajectory:
 
 
 def compute_cards(names: tuple[str, ...]) -> Iterator[tuple[Card, ...]]:
-    """Yield the cards of the named scenarios as they come."""
-    done: tuple[Card, ...] = ()
+    """Yield the cards of the named scenarios, each time with one run more."""
+    cards = {name: outline(name) for name in names}
     for name in names:
-        done = (*done, make_card(name))
-        yield done
+        cards[name] = make_card(name)
+        yield tuple(cards.values())

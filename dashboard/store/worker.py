@@ -23,6 +23,8 @@ LONG_THREADS = ThreadPoolExecutor(max_workers=2, thread_name_prefix="railjoule-l
 """For studies of seconds, so that sliders need not wait for them."""
 SLOW_THREADS = ThreadPoolExecutor(max_workers=2, thread_name_prefix="railjoule-slow")
 """For single runs of seconds, which need not wait for studies of minutes."""
+LATE_MS = 250
+"""After this long without a result the page says that what it shows is from before the last change."""
 PAUSE_S = 0.002
 """A study sleeps this long after each step: the page's own turns come first."""
 UNKNOWN = "Something went wrong in the computation; the server's log has the details."
@@ -38,6 +40,55 @@ def told(error: BaseException) -> RailjouleError:
     return RailjouleError(NO_MEMORY if isinstance(error, MemoryError) else UNKNOWN)
 
 
+class Lateness:
+    """Tells a page when a result keeps it waiting, and when it has come.
+
+    Parameters
+    ----------
+    mark : callable
+        Called with True when what is shown is from before the last change, with False when it no longer is.
+    """
+
+    def __init__(self, mark: Callable[[bool], None]) -> None:
+        self._mark, self._asked_s, self._marked, self._timed = mark, 0.0, False, False
+        self._document: Document | None = None
+
+    def asked(self, document: Document) -> None:
+        """Take note that a result is asked for."""
+        self._document = document
+        if not self._asked_s:
+            self._asked_s = time.monotonic()
+            self._time()
+
+    def answered(self, more: bool = False) -> None:
+        """Take note that a result has come, perhaps with more asked for meanwhile."""
+        self._asked_s = time.monotonic() if more else 0.0
+        self._tell(False)
+
+    def _time(self) -> None:
+        if self._document is not None and not self._timed:
+            self._timed = True
+            self._document.add_timeout_callback(self._look, LATE_MS)
+
+    def _look(self) -> None:
+        self._timed = False
+        if not self._asked_s:
+            return
+        if time.monotonic() - self._asked_s >= LATE_MS / 1000:
+            self._tell(True)
+        else:
+            self._time()
+
+    def _tell(self, late: bool) -> None:
+        if late != self._marked:
+            self._marked = late
+            self._mark(late)
+
+
+def nobody(_: bool) -> None:
+    """Tell nobody: a page that is not marked as late."""
+
+
 class Worker(Generic[Wish, Result]):
     """Does the last wish of one page in a thread, and delivers results in the order in which they were asked.
 
@@ -49,6 +100,8 @@ class Worker(Generic[Wish, Result]):
         Takes a result into the page; runs in the page's own turn.
     fail : callable
         Takes an error that the user can mend.
+    mark : callable
+        Told True when what the page shows is from before the last change, False when it no longer is.
     is_slow : callable
         Whether a wish takes seconds: then it does not keep the short ones of other pages waiting.
     """
@@ -58,9 +111,11 @@ class Worker(Generic[Wish, Result]):
         compute: Callable[[Wish], Result],
         deliver: Callable[[Result], None],
         fail: Callable[[RailjouleError], None],
+        mark: Callable[[bool], None] = nobody,
         is_slow: Callable[[Wish], bool] = lambda _: False,
     ) -> None:
         self._compute, self._deliver, self._fail, self._is_slow = compute, deliver, fail, is_slow
+        self._late = Lateness(mark)
         self._document: Document | None = None
         self._wish: Wish | None = None
         self._running = False
@@ -71,7 +126,9 @@ class Worker(Generic[Wish, Result]):
         self._document = pn.state.curdoc
         if self._document is None:
             self.do(wish)
-        elif self._running:
+            return
+        self._late.asked(self._document)
+        if self._running:
             self._wish = wish
         else:
             self._start(wish)
@@ -104,17 +161,29 @@ class Worker(Generic[Wish, Result]):
     def _finish(self, future: "Future[Result | RailjouleError]") -> None:
         self._running = False
         error = future.exception()
+        self._late.answered(more=self._wish is not None)
         self._settle(future.result() if error is None else told(error))
         if self._wish is not None:
             wish, self._wish = self._wish, None
             self._start(wish)
 
     def _settle(self, outcome: Result | RailjouleError) -> None:
-        with pn.io.hold():
-            if isinstance(outcome, RailjouleError):
-                self._fail(outcome)
-            else:
-                self._deliver(outcome)
+        settle(outcome, self._deliver, self._fail)
+
+
+def settle(
+    outcome: Result | RailjouleError, deliver: Callable[[Result], None], fail: Callable[[RailjouleError], None]
+) -> None:
+    """Take a result or an error into the page, as one message; an error in doing so reaches the log and the page."""
+    with pn.io.hold():
+        if isinstance(outcome, RailjouleError):
+            fail(outcome)
+            return
+        try:
+            deliver(outcome)
+        except Exception:
+            LOG.exception("a result could not be taken into the page")
+            fail(RailjouleError(UNKNOWN))
 
 
 class Study(Generic[Wish, Result]):
@@ -129,6 +198,8 @@ class Study(Generic[Wish, Result]):
         the page takes them are left out.
     fail : callable
         Takes an error that the user can mend.
+    mark : callable
+        As for a worker; the first step of a wish is what is waited for.
     """
 
     def __init__(
@@ -136,8 +207,10 @@ class Study(Generic[Wish, Result]):
         steps: Callable[[Wish], Iterator[Result]],
         deliver: Callable[[Result, bool], None],
         fail: Callable[[RailjouleError], None],
+        mark: Callable[[bool], None] = nobody,
     ) -> None:
         self._steps, self._deliver, self._fail = steps, deliver, fail
+        self._late = Lateness(mark)
         self._job: _Job[Result] | None = None
 
     def ask(self, wish: Wish) -> None:
@@ -149,6 +222,7 @@ class Study(Generic[Wish, Result]):
         if document is None:
             self._work(wish, job)
         else:
+            self._late.asked(document)
             LONG_THREADS.submit(self._work, wish, job)
 
     @property
@@ -161,6 +235,7 @@ class Study(Generic[Wish, Result]):
         if self._job is not None:
             self._job.ended.set()
             self._job = None
+            self._late.answered()
 
     def _work(self, wish: Wish, job: "_Job[Result]") -> None:
         result: Result | RailjouleError | None = None
@@ -184,11 +259,8 @@ class Study(Generic[Wish, Result]):
             return
         if last:
             self._job = None
-        with pn.io.hold():
-            if isinstance(result, RailjouleError):
-                self._fail(result)
-            else:
-                self._deliver(result, last)
+        self._late.answered()
+        settle(result, lambda taken: self._deliver(taken, last), self._fail)
 
 
 class _Job(Generic[Result]):

@@ -28,6 +28,8 @@ def finite(values: FloatArray) -> FloatArray:
 class HistogramChart(Chart):
     """How often a value came out, with 5 %, median and 95 % as hairlines."""
 
+    kind = "bars"
+
     def __init__(self, name: str, words: str, show: Callable[[float], str], height: int, palette: Palette) -> None:
         super().__init__(name, words, height)
         self.palette, self.show_value = palette, show
@@ -113,6 +115,8 @@ def chance_table(table: MonteCarloTable) -> str:
 
 class LoadScatter(Chart):
     """Energy of each run over the load that it carried."""
+
+    kind = "map"
 
     def __init__(self, height: int, palette: Palette) -> None:
         super().__init__("scatter", "Monte Carlo: energy, kWh, over load, %", height)

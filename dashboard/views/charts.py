@@ -1,10 +1,13 @@
 """The shared bones of all charts: frame, axes, zoom, one cursor through all of them."""
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any, Protocol
 
 import numpy as np
 import panel as pn
 from bokeh.core.properties import value
+from bokeh.core.property.singletons import Undefined
 from bokeh.layouts import column
 from bokeh.models import (
     BasicTicker,
@@ -14,6 +17,8 @@ from bokeh.models import (
     CustomJS,
     CustomJSTickFormatter,
     Div,
+    EditTool,
+    GlyphRenderer,
     PanTool,
     Range1d,
     ResetTool,
@@ -28,6 +33,8 @@ from railjoule.core.energy import SMALL_ENERGY_KWH
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.look.tokens import DASHES, FONT, line_width
+from railjoule.dashboard.views import parts
+from railjoule.dashboard.views.sketches import COMPUTING, SketchKind, not_drawn, sketch
 
 TICKS_JS = """
 return tick.toLocaleString("en", {minimumFractionDigits: digits, maximumFractionDigits: 3})
@@ -65,6 +72,10 @@ for (const chart of charts) {
 }
 """
 CAPTION_PX = 21
+UNDRAWN = "rj-undrawn"
+PLACE_CSS = """
+:host { overflow: hidden; filter: var(--rj-chart-filter, none); }
+"""
 SHORT_COLUMN = 40
 SPREAD_PASSES = 100
 """Enough for a dozen labels that all want the same place."""
@@ -79,7 +90,7 @@ class Axis:
         self.range = Range1d(0, 1, bounds=(0, 1))
         self.cursor = Span(dimension="height", line_alpha=0.55, line_width=1)
         self.follow = CustomJS(args={"charts": []}, code=CURSOR_JS)
-        self._charts: list[dict[str, object]] = []
+        self._charts: dict[str, dict[str, object]] = {}
         self._extent = (0.0, 1.0)
         self._end = 1.0
         self._settled = 0
@@ -96,9 +107,9 @@ class Axis:
         # bounds first: the browser clips the ends to the bounds that it knows
         self.range.update(bounds=extent, reset_start=extent[0], reset_end=extent[1], start=extent[0], end=extent[1])
 
-    def add(self, chart: dict[str, object]) -> None:
+    def add(self, name: str, chart: dict[str, object]) -> None:
         """Let the cursor write into one more chart's caption, once `settle` is called."""
-        self._charts.append(chart)
+        self._charts[name] = chart
 
     @property
     def end(self) -> float:
@@ -110,15 +121,18 @@ class Axis:
 
         To be called last within a batch of changes: the browser must know all charts by then.
         """
-        told = [dict(chart, place=None if index else [unit, digits]) for index, chart in enumerate(self._charts)]
+        charts = enumerate(self._charts.values())
+        told = [dict(chart, place=None if index else [unit, digits]) for index, chart in charts]
         if told != self.follow.args["charts"]:
             self.follow.args = {"charts": told}
-        self._settled += 1
+        else:
+            # a change of the range paints all its figures again; a chart that has just come needs it for no other
+            self._settled += 1
         self.range.tags = [self._settled, unit, self._end]
 
 
 class Chart:
-    """A figure with a caption above it, drawn only while it is in sight.
+    """A figure with a caption above it; a grey sketch stands in its place until it is drawn for the first time.
 
     Parameters
     ----------
@@ -130,72 +144,135 @@ class Chart:
         Height of the figure [px].
     """
 
+    kind: SketchKind = "lines"
+    """What its sketch looks like."""
+    title = ""
+    """What the figure is called where it has no caption."""
     stepped = False
     unit = ""
     digits = 1
 
     def __init__(self, name: str, words: str, height: int) -> None:
         self.name, self.words, self.height = name, words, height
+        self.sketch = parts.html_pane()
         self.place = pn.Column(
-            css_classes=["rj-chart", f"rj-chart-{name}"],
+            self.sketch,
+            css_classes=["rj-chart", f"rj-chart-{name}", UNDRAWN],
             sizing_mode="stretch_width",
-            min_height=height + (CAPTION_PX if words else 0),
+            height=self._tall,
             margin=0,
+            stylesheets=[PLACE_CSS],
         )
+        self.wait()
         self.visible = False
         self.figure: figure | None = None
         self.content: Viewable | None = None
-        self._redraw: Callable[[], None] | None = None
+        self.queue: Queue = AT_ONCE
+        self.waiting: Callable[[], None] | None = None
+
+    @property
+    def _tall(self) -> int:
+        return self.height + (CAPTION_PX if self.words else 0)
+
+    @property
+    def is_drawn(self) -> bool:
+        """Whether it stands on the page, and not its sketch."""
+        return self.content is not None and list(self.place) == [self.content]
 
     def resize(self, height: int) -> None:
         """Change the height of the figure [px]."""
         if height == self.height:
             return
         self.height = height
-        self.place.min_height = height + (CAPTION_PX if self.words else 0)
+        self.place.height = self._tall
         if self.figure is not None:
             self.figure.height = height
+        if not self.is_drawn:
+            self.wait()
+
+    def wait(self, told: str = COMPUTING) -> None:
+        """Say on the sketch what is going on."""
+        self.sketch.object = sketch(self.kind, self.words, self.words or self.title or self.name, self.height, told)
 
     def show(self, draw: Callable[[], None]) -> None:
-        """Draw now if the chart is in sight, else as soon as it comes into sight."""
-        self._redraw = draw
-        if self.visible:
-            self._settle()
+        """Draw what is asked for last: at once if the chart is in sight, else when the page has time for it."""
+        self.waiting = draw
+        self.queue.add(self)
 
-    def appear(self) -> None:
-        """Take note that the chart is in sight: build it if it is not there yet, and draw what waits."""
-        self.visible = True
-        self._settle()
-
-    def hide(self) -> None:
-        """Take note that the chart has left sight."""
-        self.visible = False
-
-    def _settle(self) -> None:
+    def settle(self) -> None:
+        """Draw what waits; the chart takes the place of its sketch once it is drawn without an error."""
+        if self.waiting is None:
+            return
+        draw, self.waiting = self.waiting, None
         if self.content is None:
             self.build()
             # what a saved table calls its lines
             for name, source in getattr(self, "sources", {}).items():
                 source.name = name
-        if self._redraw is not None:
-            draw, self._redraw = self._redraw, None
+            draw()
+            if self.figure is not None and isinstance(self.figure, figure):
+                lighten(self.figure)
+                check_complete(self.figure)
+        else:
             draw()
         # only now: whatever changes within the document makes Bokeh search all of it
-        if not len(self.place):
+        if not self.is_drawn:
+            self.place.css_classes = [name for name in self.place.css_classes if name != UNDRAWN]
             self.place[:] = [self.content]
+
+    def fail(self) -> None:
+        """Say in the chart's place that it could not be drawn; what is drawn next is drawn anew."""
+        self.content = self.figure = None
+        self.sketch.object = not_drawn(self.words, self.height)
+        self.place[:] = [self.sketch]
 
     def build(self) -> None:
         """Make `figure` and `content`; subclasses add what they draw."""
         raise NotImplementedError
 
 
-def bring_into_sight(charts: Iterable[Chart], names: Collection[str]) -> None:
-    """Let charts draw whose names are in sight, and the others rest."""
-    for chart in charts:
-        if chart.name in names and not chart.visible:
-            chart.appear()
-        elif chart.name not in names and chart.visible:
-            chart.hide()
+class Queue(Protocol):
+    """Decides when charts draw."""
+
+    def add(self, chart: Chart) -> None:
+        """Let a chart draw what waits, now or later."""
+
+
+class AtOnce:
+    """Draws at once: for charts that no page leads."""
+
+    def add(self, chart: Chart) -> None:
+        """Draw."""
+        chart.settle()
+
+
+AT_ONCE = AtOnce()
+
+
+def lighten(f: figure) -> None:
+    """Take off what a figure has for points that are chosen or muted: nothing is, and it is more than half of it."""
+    edited = {renderer for tool in f.tools if isinstance(tool, EditTool) for renderer in tool.renderers}
+    for renderer in f.renderers:
+        if isinstance(renderer, GlyphRenderer) and renderer not in edited:
+            renderer.update(selection_glyph=None, nonselection_glyph=None, hover_glyph=None, muted_glyph=None)
+
+
+def check_complete(f: figure) -> None:
+    """Raise an error if a model of a figure lacks what it cannot do without.
+
+    Bokeh itself finds out when it sends the models to the browser: the message with all else that it holds would be
+    lost, and the browser and the server would no longer agree on what is on the page.
+    """
+    for model in f.references():
+        for name in required(model.__class__):
+            getattr(model, name)
+
+
+@cache
+def required(kind: Any) -> tuple[str, ...]:
+    """Return the names of the properties that models of a kind must be given."""
+    described = ((name, kind.lookup(name)) for name in kind.properties())
+    return tuple(name for name, one in described if one.serialized and one.property._default is Undefined)
 
 
 class DistanceChart(Chart):
@@ -252,7 +329,7 @@ class DistanceChart(Chart):
             "digits": self.digits,
             "small": SMALL_ENERGY_KWH if self.unit == "kWh" else 0,
         }
-        self.axis.add(self.told)
+        self.axis.add(self.name, self.told)
         return f
 
     def set_range(self, low: float, high: float) -> None:

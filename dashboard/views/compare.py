@@ -6,18 +6,15 @@ from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+from panel.viewable import Viewable
 
-from railjoule.core import RailjouleError
-from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.compare import PAGE
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.differences import difference_words
-from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.contenders import Contender, contenders, reference_of
 from railjoule.dashboard.models.pins import LONGEST_NAME, MOST_PINS, PIN_KEYS, Pin
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.chart_page import NARROW_PX, ChartPage
 from railjoule.dashboard.views.charts import Axis, Chart
 from railjoule.dashboard.views.compare_charts import (
     ComparedChart,
@@ -28,6 +25,7 @@ from railjoule.dashboard.views.compare_charts import (
     end_of,
 )
 from railjoule.dashboard.views.comparison_table import comparison_table
+from railjoule.dashboard.views.page import NARROW_PX, PageView
 
 HEIGHTS = {
     "compared_speed": (290, 360, 240),
@@ -60,7 +58,9 @@ class PinRow:
         self.let_go = pmui.Button(
             label=f"Unpin run {number}", variant="text", size="small", margin=(12, 0, 0, 0), on_click=self._unpin
         )
-        sample = parts.html_pane(f"{parts.swatch(key)} {number}", width=44, sizing_mode="fixed", margin=(18, 0, 0, 0))
+        sample = parts.html_pane(
+            f"{parts.swatch(key)} {number}", width=44, height=20, sizing_mode="fixed", margin=(18, 0, 0, 0)
+        )
         self.view = pn.Row(
             sample, self.name, self.let_go, margin=0, visible=False, sizing_mode="stretch_width", max_width=620
         )
@@ -93,14 +93,16 @@ class PinRow:
             self.state.unpin(pin)
 
 
-class CompareView(ChartPage):
+class CompareView(PageView):
     """The page of all runs."""
 
+    page = PAGE
     heights = HEIGHTS
 
-    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
-        super().__init__(state, browser, palette)
-        self.heading, self.table, self.differences, self.empty = (parts.html_pane() for _ in range(4))
+    def make(self) -> Viewable:
+        """Make the pieces of the page, and return them laid out."""
+        state, palette = self.state, self.palette
+        self.table, self.differences, self.empty = (parts.html_pane() for _ in range(3))
         self.axis = Axis(palette)
         kinds = (ComparedSpeedChart, ComparedEnergyChart, ComparedDifferenceChart, ComparedEffortChart)
         heights = [usual for usual, _, _ in HEIGHTS.values()]
@@ -118,10 +120,9 @@ class CompareView(ChartPage):
             options={"Distance": False, "Time": True}, value=state.over_time, margin=(16, 20, 0, 20), **SMALL
         )
         self.rows = [PinRow(state, key) for key in PIN_KEYS]
-        self.view = self._laid_out()
         self._quiet = False
         self._listen()
-        self.begin()
+        return self._laid_out()
 
     def _laid_out(self) -> pn.Column:
         tools = pn.FlexBox(
@@ -139,8 +140,9 @@ class CompareView(ChartPage):
         self.over.param.watch(lambda event: setattr(state, "over_time", event.new), "value")
         state.param.watch(lambda event: setattr(self.which, "value", event.new), "compare_all")
         state.param.watch(lambda event: setattr(self.over, "value", event.new), "over_time")
-        shown = ["runs", "compared", "pins", "ticked", "chosen", "compare_all", "over_time", "reference", "failure"]
-        state.param.watch(self._show, [*shown, "page"])
+        shown = ["runs", "compared", "pins", "ticked", "chosen", "compare_all", "over_time", "reference"]
+        self.shows(self._show_failure, (state, ["failure", "runs"]))
+        self.shows(self._show, (state, shown))
 
     def _refer(self, event: Any) -> None:
         if not self._quiet and event.new:
@@ -158,30 +160,23 @@ class CompareView(ChartPage):
         else:
             self.axis.settle("m", 0)
 
-    def redraw(self) -> None:
-        """Draw everything again, as after a change of theme."""
-        self._show()
+    def _show_failure(self) -> None:
+        run = self.state.run
+        shown = f"Shown: the last good runs, {words.number(run.travel_time_s)} s." if run else ""
+        self.tell(self.state.failure, shown)
 
-    def _show(self, *_: Any) -> None:
+    def _show(self) -> None:
         state = self.state
         among = contenders(state)
-        if state.page != PAGE or not among:
+        if not among:
             return
         reference = reference_of(state, among)
         narrow, over_time = self.browser.window_width < NARROW_PX, state.over_time
-        with pn.io.hold():
-            self._tell_failure(state.failure)
-            self._offer(among, reference)
-            self._show_texts(among, reference)
-            self.axis.fit(max(end_of(contender.run, over_time) for contender in among), roomy=not narrow)
-            for chart in self.compared:
-                chart.show(partial(chart.draw, among, reference, over_time, narrow))
-            self.settle()
-
-    def _tell_failure(self, failure: RailjouleError | None) -> None:
-        run = self.state.run
-        shown = f"Shown: the last good runs, {words.number(run.travel_time_s)} s." if run else ""
-        self.tell(failure, shown)
+        self._offer(among, reference)
+        self._show_texts(among, reference)
+        self.axis.fit(max(end_of(contender.run, over_time) for contender in among), roomy=not narrow)
+        for chart in self.compared:
+            chart.show(partial(chart.draw, among, reference, over_time, narrow))
 
     def _offer(self, among: Sequence[Contender], reference: Contender) -> None:
         """Offer every run as the reference."""

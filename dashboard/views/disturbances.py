@@ -1,22 +1,19 @@
 """Disturbances: events on the way, who reacts how, and what catching up costs."""
 
 from functools import partial
-from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+from panel.viewable import Viewable
 
 from railjoule.core import Trajectory
 from railjoule.core.scenario.disturbance import Reaction
-from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look import comparisons, words
-from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import Rides
 from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.chart_page import ChartPage
 from railjoule.dashboard.views.charts import Axis, Chart
 from railjoule.dashboard.views.fields import tie
+from railjoule.dashboard.views.page import PageView
 from railjoule.dashboard.views.ride_charts import LateChart, RideEnergyChart, RideSpeedChart, saved_by
 
 HEIGHTS = {"ride_speed": (300, 380, 240), "ride_energy": (170, 200, 150), "late_arrival": (240, 280, 210)}
@@ -38,15 +35,17 @@ WHO = (
 )
 
 
-class DisturbancesView(ChartPage):
+class DisturbancesView(PageView):
     """The page of what happens on the way."""
 
+    page = "Disturbances"
     heights = HEIGHTS
 
-    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
-        super().__init__(state, browser, palette)
+    def make(self) -> Viewable:
+        """Make the pieces of the page, and return them laid out."""
+        state, palette = self.state, self.palette
         self.model = model = state.disturbances
-        self.heading, self.figures, self.table, self.notes = (parts.html_pane() for _ in range(4))
+        self.table, self.notes = (parts.html_pane() for _ in range(2))
         self.dropping = pmui.RadioButtonGroup(
             options={"Drop a stop": "stop", "Drop a limit": "limit"},
             value=model.dropping,
@@ -65,13 +64,11 @@ class DisturbancesView(ChartPage):
         tools.sizing_mode = "stretch_width"
         lower = parts.stack(parts.stack(self.table, self.notes), self.late.place, css=LOWER_CSS)
         body = parts.stack(self.speed.place, self.energy.place, lower, css=BODY_CSS)
-        self.view = parts.stack(self.heading, self.message, self.figures, tools, body)
         tie(self.dropping, model, "dropping")
         tie(self.over, state, "over_time")
-        state.param.watch(self._show, "over_time")
-        model.param.watch(self._show, ["rides", "failure"])
-        model.param.watch(self._show_late, "late")
-        self.begin()
+        self.shows(self._show, (state, ["over_time"]), (model, ["rides", "failure"]))
+        self.shows(self._show_late, (model, ["late"]))
+        return parts.stack(self.heading, self.message, self.figures, tools, body)
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -88,33 +85,25 @@ class DisturbancesView(ChartPage):
         else:
             self.axis.settle("m", 0)
 
-    def redraw(self) -> None:
-        """Draw everything again, as after a change of theme."""
-        self._show()
-        self._show_late()
-
-    def _show(self, *_: Any) -> None:
+    def _show(self) -> None:
         rides = self.model.rides
-        with pn.io.hold():
-            self.tell(self.model.failure, "Shown: the last rides that can be driven." if rides is not None else "")
-            if rides is None or self.state.page != "Disturbances":
-                return
-            over_time = self.state.over_time
-            runs = drawn(rides)
-            ends = [run.time_s[-1] if over_time else run.position_m[-1] for run in runs.values()]
-            self.axis.fit(float(max(ends)), roomy=False)
-            self.speed.show(partial(self.speed.draw, runs, list(self.model.events), over_time))
-            self.energy.show(partial(self.energy.draw, runs, over_time))
-            self._draw_late(rides)
-            self._show_texts(rides)
-            self.settle()
+        self.tell(self.model.failure, "Shown: the last rides that can be driven." if rides is not None else "")
+        if rides is None:
+            return
+        over_time = self.state.over_time
+        runs = drawn(rides)
+        ends = [run.time_s[-1] if over_time else run.position_m[-1] for run in runs.values()]
+        self.axis.fit(float(max(ends)), roomy=False)
+        self.speed.show(partial(self.speed.draw, runs, list(self.model.events), over_time))
+        self.energy.show(partial(self.energy.draw, runs, over_time))
+        self._draw_late(rides)
+        self._show_texts(rides)
 
-    def _show_late(self, *_: Any) -> None:
+    def _show_late(self) -> None:
         rides = self.model.rides
         if rides is not None:
-            with pn.io.hold():
-                self._draw_late(rides)
-                self.table.object = self._table(rides)
+            self._draw_late(rides)
+            self.table.object = self._table(rides)
 
     def _draw_late(self, rides: Rides) -> None:
         if self.model.late is not None:

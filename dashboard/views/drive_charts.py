@@ -20,6 +20,9 @@ END_WORDS = {PINNED: "pinned", "fastest": "fastest", "speed_limits": "limits"}
 class PhaseStrip(SceneChart):
     """The phases of the chosen run as a strip of numbered bands."""
 
+    kind = "strip"
+    title = "phases of the run"
+
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
         super().__init__("phases", "", height, axis, palette)
 

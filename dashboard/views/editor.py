@@ -9,6 +9,7 @@ import panel as pn
 from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.messages import added_to
 from railjoule.dashboard.models.editor import (
     GROUPS,
     Look,
@@ -19,7 +20,8 @@ from railjoule.dashboard.models.editor import (
 )
 from railjoule.dashboard.models.fields_of import Field, Table, parts_of
 from railjoule.dashboard.models.workbench import Workbench
-from railjoule.dashboard.views.charts import Axis, Chart, bring_into_sight
+from railjoule.dashboard.views.charts import Axis, Chart
+from railjoule.dashboard.views.drawing import DrawingQueue
 from railjoule.dashboard.views.failures import failure_words
 from railjoule.dashboard.views.forms import Disclosure, EditorHead, FieldsForm, TableForm
 from railjoule.dashboard.views.parts import html_pane, stack
@@ -59,30 +61,33 @@ class EditorView:
         self.state, self.editor, self.browser, self.palette = state, state.editor, browser, palette
         self.head: EditorHead | None = None
         self.groups: list[Group] = []
-        self.view = stack(css=DRAWER_CSS, css_classes=["rj-editor"], visible=False, sizing_mode=None)
+        self.view = stack(css=DRAWER_CSS, css_classes=["rj-editor"], visible=False, sizing_mode=None, name="editor")
+        self.queue = DrawingQueue(browser, state.faults, lambda: self.editor.open, self._settle)
         self.editor.param.watch(self._turn, "open")
         self.editor.param.watch(self._show, "refused")
         state.scenario.param.watch(self._show, list(SCENARIO_FIELDS))
         state.param.watch(self._tell, ["runs", "failure"])
-        browser.follow(["charts_in_sight"], self._sight)
+        browser.follow(["charts_in_sight"], lambda: self.queue.sight(browser.charts_in_sight))
 
     def redraw(self) -> None:
         """Draw everything again, as after a change of theme."""
         self._show()
 
     def _turn(self, *_: Any) -> None:
-        with pn.io.hold():
+        with added_to(self.view):
             if self.head is None:
                 self._make()
             assert self.head is not None
-            self.view.visible = self.head.open = self.editor.open
+            self.browser.drawer = self.view.visible = self.head.open = self.editor.open
             self._tell()
             self._show()
+        self.queue.go_on()
 
     def _make(self) -> None:
         self.head = EditorHead(self._close)
         kinds: Mapping[str, type[Group]] = {"Presets": PresetsGroup, "Drive": DriveGroup, "Line": LineGroup}
         self.groups = [kinds.get(name, Group)(self, name) for name in GROUPS]
+        self.queue.take(tuple(chart for group in self.groups for chart in group.charts))
         self.view[:] = [stack(self.head, css=HEAD_CSS), *(group.view for group in self.groups)]
 
     def _close(self, *_: Any) -> None:
@@ -107,10 +112,9 @@ class EditorView:
             name = words.STRATEGY_WORDS[self.state.chosen_now]
             self.head.status = f"{name}: {words.energy(run.energy_kwh)} kWh in {words.number(run.travel_time_s)} s"
 
-    def _sight(self) -> None:
-        with pn.io.hold():
-            for group in self.groups:
-                group.bring_into_sight(self.browser.charts_in_sight)
+    def _settle(self) -> None:
+        for group in self.groups:
+            group.settle()
 
 
 class Group:
@@ -227,8 +231,13 @@ class Group:
             },
         }
 
-    def bring_into_sight(self, names: Sequence[str]) -> None:
-        """Let charts draw that are in sight."""
+    @property
+    def charts(self) -> tuple[Chart, ...]:
+        """The charts of the group."""
+        return ()
+
+    def settle(self) -> None:
+        """Tell a shared cursor of charts that were drawn; called last within a message."""
 
     def _hear(self, fields: Mapping[str, Field], message: Mapping[str, Any]) -> None:
         key, text = str(message.get("key")), str(message.get("text", ""))
@@ -407,11 +416,11 @@ class LineGroup(Group):
         self.steps.show(partial(self.steps.draw, line, most))
         turned = "The charts and tables show the line as its file has it; it is run from its end to its start."
         self.way.object = f'<p class="note" style="padding-left:32px">{turned}</p>' if line.reverse else ""
-        self.axis.settle("m", 0)
+        self.settle()
 
-    def bring_into_sight(self, names: Sequence[str]) -> None:
-        """Let charts draw that are in sight."""
-        bring_into_sight(self.charts, names)
+    def settle(self) -> None:
+        """Tell the cursor of both charts."""
+        self.axis.settle("m", 0)
 
     def _drop_borders(self, distance_m: Sequence[float], height_m: Sequence[float]) -> None:
         if len(distance_m) == len(self.editor.look().rows(self.sections)) + 1:

@@ -97,6 +97,9 @@ def colour_of(number: float, most: float, palette: Palette) -> str:
 class HeatMapChart(Chart):
     """Loads upwards, errors to the right, one number a cell; a press chooses the cell."""
 
+    kind = "map"
+    title = "table of loads and coordinate errors"
+
     def __init__(self, height: int, palette: Palette, choose: Callable[[float, float], None]) -> None:
         super().__init__("heatmap", "", height)
         self.palette, self._choose = palette, choose
@@ -122,6 +125,7 @@ class HeatMapChart(Chart):
         frame = f.rect("x", "y", CELL, CELL, source=self.frame, fill_color=None, line_width=2.5)
         self.palette.paint(frame.glyph, line_color="accent")
         f.on_event(Tap, self._press)
+        self._drawn = ()
         self.content = pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_width")
 
     def _press(self, event: Any) -> None:
@@ -182,6 +186,9 @@ class HeatMapChart(Chart):
 class CostSurface(Chart):
     """The same table as a surface that can be turned."""
 
+    kind = "map"
+    title = "table of loads and coordinate errors, as a surface"
+
     def __init__(self, height: int, palette: Palette) -> None:
         super().__init__("costs", "", height)
         self.palette = palette
@@ -196,6 +203,7 @@ class CostSurface(Chart):
             margin=0,
         )
         name = pn.pane.HTML('<span data-figure="Table of loads and coordinate errors, as a surface"></span>', margin=0)
+        self._drawn = ()
         self.content, self.figure = pn.Column(name, self.pane, margin=0, sizing_mode="stretch_width"), self.pane
 
     def draw(self, table: SensitivityTable, measure: Measure) -> None:

@@ -8,7 +8,7 @@ from railjoule.core.strategies.bellman import ControlLaw
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.words import MINUS
-from railjoule.dashboard.views.charts import Axis, DistanceChart, clear, xy
+from railjoule.dashboard.views.charts import Axis, DistanceChart, xy
 from railjoule.dashboard.views.scene import Scene
 
 COLUMNS, ROWS = 180, 64
@@ -19,6 +19,7 @@ STEPS = 10
 class LawChart(DistanceChart):
     """Traction blue, braking warm, coasting neutral, empty where the end cannot be reached."""
 
+    kind = "map"
     unit, digits = "km/h", 1
 
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
@@ -30,18 +31,14 @@ class LawChart(DistanceChart):
         f = self.frame(ticks=4)
         f.ygrid.visible = False
         self.map = ColumnDataSource({key: [] for key in ("image", "x", "y", "dw", "dh")})
-        self.mapper = LinearColorMapper(low=-1, high=1, nan_color="rgba(0, 0, 0, 0)")
+        self.mapper = LinearColorMapper(palette=diverging(self.palette), low=-1, high=1, nan_color="rgba(0, 0, 0, 0)")
         f.image("image", "x", "y", "dw", "dh", source=self.map, color_mapper=self.mapper, level="underlay")
         self.sources["run"] = ColumnDataSource({"x": [], "y": []})
         line = f.line("x", "y", source=self.sources["run"], line_width=2)
         self.palette.paint(line.glyph, line_color="ink")
 
-    def draw(self, scene: Scene, law: ControlLaw | None) -> None:
+    def draw(self, scene: Scene, law: ControlLaw) -> None:
         """Draw the law and the run that follows it."""
-        if law is None:
-            for source in (self.map, self.sources["run"]):
-                clear(source)
-            return
         image, top = sampled(law)
         self.mapper.palette = diverging(self.palette)
         self.map.data = {

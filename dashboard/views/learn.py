@@ -2,12 +2,10 @@
 
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any
 
-import panel as pn
+from panel.viewable import Viewable
 
 from railjoule.core.units import J_PER_KWH
-from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import parts_css
@@ -15,10 +13,10 @@ from railjoule.dashboard.models.learn import LESSONS, Lesson
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import LessonResult
 from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.chart_page import ChartPage
 from railjoule.dashboard.views.charts import Chart
 from railjoule.dashboard.views.fields import NumberField
 from railjoule.dashboard.views.lesson_charts import LessonSpeedChart, PhasePlaneChart, PriceChart
+from railjoule.dashboard.views.page import PageView
 
 PAGE = "Learn"
 SPEED_HEIGHTS, PLANE_HEIGHTS, PRICE_HEIGHTS = (200, 250, 190), (250, 300, 240), (200, 240, 190)
@@ -99,21 +97,21 @@ class LessonView:
             chart.show(partial(chart.draw, result))
 
 
-class LearnView(ChartPage):
+class LearnView(PageView):
     """The page of lessons."""
 
+    page = PAGE
     heights = HEIGHTS
 
-    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
-        super().__init__(state, browser, palette)
-        self.lessons = {lesson.name: LessonView(lesson, state, palette) for lesson in LESSONS}
+    def make(self) -> Viewable:
+        """Make the pieces of the page, and return them laid out."""
+        self.lessons = {lesson.name: LessonView(lesson, self.state, self.palette) for lesson in LESSONS}
         self._shown: dict[str, LessonResult] = {}
         heading = parts.html_pane(
             parts.heading("Learn", "five lessons; each figure is solved anew as you move its slider", "")
         )
-        self.view = parts.stack(heading, self.message, *(lesson.view for lesson in self.lessons.values()))
-        state.learn.param.watch(self._show, ["shown", "failure"])
-        self.begin()
+        self.shows(self._show, (self.state.learn, ["shown", "failure"]))
+        return parts.stack(heading, self.message, *(lesson.view for lesson in self.lessons.values()))
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -121,18 +119,17 @@ class LearnView(ChartPage):
         return tuple(chart for lesson in self.lessons.values() for chart in lesson.charts)
 
     def redraw(self) -> None:
-        """Draw everything again, as after a change of theme."""
+        """Draw everything again, also the lessons whose sliders have not moved."""
         self._shown = {}
-        self._show()
+        super().redraw()
 
-    def _show(self, *_: Any) -> None:
+    def _show(self) -> None:
         learn = self.state.learn
-        with pn.io.hold():
-            self.tell(learn.failure, "Shown: the last place of the slider that can be driven.")
-            for name, result in learn.shown.items():
-                if self._shown.get(name) is not result:
-                    self.lessons[name].show(result)
-            self._shown = dict(learn.shown)
+        self.tell(learn.failure, "Shown: the last place of the slider that can be driven.")
+        for name, result in learn.shown.items():
+            if self._shown.get(name) is not result:
+                self._shown[name] = result
+                self.lessons[name].show(result)
 
 
 def _energies(result: LessonResult, first: str, second: str) -> list[str]:

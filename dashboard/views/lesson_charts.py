@@ -107,6 +107,8 @@ class PriceChart(Chart):
 class PhasePlaneChart(Chart):
     """What a joule of motion is worth over speed: above, between and below two lines the driver does other things."""
 
+    kind = "map"
+
     def __init__(self, lesson: str, height: int, palette: Palette) -> None:
         caption = "Phase plane: worth of a joule of motion, J at the line, over speed, km/h"
         super().__init__(f"plane_{lesson}", caption, height)

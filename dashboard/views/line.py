@@ -6,16 +6,13 @@ from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+from panel.viewable import Viewable
 
 from railjoule.core.units import J_PER_KWH
-from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look import comparisons, words
-from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.line import StationModel
-from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import LineRuns
 from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.chart_page import NARROW_PX, ChartPage
 from railjoule.dashboard.views.charts import Axis, Chart
 from railjoule.dashboard.views.drive_charts import LineStrip
 from railjoule.dashboard.views.fields import TypedNumber
@@ -28,6 +25,7 @@ from railjoule.dashboard.views.line_charts import (
     energy_kwh,
     supplement_s,
 )
+from railjoule.dashboard.views.page import NARROW_PX, PageView
 from railjoule.dashboard.views.scene import Scene
 
 PAGE = "Line"
@@ -53,17 +51,18 @@ STATION_CSS = ":host { border-top: 1px solid var(--rj-line); padding: 6px 0; }"
 SMALL: dict[str, Any] = {"size": "small", "sx": {"& .MuiToggleButton-root": {"whiteSpace": "nowrap"}}}
 
 
-class LineView(ChartPage):
+class LineView(PageView):
     """The page of whole lines."""
 
+    page = PAGE
     heights = HEIGHTS
 
-    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
-        super().__init__(state, browser, palette)
+    def make(self) -> Viewable:
+        """Make the pieces of the page, and return them laid out."""
+        state, palette = self.state, self.palette
         self.model = state.line
-        self.heading, self.figures, self.key, self.table, self.notes, self.empty_text = (
-            parts.html_pane() for _ in range(6)
-        )
+        self.key = parts.html_pane(key_words())
+        self.table, self.notes, self.empty_text = (parts.html_pane() for _ in range(3))
         self.axis = Axis(palette)
         self.speed = LineSpeedChart(HEIGHTS["line_speed"][0], self.axis, palette)
         self.line = LineStrip(HEIGHTS["line"][0], self.axis, palette)
@@ -109,12 +108,10 @@ class LineView(ChartPage):
             on_click=lambda _: state.scenario.choose(SHIPPED),
         )
         self.stations = parts.stack(css=STATIONS_CSS)
-        self.view = self._laid_out()
         self.other.param.watch(lambda event: setattr(self.model, "other", event.new), "value")
-        self.model.param.watch(self._show, ["runs", "failure", "other"])
-        self.model.param.watch(self._list_stations, "stations")
-        self._list_stations()
-        self.begin()
+        self.shows(self._list_stations, (self.model, ["stations"]))
+        self.shows(self._show, (self.model, ["runs", "failure", "other", "stations"]))
+        return self._laid_out()
 
     def _laid_out(self) -> pn.Column:
         body = parts.stack(*(chart.place for chart in self.charts), css=BODY_CSS)
@@ -122,8 +119,7 @@ class LineView(ChartPage):
         lower = parts.stack(title, self.stations, self.table, self.download, self.notes, css=LOWER_CSS)
         self.full = parts.stack(self.figures, self.other, self.key, body, lower)
         self.empty = parts.stack(self.empty_text, self.open)
-        self.place = parts.stack()
-        return parts.stack(self.heading, self.message, self.place)
+        return parts.stack(self.heading, self.message, self.full, self.empty)
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -133,10 +129,6 @@ class LineView(ChartPage):
     def settle(self) -> None:
         """Tell the cursor that it may meet new charts."""
         self.axis.settle("m", 0)
-
-    def redraw(self) -> None:
-        """Draw everything again, as after a change of theme."""
-        self._show()
 
     def _csv(self) -> StringIO:
         """Return the legs of all ways of sharing as a file."""
@@ -151,34 +143,28 @@ class LineView(ChartPage):
         )
         return StringIO(text.replace("\n\n", "\n"))
 
-    def _list_stations(self, *_: Any) -> None:
+    def _list_stations(self) -> None:
         self.stations[:] = [station_row(station) for station in self.model.stations]
 
-    def _show(self, *_: Any) -> None:
+    def _show(self) -> None:
         runs = self.model.runs
-        with pn.io.hold():
-            self.tell(self.model.failure, "Shown: the last runs that can be driven." if runs is not None else "")
-            alone = not self.model.stations
-            shown = self.empty if alone else self.full
-            # charts that are hidden would not tell when they come into sight
-            if (runs is not None or alone) and shown not in self.place.objects:
-                self.place[:] = [shown]
-            if alone:
-                self._show_empty()
-            if runs is None or alone or self.state.page != PAGE:
-                return
-            other, room = self.model.other, self._room()
-            self.axis.fit(runs.best.run.distance_m, roomy=False)
-            self.speed.show(partial(self.speed.draw, runs, other, room))
-            scene = Scene(
-                "optimal", {"optimal": runs.best.run}, None, False, self.browser.window_width < NARROW_PX, room
-            )
-            self.line.show(partial(self.line.draw, scene))
-            self.path.show(partial(self.path.draw, runs, other))
-            self.supplements.show(partial(self.supplements.draw, runs, room))
-            self.energy.show(partial(self.energy.draw, runs, room))
-            self._show_texts(runs)
-            self.settle()
+        self.tell(self.model.failure, "Shown: the last runs that can be driven." if runs is not None else "")
+        alone = not self.model.stations
+        self.full.visible, self.empty.visible = not alone, alone
+        if alone:
+            self._show_empty()
+        if runs is None or alone:
+            return
+        other, room = self.model.other, self._room()
+        self.axis.fit(runs.best.run.distance_m, roomy=False)
+        self.speed.show(partial(self.speed.draw, runs, other, room))
+        narrow = self.browser.window_width < NARROW_PX
+        scene = Scene("optimal", {"optimal": runs.best.run}, None, False, narrow, room)
+        self.line.show(partial(self.line.draw, scene))
+        self.path.show(partial(self.path.draw, runs, other))
+        self.supplements.show(partial(self.supplements.draw, runs, room))
+        self.energy.show(partial(self.energy.draw, runs, room))
+        self._show_texts(runs)
 
     def _room(self) -> float:
         width = self.browser.window_width
@@ -201,7 +187,6 @@ class LineView(ChartPage):
         )
         self.heading.object = parts.heading(scenario.title, what, "")
         self.figures.object = parts.figures(figure_cells(runs), self.model.failure is not None)
-        self.key.object = key_words()
         self.table.object = WIDE_TABLE.format("Legs", legs_table(runs))
         self.notes.object = parts.notes(best.run)
 

@@ -156,6 +156,8 @@ class LegBars(LineChart):
         How the optimum's numbers above the bars read.
     """
 
+    kind = "bars"
+
     def __init__(
         self,
         name: str,

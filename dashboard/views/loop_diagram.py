@@ -11,8 +11,6 @@ from dataclasses import dataclass
 import param
 from panel.custom import JSComponent
 
-from railjoule.dashboard.browser import DEEP_JS
-
 BLOCK_HEIGHT, RADIUS, LINE_PX, HEAD_PX = 44.0, 5.0, 15.0, 6.0
 FONT_PX, SIGNAL_PX = 12.5, 11.0
 
@@ -189,9 +187,8 @@ svg.wide { max-width: 1180px; } svg.narrow { max-width: 420px; display: none; }
 .block:focus-visible rect { stroke: var(--rj-accent); stroke-width: 3.4; }
 """
 
-ESM = (
-    DEEP_JS
-    + """
+ESM = """
+const {deep, chart_of} = window.railjoule;
 export function render({model}) {
   const box = document.createElement("div");
   // text of this program alone
@@ -244,7 +241,6 @@ export function render({model}) {
   return box;
 }
 """
-)
 
 
 class LoopDiagram(JSComponent):

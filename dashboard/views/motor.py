@@ -1,21 +1,18 @@
 """Motor: the plan through the control loop of its motors, with currents, flux, voltage and both energies."""
 
 from functools import partial
-from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+from panel.viewable import Viewable
 
 from railjoule.core import load_scenario
 from railjoule.core.simulate.field_oriented import FieldOrientedRun
 from railjoule.core.units import J_PER_KWH
-from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look import words
-from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.motor import PAGE
 from railjoule.dashboard.store import MACHINE_SCENARIO
 from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.chart_page import ChartPage
 from railjoule.dashboard.views.charts import Axis, Chart
 from railjoule.dashboard.views.fields import NumberField
 from railjoule.dashboard.views.loop_diagram import LoopDiagram
@@ -38,6 +35,7 @@ from railjoule.dashboard.views.motor_run_charts import (
     detuning_table,
     length,
 )
+from railjoule.dashboard.views.page import PageView
 
 HEIGHTS = {
     "loop_speed": (200, 250, 180),
@@ -87,16 +85,18 @@ QUESTION = (
 LIMIT_WORDS = {"current": "The current limit", "voltage": "The voltage limit"}
 
 
-class MotorView(ChartPage):
+class MotorView(PageView):
     """The page of the drive in closed loop."""
 
+    page = PAGE
     heights = HEIGHTS
 
-    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
-        super().__init__(state, browser, palette)
+    def make(self) -> Viewable:
+        """Make the pieces of the page, and return them laid out."""
+        state, palette = self.state, self.palette
         self.model = state.motor
-        self.heading, self.figures, self.held, self.account, self.refusals, self.notes, self.no_machine, self.costs = (
-            parts.html_pane() for _ in range(8)
+        self.held, self.account, self.refusals, self.notes, self.no_machine, self.costs = (
+            parts.html_pane() for _ in range(6)
         )
         self.diagram = LoopDiagram()
         self.axis = Axis(palette)
@@ -153,13 +153,12 @@ class MotorView(ChartPage):
         )
         self.missing = parts.stack(self.no_machine, self.open, visible=False)
         self.body = self._laid_out()
-        self.view = parts.stack(self.heading, self.missing, self.message, self.body)
-        self.model.param.watch(self._show_run, ["run", "failure", "no_machine"])
-        self.model.param.watch(self._show_rivals, "rivals")
-        self.model.param.watch(self._show_map, "machine_map")
-        self.model.param.watch(self._show_ripple, "ripple")
-        self.model.param.watch(self._show_detuning, ["detuning", "studying"])
-        self.begin()
+        self.shows(self._show_run, (self.model, ["run", "failure", "no_machine"]))
+        self.shows(self._show_rivals, (self.model, ["rivals"]))
+        self.shows(self._show_map, (self.model, ["machine_map"]))
+        self.shows(self._show_ripple, (self.model, ["ripple"]))
+        self.shows(self._show_detuning, (self.model, ["detuning", "studying"]))
+        return parts.stack(self.heading, self.missing, self.message, self.body)
 
     def _laid_out(self) -> pn.Column:
         left = parts.stack(*(self.loops[name].place for name in LEFT), self.account, css=COLUMN_CSS)
@@ -194,34 +193,24 @@ class MotorView(ChartPage):
         """Tell the cursor of the runs that it may meet new charts."""
         self.axis.settle("s", 1)
 
-    def redraw(self) -> None:
-        """Draw everything again, as after a change of theme."""
-        self._show_run()
-        self._show_rivals()
-        self._show_map()
-        self._show_ripple()
-        self._show_detuning()
-
-    def _show_run(self, *_: Any) -> None:
+    def _show_run(self) -> None:
         model, run = self.model, self.model.run
-        with pn.io.hold():
-            self.missing.visible = bool(model.no_machine)
-            self.body.visible = run is not None and not model.no_machine
-            self._show_heading()
-            if model.no_machine:
-                self.tell(None, "")
-                self.no_machine.object = f'<p class="note" style="margin:0 20px">{parts.escaped(model.no_machine)}</p>'
-                return
-            self.tell(model.failure, "Shown: the last run that could be driven." if run is not None else "")
-            if run is None:
-                return
-            self.axis.fit(float(run.time_s[-1]), roomy=False)
-            self.at.set_ends((0.0, float(run.time_s[-1])))
-            for name in OF_RUN:
-                self.loops[name].show(partial(self.loops[name].draw, {"run": run}))
-            self.place.show(partial(self.place.draw, run))
-            self._show_texts(run)
-            self.settle()
+        self.missing.visible = bool(model.no_machine)
+        self.body.visible = not model.no_machine
+        self._show_heading()
+        if model.no_machine:
+            self.tell(None, "")
+            self.no_machine.object = f'<p class="note" style="margin:0 20px">{parts.escaped(model.no_machine)}</p>'
+            return
+        self.tell(model.failure, "Shown: the last run that could be driven." if run is not None else "")
+        if run is None:
+            return
+        self.axis.fit(float(run.time_s[-1]), roomy=False)
+        self.at.set_ends((0.0, float(run.time_s[-1])))
+        for name in OF_RUN:
+            self.loops[name].show(partial(self.loops[name].draw, {"run": run}))
+        self.place.show(partial(self.place.draw, run))
+        self._show_texts(run)
 
     def _show_heading(self) -> None:
         scenario = self.state.scenario.scenario()
@@ -230,46 +219,40 @@ class MotorView(ChartPage):
         aside = "" if run is None else f"arrives {words.delay(run.delay_s)} s against the plan"
         self.heading.object = parts.heading(scenario.title, what, aside)
 
-    def _show_rivals(self, *_: Any) -> None:
+    def _show_rivals(self) -> None:
         rivals = self.model.rivals
         if rivals is None:
             return
-        with pn.io.hold():
-            for name in OF_STRATEGIES:
-                self.loops[name].place.visible = bool(rivals.strategies)
-            for name in (*OF_STRATEGIES, *OF_TRACKING):
-                self.loops[name].show(partial(self.loops[name].draw, rivals.named))
-            refused = "".join(
-                f'<p class="note" style="padding-left:50px">{parts.escaped(words.STRATEGY_WORDS[name] + " " + why)}</p>'
-                for name, why in rivals.refused.items()
-            )
-            self.refusals.object = refused
-            self.settle()
+        for name in OF_STRATEGIES:
+            self.loops[name].place.visible = bool(rivals.strategies)
+        for name in (*(OF_STRATEGIES if rivals.strategies else ()), *OF_TRACKING):
+            self.loops[name].show(partial(self.loops[name].draw, rivals.named))
+        self.refusals.object = "".join(
+            f'<p class="note" style="padding-left:50px">{parts.escaped(words.STRATEGY_WORDS[name] + " " + why)}</p>'
+            for name, why in rivals.refused.items()
+        )
 
-    def _show_map(self, *_: Any) -> None:
+    def _show_map(self) -> None:
         found = self.model.machine_map
         if found is not None:
-            with pn.io.hold():
-                self.map.show(partial(self.map.draw, found.map, "motor", found.points))
+            self.map.show(partial(self.map.draw, found.map, "motor", found.points))
 
-    def _show_ripple(self, *_: Any) -> None:
+    def _show_ripple(self) -> None:
         ripple = self.model.ripple
-        with pn.io.hold():
-            self.ripple.place.visible = ripple is not None
-            if ripple is not None:
-                self.ripple.show(partial(self.ripple.draw, ripple))
+        self.ripple.place.visible = ripple is not None or self.model.failure is None
+        if ripple is not None:
+            self.ripple.show(partial(self.ripple.draw, ripple))
 
-    def _show_detuning(self, *_: Any) -> None:
+    def _show_detuning(self) -> None:
         table, studying = self.model.detuning, self.model.studying
-        with pn.io.hold():
-            self.progress.visible = self.stop.visible = studying
-            if studying:
-                done = 0.0 if table is None else table.done / len(table.rotor_resistance_factors)
-                self.progress.value = int(100 * done)
-            self.detuning.place.visible = self.costs.visible = table is not None
-            if table is not None:
-                self.costs.object = detuning_table(table)
-                self.detuning.show(partial(self.detuning.draw, table))
+        self.progress.visible = self.stop.visible = studying
+        if studying:
+            done = 0.0 if table is None else table.done / len(table.rotor_resistance_factors)
+            self.progress.value = int(100 * done)
+        self.detuning.place.visible = self.costs.visible = table is not None
+        if table is not None:
+            self.costs.object = detuning_table(table)
+            self.detuning.show(partial(self.detuning.draw, table))
 
     def _show_texts(self, run: FieldOrientedRun) -> None:
         self.figures.object = parts.figures(run_figures(run), self.model.failure is not None)

@@ -27,6 +27,8 @@ MAP_WORDS = {"drive": "motor and inverter", "motor": "the motor alone"}
 class MotorMapChart(Chart):
     """Efficiency over speed and torque of one motor, with the run's cells as points."""
 
+    kind = "map"
+
     def __init__(self, height: int, palette: Palette, name: str = "motor_map") -> None:
         super().__init__(name, "Efficiency, %, over torque and speed of one motor; points: the run", height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)

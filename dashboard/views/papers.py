@@ -8,18 +8,16 @@ from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+from panel.viewable import Viewable
 
 from railjoule.core.validation import COMPARISONS, Erratum, Row, Table
 from railjoule.core.validation.papers import citation, printed_numbers
 from railjoule.core.validation.table import CLOSE_PERCENT
-from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look import comparisons, words
-from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import parts_css
-from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import PaperTables
 from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.failures import failure_words
+from railjoule.dashboard.views.page import PageView
 
 FILES = {
     "ftorek": "ftorek-2025",
@@ -61,12 +59,14 @@ ol { margin: 4px 0 0; padding-left: 22px; font-size: 12px; color: var(--rj-ink2)
 SMALL: dict[str, Any] = {"size": "small", "margin": (6, 8, 4, 0)}
 
 
-class PapersView:
+class PapersView(PageView):
     """The page of validation tables."""
 
-    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
-        self.model = state.papers
-        self.message = parts.html_pane(visible=False)
+    page = "Papers"
+
+    def make(self) -> Viewable:
+        """Make the pieces of the page, and return them laid out."""
+        self.model = self.state.papers
         self.progress_words = parts.html_pane()
         self.progress = pmui.LinearProgress(value=0, width=320, height=4, margin=(10, 8))
         self.stop = pmui.Button(
@@ -83,29 +83,22 @@ class PapersView:
             self.progress, self.stop, self.progress_words, align_items="center", margin=0, visible=False
         )
         bar = parts.stack(self.all, self.busy, styles={"padding": "0 20px 8px"})
-        self.view = parts.stack(heading, self.message, bar, *(section.view for section in self.sections.values()))
-        self.model.param.watch(self._show, ["results", "asked", "failure"])
-        self._show()
-
-    def redraw(self) -> None:
-        """Draw everything again, as after a change of theme: the style sheet does it."""
+        self.shows(self._show, (self.model, ["results", "asked", "failure"]))
+        return parts.stack(heading, self.message, bar, *(section.view for section in self.sections.values()))
 
     def _ask(self, names: tuple[str, ...], *_: Any) -> None:
         self.model.compare = list(names)
 
-    def _show(self, *_: Any) -> None:
+    def _show(self) -> None:
         model = self.model
-        with pn.io.hold():
-            self.message.visible = model.failure is not None
-            if model.failure is not None:
-                self.message.object = parts.failure(*failure_words(model.failure), "")
-            busy = bool(model.asked)
-            self.busy.visible = busy
-            self.all.disabled = busy
-            if busy:
-                self._tell_progress()
-            for name, section in self.sections.items():
-                section.show(model.results.get(name), busy)
+        self.tell(model.failure, "")
+        busy = bool(model.asked)
+        self.busy.visible = busy
+        self.all.disabled = busy
+        if busy:
+            self._tell_progress()
+        for name, section in self.sections.items():
+            section.show(model.results.get(name), busy)
 
     def _tell_progress(self) -> None:
         asked = self.model.asked

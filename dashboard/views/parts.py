@@ -5,9 +5,12 @@ import re
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any
+from weakref import WeakKeyDictionary
 
 import panel as pn
+from bokeh.document import Document
 from bokeh.model import Model
+from bokeh.models import InlineStyleSheet
 
 from railjoule.core import Phase, Trajectory
 from railjoule.core.advice import AT_REST_MS
@@ -31,8 +34,22 @@ LOSS_WORDS = {
 }
 
 
+SHEETS: WeakKeyDictionary[Document, dict[str, InlineStyleSheet]] = WeakKeyDictionary()
+"""Style sheets of each document: there are hundreds of panes, and it is sent each sheet once."""
+
+
 class Words(pn.pane.HTML):
     """HTML that changes often: only the new text goes to the browser, not every property of the pane anew."""
+
+    def _get_properties(self, doc: Document | None) -> dict[str, Any]:
+        properties: dict[str, Any] = super()._get_properties(doc)
+        if doc is not None and "stylesheets" in properties:
+            known = SHEETS.setdefault(doc, {})
+            properties["stylesheets"] = [
+                known.setdefault(sheet, InlineStyleSheet(css=sheet)) if isinstance(sheet, str) else sheet
+                for sheet in properties["stylesheets"]
+            ]
+        return properties
 
     def _update(self, ref: str, model: Model) -> None:
         model.text = self._transform_object(self.object)["object"]

@@ -6,15 +6,13 @@ from typing import Any
 import numpy as np
 import panel as pn
 import panel_material_ui as pmui
+from panel.viewable import Viewable
 
-from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look import comparisons, words
-from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.robustness import PAGE
 from railjoule.dashboard.store import Reality
 from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.chance_charts import HistogramChart, LoadScatter, chance_table, finite
-from railjoule.dashboard.views.chart_page import ChartPage
 from railjoule.dashboard.views.charts import Axis, Chart
 from railjoule.dashboard.views.driven_charts import (
     BrakingChart,
@@ -31,6 +29,7 @@ from railjoule.dashboard.views.heat_map import (
     percent_difference,
     printed_table,
 )
+from railjoule.dashboard.views.page import PageView
 
 HEIGHTS = {
     "heatmap": (350, 440, 320),
@@ -58,15 +57,17 @@ KNOWS_WORDS = {
 SELECT: dict[str, Any] = {"size": "small", "margin": (6, 0, 6, 6), "sizing_mode": "stretch_width"}
 
 
-class RobustnessView(ChartPage):
+class RobustnessView(PageView):
     """The page of what goes otherwise than planned."""
 
+    page = PAGE
     heights = HEIGHTS
 
-    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
-        super().__init__(state, browser, palette)
-        self.model = model = state.robustness
-        self.heading, self.figures, self.printed, self.chance_table = (parts.html_pane() for _ in range(4))
+    def make(self) -> Viewable:
+        """Make the pieces of the page, and return them laid out."""
+        self.model = model = self.state.robustness
+        palette = self.palette
+        self.printed, self.chance_table = (parts.html_pane() for _ in range(2))
         self.measure = pmui.Select(
             label="Table of", options={m.words: key for key, m in MEASURES.items()}, value=model.measure, **SELECT
         )
@@ -104,14 +105,13 @@ class RobustnessView(ChartPage):
             parts.stack(self.late.place, self.chance_table),
             css=LAYOUT_CSS,
         )
-        self.view = parts.stack(self.heading, self.message, self.figures, upper, lower)
         tie(self.measure, model, "measure")
         tie(self.knows, model, "knows")
         tie(self.ways, model, "both_directions")
-        model.param.watch(self._show_run, ["reality", "failure"])
-        model.param.watch(self._show_table, ["table", "measure"])
-        model.param.watch(self._show_chance, ["chance", "drawing"])
-        self.begin()
+        self.shows(self._show_run, (model, ["reality", "failure"]))
+        self.shows(self._show_table, (model, ["table", "measure"]))
+        self.shows(self._show_chance, (model, ["chance", "drawing"]))
+        return parts.stack(self.heading, self.message, self.figures, upper, lower)
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -135,40 +135,35 @@ class RobustnessView(ChartPage):
         """Tell the cursor of the runs that it may meet new charts."""
         self.axis.settle("m", 0)
 
-    def redraw(self) -> None:
-        """Draw everything again, as after a change of theme."""
-        self._show_run()
-        self._show_table()
-        self._show_chance()
-
-    def _show_run(self, *_: Any) -> None:
+    def _show_run(self) -> None:
         reality = self.model.reality
-        with pn.io.hold():
-            self.tell(self.model.failure, "Shown: the last run that can be driven." if reality is not None else "")
-            if reality is None:
-                return
-            following = reality.following
-            disturbance = following.actual.scenario.disturbance
-            self.axis.fit(max(following.planned.position_m[-1], following.actual.position_m[-1]), roomy=False)
-            name = reality_words(disturbance.actual_load_factor or 0.0, disturbance.coordinate_error_m)
-            self.speed.show(partial(self.speed.draw, following, name))
-            self.effort.show(partial(self.effort.draw, following))
-            self.braking.show(partial(self.braking.draw, following))
-            self.place.show(partial(self.place.draw, following))
-            self._draw_map()
-            self._show_texts()
-            self.settle()
+        self.tell(self.model.failure, "Shown: the last run that can be driven." if reality is not None else "")
+        if reality is None:
+            return
+        following = reality.following
+        disturbance = following.actual.scenario.disturbance
+        self.axis.fit(max(following.planned.position_m[-1], following.actual.position_m[-1]), roomy=False)
+        name = reality_words(disturbance.actual_load_factor or 0.0, disturbance.coordinate_error_m)
+        self.speed.show(partial(self.speed.draw, following, name))
+        self.effort.show(partial(self.effort.draw, following))
+        self.braking.show(partial(self.braking.draw, following))
+        self.place.show(partial(self.place.draw, following))
+        self._draw_map()
+        self._show_texts()
 
-    def _show_table(self, *_: Any) -> None:
+    def _show_table(self) -> None:
         table = self.model.table
         if table is None or self.model.reality is None:
             return
-        with pn.io.hold():
-            self._draw_map()
-            if table.done == table.energy_kwh.size:
-                self.costs.show(partial(self.costs.draw, table, MEASURES[self.model.measure]))
-                self.printed.object = printed_table(table)
-                self._show_texts()
+        self._draw_map()
+        if table.done < table.energy_kwh.size:
+            self.costs.wait(f"Computing, {table.done} of {table.energy_kwh.size} runs")
+            return
+        measure = MEASURES[self.model.measure]
+        if np.any(np.isfinite(measure.values(table))):
+            self.costs.show(partial(self.costs.draw, table, measure))
+        self.printed.object = printed_table(table)
+        self._show_texts()
 
     def _draw_map(self) -> None:
         """Draw the map of the table with the run's cell framed."""
@@ -178,16 +173,15 @@ class RobustnessView(ChartPage):
             framed = disturbance.actual_load_factor or 0.0, disturbance.coordinate_error_m
             self.heat_map.show(partial(self.heat_map.draw, table, MEASURES[self.model.measure], *framed))
 
-    def _show_chance(self, *_: Any) -> None:
+    def _show_chance(self) -> None:
         chance = self.model.chance
         if chance is None:
             return
-        with pn.io.hold():
-            self.more.show(partial(self.more.draw, 100 * chance.over_replanned))
-            self.late.show(partial(self.late.draw, chance.delay_s))
-            self.scatter.show(partial(self.scatter.draw, chance))
-            self._show_texts()
-            self.chance_table.object = chance_table(chance)
+        self.more.show(partial(self.more.draw, 100 * chance.over_replanned))
+        self.late.show(partial(self.late.draw, chance.delay_s))
+        self.scatter.show(partial(self.scatter.draw, chance))
+        self._show_texts()
+        self.chance_table.object = chance_table(chance)
 
     def _show_texts(self) -> None:
         reality = self.model.reality

@@ -69,6 +69,8 @@ def kwh(joules: float) -> str:
 class SankeyChart(Chart):
     """The flow of a run's energy, drawn as SVG within the page."""
 
+    kind = "bars"
+
     def __init__(self, height: int, palette: Palette) -> None:
         super().__init__("sankey", "Energy from the line to losses and back, kWh", height)
         self.palette = palette

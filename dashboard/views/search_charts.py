@@ -20,6 +20,8 @@ DEAR = 0.75
 class SearchPlaneChart(Chart):
     """Limits of two neighbouring sections, as the search drew them and as it drove them."""
 
+    kind = "map"
+
     def __init__(self, height: int, palette: Palette) -> None:
         text = "Search: limits of two sections, km/h; dark is cheap, hollow as drawn at first"
         super().__init__("search_plane", text, height)

@@ -1,6 +1,7 @@
 """The shell of all pages: app bar, sidebar, the page in sight."""
 
 from collections.abc import Callable
+from functools import cache
 from importlib.resources import files
 from typing import Any
 
@@ -8,11 +9,13 @@ import panel as pn
 import panel_material_ui as pmui
 from bokeh.document import Document
 from bokeh.model import Model
+from panel.io.resources import LOCAL_DIST
 
 from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look.theme import document_css, material_theme
+from railjoule.dashboard.messages import added_to, one_message, unfrozen
 from railjoule.dashboard.models.workbench import PAGES, Workbench
-from railjoule.dashboard.views.parts import html_pane, stack
+from railjoule.dashboard.views.parts import heading, html_pane, stack
 from railjoule.dashboard.views.saving import Saving
 from railjoule.dashboard.views.share import Share
 from railjoule.dashboard.views.sidebar import Sidebar
@@ -28,14 +31,45 @@ BRAND = (
     '<path d="M1 20.5H21" stroke="var(--rj-line2)" stroke-width="1.4"/></svg>'
     "railjoule</div>"
 )
-TEMPLATE = (
-    "{% extends 'base.html' %}{% block postamble %}{{ super() }}<script>"
-    + (files("railjoule.assets") / "scripts" / "follow.js").read_text(encoding="utf-8")
-    + "</script>{% endblock %}"
+FIRST_SKETCH = (
+    '<svg viewBox="0 0 100 100" preserveAspectRatio="none" aria-hidden="true">'
+    '<path d="M0 98 C4 40 8 16 18 16 L78 16 C90 16 96 46 100 98"/><path d="M0 99 H100"/></svg>'
 )
-"""Of the page around Panel's components, with a cure of theirs."""
+AWAY = "rj-away"
+AWAY_CSS = """
+:host(.rj-away) { position: absolute !important; inset: 0 0 auto 0; content-visibility: hidden; pointer-events: none; }
+"""
+"""A page that was left keeps its size and its figures, so that turning back to it costs nothing."""
+NOT_OPENED = (
+    "This page could not be opened: the program made an error, which the server\u2019s log describes. The other pages "
+    "work; turn to this one again to try once more."
+)
 OWN_COLOURS = ["Axis", "Title", "Grid", "Figure", "Plot", "Legend", "ColorBar", "BaseColorBar"]
 """Kinds of Bokeh models that the page of panel-material-ui shall not dress."""
+
+
+def asset(*path: str) -> str:
+    """Return the text of an asset."""
+    return files("railjoule.assets").joinpath(*path).read_text(encoding="utf-8")
+
+
+@cache
+def first_paint() -> dict[str, Any]:
+    """Return what the document shows and does before its scripts are read."""
+    return {
+        "first": asset("scripts", "first.js"),
+        "mends": asset("scripts", "follow.js") + asset("scripts", "mends.js"),
+        "css": asset("css", "first.css"),
+        "brand": BRAND,
+        "pages": PAGES,
+        "sketch": FIRST_SKETCH + FIRST_SKETCH.replace("<svg", '<svg class="low"'),
+    }
+
+
+class Tabs(pmui.TabMenu):
+    """The list of pages; a press need not wait for others to come."""
+
+    _priority_changes = ("active",)
 
 
 class Page(pmui.Page):
@@ -54,8 +88,19 @@ class Page(pmui.Page):
         private.ref_watchers.clear()
         private.refs.pop("busy", None)
 
+    def _populate_template_variables(self, template_variables: dict[str, Any]) -> None:
+        super()._populate_template_variables(template_variables)
+        template_variables["railjoule"] = first_paint()
+
     def get_root(self, doc: Document | None = None, comm: Any = None, preprocess: bool = True) -> Model:
-        """Return the root model, whose figures keep their own colours."""
+        """Return the root model, whose figures keep their own colours.
+
+        Panel learns where its style sheets are when it renders the page, and a session may begin without that, where
+        the browser comes so late that the first one is gone: then it would ask another host for them.
+        """
+        if doc is not None and "dist_url" not in doc.template_variables:
+            above = pn.state.rel_path
+            doc.template_variables["dist_url"] = f"{above}/{LOCAL_DIST}" if above else LOCAL_DIST
         root = super().get_root(doc, comm, preprocess)
         root.data._custom_theme = OWN_COLOURS
         return root
@@ -86,12 +131,18 @@ class Shell:
     ) -> None:
         self.state, self.browser, self.share, self._make = state, browser, share, pages
         self._made: dict[str, pn.viewable.Viewable] = {}
-        self._wide = True
+        self._failed: set[str] = set()
+        self._wide, self._starting = True, False
         self.main = stack()
         self.editor = editor
         self.sidebar = Sidebar(state, share.keeping)
-        self.tabs = pmui.TabMenu(
-            items=list(PAGES), active=PAGES.index(state.page), variant="scrollable", scroll_buttons="false", margin=0
+        self.tabs = Tabs(
+            items=list(PAGES),
+            active=PAGES.index(state.page),
+            variant="scrollable",
+            scroll_buttons="false",
+            margin=0,
+            css_classes=["rj-pages"],
         )
         self.menu = pmui.MenuButton(
             label=state.page,
@@ -101,6 +152,7 @@ class Shell:
             margin=0,
             align="center",
             visible=False,
+            css_classes=["rj-menu"],
         )
         self.pin = pmui.Button(
             label="Pin run", icon="push_pin", variant="outlined", size="small", margin=(0, 6), align="center", height=30
@@ -127,9 +179,11 @@ class Shell:
         state.param.watch(self._name_pin, ["pins", "runs", "chosen"])
         state.editor.param.watch(self._make_room, "open")
         browser.follow(["window_width"], self._fit)
-        browser.follow(["wants_dark"], self._follow_system)
-        self.page.param.watch(self._paint, "dark_theme")
+        browser.follow(["wants_dark"], self._colour)
+        browser.on_toggle(self._toggle)
+        self.page.param.watch(self._follow_library, "dark_theme")
         state.param.watch(self._colour, "colours")
+        state.param.watch(self._tell_work, ["late", "page"])
 
     def _page(self) -> Page:
         space = pn.Spacer(sizing_mode="stretch_width")
@@ -145,7 +199,7 @@ class Shell:
             dark_theme=self.state.dark,
             theme_config=material_theme(),
             raw_css=[document_css()],
-            template=TEMPLATE,
+            template=asset("templates", "page.html"),
             busy_indicator=None,
             sx={
                 ".MuiAppBar-root": {
@@ -163,30 +217,62 @@ class Shell:
 
     def show_starting(self) -> None:
         """Show how far the kernels are, in the place of the page."""
-        self.main[:] = [self.starting.view]
+        self._starting = True
+        with one_message():
+            self.main[:] = [self.starting.view]
+            self.browser.page = ""
 
     def open(self) -> None:
         """Show the page that the state names."""
-        self._show_page()
+        self._starting = False
+        with one_message():
+            self.main[:] = list(self._made.values())
+            self._show_page()
 
     def add(self, *parts: pn.viewable.Viewable) -> None:
         """Put parts at the right end of the app bar."""
         self.page.header = [*self.page.header, *parts]
 
     def _turn(self, event: Any) -> None:
-        self.state.page = PAGES[event.new]
+        self._turn_to(PAGES[event.new])
 
     def _pick(self, item: dict[str, str]) -> None:
-        self.state.page = item["label"]
+        self._turn_to(item["label"])
+
+    def _turn_to(self, page: str) -> None:
+        with pn.io.hold():
+            self.state.page = page
 
     def _show_page(self, *_: Any) -> None:
+        """Show the page that the state names; those that were open before stay where they are, out of sight."""
         name = self.state.page
-        if name not in self._made:
-            self._made[name] = self._make[name]()
         with pn.io.hold():
-            self.main[:] = [self._made[name]]
             self.tabs.active = PAGES.index(name)
             self.menu.label = name
+            if self._starting:
+                return
+            if name in self._failed:
+                self.main.remove(self._made.pop(name))
+            if name not in self._made:
+                self._made[name] = stack(self._opened(name), css=AWAY_CSS, name=f"page {name}")
+                with added_to(self._made[name]):
+                    self.main.append(self._made[name])
+            for other, holder in self._made.items():
+                holder.css_classes = [] if other == name else [AWAY]
+            self.browser.page = name
+
+    def _opened(self, name: str) -> pn.viewable.Viewable:
+        """Return a page, or what stands in its place where it cannot be made."""
+        try:
+            with unfrozen():
+                view = self._make[name]()
+        except Exception as error:
+            self.state.faults.note(error, f"the page {name} could not be opened")
+            self._failed.add(name)
+            text = f'{heading(name, "", "")}<div class="message" role="alert">{NOT_OPENED}</div>'
+            return html_pane(text)
+        self._failed.discard(name)
+        return view
 
     def _pin(self, *_: Any) -> None:
         """Pin the run that is shown, or let go of it where it is pinned."""
@@ -217,18 +303,24 @@ class Shell:
         if event.new and not self._wide:
             self.page.sidebar_open = False
 
-    def _follow_system(self) -> None:
-        """Take the colours that the system asks for, where no others were chosen."""
-        if self.state.colours == "system":
-            self.page.dark_theme = self.browser.wants_dark
-
     def _colour(self, *_: Any) -> None:
-        """Take the colours that the state names."""
-        wish = self.state.colours
-        self.page.dark_theme = self.browser.wants_dark if wish == "system" else wish == "dark"
+        """Take the colours that the state names, or those that the system asks for; all in one message."""
+        chosen = self.state.colours
+        dark = self.browser.wants_dark if chosen == "system" else chosen == "dark"
+        with pn.io.hold():
+            self.browser.follows_system = chosen == "system"
+            self.state.dark = self.browser.dark = self.page.dark_theme = dark
 
-    def _paint(self, event: Any) -> None:
-        by_hand = "dark" if event.new else "light"
-        colours = "system" if event.new == self.browser.wants_dark else by_hand
-        self.state.param.update(dark=event.new, colours=colours)
-        self.browser.dark = event.new
+    def _toggle(self, dark: bool) -> None:
+        """Take colours that were asked for by hand; those of the system need not be kept."""
+        by_hand = "dark" if dark else "light"
+        self.state.colours = "system" if dark == self.browser.wants_dark else by_hand
+        self._colour()
+
+    def _follow_library(self, event: Any) -> None:
+        """Take colours that the library has changed by itself."""
+        if event.new != self.state.dark:
+            self._toggle(bool(event.new))
+
+    def _tell_work(self, *_: Any) -> None:
+        self.browser.working = self.state.page in self.state.late

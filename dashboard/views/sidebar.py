@@ -2,6 +2,7 @@
 
 import html
 from collections.abc import Callable, Mapping
+from functools import cache
 from typing import Any, Protocol
 
 import panel as pn
@@ -13,6 +14,7 @@ from railjoule.core.strategies import STRATEGIES
 from railjoule.core.strategies.enoc import best_acceleration_time
 from railjoule.dashboard.keeping import Keeping
 from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.messages import added_to, unfrozen
 from railjoule.dashboard.models.dropped import LARGEST_REPORT_BYTES, NO_TEXT, TOO_LARGE
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import Runs
@@ -24,7 +26,9 @@ from railjoule.dashboard.views.parts import Words, html_pane, swatch
 from railjoule.dashboard.views.reality import RealityFields
 from railjoule.dashboard.views.sections import SectionFields
 
+FIELDS_AFTER_MS = 200
 FROM_FILE = "from a file"
+NOT_SHOWN = "These fields could not be shown: the program made an error, which the server\u2019s log describes."
 HIDE_LABEL_CSS = """
 .MuiFormControlLabel-label { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
 """
@@ -80,6 +84,7 @@ class Sidebar:
             size="small",
             margin=(2, 8, 0, 8),
             on_click=lambda _: setattr(state.editor, "open", not state.editor.open),
+            css_classes=["rj-edit"],
         )
         self.travel_time = NumberField(
             scenario, "travel_time_s", "Travel time, s", step=0.5, digits=1, unit="s", ends=scenario.travel_time_range_s
@@ -178,9 +183,15 @@ class Sidebar:
             )
 
 
+@cache
+def shipped_scenarios() -> tuple[tuple[str, str], ...]:
+    """Return title and name of each shipped scenario; they never change."""
+    return tuple((load_scenario(name).title, name) for name in preset_names("scenarios"))
+
+
 def scenario_options(state: Workbench) -> dict[str, str]:
     """Return the scenarios to choose from by their titles, that of a file included."""
-    options = {load_scenario(name).title: name for name in preset_names("scenarios")}
+    options = dict(shipped_scenarios())
     opened = state.scenario.opened
     if opened is not None:
         options[f"{opened.title or 'Without a title'} (file)"] = FROM_FILE
@@ -198,15 +209,32 @@ class PageFields:
 
     def __init__(self, state: Workbench, page: str, make: Callable[[Workbench], HasView]) -> None:
         self.state, self.page, self.make = state, page, make
+        self._called = False
         self.view = pn.Column(margin=0, sizing_mode="stretch_width")
         state.param.watch(self._show, "page")
         self._show()
 
     def _show(self, *_: Any) -> None:
-        here = self.state.page == self.page
-        if here and not self.view.objects:
-            self.view[:] = [self.make(self.state).view]
-        self.view.visible = here
+        self.view.visible = self.state.page == self.page
+        if not self.view.visible or self.view.objects or self._called:
+            return
+        document = pn.state.curdoc
+        if document is None:
+            self._fill()
+        else:
+            # the page itself comes first
+            self._called = True
+            document.add_timeout_callback(self._fill, FIELDS_AFTER_MS)
+
+    def _fill(self) -> None:
+        self._called = False
+        with added_to(self.view):
+            try:
+                with unfrozen():
+                    self.view[:] = [self.make(self.state).view]
+            except Exception as error:
+                self.state.faults.note(error, f"the fields of {self.page} could not be shown")
+                self.view[:] = [html_pane(f'<p class="error" role="alert">{NOT_SHOWN}</p>')]
 
 
 class EnocField:

@@ -5,18 +5,16 @@ from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+from panel.viewable import Viewable
 
-from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look import comparisons, words
-from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import LimitRun
 from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.chart_page import NARROW_PX, ChartPage
 from railjoule.dashboard.views.charts import Axis, Chart
 from railjoule.dashboard.views.drive_charts import LineStrip
 from railjoule.dashboard.views.limit_charts import LimitEffortChart, LimitEnergyChart, LimitSpeedChart
 from railjoule.dashboard.views.motor_charts import MotorMapChart, StorageChart, storage_table
+from railjoule.dashboard.views.page import NARROW_PX, PageView
 from railjoule.dashboard.views.scene import Scene
 from railjoule.dashboard.views.search_charts import SearchPathChart, SearchPlaneChart, search_words
 from railjoule.dashboard.views.sections import PAGE
@@ -44,17 +42,17 @@ REGULATOR_DOES = {"coast": "coasts above a limit", "brake": "brakes for a limit"
 SMALL: dict[str, Any] = {"size": "small", "sx": {"& .MuiToggleButton-root": {"whiteSpace": "nowrap"}}}
 
 
-class SpeedLimitsView(ChartPage):
+class SpeedLimitsView(PageView):
     """The page of limits of sections."""
 
+    page = PAGE
     heights = HEIGHTS
 
-    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
-        super().__init__(state, browser, palette)
-        self.model = model = state.speed_limits
-        self.heading, self.figures, self.table, self.search_text, self.storage_text, self.no_map, self.notes = (
-            parts.html_pane() for _ in range(7)
-        )
+    def make(self) -> Viewable:
+        """Make the pieces of the page, and return them laid out."""
+        palette = self.palette
+        self.model = model = self.state.speed_limits
+        self.table, self.search_text, self.storage_text, self.no_map, self.notes = (parts.html_pane() for _ in range(5))
         self.axis = Axis(palette)
         self.speed = LimitSpeedChart(HEIGHTS["limit_speed"][0], self.axis, palette, model.move, self._release)
         self.line = LineStrip(HEIGHTS["line"][0], self.axis, palette)
@@ -91,9 +89,9 @@ class SpeedLimitsView(ChartPage):
         self.whose = pmui.RadioButtonGroup(
             options={"Drive": "drive", "Motor": "motor"}, value=model.shown_map, margin=(6, 0, 0, 46), **SMALL
         )
-        self.view = self._laid_out()
+        self.pair.visible = self.whose.visible = False
         self._listen()
-        self.begin()
+        return self._laid_out()
 
     def _laid_out(self) -> pn.Column:
         tools = pn.FlexBox(
@@ -111,15 +109,14 @@ class SpeedLimitsView(ChartPage):
         self.regulator.param.watch(lambda event: setattr(model, "regulator", event.new), "value")
         self.free.param.watch(lambda event: setattr(model, "free_borders", event.new), "value")
         self.whose.param.watch(lambda event: setattr(model, "shown_map", event.new), "value")
-        self.pair.param.watch(self._show_search, "value")
         for widget, field in ((self.regulator, "regulator"), (self.free, "free_borders"), (self.whose, "shown_map")):
             model.param.watch(partial(self._follow, widget), field)
-        model.param.watch(self._show_run, ["run", "failure"])
-        model.param.watch(self._show_trip, "trip")
-        model.param.watch(self._show_search, "path")
-        model.param.watch(self._show_found, "found")
-        model.param.watch(self._show_map, ["motor_map", "no_map", "shown_map"])
-        model.param.watch(self._show_storage, "storage")
+        self.shows(self._show_run, (model, ["run", "failure"]))
+        self.shows(self._show_trip, (model, ["trip"]))
+        self.shows(self._show_search, (model, ["path"]), (self.pair, ["value"]))
+        self.shows(self._show_found, (model, ["found"]))
+        self.shows(self._show_map, (model, ["motor_map", "no_map", "shown_map"]))
+        self.shows(self._show_storage, (model, ["storage"]))
 
     def _follow(self, widget: Any, event: Any) -> None:
         widget.value = event.new
@@ -136,31 +133,22 @@ class SpeedLimitsView(ChartPage):
         """Tell the cursor of the runs that it may meet new charts."""
         self.axis.settle("m", 0)
 
-    def redraw(self) -> None:
-        """Draw everything again, as after a change of theme."""
-        self._show_run()
-        self._show_search()
-        self._show_found()
-        self._show_storage()
-
-    def _show_found(self, *_: Any) -> None:
+    def _show_found(self) -> None:
         self.search.disabled = self.model.found
 
-    def _show_run(self, *_: Any) -> None:
+    def _show_run(self) -> None:
         run = self.model.run
-        with pn.io.hold():
-            self.tell(self.model.failure, "Shown: the last run that can be driven." if run is not None else "")
-            if run is None or self.state.page != PAGE:
-                return
-            self.axis.fit(run.run.distance_m, roomy=False)
-            if not self.model.moving:
-                self.speed.show(partial(self.speed.draw, run, *self._steps()))
-            self.effort.show(partial(self.effort.draw, run))
-            self.energy.show(partial(self.energy.draw, run))
-            self.line.show(partial(self.line.draw, self._scene(run)))
-            self._show_texts(run)
-            self._show_map()
-            self.settle()
+        self.tell(self.model.failure, "Shown: the last run that can be driven." if run is not None else "")
+        if run is None:
+            return
+        self.axis.fit(run.run.distance_m, roomy=False)
+        if not self.model.moving:
+            self.speed.show(partial(self.speed.draw, run, *self._steps()))
+        self.effort.show(partial(self.effort.draw, run))
+        self.energy.show(partial(self.energy.draw, run))
+        self.line.show(partial(self.line.draw, self._scene(run)))
+        self._show_texts(run)
+        self._show_map()
 
     def _steps(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Return the limits and borders that stand now, be they possible or not."""
@@ -171,55 +159,52 @@ class SpeedLimitsView(ChartPage):
         room = width - (80 if width < NARROW_PX else 360)
         return Scene("speed_limits", {"speed_limits": run.run}, None, False, width < NARROW_PX, room)
 
-    def _show_trip(self, *_: Any) -> None:
+    def _show_trip(self) -> None:
         """Show the trip of a step that is being moved: its speeds, time and energy; the rest waits."""
         trip = self.model.trip
         if trip is None:
             return
-        with pn.io.hold():
-            self.speed.show(partial(self.speed.draw_trip, trip))
-            wait = "let the step go to compare"
-            cells = [
-                parts.figure("Limits cost", "\u2013", "", wait, "main"),
-                parts.figure("Energy", words.energy(trip.energy_kwh), "kWh", "at the line"),
-                parts.figure("Optimum", "\u2013", "", ""),
-                self._time_figure(trip.travel_time_s),
-                parts.figure("Storage needed", "\u2013", "", ""),
-            ]
-            self.figures.object = parts.figures(cells)
+        self.speed.show(partial(self.speed.draw_trip, trip))
+        wait = "let the step go to compare"
+        cells = [
+            parts.figure("Limits cost", "\u2013", "", wait, "main"),
+            parts.figure("Energy", words.energy(trip.energy_kwh), "kWh", "at the line"),
+            parts.figure("Optimum", "\u2013", "", ""),
+            self._time_figure(trip.travel_time_s),
+            parts.figure("Storage needed", "\u2013", "", ""),
+        ]
+        self.figures.object = parts.figures(cells)
 
-    def _show_search(self, *_: Any) -> None:
+    def _show_search(self) -> None:
         path = self.model.path
-        if path is None or self.state.page != PAGE:
+        if path is None:
             return
         sections = len(path.limits_kmh)
-        with pn.io.hold():
-            pairs = {f"{k} and {k + 1}": k - 1 for k in range(1, max(sections, 2))}
-            if self.pair.options != pairs:
-                self.pair.param.update(options=pairs, value=0)
-            self.pair.visible = sections > 2
-            self.plane.place.visible = sections > 1
+        pairs = {f"{k} and {k + 1}": k - 1 for k in range(1, max(sections, 2))}
+        if self.pair.options != pairs:
+            self.pair.param.update(options=pairs, value=0)
+        self.pair.visible = sections > 2
+        self.plane.place.visible = sections > 1
+        if sections > 1:
             self.plane.show(partial(self.plane.draw, path.search, self.pair.value))
-            self.path.show(partial(self.path.draw, path.search))
-            self.search_text.object = f'<p class="note" style="padding-left:50px">{search_words(path.search)}</p>'
+        self.path.show(partial(self.path.draw, path.search))
+        self.search_text.object = f'<p class="note" style="padding-left:50px">{search_words(path.search)}</p>'
 
-    def _show_map(self, *_: Any) -> None:
+    def _show_map(self) -> None:
         found, run, refusal = self.model.motor_map, self.model.run, self.model.no_map
-        with pn.io.hold():
-            self.map.place.visible = found is not None
-            self.whose.visible = found is not None and found.motor is not None
-            self.no_map.visible = bool(refusal)
-            if refusal:
-                self.no_map.object = f'<p class="note" style="padding-left:50px">{parts.escaped(refusal)}</p>'
-            if found is not None and run is not None:
-                self.map.show(partial(self.map.draw, found, self.model.shown_map, run.points))
+        self.map.place.visible = not refusal
+        self.whose.visible = found is not None and found.motor is not None
+        self.no_map.visible = bool(refusal)
+        if refusal:
+            self.no_map.object = f'<p class="note" style="padding-left:50px">{parts.escaped(refusal)}</p>'
+        if found is not None and run is not None:
+            self.map.show(partial(self.map.draw, found, self.model.shown_map, run.points))
 
-    def _show_storage(self, *_: Any) -> None:
+    def _show_storage(self) -> None:
         storage = self.model.storage
         if storage is not None:
-            with pn.io.hold():
-                self.storage.show(partial(self.storage.draw, storage))
-                self.storage_text.object = storage_table(storage)
+            self.storage.show(partial(self.storage.draw, storage))
+            self.storage_text.object = storage_table(storage)
 
     def _show_texts(self, run: LimitRun) -> None:
         scenario, count = run.run.scenario, len(run.limits_kmh)

@@ -1,27 +1,29 @@
 """Start: what this is in one sentence and one picture, and the scenarios to begin with."""
 
-from collections.abc import Callable
-from functools import partial
-from typing import Any
-
 import numpy as np
 import panel as pn
-import panel_material_ui as pmui
+from panel.viewable import Viewable
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.units import MS_PER_KMH
-from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look import comparisons, words
-from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import parts_css
-from railjoule.dashboard.models.workbench import Workbench
-from railjoule.dashboard.store import Card, Runs
+from railjoule.dashboard.store import Card, Runs, outlines
 from railjoule.dashboard.views import parts
+from railjoule.dashboard.views.page import PageView
 
 WIDTH, HEIGHT = 1000.0, 240.0
 SMALL_WIDTH, SMALL_HEIGHT = 240.0, 54.0
 MOST_POINTS = 160
+SKETCHED_LINE = (
+    '<path d="M2 53 C 8 20 14 8 32 8 L 196 8 C 222 8 232 30 238 53" fill="none" stroke="var(--rj-line2)" '
+    'stroke-width="1.8" vector-effect="non-scaling-stroke"/>'
+)
+HERO_SKETCH = (
+    '<path d="M0 9.6 C.3 4 .6 1.5 1.6 1.5 L8 1.5 C9.2 1.5 9.6 5 10 9.6 M0 9.7 H10" fill="none" '
+    'stroke="var(--rj-line2)" stroke-width="2" vector-effect="non-scaling-stroke"/>'
+)
 LEAD = "railjoule finds the run of a rail vehicle that needs the least energy for a given time, and proves it."
 MORE = (
     "Choose a scenario, move the travel time and see what the driver has to do, what the other methods of driving cost "
@@ -43,6 +45,12 @@ h2.begin { padding: 14px 20px 0; font-size: 15px; }
 }
 """
 CARD_CSS = """
+:host { border-top: 1px solid var(--rj-line); padding: 12px 0 10px; }
+.card button { display: block; min-height: 24px; padding: 0; border: 0; background: none; text-align: left;
+  font: 600 13.5px/1.3 var(--rj-font); color: var(--rj-accent); cursor: pointer; }
+.card button:hover { text-decoration: underline; }
+.card button:active { color: var(--rj-ink); }
+.card button:focus-visible { outline: 2px solid var(--rj-accent); outline-offset: 2px; }
 .card p { font-size: 12px; color: var(--rj-ink3); }
 .card svg { display: block; width: 100%; height: 54px; margin: 8px 0 2px; }
 """
@@ -51,53 +59,40 @@ GRID_CSS = """
   padding: 4px 20px 24px; align-items: stretch; }
 @media (max-width: 899px) { :host { padding: 4px 14px 24px; } }
 """
-ONE_CSS = ":host { border-top: 1px solid var(--rj-line); padding: 12px 0 10px; }"
 
 
-class StartView:
+class StartView(PageView):
     """The page on which a new session begins."""
 
-    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
-        self.state = state
+    page = "Start"
+
+    def make(self) -> Viewable:
+        """Make the pieces of the page, and return them laid out."""
         self.hero = parts.html_pane(hero(None), stylesheets=[parts_css(), START_CSS])
-        self.grid = parts.stack(css=GRID_CSS)
+        self.cards = {card.name: self._card_pane(card) for card in outlines()}
+        self._shown: dict[str, Card] = {}
         title = parts.html_pane('<h2 class="begin">Begin with</h2>', stylesheets=[parts_css(), START_CSS])
-        self.view = parts.stack(self.hero, title, self.grid)
-        self._shown = 0
-        state.param.watch(self._show_picture, "runs")
-        state.start.param.watch(self._show_cards, "cards")
-        self._show_picture()
-        self._show_cards()
+        self.browser.on_open(self._open)
+        self.shows(self._show_picture, (self.state, ["runs"]))
+        self.shows(self._show_cards, (self.state.start, ["cards"]))
+        return parts.stack(self.hero, title, parts.stack(*self.cards.values(), css=GRID_CSS))
 
-    def redraw(self) -> None:
-        """Draw everything again, as after a change of theme: the style sheet does it."""
+    def _card_pane(self, card: Card) -> parts.Words:
+        return parts.html_pane(card_html(card), stylesheets=[parts_css(), CARD_CSS])
 
-    def _show_picture(self, *_: Any) -> None:
-        if self.state.page == "Start" and self.state.runs is not None:
+    def _show_picture(self) -> None:
+        if self.state.runs is not None:
             self.hero.object = hero(self.state.runs)
 
-    def _show_cards(self, *_: Any) -> None:
-        new = [self._card(card) for card in self.state.start.cards[self._shown :]]
-        self._shown = len(self.state.start.cards)
-        if new:
-            self.grid.extend(new)
+    def _show_cards(self) -> None:
+        for card in self.state.start.cards:
+            if self._shown.get(card.name) is not card:
+                self._shown[card.name] = card
+                self.cards[card.name].object = card_html(card)
 
-    def _card(self, card: Card) -> pn.Column:
-        pane = parts.html_pane(card_html(card), stylesheets=[parts_css(), CARD_CSS])
-        button = pmui.Button(
-            label=card.title,
-            variant="text",
-            size="small",
-            margin=(0, 0, 0, -10),
-            on_click=self._opener(card.name),
-            sx={"textAlign": "left", "lineHeight": 1.3, "minHeight": "24px", "fontSize": "13.5px", "fontWeight": 600},
-        )
-        return parts.stack(button, pane, css=ONE_CSS)
-
-    def _opener(self, name: str) -> Callable[[Any], None]:
-        return partial(self._open, name)
-
-    def _open(self, name: str, _: Any) -> None:
+    def _open(self, name: str) -> None:
+        if name not in self.cards:
+            return
         with pn.io.hold():
             self.state.scenario.choose(name)
             self.state.page = "Drive"
@@ -107,7 +102,10 @@ def hero(runs: Runs | None) -> str:
     """Return the sentence, and the picture of the present optimum beside the fastest run once it is there."""
     text = f"<h1>{LEAD}</h1><p>{MORE}</p>"
     if runs is None:
-        return f'<div class="hero">{text}<svg aria-hidden="true" viewBox="0 0 10 10"></svg></div>'
+        return (
+            f'<div class="hero">{text}<svg role="img" aria-label="Being computed: the first run" viewBox="0 0 10 10" '
+            f'preserveAspectRatio="none">{HERO_SKETCH}</svg><div class="key">Computing</div></div>'
+        )
     run, fastest = runs.best, runs.runs.get("fastest")
     phases = dict.fromkeys(phase.phase for phase in run.phases)
     key = [
@@ -157,21 +155,28 @@ def picture(run: Trajectory, fastest: Trajectory | None) -> str:
 
 def card_html(card: Card) -> str:
     """Return what a scenario is, and energy and time of its run with its strategy where that is not the optimum."""
-    run = card.run
     stops = f", {card.stations} stations on the way" if card.stations else ""
+    line, name, cost = _run_words(card.run)
+    return (
+        f'<div class="card"><button type="button" data-scenario="{parts.escaped(card.name)}">'
+        f"{parts.escaped(card.title)}</button><p>{parts.escaped(card.vehicle)}</p>"
+        f'<svg role="img" aria-label="{name}" viewBox="0 0 {SMALL_WIDTH:g} {SMALL_HEIGHT:g}" '
+        f'preserveAspectRatio="none">{line}<path d="M0 {SMALL_HEIGHT - 0.5:g} H{SMALL_WIDTH:g}" '
+        'stroke="var(--rj-line2)" vector-effect="non-scaling-stroke"/></svg>'
+        f"<p>{words.distance(card.length_m)}\u00a0km{stops}</p><p>{cost}</p></div>"
+    )
+
+
+def _run_words(run: Trajectory | None) -> tuple[str, str, str]:
+    """Return the line of a card's run, what it shows, and the run's strategy, energy and time."""
+    if run is None:
+        return SKETCHED_LINE, "Being computed: speed over distance", "computing"
     line = speed_line(run, 1.06 * run.max_speed_kmh, SMALL_WIDTH, SMALL_HEIGHT, "var(--rj-accent)", 1.8)
     name = f"Speed over distance, up to {words.number(run.max_speed_kmh)} km/h"
     strategy = "" if run.strategy == "optimal" else f"{words.strategy(run.strategy)}: "
     asked = comparisons.other_time_of(run) and f" ({words.time(run.scenario.travel_time_s)}\u00a0s asked)"
-    return (
-        f'<div class="card"><p>{parts.escaped(card.vehicle)}</p>'
-        f'<svg role="img" aria-label="{name}" viewBox="0 0 {SMALL_WIDTH:g} {SMALL_HEIGHT:g}" '
-        f'preserveAspectRatio="none">{line}<path d="M0 {SMALL_HEIGHT - 0.5:g} H{SMALL_WIDTH:g}" '
-        'stroke="var(--rj-line2)" vector-effect="non-scaling-stroke"/></svg>'
-        f"<p>{words.distance(card.length_m)}\u00a0km{stops}</p>"
-        f"<p>{strategy}{words.energy(run.energy_kwh)}\u00a0kWh in {words.time(run.travel_time_s)}\u00a0s{asked}</p>"
-        "</div>"
-    )
+    cost = f"{strategy}{words.energy(run.energy_kwh)}\u00a0kWh in {words.time(run.travel_time_s)}\u00a0s{asked}"
+    return line, name, cost
 
 
 def speed_line(

@@ -37,6 +37,8 @@ LIGHTING = {"ambient": 0.85, "diffuse": 0.35, "specular": 0.02, "roughness": 0.9
 class SurfacePane(Chart):
     """The surface with its valley, the present point and the printed ones."""
 
+    kind = "map"
+
     def __init__(self, height: int, palette: Palette) -> None:
         super().__init__("surface", "ENOC: energy, kWh, as a surface (drag to turn)", height)
         self.palette = palette

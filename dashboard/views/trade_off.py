@@ -3,21 +3,19 @@
 from typing import Any
 
 import numpy as np
-import panel as pn
 import panel_material_ui as pmui
+from panel.viewable import Viewable
 
 from railjoule.core import Trajectory
 from railjoule.core.strategies.enoc import best_acceleration_time, enoc_energy
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.core.validation.ftorek import TABLE_3_COPPER_WEIGHT
-from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look import comparisons, words
-from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import TradeOff
 from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.chart_page import ChartPage
 from railjoule.dashboard.views.charts import Chart
+from railjoule.dashboard.views.page import PageView
 from railjoule.dashboard.views.surface import SurfacePane
 from railjoule.dashboard.views.trade_off_charts import (
     ContourChart,
@@ -54,14 +52,16 @@ def map_of(state: Workbench) -> tuple[bool, float]:
     return now if now in MAPS.values() else (state.wide_map, 1.0)
 
 
-class TradeOffView(ChartPage):
+class TradeOffView(PageView):
     """The page of the trade-off."""
 
+    page = "Trade-off"
     heights = HEIGHTS
 
-    def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
-        super().__init__(state, browser, palette)
-        self.heading, self.figures, self.table, self.refusal = (parts.html_pane() for _ in range(4))
+    def make(self) -> Viewable:
+        """Make the pieces of the page, and return them laid out."""
+        state, palette = self.state, self.palette
+        self.table, self.refusal = (parts.html_pane() for _ in range(2))
         self.frontier = FrontierChart(HEIGHTS["frontier"][0], state, palette)
         self.share = ShareChart(HEIGHTS["share"][0], self.frontier.x_range, palette)
         self.surface = SurfacePane(HEIGHTS["surface"][0], palette)
@@ -73,15 +73,16 @@ class TradeOffView(ChartPage):
             size="small",
             margin=(6, 0, 8, 6),
             width=360,
+            visible=False,
         )
         self.left = parts.stack(self.frontier.place, self.share.place, self.table)
         self.right = parts.stack(self.map, self.surface.place, self.contour.place)
         self.body = parts.stack(self.left, self.right, css=LAYOUT_CSS)
-        self.view = parts.stack(self.heading, self.figures, self.refusal, self.body)
         self.map.param.watch(self._choose_map, "value")
         state.param.watch(self._follow_map, ["wide_map", "copper_weight"])
-        state.param.watch(self._show, ["trade_off", "runs"])
-        self.begin()
+        self.shows(self._show_failure, (state, ["failure", "runs"]))
+        self.shows(self._show, (state, ["trade_off", "runs"]))
+        return parts.stack(self.heading, self.message, self.figures, self.refusal, self.body)
 
     def _choose_map(self, event: Any) -> None:
         wide, weight = event.new
@@ -95,27 +96,29 @@ class TradeOffView(ChartPage):
         """All charts of the page."""
         return self.frontier, self.share, self.surface, self.contour
 
-    def redraw(self) -> None:
-        """Draw everything again, as after a change of theme."""
-        self._show()
+    def _show_failure(self) -> None:
+        run = self.state.run
+        shown = "" if run is None else f"Shown: the last good run, {words.number(run.travel_time_s)} s."
+        self.tell(self.state.failure, shown)
 
-    def _show(self, *_: Any) -> None:
+    def _show(self) -> None:
         trade_off, runs = self.state.trade_off, self.state.runs
-        if trade_off is None or runs is None or self.state.page != "Trade-off":
+        if trade_off is None or runs is None:
             return
         run = runs.best
         now = self._present(trade_off, run.travel_time_s)
-        with pn.io.hold():
-            self._show_texts(trade_off, run, now)
-            plain = trade_off.enoc_map is not None
-            self.right.visible = self.share.place.visible = plain
-            self.body.css_classes = [] if plain else ["rj-single"]
-            self.frontier.show(lambda: self.frontier.draw(trade_off, run))
-            self.share.show(lambda: self.share.draw(trade_off, run))
-            self.surface.show(
-                lambda: self.surface.draw(trade_off.enoc_map, now, printed_points(trade_off, everywhere=True))
-            )
-            self.contour.show(lambda: self.contour.draw(trade_off, now))
+        self._show_texts(trade_off, run, now)
+        plain = trade_off.enoc_map is not None
+        self.map.visible = self.right.visible = self.share.place.visible = plain
+        self.body.css_classes = [] if plain else ["rj-single"]
+        self.frontier.show(lambda: self.frontier.draw(trade_off, run))
+        if not plain:
+            return
+        self.share.show(lambda: self.share.draw(trade_off, run))
+        self.surface.show(
+            lambda: self.surface.draw(trade_off.enoc_map, now, printed_points(trade_off, everywhere=True))
+        )
+        self.contour.show(lambda: self.contour.draw(trade_off, now))
 
     def _present(self, trade_off: TradeOff, time: float) -> tuple[float, float, float] | None:
         """Return travel time [s], acceleration time [s] and energy [kWh] of the present ENOC run."""

@@ -183,6 +183,8 @@ class ShareChart(Chart):
 class ContourChart(Chart):
     """ENOC's energy over travel time and acceleration time, as contours."""
 
+    kind = "map"
+
     def __init__(self, height: int, palette: Palette) -> None:
         super().__init__("contour", "ENOC: energy, kWh, over travel time, s, and acceleration time, s", height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)

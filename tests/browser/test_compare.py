@@ -44,7 +44,7 @@ def test_pinned_runs_stand_beside_all_strategies(user: User) -> None:
     assert two[2:4] == ["0.000", "0.00"]
     assert number(one[2]) == pytest.approx(number(one[1]) - number(two[1]), abs=0.011)
     for chart in ("compared_speed", "compared_energy"):
-        expect(user.page.locator(f".rj-chart-{chart} canvas").first).to_be_visible()
+        expect(user.page.locator(f".rj-chart-{chart}:visible canvas").first).to_be_visible()
     told = user.page.locator(".differences li")
     expect(told).to_have_text(["1 Optimal, 170.0 s, load 50 %, recuperation 40 %: load 50 % instead of 70 %."])
 

@@ -33,10 +33,10 @@ SLIDERS = ("Travel time, s", "Load, % of capacity", "Recuperation, %")
 def test_first_sight(user: User) -> None:
     expect(user.page.get_by_role("heading", level=1, name="Metro, profile II + I")).to_be_visible()
     assert user.number("Energy at the line").startswith("7.8")
-    assert "proven" in user.page.locator(".figure", has_text="Above the optimum").inner_text()
+    assert "proven" in user.page.locator(".figure:visible", has_text="Above the optimum").inner_text()
     assert user.page.locator(".advice li").count() >= 5
     for chart in ("speed", "phases", "line", "energy"):
-        expect(user.page.locator(f".rj-chart-{chart} canvas").first).to_be_visible()
+        expect(user.page.locator(f".rj-chart-{chart}:visible canvas").first).to_be_visible()
 
 
 def test_each_slider_changes_numbers_and_figures(user: User) -> None:
@@ -87,10 +87,10 @@ def test_a_timetable_that_no_train_can_keep(user: User) -> None:
 def test_pinning_a_run(user: User) -> None:
     user.page.get_by_role("button", name="Pin run").click()
     user.push("Travel time, s", 20)
-    main = user.page.locator(".figure.main").inner_text()
+    main = user.page.locator(".figure.main:visible").inner_text()
     assert "▼" in main
     assert "against pinned 7.8" in main
-    expect(user.page.locator(".rj-chart-difference")).to_be_visible()
+    expect(user.page.locator(".rj-chart-difference:visible")).to_be_visible()
     user.push("Travel time, s", -20)
     user.page.get_by_role("button", name="Unpin").click()
     expect(user.page.locator(".rj-chart-difference")).to_be_hidden()
@@ -137,7 +137,7 @@ def x_range(user: User) -> tuple[float, float]:
 
 def test_a_zoom_survives_a_slider(user: User) -> None:
     whole = x_range(user)
-    box = user.page.locator(".rj-chart-speed canvas").first.bounding_box()
+    box = user.page.locator(".rj-chart-speed:visible canvas").first.bounding_box()
     assert box is not None
     middle = box["y"] + box["height"] / 2
     user.page.mouse.move(box["x"] + 200, middle)
@@ -155,12 +155,12 @@ def test_a_zoom_survives_a_slider(user: User) -> None:
 
 
 def test_one_cursor_through_all_charts(user: User) -> None:
-    box = user.page.locator(".rj-chart-speed canvas").first.bounding_box()
+    box = user.page.locator(".rj-chart-speed:visible canvas").first.bounding_box()
     assert box is not None
     user.page.mouse.move(box["x"] + 400, box["y"] + 100)
     user.page.mouse.move(box["x"] + 420, box["y"] + 100)
     user.rest()
-    captions = [user.page.locator(f".rj-chart-{chart} .rj-caption div").first for chart in ("speed", "energy")]
+    captions = [user.page.locator(f".rj-chart-{chart}:visible .rj-caption div").first for chart in ("speed", "energy")]
     speed, energy = (caption.inner_text() for caption in captions)
     assert "m: " in speed
     assert speed.endswith("km/h")

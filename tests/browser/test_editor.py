@@ -130,7 +130,7 @@ def test_rows_are_added_moved_and_removed_by_key(user: User) -> None:
 
 def drag(user: User, chart: str, start: tuple[float, float], end: tuple[float, float]) -> None:
     """Drag from one place to another: shares of the frame, from the left and from above."""
-    place = drawer(user).locator(f".rj-chart-{chart}")
+    place = drawer(user).locator(f".rj-chart-{chart}:visible")
     place.scroll_into_view_if_needed()
     canvas = place.locator("canvas").first
     expect(canvas).to_be_visible()

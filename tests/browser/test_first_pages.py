@@ -18,7 +18,7 @@ def user(server: Server, window: BrowserContext) -> Iterator[User]:
 
 
 def chart_is_drawn(user: User, name: str) -> None:
-    place = user.page.locator(f".rj-chart-{name}")
+    place = user.page.locator(f".rj-chart-{name}:visible")
     place.scroll_into_view_if_needed()
     expect(place.locator("canvas").first).to_be_visible()
 
@@ -32,7 +32,7 @@ def test_a_session_without_an_address_begins_with_start(server: Server, chromium
     page.get_by_role("button", name="Tram, flat 950 m", exact=True).click()
     expect(page.get_by_role("heading", name="Tram, flat 950 m", level=1)).to_be_visible()
     expect(page.get_by_role("tab", name="Drive")).to_have_attribute("aria-selected", "true")
-    expect(page.locator(".rj-chart-speed canvas").first).to_be_visible()
+    expect(page.locator(".rj-chart-speed:visible canvas").first).to_be_visible()
     page.close()
 
 
@@ -69,7 +69,9 @@ def test_a_lesson_answers_its_question(user: User) -> None:
     slider.focus()
     slider.press("End")
     # 57 %, as the answer says
-    expect(user.page.locator(".figure", has_text="Knowing it saves").first.locator(".value")).to_have_text("57.1%")
+    expect(user.page.locator(".figure:visible", has_text="Knowing it saves").first.locator(".value")).to_have_text(
+        "57.1%"
+    )
     answer = user.page.get_by_text("From about 24 per mille.")
     expect(answer).to_be_hidden()
     user.page.get_by_text("Answer", exact=True).nth(3).click()

@@ -130,13 +130,13 @@ def test_a_restarted_server_finds_the_page_as_it_was(chromium: Browser) -> None:
         with serving(*command) as server:
             page.goto(server.drive_url + "&load_percent=30")
             page.locator("html.rj-started").wait_for(timeout=PATIENCE_MS)
-            energy = page.locator(".figure.main .value")
+            energy = page.locator(".figure.main:visible .value")
             expect(energy).not_to_be_empty()
             field = page.get_by_label("Travel time, s, as a number", exact=True)
             field.fill("190")
             field.press("Enter")
             expect(page).to_have_url(re.compile("travel_time_s=190&load_percent=30"))
-            expect(page.locator(".figure", has_text="Travel time").locator(".value")).to_have_text("190.0s")
+            expect(page.locator(".figure:visible", has_text="Travel time").locator(".value")).to_have_text("190.0s")
             before, address = energy.inner_text(), page.url
             server.process.kill()
         expect(page.get_by_role("alert")).to_contain_text("The connection to the server is lost.")

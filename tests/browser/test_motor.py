@@ -25,10 +25,10 @@ def user(server: Server, window: BrowserContext) -> Iterator[User]:
 
 def test_figures_are_drawn(user: User) -> None:
     for chart in CHARTS:
-        place = user.page.locator(f".rj-chart-{chart}")
+        place = user.page.locator(f".rj-chart-{chart}:visible")
         place.scroll_into_view_if_needed()
         expect(place.locator("canvas").first).to_be_visible()
-    user.page.locator(".rj-chart-loop_speed").scroll_into_view_if_needed()
+    user.page.locator(".rj-chart-loop_speed:visible").scroll_into_view_if_needed()
 
 
 def test_nothing_grave_once_all_is_drawn(user: User) -> None:
@@ -49,7 +49,7 @@ def test_without_the_precompensator_the_train_lags_by_metres(user: User) -> None
 def test_blocks_and_figures_light_each_other(user: User) -> None:
     block = user.page.locator("svg.wide [data-block=motion_control]")
     lit = user.page.locator("svg.wide [data-block].lit")
-    chart = user.page.locator(".rj-chart-loop_speed")
+    chart = user.page.locator(".rj-chart-loop_speed:visible")
     chart.scroll_into_view_if_needed()
     block.hover()
     expect(lit).to_have_count(1)
@@ -65,7 +65,7 @@ def test_blocks_and_figures_light_each_other(user: User) -> None:
     user.page.keyboard.press("Tab")
     expect(lit).to_have_attribute("data-block", "current_control")
     user.page.keyboard.press("Enter")
-    expect(user.page.locator(".rj-chart-loop_currents canvas").first).to_be_in_viewport()
+    expect(user.page.locator(".rj-chart-loop_currents:visible canvas").first).to_be_in_viewport()
 
 
 def test_a_limit_that_is_too_low_is_told(user: User) -> None:
@@ -84,5 +84,5 @@ def test_the_study_of_detuning_runs_and_shows_its_table(user: User) -> None:
     user.page.get_by_role("button", name="Run the study").click()
     expect(user.page.get_by_text("2.00 \u00d7")).to_be_visible()
     expect(user.page.get_by_role("button", name="Stop", exact=True)).to_be_hidden()
-    user.page.locator(".rj-chart-detuning").scroll_into_view_if_needed()
-    expect(user.page.locator(".rj-chart-detuning canvas").first).to_be_visible()
+    user.page.locator(".rj-chart-detuning:visible").scroll_into_view_if_needed()
+    expect(user.page.locator(".rj-chart-detuning:visible canvas").first).to_be_visible()

@@ -32,7 +32,7 @@ def test_a_figure_as_png(user: User) -> None:
     assert name == "metro-profile-ii-i-speed-km-h.png"
     assert content.startswith(PNG)
     # two pixels for each of the page's: width and height stand in the first chunk
-    box = user.page.locator(".rj-chart-speed canvas").first.bounding_box()
+    box = user.page.locator(".rj-chart-speed:visible canvas").first.bounding_box()
     assert box is not None
     assert int.from_bytes(content[16:20], "big") == pytest.approx(2 * box["width"], abs=4)
     assert int.from_bytes(content[20:24], "big") > 2 * box["height"]
@@ -63,7 +63,7 @@ def test_a_figure_as_csv(user: User) -> None:
 
 
 def test_the_flow_of_energy(user: User) -> None:
-    user.page.locator(".rj-chart-sankey").scroll_into_view_if_needed()
+    user.page.locator(".rj-chart-sankey:visible").scroll_into_view_if_needed()
     figure = "Energy from the line to losses and back, kWh"
     expect(user.page.get_by_role("img", name=figure)).to_be_visible()
     svg = ElementTree.fromstring(user.save(figure, "SVG")[1])

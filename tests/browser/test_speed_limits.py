@@ -28,7 +28,7 @@ def user(server: Server, window: BrowserContext) -> Iterator[User]:
 
 def drag(user: User, start: tuple[float, float], end: tuple[float, float]) -> None:
     """Drag from one place and speed to another, and let go."""
-    box = user.page.locator(".rj-chart-limit_speed canvas").first.bounding_box()
+    box = user.page.locator(".rj-chart-limit_speed:visible canvas").first.bounding_box()
     assert box is not None
     width, height = box["width"] - LEFT_PX - RIGHT_PX, box["height"] - ABOVE_PX - BELOW_PX
 
@@ -49,12 +49,12 @@ def test_the_search_and_its_cost(user: User) -> None:
     expect(user.figure_value("Energy")).to_have_text("8.43kWh")
     expect(user.figure_value("Travel time")).to_have_text("218.2s")
     for chart in ("limit_speed", "limit_effort", "limit_energy"):
-        expect(user.page.locator(f".rj-chart-{chart} canvas").first).to_be_visible()
+        expect(user.page.locator(f".rj-chart-{chart}:visible canvas").first).to_be_visible()
     for chart in ("search_plane", "search_path", "motor_map", "storage"):
-        place = user.page.locator(f".rj-chart-{chart}")
+        place = user.page.locator(f".rj-chart-{chart}:visible")
         place.scroll_into_view_if_needed()
         expect(place.locator("canvas").first).to_be_visible()
-    user.page.locator(".rj-chart-limit_speed").scroll_into_view_if_needed()
+    user.page.locator(".rj-chart-limit_speed:visible").scroll_into_view_if_needed()
 
 
 def test_a_step_and_a_border_are_dragged(user: User) -> None:

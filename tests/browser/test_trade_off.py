@@ -24,16 +24,16 @@ def test_frontier_surface_and_contours(user: User) -> None:
     assert user.number("Optimum at 300.0 s") == "4.181kWh"
     assert user.number("Best acceleration time") == "31.0s"
     for chart in ("frontier", "share", "surface"):
-        expect(user.page.locator(f".rj-chart-{chart} canvas").first).to_be_visible()
+        expect(user.page.locator(f".rj-chart-{chart}:visible canvas").first).to_be_visible()
     table = user.page.get_by_role("table").filter(has_text="accelerates").inner_text()
     assert "ENOC as printed\t4.407" in table
-    user.page.locator(".rj-chart-contour").scroll_into_view_if_needed()
+    user.page.locator(".rj-chart-contour:visible").scroll_into_view_if_needed()
     user.rest(1500)
-    expect(user.page.locator(".rj-chart-contour canvas").first).to_be_visible()
+    expect(user.page.locator(".rj-chart-contour:visible canvas").first).to_be_visible()
 
 
 def test_the_surface_is_saved(user: User) -> None:
-    user.page.locator(".rj-chart-surface").scroll_into_view_if_needed()
+    user.page.locator(".rj-chart-surface:visible").scroll_into_view_if_needed()
     figure = "ENOC: energy, kWh, as a surface (drag to turn)"
     assert user.save(figure, "PNG")[1].startswith(b"\x89PNG")
     header, *rows = user.save(figure, "CSV")[1].decode().splitlines()
@@ -53,7 +53,7 @@ def test_the_acceleration_time_is_the_best_until_it_is_set(user: User) -> None:
 
 
 def test_sliders_move_the_frontier(user: User) -> None:
-    user.page.locator(".rj-chart-surface").scroll_into_view_if_needed()
+    user.page.locator(".rj-chart-surface:visible").scroll_into_view_if_needed()
     frontier, surface = user.picture("frontier"), user.picture("surface")
     user.push("Load, % of capacity", 40)
     user.rest(1500)
@@ -67,14 +67,14 @@ def test_nothing_grave(user: User) -> None:
 
 def test_a_click_on_the_frontier_sets_the_travel_time(user: User) -> None:
     user.choose("Metro, profile II + I")
-    before = user.page.locator(".figure.main .label").inner_text()
-    box = user.page.locator(".rj-chart-frontier canvas").first.bounding_box()
+    before = user.page.locator(".figure.main:visible .label").inner_text()
+    box = user.page.locator(".rj-chart-frontier:visible canvas").first.bounding_box()
     assert box is not None
     user.page.mouse.click(box["x"] + 0.8 * box["width"], box["y"] + 0.5 * box["height"])
-    expect(user.page.locator(".figure.main .label")).not_to_have_text(before)
+    expect(user.page.locator(".figure.main:visible .label")).not_to_have_text(before)
 
 
 def test_a_line_with_limits_has_a_frontier_and_no_enoc(user: User) -> None:
-    expect(user.page.locator(".rj-chart-frontier canvas").first).to_be_visible()
+    expect(user.page.locator(".rj-chart-frontier:visible canvas").first).to_be_visible()
     assert user.page.locator(".rj-chart-surface").is_hidden()
     expect(user.page.get_by_text("ENOC needs a line without limits.")).to_be_visible()

@@ -72,7 +72,7 @@ class User:
         self.page.goto(self.url)
         self.page.locator("html.rj-started").wait_for(timeout=PATIENCE_MS)
         expect(self.figure_value("Energy at the line")).not_to_be_empty(timeout=PATIENCE_MS)
-        expect(self.page.locator(".rj-chart-speed canvas").first).to_be_visible(timeout=PATIENCE_MS)
+        expect(self.page.locator(".rj-chart-speed:visible canvas").first).to_be_visible(timeout=PATIENCE_MS)
         self.rest()
 
     def rest(self, milliseconds: int = REST_MS) -> None:
@@ -81,7 +81,7 @@ class User:
 
     def figure_value(self, label: str) -> Locator:
         """Return the number under a label."""
-        return self.page.locator(".figure", has_text=label).locator(".value").first
+        return self.page.locator(".figure:visible", has_text=label).locator(".value").first
 
     def number(self, label: str) -> str:
         """Return the text of the number under a label."""
@@ -115,7 +115,7 @@ class User:
 
     def picture(self, chart: str) -> bytes:
         """Return what a chart looks like."""
-        return self.page.locator(f".rj-chart-{chart}").screenshot()
+        return self.page.locator(f".rj-chart-{chart}:visible").screenshot()
 
     def choose(self, title: str) -> None:
         """Choose a shipped scenario."""

@@ -17,6 +17,8 @@ from railjoule.core.scenario import StrategyName, preset_names
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.cli import main
+from railjoule.dashboard.keeping import Keeping
+from railjoule.dashboard.lifeline import Lifeline
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.words import STRATEGY_WORDS
 from railjoule.dashboard.models.workbench import Workbench
@@ -79,7 +81,7 @@ class Teller:
         self.told: Told = defaultdict(dict)
         self.state = Workbench()
         self.drive = DriveView(self.state, Browser(), PALETTE)
-        self.sidebar = Sidebar(self.state)
+        self.sidebar = Sidebar(self.state, Keeping(self.state, Lifeline()))
         self.compare = CompareView(self.state, Browser(), PALETTE)
         self.state.scenario.choose(name)
         self.first: StrategyName = self.state.chosen
@@ -127,8 +129,7 @@ class Teller:
             told = re.findall(r"<span>(.*?)</span>", pane.object)
             if name in self.runs.runs:
                 self.tell("sidebar", name, energy=plain(told[0]), above=amount(plain(told[1])))
-        chart = self.drive.charts["energy"]
-        chart.appear()
+        chart = next(chart for chart in self.drive.charts if chart.name == "energy")
         for text in chart.sources["ends"].data["text"]:
             name, energy = text.rsplit(" ", 1)
             strategy = CHART_NAMES.get(name) or NAMES[name if name.isupper() else name.capitalize()]
@@ -139,7 +140,6 @@ class Teller:
                 name = NAMES[row["Run"]]
                 self.tell("compare", name, energy=row["kWh"], time=row["s"], above_bound=amount(row["above bound, %"]))
         _, energies, *_ = self.compare.compared
-        energies.appear()
         for text in energies.sources["names"].data["text"]:
             name, energy = text.rsplit(" ", 1)
             self.tell("compared", CHART_NAMES.get(name) or NAMES[name], energy=plain(energy))
@@ -153,7 +153,7 @@ class Teller:
 
     def card(self) -> None:
         """Read the card on Start."""
-        text = plain(card_html(make_card(self.name)))
+        text = plain(card_html(make_card(self.name)).split("</button>")[1])
         length = re.search(rf"({NUMBER}) km", text)
         run = re.search(rf"(?:([A-Z][a-z ]+): )?({NUMBER}) kWh in ({NUMBER}) s", text)
         assert length is not None

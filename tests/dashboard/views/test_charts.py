@@ -1,9 +1,12 @@
 import numpy as np
 import panel as pn
 import pytest
+from bokeh.core.property.descriptors import UnsetValueError
+from bokeh.models import LinearColorMapper
+from bokeh.plotting import figure
 
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.views.charts import Axis, Chart, columns, nice_range, spread
+from railjoule.dashboard.views.charts import Axis, Chart, check_complete, columns, nice_range, spread
 
 
 def test_labels_are_spread_in_their_order() -> None:
@@ -48,14 +51,33 @@ class CountingChart(Chart):
         self.content = pn.Spacer()
 
 
-def test_charts_out_of_sight_are_built_and_drawn_only_once_seen() -> None:
+def test_a_chart_takes_the_place_of_its_sketch_once_it_is_drawn() -> None:
     chart, drawn = CountingChart(), []
+    assert "Being computed: counting" in chart.sketch.object
+    assert not chart.is_drawn
+    chart.settle()
+    assert chart.built == 0
     chart.show(lambda: drawn.append("first"))
     chart.show(lambda: drawn.append("second"))
-    assert (chart.built, drawn) == (0, [])
-    chart.appear()
-    assert (chart.built, drawn) == (1, ["second"])
-    chart.hide()
-    chart.show(lambda: drawn.append("third"))
-    chart.appear()
-    assert (chart.built, drawn) == (1, ["second", "third"])
+    assert (chart.built, drawn) == (1, ["first", "second"])
+    assert chart.is_drawn
+    assert list(chart.place) == [chart.content]
+
+
+def test_a_chart_that_fails_leaves_its_sketch_and_is_built_anew() -> None:
+    chart = CountingChart()
+    chart.waiting = lambda: 1 / 0
+    with pytest.raises(ZeroDivisionError):
+        chart.settle()
+    assert not chart.is_drawn
+    chart.fail()
+    assert "could not be drawn" in chart.sketch.object
+    chart.show(lambda: None)
+    assert (chart.built, chart.is_drawn) == (2, True)
+
+
+def test_a_figure_that_lacks_what_its_models_need_is_not_sent() -> None:
+    f = figure()
+    f.image("image", 0, 0, 1, 1, color_mapper=LinearColorMapper())
+    with pytest.raises(UnsetValueError, match="palette"):
+        check_complete(f)

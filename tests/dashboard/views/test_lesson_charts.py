@@ -14,8 +14,7 @@ def result() -> LessonResult:
 
 def test_the_phase_plane_marks_the_switches(result: LessonResult) -> None:
     chart = PhasePlaneChart("multiplier", 250, Palette(False))
-    chart.appear()
-    chart.draw(result)
+    chart.show(lambda: chart.draw(result))
     assert chart.bands.data["top"][:2] == pytest.approx([0.0, 1 / 0.85])
     coast = next(phase for phase in result.runs["optimum"].phases if phase.phase == "coast")
     # the formula beside the run that the solver found
@@ -24,8 +23,7 @@ def test_the_phase_plane_marks_the_switches(result: LessonResult) -> None:
 
 def test_the_tangent_has_the_price_as_its_slope(result: LessonResult) -> None:
     chart = PriceChart(200, Palette(False))
-    chart.appear()
-    chart.draw(result)
+    chart.show(lambda: chart.draw(result))
     x, y = chart.sources["tangent"].data["x"], chart.sources["tangent"].data["y"]
     time, energy = chart.sources["curve"].data["x"], chart.sources["curve"].data["y"]
     slope = (y[1] - y[0]) / (x[1] - x[0])
@@ -35,8 +33,7 @@ def test_the_tangent_has_the_price_as_its_slope(result: LessonResult) -> None:
 
 def test_both_runs_are_drawn_and_told_to_the_cursor(result: LessonResult) -> None:
     chart = LessonSpeedChart("multiplier", "Speed, km/h", 200, Palette(False))
-    chart.appear()
-    chart.draw(result)
+    chart.show(lambda: chart.draw(result))
     assert [name for name, _ in chart.told["sources"]] == ["optimum", "a second later"]
     assert chart.y_range.end > result.runs["optimum"].max_speed_kmh
 

@@ -23,8 +23,7 @@ def runs() -> LineRuns:
 def test_the_bars_are_the_supplements_side_by_side(runs: LineRuns) -> None:
     palette = Palette(False)
     bars = LegBars("supplements", "s", 120, Axis(palette), palette, supplement_s, words.time)
-    bars.appear()
-    bars.draw(runs, 900.0)
+    bars.show(lambda: bars.draw(runs, 900.0))
     for sharing, line in runs.runs.items():
         assert list(bars.sources[sharing].data["top"]) == pytest.approx([leg.supplement_s for leg in line.legs])
     left, right = bars.sources["optimum"].data, bars.sources["equal"].data
@@ -36,8 +35,7 @@ def test_the_bars_are_the_supplements_side_by_side(runs: LineRuns) -> None:
 def test_only_the_chosen_other_is_drawn(runs: LineRuns) -> None:
     palette = Palette(False)
     chart = LineSpeedChart(230, Axis(palette), palette)
-    chart.appear()
-    chart.draw(runs, "equal", 900.0)
+    chart.show(lambda: chart.draw(runs, "equal", 900.0))
     assert len(chart.sources["equal"].data["x"]) > 100
     assert len(chart.sources["proportional"].data["x"]) == 0
     chart.draw(runs, "proportional", 900.0)

@@ -172,9 +172,9 @@ def test_the_table_of_phases_tells_what_the_advice_does() -> None:
     told = run.advice[2]
     assert brake.startswith(f"3 brake | {told.from_m:.0f} | ")
     assert f"| {words.tenths(told.to_kmh or 0)} |" in brake
-    assert "| 0.00 |" in next(row for row in rows if "coast" in row)
+    assert "| 0.000 |" in next(row for row in rows if "coast" in row)
     # 50 kW for 170 s
-    assert "Auxiliaries | | | | 2.36 |" in rows[-1]
+    assert "Auxiliaries | | | | 2.361 |" in rows[-1]
 
 
 def test_tables_can_be_saved_under_their_titles() -> None:

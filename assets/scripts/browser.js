@@ -1,0 +1,227 @@
+// What only the browser knows, and what it can do without waiting for the server.
+
+const {deep, listen, chart_of} = window.railjoule;
+const root = document.documentElement;
+const named = (name) => Bokeh.documents[0]?.get_model_by_name(name);
+const view_of = (name) => { const model = named(name); return model && Bokeh.index.find_one(model); };
+const is_there = (name) => {
+  const element = view_of(name)?.el;
+  return Boolean(element && element.offsetHeight > 0 && !element.classList.contains("rj-away"));
+};
+const make = (tag, name, html) => {
+  const element = document.createElement(tag);
+  element.className = name;
+  element.innerHTML = html;
+  return element;
+};
+const SKETCH = `<svg viewBox="0 0 100 100" preserveAspectRatio="none" aria-hidden="true">
+  <path d="M0 98 C4 40 8 16 18 16 L78 16 C90 16 96 46 100 98"/><path d="M0 99 H100"/></svg>`;
+const ROWS = `<div class="rj-rows">${"<i></i>".repeat(10)}</div>`;
+const LATE_MS = 100, SWITCHED_WITHIN_MS = 3800, TURNED_WITHIN_MS = 30000, LOOK_MS = 40;
+
+// --- a thin bar while anything is under way
+
+const working = (() => {
+  const reasons = new Set();
+  let bar = null;
+  return (reason, on) => {
+    if (on) { reasons.add(reason); } else { reasons.delete(reason); }
+    if (reasons.size && !bar) {
+      bar = make("div", "rj-working", "");
+      bar.setAttribute("aria-hidden", "true");
+      document.body.append(bar);
+    } else if (!reasons.size && bar) { bar.remove(); bar = null; }
+  };
+})();
+
+// --- turning pages
+
+const turning = (model) => {
+  let asked = null, sketch = null, limit = null;
+  const done = () => { clearTimeout(limit); sketch?.remove(); sketch = null; asked = null; working("page", false); };
+  const settle = () => {
+    if (asked !== null && asked !== model.page) return;
+    if (is_there(`page ${model.page}`)) { done(); } else { requestAnimationFrame(settle); }
+  };
+  // a page that was open before is there at once, and what has changed since comes with the server's answer; unless
+  // it is to show something else
+  const turn = (name, anew = false) => {
+    // while the solver compiles no page can be opened
+    if (!model.page || (name === model.page && asked === null)) return;
+    asked = name;
+    working("page", true);
+    clearTimeout(limit);
+    limit = setTimeout(done, TURNED_WITHIN_MS);
+    if (named(`page ${name}`) && !anew) {
+      for (const page of model.pages) {
+        named(`page ${page}`)?.setv({css_classes: page === name ? [] : ["rj-away"]}, {sync: false});
+      }
+      sketch?.remove();
+      sketch = null;
+      return;
+    }
+    const place = deep(".main-content")[0]?.getBoundingClientRect();
+    if (!place) return;
+    sketch ??= document.body.appendChild(make("div", "rj-turning", ""));
+    sketch.innerHTML = `<h1></h1><p role="status">Opening</p>${ROWS}${SKETCH}${SKETCH.replace("<svg", '<svg class="low"')}`;
+    sketch.querySelector("h1").textContent = name;
+    Object.assign(sketch.style, {
+      left: `${place.left}px`, top: `${place.top}px`, width: `${place.width}px`, height: `${place.height}px`,
+    });
+  };
+  model.on("page", () => requestAnimationFrame(settle));
+  return turn;
+};
+
+// --- the drawer
+
+const drawing = (model) => {
+  let sketch = null;
+  const settle = () => {
+    if (is_there("editor")) { sketch?.remove(); sketch = null; } else if (sketch) { requestAnimationFrame(settle); }
+  };
+  model.on("drawer", () => { if (model.drawer) { requestAnimationFrame(settle); } });
+  // returns whether the press is to go on to the server
+  return () => {
+    if (sketch) return false;
+    if (!model.drawer) {
+      const html = `<h2>Scenario editor</h2><div class="rj-list">${"<i></i>".repeat(10)}</div>`;
+      sketch = document.body.appendChild(make("div", "rj-drawer", html));
+      sketch.setAttribute("role", "status");
+      sketch.setAttribute("aria-label", "The scenario editor is opening");
+    }
+    return true;
+  };
+};
+
+// --- colours: page, figures and components change in one picture, whatever time each of them takes
+
+const colours = () => {
+  const ink = (element) => getComputedStyle(element).color;
+  // components change their colours one after the other: they are done when none has the one that it had
+  const wait = () => new Promise((resolve) => {
+    const limit = performance.now() + SWITCHED_WITHIN_MS;
+    const before = deep(".MuiButtonBase-root, .MuiFormLabel-root, .MuiInputBase-input, .MuiSlider-root")
+      .map((element) => [element, ink(element)]);
+    const look = () => {
+      const done = before.every(([element, colour]) => !element.isConnected || ink(element) !== colour);
+      if (done || performance.now() > limit) { resolve(); } else { setTimeout(look, LOOK_MS); }
+    };
+    setTimeout(look, LOOK_MS);
+  });
+  return (tell) => {
+    if (!document.startViewTransition || document.hidden) { tell(); return; }
+    const transition = document.startViewTransition(() => { tell(); return wait(); });
+    for (const promise of [transition.ready, transition.updateCallbackDone, transition.finished]) {
+      promise.catch(() => { /* it was too slow, or another one has begun: the page changes without it */ });
+    }
+  };
+};
+
+// --- what the library leaves without a name or at the wrong place
+
+const mend = () => {
+  for (const bar of deep("[role=progressbar]:not([aria-label])")) { bar.setAttribute("aria-label", "Progress"); }
+  for (const region of deep(".main-content:not([tabindex])")) {
+    region.tabIndex = 0;
+    region.setAttribute("role", "region");
+    region.setAttribute("aria-label", "Page in sight");
+  }
+  // keys do nothing in a figure, whose words stand on its frame
+  for (const layer of deep(".bk-events[tabindex='0']")) { layer.tabIndex = -1; }
+  // a download leaves the link behind that began it, without a name
+  for (const link of deep("a[download]:empty")) { link.hidden = true; }
+  for (const heading of deep("h5:not([role])")) {
+    if (!heading.textContent.trim()) { heading.setAttribute("role", "presentation"); }
+  }
+};
+
+const watching = (model) => {
+  const seen = new Map();
+  const observer = new IntersectionObserver((entries) => {
+    for (const entry of entries) { seen.set(entry.target, entry.isIntersecting); }
+    const in_sight = [...seen].filter(([element, visible]) => visible && element.isConnected);
+    const names = [...new Set(in_sight.map(([element]) => chart_of(element)))].sort();
+    if (JSON.stringify(names) !== JSON.stringify(model.charts_in_sight)) { model.charts_in_sight = names; }
+  }, {rootMargin: "300px"});
+  const look = () => {
+    for (const element of deep(".rj-chart")) {
+      if (!seen.has(element)) { seen.set(element, false); observer.observe(element); }
+      if (!element.classList.contains("rj-undrawn")) { window.railjoule_equip?.(element); }
+    }
+    for (const element of [...seen.keys()]) {
+      if (!element.isConnected) { seen.delete(element); observer.unobserve(element); }
+    }
+    mend();
+  };
+  look();
+  const stop = listen(look);
+  return () => { stop(); observer.disconnect(); };
+};
+
+export function render({model}) {
+  const turn = turning(model), draw = drawing(model), change = colours();
+  const system = window.matchMedia("(prefers-color-scheme: dark)");
+  const paint = () => root.classList.toggle("rj-dark", model.dark);
+  const ask_dark = (tell) => {
+    working("colours", true);
+    requestAnimationFrame(() => { change(tell); working("colours", false); });
+  };
+  const follow = () => {
+    if (model.follows_system && model.dark !== system.matches) {
+      ask_dark(() => { model.wants_dark = system.matches; });
+    } else { model.wants_dark = system.matches; }
+  };
+  let resized = null;
+  const measure = () => { model.window_width = window.innerWidth; };
+  const resize = () => { clearTimeout(resized); resized = setTimeout(measure, 120); };
+  // the list of pages on a narrow screen is no part of its button
+  let listed = false;
+  const press = (event) => {
+    const path = event.composedPath();
+    const button = path.find((element) => element.matches?.("[role=tab], [role=menuitem], button"));
+    if (!button) return;
+    const within = (name) => path.some((element) => element.classList?.contains(name));
+    const words = (button.getAttribute("aria-label") ?? button.textContent).trim();
+    const of_pages = within("rj-pages") || (listed && button.matches("[role=menuitem]"));
+    listed = within("rj-menu");
+    if (of_pages && model.pages.includes(words)) {
+      // the press is seen first
+      requestAnimationFrame(() => setTimeout(() => turn(words)));
+    } else if (button.dataset.scenario) {
+      model.send_msg({kind: "scenario", name: button.dataset.scenario});
+      requestAnimationFrame(() => setTimeout(() => turn("Drive", true)));
+    } else if (within("rj-edit")) {
+      if (!draw()) { event.stopImmediatePropagation(); event.preventDefault(); }
+    } else if (words === "Toggle theme") {
+      event.stopImmediatePropagation();
+      ask_dark(() => model.send_msg({kind: "dark", dark: !model.dark}));
+    }
+  };
+  model.on("dark", paint);
+  model.on("working", () => working("server", model.working));
+  model.on("started", () => {
+    root.classList.add("rj-started");
+    document.getElementById("rj-first")?.remove();
+  });
+  model.on("msg:custom", (event) => {
+    const {kind} = event.data ?? event;
+    if (kind === "when_idle") {
+      const tell = () => model.send_msg({kind: "idle"});
+      if (window.requestIdleCallback) { requestIdleCallback(tell, {timeout: 1000}); } else { setTimeout(tell, LATE_MS); }
+    }
+  });
+  window.addEventListener("resize", resize);
+  window.addEventListener("click", press, true);
+  system.addEventListener("change", follow);
+  measure();
+  model.wants_dark = system.matches;
+  const stop = watching(model);
+  model.on("remove", () => {
+    stop();
+    window.removeEventListener("resize", resize);
+    window.removeEventListener("click", press, true);
+    system.removeEventListener("change", follow);
+  });
+  return document.createElement("span");
+}
