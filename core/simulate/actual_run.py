@@ -52,6 +52,8 @@ class ActualRun:
 
     Parameters
     ----------
+    scenario : Scenario
+        The plan's, with the disturbance that it meets.
     planned, actual : Trajectory
         The run as planned, and as driven.
     causes : tuple of Cause
@@ -66,6 +68,7 @@ class ActualRun:
         What could not be kept.
     """
 
+    scenario: Scenario
     planned: Trajectory
     actual: Trajectory
     causes: tuple[Cause, ...]
@@ -134,6 +137,7 @@ def actual_run(scenario: Scenario, reaction: Reaction | None = None, planned: Tr
             run = following.actual
         causes.append(Cause(name, run.energy.net_j - before))
     return ActualRun(
+        scenario=scenario,
         planned=plan,
         actual=run,
         causes=tuple(causes),
