@@ -1,5 +1,7 @@
 """The actual run on Drive is that of Robustness and Disturbances; no expected number is written down here."""
 
+from itertools import pairwise
+
 import pytest
 
 from railjoule.core import load_scenario
@@ -129,7 +131,7 @@ def test_a_stop_is_added_in_the_middle_of_the_longest_free_stretch():
     state = Pages("metro-10-stations").state
     state.disturbances.events = []
     places = occupied_m(state)
-    longest = max(after - before for before, after in zip(places, places[1:], strict=False))
+    longest = max(after - before for before, after in pairwise(places))
     add_stop(state)
     (stop,) = state.disturbances.events
     assert min(abs(stop.position_m - place) for place in places) == pytest.approx(0.5 * longest, abs=0.5)
