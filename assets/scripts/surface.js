@@ -32,7 +32,7 @@
       const ink = canvas.getContext("2d");
       ink.scale(ratio, ratio);
       const [sy, cy, sp, cp] = [Math.sin(view.yaw), Math.cos(view.yaw), Math.sin(view.pitch), Math.cos(view.pitch)];
-      const size = Math.min(width / 1.75, tall / 1.35);
+      const size = Math.min(width / 2.3, tall / 1.4);
       const project = (a, b, c) => {
         const right = a * cy - b * sy, away = a * sy + b * cy;
         return [width / 2 + size * right, 0.47 * tall - size * (c * cp + away * sp), away * cp - c * sp];
@@ -53,9 +53,9 @@
       const corner = corners.reduce((one, two) => (project(...two, 0)[0] < project(...one, 0)[0] ? two : one));
       ink.font = "11px Inter, sans-serif";
       ink.fillStyle = words;
-      const sign = (text, [px, py], away, align) => {
+      const sign = (text, [px, py], away) => {
         const [dx, dy] = [px - width / 2, py - project(0, 0, floor)[1]], far = Math.hypot(dx, dy) || 1;
-        ink.textAlign = align ?? (dx < -0.15 * far ? "right" : dx > 0.15 * far ? "left" : "center");
+        ink.textAlign = dx < -0.15 * far ? "right" : dx > 0.15 * far ? "left" : "center";
         ink.textBaseline = "middle";
         ink.fillText(text, px + (away * dx) / far, py + (away * dy) / far);
       };
@@ -69,8 +69,12 @@
       });
       line([project(...corner, -0.31), project(...corner, 0.31)], grid);
       ink.fillStyle = colour("ink2");
-      sign(surface.titles[0], project(0, bx, floor), 34);
-      sign(surface.titles[1], project(ay, 0, floor), 34);
+      // below the signs of the axis, on its outer side
+      [project(0, bx, floor), project(ay, 0, floor)].forEach(([px, py], k) => {
+        const side = px < width / 2 ? -1 : 1;
+        ink.textAlign = side < 0 ? "right" : "left";
+        ink.fillText(surface.titles[k], px + 14 * side, py + 34);
+      });
       const faces = [];
       for (let r = 0; r + 1 < y.length; r++) {
         for (let c = 0; c + 1 < x.length; c++) {

@@ -15,7 +15,7 @@ from railjoule.dashboard.store.report import Findings
 from railjoule.dashboard.store.trade_off import EnocMap
 from railjoule.dashboard.views.surface import CIVIDIS, TALLEST
 
-TICKS = 5
+TICKS, ROUND_STEPS, CORNER_SHARE = 5, (1.0, 2.0, 2.5, 5.0, 10.0), 0.06
 MOST_NODES = 40
 """Along an axis: a finer surface looks the same, and the file has all its numbers."""
 
@@ -80,8 +80,15 @@ class Surface:
 
 
 def _ticks(low: float, high: float, show: Callable[[float], str]) -> list[tuple[float, str]]:
-    """Return where along an axis ticks lie, as shares of it, and their texts."""
-    return [(share, show(low + share * (high - low))) for share in np.linspace(0, 1, TICKS).tolist()]
+    """Return where along an axis ticks lie, as shares of it, and their texts: round numbers, none at the corners."""
+    height = max(high - low, 1e-12)
+    size = 10.0 ** np.floor(np.log10(height / TICKS))
+    step = next(size * round_step for round_step in ROUND_STEPS if size * round_step >= height / TICKS)
+    values = step * np.arange(np.ceil(low / step), np.floor(high / step) + 1)
+    shares = (values - low) / height
+    inside = (shares > CORNER_SHARE) & (shares < 1 - CORNER_SHARE)
+    ticks = zip(shares[inside].tolist(), values[inside].tolist(), strict=True)
+    return [(share, show(value)) for share, value in ticks]
 
 
 def enoc_surface(found: EnocMap) -> Surface:

@@ -42,10 +42,11 @@ def cause_words(cause: Cause, scenario: Scenario) -> str:
 def actual_figures(actual: ActualRun, runs: Runs, run: Trajectory) -> str:
     """Return the numbers of Drive while an actual run stands beside the plan."""
     largest = actual.largest_cause
-    cause = figure("Largest cause", words.UNKNOWN, "", EQUAL)
+    cause = figure("Largest cause", words.UNKNOWN, "", "none", kind="cause")
     if largest is not None:
         told = cause_words(largest, actual.scenario)
-        cause = figure("Largest cause", words.energy_difference(largest.energy_kwh), "kWh", told[0].lower() + told[1:])
+        added = words.energy_difference(largest.energy_kwh)
+        cause = figure("Largest cause", added, "kWh", told[0].lower() + told[1:], kind="cause")
     return figures(
         [
             _main(actual),
