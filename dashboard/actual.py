@@ -4,7 +4,7 @@ from typing import Any
 
 from railjoule.core import RailjouleError
 from railjoule.core.simulate.actual_run import ActualRun
-from railjoule.dashboard.models.actual import actual_changes, with_strategy
+from railjoule.dashboard.models.actual import actual_changes
 from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.robustness import FOLLOWER, REALITY
@@ -37,7 +37,9 @@ class Actual:
     def _ask(self, *_: Any) -> None:
         if self.state.page != PAGE or not self.model.on:
             return
-        wish = ActualWish(self.state.scenario.scenario(), {**with_strategy(self.state), **actual_changes(self.state)})
+        wish = ActualWish(
+            self.state.scenario.scenario(), {"strategy": self.state.chosen_now, **actual_changes(self.state)}
+        )
         if wish != self._asked:
             self._asked = wish
             self.worker.ask(wish)

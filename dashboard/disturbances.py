@@ -4,7 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 from railjoule.core import RailjouleError
-from railjoule.dashboard.models.actual import event_changes, with_strategy
+from railjoule.dashboard.models.actual import event_changes
 from railjoule.dashboard.models.disturbances import EventModel
 from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
@@ -63,7 +63,7 @@ class Disturbances:
     def _ask(self, *_: Any) -> None:
         if self.state.page != "Disturbances":
             return
-        wish = RidesWish(self.state.scenario.scenario(), {**with_strategy(self.state), **event_changes(self.state)})
+        wish = RidesWish(self.state.scenario.scenario(), {"strategy": self.state.chosen, **event_changes(self.state)})
         if wish != self._asked:
             self._asked = wish
             if self._curve() != self._drawn:

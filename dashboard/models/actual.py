@@ -41,11 +41,6 @@ class ActualModel(TypedParameters):
         self.reaction = events[0].reaction if events else "driver"
 
 
-def with_strategy(state: "Workbench") -> dict[str, Any]:
-    """Return the strategy that plans, by the key of the file."""
-    return {"strategy": state.chosen_now}
-
-
 def actual_changes(state: "Workbench") -> Mapping[str, Any]:
     """Return all that differs from the plan in the actual run, by the keys of the file."""
     reaction = {"reaction": state.actual.reaction}

@@ -20,7 +20,8 @@ END_WORDS = {PINNED: "pinned", "fastest": "fastest", "speed_limits": "limits"}
 
 def end_words(name: str, scene: Scene) -> str:
     """Return what stands at the end of a line, beside its number."""
-    return (END_WORDS.get(name) if name != scene.chosen else None) or line_words(name, scene)
+    short = None if scene.actual is not None and name == scene.chosen else END_WORDS.get(name)
+    return short or line_words(name, scene)
 
 
 class PhaseStrip(SceneChart):
