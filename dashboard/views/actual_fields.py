@@ -50,7 +50,7 @@ class ActualFields:
             label="Actual run", value=self.model.on, size="small", margin=(10, 16, 0, 16), sizing_mode="stretch_width"
         )
         self.load = NumberField(
-            reality, "actual_load_percent", "Actual load, % of capacity", step=1, digits=0, unit="%", ends=(0, 100)
+            reality, "actual_load_percent", "Actual load, %", step=1, digits=0, unit="%", ends=(0, 100)
         )
         self.load_tick = Tick(self.load)
         self.crush = CrushLoad(self.load)

@@ -52,7 +52,7 @@ def test_every_widget_of_the_day_moves_number_and_curve(server: Server, chromium
         ("Travel time, s", 30),
         ("Load, % of capacity", -10),
         ("Recuperation, %", 15),
-        ("Actual load, % of capacity", -15),
+        ("Actual load, %", -15),
         ("Position error, m", -6),
     ):
         user.push(name, steps)
