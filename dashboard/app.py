@@ -8,6 +8,7 @@ from typing import Any
 import panel as pn
 
 from railjoule.core import RailjouleError
+from railjoule.dashboard.actual import Actual
 from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.compare import Compare
 from railjoule.dashboard.disturbances import Disturbances
@@ -101,6 +102,7 @@ class Session:
         self.pins = Pins(self.state)
         self.robustness = Robustness(self.state)
         self.disturbances = Disturbances(self.state)
+        self.actual = Actual(self.state)
         self.speed_limits = SpeedLimits(self.state)
         self.motor = Motor(self.state)
         self.start = Start(self.state)

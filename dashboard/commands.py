@@ -25,7 +25,7 @@ from railjoule.core import solve as solve_scenario
 from railjoule.core.scenario import STRATEGY_NAMES, StrategyName, parse_scenario, preset_names
 from railjoule.core.scenario.text_file import read_text
 from railjoule.core.scenario.toml_text import read_toml
-from railjoule.core.simulate.disturbances import simulate_disturbances
+from railjoule.core.simulate.actual_run import actual_run
 from railjoule.core.simulate.field_oriented import simulate_field_oriented
 from railjoule.core.simulate.following import simulate_following
 from railjoule.core.strategies import prepare_task
@@ -140,7 +140,7 @@ def simulate(file: str, changes: Mapping[str, Any], output: Output) -> None:
             run = simulate_field_oriented(scenario)
             output.show(summary.summarise_field_oriented(run), terminal.field_oriented_text)
         elif scenario.disturbance.events:
-            output.show(summary.summarise_ride(simulate_disturbances(scenario)), terminal.ride_text)
+            output.show(summary.summarise_actual(actual_run(scenario)), terminal.ride_text)
         else:
             output.show(summary.summarise_following(simulate_following(scenario)), terminal.following_text)
 

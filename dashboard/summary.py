@@ -13,6 +13,7 @@ from railjoule.core.trajectory import Reference
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
 if TYPE_CHECKING:
+    from railjoule.core.simulate.actual_run import ActualRun
     from railjoule.core.simulate.disturbances import Ride
     from railjoule.core.simulate.field_oriented import FieldOrientedRun
     from railjoule.core.simulate.following import Following
@@ -125,6 +126,14 @@ def summarise_ride(ride: "Ride") -> Summary:
         "notices": [{"position_m": place, "time_s": time, "event": words} for place, time, words in ride.notices],
         "notes": list(ride.notes),
     }
+
+
+def summarise_actual(run: "ActualRun") -> Summary:
+    """Return a plan and a ride with events as plain values, and what each cause adds to the plan."""
+    assert run.ride is not None
+    causes = {cause.name: cause.energy_kwh for cause in run.causes}
+    notes = list(dict.fromkeys((*run.ride.notes, *run.notes)))
+    return {**summarise_ride(run.ride), "delay_s": run.delay_s, "causes_kwh": causes, "notes": notes}
 
 
 def summarise_field_oriented(run: "FieldOrientedRun") -> Summary:

@@ -5,13 +5,13 @@ Its numbers are those of the pages, from `railjoule.dashboard.look`, in signs th
 
 import shutil
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from railjoule.core.advice import Instruction
 from railjoule.core.trajectory import Reference
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import comparisons, words
-from railjoule.dashboard.look.words import J_PER_WH, STRATEGY_WORDS, advice_in_words, decimals
+from railjoule.dashboard.look.words import CAUSE_WORDS, J_PER_WH, STRATEGY_WORDS, advice_in_words, decimals
 from railjoule.dashboard.summary import Summary
 
 WIDEST = 110
@@ -21,6 +21,7 @@ Cell = tuple[str, ...]
 
 number = words.plain(words.number)
 energy = words.plain(words.energy)
+energy_difference = words.plain(words.energy_difference)
 share = words.plain(words.share)
 distance = words.plain(words.distance)
 time = words.plain(words.time)
@@ -130,10 +131,17 @@ def ride_text(ride: Summary) -> str:
             "",
             *learned,
             f"{_more(planned, actual)} energy, {delay(ride['delay_s'])} s against the timetable.",
+            *_cause_lines(ride["causes_kwh"]),
             *ride["notes"],
             f"Driver: {driver_words(actual['advice'])}",
         ]
     )
+
+
+def _cause_lines(causes_kwh: Mapping[str, float]) -> list[str]:
+    """Return the line that tells what each cause adds, where there are several."""
+    told = (f"{CAUSE_WORDS[name].lower()} {energy_difference(kwh)} kWh" for name, kwh in causes_kwh.items())  # type: ignore[index]
+    return [f"Added in this order: {', '.join(told)}."] if len(causes_kwh) > 1 else []
 
 
 def field_oriented_text(run: Summary) -> str:

@@ -90,6 +90,9 @@ class Vehicle(Part):
         None, gt=0, le=1e8, description="Inertia of the empty train, turning parts included [kg]."
     )
     auxiliary_power_kw: Number = Field(0.0, ge=0, le=1e4, description="Power of light, heating and so on [kW].")
+    line_voltage_v: Number | None = Field(
+        None, gt=0, le=100_000, description="Nominal voltage of the line, from which its current follows [V]."
+    )
     length_m: Number | None = Field(None, gt=0, le=5000, description="Length of the train [m]; a point where absent.")
     car_count: Count | None = Field(None, ge=1, le=200, description="Equal cars that share the weight.")
     resistance: Resistance

@@ -61,6 +61,8 @@ def at_voltage(vehicle: Vehicle, factor: float) -> Vehicle:
         drive = drive.model_copy(update={"machine": drive.machine.model_copy(update={"max_phase_voltage_v": limit})})
     elif isinstance(drive, Synchronous):
         drive = drive.model_copy(update={"link_voltage_v": factor * drive.link_voltage_v})
+    if vehicle.line_voltage_v is not None:
+        vehicle = changed(vehicle, line_voltage_v=factor * vehicle.line_voltage_v)
     return changed(
         vehicle,
         traction=traction.model_copy(update=less_traction),

@@ -50,7 +50,7 @@ class RobustnessModel(TypedParameters):
     )
     coordinate_error_m = param.Number(default=FIRST_ERROR_M, bounds=(-10_000, 10_000), doc="Coordinate error, m")
     speed_error_percent = param.Number(default=0.0, bounds=(-50, 50), doc="Speed measured wrong by, %")
-    target_braking = param.Boolean(default=True, doc="Whether the train brakes along the target curve.")
+    target_braking = param.Boolean(default=False, doc="Whether the train brakes along the target curve.")
     reset_sensor_m = param.Number(default=SENSORS.reset_sensor_m, bounds=(0.0, 1e5), doc="D1, m before the stop")
     calibration_length_m = param.Number(
         default=SENSORS.calibration_length_m, bounds=(0.0, 1e5), doc="D1 to D2, m of calibration"

@@ -9,6 +9,7 @@ from railjoule.core import RailjouleError, Trajectory
 from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.faults import Faults
+from railjoule.dashboard.models.actual import ActualModel
 from railjoule.dashboard.models.disturbances import DisturbancesModel
 from railjoule.dashboard.models.editor import EditorModel
 from railjoule.dashboard.models.kept import Kept
@@ -88,6 +89,7 @@ class Workbench(Kept):
         self.start = StartModel()
         self.robustness = RobustnessModel()
         self.disturbances = DisturbancesModel()
+        self.actual = ActualModel()
         self.speed_limits = SpeedLimitsModel()
         self.motor = MotorModel()
         self.line = LineModel()

@@ -16,6 +16,7 @@ from railjoule.core.studies.sensitivity import SensitivityTable
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.report.figures import Figures, Plot
+from railjoule.dashboard.report.surfaces import surfaces_of
 from railjoule.dashboard.report.tables import scenario_tables
 from railjoule.dashboard.store.report import Findings
 from railjoule.dashboard.views import parts
@@ -135,7 +136,14 @@ def trade_off(findings: Findings, figures: Figures) -> str:
     plots = "".join(figure_element(plot) for plot in figures.plots("frontier"))
     cells = int(np.count_nonzero(np.diff(optima[0].position_m)))
     note = f'<p class="note">{len(optima)} optima over a mesh of {words.number(cells, 0)} cells.</p>'
-    return section("trade-off", "Energy and time", f"{plots}{parts.table('Optima', head, rows)}{note}")
+    table = parts.table("Optima", head, rows)
+    return section("trade-off", "Energy and time", f"{plots}{table}{note}{surface_element(findings, 'enoc')}")
+
+
+def surface_element(findings: Findings, name: str) -> str:
+    """Return the place of a surface; nothing where there is none."""
+    surface = surfaces_of(findings).get(name)
+    return "" if surface is None else surface.element
 
 
 # ---- what is proven, who refused
@@ -236,7 +244,7 @@ def robustness(findings: Findings, figures: Figures) -> str:
     title = "What a wrong load and a wrong place cost"
     if findings.table is None:
         return section("robustness", title, f'<p class="note">{html.escape(findings.table_refusal)}</p>')
-    return section("robustness", title, sensitivity_table(findings.table))
+    return section("robustness", title, sensitivity_table(findings.table) + surface_element(findings, "costs"))
 
 
 def sensitivity_table(found: SensitivityTable) -> str:

@@ -332,6 +332,15 @@ class DistanceChart(Chart):
         self.axis.add(self.name, self.told)
         return f
 
+    def rename(self, words: str) -> None:
+        """Give the chart another caption."""
+        self.words = self.told["words"] = words
+        caption = self.told["caption"]
+        if isinstance(caption, Div) and caption.text != words:
+            caption.text = words
+        if self.figure is not None:
+            self.figure.html_attributes = {"role": "img", "aria-label": words}
+
     def set_range(self, low: float, high: float) -> None:
         """Set the ends of the y axis, and let the ticks of the x axis end with the run."""
         if self.figure is not None and self.figure.xaxis[0].visible:

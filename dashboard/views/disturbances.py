@@ -12,6 +12,7 @@ from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.store import Rides
 from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.charts import Axis, Chart
+from railjoule.dashboard.views.driven_charts import reality_words
 from railjoule.dashboard.views.fields import tie
 from railjoule.dashboard.views.page import PageView
 from railjoule.dashboard.views.ride_charts import LateChart, RideEnergyChart, RideSpeedChart, saved_by
@@ -116,12 +117,19 @@ class DisturbancesView(PageView):
         what = (
             f"{words.distance(planned.distance_m)} km in {words.time(scenario.travel_time_s)} s, "
             f"{len(self.model.events)} event{'' if len(self.model.events) == 1 else 's'} on the way, "
-            f"{words.STRATEGY_WORDS[planned.strategy].lower()} plans"
+            f"{words.STRATEGY_WORDS[planned.strategy].lower()} plans{self._day()}"
         )
         self.heading.object = parts.heading(scenario.title, what, "")
         self.figures.object = parts.figures(self._cells(rides), self.model.failure is not None)
         self.table.object = self._table(rides)
         self.notes.object = "".join(f'<p class="note">{sentence}</p>' for sentence in (*told(rides), WHO))
+
+    def _day(self) -> str:
+        """Return what else differs from the plan, where the actual run on Drive is switched on."""
+        if not self.state.actual.on:
+            return ""
+        reality = self.state.robustness
+        return f"; {reality_words(reality.actual_load_percent / 100, reality.coordinate_error_m)} as on Drive"
 
     def _cells(self, rides: Rides) -> list[str]:
         planned, driver, computer, known = rides.undisturbed, *(rides.rides[one] for one in REACTION_WORDS)

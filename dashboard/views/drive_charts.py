@@ -10,11 +10,18 @@ from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.views.charts import Axis, clear, columns, nice_range, spread, text_style, xy
-from railjoule.dashboard.views.scene import PINNED, CellChart, RunChart, Scene, SceneChart, line_words
+from railjoule.dashboard.views.scene import ACTUAL, PINNED, CellChart, RunChart, Scene, SceneChart, line_words
 
 WORD_PX = 7.2
+MOTOR_CURRENT = "Current of one motor, A"
 END_WORDS = {PINNED: "pinned", "fastest": "fastest", "speed_limits": "limits"}
 """What stands at the end of a line, beside its number, where the whole name has no room."""
+
+
+def end_words(name: str, scene: Scene) -> str:
+    """Return what stands at the end of a line, beside its number."""
+    short = None if scene.actual is not None and name == scene.chosen else END_WORDS.get(name)
+    return short or line_words(name, scene)
 
 
 class PhaseStrip(SceneChart):
@@ -143,6 +150,9 @@ class EnergyChart(RunChart):
         """Make the figure."""
         self.make_sources()
         f = self.frame()
+        self.sources["extra"] = ColumnDataSource({"x": [], "low": [], "high": []})
+        extra = f.varea("x", "low", "high", source=self.sources["extra"])
+        self.palette.paint(extra.glyph, fill_color="over")
         self.add_borders()
         self.add_lines()
         self.sources["ends"] = ColumnDataSource({"x": [], "y": [], "text": [], "colour": []})
@@ -171,17 +181,41 @@ class EnergyChart(RunChart):
         if "fastest" not in named:
             clear(self.sources["fastest"])
         self.draw_borders(scene)
+        self._draw_extra(scene)
         if scene.narrow:
             clear(self.sources["ends"])
             return
-        ends = {name: float(v[-1]) for name, v in values.items()}
-        places = spread(list(ends.values()), 14 * (high - low) / self.height)
+        ends = [
+            (
+                float(scene.x(named[name])[-1]),
+                float(v[-1]),
+                f"{end_words(name, scene)} {words.energy(float(v[-1]))}",
+                "ink3" if name == PINNED else name,
+            )
+            for name, v in values.items()
+        ]
+        if scene.actual is not None and scene.actual.causes:
+            between = 0.5 * (values[ACTUAL][-1] + values[scene.chosen][-1])
+            ends.append(
+                (ends[-1][0], float(between), f"{words.energy_difference(scene.actual.extra_kwh)} kWh", "overline")
+            )
+        places = spread([y for _, y, _, _ in ends], 14 * (high - low) / self.height)
         self.sources["ends"].data = {
-            "x": [float(scene.x(named[name])[-1]) for name in ends],
+            "x": [x for x, _, _, _ in ends],
             "y": places,
-            "text": [f"{END_WORDS.get(name) or line_words(name, scene)} {words.energy(e)}" for name, e in ends.items()],
-            "colour": [self.palette.tokens["ink3" if name == PINNED else name] for name in ends],
+            "text": [text for _, _, text, _ in ends],
+            "colour": [self.palette.tokens[token] for _, _, _, token in ends],
         }
+
+    def _draw_extra(self, scene: Scene) -> None:
+        """Tint what the actual run has taken more than the plan so far."""
+        if scene.actual is None:
+            clear(self.sources["extra"])
+            return
+        actual = scene.actual.actual
+        x = np.union1d(scene.x(scene.run), scene.x(actual))
+        planned, driven = (np.interp(x, scene.x(run), self.values(run)) for run in (scene.run, actual))
+        self.sources["extra"].data = columns(x=x, low=planned, high=np.maximum(planned, driven))
 
 
 class DifferenceChart(RunChart):
@@ -258,17 +292,30 @@ class EffortChart(CellChart):
 
 
 class CurrentChart(CellChart):
-    """Current of one motor."""
+    """Current of one motor where the drive's model has one, else that of the line."""
 
     unit, digits = "A", 0
 
     def __init__(self, height: int, axis: Axis, palette: Palette, lines: tuple[str, ...]) -> None:
-        super().__init__("current", "Current of one motor, A", height, axis, palette)
-        self.lines = lines
+        super().__init__("current", MOTOR_CURRENT, height, axis, palette)
+        self.lines, self.of_motor = lines, True
+
+    @staticmethod
+    def knows(run: Trajectory) -> bool:
+        """Return whether a run has a current to draw."""
+        return run.current_a is not None or run.line_current_a is not None
+
+    def draw(self, scene: Scene) -> None:
+        """Draw the currents, and say in the title which they are."""
+        self.of_motor = scene.run.current_a is not None
+        volts = scene.run.scenario.vehicle.line_voltage_v or 0.0
+        self.rename(MOTOR_CURRENT if self.of_motor else f"Current from the line, A, at {words.number(volts, 0)} V")
+        super().draw(scene)
 
     def of_cells(self, run: Trajectory) -> FloatArray:
         """Return the current [A], zero where the model knows none."""
-        return run.current_a if run.current_a is not None else np.zeros(len(run.line_power_w))
+        current = run.current_a if self.of_motor else run.line_current_a
+        return current if current is not None else np.zeros(len(run.line_power_w))
 
 
 class PowerChart(CellChart):

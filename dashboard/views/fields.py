@@ -125,7 +125,7 @@ class TypedNumber:
         if self._quiet:
             return
         try:
-            number = self.model.parse(self.field, event.new)
+            number = self.parse(event.new)
         except ValueError as error:
             kept = f"{shown(self._kept(), self.digits)} {self.unit}".rstrip()
             sentence = f"{error} Kept: {kept}."
@@ -133,8 +133,16 @@ class TypedNumber:
                 object=f'<div class="error" role="alert">{html.escape(sentence)}</div>', visible=True
             )
             return
-        setattr(self.model, self.field, number)
+        self.take(number)
         self._follow()
+
+    def parse(self, text: str) -> float:
+        """Return the number that a text gives; raises ValueError with a sentence."""
+        return self.model.parse(self.field, text)
+
+    def take(self, number: float) -> None:
+        """Give the model a number that was typed."""
+        setattr(self.model, self.field, number)
 
     def _follow(self, *_: Any) -> None:
         """Show the number that the model holds."""

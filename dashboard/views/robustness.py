@@ -211,6 +211,12 @@ class RobustnessView(PageView):
                 f"{words.energy(energy)} kWh, {against} {words.energy(reference)}",
                 "main",
             ),
+            parts.figure(
+                "Against the plan",
+                words.energy_difference(energy - planned),
+                "kWh",
+                f"{comparisons.above(energy, planned)}, planned {words.energy(planned)}",
+            ),
             parts.figure("Arrival", words.delay(following.delay_s), "s", "at the end"),
             parts.figure("Stands", words.stop_error(following.stop_error_m), "m", "beyond the stop"),
         ]

@@ -18,6 +18,7 @@ from railjoule.dashboard.messages import added_to, unfrozen
 from railjoule.dashboard.models.dropped import LARGEST_REPORT_BYTES, NO_TEXT, TOO_LARGE
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import Runs
+from railjoule.dashboard.views.actual_fields import ActualFields
 from railjoule.dashboard.views.changes import Changes
 from railjoule.dashboard.views.events import EventFields
 from railjoule.dashboard.views.fields import CrushLoad, NumberField
@@ -112,14 +113,14 @@ class Sidebar:
             self.preset,
             self.file,
             self.edit,
-            html_pane('<div class="section">Timetable</div>'),
+            html_pane('<div class="section">Plan <span>\u00b7 what the timetable expects</span></div>'),
             self.travel_time.view,
             self.shortest,
-            self.vehicle,
             self.load.view,
             self.crush.view,
             self.recuperation.view,
             *own,
+            self.vehicle,
             self.line,
             html_pane('<hr class="rule">'),
             self.strategies.view,
@@ -275,6 +276,7 @@ class EnocField:
 
 
 OWN_FIELDS: Mapping[str, Callable[[Workbench], HasView]] = {
+    "Drive": ActualFields,
     "Trade-off": EnocField,
     "Robustness": RealityFields,
     "Disturbances": EventFields,

@@ -2,15 +2,17 @@
 
 import numpy as np
 from bokeh.models import ColumnDataSource
+from bokeh.plotting import figure
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.motion.line_profile import limit_steps
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.look import words
+from railjoule.dashboard.look.comparisons import OTHER_TIME_S
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.views.charts import Axis, columns, text_style, xy
-from railjoule.dashboard.views.scene import PINNED, RunChart, Scene, line_words
+from railjoule.dashboard.views.charts import Axis, clear, columns, text_style, xy
+from railjoule.dashboard.views.scene import ACTUAL, PINNED, RunChart, Scene, line_words
 
 LABEL_PLACES = np.linspace(0.12, 0.88, 20)
 HEADROOM = 1.16
@@ -58,6 +60,33 @@ class SpeedChart(RunChart):
             **text_style(),
         )
         self.palette.paint(names.glyph, background_fill_color="surface")
+        self._add_day(f)
+
+    def _add_day(self, f: figure) -> None:
+        """Add the signs of the actual run: its unplanned stops, and how late it arrives."""
+        self.sources["stops"] = ColumnDataSource({"x": [], "y": [], "text": []})
+        dots = f.scatter("x", "y", source=self.sources["stops"], size=7, line_color=None)
+        self.palette.paint(dots.glyph, fill_color=ACTUAL)
+        spans = f.vspan("x", source=self.sources["stops"], line_width=1, line_dash=[1, 3])
+        self.palette.paint(spans.glyph, line_color="ink3")
+        signs = f.text("x", "y", "text", source=self.sources["stops"], x_offset=7, y_offset=-5, **text_style(11))
+        self.palette.paint(signs.glyph, text_color=ACTUAL)
+        self.sources["late"] = ColumnDataSource({"x": [], "y": [], "text": []})
+        late = f.text("x", "y", "text", source=self.sources["late"], x_offset=6, y_offset=-3, **text_style())
+        self.palette.paint(late.glyph, text_color="overline")
+
+    def _draw_day(self, scene: Scene) -> None:
+        """Draw the signs of the actual run; on a narrow screen its lateness stands in the numbers alone."""
+        stops, actual = scene.stops, scene.actual
+        self.sources["stops"].data = {
+            **xy(np.array([x for x, _ in stops]), np.zeros(len(stops))),
+            "text": [f"stop, {words.number(lasts, 0)} s" for _, lasts in stops],
+        }
+        if actual is None or scene.narrow or actual.delay_s < OTHER_TIME_S:
+            clear(self.sources["late"])
+            return
+        end = float(scene.x(actual.actual)[-1])
+        self.sources["late"].data = {"x": [end], "y": [0.0], "text": [f"{words.time(actual.delay_s)} s late"]}
 
     def values(self, run: Trajectory) -> FloatArray:
         """Speed [km/h]."""
@@ -70,6 +99,7 @@ class SpeedChart(RunChart):
         self.draw_lines(scene)
         self.draw_borders(scene)
         self._draw_names(scene, top)
+        self._draw_day(scene)
 
     def _draw_limits(self, scene: Scene) -> float:
         scenario = scene.run.scenario

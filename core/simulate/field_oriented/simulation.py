@@ -12,6 +12,7 @@ from railjoule.core.budget import current_budget, rounded_up
 from railjoule.core.drive.induction.traction import TractionMachines, traction_machines
 from railjoule.core.energy import Energy
 from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError
+from railjoule.core.line_current import line_current_a
 from railjoule.core.motion import Course, build_course
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.as_it_is import as_it_is
@@ -422,6 +423,7 @@ def _trajectory(
         kinetic_j=float(data.half_inertia_kg * (states[-1, p.V] ** 2 - states[0, p.V] ** 2)),
         potential_j=float(ends[p.CLIMB]),
     )
+    line_power = np.diff(line) / duration
     return Trajectory(
         scenario=real,
         strategy=planned.strategy,
@@ -434,8 +436,9 @@ def _trajectory(
         friction_braking_n=frozen_array(np.zeros_like(effort)),
         largest_effort_n=frozen_array(data.traction.effort_n(mean_speed)),
         largest_braking_n=frozen_array(data.braking.effort_n(mean_speed) + data.friction_effort_n),
-        line_power_w=frozen_array(np.diff(line) / duration),
+        line_power_w=frozen_array(line_power),
         current_a=frozen_array(0.5 * (states[1:, p.IQ] + states[:-1, p.IQ])),
         gradient_permille=frozen_array(course.gradient_permille[cell]),
         energy=energy,
+        line_current_a=line_current_a(line_power, real.vehicle.line_voltage_v),
     )
