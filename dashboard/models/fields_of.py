@@ -119,7 +119,7 @@ class Field:
     def label(self) -> str:
         """Quantity and unit in words."""
         words = split_unit(self.name)[0] if self.unit else self.name
-        text = words.replace("_", " ")
+        text = NAMES.get(words, words).replace("_", " ")
         text = text[:1].upper() + text[1:]
         return f"{text}, {self.unit}" if self.unit else text
 

@@ -41,7 +41,8 @@ def test_a_file_that_is_too_large_is_refused() -> None:
         ("run.XLSX", "where each list takes a pasted one."),
         (
             "notes.txt",
-            "notes.txt: it contains no scenario. Only scenarios (.toml) and reports of railjoule (.html) can be opened.",
+            "notes.txt: it contains no scenario. "
+            "Only scenarios (.toml) and reports of railjoule (.html) can be opened.",
         ),
         ("broken.toml", "broken.toml: not a valid TOML file: no."),
         ("report.html", "broken.toml: not a valid TOML file: no."),
