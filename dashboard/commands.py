@@ -89,7 +89,7 @@ def solve(
 def check(
     run_file: str, scenario_file: str | None, changes: Mapping[str, Any], strategy: str | None, output: Output
 ) -> bool:
-    """Hold the run of a file against its scenario, and show what came of it; return whether it keeps every rule.
+    """Check the run of a file against its scenario, and show the result; return whether it keeps every rule.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def check(
     """
     table = read_table(run_file)
     if scenario_file is None:
-        raise CommandError("--scenario is missing: the file of a run does not carry its scenario.")
+        raise CommandError("--scenario is missing: the file of a run does not contain its scenario.")
     scenario = load(scenario_file, changes)
     if strategy is not None and strategy not in STRATEGY_NAMES:
         raise CommandError(f"--strategy {shortened(strategy)}: must be one of {', '.join(STRATEGY_NAMES)}.")
@@ -219,7 +219,7 @@ def validate(paper: str | None, output: Output) -> None:
     from railjoule.core.validation import PAPERS  # noqa: PLC0415
 
     if paper is not None and paper not in PAPERS:
-        raise CommandError(f"{paper!r} is none of the papers of this version, which has {', '.join(PAPERS)}.")
+        raise CommandError(f"{paper!r} is not a paper of this version; choose one of {', '.join(PAPERS)}.")
     announce_compilation()
     chosen = PAPERS if paper is None else {paper: PAPERS[paper]}
     papers = [summary.summarise_validation(compute()) for compute in chosen.values()]
@@ -256,9 +256,7 @@ def load(file: str, changes: Mapping[str, Any]) -> Scenario:
         known = Path(file).exists() or file in preset_names("scenarios")
         if not known and not Path(file).suffix:
             shipped = ", ".join(preset_names("scenarios"))
-            raise CommandError(
-                f"{file}: there is no such file and no shipped scenario of that name; shipped are {shipped}."
-            )
+            raise CommandError(f"{file}: there is no such file or shipped scenario; choose one of {shipped}.")
         if Path(file).suffix.lower() in REPORT_SUFFIXES:
             name = Path(file).name
             return parse_scenario(scenario_in_report(read_text(Path(file)), name), name, changes=changes)
@@ -329,7 +327,7 @@ def read_table(name: str) -> "pandas.DataFrame":
         raise CommandError(f"{shortened(name)}: {error.strerror or error}.") from None
     except ValueError as error:
         words = " ".join(str(error).split()).rstrip(".")
-        raise CommandError(f"{shortened(name)} is no table in {path.suffix[1:]}: {shortened(words)}.") from None
+        raise CommandError(f"{shortened(name)} is not a table in {path.suffix[1:]}: {shortened(words)}.") from None
     return table
 
 
@@ -369,7 +367,7 @@ def refusals_named(strategy: str) -> Iterator[None]:
 def announce_compilation() -> None:
     """Tell a person at a terminal why the first run ever takes so long."""
     if sys.stderr.isatty() and not Path(os.environ["NUMBA_CACHE_DIR"]).is_dir():
-        print("The solver is being compiled, once; this takes about a minute.", file=sys.stderr)
+        print("Compiling the solver, only this once; this takes about a minute.", file=sys.stderr)
 
 
 def shortened(text: str) -> str:

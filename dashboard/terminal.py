@@ -1,6 +1,6 @@
 """Results as text for a terminal, made from the plain values of `railjoule.dashboard.summary`.
 
-Its numbers are those of the pages, from `railjoule.dashboard.look`, in signs that every terminal has.
+Its numbers are those of the pages, from `railjoule.dashboard.look`, in characters that every terminal has.
 """
 
 import shutil
@@ -32,7 +32,7 @@ price = words.plain(words.price)
 
 
 def printable(text: str) -> str:
-    """Return a text of one line without characters that could steer a terminal."""
+    """Return a text of one line without control characters."""
     return "".join(character if character.isprintable() else " " for character in text)
 
 
@@ -42,7 +42,7 @@ def title_words(title: str) -> str:
 
 
 def solution_text(summary: Summary) -> str:
-    """Return one run for people: energy, proof, time, account, what the driver does."""
+    """Return one run for people: energy, proof, time, account, driver's advice."""
     title = title_words(summary["title"])
     lines = [
         f"{title}: {STRATEGY_WORDS[summary['strategy']]}",
@@ -50,7 +50,7 @@ def solution_text(summary: Summary) -> str:
         f"at most {number(summary['max_speed_kmh'])} km/h",
         *_crush_load_lines(summary),
         "",
-        *_labelled("Energy", f"{energy(summary['energy_kwh'])} kWh at the line, {verdict(summary)}"),
+        *_labelled("Energy", f"{energy(summary['energy_kwh'])} kWh from the supply, {verdict(summary)}"),
         *_bound_lines(summary),
         *_labelled("Time", _time_words(summary)),
         *_price_lines(summary),
@@ -74,7 +74,7 @@ def checked_solution_text(summary: Summary) -> str:
 
 
 def check_text(check: Summary) -> str:
-    """Return the rules that a run was held against, those that could not be checked, and the verdict."""
+    """Return the rules that a run was checked against, those that could not be checked, and the verdict."""
     lines = _check_lines(check["checks"])
     for rule in check["not_checked"]:
         lines += _wrapped(f"Not checked: {rule['name']}: {rule['reason']}.")
@@ -99,7 +99,7 @@ def _crush_load_lines(summary: Summary) -> list[str]:
 
 
 def following_text(following: Summary) -> str:
-    """Return a plan and what became of it."""
+    """Return a plan and the run that follows it."""
     planned, actual = following["planned"], following["actual"]
     return "\n".join(
         [
@@ -109,14 +109,14 @@ def following_text(following: Summary) -> str:
             *_crush_load_lines(actual),
             "",
             f"{_more(planned, actual)} energy, {delay(following['delay_s'])} s, "
-            f"stopped {stop_error(following['stop_error_m'])} m from the place.",
+            f"stopping error {stop_error(following['stop_error_m'])} m.",
             f"Driver: {driver_words(actual['advice'])}",
         ]
     )
 
 
 def ride_text(ride: Summary) -> str:
-    """Return a plan, what the train learned on its way, and the ride."""
+    """Return a plan, the events on the way, and the run."""
     planned, actual = ride["planned"], ride["actual"]
     learned = [
         f"At {number(notice['position_m'], 0)} m, after {time(notice['time_s'])} s: {notice['event']}."
@@ -145,7 +145,7 @@ def _cause_lines(causes_kwh: Mapping[str, float]) -> list[str]:
 
 
 def field_oriented_text(run: Summary) -> str:
-    """Return a plan, what the machines made of it, and what that took of current, voltage and energy."""
+    """Return a plan, how the machines drove it, and the current, voltage and energy that this took."""
     planned, actual, parts = run["planned"], run["actual"], run["parts_kwh"]
     rows = [(kind.replace("_", " "), energy(kwh)) for kind, kwh in parts.items()]
     rows += [
@@ -162,9 +162,9 @@ def field_oriented_text(run: Summary) -> str:
             *_crush_load_lines(actual),
             "",
             f"{_more(planned, actual)} energy, {delay(run['delay_s'])} s, "
-            f"stopped {stop_error(run['stop_error_m'])} m from the place.",
-            f"At most {tracking} m from the planned place, {current} A and {voltage} V of "
-            f"{number(run['voltage_limit_v'], 0)} V a phase.",
+            f"stopping error {stop_error(run['stop_error_m'])} m.",
+            f"At most {tracking} m from the planned position, at most {current} A and {voltage} V of "
+            f"{number(run['voltage_limit_v'], 0)} V per phase.",
             "",
             *table_lines(("energy of the machines", "kWh"), rows),
             "",
@@ -174,7 +174,7 @@ def field_oriented_text(run: Summary) -> str:
 
 
 def _more(planned: Summary, actual: Summary) -> str:
-    """Return by how much the energy of a ride lies above that of its plan."""
+    """Return by how much the energy of a run is above that of its plan."""
     return words.plain_text(str(comparisons.above(actual["energy_kwh"], planned["energy_kwh"])))
 
 
@@ -193,12 +193,12 @@ def _two_runs(runs: dict[str, Summary]) -> list[str]:
 
 
 def validations_text(validations: Summary) -> str:
-    """Return all papers' printed numbers beside ours."""
+    """Return all papers' published numbers compared with ours."""
     return "\n\n".join(validation_text(validation) for validation in validations["papers"])
 
 
 def validation_text(validation: Summary) -> str:
-    """Return a paper's printed numbers beside ours, with the reasons of differences as footnotes."""
+    """Return a paper's published numbers compared with ours, with the reasons for differences as footnotes."""
     lines = _wrapped(validation["citation"])
     for table in validation["tables"]:
         place = f" ({table['place']})" if table["place"] else ""
@@ -231,7 +231,7 @@ def benchmark_text(benchmark: Summary) -> str:
     head = ("scenario", "cells", "solver", "kWh", "iterations", "median, ms")
     lines = table_lines(head, rows, left={0, 2})
     if not benchmark["ipopt"]:
-        lines.append("CasADi is not installed, so IPOPT is not beside them: pip install casadi.")
+        lines.append("CasADi is not installed, so there is no comparison with IPOPT: pip install casadi.")
     return "\n".join(lines)
 
 
@@ -292,7 +292,7 @@ def _check_lines(checks: Sequence[Summary]) -> list[str]:
         )
         for check in checks
     ]
-    return table_lines(("rule", "largest deviation", "allowed", "share of", "at, m", ""), rows, left={0, 3, 5})
+    return table_lines(("rule", "largest deviation", "allowed", "share of", "position, m", ""), rows, left={0, 3, 5})
 
 
 def _comparison_table(results: Sequence[Summary]) -> list[str]:
@@ -377,7 +377,7 @@ def _other_time(summary: Summary) -> str:
 
 def _price_lines(summary: Summary) -> list[str]:
     saved = summary["price_of_time_wh_per_s"]
-    return [] if saved is None else _labelled("A second more", f"would save {price(saved * J_PER_WH)} Wh")
+    return [] if saved is None else _labelled("Extra second", f"would save {price(saved * J_PER_WH)} Wh")
 
 
 def _iteration_words(summary: Summary) -> str:
@@ -392,8 +392,8 @@ def _account_lines(summary: Summary) -> list[str]:
     ]
     spent = [(kind.replace("_", " "), kwh) for kind, kwh in summary["losses_kwh"].items()]
     spent += [
-        ("kinetic, end less start", summary["kinetic_kwh"]),
-        ("potential, end less start", summary["potential_kwh"]),
+        ("kinetic, end minus start", summary["kinetic_kwh"]),
+        ("potential, end minus start", summary["potential_kwh"]),
     ]
     width = max(len(name) for name, _ in taken + spent)
 
@@ -404,7 +404,7 @@ def _account_lines(summary: Summary) -> list[str]:
             if abs(kwh) >= words.LEAST_ENERGY_KWH
         ]
 
-    return [*lines(taken), "  of traction less recuperated go to", *lines(spent)]
+    return [*lines(taken), "  traction minus recuperated goes to", *lines(spent)]
 
 
 def _validation_table(table: Summary) -> list[str]:

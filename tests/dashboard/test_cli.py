@@ -62,7 +62,7 @@ def test_solve_prints_json(capsys):
 def test_solve_prints_words(capsys):
     text = answer(capsys, "solve", "liashenko-ii")
     assert text.startswith("Metro, profile II: Optimal\n1.30 km in 133.7 s, at most 46.1 km/h\n")
-    assert "2.224 kWh at the line, proven optimal" in text
+    assert "2.224 kWh from the supply, proven optimal" in text
     assert "133.7 s; shortest possible 76.9 s, allowed 133.7 s: slack 56.8 s (73.8 %)" in text
     assert "full power to 27.6 km/h, coast from 24 m, brake fully from 1,278 m to a stop" in text
     assert "would save" in text
@@ -72,7 +72,7 @@ def test_solve_prints_words(capsys):
 def test_solve_tells_how_far_a_strategy_is_from_the_best(capsys):
     text = answer(capsys, "solve", "ftorek-300s", "--strategy", "enoc")
     assert "1.7 % above the optimum of 4.181 kWh" in text
-    assert "A second more" not in text
+    assert "Extra second" not in text
     assert "ENOC accelerates and brakes for 31.0 s each" in text
 
 
@@ -237,7 +237,7 @@ def test_check_reads_parquet(capsys, tmp_path):
 
 def test_check_asks_for_the_scenario(capsys, run_file):
     words = complaint(capsys, "check", run_file)
-    assert words == "--scenario is missing: the file of a run does not carry its scenario."
+    assert words == "--scenario is missing: the file of a run does not contain its scenario."
 
 
 def test_check_refuses_what_is_no_run(capsys, tmp_path, run_file):
@@ -385,7 +385,7 @@ def test_a_missing_package_of_the_dashboard_is_named(capsys, monkeypatch):
 
 BAD_FILES = {
     "broken TOML": (b"title = ", "not a valid TOML file"),
-    "no text": (b"\xff\xfe\x00", "not a text in UTF-8"),
+    "no text": (b"\xff\xfe\x00", "not UTF-8 text"),
     "empty": (b"", "vehicle is missing"),
     "too large": (b"#" * 10_000_001, "10 MB allowed"),
 }
@@ -443,25 +443,25 @@ def test_a_bad_change(capsys, change, words):
         (["solve", "liashenko-ii", "--jso"], "unrecognized arguments: --jso"),
         (
             ["solve", "metro"],
-            "metro: there is no such file and no shipped scenario of that name; shipped are ftorek-300s,",
+            "metro: there is no such file or shipped scenario; choose one of ftorek-300s,",
         ),
         (["solve", "metro.toml"], "metro.toml: there is no such file."),
         (["solve", "."], "Is a directory"),
         (["solve", "x" * 5000], "File name too long"),
         (
             ["solve", "liashenko-ii", "--strategy", "best"],
-            "best is no strategy; there are optimal, bellman, eoc, enoc, phases, speed_limits, fastest.",
+            "best is not a strategy; choose one of optimal, bellman, eoc, enoc, phases, speed_limits, fastest.",
         ),
         (["solve", "liashenko-ii", "--strategy", "eoc"], "eoc needs a drive with copper loss."),
         (
             ["validate", "milroy"],
-            "'milroy' is none of the papers of this version, which has ftorek, liashenko, rawicki, shtompel.",
+            "'milroy' is not a paper of this version; choose one of ftorek, liashenko, rawicki, shtompel.",
         ),
-        (["serve", "--port", "65536"], "'65536' is no port from 1 to 65535"),
+        (["serve", "--port", "65536"], "'65536' is not a port from 1 to 65535"),
         (["serve", "--port", "-1"], "port"),
-        (["serve", "--port", "0"], "'0' is no port"),
-        (["serve", "--port", "9" * 5000], "is no port"),
-        (["serve", "--port", "http"], "'http' is no port"),
+        (["serve", "--port", "0"], "'0' is not a port"),
+        (["serve", "--port", "9" * 5000], "is not a port"),
+        (["serve", "--port", "http"], "'http' is not a port"),
         (["benchmark", "liashenko-ii"], "unrecognized arguments"),
     ],
 )
@@ -496,7 +496,7 @@ def test_compilation_is_announced_to_people_only(capsys, monkeypatch, tmp_path, 
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path if cached else tmp_path / "none"))
     monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal, raising=False)
     commands.announce_compilation()
-    assert ("being compiled" in capsys.readouterr().err) == (terminal and not cached)
+    assert ("Compiling the solver" in capsys.readouterr().err) == (terminal and not cached)
 
 
 # ---- in a process of its own
@@ -646,7 +646,7 @@ def test_work_that_takes_too_long_is_refused_with_a_cure(capsys):
     assert sentence in complaint(capsys, "solve", "liashenko-ii", "--strategy", "bellman", *change)
 
 
-@pytest.mark.parametrize(("error", "words"), [(MemoryError, "more memory than there is"), (RecursionError, "nested")])
+@pytest.mark.parametrize(("error", "words"), [(MemoryError, "not enough memory"), (RecursionError, "nested")])
 def test_memory_that_is_not_there_is_told(capsys, monkeypatch, error, words):
     def fail(*_):
         raise error

@@ -77,8 +77,8 @@ def test_a_run_without_bound_says_so(runs: Runs) -> None:
 
 def test_another_time_than_asked_stands_beside_the_time(runs: Runs) -> None:
     text = plain(parts.run_figures(runs, runs.runs["fastest"], None, stale=False))
-    assert "Travel time 198.7 s asked 300.0 s" in text
-    assert "Fastest: 101.3 s earlier than the 300.0 s asked." in plain(parts.runs_table(runs, "optimal"))
+    assert "Travel time 198.7 s allowed 300.0 s" in text
+    assert "Fastest: 101.3 s earlier than the 300.0 s allowed." in plain(parts.runs_table(runs, "optimal"))
 
 
 def test_next_to_a_negative_optimum_runs_differ_by_kilowatt_hours() -> None:
@@ -91,7 +91,7 @@ def test_next_to_a_negative_optimum_runs_differ_by_kilowatt_hours() -> None:
     assert f"+{more:.2f} kWh" in plain(parts.runs_table(runs, "optimal"))
     text = plain(parts.run_figures(runs, runs.runs["optimal"], None, stale=False))
     assert "for 5 767.0 s: more time saves nothing" in text
-    assert "Travel time 5 767.0 s asked 9 999.0 s" in text
+    assert "Travel time 5 767.0 s allowed 9 999.0 s" in text
 
 
 def test_the_bars_of_the_account_add_up(runs: Runs) -> None:
