@@ -66,6 +66,7 @@ class DriveView(PageView):
 
     page = "Drive"
     heights = HEIGHTS
+    rail_px = RAIL_PX
 
     def make(self) -> Viewable:
         """Make the pieces of the page, and return them laid out."""

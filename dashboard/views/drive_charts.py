@@ -9,7 +9,8 @@ from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.views.charts import Axis, clear, columns, nice_range, spread, text_style, xy
+from railjoule.dashboard.views.charts import Axis, clear, columns, nice_range, text_style, xy
+from railjoule.dashboard.views.line_names import Name
 from railjoule.dashboard.views.scene import PINNED, CellChart, RunChart, Scene, SceneChart, line_words
 
 WORD_PX = 7.2
@@ -142,20 +143,10 @@ class EnergyChart(RunChart):
     def build(self) -> None:
         """Make the figure."""
         self.make_sources()
-        f = self.frame()
+        self.frame()
         self.add_borders()
         self.add_lines()
-        self.sources["ends"] = ColumnDataSource({"x": [], "y": [], "text": [], "colour": []})
-        f.text(
-            "x",
-            "y",
-            "text",
-            text_color="colour",
-            source=self.sources["ends"],
-            x_offset=6,
-            text_baseline="middle",
-            **text_style(),
-        )
+        self.add_names("ends")
 
     def values(self, run: Trajectory) -> FloatArray:
         """Line energy so far [kWh]."""
@@ -174,14 +165,17 @@ class EnergyChart(RunChart):
         if scene.narrow:
             clear(self.sources["ends"])
             return
-        ends = {name: float(v[-1]) for name, v in values.items()}
-        places = spread(list(ends.values()), 14 * (high - low) / self.height)
-        self.sources["ends"].data = {
-            "x": [float(scene.x(named[name])[-1]) for name in ends],
-            "y": places,
-            "text": [f"{END_WORDS.get(name) or line_words(name, scene)} {words.energy(e)}" for name, e in ends.items()],
-            "colour": [self.palette.tokens["ink3" if name == PINNED else name] for name in ends],
-        }
+        lines = {name: (scene.x(run), values[name]) for name, run in named.items()}
+        names = [
+            Name(
+                name,
+                f"{END_WORDS.get(name) or line_words(name, scene)} {words.energy(v[-1])}",
+                self.name_colour(name),
+                True,
+            )
+            for name, v in reversed(values.items())
+        ]
+        self.place_names(lines, names, source="ends")
 
 
 class DifferenceChart(RunChart):
@@ -202,9 +196,7 @@ class DifferenceChart(RunChart):
         self.palette.paint(area.glyph, fill_color="accent")
         line = f.line("x", "y", source=self.sources["run"], line_width=1.8)
         self.palette.paint(line.glyph, line_color="accent")
-        self.sources["ends"] = ColumnDataSource({"x": [], "y": [], "text": []})
-        end = f.text("x", "y", "text", source=self.sources["ends"], x_offset=6, text_baseline="middle", **text_style())
-        self.palette.paint(end.glyph, text_color="accent")
+        self.add_names("ends")
 
     def draw(self, scene: Scene) -> None:
         """Draw the difference to the pinned run."""
@@ -225,7 +217,8 @@ class DifferenceChart(RunChart):
             return
         last = float(difference[-1])
         text = f"{words.energy_difference(last)} kWh"
-        self.sources["ends"].data = {"x": [float(x[-1])], "y": [last], "text": [text]}
+        name = Name("run", text, self.palette.tokens["accent"], at_end=True)
+        self.place_names({"run": (x, difference)}, [name], source="ends")
 
 
 class EffortChart(CellChart):

@@ -14,10 +14,12 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.views.charts import Axis, Chart, add_zero, nice_range, text_style, xy
 from railjoule.dashboard.views.figures import captioned, empty_figure
+from railjoule.dashboard.views.line_names import Name
 from railjoule.dashboard.views.run_lines import DRIVEN_DASH, RunLinesChart
 
 BEFORE_SENSOR_M, BEYOND_STOP_M = 60.0, 20.0
 """How much of the way is drawn before the first sensor and beyond the stop [m]."""
+HEADROOM = 1.22
 SENSOR_WORDS = {"D1": "D1 sets the place", "D2": "D2 calibrates", "D3": "D3 sets the place"}
 
 
@@ -47,20 +49,9 @@ class DrivenSpeedChart(DrivenChart):
 
     def build(self) -> None:
         """Make the figure."""
-        f = self.frame(ticks=5)
+        self.frame(ticks=5)
         self.add_lines()
-        self.sources["names"] = ColumnDataSource({"x": [], "y": [], "text": [], "colour": []})
-        f.text(
-            "x",
-            "y",
-            "text",
-            text_color="colour",
-            source=self.sources["names"],
-            text_align="center",
-            text_baseline="bottom",
-            y_offset=-3,
-            **text_style(),
-        )
+        self.add_names()
 
     def values(self, run: Trajectory) -> FloatArray:
         """Speed [km/h]."""
@@ -69,14 +60,15 @@ class DrivenSpeedChart(DrivenChart):
     def draw(self, following: Following, name: str) -> None:
         """Draw both runs; `name` says what was driven."""
         _, high = self.fill_both(following)
-        top, end = 1.22 * high, self.axis.end
-        self.set_range(0, top)
-        self.sources["names"].data = {
-            "x": [0.24 * end, 0.72 * end],
-            "y": [0.88 * top, 0.88 * top],
-            "text": ["planned", f"driven: {name}"],
-            "colour": [self.palette.tokens["accent"], self.palette.tokens["driven"]],
-        }
+        self.set_range(0, HEADROOM * high)
+        runs = {"planned": following.planned, "driven": following.actual}
+        lines = {key: (run.position_m, self.values(run)) for key, run in runs.items()}
+        tokens = self.palette.tokens
+        names = [
+            Name("planned", "planned", tokens["accent"], wish=0.25),
+            Name("driven", f"driven: {name}", tokens["driven"], wish=0.7),
+        ]
+        self.place_names(lines, names)
 
 
 class DrivenEffortChart(DrivenChart):

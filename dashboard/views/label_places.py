@@ -25,6 +25,8 @@ LINE_PX = 15.0
 """Height of a line of text of 12 px."""
 END_GAP_PX = 6.0
 BOX_GAP_PX = 2.0
+AROUND_PX = (10.0, 18.0, 30.0, 44.0)
+"""How far beside a point its name may stand."""
 SIDEWAYS = 0.02
 """What a pixel away from the wished place along the line costs, in pixels of steepness or lost distance."""
 
@@ -46,12 +48,14 @@ class Label:
     Parameters
     ----------
     line : int
-        Which of the lines it names.
+        Which of the lines it names; unused where it names a point.
     width_px, height_px : float
     at_end : bool
         Whether it stands beside the end of its line, if there is room.
     wish : float
         Where along the frame it stands best, 0 to 1, if it is not at the end.
+    point : tuple or None
+        The point that it names, if it names no line [px].
     """
 
     line: int
@@ -59,6 +63,7 @@ class Label:
     height_px: float = LINE_PX
     at_end: bool = False
     wish: float = 0.4
+    point: tuple[float, float] | None = None
 
 
 def text_width_px(text: str, size_px: float = 12.0) -> float:
@@ -96,7 +101,8 @@ def place_labels(
         result[k] = box
         boxes.append(box)
     rest = [k for k in range(len(labels)) if result[k] is None]
-    candidates = {k: _along(labels[k], low, high, width_px, height_px) for k in rest}
+    find = {True: _along, False: _around}
+    candidates = {k: find[labels[k].point is None](labels[k], low, high, width_px, height_px) for k in rest}
     # who has least choice chooses first
     for k in sorted(rest, key=lambda k: (len(candidates[k]), k)):
         free = candidates[k][_clear_of(candidates[k], boxes)]
@@ -173,10 +179,8 @@ def _at_ends(
     for k, place in zip(wanted, places, strict=True):
         left, half = ends[k][0] + END_GAP_PX, 0.5 * labels[k].height_px
         box = left, place - half, left + labels[k].width_px, place + half
-        columns = slice(int(left // COLUMN_PX), int(box[2] // COLUMN_PX) + 1)
-        crossed = (low[:, columns] < box[3]) & (high[:, columns] > box[1])
         others = [*taken, *(other for _, other in result)]
-        if box[2] <= width_px and not crossed.any() and _clear_of(np.array([box]), others, 0.0)[0]:
+        if box[2] <= width_px and not _crossed(box, low, high) and _clear_of(np.array([box]), others, 0.0)[0]:
             result.append((k, box))
     return result
 
@@ -207,6 +211,35 @@ def _along(label: Label, low: FloatArray, high: FloatArray, width_px: float, hei
     best = np.argsort(cost, kind="stable")
     boxes = np.stack([left, bottom[side, column], left + label.width_px, top[side, column]], axis=1)
     return boxes[best]
+
+
+def _around(label: Label, low: FloatArray, high: FloatArray, width_px: float, height_px: float) -> FloatArray:
+    """Return the boxes around a point that lie on no line, the nearest first; shape (boxes, 4)."""
+    assert label.point is not None
+    (x, y), width, height = label.point, label.width_px, label.height_px
+    boxes = []
+    for away in AROUND_PX:
+        sides = (x + away, x - away - width, x - 0.5 * width)
+        levels = (y - 0.5 * height, y + 0.7 * away, y - 0.7 * away - height)
+        boxes += [
+            (left, bottom, left + width, bottom + height)
+            for bottom in levels
+            for left in sides
+            if left != sides[2] or bottom != levels[0]
+        ]
+    free = [box for box in boxes if _inside(box, width_px, height_px) and not _crossed(box, low, high)]
+    return np.array(free).reshape(-1, 4)
+
+
+def _inside(box: Box, width_px: float, height_px: float) -> bool:
+    return box[0] >= 0 and box[1] >= 0 and box[2] <= width_px and box[3] <= height_px
+
+
+def _crossed(box: Box, low: FloatArray, high: FloatArray) -> bool:
+    """Return whether any line comes near a box."""
+    left, bottom, right, top = box
+    columns = slice(int(left // COLUMN_PX), int(right // COLUMN_PX) + 1)
+    return bool(((low[:, columns] < top + 1) & (high[:, columns] > bottom - 1)).any())
 
 
 def _clear_of(

@@ -13,8 +13,9 @@ from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.store import LessonResult
-from railjoule.dashboard.views.charts import Axis, Chart, columns, nice_range, text_style, xy
+from railjoule.dashboard.views.charts import Axis, Chart, columns, nice_range, text_style, write_names, xy
 from railjoule.dashboard.views.figures import captioned, empty_figure
+from railjoule.dashboard.views.line_names import Name, name_source, placed_names
 from railjoule.dashboard.views.run_lines import DRIVEN_DASH, RunLinesChart
 
 LINES: Mapping[str, tuple[str, dict[str, Any]]] = {
@@ -117,7 +118,7 @@ class PhasePlaneChart(Chart):
         self.bands = ColumnDataSource({"bottom": [], "top": [], "fill": []})
         self.names = ColumnDataSource({"y": [], "text": [], "ink": []})
         self.run = ColumnDataSource({"x": [], "y": []})
-        self.marks = ColumnDataSource({"x": [], "y": [], "text": [], "align": [], "dx": []})
+        self.marks, self.signs = ColumnDataSource({"x": [], "y": []}), name_source()
         self.driving, self.braking = (Span(dimension="width", line_width=1) for _ in range(2))
 
     def build(self) -> None:
@@ -139,12 +140,9 @@ class PhasePlaneChart(Chart):
             f.add_layout(span)
         line = f.line("x", "y", source=self.run, line_width=2.6)
         dots = f.scatter("x", "y", source=self.marks, size=8, line_width=2)
-        signs = f.text(
-            "x", "y", "text", source=self.marks, text_align="align", x_offset="dx", y_offset=-8, **text_style(11)
-        )
+        write_names(f, self.signs, 11)
         self.palette.paint(line.glyph, line_color="optimal")
         self.palette.paint(dots.glyph, fill_color="accent", line_color="surface")
-        self.palette.paint(signs.glyph, text_color="ink")
         self.figure = f
         self.content = captioned(self.words, f)
 
@@ -177,13 +175,25 @@ class PhasePlaneChart(Chart):
     def _mark(self, steady: SteadySpeeds) -> None:
         reaches = steady.highest_ms >= 0.999 * steady.hold_ms
         word = "hold" if reaches else "motors off at"
-        self.marks.data = {
-            "x": [steady.highest_ms / MS_PER_KMH, steady.brake_ms / MS_PER_KMH],
-            "y": [steady.driving_worth, steady.braking_worth],
-            "text": [
-                f"{word} {words.speed(steady.highest_ms, 1)} km/h",
-                f"brake from {words.speed(steady.brake_ms, 1)} km/h",
-            ],
-            "align": ["right", "right"],
-            "dx": [-6, -6],
+        points = [
+            (steady.highest_ms / MS_PER_KMH, steady.driving_worth),
+            (steady.brake_ms / MS_PER_KMH, steady.braking_worth),
+        ]
+        texts = (
+            f"{word} {words.speed(steady.highest_ms, 1)} km/h",
+            f"brake from {words.speed(steady.brake_ms, 1)} km/h",
+        )
+        self.marks.data = {"x": [x for x, _ in points], "y": [y for _, y in points]}
+        ink, ends = self.palette.tokens["ink"], np.array([0.0, float(self.x_range.end)])
+        names = [Name(text, text, ink, point=point) for text, point in zip(texts, points, strict=True)]
+        frame = self.frame_over((0.0, float(self.x_range.end)), WORTH_ENDS)
+        lines = {
+            "run": (np.asarray(self.run.data["x"]), np.asarray(self.run.data["y"])),
+            "driving": (ends, np.full(2, steady.driving_worth)),
+            "braking": (ends, np.full(2, steady.braking_worth)),
         }
+        regions = [
+            frame.box(ends[1] - 1, y, text, align="right", lift_px=-7)
+            for y, text in zip(self.names.data["y"], self.names.data["text"], strict=True)
+        ]
+        self.signs.data = placed_names(frame, lines, names, [*regions, *(frame.dot(*point) for point in points)], 11)

@@ -62,6 +62,7 @@ class RobustnessView(PageView):
 
     page = PAGE
     heights = HEIGHTS
+    halves_from_px = 1100
 
     def make(self) -> Viewable:
         """Make the pieces of the page, and return them laid out."""

@@ -114,6 +114,10 @@ class RunChart(SceneChart):
         """Return what is drawn of a run, at its nodes."""
         raise NotImplementedError
 
+    def name_colour(self, name: str) -> str:
+        """Return the colour in which a line's name is written."""
+        return self.palette.tokens["ink3" if name == PINNED else name]
+
     def add_borders(self) -> None:
         """Add the hairlines of the phases."""
         assert self.figure is not None

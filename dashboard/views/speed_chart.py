@@ -10,9 +10,11 @@ from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.views.charts import Axis, columns, text_style, xy
-from railjoule.dashboard.views.scene import PINNED, RunChart, Scene, line_words
+from railjoule.dashboard.views.label_places import text_width_px
+from railjoule.dashboard.views.line_names import Name
+from railjoule.dashboard.views.scene import RunChart, Scene, line_words
 
-LABEL_PLACES = np.linspace(0.12, 0.88, 20)
+SIGN_PX = 11
 HEADROOM = 1.16
 FAR_ABOVE = 9e3
 
@@ -25,6 +27,7 @@ class SpeedChart(RunChart):
     def __init__(self, height: int, axis: Axis, palette: Palette, lines: tuple[str, ...]) -> None:
         super().__init__("speed", "Speed, km/h", height, axis, palette)
         self.lines = lines
+        self._limits: tuple[FloatArray, FloatArray] = np.zeros(0), np.zeros(0)
 
     def build(self) -> None:
         """Make the figure."""
@@ -41,23 +44,9 @@ class SpeedChart(RunChart):
         self.add_borders()
         self.add_lines()
         self.sources["signs"] = ColumnDataSource({"x": [], "y": [], "text": []})
-        signs = f.text("x", "y", "text", source=self.sources["signs"], x_offset=4, y_offset=-2, **text_style(11))
+        signs = f.text("x", "y", "text", source=self.sources["signs"], x_offset=4, y_offset=-2, **text_style(SIGN_PX))
         self.palette.paint(signs.glyph, text_color="limit")
-        self.sources["names"] = ColumnDataSource({"x": [], "y": [], "text": [], "colour": [], "offset": []})
-        names = f.text(
-            "x",
-            "y",
-            "text",
-            text_color="colour",
-            source=self.sources["names"],
-            text_align="center",
-            text_baseline="middle",
-            y_offset="offset",
-            background_fill_alpha=0.8,
-            padding=1,
-            **text_style(),
-        )
-        self.palette.paint(names.glyph, background_fill_color="surface")
+        self.add_names()
 
     def values(self, run: Trajectory) -> FloatArray:
         """Speed [km/h]."""
@@ -69,7 +58,7 @@ class SpeedChart(RunChart):
         self.set_range(0, top)
         self.draw_lines(scene)
         self.draw_borders(scene)
-        self._draw_names(scene, top)
+        self._draw_names(scene)
 
     def _draw_limits(self, scene: Scene) -> float:
         scenario = scene.run.scenario
@@ -80,38 +69,25 @@ class SpeedChart(RunChart):
             left=x[:-1], right=x[1:], bottom=limits, top=np.full(len(limits), FAR_ABOVE)
         )
         self.sources["limit"].data = xy(np.repeat(x, 2)[1:-1], np.repeat(limits, 2))
-        wide = np.diff(x) > 0.05 * scene.end
+        self._limits = np.repeat(x, 2)[1:-1], np.repeat(limits, 2)
+        texts = [f"limit {words.number(limit, 0)}" for limit in limits]
+        frame = self.frame_over(self.axis.extent, (0.0, top))
+        room = np.diff(frame.x_px(x))
+        fits = np.array([text_width_px(text, SIGN_PX) + 8 < px for text, px in zip(texts, room, strict=True)])
         self.sources["signs"].data = {
-            **xy(x[:-1][wide], limits[wide]),
-            "text": [f"limit {words.number(limit, 0)}" for limit in limits[wide]],
+            **xy(x[:-1][fits], limits[fits]),
+            "text": [text for text, fit in zip(texts, fits, strict=True) if fit],
         }
         return top
 
-    def _draw_names(self, scene: Scene, top: float) -> None:
-        """Put each name where its line is farthest from the others."""
-        named, names = scene.named(), []
-        grid = LABEL_PLACES * scene.end
-        curves = {name: np.interp(grid, scene.x(run), self.values(run)) for name, run in named.items()}
-        taken: list[tuple[float, float]] = []
-        for name in reversed(list(named)):
-            below = curves[name] - 0.055 * top
-            distance = np.full(len(grid), top)
-            for other, curve in curves.items():
-                if other != name:
-                    distance = np.minimum(distance, np.abs(curve - below))
-            for x, y in taken:
-                near = np.abs(grid - x) < 0.14 * scene.end
-                distance = np.where(near, np.minimum(distance, np.abs(below - y)), distance)
-            distance = np.where(below < 0.06 * top, -1.0, distance)
-            steepness = np.abs(np.gradient(curves[name], LABEL_PLACES))
-            wish = np.minimum(distance, 0.12 * top) - 0.05 * np.minimum(steepness, 3 * top)
-            k = int(np.argmax(wish - 1e-3 * np.abs(LABEL_PLACES - 0.4)))
-            taken.append((float(grid[k]), float(below[k])))
-            names.append((name, float(grid[k]), float(curves[name][k])))
-        self.sources["names"].data = {
-            "x": [x for _, x, _ in names],
-            "y": [y for _, _, y in names],
-            "text": [line_words(name, scene) for name, _, _ in names],
-            "colour": [self.palette.tokens["ink3" if name == PINNED else name] for name, _, _ in names],
-            "offset": [13] * len(names),
-        }
+    def _draw_names(self, scene: Scene) -> None:
+        """Name the lines where nothing else is, the chosen one first."""
+        named = scene.named()
+        lines = {name: (scene.x(run), self.values(run)) for name, run in named.items()}
+        signs, frame = self.sources["signs"].data, self.frame_now
+        taken = [
+            frame.box(x, y, text, SIGN_PX, lift_px=2)
+            for x, y, text in zip(signs["x"], signs["y"], signs["text"], strict=True)
+        ]
+        names = [Name(name, line_words(name, scene), self.name_colour(name)) for name in reversed(named)]
+        self.place_names({**lines, "limit": self._limits}, names, taken)

@@ -57,6 +57,7 @@ class TradeOffView(PageView):
 
     page = "Trade-off"
     heights = HEIGHTS
+    halves_from_px = 900
 
     def make(self) -> Viewable:
         """Make the pieces of the page, and return them laid out."""

@@ -17,8 +17,9 @@ from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import EnocMap, TradeOff
-from railjoule.dashboard.views.charts import Chart, clear, nice_range, style_of, text_style, xy
+from railjoule.dashboard.views.charts import Chart, clear, nice_range, style_of, text_style, write_names, xy
 from railjoule.dashboard.views.figures import captioned, empty_figure, ink_on
+from railjoule.dashboard.views.line_names import Name, name_source, placed_names
 from railjoule.dashboard.views.surface import CIVIDIS
 
 STEEPEST_SHARE = 0.04
@@ -70,18 +71,8 @@ class FrontierChart(Chart):
         f.add_layout(self.now)
         point = f.scatter("x", "y", source=self.source("point"), size=11, line_width=2)
         self.palette.paint(point.glyph, fill_color="accent", line_color="surface")
-        f.text(
-            "x",
-            "y",
-            "text",
-            text_color="colour",
-            text_align="align",
-            x_offset="dx",
-            y_offset="dy",
-            source=self.source("signs", "x", "y", "text", "colour", "align", "dx", "dy"),
-            text_baseline="middle",
-            **text_style(),
-        )
+        self.sources["names"] = name_source()
+        write_names(f, self.sources["names"])
         f.on_event(Tap, self._set_time)
         f.on_event(Pan, self._set_time)
         self.content = captioned(self.words, f)
@@ -92,7 +83,7 @@ class FrontierChart(Chart):
 
     def draw(self, trade_off: TradeOff, run: Trajectory) -> None:
         """Draw the frontier, ENOC's curve, the present run and its tangent."""
-        frontier, tokens = trade_off.frontier, self.palette.tokens
+        frontier = trade_off.frontier
         time, energy = frontier.travel_time_s, frontier.energy_kwh
         shortest = frontier.shortest_travel_time_s
         steepest = float(np.interp(shortest * (1 + STEEPEST_SHARE), time, energy))
@@ -115,25 +106,37 @@ class FrontierChart(Chart):
         self.sources["printed"].data = {"x": printed[0], "y": printed[2]}
         self.now.location = now
         self.sources["point"].data = {"x": [now], "y": [run.energy_kwh]}
-        signs: list[tuple[float, float, str, str, str, int, int]] = []
-        below = [f"{words.energy(run.energy_kwh)} kWh at {words.time(now)} s", f"1 s saves {words.price(price)} Wh"]
-        for k, text in enumerate(below):
-            colour = tokens["optimal" if k == 0 else "ink2"]
-            side = "left" if now - self.x_range.start < 0.3 * (self.x_range.end - self.x_range.start) else "right"
-            dx = 10 if side == "left" else -10
-            signs.append(
-                (now, run.energy_kwh, text, colour, side, dx, 18 + 16 * k if side == "right" else -34 + 16 * k)
-            )
-        far, near = (float(np.interp(share, (0, 1), (time[0], time[-1]))) for share in (0.82, 0.2))
-        signs.append((far, float(np.interp(far, time, energy)), "optimal", tokens["optimal"], "right", -4, 14))
-        if len(enoc):
-            near = max(near, float(enoc_time[0]))
-            high = float(np.interp(near, enoc_time, enoc))
-            signs.append((near, high, "ENOC, best acceleration time", tokens["enoc"], "left", 6, -12))
-        if len(printed[0]):
-            signs.append((printed[0][-1], printed[2][-1], "ENOC as printed, Table 2", tokens["enoc"], "left", 8, -10))
-        keys = ("x", "y", "text", "colour", "align", "dx", "dy")
-        self.sources["signs"].data = {key: [sign[k] for sign in signs] for k, key in enumerate(keys)}
+        self._draw_names(run, enoc_curve(trade_off), printed)
+
+    def _draw_names(self, run: Trajectory, enoc: tuple[FloatArray, ...], printed: tuple[FloatArray, ...]) -> None:
+        """Name the curves, the present point and the printed ones where nothing else is."""
+        tokens, now = self.palette.tokens, (run.travel_time_s, run.energy_kwh)
+        optimal, tangent = self.sources["optimal"].data, self.sources["tangent"].data
+        lines = {
+            "optimal": (np.asarray(optimal["x"]), np.asarray(optimal["y"])),
+            "tangent": (np.asarray(tangent["x"]), np.asarray(tangent["y"])),
+            "enoc": (enoc[0], enoc[1]),
+        }
+        times, _, energies = printed
+        frame = self.frame_over(
+            (float(self.x_range.start), float(self.x_range.end)), (float(self.y_range.start), float(self.y_range.end))
+        )
+        dots = [frame.dot(*now, 6), *(frame.dot(*place, 6) for place in zip(times, energies, strict=True))]
+        point = f"{words.energy(now[1])} kWh at {words.time(now[0])} s"
+        names = [
+            Name("now", point, tokens["optimal"], point=now),
+            Name("price", f"1 s saves {words.price(run.price_of_time_w or 0.0)} Wh", tokens["ink2"], point=now),
+            Name("optimal", "optimal", tokens["optimal"], wish=0.8),
+        ]
+        if len(enoc[0]):
+            names.append(Name("enoc", "ENOC", tokens["enoc"], wish=0.5))
+        inside = [
+            place for place in zip(times, energies, strict=True) if self.x_range.start <= place[0] <= self.x_range.end
+        ]
+        if inside:
+            last = float(inside[-1][0]), float(inside[-1][1])
+            names.append(Name("printed", "ENOC as printed, Table 2", tokens["enoc"], point=last))
+        self.sources["names"].data = placed_names(frame, lines, names, dots)
 
 
 class ShareChart(Chart):
@@ -147,13 +150,12 @@ class ShareChart(Chart):
         """Make the figure."""
         f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=3)
         self.figure = f
-        self.line, self.sign = ColumnDataSource({"x": [], "y": []}), ColumnDataSource({"x": [], "y": [], "text": []})
+        self.line, self.sign = ColumnDataSource({"x": [], "y": []}), name_source()
         area = f.varea("x", 0, "y", source=self.line, fill_alpha=0.10)
         line = f.line("x", "y", source=self.line, **style_of("enoc"))
-        sign = f.text("x", "y", "text", source=self.sign, x_offset=6, y_offset=-4, **text_style())
+        write_names(f, self.sign)
         self.palette.paint(area.glyph, fill_color="enoc")
         self.palette.paint(line.glyph, line_color="enoc")
-        self.palette.paint(sign.glyph, text_color="enoc")
         self.now = Span(location=-1, dimension="height", line_width=1)
         self.palette.paint(self.now, line_color="line2")
         f.add_layout(self.now)
@@ -176,7 +178,11 @@ class ShareChart(Chart):
         else:
             more = comparisons.above(best_enoc_kwh(trade_off, now), run.energy_kwh)
             here = float(np.interp(now, time, share))
-            self.sign.data = {"x": [now], "y": [here], "text": [f"{more} at {words.time(now)} s"]}
+            name = Name("now", f"{more} at {words.time(now)} s", self.palette.tokens["enoc"], point=(now, here))
+            frame = self.frame_over(
+                (float(self.x_range.start), float(self.x_range.end)), (0.0, float(self.y_range.end))
+            )
+            self.sign.data = placed_names(frame, {"enoc": (time, share)}, [name])
         self.now.location = now
 
 

@@ -125,5 +125,19 @@ def test_seven_lines_are_named_within_a_frame_of_the_screen() -> None:
     assert min(times) < 4e-3, min(times)
 
 
+@settings(max_examples=60, deadline=None)
+@given(seed=st.integers(0, 10**6), x=st.floats(0, WIDTH), y=st.floats(0, HEIGHT))
+def test_names_of_points_overlap_nothing(seed: int, x: float, y: float) -> None:
+    lines = curves(seed, 2)
+    labels = [Label(0, 90.0, point=(x, y)), Label(0, 50.0, point=(x, y)), Label(1, 40.0)]
+    check(lines, place_labels(lines, labels, WIDTH, HEIGHT))
+
+
+def test_lone_point_is_named_beside_it() -> None:
+    (box,) = place_labels([], [Label(0, 60.0, point=(300.0, 100.0))], WIDTH, HEIGHT)
+    assert box is not None
+    assert box[0] == pytest.approx(310.0)
+
+
 def test_width_of_text_grows_with_it() -> None:
     assert text_width_px("speed limits") > text_width_px("limits") > 0
