@@ -30,14 +30,18 @@ class HistogramChart(Chart):
 
     kind = "bars"
 
-    def __init__(self, name: str, words: str, show: Callable[[float], str], height: int, palette: Palette) -> None:
+    def __init__(
+        self, name: str, words: str, quantity: str, show: Callable[[float], str], height: int, palette: Palette
+    ) -> None:
         super().__init__(name, words, height)
-        self.palette, self.show_value = palette, show
+        self.palette, self.quantity, self.show_value = palette, quantity, show
         self.x_range, self.y_range = Range1d(0, 1), Range1d(0, 1)
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=2)
+        f = empty_figure(
+            self.height, self.x_range, self.y_range, self.words, self.palette, ticks=2, x_title=self.quantity
+        )
         self.figure = f
         f.yaxis.visible = False
         f.ygrid.visible = False
@@ -110,7 +114,7 @@ def chance_table(table: MonteCarloTable) -> str:
     text = f"{words.number(table.done, 0)} of {words.number(table.runs, 0)} runs, seed {seed}."
     text += f" In {words.number(stuck, 0)} of them the train comes to a stand." if stuck else ""
     quantiles = parts.table("Monte Carlo", ("Result", "least", *QUANTILES.values(), "most"), rows)
-    return f'<div style="padding:0 6px 0 50px">{quantiles}<p class="note">{text}</p></div>'
+    return f'<div style="padding:0 6px">{quantiles}<p class="note">{text}</p></div>'
 
 
 class LoadScatter(Chart):
@@ -119,12 +123,14 @@ class LoadScatter(Chart):
     kind = "map"
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("scatter", "Monte Carlo: energy, kWh, over load, %", height)
+        super().__init__("scatter", "Monte Carlo: energy, kWh, over load; blue: a plan for the actual load", height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 100), Range1d(0, 1)
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=4, digits=1)
+        f = empty_figure(
+            self.height, self.x_range, self.y_range, self.words, self.palette, ticks=4, digits=1, x_title="Load, %"
+        )
         self.figure = f
         self.points = ColumnDataSource({"x": [], "y": []})
         self.line = ColumnDataSource({"x": [], "y": []})
@@ -132,11 +138,6 @@ class LoadScatter(Chart):
         self.palette.paint(points.glyph, fill_color="driven")
         line = f.line("x", "y", source=self.line, line_width=1.8)
         self.palette.paint(line.glyph, line_color="accent")
-        self.sign = ColumnDataSource({"x": [], "y": [], "text": []})
-        sign = f.text(
-            "x", "y", "text", source=self.sign, text_align="right", text_baseline="top", y_offset=30, **text_style(11)
-        )
-        self.palette.paint(sign.glyph, text_color="accent")
         self.content = captioned(self.words, f)
 
     def draw(self, table: MonteCarloTable) -> None:
@@ -145,14 +146,13 @@ class LoadScatter(Chart):
         load = 100 * table.drawn["load_factor"][: table.done][done]
         energy = table.energy_kwh[done]
         if not len(load):
-            for source in (self.points, self.line, self.sign):
+            for source in (self.points, self.line):
                 clear(source)
             return
         self.points.data = xy(load[:MOST_POINTS], energy[:MOST_POINTS])
         order = np.argsort(load)[:: max(1, len(load) // 60)]
         knowing = table.knowing_kwh[: table.done][done][order]
         self.line.data = xy(load[order], knowing)
-        self.sign.data = {"x": [float(load[order][-1])], "y": [float(knowing[-1])], "text": ["plan for the true load"]}
         self.x_range.update(start=0, end=100)
         low, high = nice_range(float(min(knowing.min(), energy.min())), float(np.quantile(energy, SHOWN[1])))
         self.y_range.update(start=low, end=high)

@@ -64,11 +64,13 @@ const at = (data, stepped) => {
 };
 for (const chart of charts) {
   if (place == null) { chart.caption.text = chart.words; continue; }
+  // a source may have a unit and digits of its own
   const values = chart.sources
-    .map(([word, source]) => [word, at(source.data, chart.stepped)])
+    .map(([word, source, unit, digits]) => [word, at(source.data, chart.stepped), unit ?? chart.unit, digits])
     .filter(([, number]) => isFinite(number))
-    .map(([word, number]) => [word, number, chart.digits + (Math.abs(number) < chart.small ? 1 : 0)])
-    .map(([word, number, digits]) => (word ? word + " " : "") + text(number, digits) + " " + chart.unit);
+    .map(([word, number, unit, digits]) =>
+      [word, number, unit, digits ?? chart.digits + (Math.abs(number) < chart.small ? 1 : 0)])
+    .map(([word, number, unit, digits]) => (word ? word + " " : "") + text(number, digits) + " " + unit);
   const where = chart.place ? text(place, chart.place[1]) + " " + chart.place[0] + ": " : "";
   chart.caption.text = values.length ? chart.words + "&ensp;&ensp;" + where + values.join("&ensp;&ensp;") : chart.words;
 }
@@ -80,7 +82,9 @@ PLACE_CSS = """
 """
 SHORT_COLUMN = 40
 USUAL_WIDTH_PX = 640.0
-RIGHT_PX, BOTTOM_PX, TICKS_PX, TITLE_PX = 22, 9, 26, 20
+RIGHT_BORDER_PX = 20
+"""Half of the last number of an axis stands in it."""
+RIGHT_PX, BOTTOM_PX, TICKS_PX, TITLE_PX = RIGHT_BORDER_PX + 4, 9, 26, 20
 """What is taken at least by the right and lower edges of a figure, the numbers of its x axis and that axis's title."""
 END_LABEL_SHARE = 0.125
 """Share of the axis beyond the last stop that is kept free for labels at the ends of lines."""
@@ -313,7 +317,7 @@ class DistanceChart(Chart):
             tools="",
             outline_line_color=None,
             min_border_left=self.left,
-            min_border_right=14,
+            min_border_right=RIGHT_BORDER_PX,
             min_border_top=2,
             min_border_bottom=7,
             html_attributes={"role": "img", "aria-label": self.words or self.name},

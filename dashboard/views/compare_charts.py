@@ -66,6 +66,12 @@ class ComparedChart(RunLinesChart):
         values = self.values(run)
         return float(values.min()), float(values.max())
 
+    def tell_left_out(self, among: Sequence[Contender], drawn: Sequence[Contender]) -> None:
+        """Say in the caption which runs would need another scale."""
+        left_out = [contender.name for contender in among if contender not in drawn]
+        told = f"{self.words}; {' and '.join(left_out)} needs more than this scale shows" if left_out else self.words
+        self.told["words"] = self.told["caption"].text = told
+
     def name_lines(
         self,
         among: Sequence[Contender],
@@ -170,6 +176,7 @@ class ComparedEnergyChart(ComparedChart):
     def draw(self, among: Sequence[Contender], reference: Contender, over_time: bool, narrow: bool) -> None:
         """Draw all runs."""
         drawn = without_fastest(among, reference)
+        self.tell_left_out(among, drawn)
         self.set_range(*nice_range(*self.fill_all(drawn, reference, over_time)))
         self.name_ends(drawn, over_time, narrow, words.energy)
 
@@ -204,6 +211,7 @@ class ComparedDifferenceChart(ComparedChart):
         self._reference, self._over_time = reference.run, over_time
         others = [contender for contender in without_fastest(among, reference) if contender is not reference]
         drawn = others or [reference]
+        self.tell_left_out(among, [*drawn, reference])
         self.set_range(*nice_range(*self.fill_all(drawn, drawn[0], over_time, reference.run), 0.1))
         zero = {"zero": (np.array([0.0, self.axis.end]), np.zeros(2))}
         self.name_ends(drawn, over_time, narrow, words.energy_difference, zero)
@@ -231,6 +239,7 @@ class ComparedEffortChart(ComparedChart):
     def draw(self, among: Sequence[Contender], reference: Contender, over_time: bool, narrow: bool) -> None:
         """Draw all runs and name the axis."""
         drawn = without_fastest(among, reference)
+        self.tell_left_out(among, drawn)
         self.set_range(*nice_range(*self.fill_all(drawn, reference, over_time), 0.08))
         assert self.figure is not None
         self.figure.xaxis.axis_label = "Time, s" if over_time else "Distance, m"

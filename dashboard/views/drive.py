@@ -31,7 +31,7 @@ from railjoule.dashboard.views.speed_chart import SpeedChart
 HEIGHTS = {
     "speed": (250, 310, 220),
     "phases": (26, 26, 26),
-    "line": (86, 86, 86),
+    "line": (104, 104, 104),
     "energy": (140, 140, 140),
     "difference": (92, 92, 92),
     "effort": (104, 104, 104),
@@ -149,7 +149,9 @@ class DriveView(PageView):
         narrow = self.browser.window_width < NARROW_PX
         shown = {name: r for name, r in runs.runs.items() if name in state.ticked or r is run}
         width = max(self.browser.window_width - (NARROW_MARGIN_PX if narrow else MARGIN_PX), LEAST_WIDTH_PX)
-        scene = Scene(self.state.chosen_now, shown, state.pinned, state.over_time, narrow, width)
+        scene = Scene(
+            self.state.chosen_now, shown, state.pinned, state.over_time, narrow, width, runs.runs.get("fastest")
+        )
         self.axis.fit(scene.end, roomy=not narrow)
         self.scenes["difference"].place.visible = state.pinned is not None
         self.scenes["current"].place.visible = run.current_a is not None

@@ -78,6 +78,7 @@ class LineStrip(SceneChart):
         """Make the figure."""
         f = self.frame(with_axis=True, ticks=2)
         self.palette.paint(f.xaxis[0], axis_line_color="line2")
+        f.xaxis.axis_label = "Distance, m"
         self.sources["height"] = ColumnDataSource({"x": [], "y": [], "base": []})
         ground = f.varea("x", "base", "y", source=self.sources["height"])
         self.palette.paint(ground.glyph, fill_color="ground")
@@ -101,6 +102,8 @@ class LineStrip(SceneChart):
         gradients = np.array([section.gradient_permille for section in line.sections])
         borders, height = section_borders(line), height_profile(line)
         bottom, relief = float(height.min()), max(float(np.ptp(height)), 1.0)
+        assert self.figure is not None
+        self.figure.xaxis.axis_label = "Time, s" if scene.over_time else "Distance, m"
         places = np.union1d(np.linspace(0, borders[-1], 200), borders) if scene.over_time else borders
         x = scene.x_of_place(places)
         self.set_range(bottom - 0.08 * relief, bottom + 1.7 * relief)

@@ -99,12 +99,20 @@ class BrakingChart(Chart):
     """The last metres before the stop, with the sensors and the target curve."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("braking", "Precision braking: speed, km/h, over metres to the stop", height)
+        super().__init__("braking", "Precision braking: speed, km/h, before the stop", height)
         self.palette, self.x_range, self.y_range = palette, Range1d(-1, 1), Range1d(0, 1)
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=4)
+        f = empty_figure(
+            self.height,
+            self.x_range,
+            self.y_range,
+            self.words,
+            self.palette,
+            ticks=4,
+            x_title="Distance from the stop, m",
+        )
         self.figure = f
         self.sources = {name: ColumnDataSource({"x": [], "y": []}) for name in ("target", "planned", "driven")}
         for name, token, style in (
@@ -143,12 +151,12 @@ class PlaceErrorChart(Chart):
     """By how much the train believes to be further on than it is, over time."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("place", "Place believed less true place, m, over time, s", height)
+        super().__init__("place", "Position error: assumed less true position, m", height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=3)
+        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=3, x_title="Time, s")
         self.figure = f
         add_zero(f, self.palette)
         self.source = ColumnDataSource({"x": [], "y": []})
@@ -209,4 +217,4 @@ def mark_sensors(source: ColumnDataSource, marks: list[tuple[float, str]], top: 
 
 def reality_words(load_factor: float, error_m: float) -> str:
     """Return what is otherwise in reality, such as 'load 100 %, +10 m'."""
-    return f"load {words.setting(load_factor)} %, {words.signed(error_m, 0)} m"
+    return f"load {words.setting(load_factor)}\u00a0%, {words.signed(error_m, 0)}\u00a0m"

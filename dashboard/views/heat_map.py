@@ -20,7 +20,7 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.charts import Chart, text_style
 from railjoule.dashboard.views.figures import empty_figure, ink_on
-from railjoule.dashboard.views.surface import CAMERA, LIGHTING, scene_layout
+from railjoule.dashboard.views.surface import LIGHTING, scene_layout
 
 CELL = 0.96
 CAMERA_DISTANCE = 1.25
@@ -226,17 +226,16 @@ class CostSurface(Chart):
                     "showscale": False,
                     "lighting": LIGHTING,
                     "text": [[measure.show(value) for value in row] for row in values.tolist()],
-                    "hovertemplate": "%{x:+.0f} m, load %{y:.0f} %: %{text}<extra></extra>",
+                    "customdata": [[words.signed(error, 0) for error in table.coordinate_errors_m]]
+                    * len(table.load_factors),
+                    "hovertemplate": "%{customdata} m, load %{y:.0f} %: %{text}<extra></extra>",
                 }
             ],
             "layout": self._layout(bottom - 0.05 * room, top + 0.05 * room),
         }
 
     def _layout(self, bottom: float, top: float) -> dict[str, Any]:
-        layout = scene_layout(self.palette, ("Coordinate error, m", "Load, %"), bottom, top)
-        eye = {axis: CAMERA_DISTANCE * place for axis, place in CAMERA["eye"].items()}
-        layout["scene"]["camera"] = {**CAMERA, "eye": eye}
-        return layout
+        return scene_layout(self.palette, ("Coordinate error, m", "Load, %"), bottom, top, CAMERA_DISTANCE)
 
 
 def printed_table(table: SensitivityTable) -> str:

@@ -77,7 +77,9 @@ class PriceChart(Chart):
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=4)
+        f = empty_figure(
+            self.height, self.x_range, self.y_range, self.words, self.palette, ticks=4, x_title="Travel time, s"
+        )
         curve = f.line("x", "y", source=self.sources["curve"], line_width=2.6)
         tangent = f.line("x", "y", source=self.sources["tangent"], line_width=1.2)
         point = f.scatter("x", "y", source=self.sources["point"], size=10, line_width=2)
@@ -123,7 +125,17 @@ class PhasePlaneChart(Chart):
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=4, digits=1)
+        f = empty_figure(
+            self.height,
+            self.x_range,
+            self.y_range,
+            self.words,
+            self.palette,
+            ticks=4,
+            digits=1,
+            x_title="Speed, km/h",
+            y_title="Worth, J",
+        )
         f.quad(-10, 1e3, "top", "bottom", source=self.bands, fill_color="fill", fill_alpha=0.35, line_color=None)
         f.text(
             self.x_range.end - 1,

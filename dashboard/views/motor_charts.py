@@ -185,4 +185,4 @@ def storage_table(storage: StorageCurve) -> str:
         f"{words.number(need.cycles_per_day, 0)} full cycles of the size needed in a day of 18 hours."
     )
     table = parts.table("What braking brings back, kWh", ("Taken by", "from the line", "saved", "%"), rows)
-    return f'<div style="padding:0 6px 0 50px">{table}<p class="note">{note}</p></div>'
+    return f'<div style="padding:0 6px">{table}<p class="note">{note}</p></div>'

@@ -147,7 +147,16 @@ class LateChart(Chart):
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=4, digits=1)
+        f = empty_figure(
+            self.height,
+            self.x_range,
+            self.y_range,
+            self.words,
+            self.palette,
+            ticks=4,
+            digits=1,
+            x_title="Delay at the end, s",
+        )
         self.figure = f
         self.sources = {}
         for name, (token, style) in LINES.items():

@@ -83,9 +83,12 @@ class RobustnessView(PageView):
         self.axis = Axis(palette)
         self.heat_map = HeatMapChart(HEIGHTS["heatmap"][0], palette, self._choose)
         self.costs = CostSurface(HEIGHTS["costs"][0], palette)
-        more, late = "Monte Carlo: more energy than a plan for the true load, %", "Monte Carlo: late at the stop, s"
-        self.more = HistogramChart("more", more, percent_difference, HEIGHTS["more"][0], palette)
-        self.late = HistogramChart("late", late, words.delay, HEIGHTS["late"][0], palette)
+        more, late = (
+            "Monte Carlo: extra energy against a plan for the actual load, %",
+            "Monte Carlo: delay at the stop, s",
+        )
+        self.more = HistogramChart("more", more, "Extra energy, %", percent_difference, HEIGHTS["more"][0], palette)
+        self.late = HistogramChart("late", late, "Delay, s", words.delay, HEIGHTS["late"][0], palette)
         self.scatter = LoadScatter(HEIGHTS["scatter"][0], palette)
         self.speed = DrivenSpeedChart(HEIGHTS["driven_speed"][0], self.axis, palette)
         self.effort = DrivenEffortChart(HEIGHTS["driven_effort"][0], self.axis, palette)

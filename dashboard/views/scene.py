@@ -25,8 +25,6 @@ class Scene:
         The strategy whose numbers are shown.
     runs : mapping
         The runs to draw, the chosen one among them.
-    fastest : Trajectory or None
-        The fastest run, if it is drawn.
     pinned : Trajectory or None
         The run to compare with.
     over_time : bool
@@ -35,6 +33,8 @@ class Scene:
         On a narrow screen: no labels at the ends of lines.
     width_px : float
         How wide the charts are, about.
+    fastest : Trajectory or None
+        The fastest run, drawn or not: the cursor tells its speed.
     """
 
     chosen: StrategyName
@@ -43,6 +43,7 @@ class Scene:
     over_time: bool
     narrow: bool
     width_px: float
+    fastest: Trajectory | None = None
 
     @property
     def run(self) -> Trajectory:

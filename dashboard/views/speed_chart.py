@@ -5,11 +5,11 @@ from bokeh.models import ColumnDataSource
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
-from railjoule.core.motion.line_profile import limit_steps
+from railjoule.core.motion.line_profile import limit_steps, section_borders
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.views.charts import Axis, columns, text_style, xy
+from railjoule.dashboard.views.charts import Axis, clear, columns, text_style, xy
 from railjoule.dashboard.views.label_places import text_width_px
 from railjoule.dashboard.views.line_names import Name
 from railjoule.dashboard.views.scene import RunChart, Scene, line_words
@@ -46,6 +46,8 @@ class SpeedChart(RunChart):
         self.sources["signs"] = ColumnDataSource({"x": [], "y": [], "text": []})
         signs = f.text("x", "y", "text", source=self.sources["signs"], x_offset=4, y_offset=-2, **text_style(SIGN_PX))
         self.palette.paint(signs.glyph, text_color="limit")
+        for name in ("clock", "gradient", "fastest_speed"):
+            self.sources[name] = ColumnDataSource({"x": [], "y": []})
         self.add_names()
 
     def values(self, run: Trajectory) -> FloatArray:
@@ -57,8 +59,28 @@ class SpeedChart(RunChart):
         top = self._draw_limits(scene)
         self.set_range(0, top)
         self.draw_lines(scene)
+        self._tell_cursor(scene)
         self.draw_borders(scene)
         self._draw_names(scene)
+
+    def _tell_cursor(self, scene: Scene) -> None:
+        """Let the cursor write when or where it stands, the limit, the gradient and the fastest run's speed too."""
+        run, fastest, line = scene.run, scene.fastest, scene.run.scenario.line.in_running_order()
+        other = run.position_m if scene.over_time else run.time_s
+        gradients = np.array([section.gradient_permille for section in line.sections])
+        self.sources["clock"].data = xy(scene.x(run), other)
+        self.sources["gradient"].data = xy(
+            np.repeat(scene.x_of_place(section_borders(line)), 2)[1:-1], np.repeat(gradients, 2)
+        )
+        clear(self.sources["fastest_speed"])
+        if fastest is not None and scene.chosen != "fastest":
+            self.sources["fastest_speed"].data = xy(scene.x(fastest), self.values(fastest))
+        self.told["sources"] += [
+            ["", self.sources["clock"], *(("m", 0) if scene.over_time else ("s", 1))],
+            ["limit", self.sources["limit"], self.unit, 0],
+            ["gradient", self.sources["gradient"], words.PER_MILLE, 1],
+            ["fastest", self.sources["fastest_speed"]],
+        ]
 
     def _draw_limits(self, scene: Scene) -> float:
         scenario = scene.run.scenario

@@ -73,7 +73,8 @@ class TradeOffView(PageView):
             value=map_of(state),
             size="small",
             margin=(6, 0, 8, 6),
-            width=360,
+            sizing_mode="stretch_width",
+            max_width=360,
             visible=False,
         )
         self.left = parts.stack(self.frontier.place, self.share.place, self.table)

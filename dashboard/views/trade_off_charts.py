@@ -1,5 +1,6 @@
 """The charts of the trade-off: frontier, distance to the optimum, ENOC's contours."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -19,9 +20,11 @@ from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import EnocMap, TradeOff
 from railjoule.dashboard.views.charts import Chart, clear, nice_range, style_of, text_style, write_names, xy
 from railjoule.dashboard.views.figures import captioned, empty_figure, ink_on
-from railjoule.dashboard.views.line_names import Name, name_source, placed_names
-from railjoule.dashboard.views.surface import CIVIDIS
+from railjoule.dashboard.views.label_places import Box
+from railjoule.dashboard.views.line_names import Name, clear_of, name_source, placed_names
+from railjoule.dashboard.views.surface import CIVIDIS, round_step
 
+MOST_LEVELS = 10
 STEEPEST_SHARE = 0.04
 """The frontier is drawn from this share above the shortest time: nearer to it, it rises out of any scale."""
 
@@ -42,7 +45,9 @@ class FrontierChart(Chart):
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, digits=1)
+        f = empty_figure(
+            self.height, self.x_range, self.y_range, self.words, self.palette, digits=1, x_title="Travel time, s"
+        )
         self.figure = f
         area = f.varea("x", "low", "high", source=self.source("between", "x", "low", "high"), fill_alpha=0.10)
         self.palette.paint(area.glyph, fill_color="enoc")
@@ -148,7 +153,9 @@ class ShareChart(Chart):
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=3)
+        f = empty_figure(
+            self.height, self.x_range, self.y_range, self.words, self.palette, ticks=3, x_title="Travel time, s"
+        )
         self.figure = f
         self.line, self.sign = ColumnDataSource({"x": [], "y": []}), name_source()
         area = f.varea("x", 0, "y", source=self.line, fill_alpha=0.10)
@@ -192,12 +199,21 @@ class ContourChart(Chart):
     kind = "map"
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("contour", "ENOC: energy, kWh, over travel time, s, and acceleration time, s", height)
+        super().__init__("contour", "ENOC: energy, kWh, over travel time and acceleration time", height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=5)
+        f = empty_figure(
+            self.height,
+            self.x_range,
+            self.y_range,
+            self.words,
+            self.palette,
+            ticks=5,
+            x_title="Travel time, s",
+            y_title="Acceleration time, s",
+        )
         self.figure = f
         f.ygrid.visible = False
         self.valley, self.point = (ColumnDataSource({"x": [], "y": []}) for _ in range(2))
@@ -265,18 +281,37 @@ class ContourChart(Chart):
         self.drawn = enoc_map
 
     def _sign_levels(self, enoc_map: EnocMap, levels: list[float], colours: list[str]) -> None:
-        """Write each level where its line crosses the upper part of the map, in black or white."""
-        row = int(0.88 * (len(enoc_map.acceleration_time_s) - 1))
-        energies = enoc_map.energy_kwh[row]
+        """Write each level on its line, in black or white, as high up as it is clear of the other levels."""
+        time, ramp = enoc_map.travel_time_s, enoc_map.acceleration_time_s
+        frame = self.frame_over((float(time[0]), float(time[-1])), (float(ramp[0]), float(ramp[-1])))
         signs: dict[str, list[Any]] = {"x": [], "y": [], "text": [], "colour": []}
+        taken: list[Box] = []
         for k, level in enumerate(levels[1:-1], 1):
-            crossing = np.flatnonzero(np.diff(np.sign(energies - level)))
-            if len(crossing):
-                signs["x"].append(float(enoc_map.travel_time_s[crossing[-1]]))
-                signs["y"].append(float(enoc_map.acceleration_time_s[row]))
-                signs["text"].append(f"{level:g}")
-                signs["colour"].append(ink_on(colours[k]))
+            text = f"{level:g}"
+            place = next(
+                (
+                    (x, y, box)
+                    for x, y in _crossings(enoc_map, level)
+                    if clear_of(box := frame.box(x, y, text, 11, "center", -7.0), taken, frame)
+                ),
+                None,
+            )
+            if place is not None:
+                x, y, box = place
+                taken.append(box)
+                for key, value in zip(signs, (x, y, text, ink_on(colours[k])), strict=True):
+                    signs[key].append(value)
         self.signs.data = signs
+
+
+def _crossings(enoc_map: EnocMap, level: float) -> Iterator[tuple[float, float]]:
+    """Yield where the line of an energy crosses the rows of the map, from above."""
+    time, ramp, rows = enoc_map.travel_time_s, enoc_map.acceleration_time_s, len(enoc_map.acceleration_time_s)
+    for row in range(int(0.92 * (rows - 1)), int(0.1 * (rows - 1)), -1):
+        energies = enoc_map.energy_kwh[row]
+        crossing = np.flatnonzero(np.diff(np.sign(energies - level)))
+        if len(crossing):
+            yield float(time[crossing[-1]]), float(ramp[row])
 
 
 def enoc_curve(trade_off: TradeOff) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -321,8 +356,8 @@ def printed_points(trade_off: TradeOff, everywhere: bool = False) -> tuple[Float
 
 
 def contour_levels(energy_kwh: FloatArray) -> list[float]:
-    """Return round levels that follow the spread of the energies, closer where most of them lie."""
-    shares = np.nanquantile(energy_kwh, np.linspace(0.02, 0.93, 10))
-    step = 10 ** np.floor(np.log10(max(shares[-1] - shares[0], 1e-6))) / 20
-    inner = sorted({float(round(level / step) * step) for level in shares})
-    return [0.0, *(round(level, 6) for level in inner if level > 0), float(np.nanmax(energy_kwh)) * 10 + 1]
+    """Return the multiples of a round step that most of the energies lie between, and ends beyond all of them."""
+    low, high = (float(level) for level in np.nanquantile(energy_kwh, (0.02, 0.93)))
+    step = round_step((high - low) / MOST_LEVELS)
+    inner = step * np.arange(np.ceil(low / step), np.floor(high / step) + 1)
+    return [0.0, *(round(float(level), 9) for level in inner if level > 0), float(np.nanmax(energy_kwh)) * 10 + 1]
