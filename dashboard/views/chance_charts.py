@@ -12,8 +12,11 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.charts import Chart, clear, nice_range, text_style, xy
 from railjoule.dashboard.views.figures import captioned, empty_figure
+from railjoule.dashboard.views.label_places import text_width_px
+from railjoule.dashboard.views.line_names import rows_of
 
 BINS = 36
+SIGN_PX, ROW_PX = 11, 14.0
 QUANTILES = {0.05: "5 %", 0.5: "median", 0.95: "95 %"}
 SHOWN = (0.003, 0.997)
 """Of the values this part is drawn."""
@@ -46,7 +49,10 @@ class HistogramChart(Chart):
         f.yaxis.visible = False
         f.ygrid.visible = False
         self.bars = ColumnDataSource({"left": [], "right": [], "top": []})
-        self.marks = ColumnDataSource({"x": [], "y": [], "text": [], "align": [], "offset": []})
+        self.marks, self.signs = (
+            ColumnDataSource({"x": [], "y": []}),
+            ColumnDataSource({"x": [], "y": [], "text": []}),
+        )
         bar = f.quad("left", "right", 0, "top", source=self.bars, line_width=1)
         self.palette.paint(bar.glyph, fill_color="line2", line_color="surface")
         line = f.segment("x", 0, "x", "y", source=self.marks, line_width=1.2)
@@ -55,12 +61,11 @@ class HistogramChart(Chart):
             "x",
             "y",
             "text",
-            text_align="align",
-            x_offset="offset",
-            source=self.marks,
+            text_align="center",
+            source=self.signs,
             y_offset=-2,
             text_baseline="bottom",
-            **text_style(11),
+            **text_style(SIGN_PX),
         )
         self.palette.paint(sign.glyph, text_color="ink2")
         self.content = captioned(self.words, f)
@@ -71,6 +76,7 @@ class HistogramChart(Chart):
         if not len(values):
             clear(self.bars)
             clear(self.marks)
+            clear(self.signs)
             return
         low, high = np.quantile(values, SHOWN)
         low, high = nice_range(float(low), float(max(high, low + 1e-3)))
@@ -78,17 +84,29 @@ class HistogramChart(Chart):
         most = float(max(counts.max(), 1))
         self.bars.data = {"left": edges[:-1].tolist(), "right": edges[1:].tolist(), "top": counts.tolist()}
         self.x_range.update(start=low, end=high)
-        self.y_range.update(start=0, end=1.25 * most)
-        places = np.quantile(values, list(QUANTILES))
-        self.marks.data = {
-            "x": places.tolist(),
-            "y": [1.06 * most] * len(places),
-            "text": [
-                f"{word}: {self.show_value(place)}"
-                for word, place in zip(QUANTILES.values(), places.tolist(), strict=True)
-            ],
-            "align": ["right", "center", "left"],
-            "offset": [2, 0, -2],
+        self._mark(np.quantile(values, list(QUANTILES)).tolist(), (low, high), most)
+
+    def _mark(self, places: list[float], ends: tuple[float, float], most: float) -> None:
+        """Draw the quantiles, their words in as many rows as they need above the bars."""
+        texts = [f"{word}: {self.show_value(place)}" for word, place in zip(QUANTILES.values(), places, strict=True)]
+        frame = self.frame_over(ends, (0.0, most))
+        spans = []
+        for place, text in zip(places, texts, strict=True):
+            width = text_width_px(text, SIGN_PX)
+            left = float(frame.x_px(np.array(place))) - 0.5 * width
+            left = min(max(left, 0.0), max(frame.width_px - width, 0.0))
+            spans.append((left, left + width))
+        rows = rows_of(spans)
+        room_px = ROW_PX * (max(rows) + 1) + ROW_PX
+        per_px = most / max(frame.height_px - room_px, ROW_PX)
+        self.y_range.update(start=0, end=most + room_px * per_px)
+        levels = [most + (ROW_PX * row + 0.4 * ROW_PX) * per_px for row in rows]
+        scale = (ends[1] - ends[0]) / frame.width_px
+        self.marks.data = {"x": places, "y": levels}
+        self.signs.data = {
+            "x": [ends[0] + 0.5 * (left + right) * scale for left, right in spans],
+            "y": levels,
+            "text": texts,
         }
 
 

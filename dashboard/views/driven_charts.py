@@ -20,6 +20,7 @@ from railjoule.dashboard.views.run_lines import DRIVEN_DASH, RunLinesChart
 BEFORE_SENSOR_M, BEYOND_STOP_M = 60.0, 20.0
 """How much of the way is drawn before the first sensor and beyond the stop [m]."""
 HEADROOM = 1.22
+SENSOR_ROW_PX = 15.0
 SENSOR_WORDS = {"D1": "D1 sets the place", "D2": "D2 calibrates", "D3": "D3 sets the place"}
 
 
@@ -144,7 +145,7 @@ class BrakingChart(Chart):
         self.sources["target"].data = xy(before, target)
         self.x_range.update(start=first, end=last)
         self.y_range.update(start=0, end=1.3 * top)
-        mark_sensors(self.sensors, [(s.from_m - stop, s.sensor) for s in way[1:]], 1.3 * top)
+        mark_sensors(self.sensors, [(s.from_m - stop, s.sensor) for s in way[1:]], 1.3 * top, 0.13 * top)
 
 
 class PlaceErrorChart(Chart):
@@ -181,7 +182,9 @@ class PlaceErrorChart(Chart):
         self.x_range.update(start=0, end=run.travel_time_s)
         self.y_range.update(start=-1.3 * size, end=1.6 * size)
         passed = [(float(np.interp(place, run.position_m, run.time_s)), sensor) for place, sensor in marks]
-        mark_sensors(self.sensors, passed, 1.6 * size, short=True)
+        frame = self.frame_over((0.0, run.travel_time_s), (-1.3 * size, 1.6 * size))
+        row = SENSOR_ROW_PX * 2.9 * size / frame.height_px
+        mark_sensors(self.sensors, passed, 1.6 * size, row, short=True)
 
 
 def sensor_marks(f: Any, palette: Palette) -> ColumnDataSource:
@@ -203,12 +206,14 @@ def sensor_marks(f: Any, palette: Palette) -> ColumnDataSource:
     return source
 
 
-def mark_sensors(source: ColumnDataSource, marks: list[tuple[float, str]], top: float, short: bool = False) -> None:
+def mark_sensors(
+    source: ColumnDataSource, marks: list[tuple[float, str]], top: float, row: float, short: bool = False
+) -> None:
     """Put the hairlines where the sensors are, their names one below the other; the last ones left of their lines."""
     left = [sensor == "D3" for _, sensor in marks]
     source.data = {
         "x": [place for place, _ in marks],
-        "y": [top * (0.98 - 0.1 * (k % 3)) for k in range(len(marks))],
+        "y": [0.98 * top - row * (k % 3) for k in range(len(marks))],
         "text": [sensor if short else SENSOR_WORDS[sensor] for _, sensor in marks],
         "align": ["right" if aside else "left" for aside in left],
         "offset": [-4 if aside else 4 for aside in left],

@@ -52,7 +52,9 @@ summary { cursor: pointer; color: var(--rj-accent); width: fit-content; min-heig
 """
 FIGURES_CSS = """
 .figures { margin: 0 0 4px 50px; grid-template-columns: 1.15fr; }
+.figure { display: grid; grid-template-rows: subgrid; grid-row: span 3; align-items: end; align-content: start; }
 .figure .label { white-space: normal; line-height: 1.25; }
+.figure .detail { align-self: start; }
 @media (min-width: 900px) and (max-width: 1599px) {
   .figure .value { font-size: 18px; } .figure.main .value { font-size: 24px; }
 }

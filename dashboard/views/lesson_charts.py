@@ -68,9 +68,7 @@ class PriceChart(Chart):
     """The least energy over travel time, with the price of a second as its slope."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__(
-            "lesson_price", "Least energy, kWh, over travel time, s; its slope is the price of a second", height
-        )
+        super().__init__("lesson_price", "Least energy, kWh; its slope is the price of a second", height)
         self.palette = palette
         self.x_range, self.y_range = Range1d(0, 1), Range1d(0, 1)
         self.sources = {name: ColumnDataSource({"x": [], "y": []}) for name in ("curve", "tangent", "point")}

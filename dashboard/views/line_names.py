@@ -31,6 +31,10 @@ class Frame:
         """Return how far values lie above the lower edge [px]."""
         return (np.asarray(y, dtype=float) - self.y[0]) * (self.height_px / (self.y[1] - self.y[0]))
 
+    def upright(self, x: float) -> tuple[FloatArray, FloatArray]:
+        """Return an upright line through the frame, in the units of the axes."""
+        return np.full(2, x), np.array(self.y)
+
     def dot(self, x: float, y: float, radius_px: float = 5.0) -> Box:
         """Return the box of a mark."""
         left, bottom = float(self.x_px(np.array(x))) - radius_px, float(self.y_px(np.array(y))) - radius_px
@@ -72,6 +76,26 @@ class Name:
 def name_source() -> ColumnDataSource:
     """Return the empty source of names."""
     return ColumnDataSource({column: [] for column in COLUMNS})
+
+
+def rows_of(spans: Sequence[tuple[float, float]], gap_px: float = 6.0) -> list[int]:
+    """Return for each span [px] the first row in which it overlaps none of those before it."""
+    rows: list[list[tuple[float, float]]] = []
+    result = []
+    for left, right in spans:
+        row = next(
+            (
+                k
+                for k, taken in enumerate(rows)
+                if all(right + gap_px <= start or left >= end + gap_px for start, end in taken)
+            ),
+            len(rows),
+        )
+        if row == len(rows):
+            rows.append([])
+        rows[row].append((left, right))
+        result.append(row)
+    return result
 
 
 def clear_of(box: Box, taken: Sequence[Box], frame: Frame) -> bool:

@@ -102,6 +102,8 @@ class RideSpeedChart(RunLinesChart):
                 zip(limits["left"], limits["right"], limits["bottom"], strict=True)
             )
         }
+        hairlines = [*events["x"], *self.sources["notices"].data["x"]]
+        upright = {f"hairline {k}": frame.upright(float(x)) for k, x in enumerate(hairlines)}
         # from the top downwards
         taken = [
             frame.box(x, y, text, lift_px=-SIGN_DROP_PX)
@@ -111,7 +113,7 @@ class RideSpeedChart(RunLinesChart):
             Name(name, name, self.palette.tokens["ink3" if name == "undisturbed" else LINES[name][0]])
             for name in reversed(list(runs))
         ]
-        self.place_names({**lines, **borders}, names, taken)
+        self.place_names({**lines, **borders, **upright}, names, taken)
 
 
 class RideEnergyChart(RunLinesChart):

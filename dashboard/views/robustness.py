@@ -33,7 +33,7 @@ from railjoule.dashboard.views.page import PageView
 
 HEIGHTS = {
     "heatmap": (350, 440, 320),
-    "costs": (330, 400, 260),
+    "costs": (410, 470, 270),
     "more": (190, 220, 170),
     "late": (190, 220, 170),
     "scatter": (220, 260, 200),

@@ -181,4 +181,4 @@ def line_words(name: str, scene: Scene) -> str:
     if name == "fastest":
         return "fastest possible"
     word = words.STRATEGY_WORDS[name]  # type: ignore[index]
-    return word if word.isupper() else word.lower()
+    return word if word.isupper() or name == "bellman" else word.lower()

@@ -121,6 +121,7 @@ class FrontierChart(Chart):
             "optimal": (np.asarray(optimal["x"]), np.asarray(optimal["y"])),
             "tangent": (np.asarray(tangent["x"]), np.asarray(tangent["y"])),
             "enoc": (enoc[0], enoc[1]),
+            "now": (np.full(2, now[0]), np.array([self.y_range.start, self.y_range.end], dtype=float)),
         }
         times, _, energies = printed
         frame = self.frame_over(
