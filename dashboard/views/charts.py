@@ -79,6 +79,9 @@ CAPTION_PX = 21
 UNDRAWN = "rj-undrawn"
 PLACE_CSS = """
 :host { overflow: hidden; filter: var(--rj-chart-filter, none); }
+@media (max-width: 899px) { :host { height: auto !important; } }
+"""
+"""On narrow screens a caption may take two lines.
 """
 SHORT_COLUMN = 40
 USUAL_WIDTH_PX = 640.0

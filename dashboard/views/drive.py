@@ -91,9 +91,7 @@ class DriveView(PageView):
         self.law.place.visible = False
         column = parts.stack(*(chart.place for chart in self.charts))
         body = parts.stack(column, rail, css=LAYOUT_CSS)
-        tools = pn.Row(
-            self.advice, self.over, margin=0, sizing_mode="stretch_width", styles={"align-items": "flex-start"}
-        )
+        tools = pn.Row(self.advice, self.over, margin=0, sizing_mode="stretch_width", stylesheets=[TOOLS_CSS])
         tie(self.over, self.state, "over_time")
         self.shows(self._show_failure, (self.state, ["failure", "runs"]))
         self.shows(self._show_run, (self.state, ["runs", "chosen", "ticked", "pins", "over_time"]))

@@ -54,6 +54,7 @@ KNOWS_WORDS = {
     "for the true place": "place",
     "for both": "both",
 }
+WRAP_CSS = "@media (max-width: 899px) { :host { flex-wrap: wrap; } }"
 SELECT: dict[str, Any] = {"size": "small", "margin": (6, 0, 6, 6), "sizing_mode": "stretch_width"}
 
 
@@ -96,7 +97,7 @@ class RobustnessView(PageView):
         self.place = PlaceErrorChart(HEIGHTS["place"][0], palette)
         note = '<p class="note" style="margin:10px 0 0 12px">Press a cell to see its run.</p>'
         left = parts.stack(
-            pn.Row(self.measure, self.ways, margin=0, sizing_mode="stretch_width"),
+            pn.Row(self.measure, self.ways, margin=0, sizing_mode="stretch_width", stylesheets=[WRAP_CSS]),
             self.heat_map.place,
             pn.Row(self.knows, parts.html_pane(note), margin=0, sizing_mode="stretch_width"),
             self.costs.place,

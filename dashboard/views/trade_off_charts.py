@@ -200,7 +200,7 @@ class ContourChart(Chart):
     kind = "map"
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("contour", "ENOC: energy, kWh, over travel time and acceleration time", height)
+        super().__init__("contour", "ENOC: energy, kWh, as contours", height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
 
     def build(self) -> None:

@@ -3,9 +3,10 @@
 from typing import Any
 
 import pytest
+from playwright.sync_api import Browser
+
 from browser.server import Server
 from browser.user import User
-from playwright.sync_api import Browser
 
 PAGES = (
     "Start",
