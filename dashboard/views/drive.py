@@ -34,7 +34,7 @@ from railjoule.dashboard.views.speed_chart import SpeedChart
 HEIGHTS = {
     "speed": (250, 310, 220),
     "phases": (26, 26, 26),
-    "line": (86, 86, 86),
+    "line": (104, 104, 104),
     "energy": (140, 140, 140),
     "difference": (92, 92, 92),
     "effort": (104, 104, 104),
@@ -73,6 +73,7 @@ class DriveView(PageView):
 
     page = "Drive"
     heights = HEIGHTS
+    rail_px = RAIL_PX
 
     def make(self) -> Viewable:
         """Make the pieces of the page, and return them laid out."""
@@ -99,9 +100,7 @@ class DriveView(PageView):
         self.no_current = parts.html_pane(NO_CURRENT, visible=False)
         column = parts.stack(*(self._beside(chart) for chart in self.charts))
         body = parts.stack(column, rail, css=LAYOUT_CSS)
-        tools = pn.Row(
-            self.advice, self.over, margin=0, sizing_mode="stretch_width", styles={"align-items": "flex-start"}
-        )
+        tools = pn.Row(self.advice, self.over, margin=0, sizing_mode="stretch_width", stylesheets=[TOOLS_CSS])
         tie(self.over, self.state, "over_time")
         self.shows(self._show_failure, (self.state, ["failure", "runs"]), (self.state.actual, ["on", "failure", "run"]))
         self.shows(
@@ -175,7 +174,9 @@ class DriveView(PageView):
         shown = {name: r for name, r in runs.runs.items() if name in state.ticked}
         shown[state.chosen_now] = run
         width = max(self.browser.window_width - (NARROW_MARGIN_PX if narrow else MARGIN_PX), LEAST_WIDTH_PX)
-        scene = Scene(self.state.chosen_now, shown, state.pinned, state.over_time, narrow, width, actual)
+        scene = Scene(
+            state.chosen_now, shown, state.pinned, state.over_time, narrow, width, actual, runs.runs.get("fastest")
+        )
         self.axis.fit(scene.end, roomy=not narrow)
         self.scenes["difference"].place.visible = state.pinned is not None
         self.scenes["current"].place.visible = CurrentChart.knows(run)

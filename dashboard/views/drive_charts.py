@@ -9,7 +9,8 @@ from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.views.charts import Axis, clear, columns, nice_range, spread, text_style, xy
+from railjoule.dashboard.views.charts import Axis, clear, columns, nice_range, text_style, xy
+from railjoule.dashboard.views.line_names import Name
 from railjoule.dashboard.views.scene import ACTUAL, PINNED, CellChart, RunChart, Scene, SceneChart, line_words
 
 WORD_PX = 7.2
@@ -84,6 +85,7 @@ class LineStrip(SceneChart):
         """Make the figure."""
         f = self.frame(with_axis=True, ticks=2)
         self.palette.paint(f.xaxis[0], axis_line_color="line2")
+        f.xaxis.axis_label = "Distance, m"
         self.sources["height"] = ColumnDataSource({"x": [], "y": [], "base": []})
         ground = f.varea("x", "base", "y", source=self.sources["height"])
         self.palette.paint(ground.glyph, fill_color="ground")
@@ -107,6 +109,8 @@ class LineStrip(SceneChart):
         gradients = np.array([section.gradient_permille for section in line.sections])
         borders, height = section_borders(line), height_profile(line)
         bottom, relief = float(height.min()), max(float(np.ptp(height)), 1.0)
+        assert self.figure is not None
+        self.figure.xaxis.axis_label = "Time, s" if scene.over_time else "Distance, m"
         places = np.union1d(np.linspace(0, borders[-1], 200), borders) if scene.over_time else borders
         x = scene.x_of_place(places)
         self.set_range(bottom - 0.08 * relief, bottom + 1.7 * relief)
@@ -155,17 +159,7 @@ class EnergyChart(RunChart):
         self.palette.paint(extra.glyph, fill_color="over")
         self.add_borders()
         self.add_lines()
-        self.sources["ends"] = ColumnDataSource({"x": [], "y": [], "text": [], "colour": []})
-        f.text(
-            "x",
-            "y",
-            "text",
-            text_color="colour",
-            source=self.sources["ends"],
-            x_offset=6,
-            text_baseline="middle",
-            **text_style(),
-        )
+        self.add_names("ends")
 
     def values(self, run: Trajectory) -> FloatArray:
         """Line energy so far [kWh]."""
@@ -185,27 +179,22 @@ class EnergyChart(RunChart):
         if scene.narrow:
             clear(self.sources["ends"])
             return
-        ends = [
-            (
-                float(scene.x(named[name])[-1]),
-                float(v[-1]),
-                f"{end_words(name, scene)} {words.energy(float(v[-1]))}",
-                "ink3" if name == PINNED else name,
-            )
-            for name, v in values.items()
+        lines = {name: (scene.x(run), values[name]) for name, run in named.items()}
+        names = [
+            Name(name, f"{end_words(name, scene)} {words.energy(v[-1])}", self.name_colour(name), True)
+            for name, v in reversed(values.items())
         ]
         if scene.actual is not None and scene.actual.causes:
-            between = 0.5 * (values[ACTUAL][-1] + values[scene.chosen][-1])
-            ends.append(
-                (ends[-1][0], float(between), f"{words.energy_difference(scene.actual.extra_kwh)} kWh", "overline")
-            )
-        places = spread([y for _, y, _, _ in ends], 14 * (high - low) / self.height)
-        self.sources["ends"].data = {
-            "x": [x for x, _, _, _ in ends],
-            "y": places,
-            "text": [text for _, _, text, _ in ends],
-            "colour": [self.palette.tokens[token] for _, _, _, token in ends],
-        }
+            names.append(self._extra_name(scene, values))
+        self.place_names(lines, names, source="ends")
+
+    def _extra_name(self, scene: Scene, values: dict[str, FloatArray]) -> Name:
+        """Return what the actual run costs beyond the plan, between the ends of both."""
+        assert scene.actual is not None
+        between = 0.5 * (float(values[ACTUAL][-1]) + float(values[scene.chosen][-1]))
+        text = f"{words.energy_difference(scene.actual.extra_kwh)} kWh"
+        end = float(scene.x(scene.actual.actual)[-1])
+        return Name(ACTUAL, text, self.palette.tokens["overline"], point=(end, between))
 
     def _draw_extra(self, scene: Scene) -> None:
         """Tint what the actual run has taken more than the plan so far."""
@@ -236,9 +225,7 @@ class DifferenceChart(RunChart):
         self.palette.paint(area.glyph, fill_color="accent")
         line = f.line("x", "y", source=self.sources["run"], line_width=1.8)
         self.palette.paint(line.glyph, line_color="accent")
-        self.sources["ends"] = ColumnDataSource({"x": [], "y": [], "text": []})
-        end = f.text("x", "y", "text", source=self.sources["ends"], x_offset=6, text_baseline="middle", **text_style())
-        self.palette.paint(end.glyph, text_color="accent")
+        self.add_names("ends")
 
     def draw(self, scene: Scene) -> None:
         """Draw the difference to the pinned run."""
@@ -259,7 +246,8 @@ class DifferenceChart(RunChart):
             return
         last = float(difference[-1])
         text = f"{words.energy_difference(last)} kWh"
-        self.sources["ends"].data = {"x": [float(x[-1])], "y": [last], "text": [text]}
+        name = Name("run", text, self.palette.tokens["accent"], at_end=True)
+        self.place_names({"run": (x, difference)}, [name], source="ends")
 
 
 class EffortChart(CellChart):

@@ -20,7 +20,7 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.charts import Chart, text_style
 from railjoule.dashboard.views.figures import empty_figure, ink_on
-from railjoule.dashboard.views.surface import CAMERA, LIGHTING, scene_layout
+from railjoule.dashboard.views.surface import LIGHTING, NARROW_PX, scene_layout
 
 CELL = 0.96
 CAMERA_DISTANCE = 1.25
@@ -121,7 +121,8 @@ class HeatMapChart(Chart):
         self.plan = ColumnDataSource({"x": [], "y": [], "ink": []})
         f.rect("x", "y", CELL, CELL, source=self.cells, fill_color="fill", line_color=None)
         style: dict[str, Any] = {"text_align": "center", "text_baseline": "middle"}
-        f.text("x", "y", "text", source=self.cells, text_color="ink", **style, **text_style(13))
+        numbers = f.text("x", "y", "text", source=self.cells, text_color="ink", **style, **text_style(13))
+        self.numbers = numbers.glyph
         f.text("x", "y", value("plan"), source=self.plan, text_color="ink", y_offset=16, **style, **text_style(11))
         frame = f.rect("x", "y", CELL, CELL, source=self.frame, fill_color=None, line_width=2.5)
         self.palette.paint(frame.glyph, line_color="accent")
@@ -140,6 +141,7 @@ class HeatMapChart(Chart):
     def draw(self, table: SensitivityTable, measure: Measure, load_factor: float, error_m: float) -> None:
         """Draw the table so far, and the frame around a load and an error."""
         loads, errors = table.load_factors, table.coordinate_errors_m
+        self.numbers.text_font_size = value("10px" if self.width_px < NARROW_PX else "13px")
         state = (table, measure, self.palette.costs)
         if state != self._drawn:
             self._table, self._drawn = table, state
@@ -227,17 +229,16 @@ class CostSurface(Chart):
                     "showscale": False,
                     "lighting": LIGHTING,
                     "text": [[measure.show(value) for value in row] for row in values.tolist()],
-                    "hovertemplate": "%{x:+.0f} m, load %{y:.0f} %: %{text}<extra></extra>",
+                    "customdata": [[words.signed(error, 0) for error in table.coordinate_errors_m]]
+                    * len(table.load_factors),
+                    "hovertemplate": "%{customdata} m, load %{y:.0f} %: %{text}<extra></extra>",
                 }
             ],
             "layout": self._layout(bottom - 0.05 * room, top + 0.05 * room),
         }
 
     def _layout(self, bottom: float, top: float) -> dict[str, Any]:
-        layout = scene_layout(self.palette, ("Position error, m", "Load, %"), bottom, top)
-        eye = {axis: CAMERA_DISTANCE * place for axis, place in CAMERA["eye"].items()}
-        layout["scene"]["camera"] = {**CAMERA, "eye": eye}
-        return layout
+        return scene_layout(self.palette, ("Position error, m", "Load, %"), bottom, top, CAMERA_DISTANCE)
 
 
 def printed_table(table: SensitivityTable) -> str:

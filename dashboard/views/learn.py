@@ -37,6 +37,9 @@ HEIGHTS = {
 LESSON_CSS = """
 :host { display: grid; grid-template-columns: minmax(300px, 430px) minmax(0, 1400px); column-gap: 36px;
   padding: 18px 20px 20px; align-items: start; border-top: 1px solid var(--rj-line); }
+@media (min-width: 1100px) and (max-width: 1599px) {
+  :host { grid-template-columns: minmax(300px, 0.8fr) minmax(0, 1fr); }
+}
 @media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); padding: 14px 14px 16px; } }
 """
 TEXT_CSS = """
@@ -48,7 +51,13 @@ details p { margin-top: 2px; }
 summary { cursor: pointer; color: var(--rj-accent); width: fit-content; min-height: 24px; line-height: 24px; }
 """
 FIGURES_CSS = """
-.figures { margin: 0 0 4px 50px; grid-template-columns: 1.3fr; }
+.figures { margin: 0 0 4px 50px; grid-template-columns: 1.15fr; }
+.figure { display: grid; grid-template-rows: subgrid; grid-row: span 3; align-items: end; align-content: start; }
+.figure .label { white-space: normal; line-height: 1.25; }
+.figure .detail { align-self: start; }
+@media (min-width: 900px) and (max-width: 1599px) {
+  .figure .value { font-size: 18px; } .figure.main .value { font-size: 24px; }
+}
 @media (max-width: 899px) { .figures { margin-left: 0; } }
 """
 SLIDER = {"margin": (10, 0, 0, -16), "max_width": 430}
@@ -81,8 +90,11 @@ class LessonView:
         left = parts.stack(
             parts.html_pane(text, stylesheets=styles), field.view, parts.html_pane(question, stylesheets=styles)
         )
-        right = parts.stack(self.figures, *(chart.place for chart in self.charts))
-        self.view = parts.stack(left, right, css=LESSON_CSS)
+        # two charts more are side by side beneath: one column of three would leave half of the page empty
+        beside = (self.speed, *self.more) if len(self.more) < 2 else (self.speed,)
+        right = parts.stack(self.figures, *(chart.place for chart in beside))
+        lower = [parts.stack(chart.place) for chart in self.more if chart not in beside]
+        self.view = parts.stack(left, right, *lower, css=LESSON_CSS)
 
     @property
     def charts(self) -> tuple[Chart, ...]:

@@ -32,7 +32,7 @@ PAGE = "Line"
 SHIPPED, SHIPPED_TITLE = "metro-10-stations", "Metro, ten stations"
 HEIGHTS = {
     "line_speed": (230, 290, 210),
-    "line": (80, 90, 76),
+    "line": (98, 106, 94),
     "line_path": (180, 230, 170),
     "supplements": (120, 140, 110),
     "leg_energy": (140, 160, 130),

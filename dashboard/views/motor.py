@@ -226,7 +226,7 @@ class MotorView(PageView):
         for name in (*(OF_STRATEGIES if rivals.strategies else ()), *OF_TRACKING):
             self.loops[name].show(partial(self.loops[name].draw, rivals.named))
         self.refusals.object = "".join(
-            f'<p class="note" style="padding-left:50px">{parts.escaped(words.STRATEGY_WORDS[name] + ": " + why)}</p>'
+            f'<p class="note" style="padding-left:6px">{parts.escaped(words.STRATEGY_WORDS[name] + ": " + why)}</p>'
             for name, why in rivals.refused.items()
         )
 
@@ -318,7 +318,7 @@ def parts_table(run: FieldOrientedRun) -> str:
     by_input = float(run.energy_by_input_power_j[-1])
     rows.append((("Input power, integrated", *_amount(by_input, total)), True))
     table = parts.table("Where the energy goes", ("Part", "kWh", "%"), rows)
-    return f'<div style="padding:0 6px 0 50px">{table}</div>'
+    return f'<div style="padding:0 6px">{table}</div>'
 
 
 def _amount(joules: float, total: float) -> tuple[str, str]:

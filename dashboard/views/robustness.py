@@ -33,7 +33,7 @@ from railjoule.dashboard.views.page import PageView
 
 HEIGHTS = {
     "heatmap": (350, 440, 320),
-    "costs": (330, 400, 260),
+    "costs": (410, 470, 270),
     "more": (190, 220, 170),
     "late": (190, 220, 170),
     "scatter": (220, 260, 200),
@@ -54,6 +54,7 @@ KNOWS_WORDS = {
     "for the true place": "place",
     "for both": "both",
 }
+WRAP_CSS = "@media (max-width: 899px) { :host { flex-wrap: wrap; } }"
 SELECT: dict[str, Any] = {"size": "small", "margin": (6, 0, 6, 6), "sizing_mode": "stretch_width"}
 
 
@@ -62,6 +63,7 @@ class RobustnessView(PageView):
 
     page = PAGE
     heights = HEIGHTS
+    halves_from_px = 1100
 
     def make(self) -> Viewable:
         """Make the pieces of the page, and return them laid out."""
@@ -82,9 +84,12 @@ class RobustnessView(PageView):
         self.axis = Axis(palette)
         self.heat_map = HeatMapChart(HEIGHTS["heatmap"][0], palette, self._choose)
         self.costs = CostSurface(HEIGHTS["costs"][0], palette)
-        more, late = "Monte Carlo: more energy than a plan for the true load, %", "Monte Carlo: late at the stop, s"
-        self.more = HistogramChart("more", more, percent_difference, HEIGHTS["more"][0], palette)
-        self.late = HistogramChart("late", late, words.delay, HEIGHTS["late"][0], palette)
+        more, late = (
+            "Monte Carlo: extra energy against a plan for the actual load, %",
+            "Monte Carlo: delay at the stop, s",
+        )
+        self.more = HistogramChart("more", more, "Extra energy, %", percent_difference, HEIGHTS["more"][0], palette)
+        self.late = HistogramChart("late", late, "Delay, s", words.delay, HEIGHTS["late"][0], palette)
         self.scatter = LoadScatter(HEIGHTS["scatter"][0], palette)
         self.speed = DrivenSpeedChart(HEIGHTS["driven_speed"][0], self.axis, palette)
         self.effort = DrivenEffortChart(HEIGHTS["driven_effort"][0], self.axis, palette)
@@ -92,7 +97,7 @@ class RobustnessView(PageView):
         self.place = PlaceErrorChart(HEIGHTS["place"][0], palette)
         note = '<p class="note" style="margin:10px 0 0 12px">Press a cell to see its run.</p>'
         left = parts.stack(
-            pn.Row(self.measure, self.ways, margin=0, sizing_mode="stretch_width"),
+            pn.Row(self.measure, self.ways, margin=0, sizing_mode="stretch_width", stylesheets=[WRAP_CSS]),
             self.heat_map.place,
             pn.Row(self.knows, parts.html_pane(note), margin=0, sizing_mode="stretch_width"),
             self.costs.place,

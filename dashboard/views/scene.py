@@ -26,8 +26,6 @@ class Scene:
         The strategy whose numbers are shown.
     runs : mapping
         The runs to draw, the chosen one among them.
-    fastest : Trajectory or None
-        The fastest run, if it is drawn.
     pinned : Trajectory or None
         The run to compare with.
     over_time : bool
@@ -37,7 +35,9 @@ class Scene:
     width_px : float
         How wide the charts are, about.
     actual : ActualRun or None
-        The run of the day, if it is drawn beside the plan.
+        The actual run, if it is drawn beside the plan.
+    fastest : Trajectory or None
+        The fastest run, drawn or not: the cursor tells its speed.
     """
 
     chosen: StrategyName
@@ -47,6 +47,7 @@ class Scene:
     narrow: bool
     width_px: float
     actual: ActualRun | None = None
+    fastest: Trajectory | None = None
 
     @property
     def run(self) -> Trajectory:
@@ -135,6 +136,10 @@ class RunChart(SceneChart):
         """Return what is drawn of a run, at its nodes."""
         raise NotImplementedError
 
+    def name_colour(self, name: str) -> str:
+        """Return the colour in which a line's name is written."""
+        return self.palette.tokens["ink3" if name == PINNED else name]
+
     def add_borders(self) -> None:
         """Add the hairlines of the phases."""
         assert self.figure is not None
@@ -201,4 +206,4 @@ def line_words(name: str, scene: Scene) -> str:
     if name == "fastest":
         return "fastest possible"
     word = words.STRATEGY_WORDS[name]  # type: ignore[index]
-    return word if word.isupper() else word.lower()
+    return word if word.isupper() or name == "bellman" else word.lower()

@@ -338,7 +338,7 @@ class StrategyList:
             variant="text",
             size="small",
             margin=0,
-            width=92,
+            width=88,
             align="center",
             on_click=self._chooser(name),
             sx={

@@ -21,7 +21,7 @@ from railjoule.dashboard.views.sections import PAGE
 
 HEIGHTS = {
     "limit_speed": (290, 360, 240),
-    "line": (86, 96, 80),
+    "line": (104, 112, 98),
     "limit_effort": (104, 120, 96),
     "limit_energy": (130, 150, 120),
     "search_plane": (280, 330, 260),
@@ -37,6 +37,7 @@ LOWER_CSS = """
 @media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); padding: 8px 10px 12px 6px; } }
 """
 GAP_CSS = ":host { row-gap: 10px; }"
+NOTES_CSS = ":host { padding: 0 20px 16px; } @media (max-width: 899px) { :host { padding: 0 12px 16px; } }"
 REGULATOR_WORDS = {"coast": "Coasts", "brake": "Brakes", "literal": "As printed"}
 REGULATOR_DOES = {"coast": "coasts above a limit", "brake": "brakes for a limit", "literal": "is the printed relay"}
 SMALL: dict[str, Any] = {"size": "small", "sx": {"& .MuiToggleButton-root": {"whiteSpace": "nowrap"}}}
@@ -101,7 +102,7 @@ class SpeedLimitsView(PageView):
         left = parts.stack(self.table, self.plane.place, self.pair, self.path.place, self.search_text, css=GAP_CSS)
         right = parts.stack(self.no_map, self.map.place, self.whose, self.storage.place, self.storage_text, css=GAP_CSS)
         lower = parts.stack(left, right, css=LOWER_CSS)
-        notes = parts.stack(self.notes, css=":host { padding: 0 20px 16px; }")
+        notes = parts.stack(self.notes, css=NOTES_CSS)
         return parts.stack(self.heading, self.message, self.figures, tools, body, lower, notes)
 
     def _listen(self) -> None:
@@ -188,7 +189,7 @@ class SpeedLimitsView(PageView):
         if sections > 1:
             self.plane.show(partial(self.plane.draw, path.search, self.pair.value))
         self.path.show(partial(self.path.draw, path.search))
-        self.search_text.object = f'<p class="note" style="padding-left:50px">{search_words(path.search)}</p>'
+        self.search_text.object = f'<p class="note" style="padding-left:6px">{search_words(path.search)}</p>'
 
     def _show_map(self) -> None:
         found, run, refusal = self.model.motor_map, self.model.run, self.model.no_map
@@ -196,7 +197,7 @@ class SpeedLimitsView(PageView):
         self.whose.visible = found is not None and found.motor is not None
         self.no_map.visible = bool(refusal)
         if refusal:
-            self.no_map.object = f'<p class="note" style="padding-left:50px">{parts.escaped(refusal)}</p>'
+            self.no_map.object = f'<p class="note" style="padding-left:6px">{parts.escaped(refusal)}</p>'
         if found is not None and run is not None:
             self.map.show(partial(self.map.draw, found, self.model.shown_map, run.points))
 
@@ -218,7 +219,8 @@ class SpeedLimitsView(PageView):
         self.figures.object = parts.figures(self._cells(run), self.model.failure is not None)
         self.table.object = sections_table(run)
         without = run.no_optimum and f"No optimum in the time of the run: {run.no_optimum}"
-        self.notes.object = f'<p class="note">{parts.escaped(without)}</p>{parts.notes(run.run)}'
+        first = f'<p class="note">{parts.escaped(without)}</p>' if without else ""
+        self.notes.object = f'<div class="columns">{first}{parts.notes(run.run)}</div>'
 
     def _cells(self, run: LimitRun) -> list[str]:
         need = run.need
@@ -287,4 +289,4 @@ def sections_table(run: LimitRun) -> str:
         cells = (str(number), words.number(start, 0), words.number(end, 0), words.number(float(limit)), top)
         rows.append((cells, False))
     table = parts.table("Sections", ("Section", "from, m", "to, m", "limit, km/h", "top, km/h"), rows)
-    return f'<div style="padding:0 6px 0 50px">{table}</div>'
+    return f'<div style="padding:0 6px">{table}</div>'

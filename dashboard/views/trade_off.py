@@ -57,6 +57,7 @@ class TradeOffView(PageView):
 
     page = "Trade-off"
     heights = HEIGHTS
+    halves_from_px = 900
 
     def make(self) -> Viewable:
         """Make the pieces of the page, and return them laid out."""
@@ -72,7 +73,8 @@ class TradeOffView(PageView):
             value=map_of(state),
             size="small",
             margin=(6, 0, 8, 6),
-            width=360,
+            sizing_mode="stretch_width",
+            max_width=360,
             visible=False,
         )
         self.left = parts.stack(self.frontier.place, self.share.place, self.table)

@@ -9,11 +9,11 @@ from railjoule.dashboard.views.heat_map import percent_difference
 
 
 def test_a_histogram_marks_its_quantiles() -> None:
-    chart = HistogramChart("more", "More, %", percent_difference, 190, Palette(dark=False))
+    chart = HistogramChart("more", "More, %", "More, %", percent_difference, 190, Palette(dark=False))
     chart.build()
     chart.draw(np.append(np.linspace(0.0, 100.0, 1001), np.nan))
     assert np.allclose(chart.marks.data["x"], [5.0, 50.0, 95.0])
-    assert chart.marks.data["text"][1] == "median: +50.0"
+    assert chart.signs.data["text"][1] == "median: +50.0"
     chart.draw(np.array([np.nan]))
     assert chart.bars.data["top"] == []
 
