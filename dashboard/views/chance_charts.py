@@ -18,7 +18,6 @@ from railjoule.dashboard.views.line_names import rows_of
 BINS = 36
 SIGN_PX, ROW_PX = 11, 14.0
 QUANTILES = {0.05: "5 %", 0.5: "median", 0.95: "95 %"}
-BEST_PLAN = "plan for the actual load"
 SHOWN = (0.003, 0.997)
 """Of the values this part is drawn."""
 MOST_POINTS = 2000
