@@ -77,12 +77,6 @@
   const moving = new Set(runs.flatMap((run) => Object.keys(run.lines)));
   const first = new Map();
   const keep = (id) => { if (!first.has(id)) first.set(id, {...model(id).data}); return first.get(id); };
-  const interpolate = (xs, ys, x) => {
-    let k = xs.findIndex((place) => place >= x);
-    if (k < 0) k = xs.length - 1;
-    if (k === 0 || xs[k] === xs[k - 1]) return ys[k];
-    return ys[k - 1] + (ys[k] - ys[k - 1]) * (x - xs[k - 1]) / (xs[k] - xs[k - 1]);
-  };
   const fit = (chart) => {
     const ends = chart.lines.map((id) => model(id).data.y).filter((y) => y.length);
     const low = Math.min(...ends.map((y) => y.reduce((a, b) => Math.min(a, b), Infinity)));

@@ -138,7 +138,6 @@ def _texts(findings: Findings, run: Trajectory) -> dict[str, Any]:
     return {
         "time": f"{words.time(run.travel_time_s)} s",
         "shown": sections.shown_words(run),
-        "energy": words.energy(run.energy_kwh),
         "phases": _phases(run),
         "numbers": sections.numbers(findings, run),
         "advice": parts.advice(run, stale=False),

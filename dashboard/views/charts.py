@@ -81,8 +81,7 @@ PLACE_CSS = """
 :host { overflow: hidden; filter: var(--rj-chart-filter, none); }
 @media (max-width: 899px) { :host { height: auto !important; } }
 """
-"""On narrow screens a caption may take two lines.
-"""
+"""On narrow screens a caption may take two lines."""
 SHORT_COLUMN = 40
 USUAL_WIDTH_PX = 640.0
 RIGHT_BORDER_PX = 20
