@@ -149,8 +149,8 @@ class Field:
         """Meaning and bounds in sentences."""
         bounds = self.bounds_words
         meaning = SMALL_UNIT.sub("", self.help)
-        several = " Numbers with spaces between them." if self.kind == "numbers" else ""
-        empty = " May be left empty." if self.optional else ""
+        several = " Numbers separated by spaces." if self.kind == "numbers" else ""
+        empty = " Can be left empty." if self.optional else ""
         forms = " Also as 2:30 or 2 min 30 s." if self._may_be_long else ""
         return f"{meaning}{several}{f' {bounds[:1].upper()}{bounds[1:]}.' if bounds else ''}{forms}{empty}".strip()
 

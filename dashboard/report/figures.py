@@ -145,12 +145,12 @@ class Figures:
             return (
                 f"Speed over distance of {names}; {words.STRATEGY_WORDS[self._scene().chosen]} reaches "
                 f"{words.number(run.max_speed_kmh)} km/h and takes {words.number(run.travel_time_s)} s. "
-                "The phases stand in a table below."
+                "A table of the phases follows."
             )
         if isinstance(chart, PhaseStrip):
             return "Phases: " + ", ".join(words.advice_in_words(run.advice))
         if isinstance(chart, LineStrip):
-            return "Gradient and height of the line; the sections stand in a table below."
+            return "Gradient and height of the track; a table of the sections follows."
         if isinstance(chart, EnergyChart):
             ends = ", ".join(f"{words.STRATEGY_WORDS[name]} {words.energy(r.energy_kwh)}" for name, r in runs.items())
             return f"Energy drawn so far over distance; at the end, in kWh: {ends}."

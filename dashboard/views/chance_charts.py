@@ -15,6 +15,7 @@ from railjoule.dashboard.views.figures import captioned, empty_figure
 
 BINS = 36
 QUANTILES = {0.05: "5 %", 0.5: "median", 0.95: "95 %"}
+BEST_PLAN = "plan for the actual load"
 SHOWN = (0.003, 0.997)
 """Of the values this part is drawn."""
 MOST_POINTS = 2000
@@ -92,10 +93,10 @@ def chance_table(table: MonteCarloTable) -> str:
     """Return quantiles and ends of all results of the runs so far, and how many runs there are."""
     results: dict[str, tuple[FloatArray, Callable[[float], str]]] = {
         "Energy, kWh": (table.energy_kwh, words.energy),
-        "Above the plan, %": (table.overconsumption, words.share_difference),
-        "Above a plan for that load, %": (table.over_replanned, words.share_difference),
-        "Late at the stop, s": (table.delay_s, words.delay),
-        "Beyond the stop, m": (table.stop_error_m, words.stop_error),
+        "Extra energy against the plan, %": (table.overconsumption, words.share_difference),
+        "Extra energy against a plan for the actual load, %": (table.over_replanned, words.share_difference),
+        "Delay at the stop, s": (table.delay_s, words.delay),
+        "Overshoot, m": (table.stop_error_m, words.stop_error),
     }
     rows = []
     for name, (values, show) in results.items():
@@ -140,7 +141,7 @@ class LoadScatter(Chart):
         self.content = captioned(self.words, f)
 
     def draw(self, table: MonteCarloTable) -> None:
-        """Draw the runs so far, and what plans would need that knew the load."""
+        """Draw the runs so far, and the energy of plans for the actual load."""
         done = np.isfinite(table.energy_kwh)
         load = 100 * table.drawn["load_factor"][: table.done][done]
         energy = table.energy_kwh[done]
@@ -152,7 +153,7 @@ class LoadScatter(Chart):
         order = np.argsort(load)[:: max(1, len(load) // 60)]
         knowing = table.knowing_kwh[: table.done][done][order]
         self.line.data = xy(load[order], knowing)
-        self.sign.data = {"x": [float(load[order][-1])], "y": [float(knowing[-1])], "text": ["plan for the true load"]}
+        self.sign.data = {"x": [float(load[order][-1])], "y": [float(knowing[-1])], "text": [BEST_PLAN]}
         self.x_range.update(start=0, end=100)
         low, high = nice_range(float(min(knowing.min(), energy.min())), float(np.quantile(energy, SHOWN[1])))
         self.y_range.update(start=low, end=high)

@@ -18,7 +18,7 @@ from railjoule.dashboard.views.run_lines import DRIVEN_DASH, RunLinesChart
 
 BEFORE_SENSOR_M, BEYOND_STOP_M = 60.0, 20.0
 """How much of the way is drawn before the first sensor and beyond the stop [m]."""
-SENSOR_WORDS = {"D1": "D1 sets the place", "D2": "D2 calibrates", "D3": "D3 sets the place"}
+SENSOR_WORDS = {"D1": "D1 resets position", "D2": "D2 calibrates", "D3": "D3 resets position"}
 
 
 STROKES: Mapping[str, tuple[str, dict[str, Any]]] = {
@@ -107,7 +107,7 @@ class BrakingChart(Chart):
     """The last metres before the stop, with the sensors and the target curve."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("braking", "Precision braking: speed, km/h, over metres to the stop", height)
+        super().__init__("braking", "Precision braking: speed, km/h, over distance to the stop, m", height)
         self.palette, self.x_range, self.y_range = palette, Range1d(-1, 1), Range1d(0, 1)
 
     def build(self) -> None:
@@ -148,10 +148,10 @@ class BrakingChart(Chart):
 
 
 class PlaceErrorChart(Chart):
-    """By how much the train believes to be further on than it is, over time."""
+    """By how much the train assumes to be farther on than it is, over time."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("place", "Place believed less true place, m, over time, s", height)
+        super().__init__("place", "Position error, m, over time, s", height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
 
     def build(self) -> None:
@@ -216,5 +216,5 @@ def mark_sensors(source: ColumnDataSource, marks: list[tuple[float, str]], top: 
 
 
 def reality_words(load_factor: float, error_m: float) -> str:
-    """Return what is otherwise in reality, such as 'load 100 %, +10 m'."""
+    """Return the actual load and position error, such as 'load 100 %, +10 m'."""
     return f"load {words.setting(load_factor)} %, {words.signed(error_m, 0)} m"

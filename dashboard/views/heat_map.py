@@ -70,19 +70,19 @@ def percent_difference(percent: float) -> str:
 
 MEASURES = {
     "over_replanned": Measure(
-        "Above a plan for that load, %",
+        "Extra energy against a plan for the actual load, %",
         lambda table: 100 * table.over_replanned,
         percent_difference,
         lambda table: table.knowing_kwh[:, None],
     ),
     "overconsumption": Measure(
-        "Above the plan, %",
+        "Extra energy against the plan, %",
         lambda table: 100 * table.overconsumption,
         percent_difference,
         lambda table: np.array(table.planned_kwh),
     ),
-    "delay_s": Measure("Late at the stop, s", lambda table: table.delay_s, words.delay),
-    "stop_error_m": Measure("Beyond the stop, m", lambda table: table.stop_error_m, words.stop_error),
+    "delay_s": Measure("Delay at the stop, s", lambda table: table.delay_s, words.delay),
+    "stop_error_m": Measure("Overshoot, m", lambda table: table.stop_error_m, words.stop_error),
 }
 
 
@@ -95,10 +95,10 @@ def colour_of(number: float, most: float, palette: Palette) -> str:
 
 
 class HeatMapChart(Chart):
-    """Loads upwards, errors to the right, one number a cell; a press chooses the cell."""
+    """Loads upwards, errors to the right, one number a cell; a click selects the cell."""
 
     kind = "map"
-    title = "table of loads and coordinate errors"
+    title = "table of loads and position errors"
 
     def __init__(self, height: int, palette: Palette, choose: Callable[[float, float], None]) -> None:
         super().__init__("heatmap", "", height)
@@ -109,10 +109,11 @@ class HeatMapChart(Chart):
     def build(self) -> None:
         """Make the figure."""
         ranges = Range1d(-0.52, len(COORDINATE_ERRORS_M) - 0.48), Range1d(-0.52, len(LOAD_FACTORS) - 0.48)
-        f = empty_figure(self.height, *ranges, "Table of loads and coordinate errors", self.palette)
+        f = empty_figure(self.height, *ranges, "Table of loads and position errors", self.palette)
         self.figure = f
         f.ygrid.visible = False
-        for axis, title in ((f.xaxis, "Coordinate error, m (+: it believes it is further on)"), (f.yaxis, "Load, %")):
+        titles = "Position error, m (+: the train assumes it is farther on)", "Load, %"
+        for axis, title in zip((f.xaxis, f.yaxis), titles, strict=True):
             axis.axis_line_color = None
             axis.axis_label = title
         self.cells = ColumnDataSource({key: [] for key in ("x", "y", "fill", "text", "ink")})
@@ -187,7 +188,7 @@ class CostSurface(Chart):
     """The same table as a surface that can be turned."""
 
     kind = "map"
-    title = "table of loads and coordinate errors, as a surface"
+    title = "table of loads and position errors, as a surface"
 
     def __init__(self, height: int, palette: Palette) -> None:
         super().__init__("costs", "", height)
@@ -202,7 +203,7 @@ class CostSurface(Chart):
             height=self.height,
             margin=0,
         )
-        name = pn.pane.HTML('<span data-figure="Table of loads and coordinate errors, as a surface"></span>', margin=0)
+        name = pn.pane.HTML('<span data-figure="Table of loads and position errors, as a surface"></span>', margin=0)
         self._drawn = ()
         self.content, self.figure = pn.Column(name, self.pane, margin=0, sizing_mode="stretch_width"), self.pane
 
@@ -233,7 +234,7 @@ class CostSurface(Chart):
         }
 
     def _layout(self, bottom: float, top: float) -> dict[str, Any]:
-        layout = scene_layout(self.palette, ("Coordinate error, m", "Load, %"), bottom, top)
+        layout = scene_layout(self.palette, ("Position error, m", "Load, %"), bottom, top)
         eye = {axis: CAMERA_DISTANCE * place for axis, place in CAMERA["eye"].items()}
         layout["scene"]["camera"] = {**CAMERA, "eye": eye}
         return layout

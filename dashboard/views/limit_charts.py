@@ -89,7 +89,7 @@ class LimitSpeedChart(RunLinesChart):
         release: Callable[[], None],
     ) -> None:
         super().__init__(
-            "limit_speed", "Speed, km/h: drag a step to change its limit, a border to move it", height, axis, palette
+            "limit_speed", "Speed, km/h: drag a step to change its limit, its end to move it", height, axis, palette
         )
         self._move, self._release = move, release
         self._drawing = False

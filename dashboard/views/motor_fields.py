@@ -36,8 +36,8 @@ class MotorFields:
         self.control = [
             TypedNumber(model, "bandwidth_rads", "Bandwidth, rad/s", digits=1, unit="rad/s"),
             TypedNumber(model, "rotor_resistance_factor", "Believed resistance, \u00d7", digits=2, unit=""),
-            TypedNumber(model, "speed_noise_rads", "Noise of speed, rad/s", digits=2, unit="rad/s"),
-            TypedNumber(model, "noise_seed", "Its seed", digits=0, unit=""),
+            TypedNumber(model, "speed_noise_rads", "Speed noise, rad/s", digits=2, unit="rad/s"),
+            TypedNumber(model, "noise_seed", "Seed", digits=0, unit=""),
         ]
         self.limits = [
             TypedNumber(model, "max_phase_voltage_v", "Phase voltage, V", digits=0, unit="V"),

@@ -132,7 +132,7 @@ TRACKING = Quantity(
 )
 TRACKING_FINE = Quantity(
     "tracking_fine",
-    "The same with pre-compensator, mm",
+    "Tracking error with pre-compensator, mm",
     "mm",
     3,
     (Line("", "accent", over_time("tracking_error_m", 1e3), "with"),),
@@ -171,7 +171,7 @@ ENERGY = Quantity(
     tick_digits=1,
 )
 RIVAL_SPEED = Quantity(
-    "rival_speed", "EOC against ENOC: speed, km/h", "km/h", 2, rival_lines("speed_ms", 1 / MS_PER_KMH), ticks=5
+    "rival_speed", "EOC and ENOC: speed, km/h", "km/h", 2, rival_lines("speed_ms", 1 / MS_PER_KMH), ticks=5
 )
 RIVAL_CURRENT = Quantity("rival_current", "Torque current of one motor, A", "A", 1, rival_lines("torque_current_a"))
 RIVAL_ENERGY = Quantity(
@@ -323,7 +323,7 @@ class DetuningChart(Chart):
     """What a rotor resistance costs that is not the one that the controller believes."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        words = "More energy, %, over rotor resistance believed / true"
+        words = "Extra energy, %, over assumed / true rotor resistance"
         super().__init__("detuning", words, height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
 
@@ -372,6 +372,6 @@ def detuning_table(table: DetuningTable) -> str:
             " ".join(length(table.max_tracking_error_m[k])),
         )
         rows.append((cells, factor == 1))
-    title = "A controller that believes in another rotor resistance"
-    header = ("Believed", "energy, %", "peak, A", "peak, V", "tracking error")
+    title = "Controller with a wrong rotor resistance"
+    header = ("Assumed / true", "energy, %", "peak, A", "peak, V", "tracking error")
     return f'<div style="padding:0 6px 0 50px">{parts.table(title, header, rows)}</div>'

@@ -23,7 +23,7 @@ class SearchPlaneChart(Chart):
     kind = "map"
 
     def __init__(self, height: int, palette: Palette) -> None:
-        text = "Search: limits of two sections, km/h; dark is cheap, hollow as drawn at first"
+        text = "Search: set speeds of two sections, km/h; dark: less energy, hollow: first samples"
         super().__init__("search_plane", text, height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
 
@@ -87,7 +87,7 @@ class SearchPathChart(Chart):
     """Energy of each trip that the search looked at, and the best so far."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("search_path", "Search: energy, kWh, of trip after trip, with the best so far", height)
+        super().__init__("search_path", "Search: energy of each trip, kWh, and the best so far", height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
 
     def build(self) -> None:
@@ -169,9 +169,9 @@ def search_words(search: LimitSearch) -> str:
     known = energy[np.isfinite(energy)]
     late = len(energy) - len(known)
     if not len(known):
-        return "None of the trips that the search looked at arrives in time."
+        return "None of the combinations tried arrives in time."
     first = energy[stages(search) == "sample"]
     return (
-        f"{len(energy)} trips looked at, {late} of them late; the best of the first {len(first)} needs "
+        f"{len(energy)} combinations tried, {late} of them late; the best of the first {len(first)} needs "
         f"{words.energy(float(first.min()))} kWh, the best of all {words.energy(float(known.min()))} kWh."
     )

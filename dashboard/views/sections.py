@@ -23,18 +23,16 @@ class SectionFields:
         self.list = stack()
         self.search = [
             TypedNumber(model, "section_count", "Sections", digits=0, unit=""),
-            TypedNumber(model, "time_window_percent", "Window of the time, \u00b1 %", digits=1, unit="%"),
+            TypedNumber(model, "time_window_percent", "Time window, \u00b1 %", digits=1, unit="%"),
             TypedNumber(model, "stop_deceleration_ms2", "Braking, m/s\u00b2", digits=2, unit="m/s\u00b2"),
         ]
         self.size = NumberField(
             model, "storage_size_kwh", "Storage, kWh", step=0.01, digits=2, unit="kWh", ends=SIZE_ENDS
         )
-        self.power = NumberField(
-            model, "storage_power_kw", "Its power, kW", step=10, digits=0, unit="kW", ends=POWER_ENDS
-        )
+        self.power = NumberField(model, "storage_power_kw", "Power, kW", step=10, digits=0, unit="kW", ends=POWER_ENDS)
         self.shares = [
-            TypedNumber(model, "charging_percent", "Charging keeps, %", digits=1, unit="%"),
-            TypedNumber(model, "discharging_percent", "Discharging gives, %", digits=1, unit="%"),
+            TypedNumber(model, "charging_percent", "Charging efficiency, %", digits=1, unit="%"),
+            TypedNumber(model, "discharging_percent", "Discharging efficiency, %", digits=1, unit="%"),
         ]
         self.view = stack(
             html_pane('<div class="section">Sections <span>\u00b7 limit and end of each</span></div>'),

@@ -42,7 +42,7 @@ def test_events_are_dropped_changed_and_removed(user: User) -> None:
     user.page.mouse.click(box["x"] + 0.7 * box["width"], box["y"] + 0.5 * box["height"])
     expect(user.page.get_by_label("2 Limit: km/h, as a number")).to_have_value("30")
     before = user.number("The events cost the driver")
-    user.type("1 Stop: stands, s", "25")
+    user.type("1 Stop: stops for, s", "25")
     expect(user.figure_value("The events cost the driver")).not_to_have_text(before)
     user.page.get_by_role("button", name="Remove 2 Limit").click()
     expect(user.page.get_by_label("2 Limit: km/h, as a number")).to_have_count(0)

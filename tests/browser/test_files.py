@@ -77,12 +77,12 @@ def test_a_file_of_another_kind_is_told_what_can_be_opened(user: User, tmp_path:
     path.write_text("time_s,speed_kmh\n0,0\n1,3.6\n")
     user.page.locator("input[type=file]").set_input_files(path)
     expect(alert).to_contain_text(
-        "run.csv: it holds no scenario. Only scenarios (.toml) and reports of railjoule (.html)"
+        "run.csv: it contains no scenario. Only scenarios (.toml) and reports of railjoule (.html)"
     )
     path = tmp_path / "picture.png"
     path.write_bytes(b"\x89PNG\r\n\x1a\n")
     user.page.locator("input[type=file]").set_input_files(path)
-    expect(alert).to_contain_text("picture.png: it is no text in UTF-8. Only scenarios")
+    expect(alert).to_contain_text("picture.png: it is not UTF-8 text. Only scenarios")
     colours = "element => [getComputedStyle(element).borderColor, getComputedStyle(element.firstChild).color]"
     border, words = alert.evaluate(colours)
     assert border == words != user.page.evaluate("getComputedStyle(document.body).color")

@@ -35,7 +35,7 @@ def test_a_press_on_a_cell_shows_its_run(user: User) -> None:
     expect(user.figure_value("Load 0 %, \u221225 m")).to_be_visible()
     user.rest()
     assert user.picture("driven_speed") != speed
-    assert user.page.get_by_label("Coordinate error, m, as a number").input_value() == "\u221225"
+    assert user.page.get_by_label("Position error, m, as a number").input_value() == "\u221225"
 
 
 def test_both_ways_stand_beside_the_printed_table(user: User) -> None:
@@ -65,10 +65,10 @@ def test_chance_draws_and_can_be_stopped(user: User) -> None:
 
 
 def test_what_cannot_be_is_told_and_the_last_run_stays(user: User) -> None:
-    user.type("Coordinate error, m", "5000")
+    user.type("Position error, m", "5000")
     (alert,) = user.alerts()
     assert "less than the shortest way between two stops" in alert
-    user.type("Coordinate error, m", "0")
+    user.type("Position error, m", "0")
     assert user.alerts() == []
     user.type("Actual load, % of capacity", "121")
     (alert,) = user.alerts()

@@ -126,7 +126,7 @@ class User:
 
     def begin_anew(self) -> None:
         """Go back to what a new page of Drive shows, without the seconds that opening it takes."""
-        back = self.page.get_by_role("button", name="Back to the preset")
+        back = self.page.get_by_role("button", name="Reset all to the preset")
         self.let_go_of_pins()
         self.page.get_by_role("button", name="Distance", exact=True).click()
         for name in STRATEGIES:

@@ -23,7 +23,7 @@ def test_the_table_says_how_many_runs_there_are() -> None:
     assert "0 of 30 runs, seed 1." in chance_table(empty)
     shown = chance_table(full)
     assert "30 of 30 runs, seed 1." in shown
-    assert "Late at the stop, s" in shown
+    assert "Delay at the stop, s" in shown
 
 
 def test_the_table_tells_the_earliest_and_the_latest_arrival() -> None:

@@ -42,7 +42,7 @@ def test_the_search_s_path_never_rises(view: SpeedLimitsView) -> None:
     assert np.all(np.diff(best) <= 0)
     assert best[-1] == pytest.approx(path.search.best.energy_j / 3.6e6)
     assert view.plane.ends.data["x"][-1] == pytest.approx(path.limits_kmh[0])
-    assert search_words(path.search).startswith(f"{len(path.search.evaluations)} trips looked at")
+    assert search_words(path.search).startswith(f"{len(path.search.evaluations)} combinations tried")
 
 
 def test_what_the_browser_has_moved_is_a_trip_until_it_is_let_go(view: SpeedLimitsView) -> None:
