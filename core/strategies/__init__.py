@@ -91,8 +91,8 @@ def run_strategy(task: Task, strategy: StrategyName) -> Trajectory:
     if strategy not in STRATEGIES:
         known = ", ".join(STRATEGIES)
         if strategy in STRATEGY_NAMES:
-            raise StrategyRefusedError(f"is not part of this version, which has {known}.")
-        raise StrategyRefusedError(f"is no strategy; there are {known}.")
+            raise StrategyRefusedError(f"is not part of this version; choose one of {known}.")
+        raise StrategyRefusedError(f"is not a strategy; choose one of {known}.")
     started = time.perf_counter()
     trajectory = STRATEGIES[strategy](task)
     return replace(trajectory, solve_time_s=time.perf_counter() - started)

@@ -187,9 +187,9 @@ def bound_statement(task: Task) -> str:
 def switched_bound_statement(task: Task) -> str:
     """Return in one sentence which runs the bound of a drive covers that takes power without effort."""
     return (
-        f"No run over this mesh of {task.course.cell_count} cells, even if it switches between driving, coasting and "
-        f"braking at will within each, {_conditions(task)}; this takes for granted that the power of the drive rises "
-        "ever faster with its effort, and that its losses do not fall with speed."
+        f"No run over this mesh of {task.course.cell_count} cells, even if it switches freely between driving, "
+        f"coasting and braking within each, {_conditions(task)}; this assumes that the power of the powertrain is "
+        "convex in its effort, and that its losses do not fall with speed."
     )
 
 
@@ -198,23 +198,23 @@ def switching_note(task: Task, optimum: Optimum, energy_j: float) -> str:
     data = task.course.data
     free = optimum.energy * data.traction.constant_n
     friction = (
-        "friction brakes take what needs power otherwise"
+        "friction brakes take over where electric braking would draw power"
         if data.friction_effort_n > 0
-        else "the vehicle has no friction brakes to share in"
+        else "the vehicle has no friction brakes to support the electric ones"
     )
     known = ""
     if free <= energy_j + SMOOTHED * abs(energy_j):
         needed = _energy_j(task, optimum.energy) / J_PER_KWH
         known = f"free switching would need {needed:.{energy_decimals(needed)}f} kWh; "
     return (
-        "Driven or coasted cell by cell where free switching between driving, coasting and braking would drive for a "
-        f"part of each, which is the best such run found, not proven; {known}{friction}."
+        "Each cell is driven or coasted as a whole, where free switching between driving, coasting and braking would "
+        f"drive for a part of it; this is the best such run found, not proven; {known}{friction}."
     )
 
 
 def _conditions(task: Task) -> str:
     slowest = 0.1 / MS_PER_KMH
     return (
-        f"that keeps all limits, arrives within {task.travel_time_s:.1f} s and goes nowhere slower than "
-        f"{slowest:.2f} km/h between its stops needs less"
+        f"that keeps all limits, arrives within {task.travel_time_s:.1f} s and never goes slower than "
+        f"{slowest:.2f} km/h between its stops uses less energy"
     )

@@ -67,7 +67,7 @@ def test_chance_draws_and_can_be_stopped(user: User) -> None:
 def test_what_cannot_be_is_told_and_the_last_run_stays(user: User) -> None:
     user.type("Position error, m", "5000")
     (alert,) = user.alerts()
-    assert "less than the shortest way between two stops" in alert
+    assert "less than the shortest distance between two stops" in alert
     user.type("Position error, m", "0")
     assert user.alerts() == []
     user.type("Actual load, % of capacity", "121")

@@ -385,7 +385,7 @@ def test_a_missing_package_of_the_dashboard_is_named(capsys, monkeypatch):
 
 BAD_FILES = {
     "broken TOML": (b"title = ", "not a valid TOML file"),
-    "no text": (b"\xff\xfe\x00", "not a text in UTF-8"),
+    "no text": (b"\xff\xfe\x00", "not UTF-8 text"),
     "empty": (b"", "vehicle is missing"),
     "too large": (b"#" * 10_000_001, "10 MB allowed"),
 }
@@ -450,7 +450,7 @@ def test_a_bad_change(capsys, change, words):
         (["solve", "x" * 5000], "File name too long"),
         (
             ["solve", "liashenko-ii", "--strategy", "best"],
-            "best is no strategy; there are optimal, bellman, eoc, enoc, phases, speed_limits, fastest.",
+            "best is not a strategy; choose one of optimal, bellman, eoc, enoc, phases, speed_limits, fastest.",
         ),
         (["solve", "liashenko-ii", "--strategy", "eoc"], "eoc needs a drive with copper loss."),
         (

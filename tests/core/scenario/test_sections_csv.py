@@ -52,7 +52,7 @@ def test_the_file_lies_beside_the_scenario(tmp_path, monkeypatch):
         ("length_m\n5\n-5\n", "line.sections[1].length_m = -5 must be above 0."),
         ("length_m,gradient_permille\n,4\n", "line.sections[0].length_m is missing."),
         ("length_m\n" + "5" * 200_000 + "\n", "line.file 'line.csv': not a table in CSV: "),
-        (b"length_m\n\xff\n", "line.csv: not a text in UTF-8."),
+        (b"length_m\n\xff\n", "line.csv: not UTF-8 text."),
     ],
 )
 def test_a_table_that_is_none(tmp_path, content, sentence):

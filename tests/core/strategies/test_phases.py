@@ -289,7 +289,7 @@ def test_too_short_a_way_or_time():
     ("options", "words"),
     [
         ({"phases.cruise": False, "phases.coast": False}, "cruise and coast cannot both be false"),
-        ({"phases.coast": False, "phases.cycles": 2}, "coast = false leaves only one of cycles"),
+        ({"phases.coast": False, "phases.cycles": 2}, "coast = false needs cycles = 1"),
         ({"phases.free_starting_current": True, "phases.starting_current_a": 90.0}, "leaves no room for"),
     ],
 )
