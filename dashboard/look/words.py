@@ -27,8 +27,8 @@ STRATEGY_WORDS: dict[StrategyName, str] = {
     "bellman": "Bellman",
     "eoc": "EOC",
     "enoc": "ENOC",
-    "phases": "Phases",
-    "speed_limits": "Speed limits",
+    "phases": "Four phases",
+    "speed_limits": "Set speeds",
     "fastest": "Fastest",
 }
 PHASE_WORDS: dict[PhaseName, str] = {

@@ -226,7 +226,7 @@ class MotorView(PageView):
         for name in (*(OF_STRATEGIES if rivals.strategies else ()), *OF_TRACKING):
             self.loops[name].show(partial(self.loops[name].draw, rivals.named))
         self.refusals.object = "".join(
-            f'<p class="note" style="padding-left:50px">{parts.escaped(words.STRATEGY_WORDS[name] + " " + why)}</p>'
+            f'<p class="note" style="padding-left:50px">{parts.escaped(words.STRATEGY_WORDS[name] + ": " + why)}</p>'
             for name, why in rivals.refused.items()
         )
 

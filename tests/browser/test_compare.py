@@ -38,7 +38,7 @@ def number(cell: str) -> float:
 def test_pinned_runs_stand_beside_all_strategies(user: User) -> None:
     table = user.page.get_by_role("table").filter(has_text="above bound")
     # Bellman is not ticked: it comes with the work behind this page
-    for name in ("Optimal", "Bellman", "Speed limits", "Fastest", "1 Optimal, 170.0 s", "2 Optimal, 170.0 s"):
+    for name in ("Optimal", "Bellman", "Set speeds", "Fastest", "1 Optimal, 170.0 s", "2 Optimal, 170.0 s"):
         expect(table.get_by_role("row").filter(has_text=name).first).to_be_visible()
     one, two = row(user, "1 Optimal"), row(user, "2 Optimal")
     assert two[2:4] == ["0.000", "0.00"]

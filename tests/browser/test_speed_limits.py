@@ -21,7 +21,7 @@ def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who stays on the page for all tests of this file."""
     with User.on(window, server.drive_url) as someone:
         someone.turn_to("Speed limits")
-        someone.choose("Metro, speed limits, 40 km/h")
+        someone.choose("Metro, set speeds, 40 km/h")
         expect(someone.page.get_by_label(f"{LIMIT}, as a number")).to_have_value("44.7")
         yield someone
 
