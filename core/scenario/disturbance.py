@@ -16,7 +16,7 @@ class Event(Part):
 
     noticed_at_m: Number | None = Field(None, ge=0, le=1e7, description="Where the train learns of it [m].")
     noticed_at_s: Number | None = Field(None, ge=0, le=86400, description="When the train learns of it [s].")
-    reaction: Reaction = Field("computer", description="Driver, replanning (computer), or advance notice.")
+    reaction: Reaction = Field("computer", description="Reaction (computer: replanning; known: in advance).")
 
     @model_validator(mode="after")
     def _noticed_once(self) -> Self:

@@ -200,15 +200,15 @@ def switching_note(task: Task, optimum: Optimum, energy_j: float) -> str:
     friction = (
         "friction brakes take over where electric braking would draw power"
         if data.friction_effort_n > 0
-        else "the vehicle has no friction brakes for that"
+        else "the vehicle has no friction brakes to support the electric ones"
     )
     known = ""
     if free <= energy_j + SMOOTHED * abs(energy_j):
         needed = _energy_j(task, optimum.energy) / J_PER_KWH
         known = f"free switching would need {needed:.{energy_decimals(needed)}f} kWh; "
     return (
-        "Driven or coasted cell by cell where free switching between driving, coasting and braking would drive for a "
-        f"part of each, which is the best such run found, not proven; {known}{friction}."
+        "Each cell is driven or coasted as a whole, where free switching between driving, coasting and braking would "
+        f"drive for a part of it; this is the best such run found, not proven; {known}{friction}."
     )
 
 

@@ -69,7 +69,7 @@ def test_blocks_and_figures_light_each_other(user: User) -> None:
 
 
 def test_a_limit_that_is_too_low_is_told(user: User) -> None:
-    held = user.page.get_by_text("held the drive from")
+    held = user.page.get_by_text("limited the motors from")
     user.type("Current, A", "300")
     expect(held.first).to_be_visible()
     user.type("Current, A", "100")

@@ -18,7 +18,7 @@ def test_sections_of_the_line_where_none_are_given():
     run = solve(scenario)
     assert run.travel_time_s == pytest.approx(1.01 * 180, rel=1e-6)
     assert run.notes[0].startswith("Set speeds: ")
-    assert "proves nothing" in run.notes[1]
+    assert "not a proof" in run.notes[1]
 
 
 def test_its_bound_is_that_of_its_own_time():

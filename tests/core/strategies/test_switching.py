@@ -81,9 +81,9 @@ def test_statement_and_note_say_what_is_bounded():
         "effort, and that its losses do not fall with speed."
     )
     assert best.notes == (
-        "Driven or coasted cell by cell where free switching between driving, coasting and braking would drive for a "
-        f"part of each, which is the best such run found, not proven; free switching would need "
-        f"{relaxed_kwh(task):.3f} kWh; the vehicle has no friction brakes for that.",
+        "Each cell is driven or coasted as a whole, where free switching between driving, coasting and braking would "
+        "drive for a part of it; this is the best such run found, not proven; free switching would need "
+        f"{relaxed_kwh(task):.3f} kWh; the vehicle has no friction brakes to support the electric ones.",
     )
 
 

@@ -38,7 +38,7 @@ def test_a_file_that_is_too_large_is_refused() -> None:
             "run.csv",
             "run.csv: it contains no scenario. Only scenarios (.toml) and reports of railjoule (.html) can be opened; ",
         ),
-        ("run.XLSX", "where each list takes a pasted one."),
+        ("run.XLSX", "into its list in the editor."),
         (
             "notes.txt",
             "notes.txt: it contains no scenario. "

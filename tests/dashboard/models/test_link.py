@@ -113,7 +113,7 @@ def test_an_address_without_a_version_may_carry_anybody_s_values() -> None:
 def test_nothing_grows_beyond_bounds_when_it_is_unpacked() -> None:
     bomb = write_link({"toml": "#" * (LONGEST_TEXT + 1), "preset": "x", "edits": {}}, {})
     assert len(bomb) < 20_000
-    assert "longer than allowed" in read_link(bomb).refusal
+    assert "too long or incomplete" in read_link(bomb).refusal
 
 
 def test_a_state_that_no_address_holds_is_told() -> None:

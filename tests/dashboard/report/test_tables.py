@@ -38,4 +38,4 @@ def test_what_goes_as_planned_is_not_told() -> None:
     stop = [{"position_m": 400.0, "duration_s": 5.0}]
     told = scenario_tables(load_scenario("liashenko-0", {"disturbance.stops": stop}))
     assert "Event: stop 1" in told
-    assert ["How long it must stand", "5", "s"] in rows(told)
+    assert ["Duration of the stop", "5", "s"] in rows(told)

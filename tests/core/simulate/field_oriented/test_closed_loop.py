@@ -261,7 +261,7 @@ def test_a_loop_that_breaks_out_ends_in_one_sentence():
 
 
 def test_a_train_that_its_machines_do_not_carry_on_is_told():
-    with pytest.raises(InfeasibleLineError, match=r"after 660 s .* with 810 A and 1 V its machines do not carry it on"):
+    with pytest.raises(InfeasibleLineError, match=r"after 660 s .* with 810 A and 1 V its machines cannot move it on"):
         driven(drive__machine__max_phase_voltage_v=1.0)
 
 
