@@ -42,6 +42,7 @@ from railjoule.dashboard.views.compare import CompareView
 from railjoule.dashboard.views.disturbances import DisturbancesView
 from railjoule.dashboard.views.drive import DriveView
 from railjoule.dashboard.views.editor import EditorView
+from railjoule.dashboard.views.help import HelpView
 from railjoule.dashboard.views.learn import LearnView
 from railjoule.dashboard.views.line import LineView
 from railjoule.dashboard.views.motor import MotorView
@@ -76,6 +77,7 @@ VIEWS: dict[str, type[PageView]] = {
         LineView,
         LearnView,
         PapersView,
+        HelpView,
     )
 }
 """What draws each page."""

@@ -174,7 +174,7 @@ class DriveView(PageView):
         solved = (
             f"solved in {words.number(1e3 * run.solve_time_s)} ms, {run.iterations} iterations, {runs.cell_count} cells"
         )
-        self.heading.object = parts.heading(run.scenario.title, subtitle, solved)
+        self.heading.object = parts.heading(self.page, run.scenario.title, subtitle, solved)
         self.figures.object = parts.run_figures(runs, run, state.pinned, stale=False)
         self.advice.object = parts.advice(run, stale=False)
         self.account.object = parts.account(run)

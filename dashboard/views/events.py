@@ -37,7 +37,7 @@ class EventFields:
             for kind, word in KIND_WORDS.items()
         ]
         self.view = stack(
-            html_pane('<div class="section">Events <span>\u00b7 press the line to drop one</span></div>'),
+            html_pane('<div class="section">Events <span>\u00b7 click the track to add one</span></div>'),
             self.list,
             pn.FlexBox(*adders, margin=(4, 8)),
             self.delay.view,

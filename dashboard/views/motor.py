@@ -214,10 +214,10 @@ class MotorView(PageView):
 
     def _show_heading(self) -> None:
         scenario = self.state.scenario.scenario()
-        what = "the plan through the control loop of its motors"
+        what = "the plan run through the field-oriented control of its motors"
         run = self.model.run
         aside = "" if run is None else f"arrives {words.delay(run.delay_s)} s against the plan"
-        self.heading.object = parts.heading(scenario.title, what, aside)
+        self.heading.object = parts.heading(self.page, scenario.title, what, aside)
 
     def _show_rivals(self) -> None:
         rivals = self.model.rivals

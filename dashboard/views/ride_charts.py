@@ -26,6 +26,8 @@ LINES: Mapping[str, tuple[str, dict[str, Any]]] = {
     "computer": ("accent", {"line_width": 2.2}),
 }
 """Colour and stroke of each ride, in the order of drawing."""
+NAMES = {"computer": "replanned", "known": "with advance notice"}
+"""What rides are called in a chart, where that is not their key."""
 
 
 class RideSpeedChart(RunLinesChart):
@@ -100,7 +102,7 @@ class RideSpeedChart(RunLinesChart):
         self.sources["names"].data = {
             "x": [x for x, _ in ends],
             "y": places,
-            "text": names,
+            "text": [NAMES.get(name, name) for name in names],
             "colour": [self.palette.tokens["ink3" if name == "undisturbed" else LINES[name][0]] for name in names],
         }
 
