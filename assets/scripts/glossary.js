@@ -4,7 +4,7 @@
   "use strict";
   const {deep, listen} = window.railjoule;
   const terms = JSON.parse(document.getElementById("rj-glossary").textContent);
-  const REST_MS = 350, LEAVE_MS = 150, TURN_WITHIN_MS = 10000, MARGIN_PX = 8;
+  const REST_MS = 350, LEAVE_MS = 150, SETTLED_MS = 300, TURN_WITHIN_MS = 10000, MARGIN_PX = 8;
   const FLOW = "display:block;grid-column:1/-1;box-sizing:border-box;max-width:76ch;font:12px/1.45 var(--rj-font);" +
     "color:var(--rj-ink2);border-left:2px solid var(--rj-accent);padding:2px 0 2px 10px;white-space:normal;";
   const PLACES = ".figures, .strategy, .row, .section, .term-row, .rj-term";
@@ -107,8 +107,11 @@
     const look = () => {
       const [entry] = deep(`#term-${term}`);
       if (entry?.offsetHeight && !deep(".rj-turning").length) {
+        if (entry.getRootNode().activeElement === entry) { return; }
         entry.scrollIntoView({block: "center"});
         entry.focus({preventScroll: true});
+        // a page that has just come may be drawn once more
+        setTimeout(look, SETTLED_MS);
       } else if (performance.now() < until) { setTimeout(look, 60); }
     };
     look();
