@@ -8,6 +8,7 @@ import numpy as np
 
 from railjoule.core.advice import Instruction, advise
 from railjoule.core.arrays import FloatArray, IntArray, frozen_array
+from railjoule.core.check import CheckResult
 from railjoule.core.energy import Energy, share_above
 from railjoule.core.motion.course import Course
 from railjoule.core.motion.line_profile import speed_limit_at
@@ -106,6 +107,8 @@ class Trajectory:
         How long the strategy took [s].
     notes : tuple of str
         Sentences on what was simplified.
+    check : CheckResult or None
+        What the independent check found, if it was asked.
     """
 
     scenario: Scenario
@@ -129,6 +132,7 @@ class Trajectory:
     iterations: int = 0
     solve_time_s: float = 0.0
     notes: tuple[str, ...] = field(default=())
+    check: CheckResult | None = None
 
     @property
     def effort_n(self) -> FloatArray:

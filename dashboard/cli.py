@@ -11,8 +11,9 @@ from typing import NoReturn
 DEFAULT_ADDRESS, DEFAULT_PORT = "127.0.0.1", 5006
 LARGEST_PORT = 65_535
 STUDIES = ("tradeoff", "sensitivity", "montecarlo")
-OK, BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 0, 2, 130, 141
+OK, BROKEN_RULE, BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 0, 1, 2, 130, 141
 """Exit statuses; the last two are those of a shell for programs ended by such a signal."""
+CHECK_STATUS = "Exit status: 0 where the run keeps every rule, 1 where it breaks one, 2 for bad input."
 
 
 class UsageError(Exception):
@@ -62,22 +63,22 @@ def _run(arguments: Sequence[str] | None) -> int:
     from railjoule.core import RailjouleError  # noqa: PLC0415
 
     try:
-        _call(options)
+        return OK if _call(options) else BROKEN_RULE
     except RailjouleError as error:
         return _complain(str(error))
     except MemoryError:
         return _complain("this takes more memory than there is; a longer solver.mesh_m needs less.")
     except RecursionError:
         return _complain("this is nested too deeply.")
-    return OK
 
 
-def _call(options: argparse.Namespace) -> None:
+def _call(options: argparse.Namespace) -> bool:
+    """Run a command; return whether all that it was to check holds."""
     from railjoule.dashboard import commands  # noqa: PLC0415
 
     if options.command == "serve":
         commands.serve(options.address, options.port)
-        return
+        return True
     output = commands.Output(getattr(options, "json", False))
     if options.command == "benchmark":
         commands.benchmark(output)
@@ -85,17 +86,21 @@ def _call(options: argparse.Namespace) -> None:
         commands.study(options.study, options.file, commands.parsed_changes(options.set), options.output)
     elif options.command == "validate":
         commands.validate(options.paper, output)
+    elif options.command == "check":
+        changes = commands.parsed_changes(options.set)
+        return commands.check(options.run, options.scenario, changes, options.strategy, output)
     elif options.command == "report":
         commands.report(options.file, commands.parsed_changes(options.set), options.strategy, options.output)
     else:
         file, words = _file_and_changes(options.file, options.set)
         changes = commands.parsed_changes(words)
         if options.command == "solve":
-            commands.solve(file, changes, options.strategy, options.trajectory, output)
-        elif options.command == "simulate":
+            return commands.solve(file, changes, options.strategy, options.trajectory, output, options.check)
+        if options.command == "simulate":
             commands.simulate(file, changes, output)
         else:
             commands.compare_strategies(file, changes, output)
+    return True
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -109,6 +114,8 @@ def build_parser() -> argparse.ArgumentParser:
     solve = _add_scenario_command(commands, "solve", "solve one scenario")
     solve.add_argument("--strategy", metavar="S", help="how the train is driven; the scenario's own where absent")
     solve.add_argument("--trajectory", metavar="OUT", help="write the run to OUT.csv or OUT.parquet")
+    solve.add_argument("--check", action="store_true", help="hold the run against its scenario, as `railjoule check`")
+    solve.epilog = f"With --check: {CHECK_STATUS.lower()}"
     _add_scenario_command(commands, "compare", "run every strategy that fits a scenario")
     _add_scenario_command(commands, "simulate", "follow the plan of a scenario under its disturbance")
     study = _add(commands, "study", "solve many scenarios, and write a labelled table")
@@ -128,6 +135,7 @@ def build_parser() -> argparse.ArgumentParser:
         "paper", metavar="PAPER", nargs="?", help="ftorek, liashenko, rawicki or shtompel; all papers where absent"
     )
     _add_json(validate)
+    _add_check(commands)
     return parser
 
 
@@ -135,6 +143,16 @@ def _add_serve(commands: "argparse._SubParsersAction[_Parser]") -> None:
     serve = _add(commands, "serve", "serve the dashboard in the browser")
     serve.add_argument("--port", type=_port, default=DEFAULT_PORT, help=f"{DEFAULT_PORT} where absent")
     serve.add_argument("--address", default=DEFAULT_ADDRESS, help=f"{DEFAULT_ADDRESS}, this machine only, where absent")
+
+
+def _add_check(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    check = _add(commands, "check", "hold a run against its scenario, by formulas that share no code with the solvers")
+    check.epilog = CHECK_STATUS
+    check.add_argument("run", metavar="RUN", help="RUN.csv or RUN.parquet, as solve --trajectory writes it")
+    check.add_argument("--scenario", metavar="S", help="its scenario file, report, or the name of a shipped scenario")
+    check.add_argument("--strategy", metavar="S", help="who made the run; the scenario's own where absent")
+    check.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help="as in solve")
+    _add_json(check)
 
 
 def _add_scenario_command(commands: "argparse._SubParsersAction[_Parser]", name: str, words: str) -> _Parser:

@@ -11,9 +11,18 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from railjoule.core import RailjouleError, Scenario, ScenarioError, StrategyRefusedError, compare, load_scenario
+from railjoule.core import (
+    RailjouleError,
+    Scenario,
+    ScenarioError,
+    StrategyRefusedError,
+    check_run,
+    check_table,
+    compare,
+    load_scenario,
+)
 from railjoule.core import solve as solve_scenario
-from railjoule.core.scenario import StrategyName, parse_scenario, preset_names
+from railjoule.core.scenario import STRATEGY_NAMES, StrategyName, parse_scenario, preset_names
 from railjoule.core.scenario.text_file import read_text
 from railjoule.core.scenario.toml_text import read_toml
 from railjoule.core.simulate.disturbances import simulate_disturbances
@@ -46,9 +55,14 @@ class Output:
 
 
 def solve(
-    file: str, changes: Mapping[str, Any], strategy: str | None, trajectory_file: str | None, output: Output
-) -> None:
-    """Solve a scenario, write its trajectory if wanted, and show the result.
+    file: str,
+    changes: Mapping[str, Any],
+    strategy: str | None,
+    trajectory_file: str | None,
+    output: Output,
+    with_check: bool = False,
+) -> bool:
+    """Solve a scenario, write its trajectory if wanted, and show the result; return whether it passed its check.
 
     Raises
     ------
@@ -64,7 +78,36 @@ def solve(
     if target is not None:
         write_table(trajectory.to_dataframe(), target, index=False)
     values = summary.summarise(trajectory, prepare_task(scenario).shortest_travel_time_s)
-    output.show(values, terminal.solution_text)
+    if not with_check:
+        output.show(values, terminal.solution_text)
+        return True
+    result = check_run(scenario, trajectory)
+    output.show({**values, "check": summary.summarise_check(result)}, terminal.checked_solution_text)
+    return result.ok
+
+
+def check(
+    run_file: str, scenario_file: str | None, changes: Mapping[str, Any], strategy: str | None, output: Output
+) -> bool:
+    """Hold the run of a file against its scenario, and show what came of it; return whether it keeps every rule.
+
+    Raises
+    ------
+    RailjouleError
+        If the file holds no run, no scenario is named, or anything is wrong with it.
+    """
+    table = read_table(run_file)
+    if scenario_file is None:
+        raise CommandError("--scenario is missing: the file of a run does not carry its scenario.")
+    scenario = load(scenario_file, changes)
+    if strategy is not None and strategy not in STRATEGY_NAMES:
+        raise CommandError(f"--strategy {shortened(strategy)}: must be one of {', '.join(STRATEGY_NAMES)}.")
+    try:
+        result = check_table(scenario, cast("Mapping[str, Any]", table), strategy)
+    except ScenarioError as error:
+        raise CommandError(f"{shortened(run_file)} {error}") from None
+    output.show(summary.summarise_check(result), terminal.check_text)
+    return result.ok
 
 
 def compare_strategies(file: str, changes: Mapping[str, Any], output: Output) -> None:
@@ -264,6 +307,30 @@ def table_file(name: str, option: str = "--trajectory", suffixes: Sequence[str] 
     if path.suffix.lower() == ".parquet" and importlib.util.find_spec("pyarrow") is None:
         raise CommandError(f"{option} {shortened(name)}: parquet needs pyarrow: pip install pyarrow.")
     return path
+
+
+def read_table(name: str) -> "pandas.DataFrame":
+    """Return the table of a file.
+
+    Raises
+    ------
+    CommandError
+        If there is none, or it cannot be read.
+    """
+    import pandas  # noqa: PLC0415  (slow to import, and seldom needed)
+
+    path = table_file(name, "RUN")
+    read = pandas.read_csv if path.suffix.lower() == ".csv" else pandas.read_parquet
+    try:
+        table: pandas.DataFrame = read(path)
+    except FileNotFoundError:
+        raise CommandError(f"{shortened(name)}: there is no such file.") from None
+    except OSError as error:
+        raise CommandError(f"{shortened(name)}: {error.strerror or error}.") from None
+    except ValueError as error:
+        words = " ".join(str(error).split()).rstrip(".")
+        raise CommandError(f"{shortened(name)} is no table in {path.suffix[1:]}: {shortened(words)}.") from None
+    return table
 
 
 def write_table(table: "pandas.DataFrame", path: Path, index: bool) -> None:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from railjoule.core import Phase, Trajectory
+from railjoule.core import CheckResult, Phase, Trajectory
 from railjoule.core.trajectory import Reference
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
@@ -70,6 +70,25 @@ def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = Non
         "phases": [_phase(phase) for phase in trajectory.phases],
         "advice": [asdict(told) for told in trajectory.advice],
         "notes": list(trajectory.notes),
+    }
+
+
+def summarise_check(result: CheckResult) -> Summary:
+    """Return what a check found as plain values; a deviation that no number tells is null."""
+    return {
+        "ok": result.ok,
+        "verdict": result.verdict,
+        "checks": [
+            {
+                "name": check.name,
+                "largest": _finite(check.largest),
+                "allowed": check.allowed,
+                "at_m": check.at_m,
+                "share_of": check.share_of,
+            }
+            for check in result.checks
+        ],
+        "not_checked": [{"name": rule.name, "reason": rule.reason} for rule in result.not_checked],
     }
 
 

@@ -64,6 +64,22 @@ def solution_text(summary: Summary) -> str:
     return "\n".join(lines)
 
 
+def checked_solution_text(summary: Summary) -> str:
+    """Return one run for people, with the rules that it breaks, if any, and the verdict of its check."""
+    check = summary["check"]
+    broken = [each for each in check["checks"] if _is_broken(each)]
+    table = ["", *_check_lines(broken)] if broken else []
+    return "\n".join([solution_text(summary), *table, *_labelled("Check", check["verdict"])])
+
+
+def check_text(check: Summary) -> str:
+    """Return the rules that a run was held against, those that could not be checked, and the verdict."""
+    lines = _check_lines(check["checks"])
+    for rule in check["not_checked"]:
+        lines += _wrapped(f"Not checked: {rule['name']}: {rule['reason']}.")
+    return "\n".join([*lines, "", *_wrapped(check["verdict"])])
+
+
 def comparison_text(comparison: Summary) -> str:
     """Return several runs over one scenario as a table, and who refused it."""
     results = comparison["results"]
@@ -250,6 +266,25 @@ def table_lines(head: Cell, rows: Sequence[Cell], left: Iterable[int] = (0,)) ->
         return "  ".join(words).rstrip()
 
     return [line(head), "  ".join("-" * width for width in widths), *(line(row) for row in rows)]
+
+
+def _is_broken(check: Summary) -> bool:
+    return check["largest"] is None or bool(check["largest"] > check["allowed"])
+
+
+def _check_lines(checks: Sequence[Summary]) -> list[str]:
+    rows = [
+        (
+            check["name"],
+            "no number" if check["largest"] is None else f"{check['largest']:.2g}",
+            f"{check['allowed']:.2g}",
+            check["share_of"],
+            "" if check["at_m"] is None else number(check["at_m"]),
+            "broken" if _is_broken(check) else "",
+        )
+        for check in checks
+    ]
+    return table_lines(("rule", "largest deviation", "allowed", "share of", "at, m", ""), rows, left={0, 3, 5})
 
 
 def _comparison_table(results: Sequence[Summary]) -> list[str]:

@@ -105,6 +105,9 @@ def test_the_drive_that_is_added_gives_its_derivatives():
 @pytest.mark.parametrize("command", COMMANDS)
 def test_command_runs(command, folder):
     _, *arguments = shlex.split(command)
+    if arguments[0] == "check":  # what the command before it has written
+        (before,) = (line for line in COMMANDS if f"--trajectory {arguments[1]}" in line)
+        run_python(["-m", "railjoule.dashboard", *shlex.split(before)[1:]], folder)
     run = run_python(["-m", "railjoule.dashboard", *arguments], folder)
     assert (run.returncode, run.stderr) == (0, "")
     assert run.stdout

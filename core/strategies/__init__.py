@@ -5,7 +5,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from railjoule.core.best_known import measured
-from railjoule.core.errors import SolverError, StrategyRefusedError, TimetableError
+from railjoule.core.check import check_run
+from railjoule.core.errors import CheckError, SolverError, StrategyRefusedError, TimetableError
 from railjoule.core.scenario import STRATEGY_NAMES, Scenario, StrategyName
 from railjoule.core.strategies.bellman import bellman
 from railjoule.core.strategies.enoc import enoc
@@ -35,6 +36,7 @@ def solve(
     *,
     initial_speed_ms: float = 0.0,
     final_speed_ms: float = 0.0,
+    check: bool = False,
 ) -> Trajectory:
     """Return the run of a strategy over a scenario, with the bound that the optimum proves and the best known run.
 
@@ -46,9 +48,14 @@ def solve(
         Overrides the scenario's own.
     initial_speed_ms, final_speed_ms : float
         Speeds at the ends of the run [m/s].
+    check : bool
+        Whether the run is held against its scenario by formulas that share no code with the strategies; it then
+        carries the result as `check`.
 
     Raises
     ------
+    CheckError
+        If the check finds that the run breaks a rule.
     ScenarioError
         If a limit of effort is missing or the mesh too fine.
     InfeasibleLineError
@@ -64,6 +71,12 @@ def solve(
     if trajectory.bound is None and task.has_slack:
         best = known_optimum(task)
         *_, trajectory = measured([trajectory] if best is None else [best, trajectory])
+    if not check:
+        return trajectory
+    result = check_run(scenario, trajectory, initial_speed_ms=initial_speed_ms, final_speed_ms=final_speed_ms)
+    trajectory = replace(trajectory, check=result)
+    if not result.ok:
+        raise CheckError(trajectory)
     return trajectory
 
 

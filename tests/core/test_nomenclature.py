@@ -118,6 +118,7 @@ INSIDE = {
     "drive": TABLES["Inside the drives"],
     "interior_point": TABLES["Inside the interior-point method"],
     "dynamic_programming": TABLES["Inside the dynamic programming"],
+    "check": TABLES["Inside the check"],
 }
 """The names that one package alone uses."""
 
