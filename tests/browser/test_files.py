@@ -40,6 +40,9 @@ def test_a_good_file(user: User, tmp_path: Path) -> None:
     path.write_text(GOOD)
     user.open_file(path)
     expect(user.scenario("Own line")).to_be_visible()
+    expect(user.page.get_by_role("combobox", name="Scenario")).to_contain_text("Own line (file)")
+    expect(user.page.get_by_text("Open a scenario file").first).to_be_visible()
+    expect(user.page.get_by_text("Uploaded")).to_have_count(0)
     assert "stand 20 s" in user.page.locator(".advice").inner_text()
     assert user.alerts() == []
 
