@@ -43,6 +43,7 @@ from railjoule.dashboard.views.compare import CompareView
 from railjoule.dashboard.views.disturbances import DisturbancesView
 from railjoule.dashboard.views.drive import DriveView
 from railjoule.dashboard.views.editor import EditorView
+from railjoule.dashboard.views.help import HelpView
 from railjoule.dashboard.views.learn import LearnView
 from railjoule.dashboard.views.line import LineView
 from railjoule.dashboard.views.motor import MotorView
@@ -77,6 +78,7 @@ VIEWS: dict[str, type[PageView]] = {
         LineView,
         LearnView,
         PapersView,
+        HelpView,
     )
 }
 """What draws each page."""

@@ -79,7 +79,9 @@ class Disturbances:
     def _take_rides(self, rides: Rides) -> None:
         self.model.param.update(rides=rides, failure=None)
         curve = self._curve()
-        if curve is not None and curve != self._drawn:
+        if not self.model.events:
+            self._drawn = self.model.late = None
+        elif curve is not None and curve != self._drawn:
             self._drawn = curve
             self.late.ask(curve)
 

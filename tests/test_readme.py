@@ -17,7 +17,7 @@ from railjoule.core.compiled import njit
 from railjoule.core.drive.power_terms import PowerTerms
 from railjoule.core.scenario import STRATEGY_NAMES, load_scenario, preset_names, scenario_from_document
 from railjoule.core.strategies import STRATEGIES, prepare_task
-from railjoule.dashboard.models.workbench import PAGES
+from railjoule.dashboard.models.pages import PAGES
 
 ROOT = Path(__file__).parents[1]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")

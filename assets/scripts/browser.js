@@ -38,6 +38,7 @@ const working = (() => {
 
 const turning = (model) => {
   let asked = null, sketch = null, limit = null;
+  const bare = (name) => root.classList.toggle("rj-bare", model.bare.includes(name));
   const done = () => { clearTimeout(limit); sketch?.remove(); sketch = null; asked = null; working("page", false); };
   const settle = () => {
     if (asked !== null && asked !== model.page) return;
@@ -49,6 +50,7 @@ const turning = (model) => {
     // while the solver compiles no page can be opened
     if (!model.page || (name === model.page && asked === null)) return;
     asked = name;
+    bare(name);
     working("page", true);
     clearTimeout(limit);
     limit = setTimeout(done, TURNED_WITHIN_MS);
@@ -64,12 +66,16 @@ const turning = (model) => {
     if (!place) return;
     sketch ??= document.body.appendChild(make("div", "rj-turning", ""));
     sketch.innerHTML = `<h1></h1><p role="status">Opening</p>${ROWS}${SKETCH}${SKETCH.replace("<svg", '<svg class="low"')}`;
-    sketch.querySelector("h1").textContent = name;
+    sketch.querySelector("h1").textContent = model.questions[name];
     Object.assign(sketch.style, {
       left: `${place.left}px`, top: `${place.top}px`, width: `${place.width}px`, height: `${place.height}px`,
     });
   };
-  model.on("page", () => requestAnimationFrame(settle));
+  model.on("page", () => {
+    if (asked === null || asked === model.page) { bare(model.page); }
+    requestAnimationFrame(settle);
+  });
+  bare(model.page);
   return turn;
 };
 
@@ -175,20 +181,15 @@ export function render({model}) {
   let resized = null;
   const measure = () => { model.window_width = window.innerWidth; };
   const resize = () => { clearTimeout(resized); resized = setTimeout(measure, 120); };
-  // the list of pages on a narrow screen is no part of its button
-  let listed = false;
+  // for those who open pages, such as the bar
+  window.railjoule.turn = turn;
   const press = (event) => {
     const path = event.composedPath();
-    const button = path.find((element) => element.matches?.("[role=tab], [role=menuitem], button"));
+    const button = path.find((element) => element.matches?.("button"));
     if (!button) return;
     const within = (name) => path.some((element) => element.classList?.contains(name));
     const words = (button.getAttribute("aria-label") ?? button.textContent).trim();
-    const of_pages = within("rj-pages") || (listed && button.matches("[role=menuitem]"));
-    listed = within("rj-menu");
-    if (of_pages && model.pages.includes(words)) {
-      // the press is seen first
-      requestAnimationFrame(() => setTimeout(() => turn(words)));
-    } else if (button.dataset.scenario) {
+    if (button.dataset.scenario) {
       model.send_msg({kind: "scenario", name: button.dataset.scenario});
       requestAnimationFrame(() => setTimeout(() => turn("Drive", true)));
     } else if (within("rj-edit")) {

@@ -18,8 +18,8 @@ TABLES = {
     "recuperation": "recuperation_changes",
 }
 """Kinds of events, and where they stand in the file."""
-FIRST_PLACE, NOTICE_BEFORE_M, FIRST_LIMIT_M = 1 / 3, 230.0, 100.0
-"""A new stop stands here as a share of the way; an event is noticed this far ahead; a new limit is this long [m]."""
+NOTICE_BEFORE_M, FIRST_LIMIT_M = 230.0, 100.0
+"""An event is noticed this far ahead; a new limit is this long [m]."""
 LONGEST_M = 1e7
 
 
@@ -67,11 +67,8 @@ class DisturbancesModel(TypedParameters):
     changed = param.Event(doc="An event has other numbers.")
 
     def take(self, scenario: Scenario) -> None:
-        """Take over the events of a scenario's file; a stop on the way where it names none."""
+        """Take over the events of a scenario's file."""
         events = [event_model(event) for event in scenario.disturbance.events]
-        if not events:
-            place = float(round(FIRST_PLACE * scenario.line.length_m))
-            events = [EventModel(kind="stop", position_m=place, noticed_at_m=max(place - NOTICE_BEFORE_M, 0.0))]
         self.param.update(events=events, accepted_delay_s=scenario.disturbance.accepted_delay_s)
 
     def drop(self, kind: str, place_m: float) -> None:

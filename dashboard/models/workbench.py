@@ -16,6 +16,7 @@ from railjoule.dashboard.models.kept import Kept
 from railjoule.dashboard.models.learn import LearnModel
 from railjoule.dashboard.models.line import LineModel
 from railjoule.dashboard.models.motor import MotorModel
+from railjoule.dashboard.models.pages import PAGES
 from railjoule.dashboard.models.papers import PapersModel
 from railjoule.dashboard.models.pins import MOST_PINS, TOO_MANY, KeptPin, Pin, Recipe, make_pin, recipe_of
 from railjoule.dashboard.models.robustness import RobustnessModel
@@ -24,19 +25,6 @@ from railjoule.dashboard.models.speed_limits import SpeedLimitsModel
 from railjoule.dashboard.models.start import StartModel
 from railjoule.dashboard.store import Runs, TradeOff
 
-PAGES = (
-    "Start",
-    "Drive",
-    "Compare",
-    "Trade-off",
-    "Robustness",
-    "Disturbances",
-    "Speed limits",
-    "Motor",
-    "Line",
-    "Learn",
-    "Papers",
-)
 COLOURS = ("system", "light", "dark")
 
 

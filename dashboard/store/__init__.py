@@ -28,7 +28,7 @@ from railjoule.dashboard.store.motor import (
     limits_of,
     machine_refusal,
 )
-from railjoule.dashboard.store.papers import PaperTables, compute_papers
+from railjoule.dashboard.store.papers import PaperTables, compute_papers, shipped_tables
 from railjoule.dashboard.store.recipes import RecipeRun, compute_recipes
 from railjoule.dashboard.store.robustness import (
     Reality,
@@ -114,4 +114,5 @@ __all__ = [
     "limits_of",
     "machine_refusal",
     "outlines",
+    "shipped_tables",
 ]

@@ -193,7 +193,7 @@ class CompareView(PageView):
         count = len(state.pins)
         pinned = f"{count} of {MOST_PINS} runs pinned" if count else "nothing pinned"
         title = state.run.scenario.title
-        self.heading.object = parts.heading("Compare", title, f"{len(among)} runs, {pinned}")
+        self.heading.object = parts.heading(self.page, title, f"{len(among)} runs, {pinned}", "")
         self.table.object = comparison_table(among, reference) + self._refusals()
         self.empty.object = f'<div class="block"><h2>Pinned runs</h2>{"" if count else f"<p>{NO_PIN}</p>"}</div>'
         for row in self.rows:

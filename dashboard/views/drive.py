@@ -212,7 +212,7 @@ class DriveView(PageView):
         solved = (
             f"solved in {words.number(1e3 * run.solve_time_s)} ms, {run.iterations} iterations, {runs.cell_count} cells"
         )
-        self.heading.object = parts.heading(run.scenario.title, subtitle, solved)
+        self.heading.object = parts.heading(self.page, run.scenario.title, subtitle, solved)
         self.causes.visible = actual is not None
         if actual is None:
             self.figures.object = parts.run_figures(runs, run, state.pinned, stale=False)

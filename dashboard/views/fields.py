@@ -10,11 +10,15 @@ import param
 from panel.viewable import Viewable
 
 from railjoule.dashboard.look import words
+from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.views.parts import html_pane
 
 MOST_TYPED_DIGITS, ROUNDING = 6, 1e-12
 """More decimals than these nobody types; by less than the second, as a share, binary numbers miss decimal ones."""
 HIDDEN_LABEL = {"position": "absolute", "clipPath": "inset(50%)", "width": "1px", "height": "1px", "overflow": "hidden"}
+
+
+INFO_PLACE = {"position": "absolute", "right": "68px", "top": "0", "z-index": "1"}
 
 
 class Numbers(Protocol):
@@ -90,14 +94,19 @@ class TypedNumber:
         self.mark = html_pane(
             "", visible=False, width=8, height=16, sizing_mode="fixed", styles={"position": "absolute", "right": "5px"}
         )
+        # over the left end of the number's field, which is wider than most numbers
+        sign = info(label)
+        explained = [html_pane(sign, width=24, height=24, sizing_mode="fixed", styles=INFO_PLACE)] if sign else []
         self.view = pn.Column(
             self.beside(),
             self.text,
             self.mark,
+            *explained,
             self.error,
             margin=(4, 0, 0, 0),
             sizing_mode="stretch_width",
             styles={"position": "relative"},
+            css_classes=["rj-term"],
         )
         self.text.param.watch(self._type, "value")
         model.param.watch(self._follow, field)

@@ -120,7 +120,7 @@ class LearnView(PageView):
         self.lessons = {lesson.name: LessonView(lesson, self.state, self.palette) for lesson in LESSONS}
         self._shown: dict[str, LessonResult] = {}
         heading = parts.html_pane(
-            parts.heading("Learn", "five lessons; each figure is solved anew as you move its slider", "")
+            parts.heading(self.page, "Five lessons", "with live figures: move a slider and they follow", "")
         )
         self.shows(self._show, (self.state.learn, ["shown", "failure"]))
         return parts.stack(heading, self.message, *(lesson.view for lesson in self.lessons.values()))
@@ -147,8 +147,20 @@ class LearnView(PageView):
 def _energies(result: LessonResult, first: str, second: str) -> list[str]:
     one, other, *_ = result.runs.values()
     return [
-        parts.figure(first, words.energy(one.energy_kwh), "kWh", f"in {words.time(one.travel_time_s)} s"),
-        parts.figure(second, words.energy(other.energy_kwh), "kWh", f"in {words.time(other.travel_time_s)} s"),
+        parts.figure(
+            first,
+            words.energy(one.energy_kwh),
+            "kWh",
+            f"in {words.time(one.travel_time_s)} s",
+            term="Energy from the supply",
+        ),
+        parts.figure(
+            second,
+            words.energy(other.energy_kwh),
+            "kWh",
+            f"in {words.time(other.travel_time_s)} s",
+            term="Energy from the supply",
+        ),
     ]
 
 
@@ -156,7 +168,7 @@ def _saved(result: LessonResult, what: str) -> str:
     """Return what the first run saves of the second one's energy, or costs more."""
     one, other, *_ = result.runs.values()
     verb, amount = comparisons.saving(one.energy_kwh, other.energy_kwh)
-    return parts.figure(f"{what} {verb}", *amount, "", "main")
+    return parts.figure(f"{what} {verb}", *amount, "", "main", term="Saving")
 
 
 def coasting_cells(result: LessonResult) -> list[str]:
@@ -177,7 +189,7 @@ def multiplier_cells(result: LessonResult) -> list[str]:
     price = run.price_of_time_w or 0.0
     saved = (run.energy_kwh - later.energy_kwh) * J_PER_KWH
     return [
-        parts.figure("Price of a second", words.price(price), "Wh/s", "the multiplier", "main"),
+        parts.figure("Extra second saves", words.price(price), "Wh/s", "the multiplier", "main"),
         parts.figure("Solved anew", words.price(saved), "Wh", "saved by a second"),
         *_energies(result, "Optimum", "A second later"),
     ]

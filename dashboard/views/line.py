@@ -172,7 +172,7 @@ class LineView(PageView):
 
     def _show_empty(self) -> None:
         scenario = self.state.scenario.edited
-        self.heading.object = parts.heading(scenario.title, "one leg", "")
+        self.heading.object = parts.heading(self.page, scenario.title, "one leg", "")
         self.empty_text.object = (
             '<p style="padding:6px 20px;max-width:70ch">This line has no stations between its ends, so there is no '
             "time to share. Add stations in the editor under Track, or open a line that has some.</p>"
@@ -185,7 +185,7 @@ class LineView(PageView):
             f"{words.distance(best.run.distance_m)} km, {len(best.legs)} legs in "
             f"{words.time(best.run.travel_time_s)} s, including {words.time(standing)} s of dwell"
         )
-        self.heading.object = parts.heading(scenario.title, what, "")
+        self.heading.object = parts.heading(self.page, scenario.title, what, "")
         self.figures.object = parts.figures(figure_cells(runs), self.model.failure is not None)
         self.table.object = WIDE_TABLE.format("Legs", legs_table(runs))
         self.notes.object = parts.notes(best.run)
@@ -229,7 +229,7 @@ def figure_cells(runs: LineRuns) -> list[str]:
         parts.figure("Proportional reserve", *costs[0], f"{words.energy(plain)} kWh"),
         parts.figure("Equal reserve", *costs[1], f"{words.energy(equal)} kWh"),
         parts.figure(
-            "Energy saved per extra second",
+            "Extra second saves",
             price,
             "Wh/s",
             "same on every leg" if one else "same between fixed arrivals",

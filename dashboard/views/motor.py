@@ -215,7 +215,7 @@ class MotorView(PageView):
         what = "plan run through the motor controller"
         run = self.model.run
         aside = "" if run is None else f"arrival error {words.delay(run.delay_s)} s"
-        self.heading.object = parts.heading(scenario.title, what, aside)
+        self.heading.object = parts.heading(self.page, scenario.title, what, aside)
 
     def _show_rivals(self) -> None:
         rivals = self.model.rivals

@@ -4,6 +4,7 @@ from typing import Any
 
 import panel_material_ui as pmui
 
+from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.views.fields import TypedNumber
 from railjoule.dashboard.views.parts import html_pane, stack
@@ -48,6 +49,9 @@ class MotorFields:
             self.precompensator,
             self.flux,
             *(field.view for field in self.control),
+            html_pane(
+                f'<div class="row small"><span>From its resistance it computes the slip.{info("Slip")}</span></div>'
+            ),
             html_pane('<div class="section">Inverter <span>\u00b7 at most, each phase</span></div>'),
             *(field.view for field in self.limits),
             html_pane('<hr class="rule">'),

@@ -48,7 +48,7 @@ class PageView:
 
     def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
         self.state, self.browser, self.palette = state, browser, palette
-        self.heading = parts.html_pane(parts.heading(state.scenario.edited.title, "", ""))
+        self.heading = parts.html_pane(parts.heading(self.page, state.scenario.edited.title, "", ""))
         self.figures = parts.html_pane(numbers_sketch())
         self.message = parts.html_pane(visible=False)
         self._error = parts.html_pane(visible=False)

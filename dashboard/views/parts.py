@@ -16,8 +16,10 @@ from railjoule.core import Phase, Trajectory
 from railjoule.core.advice import AT_REST_MS
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.look.tokens import DASHES, PIN_DASHES, line_width
+from railjoule.dashboard.models.pages import PAGES
 from railjoule.dashboard.models.pins import Pin
 from railjoule.dashboard.store import Runs
 
@@ -82,10 +84,11 @@ def swatch(name: str) -> str:
     )
 
 
-def heading(title: str, subtitle: str, aside: str) -> str:
-    """Return the title line of a page."""
+def heading(page: str, title: str, subtitle: str, aside: str) -> str:
+    """Return the heading of a page: the question that it answers, and beneath it the scenario and more."""
     return (
-        f'<div class="head"><h1>{html.escape(title)}</h1><span class="muted">{html.escape(subtitle)}</span>'
+        f'<div class="head"><h1>{PAGES[page].question}</h1>'
+        f'<p class="muted"><span class="scenario">{html.escape(title)}</span> {html.escape(subtitle)}</p>'
         f'<span class="push"></span><span class="muted small wide">{html.escape(aside)}</span></div>'
     )
 
@@ -103,14 +106,15 @@ def refusal(sentence: str) -> str:
     return f'<div class="message" role="alert"><b>{html.escape(bold)}</b>{html.escape(plain)}</div>'
 
 
-def figure(label: str, value: str, unit: str, detail: str, kind: str = "", whole: str = "") -> str:
+def figure(label: str, value: str, unit: str, detail: str, kind: str = "", whole: str = "", term: str = "") -> str:
     """Return one number with its label and what it means, as HTML.
 
-    A kind is `main` or `extra`; `whole` is a sentence that a resting mouse shows where there is no room for it.
+    A kind is `main` or `extra`; `whole` is a sentence that a resting mouse shows where there is no room for it; `term`
+    is what the glossary calls the number, where its label changes.
     """
     title = f' title="{html.escape(whole)}"' if whole else ""
     return (
-        f'<div class="figure {kind}"{title}><div class="label">{label}</div>'
+        f'<div class="figure {kind}"{title}><div class="label"><span>{label}</span>{info(term or label)}</div>'
         f'<div class="value">{value}<span>{unit}</span></div><div class="detail">{detail}</div></div>'
     )
 
@@ -150,9 +154,9 @@ def price_figure(run: Trajectory, optimum: Trajectory) -> str:
     priced, whole = (run, "") if run.price_of_time_w is not None else (optimum, "That of the optimum")
     price = priced.price_of_time_w
     if price is None:
-        return figure("Price of a second", words.UNKNOWN, "", "")
+        return figure("Extra second saves", words.UNKNOWN, "", "")
     saved = comparisons.above(priced.energy_kwh - price / J_PER_KWH, priced.energy_kwh)
-    return figure("Price of a second", words.price(price), "Wh/s", f"1 s later: {saved}", whole=whole)
+    return figure("Extra second saves", words.price(price), "Wh/s", f"1 s later: {saved}", whole=whole)
 
 
 def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: bool) -> str:

@@ -27,6 +27,8 @@ LINES: Mapping[str, tuple[str, dict[str, Any]]] = {
     "computer": ("accent", {"line_width": 2.2}),
 }
 """Colour and stroke of each ride, in the order of drawing."""
+NAMES = {"computer": "replanned", "known": "with advance notice"}
+"""What rides are called in a chart, where that is not their key."""
 
 SIGN_DROP_PX = 15
 """The sign of an event hangs down so far from its place."""
@@ -110,7 +112,7 @@ class RideSpeedChart(RunLinesChart):
             for x, y, text in zip(events["x"], events["y"], events["text"], strict=True)
         ]
         names = [
-            Name(name, name, self.palette.tokens["ink3" if name == "undisturbed" else LINES[name][0]])
+            Name(name, NAMES.get(name, name), self.palette.tokens["ink3" if name == "undisturbed" else LINES[name][0]])
             for name in reversed(list(runs))
         ]
         self.place_names({**lines, **borders, **upright}, names, taken)

@@ -200,7 +200,7 @@ class RobustnessView(PageView):
             f"{words.distance(planned.distance_m)} km in {words.time(planned.travel_time_s)} s; what is driven "
             "when they are wrong"
         )
-        self.heading.object = parts.heading(scenario.title, what, f"{runs} cells")
+        self.heading.object = parts.heading(self.page, scenario.title, what, f"{runs} cells")
         self.figures.object = parts.figures(self._cells(reality), self.model.failure is not None)
 
     def _cells(self, reality: Reality) -> list[str]:
@@ -215,6 +215,7 @@ class RobustnessView(PageView):
                 *comparisons.above(energy, reference),
                 f"{words.energy(energy)} kWh, {against} {words.energy(reference)}",
                 "main",
+                term="Extra energy",
             ),
             parts.figure(
                 "Against the plan",

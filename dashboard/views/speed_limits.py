@@ -40,6 +40,10 @@ GAP_CSS = ":host { row-gap: 10px; }"
 NOTES_CSS = ":host { padding: 0 20px 16px; } @media (max-width: 899px) { :host { padding: 0 12px 16px; } }"
 REGULATOR_WORDS = {"coast": "Coasts", "brake": "Brakes", "literal": "As printed"}
 REGULATOR_DOES = {"coast": "coasts above a limit", "brake": "brakes for a limit", "literal": "is the printed relay"}
+RULE = (
+    '<p style="padding:0 20px 8px;max-width:90ch">Below its limit the train drives, above it coasts: limits are '
+    "set-points, not rules. The travel time may differ from the timetable within a window.</p>"
+)
 SMALL: dict[str, Any] = {"size": "small", "sx": {"& .MuiToggleButton-root": {"whiteSpace": "nowrap"}}}
 
 
@@ -70,7 +74,7 @@ class SpeedLimitsView(PageView):
             **SMALL,
         )
         self.free = pmui.Checkbox(
-            label="Borders may move",
+            label="Section ends may move",
             value=model.free_borders,
             size="small",
             margin=(8, 8, 0, 16),
@@ -215,7 +219,7 @@ class SpeedLimitsView(PageView):
             f"section{'' if count == 1 else 's'}, limits {how}; the regulator "
             f"{REGULATOR_DOES[scenario.search.regulator]}"
         )
-        self.heading.object = parts.heading(scenario.title, what, "")
+        self.heading.object = parts.heading(self.page, scenario.title, what, "") + RULE
         self.figures.object = parts.figures(self._cells(run), self.model.failure is not None)
         self.table.object = sections_table(run)
         without = run.no_optimum and f"No optimum in the time of the run: {run.no_optimum}"
@@ -244,7 +248,7 @@ class SpeedLimitsView(PageView):
         first, last = planned * (1 - share), planned * (1 + share)
         rounding = 1e-5 * planned
         if first - rounding <= time_s <= last + rounding:
-            detail = f"in {words.number(first)}\u2013{words.number(last)}"
+            detail = f"allowed {words.number(first)} to {words.number(last)} s"
         elif time_s > last:
             detail = f'<span class="worse">{words.number(time_s - last)} s too late</span>'
         else:
@@ -276,7 +280,14 @@ def optimum_figure(run: LimitRun) -> str:
         detail = f'<span class="open">\u25d0</span> {amount.sentence} bound'
         whole = f"Not proven: the bound is {words.energy(bound)} kWh"
     name = comparisons.reference_noun(reference.proven).capitalize()
-    return parts.figure(name, words.energy(reference.energy_kwh), "kWh", detail, whole=whole)
+    return parts.figure(
+        name,
+        words.energy(reference.energy_kwh),
+        "kWh",
+        detail,
+        whole=whole,
+        term="Optimum" if reference.proven else "Best known",
+    )
 
 
 def sections_table(run: LimitRun) -> str:

@@ -9,6 +9,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.theme import parts_css
+from railjoule.dashboard.models.pages import PAGES
 from railjoule.dashboard.store import Card, Runs, outlines
 from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.page import PageView
@@ -174,7 +175,7 @@ class StartView(PageView):
 
 def hero(runs: Runs | None) -> str:
     """Return the sentence, and the picture of the present optimum beside the fastest run once it is there."""
-    text = f"<h1>{LEAD}</h1><p>{MORE}</p>"
+    text = f"<h1>{PAGES['Start'].question}</h1><p>{LEAD} {MORE}</p>"
     if runs is None:
         return (
             f'<div class="hero">{text}<svg role="img" aria-label="Being computed: the first run" viewBox="0 0 10 10" '

@@ -25,7 +25,7 @@ def test_the_paper_s_ride(user: User) -> None:
     expect(table).to_contain_text("Driver")
     driver, computer = (
         float(table.get_by_role("row").filter(has_text=name).get_by_role("cell").nth(1).inner_text())
-        for name in ("Driver", "Computer")
+        for name in ("Driver", "Replanned")
     )
     assert driver == pytest.approx(2.264, rel=0.01)
     assert computer == pytest.approx(2.195, rel=0.01)
@@ -35,7 +35,14 @@ def test_the_paper_s_ride(user: User) -> None:
 
 def test_events_are_dropped_changed_and_removed(user: User) -> None:
     user.choose("Metro, profile II")
-    user.page.get_by_role("button", name="Drop a limit").click()
+    invitation = user.page.get_by_text('No event yet. Click the track or press "Add a stop".')
+    expect(invitation).to_be_visible()
+    expect(user.page.locator(".figure:visible")).to_have_count(0)
+    user.page.get_by_role("button", name="Add a stop", exact=True).click()
+    expect(invitation).to_be_hidden()
+    for who in ("Driver", "Replanned run", "With notice"):
+        expect(user.figure_value(f"{who} arrives")).not_to_be_empty()
+    user.page.get_by_role("button", name="Click adds a limit").click()
     user.rest(1000)
     box = user.page.locator(".rj-chart-ride_speed:visible canvas").first.bounding_box()
     assert box is not None
@@ -47,11 +54,12 @@ def test_events_are_dropped_changed_and_removed(user: User) -> None:
     user.page.get_by_role("button", name="Remove 2 Limit").click()
     expect(user.page.get_by_label("2 Limit: km/h, as a number")).to_have_count(0)
     user.push("Accepted delay, s", 20)
-    expect(user.figure_value("Computer arrives")).to_have_text("+20.0s")
+    expect(user.figure_value("Replanned run arrives")).to_have_text("+20.0s")
 
 
 def test_an_event_that_cannot_be_is_told(user: User) -> None:
     user.choose("Metro, profile I")
+    user.page.get_by_role("button", name="Add a stop", exact=True).click()
     user.type("1 Stop: at, m", "5000")
     (alert,) = user.alerts()
     assert "must lie before the end of the line" in alert

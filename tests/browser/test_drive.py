@@ -31,7 +31,8 @@ SLIDERS = ("Travel time, s", "Load, % of capacity", "Recuperation, %")
 
 
 def test_first_sight(user: User) -> None:
-    expect(user.page.get_by_role("heading", level=1, name="Metro, profile II + I")).to_be_visible()
+    expect(user.page.get_by_role("heading", level=1, name="How should this train be driven")).to_be_visible()
+    expect(user.scenario("Metro, profile II + I")).to_be_visible()
     assert user.number("Energy at the line").startswith("7.8")
     assert "proven" in user.page.locator(".figure:visible", has_text="Above the optimum").inner_text()
     assert user.page.locator(".advice li").count() >= 5
@@ -105,7 +106,7 @@ def test_strategies_of_a_plain_line(user: User) -> None:
     assert user.picture("speed") != speed
     results = user.page.locator(".result").all_inner_texts()
     assert [results[row].split()[0] for row in (0, 2, 3)] == ["4.181", "4.181", "4.250"]
-    user.page.get_by_role("button", name="ENOC", exact=True).click()
+    user.page.get_by_role("radio", name="ENOC", exact=True).check()
     user.rest(1000)
     expect(user.figure_value("Energy at the line")).to_have_text("4.250kWh")
     expect(user.figure_value("Above the optimum")).to_have_text("+1.7%")
@@ -191,7 +192,7 @@ def test_nothing_overflows_and_the_sidebar_makes_room(server: Server, chromium: 
         for width in (360, 390, 768, 2560):
             user.page.set_viewport_size({"width": width, "height": 900})
             # the menu of pages shows that the server has heard of the width
-            menu = user.page.get_by_role("button", name="Drive", exact=True)
+            menu = user.page.get_by_role("button", name="Pages, Drive", exact=True)
             expect(menu).to_be_visible(visible=width < 700)
             expect(user.slider("Travel time, s")).to_be_visible(visible=width >= 900)
             user.rest(500)

@@ -39,7 +39,10 @@ def test_a_good_file(user: User, tmp_path: Path) -> None:
     path = tmp_path / "own.toml"
     path.write_text(GOOD)
     user.open_file(path)
-    expect(user.page.get_by_role("heading", level=1, name="Own line")).to_be_visible()
+    expect(user.scenario("Own line")).to_be_visible()
+    expect(user.page.get_by_role("combobox", name="Scenario")).to_contain_text("Own line (file)")
+    expect(user.page.get_by_text("Open a scenario file").first).to_be_visible()
+    expect(user.page.get_by_text("Uploaded")).to_have_count(0)
     assert "stand 20 s" in user.page.locator(".advice").inner_text()
     assert user.alerts() == []
 
@@ -96,7 +99,7 @@ def test_markup_in_a_file_stays_text(user: User, tmp_path: Path) -> None:
     path = tmp_path / f"{CANARY.replace('/', '')}.toml"
     path.write_text(text)
     user.open_file(path)
-    expect(user.page.get_by_role("heading", level=1, name=CANARY)).to_be_visible()
+    expect(user.scenario(CANARY)).to_be_visible()
     user.page.get_by_role("button", name="Pin run").click()
     user.turn_to("Trade-off")
     assert user.page.evaluate("window.pwned") is None

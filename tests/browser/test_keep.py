@@ -72,7 +72,7 @@ def test_a_changed_key_is_taken_back(user: User) -> None:
     user.begin_anew()
     user.type("Load, % of capacity", "20")
     press(user, "1 field changed")
-    press(user, "Reset vehicle.load_factor")
+    press(user, "Undo vehicle.load_factor")
     expect(user.page.get_by_label("Load, % of capacity, as a number", exact=True)).to_have_value("50")
 
 
@@ -88,7 +88,7 @@ def test_save_and_drop(user: User, tmp_path: Path) -> None:
         press(user, "Save as TOML")
     path = tmp_path / download.value.suggested_filename
     download.value.save_as(path)
-    press(user, "Reset all to the preset")
+    press(user, "Undo all")
     expect(user.figure_value(FIGURES[1])).not_to_have_text(kept[1])
     drop(user.page, path.name, path.read_text(encoding="utf-8"))
     expect(user.figure_value(FIGURES[1])).to_have_text(kept[1])
@@ -104,7 +104,7 @@ def test_save_and_drop(user: User, tmp_path: Path) -> None:
 def test_markup_stays_text(user: User, server: Server) -> None:
     text = GOOD.replace('"Own line"', f'"{CANARY}"').replace('"Half way"', f'"{CANARY}"')
     drop(user.page, f"{CANARY}.html", f'<html><script type="application/toml" id="scenario">{text}</script></html>')
-    expect(user.page.get_by_role("heading", level=1, name=CANARY)).to_be_visible()
+    expect(user.scenario(CANARY)).to_be_visible()
     expect(user.page.get_by_label("Command line")).to_contain_text(CANARY)
     user.page.goto(f"{server.url}?v=1&load_percent={CANARY}&{CANARY}=1&page={CANARY}&edits={CANARY}")
     alert = user.page.get_by_role("alert").filter(has_text="Parts of the link were ignored")

@@ -6,7 +6,7 @@ import pytest
 from playwright.sync_api import Browser
 
 from browser.server import Server
-from browser.user import User
+from browser.user import User, open_page
 
 PAGES = (
     "Start",
@@ -100,7 +100,7 @@ def test_nothing_is_cut_off(chromium: Browser, server: Server, width: int, dark:
     faults: dict[str, Any] = {}
     with open_at(chromium, server, width, dark) as user:
         for page in PAGES:
-            user.open_page(page)
+            open_page(user, page)
             user.rest(SETTLE_MS)
             found = {
                 "cut": user.page.evaluate(CUT),

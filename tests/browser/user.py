@@ -9,6 +9,7 @@ from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect
 
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look.words import STRATEGY_WORDS
+from railjoule.dashboard.models.pages import PAGES
 
 PATIENCE_MS = 90_000
 REST_MS = 400
@@ -100,7 +101,7 @@ class User:
 
     def type(self, name: str, text: str) -> None:
         """Type into the text field of a number."""
-        field = self.page.get_by_label(f"{name}, as a number", exact=True)
+        field = self.page.get_by_role("textbox", name=f"{name}, as a number", exact=True)
         field.fill(text)
         field.press("Enter")
         self.rest(1000)
@@ -121,22 +122,31 @@ class User:
         """Choose a shipped scenario."""
         self.page.get_by_role("combobox").first.click()
         self.page.get_by_role("menuitem", name=title, exact=True).click()
-        expect(self.page.get_by_role("heading", name=title, level=1)).to_be_visible()
+        expect(self.scenario(title)).to_be_visible()
         self.rest(1000)
+
+    def question(self, page: str) -> Locator:
+        """Return the question of a page while it is in sight; its sketch has the same before."""
+        return self.page.locator(".head h1:visible, .hero h1:visible").get_by_text(PAGES[page].question, exact=True)
+
+    def scenario(self, title: str) -> Locator:
+        """Return the name of the scenario beneath the heading of the page in sight."""
+        return self.page.locator(".head:visible .scenario").get_by_text(title, exact=True)
 
     def begin_anew(self) -> None:
         """Go back to what a new page of Drive shows, without the seconds that opening it takes."""
-        back = self.page.get_by_role("button", name="Reset all to the preset")
+        back = self.page.get_by_role("button", name="Undo all")
         self.let_go_of_pins()
         self.page.get_by_role("button", name="Distance", exact=True).click()
-        for name in STRATEGIES:
-            box = self.page.get_by_label(f"Draw {STRATEGY_WORDS[name]}", exact=True)
-            box.set_checked(name in FIRST_TICKED)
-        self.page.get_by_role("button", name="Optimal", exact=True).click()
-        if not self.page.get_by_role("heading", name=FIRST_TITLE, level=1, exact=True).is_visible():
+        self.page.get_by_role("radio", name="Optimal", exact=True).check()
+        if not self.scenario(FIRST_TITLE).is_visible():
             self.choose(FIRST_TITLE)
         elif back.is_visible():
             back.click()
+        for name in STRATEGIES:
+            box = self.page.get_by_label(f"Draw {STRATEGY_WORDS[name]}", exact=True)
+            if box.is_enabled():
+                box.set_checked(name in FIRST_TICKED)
         self.page.mouse.move(5, 5)
         self.rest(800)
 
@@ -153,17 +163,7 @@ class User:
 
     def turn_to(self, page: str) -> None:
         """Turn to another page."""
-        self.page.get_by_role("tab", name=page).click()
-        self.rest(1500)
-
-    def open_page(self, name: str) -> None:
-        """Turn to a page by the mouse, through the menu where the window is too narrow for tabs."""
-        tab = self.page.get_by_role("tab", name=name, exact=True)
-        if tab.count() and tab.first.is_visible():
-            tab.first.click()
-        else:
-            self.page.locator(".rj-menu").get_by_role("button").first.click()
-            self.page.get_by_role("menuitem", name=name, exact=True).click()
+        open_page(self, page)
         self.rest(1500)
 
     def open_file(self, path: Path) -> None:
@@ -184,3 +184,16 @@ class User:
     def alerts(self) -> list[str]:
         """Return the messages in sight."""
         return [alert.inner_text() for alert in self.page.get_by_role("alert").all() if alert.is_visible()]
+
+
+def open_page(user: User, name: str) -> None:
+    """Turn to a page by mouse, through the list of its group or the menu of narrow screens where it stands there."""
+    bar = user.page.get_by_role("navigation", name="Pages")
+    menu = bar.get_by_role("button", name="Pages, ")
+    group = PAGES[name].group
+    if menu.is_visible() and name != "Start":
+        menu.click()
+    elif group:
+        bar.get_by_role("button", name=group, exact=True).click()
+    bar.get_by_role("button", name=name, exact=True).first.click()
+    expect(user.question(name)).to_be_visible()

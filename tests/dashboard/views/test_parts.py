@@ -32,7 +32,7 @@ def pinned(runs: Runs, name: str) -> Pin:
 @pytest.mark.parametrize(
     "markup",
     [
-        parts.heading(HOSTILE, HOSTILE, HOSTILE),
+        parts.heading("Drive", HOSTILE, HOSTILE, HOSTILE),
         parts.failure(HOSTILE, HOSTILE, HOSTILE),
     ],
 )

@@ -79,7 +79,7 @@ def test_one_section_has_no_plane(view: SpeedLimitsView) -> None:
 
 
 def test_a_run_out_of_its_window_is_marked(view: SpeedLimitsView) -> None:
-    assert "in 213.8" in view.figures.object
+    assert "allowed 213.8 to" in view.figures.object
     view.model.sections[0].limit_kmh = 70.0
     assert "s too early" in view.figures.object
     view.model.set([20.0, 20.0], [1200.0])
