@@ -43,32 +43,32 @@ STRATEGIES = (
     ),
     Term(
         "Bellman",
-        "Dynamic programming: a search over a grid of positions, speeds and times. Slow and coarse, but "
-        "independent of the optimal solver, so it serves as a check.",
+        "Dynamic programming: a search over a grid of positions and speeds, with a price on time. Slower than the "
+        "optimal solver and independent of it, so it serves as a check.",
         ("Bellman's map",),
     ),
     Term(
         "EOC",
-        "Energy-optimal control, the driving law of the Ftorek paper: constant power, coasting and braking, "
-        "with switching points from closed formulas. For level lines without limits.",
+        "Energy-optimal control of the Ftorek paper: the effort that the optimality conditions prescribe, a "
+        "boundary value problem. It changes smoothly over the run. For level lines without limits.",
     ),
     Term(
         "ENOC",
-        "Energy near-optimal control: a simpler law of the same paper with a speed ramp of chosen length. For "
-        "level lines without limits.",
+        "Energy near-optimal control of the same paper: accelerate evenly, cruise, brake evenly, with ramps of "
+        "equal length. Its energy is a closed formula. For level lines without limits.",
         ("ENOC energy",),
     ),
     Term(
-        "Phases",
+        "Four phases",
         "The best run of four phases between two stops: full power, hold a speed, coast, brake. It is what "
         "a driver can remember.",
-        ("Phase",),
+        ("Phases", "Phase"),
     ),
     Term(
-        "Speed limits as a strategy",
-        "One speed limit for each section of the line: below it the train drives, above it it coasts. "
-        "The strategy searches the limits that need the least energy.",
-        ("Speed limits", "Set speeds"),
+        "Set speeds",
+        "One set speed for each section of the line: below it the train drives, above it it coasts or brakes. "
+        "The strategy searches the set speeds that need the least energy.",
+        ("Speed limits",),
     ),
     Term(
         "Fastest",
@@ -82,7 +82,6 @@ ENERGY = (
         "What the train takes from the overhead line or third rail over the run, less what "
         "it feeds back while braking. Auxiliaries such as heating are included.",
         (
-            "Energy at the line",
             "Energy",
             "Energy of the whole line",
             "Energy by input power",
@@ -94,7 +93,7 @@ ENERGY = (
         "Energy saved per extra second",
         "Energy that arriving one second later would save. In the theory it is the "
         "multiplier of the travel time, also called the price of a second.",
-        ("Extra second saves", "Price of a second", "Solved anew", "1 s saves, Wh"),
+        ("Extra second saves", "Price of a second", "Solved again", "saved per extra second, Wh"),
     ),
     Term(
         "Above the optimum",
@@ -124,13 +123,13 @@ ENERGY = (
         ("Best known run",),
     ),
     Term(
-        "Regenerated energy",
-        "Energy that braking feeds back to the supply, losses of the drive already taken off.",
-        ("Recuperated", "Giving back"),
+        "Recuperated energy",
+        "Energy that braking feeds back to the supply, losses of the powertrain already taken off.",
+        ("Recuperated", "Recuperation"),
     ),
     Term(
         "Recuperation factor",
-        "Share of the braking energy, after losses of the drive, that the supply takes back. At "
+        "Share of the braking energy, after losses of the powertrain, that the supply takes back. At "
         "zero all of it is lost in brake resistors.",
         ("Recuperation, %",),
     ),
@@ -141,8 +140,9 @@ ENERGY = (
     ),
     Term(
         "Extra energy",
-        "What reality costs more, as a share of the energy of a plan that knew it: the price of wrong assumptions.",
-        ("Worst of the table", "above a plan for that load"),
+        "What the actual run uses more, as a share of the energy of a plan made for the actual load: the cost of "
+        "wrong assumptions.",
+        ("Largest in the table", "above a plan for that load"),
     ),
     Term(
         "Agreement with print",
@@ -153,7 +153,7 @@ ENERGY = (
     Term(
         "Saving",
         "By how much less energy the first of two runs needs than the second, as a share of the second.",
-        ("Coasting saves", "Knowing it saves"),
+        ("Coasting saves", "Right plan saves"),
     ),
 )
 TIME = (
@@ -173,12 +173,12 @@ TIME = (
         "An arrival that the timetable prescribes. Between two of them every second is worth the same energy.",
         ("Arrives after, s",),
     ),
-    Term("Late departure", "Simulated days depart late by this much on average.", ("Late departure, mean s",)),
+    Term("Late departure", "Simulated days depart late by this much on average.", ("Departure delay, mean, s",)),
     Term("Slack", "Travel time beyond the shortest possible run. It is what coasting and lower speeds are paid with."),
     Term(
         "Supplement",
         "Running-time supplement: the slack that a timetable plans for, so that delays can be made up.",
-        ("Equal supplements", "In proportion", "time reserve"),
+        ("Equal reserve", "Proportional reserve", "Running-time supplement", "time reserve"),
     ),
     Term(
         "Accepted delay",
@@ -188,13 +188,21 @@ TIME = (
     Term(
         "Delay",
         "Arrival compared with the plan: plus is late, minus is early.",
-        ("Arrival", "Arrives", "Driver arrives", "Replanned run arrives", "With notice arrives", "late, s"),
+        (
+            "Arrival",
+            "Arrival error",
+            "Arrives",
+            "Arrival, driver",
+            "Replanned run arrives",
+            "With notice arrives",
+            "late, s",
+        ),
     ),
     Term(
         "Time window",
         "How far the travel time under set speeds may differ from the timetable. Few limits seldom hit "
         "the second exactly.",
-        ("Window of the time, \u00b1 %",),
+        ("Time window, \u00b1 %",),
     ),
 )
 DRIVING = (
@@ -211,7 +219,7 @@ DRIVING = (
     ),
     Term(
         "Replanning",
-        "Computing the rest of the run anew when something unexpected is noticed, with the time that is left.",
+        "Computing the rest of the run again when something unexpected is noticed, with the time that is left.",
         ("Replanned run", "Replanning saves", "Replanning costs", "Replanned"),
     ),
     Term(
@@ -222,17 +230,19 @@ DRIVING = (
     ),
     Term(
         "Driver without help",
-        "Holds the speed or coasts on as planned, brakes for the event, then drives the optimal rest.",
+        "Holds the speed or coasts on as planned, brakes for the event, then drives the optimal remainder.",
         ("Driver",),
     ),
     Term(
         "Cost of the events",
         "Extra energy of the driver without help, compared with the undisturbed run.",
-        ("The events cost the driver", "The events save the driver"),
+        ("Extra energy, driver", "Energy saved, driver"),
     ),
-    Term("Section limits", "What the set speeds cost above the best run known in the same time.", ("Limits cost",)),
+    Term("Extra energy of set speeds", "What the set speeds cost above the best run known in the same time."),
     Term(
-        "Overshoot", "How far beyond its stopping place the train comes to rest; minus means short of it.", ("Stands",)
+        "Overshoot",
+        "How far beyond its stopping place the train comes to rest; minus means short of it.",
+        ("Stopping error",),
     ),
     Term(
         "Best acceleration time",
@@ -252,14 +262,20 @@ TRAIN = (
     Term(
         "Load factor",
         "Passengers on board as a share of the capacity. A loaded train is heavier, so it needs more "
-        "energy to start and rolls further.",
+        "energy to start and rolls farther.",
         ("Load, % of capacity", "Actual load, % of capacity", "Load, \u00b1 %"),
     ),
     Term(
         "Storage",
-        "A battery or supercapacitor on board that takes braking energy and gives it back. Needed is the "
+        "A battery or supercapacitor on board that stores braking energy and returns it. Needed is the "
         "size at which nothing is lost.",
         ("Storage needed", "Storage, kWh"),
+    ),
+    Term(
+        "Cause of extra energy",
+        "What makes the actual run use more than the plan: load, position error, conditions, stops and other events, "
+        "added one after another in this order.",
+        ("Largest cause",),
     ),
     Term(
         "Section",
@@ -274,37 +290,37 @@ TRAIN = (
     Term(
         "Storage power",
         "How fast the storage takes and gives energy; braking above it is lost in resistors.",
-        ("Its power, kW",),
+        ("Power, kW",),
     ),
     Term(
         "Storage efficiency",
         "Shares of the energy that remain after charging and after discharging.",
-        ("Charging keeps, %", "Discharging gives, %"),
+        ("Charging efficiency, %", "Discharging efficiency, %"),
     ),
     Term(
         "Spread of the days",
         "How far simulated days typically stray around the plan, to each side.",
-        ("Resistance, \u00b1 %", "Line voltage, \u00b1 %"),
+        ("Resistance, \u00b1 %", "Supply voltage, \u00b1 %"),
     ),
     Term(
         "Position error",
-        "Where the train believes to be less where it is, called coordinate error in the papers. It "
+        "Where the train assumes it is, less where it is; called coordinate error in the papers. It "
         "makes every phase begin too early or too late.",
-        ("Coordinate error, m", "Coordinate error, \u00b1 m"),
+        ("Position error, m", "Position error, \u00b1 m"),
     ),
     Term(
         "Speed error",
-        "How far the measured speed is from the true one, in percent. It grows into a position error "
+        "How far the measured speed is from the actual one, in percent. It grows into a position error "
         "until a sensor resets the position.",
         ("Speed error, %",),
     ),
     Term(
         "Reset of the position",
-        "A trackside sensor tells the train where it is, so that its position error begins anew.",
-        ("D1, sets the place", "D3, sets the place", "D1 to D2, calibrates"),
+        "A trackside sensor tells the train where it is, so that its position error starts again from zero.",
+        ("D1, resets position", "D3, resets position", "D1 to D2, calibrates"),
     ),
-    Term("Median", "Half of all simulated days cost less than this.", ("Half of all runs",)),
-    Term("95th percentile", "Nineteen of twenty simulated days cost less than this.", ("19 of 20 runs",)),
+    Term("Median", "Half of all simulated days cost less than this.", ()),
+    Term("95th percentile", "Nineteen of twenty simulated days cost less than this.", ()),
     Term("Seed", "Where the random numbers begin: the same seed gives the same simulated days again.", ("Its seed",)),
 )
 MOTORS = (
@@ -331,7 +347,7 @@ MOTORS = (
         "Sum of losses",
         "The same energy added up from mechanical work and losses; the difference to the integrated "
         "input power checks the simulation.",
-        ("By its parts",),
+        ("Sum of parts",),
     ),
     Term("Tracking error", "The largest distance between planned and simulated position during the run."),
     Term("Peak current", "The largest amplitude of a motor's phase current during the run.", ("Current, A",)),
@@ -343,9 +359,9 @@ MOTORS = (
     Term(
         "Current ripple",
         "The small, fast waves of current that switching of the inverter causes.",
-        ("Picture of ripple at, s",),
+        ("Ripple at t, s",),
     ),
-    Term("Speed noise", "Random error of the measured motor speed.", ("Noise of speed, rad/s",)),
+    Term("Speed noise", "Random error of the measured motor speed.", ("Speed noise, rad/s",)),
     Term(
         "Bandwidth",
         "How fast the speed controller reacts: a larger value follows the plan more closely and amplifies noise.",
@@ -355,7 +371,7 @@ MOTORS = (
         "Assumed rotor resistance",
         "The controller's value of the rotor resistance over the true one. If it is wrong, "
         "field and torque are no longer separate.",
-        ("Believed resistance, \u00d7",),
+        ("Assumed / true rotor resistance",),
     ),
 )
 GROUPS: dict[str, tuple[Term, ...]] = {

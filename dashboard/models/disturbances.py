@@ -57,12 +57,12 @@ class DisturbancesModel(TypedParameters):
 
     events = param.List(default=[], item_type=EventModel, doc="What happens on the way.")
     accepted_delay_s = param.Number(default=0.0, bounds=(0.0, 86_400.0), doc="Accepted delay, s")
-    dropping = param.Selector(default="stop", objects=["stop", "limit"], doc="What a press on the line drops.")
+    dropping = param.Selector(default="stop", objects=["stop", "limit"], doc="What a click on the track adds.")
 
     rides = param.ClassSelector(class_=Rides, default=None, allow_None=True, doc="The last good rides.")
     late = param.ClassSelector(class_=LateArrivals, default=None, allow_None=True, doc="Energy over lateness so far.")
     failure = param.ClassSelector(
-        class_=RailjouleError, default=None, allow_None=True, doc="Why the last wish could not be met."
+        class_=RailjouleError, default=None, allow_None=True, doc="Why the last request failed."
     )
     changed = param.Event(doc="An event has other numbers.")
 

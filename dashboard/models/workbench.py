@@ -63,7 +63,7 @@ class Workbench(Kept):
     compare_all = param.Boolean(default=True, doc="Compare all strategies, not only those that are ticked.")
     reference = param.String(default="", doc="Strategy or pin that others are compared with; empty for the usual one.")
     failure = param.ClassSelector(
-        class_=RailjouleError, default=None, allow_None=True, doc="Why the last wish could not be met."
+        class_=RailjouleError, default=None, allow_None=True, doc="Why the last request failed."
     )
     late = param.ClassSelector(
         class_=frozenset, default=frozenset(), doc="Pages that show what is from before the last change."

@@ -187,7 +187,7 @@ class ComparedDifferenceChart(ComparedChart):
     unit, digits = "kWh", 2
 
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        title = "Energy so far, less that of the reference, kWh"
+        title = "Energy so far vs reference, kWh"
         super().__init__("compared_difference", title, height, axis, palette)
         self._reference: Trajectory | None = None
         self._over_time = False

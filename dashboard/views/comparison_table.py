@@ -16,7 +16,7 @@ def comparison_table(among: Sequence[Contender], reference: Contender) -> str:
     """Return the table as HTML; the reference is its chosen row, and losses that no run has are left out."""
     losses = [contender.run.energy.losses_j for contender in among]
     kinds = [kind for kind in dict.fromkeys(kind for each in losses for kind in each) if _any(losses, kind)]
-    header = ["Run", "kWh", "less ref.", "%", "s", "less ref.", "km/h", "given back"]
+    header = ["Run", "kWh", "vs ref., kWh", "%", "s", "vs ref., s", "km/h", "recuperated"]
     header += [parts.escaped(loss_word(kind).lower()) for kind in kinds]
     header.append("above bound, %")
     header = [f'<button type="button" class="sort" data-act="sort">{word}</button>' for word in header]

@@ -34,7 +34,7 @@ REACTION_WORDS: dict[Reaction, str] = {
 
 WHO = (
     "Driver: holds the speed or coasts on, brakes for the event, then drives the optimal remainder. Replanned: the "
-    "whole remainder is computed anew when the event is noticed. With advance notice: the whole run is planned for it."
+    "whole remainder is computed again when the event is noticed. With advance notice: the whole run is planned for it."
 )
 NO_EVENT = 'No event yet. Click the track or press "Add a stop".'
 
@@ -110,7 +110,7 @@ class DisturbancesView(PageView):
 
     def _show(self) -> None:
         rides = self.model.rides
-        self.tell(self.model.failure, "Shown: the last rides that can be driven." if rides is not None else "")
+        self.tell(self.model.failure, "Shown: the last runs that could be computed." if rides is not None else "")
         none = not self.model.events
         self.invitation.visible, self.figures.visible = none, not none
         self.reactions.visible = self.late.place.visible = not none
@@ -166,7 +166,7 @@ class DisturbancesView(PageView):
         unit = saved.unit if verb == "saves" else f"{saved.unit} more"
         return [
             parts.figure(
-                "The events cost the driver" if spent == "costs" else "The events save the driver",
+                "Extra energy, driver" if spent == "costs" else "Energy saved, driver",
                 *more,
                 f"{energy}, undisturbed {words.energy(planned.energy_kwh)}",
                 "main",
@@ -180,7 +180,7 @@ class DisturbancesView(PageView):
                 term="Replanning",
             ),
             parts.figure("With advance notice", words.energy(known.actual.energy_kwh), "kWh", "planned from the start"),
-            self._arrival("Driver arrives", driver),
+            self._arrival("Arrival, driver", driver),
             self._arrival("Replanned run arrives", computer),
             self._arrival("With notice arrives", known),
         ]
@@ -223,7 +223,7 @@ class DisturbancesView(PageView):
                 price,
             )
             rows.append((cells, reaction == "computer"))
-        header = ("Ride", "kWh", "more, %", "late, s", "top, km/h", "1 s saves, Wh")
+        header = ("Run", "kWh", "more, %", "late, s", "top, km/h", "saved per extra second, Wh")
         return f'<div style="padding:0 6px">{parts.table("Who reacts", header, rows)}</div>'
 
 

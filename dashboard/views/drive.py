@@ -151,7 +151,7 @@ class DriveView(PageView):
     def _show_failure(self) -> None:
         """Say why there is no run as asked for, and offer what mends it."""
         run, failure = self.state.run, self.state.failure
-        shown = "" if run is None else f"Shown: the last good run, {words.number(run.travel_time_s)} s."
+        shown = "" if run is None else f"Shown: the last valid run, {words.number(run.travel_time_s)} s."
         actual = self.state.actual
         if failure is None and actual.on and actual.failure is not None:
             self.tell(actual.failure, "Shown: the plan.")

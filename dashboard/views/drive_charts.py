@@ -79,7 +79,7 @@ class LineStrip(SceneChart):
     """The line: gradients over its height, curves hatched."""
 
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        super().__init__("line", f"Line: gradient, {words.PER_MILLE}, over height, m", height, axis, palette)
+        super().__init__("line", f"Track: gradient, {words.PER_MILLE}, over height, m", height, axis, palette)
 
     def build(self) -> None:
         """Make the figure."""
@@ -314,7 +314,7 @@ class PowerChart(CellChart):
     axis_digits = 1
 
     def __init__(self, height: int, axis: Axis, palette: Palette, lines: tuple[str, ...]) -> None:
-        super().__init__("power", "Power at the line, MW", height, axis, palette)
+        super().__init__("power", "Power from the supply, MW", height, axis, palette)
         self.lines = lines
 
     def of_cells(self, run: Trajectory) -> FloatArray:

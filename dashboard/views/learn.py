@@ -21,11 +21,11 @@ from railjoule.dashboard.views.page import PageView
 PAGE = "Learn"
 SPEED_HEIGHTS, PLANE_HEIGHTS, PRICE_HEIGHTS = (200, 250, 190), (250, 300, 240), (200, 240, 190)
 LINES = {
-    "coasting": "Speed, km/h: blue the optimum, dashed one speed held",
-    "multiplier": "Speed, km/h: blue the optimum, dashed the optimum of one second more",
-    "recuperation": "Speed, km/h: blue the optimum, dashed with nothing given back",
-    "gradient": "Speed, km/h: blue knows the line, dashed planned for level track",
-    "load": "Speed, km/h: blue planned for the real load, dashed planned for 30 %",
+    "coasting": "Speed, km/h: blue the optimum, dashed one constant speed",
+    "multiplier": "Speed, km/h: blue the optimum, dashed the optimum with one more second",
+    "recuperation": "Speed, km/h: blue the optimum, dashed without recuperation",
+    "gradient": "Speed, km/h: blue planned with gradients, dashed planned for level track",
+    "load": "Speed, km/h: blue planned for the actual load, dashed planned for 30 %",
 }
 WITH_PLANE = ("multiplier", "recuperation")
 HEIGHTS = {
@@ -137,7 +137,7 @@ class LearnView(PageView):
 
     def _show(self) -> None:
         learn = self.state.learn
-        self.tell(learn.failure, "Shown: the last place of the slider that can be driven.")
+        self.tell(learn.failure, "Shown: the last slider position that could be computed.")
         for name, result in learn.shown.items():
             if self._shown.get(name) is not result:
                 self._shown[name] = result
@@ -178,8 +178,8 @@ def coasting_cells(result: LessonResult) -> list[str]:
     share = words.share(coasts / run.distance_m)
     return [
         _saved(result, "Coasting"),
-        *_energies(result, "Optimum", "One speed"),
-        parts.figure("Coasts", share, "%", "of the way"),
+        *_energies(result, "Optimum", "Constant speed"),
+        parts.figure("Coasts", share, "%", "of the distance"),
     ]
 
 
@@ -190,7 +190,7 @@ def multiplier_cells(result: LessonResult) -> list[str]:
     saved = (run.energy_kwh - later.energy_kwh) * J_PER_KWH
     return [
         parts.figure("Extra second saves", words.price(price), "Wh/s", "the multiplier", "main"),
-        parts.figure("Solved anew", words.price(saved), "Wh", "saved by a second"),
+        parts.figure("Solved again", words.price(saved), "Wh", "saved by a second"),
         *_energies(result, "Optimum", "A second later"),
     ]
 
@@ -199,7 +199,7 @@ def recuperation_cells(result: LessonResult) -> list[str]:
     """Return the numbers of the third lesson."""
     run, steady = result.runs["optimum"], result.steady
     assert steady is not None
-    cells = [_saved(result, "Giving back"), *_energies(result, "Optimum", "Without")]
+    cells = [_saved(result, "Recuperation"), *_energies(result, "Optimum", "Without")]
     off = next((phase.start_m for phase in run.phases if phase.phase == "coast"), None)
     where = "\u2013" if off is None else words.number(off, 0)
     cells.append(parts.figure("Motors off at", where, "m", f"brakes at {words.speed(steady.brake_ms)} km/h"))
@@ -208,7 +208,7 @@ def recuperation_cells(result: LessonResult) -> list[str]:
 
 def gradient_cells(result: LessonResult) -> list[str]:
     """Return the numbers of the fourth lesson."""
-    return [_saved(result, "Knowing it"), *_energies(result, "Knows the line", "Planned for level track")]
+    return [_saved(result, "Right plan"), *_energies(result, "Planned with gradients", "Planned for level track")]
 
 
 def load_cells(result: LessonResult) -> list[str]:
@@ -216,8 +216,8 @@ def load_cells(result: LessonResult) -> list[str]:
     driven = result.runs["planned for 30 %"]
     late = driven.travel_time_s - driven.scenario.travel_time_s
     return [
-        _saved(result, "Knowing it"),
-        *_energies(result, "Load known", "Planned for 30 %"),
+        _saved(result, "Right plan"),
+        *_energies(result, "Planned for actual load", "Planned for 30 %"),
         parts.figure("Arrives", words.delay(late), "s", "late" if late >= 0.05 else "on time"),
     ]
 

@@ -68,7 +68,7 @@ class PriceChart(Chart):
     """The least energy over travel time, with the price of a second as its slope."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("lesson_price", "Least energy, kWh; its slope is the price of a second", height)
+        super().__init__("lesson_price", "Least energy, kWh; its slope: energy saved per extra second", height)
         self.palette = palette
         self.x_range, self.y_range = Range1d(0, 1), Range1d(0, 1)
         self.sources = {name: ColumnDataSource({"x": [], "y": []}) for name in ("curve", "tangent", "point")}
@@ -111,7 +111,7 @@ class PhasePlaneChart(Chart):
     kind = "map"
 
     def __init__(self, lesson: str, height: int, palette: Palette) -> None:
-        caption = "Phase plane: worth of a joule of motion, J at the line, over speed, km/h"
+        caption = "Phase plane: value of a joule of kinetic energy, J from the supply, over speed, km/h"
         super().__init__(f"plane_{lesson}", caption, height)
         self.palette = palette
         self.x_range, self.y_range = Range1d(0, 80), Range1d(*WORTH_ENDS)

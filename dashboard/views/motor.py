@@ -212,7 +212,7 @@ class MotorView(PageView):
 
     def _show_heading(self) -> None:
         scenario = self.state.scenario.scenario()
-        what = "plan run through the motor controller"
+        what = "plan run through the field-oriented control of the motors"
         run = self.model.run
         aside = "" if run is None else f"arrival error {words.delay(run.delay_s)} s"
         self.heading.object = parts.heading(self.page, scenario.title, what, aside)

@@ -36,7 +36,7 @@ class MotorFields:
         )
         self.control = [
             TypedNumber(model, "bandwidth_rads", "Bandwidth, rad/s", digits=1, unit="rad/s"),
-            TypedNumber(model, "rotor_resistance_factor", "Believed resistance, \u00d7", digits=2, unit=""),
+            TypedNumber(model, "rotor_resistance_factor", "Assumed / true rotor resistance", digits=2, unit=""),
             TypedNumber(model, "speed_noise_rads", "Speed noise, rad/s", digits=2, unit="rad/s"),
             TypedNumber(model, "noise_seed", "Seed", digits=0, unit=""),
         ]

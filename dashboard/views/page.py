@@ -26,7 +26,7 @@ PAGE_CSS = """
   --rj-words: var(--rj-ink3); }
 """
 """Numbers and charts from before the last change are grey until the next ones come."""
-NOT_SHOWN = "A part of this page could not be shown: the program made an error, which the server\u2019s log describes."
+NOT_SHOWN = "A part of this page could not be shown: a program error, which the server\u2019s log describes."
 
 
 class PageView:

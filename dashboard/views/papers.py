@@ -227,7 +227,7 @@ def difference_words(row: Row) -> str:
         return "the same"
     side = "larger" if abs(row.ours) > abs(row.printed) else "smaller"
     if row.ours * row.printed < 0:
-        return "of the other sign"
+        return "opposite sign"
     size = "a little" if row.is_close else "" if abs(difference) <= MUCH_PERCENT else "much"
     return f"{size} {side}".strip()
 
@@ -267,7 +267,7 @@ def figure_cells(papers: Iterable[PaperTables]) -> list[str]:
 def errata_html(errata: tuple[Erratum, ...]) -> str:
     """Return what must be corrected in a paper."""
     items = "".join(
-        f"<li>{parts.escaped(erratum.place)}: printed {parts.escaped(erratum.printed)}, to be read "
+        f"<li>{parts.escaped(erratum.place)}: printed {parts.escaped(erratum.printed)}, corrected: "
         f"{parts.escaped(erratum.corrected)}. {parts.escaped(erratum.reason)}</li>"
         for erratum in errata
     )

@@ -27,7 +27,7 @@ SAME_STOP_M = 0.5
 MOST_IN_SIGHT = 10
 """So many instructions stand above the charts; more are scrolled."""
 LOSS_WORDS = {
-    "drive": "Drive losses",
+    "drive": "Powertrain losses",
     "copper": "Copper loss",
     "magnetising": "Magnetising loss",
     "magnetic_field": "Left in the magnetic field",
@@ -146,7 +146,7 @@ def proof_figure(run: Trajectory) -> str:
     if amount is None:
         return figure("Above the bound", words.UNKNOWN, "", "no bound is known")
     detail = f'<span class="open">\u25d0 bound</span> {words.energy(run.lower_bound_kwh or 0.0)} kWh'
-    return figure("Above the bound", *amount, detail, whole="Not proven: it may be this far above the optimum at most")
+    return figure("Above the bound", *amount, detail, whole="Not proven: it is at most this far above the optimum")
 
 
 def price_figure(run: Trajectory, optimum: Trajectory) -> str:
@@ -156,7 +156,7 @@ def price_figure(run: Trajectory, optimum: Trajectory) -> str:
     if price is None:
         return figure("Extra second saves", words.UNKNOWN, "", "")
     saved = comparisons.above(priced.energy_kwh - price / J_PER_KWH, priced.energy_kwh)
-    return figure("Extra second saves", words.price(price), "Wh/s", f"1 s later: {saved}", whole=whole)
+    return figure("Extra second saves", words.price(price), "Wh/s", f"saved by 1 s more: {saved}", whole=whole)
 
 
 def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: bool) -> str:
@@ -171,7 +171,7 @@ def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: b
     per_tonne = energy.net_j / (J_PER_KWH / 1000) / mass / (run.distance_m / 1000)
     return figures(
         [
-            figure("Energy at the line", words.energy(run.energy_kwh), "kWh", main, kind="main"),
+            figure("Energy from the supply", words.energy(run.energy_kwh), "kWh", main, kind="main"),
             proof_figure(run),
             price_figure(run, runs.best),
             figure(
@@ -275,10 +275,10 @@ def account(run: Trajectory) -> str:
         "color-mix(in srgb, var(--rj-accent) 40%, transparent)",
         "var(--rj-groundline)",
     )
-    rows = [bar("Taken from the line", 0, taken, accent)]
+    rows = [bar("Drawn from the supply", 0, taken, accent)]
     if energy.recuperated_j > small:
-        rows.append(bar("Given back", taken, -energy.recuperated_j, pale))
-    rows += [bar("Net at the line", 0, energy.net_j, accent, strong=True), '<span class="gap"></span>']
+        rows.append(bar("Recuperated", taken, -energy.recuperated_j, pale))
+    rows += [bar("Net from the supply", 0, energy.net_j, accent, strong=True), '<span class="gap"></span>']
     rows += [bar(word, 0, joules, neutral) for word, joules in gains]
     place = 0.0
     for word, joules in uses:
@@ -286,7 +286,7 @@ def account(run: Trajectory) -> str:
         place += joules
     given = " + ".join(words.energy(j / J_PER_KWH) for j in (energy.net_j, *(joules for _, joules in gains)))
     used = words.energy(sum(joules for _, joules in uses) / J_PER_KWH)
-    closes = f"The account closes: {given} = {used} kWh." if gains else f"The account closes at {used} kWh."
+    closes = f"Total: {given} = {used} kWh." if gains else f"Total: {used} kWh."
     bars = f'<div class="flow">{"".join(rows)}</div><p class="note">{closes}</p>'
     return f'<div class="block"><h2>Where the energy goes, kWh</h2>{bars}</div>'
 

@@ -49,9 +49,9 @@ LAYOUT_CSS = """
 @media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); padding: 8px 12px; } }
 """
 KNOWS_WORDS = {
-    "for nothing": "nothing",
-    "for the true load": "load",
-    "for the true place": "place",
+    "none": "nothing",
+    "for the load": "load",
+    "for the position": "place",
     "for both": "both",
 }
 WRAP_CSS = "@media (max-width: 899px) { :host { flex-wrap: wrap; } }"
@@ -71,11 +71,11 @@ class RobustnessView(PageView):
         palette = self.palette
         self.printed, self.chance_table = (parts.html_pane() for _ in range(2))
         self.measure = pmui.Select(
-            label="Table of", options={m.words: key for key, m in MEASURES.items()}, value=model.measure, **SELECT
+            label="Show", options={m.words: key for key, m in MEASURES.items()}, value=model.measure, **SELECT
         )
-        self.knows = pmui.Select(label="Planned anew", options=KNOWS_WORDS, value=model.knows, **SELECT)
+        self.knows = pmui.Select(label="Replanning", options=KNOWS_WORDS, value=model.knows, **SELECT)
         self.ways = pmui.RadioButtonGroup(
-            options={"This way": False, "Both ways": True},
+            options={"One direction": False, "Both directions": True},
             value=model.both_directions,
             size="small",
             margin=(10, 0, 0, 12),
@@ -95,7 +95,7 @@ class RobustnessView(PageView):
         self.effort = DrivenEffortChart(HEIGHTS["driven_effort"][0], self.axis, palette)
         self.braking = BrakingChart(HEIGHTS["braking"][0], palette)
         self.place = PlaceErrorChart(HEIGHTS["place"][0], palette)
-        note = '<p class="note" style="margin:10px 0 0 12px">Press a cell to see its run.</p>'
+        note = '<p class="note" style="margin:10px 0 0 12px">Click a cell to see its run.</p>'
         left = parts.stack(
             pn.Row(self.measure, self.ways, margin=0, sizing_mode="stretch_width", stylesheets=[WRAP_CSS]),
             self.heat_map.place,
@@ -142,7 +142,7 @@ class RobustnessView(PageView):
 
     def _show_run(self) -> None:
         reality = self.model.reality
-        self.tell(self.model.failure, "Shown: the last run that can be driven." if reality is not None else "")
+        self.tell(self.model.failure, "Shown: the last run that could be computed." if reality is not None else "")
         if reality is None:
             return
         following = reality.following
@@ -208,7 +208,7 @@ class RobustnessView(PageView):
         energy, planned = following.actual.energy_kwh, following.planned.energy_kwh
         disturbance = following.actual.scenario.disturbance
         reference = planned if reality.knowing_kwh is None else reality.knowing_kwh
-        against = "planned" if reality.knowing_kwh is None else "for that load"
+        against = "planned" if reality.knowing_kwh is None else "for the actual load"
         cells = [
             parts.figure(
                 reality_words(disturbance.actual_load_factor or 0.0, disturbance.coordinate_error_m).capitalize(),
@@ -224,20 +224,20 @@ class RobustnessView(PageView):
                 f"{comparisons.above(energy, planned)}, planned {words.energy(planned)}",
             ),
             parts.figure("Arrival", words.delay(following.delay_s), "s", "at the end"),
-            parts.figure("Stands", words.stop_error(following.stop_error_m), "m", "beyond the stop"),
+            parts.figure("Overshoot", words.stop_error(following.stop_error_m), "m", "beyond the stop"),
         ]
         table = self.model.table
         if table is not None and np.any(np.isfinite(table.over_replanned)):
             k, m = np.unravel_index(np.nanargmax(table.over_replanned), table.over_replanned.shape)
             worst = words.share_difference(float(table.over_replanned[k, m]))
             place = reality_words(table.load_factors[k], table.coordinate_errors_m[m])
-            cells.append(parts.figure("Worst of the table", worst, "%", place))
+            cells.append(parts.figure("Largest in the table", worst, "%", place))
         chance = self.model.chance
         values = finite(chance.over_replanned) if chance is not None else np.zeros(0)
         if chance is not None and len(values):
             half, most = (words.share_difference(float(np.quantile(values, share))) for share in (0.5, 0.95))
             drawn = f"of {words.number(chance.done, 0)} drawn"
-            cells.append(parts.figure("Half of all runs", f"&lt; {half}", "%", drawn))
+            cells.append(parts.figure("Median", f"&lt; {half}", "%", drawn))
             seed = f"seed {chance.scenario.montecarlo.seed}"
-            cells.append(parts.figure("19 of 20 runs", f"&lt; {most}", "%", seed))
+            cells.append(parts.figure("95th percentile", f"&lt; {most}", "%", seed))
         return cells

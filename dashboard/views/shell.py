@@ -39,7 +39,7 @@ AWAY_CSS = """
 """
 """A page that was left keeps its size and its figures, so that turning back to it costs nothing."""
 NOT_OPENED = (
-    "This page could not be opened: the program made an error, which the server\u2019s log describes. The other pages "
+    "This page could not be opened: a program error, which the server\u2019s log describes. The other pages "
     "work; turn to this one again to try once more."
 )
 OWN_COLOURS = ["Axis", "Title", "Grid", "Figure", "Plot", "Legend", "ColorBar", "BaseColorBar"]

@@ -30,7 +30,7 @@ from railjoule.dashboard.views.strategies import StrategyList
 FIELDS_AFTER_MS = 200
 FROM_FILE = "file"
 """What the value of a scenario from a file begins with; its number tells it from the one opened before it."""
-NOT_SHOWN = "These fields could not be shown: the program made an error, which the server\u2019s log describes."
+NOT_SHOWN = "These fields could not be shown: a program error, which the server\u2019s log describes."
 
 
 class ScenarioFile(pmui.FileInput):
@@ -185,7 +185,7 @@ class Sidebar:
         base = self.state.scenario.edited
         name = html.escape(base.vehicle.name)
         self.vehicle.object = f'<div class="section">Vehicle <span>\u00b7 {name}</span></div>'
-        self.line.object = f'<div class="section">Line</div>{line_rows(self.state)}'
+        self.line.object = f'<div class="section">Track</div>{line_rows(self.state)}'
 
     def _show_runs(self, *_: Any) -> None:
         runs = self.state.runs
@@ -207,7 +207,7 @@ def scenario_options(state: Workbench, file: str = FROM_FILE) -> dict[str, str]:
     options = dict(shipped_scenarios())
     opened = state.scenario.opened
     if opened is not None:
-        options[f"{opened.title or 'Without a title'} (file)"] = file
+        options[f"{opened.title or 'Untitled'} (file)"] = file
     return options
 
 

@@ -39,7 +39,7 @@ LOWER_CSS = """
 GAP_CSS = ":host { row-gap: 10px; }"
 NOTES_CSS = ":host { padding: 0 20px 16px; } @media (max-width: 899px) { :host { padding: 0 12px 16px; } }"
 REGULATOR_WORDS = {"coast": "Coasts", "brake": "Brakes", "literal": "As printed"}
-REGULATOR_DOES = {"coast": "coasts above a limit", "brake": "brakes for a limit", "literal": "is the printed relay"}
+REGULATOR_DOES = {"coast": "coasts above a limit", "brake": "brakes for a limit", "literal": "is the published relay"}
 RULE = (
     '<p style="padding:0 20px 8px;max-width:90ch">Below its limit the train drives, above it coasts: limits are '
     "set-points, not rules. The travel time may differ from the timetable within a window.</p>"
@@ -81,7 +81,7 @@ class SpeedLimitsView(PageView):
             sx={"& .MuiFormControlLabel-label": {"fontSize": "13px"}},
         )
         self.search = pmui.Button(
-            label="Search limits",
+            label="Search set speeds",
             variant="outlined",
             size="small",
             margin=(8, 20, 0, 8),
@@ -92,7 +92,7 @@ class SpeedLimitsView(PageView):
             label="Sections", options={"1 and 2": 0}, value=0, size="small", margin=(6, 0, 0, 46), width=130
         )
         self.whose = pmui.RadioButtonGroup(
-            options={"Drive": "drive", "Motor": "motor"}, value=model.shown_map, margin=(6, 0, 0, 46), **SMALL
+            options={"Powertrain": "drive", "Motor": "motor"}, value=model.shown_map, margin=(6, 0, 0, 46), **SMALL
         )
         self.pair.visible = self.whose.visible = False
         self._listen()
@@ -143,7 +143,7 @@ class SpeedLimitsView(PageView):
 
     def _show_run(self) -> None:
         run = self.model.run
-        self.tell(self.model.failure, "Shown: the last run that can be driven." if run is not None else "")
+        self.tell(self.model.failure, "Shown: the last run that could be computed." if run is not None else "")
         if run is None:
             return
         self.axis.fit(run.run.distance_m, roomy=False)
@@ -170,10 +170,10 @@ class SpeedLimitsView(PageView):
         if trip is None:
             return
         self.speed.show(partial(self.speed.draw_trip, trip))
-        wait = "let the step go to compare"
+        wait = "release the step to compare"
         cells = [
-            parts.figure("Limits cost", "\u2013", "", wait, "main"),
-            parts.figure("Energy", words.energy(trip.energy_kwh), "kWh", "at the line"),
+            parts.figure("Extra energy of set speeds", "\u2013", "", wait, "main"),
+            parts.figure("Energy", words.energy(trip.energy_kwh), "kWh", "from the supply"),
             parts.figure("Optimum", "\u2013", "", ""),
             self._time_figure(trip.travel_time_s),
             parts.figure("Storage needed", "\u2013", "", ""),
@@ -216,7 +216,7 @@ class SpeedLimitsView(PageView):
         how = "found by search" if scenario.search.limits_kmh is None else "given"
         what = (
             f"{words.distance(run.run.distance_m)} km in {words.time(run.planned_s)} s, {count} "
-            f"section{'' if count == 1 else 's'}, limits {how}; the regulator "
+            f"section{'' if count == 1 else 's'}, set speeds {how}; the regulator "
             f"{REGULATOR_DOES[scenario.search.regulator]}"
         )
         self.heading.object = parts.heading(self.page, scenario.title, what, "") + RULE
@@ -230,7 +230,7 @@ class SpeedLimitsView(PageView):
         need = run.need
         return [
             cost_figure(run),
-            parts.figure("Energy", words.energy(run.run.energy_kwh), "kWh", "at the line"),
+            parts.figure("Energy", words.energy(run.run.energy_kwh), "kWh", "from the supply"),
             optimum_figure(run),
             self._time_figure(run.run.travel_time_s),
             parts.figure(
@@ -260,9 +260,9 @@ def cost_figure(run: LimitRun) -> str:
     """Return what the limits cost beside the best known run of the same time."""
     cost, reference = comparisons.above_reference(run.run), run.run.reference
     if cost is None or reference is None:
-        return parts.figure("Limits cost", words.UNKNOWN, "", "no optimum to compare with", "main")
+        return parts.figure("Extra energy of set speeds", words.UNKNOWN, "", "no optimum to compare with", "main")
     name = comparisons.reference_noun(reference.proven)
-    return parts.figure("Limits cost", *cost, f"above the {name} in the same time", "main")
+    return parts.figure("Extra energy of set speeds", *cost, f"above the {name} in the same time", "main")
 
 
 def optimum_figure(run: LimitRun) -> str:

@@ -100,7 +100,7 @@ class TradeOffView(PageView):
 
     def _show_failure(self) -> None:
         run = self.state.run
-        shown = "" if run is None else f"Shown: the last good run, {words.number(run.travel_time_s)} s."
+        shown = "" if run is None else f"Shown: the last valid run, {words.number(run.travel_time_s)} s."
         self.tell(self.state.failure, shown)
 
     def _show(self) -> None:

@@ -131,7 +131,12 @@ class FrontierChart(Chart):
         point = f"{words.energy(now[1])} kWh at {words.time(now[0])} s"
         names = [
             Name("now", point, tokens["optimal"], point=now),
-            Name("price", f"1 s saves {words.price(run.price_of_time_w or 0.0)} Wh", tokens["ink2"], point=now),
+            Name(
+                "price",
+                f"saved per extra second: {words.price(run.price_of_time_w or 0.0)} Wh",
+                tokens["ink2"],
+                point=now,
+            ),
             Name("optimal", "optimal", tokens["optimal"], wish=0.8),
         ]
         if len(enoc[0]):

@@ -50,7 +50,7 @@ def test_pinned_runs_stand_beside_all_strategies(user: User) -> None:
 
 
 def test_another_run_becomes_the_reference(user: User) -> None:
-    user.page.get_by_role("combobox", name="Compare with").click()
+    user.page.get_by_role("combobox", name="Reference run").click()
     user.page.get_by_role("menuitem", name="Optimal", exact=True).click()
     told = user.page.locator(".differences li")
     expect(told).to_have_count(2)
@@ -69,7 +69,7 @@ def test_the_table_is_sorted_by_a_column(user: User) -> None:
 
 def test_only_ticked_strategies(user: User) -> None:
     table = user.page.get_by_role("table").filter(has_text="above bound")
-    user.page.get_by_role("button", name="Ticked ones", exact=True).click()
+    user.page.get_by_role("button", name="Selected only", exact=True).click()
     expect(table.get_by_role("row").filter(has_text="Bellman")).to_have_count(0)
     user.page.get_by_role("button", name="All strategies", exact=True).click()
     expect(table.get_by_role("row").filter(has_text="Bellman")).to_have_count(1)

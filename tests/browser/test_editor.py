@@ -61,14 +61,14 @@ def test_it_is_opened_and_closed_by_key_and_gives_the_focus_back(user: User) -> 
 
 def test_a_field_changes_the_run_is_marked_and_taken_back(user: User) -> None:
     open_group(user, "Vehicle")
-    energy = user.number("Energy at the line")
+    energy = user.number("Energy from the supply")
     enter(user, "Tare, kg", "200\u202f000")
-    expect(user.figure_value("Energy at the line")).not_to_have_text(energy)
+    expect(user.figure_value("Energy from the supply")).not_to_have_text(energy)
     expect(field(user, "Tare, kg changed")).to_have_value("200000")
     expect(head(user, "Vehicle")).to_contain_text("1 changed")
     expect(user.page.get_by_text("1 field changed")).to_be_visible()
     drawer(user).get_by_role("button", name="Reset Tare, kg to 160000").click()
-    expect(user.figure_value("Energy at the line")).to_have_text(energy)
+    expect(user.figure_value("Energy from the supply")).to_have_text(energy)
     expect(field(user, "Tare, kg")).to_have_value("160000")
     expect(field(user, "Tare, kg")).to_be_focused()
 
@@ -149,7 +149,7 @@ def drag(user: User, chart: str, start: tuple[float, float], end: tuple[float, f
 
 def test_the_profile_is_dragged(user: User) -> None:
     open_group(user, "Track")
-    energy = user.number("Energy at the line")
+    energy = user.number("Energy from the supply")
     # the heights of metro-with-limit's borders go from 0 to -7.95 m; the chart leaves 35 % of its range, which is at
     # least 1 % of the line's length, free above and below
     relief = max(7.95, 0.01 * LENGTH_M)
@@ -157,9 +157,9 @@ def test_the_profile_is_dragged(user: User) -> None:
     drag(user, "edit_profile", (750 / LENGTH_M, share), (900 / LENGTH_M, share - 0.2))
     expect(field(user, "Length, m, row 3")).not_to_have_value("400")
     assert float(field(user, "Length, m, row 3").input_value()) == pytest.approx(550, abs=8)
-    expect(user.figure_value("Energy at the line")).not_to_have_text(energy)
+    expect(user.figure_value("Energy from the supply")).not_to_have_text(energy)
     drawer(user).get_by_role("button", name="Reset Sections").click()
-    expect(user.figure_value("Energy at the line")).to_have_text(energy)
+    expect(user.figure_value("Energy from the supply")).to_have_text(energy)
 
 
 def test_nothing_grave_on_a_narrow_screen_in_light_and_dark(server: Server, chromium: Browser) -> None:

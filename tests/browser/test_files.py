@@ -61,17 +61,17 @@ BAD = {
 
 def test_a_bad_file_says_why_and_changes_nothing(user: User, tmp_path: Path) -> None:
     user.begin_anew()
-    energy, alert = user.number("Energy at the line"), user.page.get_by_role("alert")
+    energy, alert = user.number("Energy from the supply"), user.page.get_by_role("alert")
     for number, (text, sentence) in enumerate(BAD.items()):
         path = tmp_path / f"bad-{number}.toml"
         path.write_text(text)
         user.page.locator("input[type=file]").set_input_files(path)
         expect(alert).to_contain_text(sentence)
-        assert user.number("Energy at the line") == energy
+        assert user.number("Energy from the supply") == energy
     user.page.get_by_role("button", name="Close the message").click()
     expect(alert).to_be_hidden()
     user.push("Travel time, s", 4)
-    assert user.number("Energy at the line") != energy
+    assert user.number("Energy from the supply") != energy
 
 
 def test_a_file_of_another_kind_is_told_what_can_be_opened(user: User, tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ from browser.server import Server, serving
 from browser.test_files import CANARY, GOOD
 from browser.user import PATIENCE_MS, User
 
-FIGURES = ("Energy at the line", "Travel time", "Highest speed", "Recuperated")
+FIGURES = ("Energy from the supply", "Travel time", "Highest speed", "Recuperated")
 
 
 @pytest.fixture(scope="module")

@@ -24,7 +24,7 @@ def test_a_press_on_a_cell_shows_its_run(user: User) -> None:
     user.choose("Metro, profile II")
     # 14.2 % more energy at full load and +10 m, as `railjoule simulate` has it
     expect(user.figure_value("Load 100 %, +10 m")).to_have_text("+14.2%")
-    expect(user.figure_value("Worst of the table")).to_have_text("+34.9%")
+    expect(user.figure_value("Largest in the table")).to_have_text("+34.9%")
     for chart in ("heatmap", "driven_speed", "driven_effort"):
         expect(user.page.locator(f".rj-chart-{chart}:visible canvas").first).to_be_visible()
     box = user.page.locator(".rj-chart-heatmap:visible canvas").first.bounding_box()
@@ -40,7 +40,7 @@ def test_a_press_on_a_cell_shows_its_run(user: User) -> None:
 
 def test_both_ways_stand_beside_the_printed_table(user: User) -> None:
     user.choose("Metro, profile I")
-    user.page.get_by_role("button", name="Both ways").click()
+    user.page.get_by_role("button", name="Both directions").click()
     table = user.page.get_by_role("table").filter(has_text="load 25 %")
     expect(user.page.get_by_text("Table 5 of Liashenko 2025")).to_be_visible()
     assert table.count() == 1

@@ -73,7 +73,7 @@ def test_the_flow_of_energy(user: User) -> None:
     assert header == ["From", "To", "kWh"]
     flows = {(row[0], row[1]): float(row[2]) for row in rows}
     net = flows["Supply", "Powertrain"] - flows["Brake", "Recuperated"]
-    assert net == pytest.approx(float(user.number("Energy at the line").removesuffix("kWh")), abs=0.011)
+    assert net == pytest.approx(float(user.number("Energy from the supply").removesuffix("kWh")), abs=0.011)
 
 
 def test_a_table_as_csv(user: User) -> None:

@@ -39,9 +39,9 @@ def drag(user: User, start: tuple[float, float], end: tuple[float, float]) -> No
     user.page.mouse.move(*at(start))
     user.page.mouse.down()
     user.page.mouse.move(*at(end), steps=6)
-    expect(user.page.get_by_text("let the step go to compare")).to_be_visible()
+    expect(user.page.get_by_text("release the step to compare")).to_be_visible()
     user.page.mouse.up()
-    expect(user.page.get_by_text("let the step go to compare")).to_be_hidden()
+    expect(user.page.get_by_text("release the step to compare")).to_be_hidden()
 
 
 def test_the_search_and_its_cost(user: User) -> None:
@@ -58,14 +58,14 @@ def test_the_search_and_its_cost(user: User) -> None:
 
 
 def test_a_step_and_a_border_are_dragged(user: User) -> None:
-    before, limit = user.number("Limits cost"), user.page.get_by_label(f"{LIMIT}, as a number")
+    before, limit = user.number("Extra energy of set speeds"), user.page.get_by_label(f"{LIMIT}, as a number")
     end = user.page.get_by_label("Section 1: ends at, m, as a number")
     drag(user, (600.0, 44.7), (600.0, 60.0))
     assert float(limit.input_value()) == pytest.approx(60.0, abs=0.6)
-    expect(user.figure_value("Limits cost")).not_to_have_text(before)
+    expect(user.figure_value("Extra energy of set speeds")).not_to_have_text(before)
     drag(user, (1200.0, 43.3), (900.0, 43.3))
     assert float(end.input_value().replace("\u202f", "")) == pytest.approx(900.0, abs=4.0)
-    user.page.get_by_role("button", name="Search limits").click()
+    user.page.get_by_role("button", name="Search set speeds").click()
     expect(limit).not_to_have_value("60.0")
 
 

@@ -72,7 +72,7 @@ class User:
         """Open the page and wait for its first numbers and figures."""
         self.page.goto(self.url)
         self.page.locator("html.rj-started").wait_for(timeout=PATIENCE_MS)
-        expect(self.figure_value("Energy at the line")).not_to_be_empty(timeout=PATIENCE_MS)
+        expect(self.figure_value("Energy from the supply")).not_to_be_empty(timeout=PATIENCE_MS)
         expect(self.page.locator(".rj-chart-speed:visible canvas").first).to_be_visible(timeout=PATIENCE_MS)
         self.rest()
 

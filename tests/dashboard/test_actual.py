@@ -176,7 +176,7 @@ def test_a_failure_keeps_the_plan_and_says_why(pages):
     assert "must lie before the end of the line" in str(state.actual.failure)
     view = pages.draw()
     assert "must lie before the end" in view.message.object
-    assert "Energy at the line" in view.figures.object
+    assert "Energy from the supply" in view.figures.object
 
 
 def test_the_recipe_gives_the_same_number(pages):

@@ -100,7 +100,7 @@ class Teller:
     def head(self, place: str, strategy: str, markup: str) -> None:
         """Read the row of numbers of Drive or of a report."""
         figures = {match["label"]: match for match in FIGURE.finditer(markup)}
-        energy, time = figures["Energy at the line"], figures["Travel time"]
+        energy, time = figures["Energy from the supply"], figures["Travel time"]
         self.tell(place, strategy, energy=plain(energy["value"]), time=plain(time["value"]))
         if self.runs.runs[strategy].price_of_time_w is not None:
             self.tell(place, strategy, price=plain(figures["Extra second saves"]["value"]))

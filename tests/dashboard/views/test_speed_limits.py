@@ -53,7 +53,7 @@ def test_what_the_browser_has_moved_is_a_trip_until_it_is_let_go(view: SpeedLimi
     assert model.run is before
     assert model.trip is not None
     assert len(view.speed.sources["run"].data["x"]) == len(model.trip.position_m)
-    assert "let the step go to compare" in view.figures.object
+    assert "release the step to compare" in view.figures.object
     view._release()
     assert model.run is not before
     assert "let the step go" not in view.figures.object
