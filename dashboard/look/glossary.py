@@ -84,9 +84,10 @@ ENERGY = (
         (
             "Energy",
             "Energy of the whole line",
-            "Energy by input power",
+            "Energy from input power",
             "Optimum at this time",
             "Energy of a run",
+            "Planned run",
         ),
     ),
     Term(
@@ -275,7 +276,7 @@ TRAIN = (
         "Cause of extra energy",
         "What makes the actual run use more than the plan: load, position error, conditions, stops and other events, "
         "added one after another in this order.",
-        ("Largest cause",),
+        ("Largest cause", "Actual run costs", "Actual run saves"),
     ),
     Term(
         "Section",

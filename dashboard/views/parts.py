@@ -156,7 +156,7 @@ def price_figure(run: Trajectory, optimum: Trajectory) -> str:
     if price is None:
         return figure("Extra second saves", words.UNKNOWN, "", "")
     saved = comparisons.above(priced.energy_kwh - price / J_PER_KWH, priced.energy_kwh)
-    return figure("Extra second saves", words.price(price), "Wh/s", f"saved by 1 s more: {saved}", whole=whole)
+    return figure("Extra second saves", words.price(price), "Wh/s", f"1 s more: {saved}", whole=whole)
 
 
 def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: bool) -> str:

@@ -28,6 +28,8 @@ class Pages:
         self.actual = Actual(self.state)
         if preset != self.state.scenario.preset:
             self.state.scenario.choose(preset)
+        if not self.state.disturbances.events:
+            add_stop(self.state)
         self.state.page = "Drive"
 
     def run(self):

@@ -210,7 +210,7 @@ def test_check_prints_json(capsys, run_file):
 
 def test_check_prints_a_table_and_a_verdict(capsys, run_file):
     lines = answer(capsys, "check", run_file, "--scenario", "liashenko-ii").splitlines()
-    assert lines[0].split() == ["rule", "largest", "deviation", "allowed", "share", "of", "at,", "m"]
+    assert lines[0].split() == ["rule", "largest", "deviation", "allowed", "share", "of", "position,", "m"]
     assert any(line.startswith("balance of forces ") for line in lines)
     assert "Not checked: account: a table of nodes has none." in lines
     assert lines[-1] == "The run keeps all 21 rules that were checked."
@@ -259,7 +259,7 @@ def test_check_refuses_what_is_no_run(capsys, tmp_path, run_file):
     (tmp_path / "no.parquet").write_text("no parquet", encoding="utf-8")
     assert complaint(capsys, "check", str(tmp_path / "no.parquet"), *scenario)
     assert "must be one of optimal, " in complaint(capsys, "check", run_file, *scenario, "--strategy", "quickest")
-    assert "no shipped scenario" in complaint(capsys, "check", run_file, "--scenario", "no-such")
+    assert "no such file or shipped scenario" in complaint(capsys, "check", run_file, "--scenario", "no-such")
 
 
 def test_solve_shows_its_check(capsys):
@@ -619,7 +619,7 @@ def test_a_report_that_cannot_be_written_or_read(capsys, tmp_path):
     assert "shorter than the shortest possible" in words
     assert not (tmp_path / "x.html").exists()
     (tmp_path / "other.html").write_text("<html></html>")
-    assert "no report of railjoule" in complaint(capsys, "solve", str(tmp_path / "other.html"))
+    assert "not a report of railjoule" in complaint(capsys, "solve", str(tmp_path / "other.html"))
 
 
 @pytest.mark.parametrize(("words", "called"), [([], ["serve"]), (["validate", "ftorek"], ["validate", "ftorek"])])

@@ -155,7 +155,7 @@ class Teller:
     def card(self) -> None:
         """Read the card on Start."""
         text = plain(card_html(make_card(self.name)).split("</button>")[1])
-        length = re.search(rf"({NUMBER}) km", text)
+        length = re.search(rf"({NUMBER}) km(?!/h)", text)
         run = re.search(rf"(?:([A-Z][a-z ]+): )?({NUMBER}) kWh in ({NUMBER}) s", text)
         assert length is not None
         assert run is not None

@@ -62,7 +62,7 @@ def test_strategies_that_refuse_a_line_are_told() -> None:
     hilly = hilly.with_(**{"line.speed_limits": [{"from_m": 1000.0, "to_m": 1500.0, "limit_kmh": 40.0}]})
     rivals = compute_rivals(compute_loop_run(LoopWish(hilly, "optimal", {})))
     assert set(rivals.refused) == {"eoc", "enoc"}
-    with pytest.raises(StrategyRefusedError, match=r"^ENOC "):
+    with pytest.raises(StrategyRefusedError, match=r"^ENOC: "):
         compute_loop_run(LoopWish(hilly, "enoc", {}))
 
 

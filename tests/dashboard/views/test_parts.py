@@ -43,7 +43,7 @@ def test_texts_of_users_are_escaped(markup: str) -> None:
 
 def test_figures_of_the_optimum(runs: Runs) -> None:
     text = plain(parts.run_figures(runs, runs.runs["optimal"], None, stale=False))
-    assert "Energy at the line 4.181 kWh for 300.0 s" in text
+    assert "Energy from the supply 4.181 kWh for 300.0 s" in text
     assert "Above the optimum 0.00 % \u2713 proven" in text
 
 
@@ -97,7 +97,7 @@ def test_next_to_a_negative_optimum_runs_differ_by_kilowatt_hours() -> None:
 def test_the_bars_of_the_account_add_up(runs: Runs) -> None:
     run = runs.runs["optimal"]
     text = plain(parts.account(run))
-    assert text.endswith("The account closes at 4.181 kWh.")
+    assert text.endswith("Total: 4.181 kWh.")
     assert "Copper loss" in text
 
 
@@ -192,8 +192,8 @@ def test_the_price_of_a_second_is_that_of_the_run_where_its_strategy_tells_one(r
     assert optimum.price_of_time_w is not None
     dearer = replace(enoc, price_of_time_w=2 * optimum.price_of_time_w)
     told = parts.price_figure(enoc, optimum)
-    assert f"{words.price(optimum.price_of_time_w)} Wh/s 1 s later: \u22120.30 %" in plain(told)
+    assert f"{words.price(optimum.price_of_time_w)} Wh/s 1 s more: \u22120.30 %" in plain(told)
     assert 'title="That of the optimum"' in told
     told = parts.price_figure(dearer, optimum)
-    assert f"{words.price(2 * optimum.price_of_time_w)} Wh/s 1 s later: \u22120.59 %" in plain(told)
+    assert f"{words.price(2 * optimum.price_of_time_w)} Wh/s 1 s more: \u22120.59 %" in plain(told)
     assert "title" not in told
