@@ -276,7 +276,7 @@ TRAIN = (
         "Cause of extra energy",
         "What makes the actual run use more than the plan: load, position error, conditions, stops and other events, "
         "added one after another in this order.",
-        ("Largest cause", "Actual run costs", "Actual run saves"),
+        ("Largest cause", "Actual run costs", "Actual run saves", "Against the plan"),
     ),
     Term(
         "Section",

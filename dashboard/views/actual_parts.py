@@ -64,7 +64,9 @@ def _main(actual: ActualRun) -> str:
     amount = comparisons.above(driven, planned)
     more = f'<b class="over">{amount}</b>' if amount.unit == "%" else ""
     detail = f"{words.energy(driven)} kWh against {words.energy(planned)} planned" if actual.causes else EQUAL
-    return figure(label, words.energy_difference(actual.extra_kwh), f"kWh {more}", detail, kind="main", term="Actual run costs")
+    return figure(
+        label, words.energy_difference(actual.extra_kwh), f"kWh {more}", detail, kind="main", term="Actual run costs"
+    )
 
 
 def _planned(actual: ActualRun, run: Trajectory) -> str:
