@@ -8,6 +8,16 @@ const is_there = (name) => {
   const element = view_of(name)?.el;
   return Boolean(element && element.offsetHeight > 0 && !element.classList.contains("rj-away"));
 };
+// a page stands on the sheet before its words do
+const has_heading = (name) => {
+  const holder = view_of(name)?.el;
+  const host_of = (element) => element.getRootNode().host;
+  return deep("h1").some((heading) => {
+    let host = heading.offsetHeight > 0 ? host_of(heading) : null;
+    while (host && host !== holder) { host = host_of(host); }
+    return Boolean(host);
+  });
+};
 const make = (tag, name, html) => {
   const element = document.createElement(tag);
   element.className = name;
@@ -37,12 +47,24 @@ const working = (() => {
 // --- turning pages
 
 const turning = (model) => {
-  let asked = null, sketch = null, limit = null;
+  let asked = null, sketch = null, limit = null, shown = "";
   const bare = (name) => root.classList.toggle("rj-bare", model.bare.includes(name));
+  const scroller = () => deep(".main-content")[0], scrolled = new Map();
+  // each page keeps its place, and a new one begins at its top
+  const leave = () => { if (shown) { scrolled.set(shown, scroller()?.scrollTop ?? 0); } };
+  const arrive = (name) => {
+    if (name === shown) return;
+    shown = name;
+    const main = scroller();
+    if (main) { main.scrollTop = scrolled.get(name) ?? 0; }
+  };
   const done = () => { clearTimeout(limit); sketch?.remove(); sketch = null; asked = null; working("page", false); };
   const settle = () => {
     if (asked !== null && asked !== model.page) return;
-    if (is_there(`page ${model.page}`)) { done(); } else { requestAnimationFrame(settle); }
+    if (is_there(`page ${model.page}`) && has_heading(`page ${model.page}`)) {
+      done();
+      arrive(model.page);
+    } else { requestAnimationFrame(settle); }
   };
   // a page that was open before is there at once, and what has changed since comes with the server's answer; unless
   // it is to show something else
@@ -51,6 +73,7 @@ const turning = (model) => {
     if (!model.page || (name === model.page && asked === null)) return;
     asked = name;
     bare(name);
+    leave();
     working("page", true);
     clearTimeout(limit);
     limit = setTimeout(done, TURNED_WITHIN_MS);
@@ -58,6 +81,7 @@ const turning = (model) => {
       for (const page of model.pages) {
         named(`page ${page}`)?.setv({css_classes: page === name ? [] : ["rj-away"]}, {sync: false});
       }
+      arrive(name);
       sketch?.remove();
       sketch = null;
       return;

@@ -53,8 +53,8 @@ def test_each_slider_changes_numbers_and_figures(user: User) -> None:
 
 def test_typing_a_number(user: User) -> None:
     user.type("Travel time, s", "185")
-    assert user.number("Travel time") == "185.0s"
-    assert user.slider("Travel time, s").get_attribute("value") == "185"
+    expect(user.figure_value("Travel time")).to_have_text("185.0s")
+    expect(user.slider("Travel time, s")).to_have_attribute("value", "185")
 
 
 def test_a_bad_number_is_refused_beneath_its_field(user: User) -> None:

@@ -18,8 +18,8 @@ FIRST_TITLE, FIRST_TICKED = "Metro, profile II + I", ("optimal", "fastest")
 GROUNDS = {"light": "rgb(244, 246, 248)", "dark": "rgb(14, 18, 23)"}
 """Of the page, as in look.md."""
 GROUND = "colour => getComputedStyle(document.body).backgroundColor === colour"
-HARMLESS = ("Upload error", "Cannot read properties of undefined (reading '_guiEditing')")
-"""The browser refuses a file too large to send; plotly stumbles where its page is left while it draws."""
+HARMLESS = ("Upload error",)
+"""The browser refuses a file too large to send."""
 
 
 class User:
@@ -37,25 +37,33 @@ class User:
     @classmethod
     @contextlib.contextmanager
     def at(
-        cls, browser: Browser, url: str, width: int = 1280, height: int = 900, dark: bool = False
+        cls,
+        browser: Browser,
+        url: str,
+        width: int = 1280,
+        height: int = 900,
+        dark: bool = False,
+        on_drive: bool = True,
     ) -> Iterator["User"]:
         """Open the page, and check at the end that nothing went wrong in the browser."""
         context = browser.new_context(
             viewport={"width": width, "height": height}, color_scheme="dark" if dark else "light"
         )
         try:
-            with cls.on(context, url) as user:
+            with cls.on(context, url, on_drive) as user:
                 yield user
         finally:
             context.close()
 
     @classmethod
     @contextlib.contextmanager
-    def on(cls, context: BrowserContext, url: str) -> Iterator["User"]:
+    def on(cls, context: BrowserContext, url: str, on_drive: bool = True) -> Iterator["User"]:
         """Open the page in a window that may stay open, with the same checks."""
         user = cls(context.new_page(), url)
         try:
-            user.open()
+            user.load()
+            if on_drive:
+                user.see_drive()
             yield user
             grave = [error for error in user.errors if not error.startswith(HARMLESS)]
             assert grave == [], grave
@@ -68,10 +76,13 @@ class User:
         if parts.scheme in {"http", "https", "ws", "wss"} and parts.netloc != urlsplit(self.url).netloc:
             self.foreign.append(address)
 
-    def open(self) -> None:
-        """Open the page and wait for its first numbers and figures."""
+    def load(self) -> None:
+        """Open the page and wait until it has loaded."""
         self.page.goto(self.url)
         self.page.locator("html.rj-started").wait_for(timeout=PATIENCE_MS)
+
+    def see_drive(self) -> None:
+        """Wait for the first numbers and figures of Drive."""
         expect(self.figure_value("Energy from the supply")).not_to_be_empty(timeout=PATIENCE_MS)
         expect(self.page.locator(".rj-chart-speed:visible canvas").first).to_be_visible(timeout=PATIENCE_MS)
         self.rest()
@@ -162,7 +173,7 @@ class User:
         self.turn_to("Drive")
 
     def turn_to(self, page: str) -> None:
-        """Turn to another page."""
+        """Turn to another page, and let it come to rest."""
         open_page(self, page)
         self.rest(1500)
 
