@@ -15,7 +15,7 @@ from railjoule.dashboard.views.scene import ACTUAL, PINNED, CellChart, RunChart,
 
 WORD_PX = 7.2
 MOTOR_CURRENT = "Current of one motor, A"
-END_WORDS = {PINNED: "pinned", "fastest": "fastest", "speed_limits": "limits"}
+END_WORDS = {PINNED: "pinned", "fastest": "fastest", "speed_limits": "set speeds"}
 """What stands at the end of a line, beside its number, where the whole name has no room."""
 
 
@@ -297,7 +297,7 @@ class CurrentChart(CellChart):
         """Draw the currents, and say in the title which they are."""
         self.of_motor = scene.run.current_a is not None
         volts = scene.run.scenario.vehicle.line_voltage_v or 0.0
-        self.rename(MOTOR_CURRENT if self.of_motor else f"Current from the line, A, at {words.number(volts, 0)} V")
+        self.rename(MOTOR_CURRENT if self.of_motor else f"Current from the supply, A, at {words.number(volts, 0)} V")
         super().draw(scene)
 
     def of_cells(self, run: Trajectory) -> FloatArray:

@@ -196,9 +196,8 @@ class RobustnessView(PageView):
         scenario = planned.scenario
         runs = self.model.table.done if self.model.table else 0
         what = (
-            f"plan for load {words.setting(scenario.vehicle.load_factor)} % and the right place, "
-            f"{words.distance(planned.distance_m)} km in {words.time(planned.travel_time_s)} s; what is driven "
-            "when they are wrong"
+            f"{words.distance(planned.distance_m)} km in {words.time(planned.travel_time_s)} s, planned at "
+            f"{words.setting(scenario.vehicle.load_factor)} % load; actual load and position differ"
         )
         self.heading.object = parts.heading(self.page, scenario.title, what, f"{runs} cells")
         self.figures.object = parts.figures(self._cells(reality), self.model.failure is not None)

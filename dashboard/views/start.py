@@ -45,12 +45,12 @@ GROUPS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
 """Title, what they show and names of the scenarios that belong together."""
 OTHERS = ("More", "further scenarios")
 GOOD_FOR = {
-    "metro-with-limit": "Start here: gradients, a speed limit and part of the braking energy regenerated.",
-    "tram-950m": "Level track without regeneration: why coasting saves.",
+    "metro-with-limit": "Start here: gradients, a speed limit and part of the braking energy recuperated.",
+    "tram-950m": "Level track without recuperation: why coasting saves.",
     "ftorek-300s": "All strategies run on it: good for Compare and Trade-off.",
     "liashenko-ii": "Down into a valley and out of it: where to coast and where to drive.",
     "tram-950m-stop": "A red signal on the way: what an unplanned stop costs.",
-    "tram-950m-recuperating": "The same tram with regenerative braking: later coasting, later braking.",
+    "tram-950m-recuperating": "The same tram with recuperation: later coasting, later braking.",
     "metro-10-stations": "Ten stations in one timetable: which leg gets how much running-time supplement.",
     "liashenko-0": "A steady rise of 3 per mille: the plain case beside the three profiles.",
     "liashenko-i": "Light gradients, up to 10 per mille.",
@@ -76,8 +76,8 @@ HERO_SKETCH = (
 )
 LEAD = "railjoule finds the run of a rail vehicle that needs the least energy for a given time, and proves it."
 MORE = (
-    "Choose a scenario, move the travel time and see what the driver has to do, what the other methods of driving cost "
-    "beside it, and how wrong loads, delays and speed limits change it."
+    "Choose a scenario, move the travel time and see what the driver has to do, how much more the other "
+    "strategies need, and how wrong loads, delays and speed limits change it."
 )
 START_CSS = """
 .hero { padding: 22px 20px 6px; }

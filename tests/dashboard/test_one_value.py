@@ -38,7 +38,7 @@ FIGURE = re.compile(
 )
 NUMBER = r"-?[\d,]+(?:\.\d+)?"
 NAMES = {word: name for name, word in STRATEGY_WORDS.items()}
-CHART_NAMES = {"limits": "speed_limits", "Limits": "speed_limits"}
+CHART_NAMES = {"set speeds": "speed_limits"}
 PALETTE = Palette(dark=False)
 
 Told = dict[tuple[str, str], dict[str, str]]
