@@ -188,17 +188,23 @@ class Shell:
         )
 
     def show_starting(self) -> None:
-        """Show how far the kernels are, in the place of the page."""
+        """Show how far the kernels are, in the place of the page.
+
+        The page stays where it is, out of sight: were it taken off and put back, the browser would know it twice.
+        """
         self._starting = True
         with one_message():
-            self.main[:] = [self.starting.view]
+            for holder in self._made.values():
+                holder.css_classes = [AWAY]
+            self.main.append(self.starting.view)
             self.browser.page = ""
 
     def open(self) -> None:
         """Show the page that the state names."""
         self._starting = False
         with one_message():
-            self.main[:] = list(self._made.values())
+            if self.starting.view in list(self.main):
+                self.main.remove(self.starting.view)
             self._show_page()
 
     def add(self, *parts: pn.viewable.Viewable) -> None:

@@ -113,7 +113,7 @@ def test_the_log_is_quiet(log: Path) -> None:
 
 def test_drive_from_start_while_the_kernels_compile(chromium: Browser, tmp_path: Path) -> None:
     # without optimization they compile in a fraction of the time
-    environment = {"NUMBA_CACHE_DIR": str(tmp_path), "NUMBA_OPT": "0"}
+    environment = {"NUMBA_CACHE_DIR": str(tmp_path), "NUMBA_OPT": "0", "PYTHONWARNINGS": "ignore"}
     with (
         serving(*COMMAND, environment=environment, warm=False) as server,
         User.at(chromium, server.url, on_drive=False) as user,
