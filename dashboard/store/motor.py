@@ -52,7 +52,7 @@ def machine_refusal(scenario: Scenario) -> str:
     if limits_of(scenario) is not None:
         return ""
     return (
-        f"This page simulates induction motors, and the data of {scenario.vehicle.name} describe none. The editor takes "
+        f"This page simulates induction motors, and the data of {scenario.vehicle.name} describe none. The editor has "
         "them under Powertrain; in a file they are the table drive.machine."
     )
 

@@ -111,6 +111,7 @@ def test_the_log_is_quiet(log: Path) -> None:
     assert [line for line in lines if not (OF_A_SESSION.fullmatch(line) or OF_THE_SERVER.fullmatch(line))] == []
 
 
+@pytest.mark.cold
 def test_drive_from_start_while_the_kernels_compile(chromium: Browser, tmp_path: Path) -> None:
     # without optimization they compile in a fraction of the time
     environment = {"NUMBA_CACHE_DIR": str(tmp_path), "NUMBA_OPT": "0", "PYTHONWARNINGS": "ignore"}

@@ -89,6 +89,6 @@ def test_detuning_comes_step_by_step() -> None:
 def test_scenarios_without_a_machine_say_so() -> None:
     assert machine_refusal(SUBURBAN) == ""
     assert machine_refusal(load_scenario("tram-950m")) == ""
-    assert "has no induction machine" in machine_refusal(load_scenario("liashenko-ii"))
+    assert "simulates induction motors" in machine_refusal(load_scenario("liashenko-ii"))
     with pytest.raises(ScenarioError, match="max_phase_voltage_v"):
         compute_loop_run(LoopWish(SUBURBAN, "enoc", {"drive.machine.max_phase_voltage_v": -1.0}))

@@ -92,7 +92,7 @@ def test_a_scenario_without_machine_offers_one_that_has(view: MotorView) -> None
     view.state.scenario.choose("liashenko-ii")
     assert view.missing.visible
     assert not view.body.visible
-    assert "has no induction machine" in view.no_machine.object
+    assert "simulates induction motors" in view.no_machine.object
     view.open.clicks += 1
     assert not view.missing.visible
     assert view.body.visible
