@@ -143,7 +143,7 @@ ENERGY = (
         "Extra energy",
         "What the actual run uses more, as a share of the energy of a plan made for the actual load: the cost of "
         "wrong assumptions.",
-        ("Largest in the table", "above a plan for that load"),
+        ("Largest in table", "above a plan for that load"),
     ),
     Term(
         "Agreement with print",
@@ -193,7 +193,7 @@ TIME = (
             "Arrival",
             "Arrival error",
             "Arrives",
-            "Arrival, driver",
+            "Driver arrives",
             "Replanned run arrives",
             "With notice arrives",
             "late, s",

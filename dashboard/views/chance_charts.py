@@ -115,7 +115,7 @@ def chance_table(table: MonteCarloTable) -> str:
     results: dict[str, tuple[FloatArray, Callable[[float], str]]] = {
         "Energy, kWh": (table.energy_kwh, words.energy),
         "Extra energy against the plan, %": (table.overconsumption, words.share_difference),
-        "Extra energy against a plan for the actual load, %": (table.over_replanned, words.share_difference),
+        "Above a plan for this load, %": (table.over_replanned, words.share_difference),
         "Delay at the stop, s": (table.delay_s, words.delay),
         "Overshoot, m": (table.stop_error_m, words.stop_error),
     }

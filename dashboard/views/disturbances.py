@@ -75,7 +75,8 @@ class DisturbancesView(PageView):
         self.invitation = parts.html_pane(
             f'<p role="status" style="padding:10px 20px 0;font-size:13.5px">{NO_EVENT}</p>', visible=False
         )
-        tools = pn.Row(self.dropping, self.add, pn.Spacer(sizing_mode="stretch_width"), self.over, margin=0)
+        spacer = pn.Spacer(sizing_mode="stretch_width")
+        tools = pn.Row(self.dropping, self.add, spacer, self.over, margin=0, stylesheets=[parts.WRAP_CSS])
         tools.sizing_mode = "stretch_width"
         self.reactions = parts.stack(self.table, self.notes)
         lower = parts.stack(self.reactions, self.late.place, css=LOWER_CSS)
@@ -180,7 +181,7 @@ class DisturbancesView(PageView):
                 term="Replanning",
             ),
             parts.figure("With advance notice", words.energy(known.actual.energy_kwh), "kWh", "planned from the start"),
-            self._arrival("Arrival, driver", driver),
+            self._arrival("Driver arrives", driver),
             self._arrival("Replanned run arrives", computer),
             self._arrival("With notice arrives", known),
         ]

@@ -70,7 +70,7 @@ def percent_difference(percent: float) -> str:
 
 MEASURES = {
     "over_replanned": Measure(
-        "Extra energy against a plan for the actual load, %",
+        "Above a plan for this load, %",
         lambda table: 100 * table.over_replanned,
         percent_difference,
         lambda table: table.knowing_kwh[:, None],

@@ -34,6 +34,8 @@ LOSS_WORDS = {
     "brake_resistors": "Brake resistors",
     "friction_brakes": "Friction brakes",
 }
+WRAP_CSS = "@media (max-width: 899px) { :host { flex-wrap: wrap; } }"
+"""Of a row of controls that takes more lines on a narrow screen."""
 
 
 SHEETS: WeakKeyDictionary[Document, dict[str, InlineStyleSheet]] = WeakKeyDictionary()

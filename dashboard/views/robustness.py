@@ -54,7 +54,6 @@ KNOWS_WORDS = {
     "for the position": "place",
     "for both": "both",
 }
-WRAP_CSS = "@media (max-width: 899px) { :host { flex-wrap: wrap; } }"
 SELECT: dict[str, Any] = {"size": "small", "margin": (6, 0, 6, 6), "sizing_mode": "stretch_width"}
 
 
@@ -71,7 +70,11 @@ class RobustnessView(PageView):
         palette = self.palette
         self.printed, self.chance_table = (parts.html_pane() for _ in range(2))
         self.measure = pmui.Select(
-            label="Show", options={m.words: key for key, m in MEASURES.items()}, value=model.measure, **SELECT
+            label="Show",
+            options={m.words: key for key, m in MEASURES.items()},
+            value=model.measure,
+            min_width=270,
+            **SELECT,
         )
         self.knows = pmui.Select(label="Replanning", options=KNOWS_WORDS, value=model.knows, **SELECT)
         self.ways = pmui.RadioButtonGroup(
@@ -97,7 +100,7 @@ class RobustnessView(PageView):
         self.place = PlaceErrorChart(HEIGHTS["place"][0], palette)
         note = '<p class="note" style="margin:10px 0 0 12px">Click a cell to see its run.</p>'
         left = parts.stack(
-            pn.Row(self.measure, self.ways, margin=0, sizing_mode="stretch_width", stylesheets=[WRAP_CSS]),
+            pn.Row(self.measure, self.ways, margin=0, sizing_mode="stretch_width", stylesheets=[parts.WRAP_CSS]),
             self.heat_map.place,
             pn.Row(self.knows, parts.html_pane(note), margin=0, sizing_mode="stretch_width"),
             self.costs.place,
@@ -230,7 +233,7 @@ class RobustnessView(PageView):
             k, m = np.unravel_index(np.nanargmax(table.over_replanned), table.over_replanned.shape)
             worst = words.share_difference(float(table.over_replanned[k, m]))
             place = reality_words(table.load_factors[k], table.coordinate_errors_m[m])
-            cells.append(parts.figure("Largest in the table", worst, "%", place))
+            cells.append(parts.figure("Largest in table", worst, "%", place))
         chance = self.model.chance
         values = finite(chance.over_replanned) if chance is not None else np.zeros(0)
         if chance is not None and len(values):

@@ -1,5 +1,6 @@
 """The sidebar's part of Speed limits: the sections one by one, the search, the storage on board."""
 
+import math
 from typing import Any
 
 import panel as pn
@@ -54,7 +55,8 @@ class SectionFields:
         if self.model.storage is not None:
             chosen = self.model.storage.chosen.storage
             self.size.suggest(chosen.size_kwh)
-            self.power.suggest(chosen.power_kw)
+            # whole kilowatts, as the field has room for no more; upwards, as less would not do
+            self.power.suggest(math.ceil(chosen.power_kw))
 
     def _list_sections(self, *_: Any) -> None:
         sections = self.model.sections

@@ -42,7 +42,7 @@ def test_every_widget_of_the_day_moves_number_and_curve(server: Server, chromium
     user = User(page, server.url)
     page.goto(server.url)
     page.get_by_role("button", name=SCENARIO, exact=True).click()
-    expect(page.get_by_role("heading", name=SCENARIO, level=1)).to_be_visible()
+    expect(user.scenario(SCENARIO)).to_be_visible()
     expect(user.figure_value("Energy from the supply")).to_be_visible()
     page.get_by_role("switch", name="Actual run").click()
     expect(user.figure_value("Actual run costs")).to_be_visible()
@@ -86,7 +86,7 @@ def same_number_on_the_deeper_pages(user: User) -> None:
     expect(user.page.locator(".figure.main:visible")).to_contain_text("Extra energy, driver")
     shown = user.page.locator(".figure.main:visible").inner_text()
     assert re.search(r"\+?([\d.]+) %", cost).group(1) in shown  # type: ignore[union-attr]
-    assert seconds in user.number("Arrival, driver")
+    assert seconds in user.number("Driver arrives")
     user.turn_to("Drive")
     for _ in range(2):
         user.page.get_by_role("button", name="Remove stop 1").click()

@@ -8,9 +8,10 @@ from playwright.sync_api import Browser, BrowserContext, Locator, expect
 from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User
+from railjoule.dashboard.views.charts import RIGHT_BORDER_PX
 
 LENGTH_M = 2300.0
-LEFT_PX, RIGHT_PX, ABOVE_PX, BELOW_PX = 50.0, 14.0, 2.0, 7.0
+LEFT_PX, ABOVE_PX, BELOW_PX = 50.0, 2.0, 7.0
 """Borders of a chart around its frame."""
 
 
@@ -136,7 +137,7 @@ def drag(user: User, chart: str, start: tuple[float, float], end: tuple[float, f
     expect(canvas).to_be_visible()
     box = canvas.bounding_box()
     assert box is not None
-    width, height = box["width"] - LEFT_PX - RIGHT_PX, box["height"] - ABOVE_PX - BELOW_PX
+    width, height = box["width"] - LEFT_PX - RIGHT_BORDER_PX, box["height"] - ABOVE_PX - BELOW_PX
 
     def at(place: tuple[float, float]) -> tuple[float, float]:
         return box["x"] + LEFT_PX + width * place[0], box["y"] + ABOVE_PX + height * place[1]

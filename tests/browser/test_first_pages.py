@@ -49,7 +49,7 @@ def test_a_line_shares_its_time(user: User) -> None:
     dwell = user.page.get_by_label("Market: Dwell, s, as a number", exact=True)
     dwell.fill("60")
     dwell.press("Enter")
-    expect(user.page.get_by_text("250.0 s of them standing")).to_be_visible()
+    expect(user.page.get_by_text("including 250.0 s of dwell")).to_be_visible()
     user.page.get_by_label("Central: arrival fixed").check()
     arrival = user.page.get_by_label("Central: Arrives after, s, as a number", exact=True)
     arrival.fill("100")
@@ -69,7 +69,7 @@ def test_a_lesson_answers_its_question(user: User) -> None:
     slider.focus()
     slider.press("End")
     # 57 %, as the answer says
-    expect(user.page.locator(".figure:visible", has_text="Knowing it saves").first.locator(".value")).to_have_text(
+    expect(user.page.locator(".figure:visible", has_text="Right plan saves").first.locator(".value")).to_have_text(
         "57.1%"
     )
     answer = user.page.get_by_text("From about 24 per mille.")

@@ -82,7 +82,8 @@ SIDEWAYS = (
     + """
   const wide = all.filter((element) => ["auto", "scroll"].includes(getComputedStyle(element).overflowX)
     && seen(element) && element.clientWidth > 0.8 * innerWidth && element.clientHeight > 0.5 * innerHeight
-    && element.scrollWidth > element.clientWidth + 1);
+    // a table that says of itself that it scrolls may
+    && element.getAttribute("role") !== "region" && element.scrollWidth > element.clientWidth + 1);
   const whole = document.scrollingElement;
   return [...wide.map((element) => `${element.tagName}.${element.className}`),
     ...(whole.scrollWidth > innerWidth ? ["the page"] : [])];

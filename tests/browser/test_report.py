@@ -84,7 +84,7 @@ def reader(request: pytest.FixtureRequest, chromium: Browser, file: Path) -> Ite
 
 
 def test_texts_of_users_stay_texts(reader: Reader) -> None:
-    expect(reader.scenario(CANARY)).to_be_visible()
+    expect(reader.page.get_by_role("heading", level=1, name=CANARY)).to_be_visible()
     expect(reader.page.get_by_role("cell", name=CANARY)).to_be_visible()
 
 

@@ -8,10 +8,11 @@ from playwright.sync_api import BrowserContext, expect
 from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User
+from railjoule.dashboard.views.charts import RIGHT_BORDER_PX
 
 LENGTH_M, TOP_KMH = 2400.0, 80.0 * 1.09
 """Of the line, and at the upper end of the speed chart."""
-LEFT_PX, RIGHT_PX, ABOVE_PX, BELOW_PX = 50.0, 14.0, 2.0, 7.0
+LEFT_PX, ABOVE_PX, BELOW_PX = 50.0, 2.0, 7.0
 """Borders of the chart around its frame."""
 LIMIT = "Section 1: limit, km/h"
 
@@ -30,7 +31,7 @@ def drag(user: User, start: tuple[float, float], end: tuple[float, float]) -> No
     """Drag from one place and speed to another, and let go."""
     box = user.page.locator(".rj-chart-limit_speed:visible canvas").first.bounding_box()
     assert box is not None
-    width, height = box["width"] - LEFT_PX - RIGHT_PX, box["height"] - ABOVE_PX - BELOW_PX
+    width, height = box["width"] - LEFT_PX - RIGHT_BORDER_PX, box["height"] - ABOVE_PX - BELOW_PX
 
     def at(place: tuple[float, float]) -> tuple[float, float]:
         x = box["x"] + LEFT_PX + width * place[0] / LENGTH_M
@@ -46,7 +47,7 @@ def drag(user: User, start: tuple[float, float], end: tuple[float, float]) -> No
 
 def test_the_search_and_its_cost(user: User) -> None:
     # 8.43 kWh in 1 % more than 216 s, as `railjoule solve kharkiv-like-40kmh` has it
-    expect(user.figure_value("Energy")).to_have_text("8.43kWh")
+    expect(user.figure_value("from the supply")).to_have_text("8.43kWh")
     expect(user.figure_value("Travel time")).to_have_text("218.2s")
     for chart in ("limit_speed", "limit_effort", "limit_energy"):
         expect(user.page.locator(f".rj-chart-{chart}:visible canvas").first).to_be_visible()
