@@ -150,6 +150,8 @@ def drag(user: User, chart: str, start: tuple[float, float], end: tuple[float, f
 
 def test_the_profile_is_dragged(user: User) -> None:
     open_group(user, "Track")
+    # the number of the test before may still be on its way
+    user.rest(1000)
     energy = user.number("Energy from the supply")
     # the heights of metro-with-limit's borders go from 0 to -7.95 m; the chart leaves 35 % of its range, which is at
     # least 1 % of the line's length, free above and below
