@@ -96,7 +96,7 @@ def open_at(chromium: Browser, server: Server, width: int, dark: bool) -> Any:
 
 
 # colours hardly change sizes, so that each width is looked at in one of them
-@pytest.mark.parametrize(("width", "dark"), zip(WIDTHS, (False, True, False), strict=True))
+@pytest.mark.parametrize(("width", "dark"), list(zip(WIDTHS, (False, True, False), strict=True)))
 def test_nothing_is_cut_off(chromium: Browser, server: Server, width: int, dark: bool) -> None:
     faults: dict[str, Any] = {}
     with open_at(chromium, server, width, dark) as user:
