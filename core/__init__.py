@@ -4,8 +4,10 @@ from railjoule.core._numba_cache import select_cache_folder
 
 select_cache_folder()  # before any module below imports numba
 
+from railjoule.core.check import Check, CheckResult, check_run, check_table  # noqa: E402
 from railjoule.core.energy import Energy  # noqa: E402
 from railjoule.core.errors import (  # noqa: E402
+    CheckError,
     InfeasibleLineError,
     RailjouleError,
     ScenarioError,
@@ -20,6 +22,9 @@ from railjoule.core.trajectory import Bound, Trajectory  # noqa: E402
 
 __all__ = [
     "Bound",
+    "Check",
+    "CheckError",
+    "CheckResult",
     "Energy",
     "InfeasibleLineError",
     "Phase",
@@ -30,6 +35,8 @@ __all__ = [
     "StrategyRefusedError",
     "TimetableError",
     "Trajectory",
+    "check_run",
+    "check_table",
     "compare",
     "load_scenario",
     "save_scenario",

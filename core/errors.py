@@ -1,6 +1,7 @@
 """Everything that railjoule's core raises on purpose, each with one sentence for its reader."""
 
 import math
+from typing import Any
 
 
 class RailjouleError(Exception):
@@ -42,6 +43,20 @@ class InfeasibleLineError(RailjouleError):
 
 class StrategyRefusedError(RailjouleError):
     """A strategy that cannot honour a scenario; the text says why."""
+
+
+class CheckError(RailjouleError):
+    """A run that breaks a rule of its scenario, found by the independent check.
+
+    Parameters
+    ----------
+    run : Trajectory
+        The run, whose `check` tells all that was checked.
+    """
+
+    def __init__(self, run: Any) -> None:
+        self.run = run
+        super().__init__(f"{run.strategy}: {run.check.verdict}")
 
 
 class SolverError(RailjouleError):

@@ -135,10 +135,10 @@ def _obstacle_sentence(course: Course, cell: int, braking: bool) -> str:
         effort = round((course.data.braking.constant_n + course.data.friction_effort_n) / N_PER_KN, 3)
         return (
             f"At {place:.0f} m, on a gradient of {gradient:.4g} per mille, the brakes of at most {effort:.4g} kN "
-            "cannot slow the train down as the line asks."
+            "cannot slow the train down for what lies ahead."
         )
     effort = course.data.traction.constant_n / N_PER_KN
     return (
         f"At {place:.0f} m, on a gradient of {gradient:.4g} per mille, the train comes to a stand: its effort of at "
-        f"most {effort:.4g} kN and its run-up do not carry it on."
+        f"most {effort:.4g} kN and its momentum are not enough."
     )

@@ -8,7 +8,9 @@ import numpy as np
 
 from railjoule.core.advice import Instruction, advise
 from railjoule.core.arrays import FloatArray, IntArray, frozen_array
+from railjoule.core.check import CheckResult
 from railjoule.core.energy import Energy, share_above
+from railjoule.core.line_current import line_current_a
 from railjoule.core.motion.course import Course
 from railjoule.core.motion.line_profile import speed_limit_at
 from railjoule.core.phases import Phase, RunData, find_phases
@@ -102,6 +104,8 @@ class Trajectory:
         Power taken from the line, auxiliaries included; negative where energy goes back [W].
     current_a : array of cells or None
         Current of one motor, negative in braking [A], where the drive's model has one.
+    line_current_a : array of cells or None
+        Current at the line, negative where energy goes back [A], where the vehicle's line voltage is known.
     gradient_permille : array of cells
         Mean gradient under the train.
     energy : Energy
@@ -119,6 +123,8 @@ class Trajectory:
         How long the strategy took [s].
     notes : tuple of str
         Sentences on what was simplified.
+    check : CheckResult or None
+        What the independent check found, if it was asked.
     """
 
     scenario: Scenario
@@ -142,6 +148,8 @@ class Trajectory:
     iterations: int = 0
     solve_time_s: float = 0.0
     notes: tuple[str, ...] = field(default=())
+    check: CheckResult | None = None
+    line_current_a: FloatArray | None = None
 
     @property
     def effort_n(self) -> FloatArray:
@@ -258,6 +266,8 @@ class Trajectory:
         }
         if self.current_a is not None:
             columns["current_a"] = _at_nodes(self.current_a)
+        if self.line_current_a is not None:
+            columns["line_current_a"] = _at_nodes(self.line_current_a)
         return pandas.DataFrame(columns)
 
 
@@ -307,6 +317,7 @@ def make_trajectory(
         current_a=None if current is None else frozen_array(with_dwell.cells(current)),
         gradient_permille=frozen_array(with_dwell.cells(course.gradient_permille)),
         energy=_energy(course, speed2, cells),
+        line_current_a=line_current_a(power, scenario.vehicle.line_voltage_v),
         **details,
     )
 

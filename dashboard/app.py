@@ -8,6 +8,7 @@ from typing import Any
 import panel as pn
 
 from railjoule.core import RailjouleError
+from railjoule.dashboard.actual import Actual
 from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.compare import Compare
 from railjoule.dashboard.disturbances import Disturbances
@@ -42,6 +43,7 @@ from railjoule.dashboard.views.compare import CompareView
 from railjoule.dashboard.views.disturbances import DisturbancesView
 from railjoule.dashboard.views.drive import DriveView
 from railjoule.dashboard.views.editor import EditorView
+from railjoule.dashboard.views.help import HelpView
 from railjoule.dashboard.views.learn import LearnView
 from railjoule.dashboard.views.line import LineView
 from railjoule.dashboard.views.motor import MotorView
@@ -76,6 +78,7 @@ VIEWS: dict[str, type[PageView]] = {
         LineView,
         LearnView,
         PapersView,
+        HelpView,
     )
 }
 """What draws each page."""
@@ -101,6 +104,7 @@ class Session:
         self.pins = Pins(self.state)
         self.robustness = Robustness(self.state)
         self.disturbances = Disturbances(self.state)
+        self.actual = Actual(self.state)
         self.speed_limits = SpeedLimits(self.state)
         self.motor = Motor(self.state)
         self.start = Start(self.state)

@@ -12,7 +12,7 @@ from typing import Any
 import param
 from panel.custom import JSComponent
 
-from railjoule.dashboard.models.workbench import PAGES
+from railjoule.dashboard.models.pages import PAGES
 
 
 class Browser(JSComponent):
@@ -29,6 +29,12 @@ class Browser(JSComponent):
     started = param.Boolean(default=False, doc="Whether the page has loaded.")
     charts_in_sight = param.List(default=[], doc="Names of the charts in sight.")
     pages = param.List(default=list(PAGES), doc="Names of all pages.")
+    questions = param.Dict(
+        default={name: entry.question for name, entry in PAGES.items()}, doc="What each page answers."
+    )
+    bare = param.List(
+        default=[name for name, entry in PAGES.items() if not entry.has_sidebar], doc="Pages without the sidebar."
+    )
     page = param.String(default="", doc="The page in sight, as the server has it.")
     drawer = param.Boolean(default=False, doc="Whether the scenario's editor is open.")
     working = param.Boolean(default=False, doc="Whether the page in sight waits for a result.")

@@ -11,12 +11,13 @@ from typing import NoReturn
 DEFAULT_ADDRESS, DEFAULT_PORT = "127.0.0.1", 5006
 LARGEST_PORT = 65_535
 STUDIES = ("tradeoff", "sensitivity", "montecarlo")
-OK, BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 0, 2, 130, 141
+OK, BROKEN_RULE, BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 0, 1, 2, 130, 141
 """Exit statuses; the last two are those of a shell for programs ended by such a signal."""
+CHECK_STATUS = "Exit status: 0 if the run keeps every rule, 1 if it breaks one, 2 for bad input."
 
 
 class UsageError(Exception):
-    """Words that make no command, in one sentence."""
+    """Arguments that make no command, in one sentence."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -32,7 +33,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Parameters
     ----------
     arguments : sequence of str, optional
-        The words after `railjoule`; those of the process where absent.
+        The arguments after `railjoule`; by default those of the process.
     """
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
@@ -62,22 +63,22 @@ def _run(arguments: Sequence[str] | None) -> int:
     from railjoule.core import RailjouleError  # noqa: PLC0415
 
     try:
-        _call(options)
+        return OK if _call(options) else BROKEN_RULE
     except RailjouleError as error:
         return _complain(str(error))
     except MemoryError:
-        return _complain("this takes more memory than there is; a longer solver.mesh_m needs less.")
+        return _complain("not enough memory; a longer solver.mesh_m needs less.")
     except RecursionError:
-        return _complain("this is nested too deeply.")
-    return OK
+        return _complain("the input is nested too deeply.")
 
 
-def _call(options: argparse.Namespace) -> None:
+def _call(options: argparse.Namespace) -> bool:
+    """Run a command; return whether all that it was to check holds."""
     from railjoule.dashboard import commands  # noqa: PLC0415
 
     if options.command == "serve":
         commands.serve(options.address, options.port)
-        return
+        return True
     output = commands.Output(getattr(options, "json", False))
     if options.command == "benchmark":
         commands.benchmark(output)
@@ -85,17 +86,21 @@ def _call(options: argparse.Namespace) -> None:
         commands.study(options.study, options.file, commands.parsed_changes(options.set), options.output)
     elif options.command == "validate":
         commands.validate(options.paper, output)
+    elif options.command == "check":
+        changes = commands.parsed_changes(options.set)
+        return commands.check(options.run, options.scenario, changes, options.strategy, output)
     elif options.command == "report":
         commands.report(options.file, commands.parsed_changes(options.set), options.strategy, options.output)
     else:
         file, words = _file_and_changes(options.file, options.set)
         changes = commands.parsed_changes(words)
         if options.command == "solve":
-            commands.solve(file, changes, options.strategy, options.trajectory, output)
-        elif options.command == "simulate":
+            return commands.solve(file, changes, options.strategy, options.trajectory, output, options.check)
+        if options.command == "simulate":
             commands.simulate(file, changes, output)
         else:
             commands.compare_strategies(file, changes, output)
+    return True
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -107,34 +112,47 @@ def build_parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     _add_serve(commands)
     solve = _add_scenario_command(commands, "solve", "solve one scenario")
-    solve.add_argument("--strategy", metavar="S", help="how the train is driven; the scenario's own where absent")
+    solve.add_argument("--strategy", metavar="S", help="the driving strategy; default: the scenario's own")
     solve.add_argument("--trajectory", metavar="OUT", help="write the run to OUT.csv or OUT.parquet")
+    solve.add_argument("--check", action="store_true", help="check the run against its scenario: see `railjoule check`")
+    solve.epilog = f"With --check: {CHECK_STATUS.lower()}"
     _add_scenario_command(commands, "compare", "run every strategy that fits a scenario")
     _add_scenario_command(commands, "simulate", "follow the plan of a scenario under its disturbance")
-    study = _add(commands, "study", "solve many scenarios, and write a labelled table")
+    study = _add(commands, "study", "solve many scenarios and write a labelled table")
     study.add_argument("study", metavar="STUDY", choices=STUDIES, help=" or ".join(STUDIES))
     study.add_argument("file", metavar="FILE", help="a scenario file, or the name of a shipped scenario")
     study.add_argument("-o", "--output", metavar="OUT", required=True, help="OUT.nc (netCDF), OUT.csv or OUT.parquet")
     study.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help="as in solve")
-    report = _add(commands, "report", "write all results of a scenario as one file of HTML that needs no network")
+    report = _add(commands, "report", "write all results of a scenario to one HTML file that works offline")
     report.add_argument("file", metavar="FILE", help="a scenario file, or the name of a shipped scenario")
     report.add_argument("-o", "--output", metavar="OUT", required=True, help="OUT.html")
-    report.add_argument("--strategy", metavar="S", help="whose numbers come first; the scenario's own where absent")
+    report.add_argument("--strategy", metavar="S", help="whose results come first; default: the scenario's own")
     report.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help="as in solve")
-    benchmark = _add(commands, "benchmark", "time every strategy on the shipped scenarios, beside CasADi with IPOPT")
+    benchmark = _add(commands, "benchmark", "time every strategy on the shipped scenarios, and CasADi with IPOPT")
     _add_json(benchmark)
-    validate = _add(commands, "validate", "show the papers' printed numbers beside ours")
+    validate = _add(commands, "validate", "compare the papers' published numbers with ours")
     validate.add_argument(
-        "paper", metavar="PAPER", nargs="?", help="ftorek, liashenko, rawicki or shtompel; all papers where absent"
+        "paper", metavar="PAPER", nargs="?", help="ftorek, liashenko, rawicki or shtompel; default: all papers"
     )
     _add_json(validate)
+    _add_check(commands)
     return parser
 
 
 def _add_serve(commands: "argparse._SubParsersAction[_Parser]") -> None:
     serve = _add(commands, "serve", "serve the dashboard in the browser")
-    serve.add_argument("--port", type=_port, default=DEFAULT_PORT, help=f"{DEFAULT_PORT} where absent")
-    serve.add_argument("--address", default=DEFAULT_ADDRESS, help=f"{DEFAULT_ADDRESS}, this machine only, where absent")
+    serve.add_argument("--port", type=_port, default=DEFAULT_PORT, help=f"default: {DEFAULT_PORT}")
+    serve.add_argument("--address", default=DEFAULT_ADDRESS, help=f"default: {DEFAULT_ADDRESS}, this machine only")
+
+
+def _add_check(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    check = _add(commands, "check", "check a run against its scenario, by formulas that share no code with the solvers")
+    check.epilog = CHECK_STATUS
+    check.add_argument("run", metavar="RUN", help="RUN.csv or RUN.parquet, as solve --trajectory writes it")
+    check.add_argument("--scenario", metavar="S", help="its scenario file, report, or the name of a shipped scenario")
+    check.add_argument("--strategy", metavar="S", help="the strategy that made the run; default: the scenario's own")
+    check.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help="as in solve")
+    _add_json(check)
 
 
 def _add_scenario_command(commands: "argparse._SubParsersAction[_Parser]", name: str, words: str) -> _Parser:
@@ -162,12 +180,12 @@ def _add_json(parser: _Parser) -> None:
 
 def _port(text: str) -> int:
     if not (text.isascii() and text.isdigit() and len(text) < 6 and 1 <= int(text) <= LARGEST_PORT):
-        raise argparse.ArgumentTypeError(f"{text[:20]!r} is no port from 1 to {LARGEST_PORT}")
+        raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a port from 1 to {LARGEST_PORT}")
     return int(text)
 
 
 def _file_and_changes(file: str | None, words: Sequence[str]) -> tuple[str, list[str]]:
-    """Return the scenario and the changes; a word without equals sign after --set is the scenario."""
+    """Return the scenario and the changes; an argument without equals sign after --set is the scenario."""
     if file is not None:
         return file, list(words)
     from railjoule.dashboard.commands import CommandError  # noqa: PLC0415
@@ -187,7 +205,7 @@ def _complain(sentence: str) -> int:
 
 
 def _drop_output() -> None:
-    """Let the interpreter's last flush go nowhere, as nobody reads any more."""
+    """Discard the interpreter's last flush, as nobody reads it any more."""
     with contextlib.suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 

@@ -11,12 +11,21 @@ from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
-from railjoule.core import RailjouleError, Scenario, ScenarioError, StrategyRefusedError, compare, load_scenario
+from railjoule.core import (
+    RailjouleError,
+    Scenario,
+    ScenarioError,
+    StrategyRefusedError,
+    check_run,
+    check_table,
+    compare,
+    load_scenario,
+)
 from railjoule.core import solve as solve_scenario
-from railjoule.core.scenario import StrategyName, parse_scenario, preset_names
+from railjoule.core.scenario import STRATEGY_NAMES, StrategyName, parse_scenario, preset_names
 from railjoule.core.scenario.text_file import read_text
 from railjoule.core.scenario.toml_text import read_toml
-from railjoule.core.simulate.disturbances import simulate_disturbances
+from railjoule.core.simulate.actual_run import actual_run
 from railjoule.core.simulate.field_oriented import simulate_field_oriented
 from railjoule.core.simulate.following import simulate_following
 from railjoule.core.strategies import prepare_task
@@ -46,9 +55,14 @@ class Output:
 
 
 def solve(
-    file: str, changes: Mapping[str, Any], strategy: str | None, trajectory_file: str | None, output: Output
-) -> None:
-    """Solve a scenario, write its trajectory if wanted, and show the result.
+    file: str,
+    changes: Mapping[str, Any],
+    strategy: str | None,
+    trajectory_file: str | None,
+    output: Output,
+    with_check: bool = False,
+) -> bool:
+    """Solve a scenario, write its trajectory if wanted, and show the result; return whether it passed its check.
 
     Raises
     ------
@@ -64,7 +78,36 @@ def solve(
     if target is not None:
         write_table(trajectory.to_dataframe(), target, index=False)
     values = summary.summarise(trajectory, prepare_task(scenario).shortest_travel_time_s)
-    output.show(values, terminal.solution_text)
+    if not with_check:
+        output.show(values, terminal.solution_text)
+        return True
+    result = check_run(scenario, trajectory)
+    output.show({**values, "check": summary.summarise_check(result)}, terminal.checked_solution_text)
+    return result.ok
+
+
+def check(
+    run_file: str, scenario_file: str | None, changes: Mapping[str, Any], strategy: str | None, output: Output
+) -> bool:
+    """Check the run of a file against its scenario, and show the result; return whether it keeps every rule.
+
+    Raises
+    ------
+    RailjouleError
+        If the file holds no run, no scenario is named, or anything is wrong with it.
+    """
+    table = read_table(run_file)
+    if scenario_file is None:
+        raise CommandError("--scenario is missing: the file of a run does not contain its scenario.")
+    scenario = load(scenario_file, changes)
+    if strategy is not None and strategy not in STRATEGY_NAMES:
+        raise CommandError(f"--strategy {shortened(strategy)}: must be one of {', '.join(STRATEGY_NAMES)}.")
+    try:
+        result = check_table(scenario, cast("Mapping[str, Any]", table), strategy)
+    except ScenarioError as error:
+        raise CommandError(f"{shortened(run_file)} {error}") from None
+    output.show(summary.summarise_check(result), terminal.check_text)
+    return result.ok
 
 
 def compare_strategies(file: str, changes: Mapping[str, Any], output: Output) -> None:
@@ -97,7 +140,7 @@ def simulate(file: str, changes: Mapping[str, Any], output: Output) -> None:
             run = simulate_field_oriented(scenario)
             output.show(summary.summarise_field_oriented(run), terminal.field_oriented_text)
         elif scenario.disturbance.events:
-            output.show(summary.summarise_ride(simulate_disturbances(scenario)), terminal.ride_text)
+            output.show(summary.summarise_actual(actual_run(scenario)), terminal.ride_text)
         else:
             output.show(summary.summarise_following(simulate_following(scenario)), terminal.following_text)
 
@@ -176,7 +219,7 @@ def validate(paper: str | None, output: Output) -> None:
     from railjoule.core.validation import PAPERS  # noqa: PLC0415
 
     if paper is not None and paper not in PAPERS:
-        raise CommandError(f"{paper!r} is none of the papers of this version, which has {', '.join(PAPERS)}.")
+        raise CommandError(f"{paper!r} is not a paper of this version; choose one of {', '.join(PAPERS)}.")
     announce_compilation()
     chosen = PAPERS if paper is None else {paper: PAPERS[paper]}
     papers = [summary.summarise_validation(compute()) for compute in chosen.values()]
@@ -213,9 +256,7 @@ def load(file: str, changes: Mapping[str, Any]) -> Scenario:
         known = Path(file).exists() or file in preset_names("scenarios")
         if not known and not Path(file).suffix:
             shipped = ", ".join(preset_names("scenarios"))
-            raise CommandError(
-                f"{file}: there is no such file and no shipped scenario of that name; shipped are {shipped}."
-            )
+            raise CommandError(f"{file}: there is no such file or shipped scenario; choose one of {shipped}.")
         if Path(file).suffix.lower() in REPORT_SUFFIXES:
             name = Path(file).name
             return parse_scenario(scenario_in_report(read_text(Path(file)), name), name, changes=changes)
@@ -266,6 +307,30 @@ def table_file(name: str, option: str = "--trajectory", suffixes: Sequence[str] 
     return path
 
 
+def read_table(name: str) -> "pandas.DataFrame":
+    """Return the table of a file.
+
+    Raises
+    ------
+    CommandError
+        If there is none, or it cannot be read.
+    """
+    import pandas  # noqa: PLC0415  (slow to import, and seldom needed)
+
+    path = table_file(name, "RUN")
+    read = pandas.read_csv if path.suffix.lower() == ".csv" else pandas.read_parquet
+    try:
+        table: pandas.DataFrame = read(path)
+    except FileNotFoundError:
+        raise CommandError(f"{shortened(name)}: there is no such file.") from None
+    except OSError as error:
+        raise CommandError(f"{shortened(name)}: {error.strerror or error}.") from None
+    except ValueError as error:
+        words = " ".join(str(error).split()).rstrip(".")
+        raise CommandError(f"{shortened(name)} is not a table in {path.suffix[1:]}: {shortened(words)}.") from None
+    return table
+
+
 def write_table(table: "pandas.DataFrame", path: Path, index: bool) -> None:
     """Write a table, with its index if asked for.
 
@@ -302,7 +367,7 @@ def refusals_named(strategy: str) -> Iterator[None]:
 def announce_compilation() -> None:
     """Tell a person at a terminal why the first run ever takes so long."""
     if sys.stderr.isatty() and not Path(os.environ["NUMBA_CACHE_DIR"]).is_dir():
-        print("The solver is being compiled, once; this takes about a minute.", file=sys.stderr)
+        print("Compiling the solver, only this once; this takes about a minute.", file=sys.stderr)
 
 
 def shortened(text: str) -> str:

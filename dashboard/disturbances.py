@@ -4,9 +4,11 @@ from dataclasses import replace
 from typing import Any
 
 from railjoule.core import RailjouleError
+from railjoule.dashboard.models.actual import event_changes
 from railjoule.dashboard.models.disturbances import EventModel
 from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.robustness import FOLLOWER, REALITY
 from railjoule.dashboard.store import (
     LateArrivals,
     Rides,
@@ -42,6 +44,8 @@ class Disturbances:
         state.param.watch(self._ask, ["page", "chosen"])
         self.model.param.watch(self._watch_events, "events")
         self.model.param.watch(self._ask, ["accepted_delay_s", "changed"])
+        state.actual.param.watch(self._ask, "on")
+        state.robustness.param.watch(self._ask, [*REALITY, *FOLLOWER])
         self.model.take(state.scenario.edited)
 
     def end(self) -> None:
@@ -59,13 +63,7 @@ class Disturbances:
     def _ask(self, *_: Any) -> None:
         if self.state.page != "Disturbances":
             return
-        changes = {
-            "strategy": self.state.chosen,
-            "disturbance.coordinate_error_m": 0.0,
-            "disturbance.departure_delay_s": 0.0,
-            **self.model.changes,
-        }
-        wish = RidesWish(self.state.scenario.scenario(), changes)
+        wish = RidesWish(self.state.scenario.scenario(), {"strategy": self.state.chosen, **event_changes(self.state)})
         if wish != self._asked:
             self._asked = wish
             if self._curve() != self._drawn:
@@ -81,7 +79,9 @@ class Disturbances:
     def _take_rides(self, rides: Rides) -> None:
         self.model.param.update(rides=rides, failure=None)
         curve = self._curve()
-        if curve is not None and curve != self._drawn:
+        if not self.model.events:
+            self._drawn = self.model.late = None
+        elif curve is not None and curve != self._drawn:
             self._drawn = curve
             self.late.ask(curve)
 

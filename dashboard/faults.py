@@ -12,7 +12,7 @@ from bokeh.document import Document
 from railjoule.dashboard.messages import thaw, unfrozen
 
 LOG = logging.getLogger(__name__)
-SENTENCE = "That did not work: the program made an error, which the server\u2019s log describes. The rest works on."
+SENTENCE = "That did not work: a program error, which the server\u2019s log describes. The rest works on."
 
 
 class Faults:

@@ -1,20 +1,37 @@
-"""The work behind the page Papers: one study at a time, table by table."""
+"""The work behind the page Papers: what was computed for this release is shown; other code computes it when asked."""
 
 from typing import Any
 
 from railjoule.core import RailjouleError
+from railjoule.core.validation import COMPARISONS
 from railjoule.dashboard.models.workbench import Workbench
-from railjoule.dashboard.store import PaperTables, Study, compute_papers
+from railjoule.dashboard.store import PaperTables, Study, compute_papers, shipped_tables
+from railjoule.dashboard.warmup import warmup
+
+PAGE = "Papers"
 
 
 class Papers:
-    """Compares papers when it is asked to, and stops when it is told."""
+    """Shows what is shipped; compares papers when it is asked to or the code is another, and stops when it is told."""
 
     def __init__(self, state: Workbench) -> None:
-        self.model = state.papers
+        self.state, self.model = state, state.papers
+        self._begun, self._computed = False, set[str]()
         self.study = Study(compute_papers, self._take, self._take_failure)
         self.model.param.watch(self._ask, "compare")
         self.model.param.watch(self._stop, "stop")
+        state.param.watch(self._begin, "page")
+        self._begin()
+
+    def _begin(self, *_: Any) -> None:
+        """Take the shipped comparisons, and compute them anew where the code is not the one that has made them."""
+        if self.state.page != PAGE or self._begun:
+            return
+        shipped = shipped_tables()
+        self._begun = shipped.is_current or warmup().ready.is_set()
+        self.model.param.update(results={**shipped.papers, **self.model.results}, is_current=shipped.is_current)
+        if not shipped.is_current and self._begun:
+            self.model.compare = list(COMPARISONS)
 
     def end(self) -> None:
         """End what still runs: the page is gone."""
@@ -30,9 +47,15 @@ class Papers:
         self.model.asked = []
 
     def _take(self, results: dict[str, PaperTables], last: bool) -> None:
-        self.model.results = {**self.model.results, **results}
+        known = self.model.results
+        # what was computed before stands until all of the paper is there
+        whole = {name: paper for name, paper in results.items() if paper.complete or name not in known}
+        partly = {name: paper for name, paper in results.items() if name in known and not known[name].complete}
+        self.model.param.update(results={**known, **partly, **whole}, under_way=results)
         if last:
             self.model.asked = []
+            self._computed |= {name for name, paper in results.items() if paper.complete}
+            self.model.is_current |= self._computed == set(COMPARISONS)
 
     def _take_failure(self, failure: RailjouleError) -> None:
         self.model.param.update(failure=failure, asked=[])

@@ -8,11 +8,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from railjoule.core import Phase, Trajectory
+from railjoule.core import CheckResult, Phase, Trajectory
 from railjoule.core.trajectory import Reference
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
 if TYPE_CHECKING:
+    from railjoule.core.simulate.actual_run import ActualRun
     from railjoule.core.simulate.disturbances import Ride
     from railjoule.core.simulate.field_oriented import FieldOrientedRun
     from railjoule.core.simulate.following import Following
@@ -73,6 +74,25 @@ def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = Non
     }
 
 
+def summarise_check(result: CheckResult) -> Summary:
+    """Return what a check found as plain values; a deviation that no number tells is null."""
+    return {
+        "ok": result.ok,
+        "verdict": result.verdict,
+        "checks": [
+            {
+                "name": check.name,
+                "largest": _finite(check.largest),
+                "allowed": check.allowed,
+                "at_m": check.at_m,
+                "share_of": check.share_of,
+            }
+            for check in result.checks
+        ],
+        "not_checked": [{"name": rule.name, "reason": rule.reason} for rule in result.not_checked],
+    }
+
+
 def summarise_comparison(
     runs: Sequence[Trajectory], refused: Mapping[Any, str], shortest_travel_time_s: float | None = None
 ) -> Summary:
@@ -106,6 +126,14 @@ def summarise_ride(ride: "Ride") -> Summary:
         "notices": [{"position_m": place, "time_s": time, "event": words} for place, time, words in ride.notices],
         "notes": list(ride.notes),
     }
+
+
+def summarise_actual(run: "ActualRun") -> Summary:
+    """Return a plan and a ride with events as plain values, and what each cause adds to the plan."""
+    assert run.ride is not None
+    causes = {cause.name: cause.energy_kwh for cause in run.causes}
+    notes = list(dict.fromkeys((*run.ride.notes, *run.notes)))
+    return {**summarise_ride(run.ride), "delay_s": run.delay_s, "causes_kwh": causes, "notes": notes}
 
 
 def summarise_field_oriented(run: "FieldOrientedRun") -> Summary:

@@ -1,17 +1,17 @@
 """Results as text for a terminal, made from the plain values of `railjoule.dashboard.summary`.
 
-Its numbers are those of the pages, from `railjoule.dashboard.look`, in signs that every terminal has.
+Its numbers are those of the pages, from `railjoule.dashboard.look`, in characters that every terminal has.
 """
 
 import shutil
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from railjoule.core.advice import Instruction
 from railjoule.core.trajectory import Reference
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import comparisons, words
-from railjoule.dashboard.look.words import J_PER_WH, STRATEGY_WORDS, advice_in_words, decimals
+from railjoule.dashboard.look.words import CAUSE_WORDS, J_PER_WH, STRATEGY_WORDS, advice_in_words, decimals
 from railjoule.dashboard.summary import Summary
 
 WIDEST = 110
@@ -21,6 +21,7 @@ Cell = tuple[str, ...]
 
 number = words.plain(words.number)
 energy = words.plain(words.energy)
+energy_difference = words.plain(words.energy_difference)
 share = words.plain(words.share)
 distance = words.plain(words.distance)
 time = words.plain(words.time)
@@ -31,7 +32,7 @@ price = words.plain(words.price)
 
 
 def printable(text: str) -> str:
-    """Return a text of one line without characters that could steer a terminal."""
+    """Return a text of one line without control characters."""
     return "".join(character if character.isprintable() else " " for character in text)
 
 
@@ -41,7 +42,7 @@ def title_words(title: str) -> str:
 
 
 def solution_text(summary: Summary) -> str:
-    """Return one run for people: energy, proof, time, account, what the driver does."""
+    """Return one run for people: energy, proof, time, account, driver's advice."""
     title = title_words(summary["title"])
     lines = [
         f"{title}: {STRATEGY_WORDS[summary['strategy']]}",
@@ -49,7 +50,7 @@ def solution_text(summary: Summary) -> str:
         f"at most {number(summary['max_speed_kmh'])} km/h",
         *_crush_load_lines(summary),
         "",
-        *_labelled("Energy", f"{energy(summary['energy_kwh'])} kWh at the line, {verdict(summary)}"),
+        *_labelled("Energy", f"{energy(summary['energy_kwh'])} kWh from the supply, {verdict(summary)}"),
         *_bound_lines(summary),
         *_labelled("Time", _time_words(summary)),
         *_price_lines(summary),
@@ -62,6 +63,22 @@ def solution_text(summary: Summary) -> str:
         *_wrapped(" ".join(summary["notes"])),
     ]
     return "\n".join(lines)
+
+
+def checked_solution_text(summary: Summary) -> str:
+    """Return one run for people, with the rules that it breaks, if any, and the verdict of its check."""
+    check = summary["check"]
+    broken = [each for each in check["checks"] if _is_broken(each)]
+    table = ["", *_check_lines(broken)] if broken else []
+    return "\n".join([solution_text(summary), *table, *_labelled("Check", check["verdict"])])
+
+
+def check_text(check: Summary) -> str:
+    """Return the rules that a run was checked against, those that could not be checked, and the verdict."""
+    lines = _check_lines(check["checks"])
+    for rule in check["not_checked"]:
+        lines += _wrapped(f"Not checked: {rule['name']}: {rule['reason']}.")
+    return "\n".join([*lines, "", *_wrapped(check["verdict"])])
 
 
 def comparison_text(comparison: Summary) -> str:
@@ -82,7 +99,7 @@ def _crush_load_lines(summary: Summary) -> list[str]:
 
 
 def following_text(following: Summary) -> str:
-    """Return a plan and what became of it."""
+    """Return a plan and the run that follows it."""
     planned, actual = following["planned"], following["actual"]
     return "\n".join(
         [
@@ -92,14 +109,14 @@ def following_text(following: Summary) -> str:
             *_crush_load_lines(actual),
             "",
             f"{_more(planned, actual)} energy, {delay(following['delay_s'])} s, "
-            f"stopped {stop_error(following['stop_error_m'])} m from the place.",
+            f"stopping error {stop_error(following['stop_error_m'])} m.",
             f"Driver: {driver_words(actual['advice'])}",
         ]
     )
 
 
 def ride_text(ride: Summary) -> str:
-    """Return a plan, what the train learned on its way, and the ride."""
+    """Return a plan, the events on the way, and the run."""
     planned, actual = ride["planned"], ride["actual"]
     learned = [
         f"At {number(notice['position_m'], 0)} m, after {time(notice['time_s'])} s: {notice['event']}."
@@ -114,14 +131,21 @@ def ride_text(ride: Summary) -> str:
             "",
             *learned,
             f"{_more(planned, actual)} energy, {delay(ride['delay_s'])} s against the timetable.",
+            *_cause_lines(ride["causes_kwh"]),
             *ride["notes"],
             f"Driver: {driver_words(actual['advice'])}",
         ]
     )
 
 
+def _cause_lines(causes_kwh: Mapping[str, float]) -> list[str]:
+    """Return the line that tells what each cause adds, where there are several."""
+    told = (f"{CAUSE_WORDS[name].lower()} {energy_difference(kwh)} kWh" for name, kwh in causes_kwh.items())  # type: ignore[index]
+    return [f"Added in this order: {', '.join(told)}."] if len(causes_kwh) > 1 else []
+
+
 def field_oriented_text(run: Summary) -> str:
-    """Return a plan, what the machines made of it, and what that took of current, voltage and energy."""
+    """Return a plan, how the machines drove it, and the current, voltage and energy that this took."""
     planned, actual, parts = run["planned"], run["actual"], run["parts_kwh"]
     rows = [(kind.replace("_", " "), energy(kwh)) for kind, kwh in parts.items()]
     rows += [
@@ -138,9 +162,9 @@ def field_oriented_text(run: Summary) -> str:
             *_crush_load_lines(actual),
             "",
             f"{_more(planned, actual)} energy, {delay(run['delay_s'])} s, "
-            f"stopped {stop_error(run['stop_error_m'])} m from the place.",
-            f"At most {tracking} m from the planned place, {current} A and {voltage} V of "
-            f"{number(run['voltage_limit_v'], 0)} V a phase.",
+            f"stopping error {stop_error(run['stop_error_m'])} m.",
+            f"At most {tracking} m from the planned position, at most {current} A and {voltage} V of "
+            f"{number(run['voltage_limit_v'], 0)} V per phase.",
             "",
             *table_lines(("energy of the machines", "kWh"), rows),
             "",
@@ -150,7 +174,7 @@ def field_oriented_text(run: Summary) -> str:
 
 
 def _more(planned: Summary, actual: Summary) -> str:
-    """Return by how much the energy of a ride lies above that of its plan."""
+    """Return by how much the energy of a run is above that of its plan."""
     return words.plain_text(str(comparisons.above(actual["energy_kwh"], planned["energy_kwh"])))
 
 
@@ -169,12 +193,12 @@ def _two_runs(runs: dict[str, Summary]) -> list[str]:
 
 
 def validations_text(validations: Summary) -> str:
-    """Return all papers' printed numbers beside ours."""
+    """Return all papers' published numbers compared with ours."""
     return "\n\n".join(validation_text(validation) for validation in validations["papers"])
 
 
 def validation_text(validation: Summary) -> str:
-    """Return a paper's printed numbers beside ours, with the reasons of differences as footnotes."""
+    """Return a paper's published numbers compared with ours, with the reasons for differences as footnotes."""
     lines = _wrapped(validation["citation"])
     for table in validation["tables"]:
         place = f" ({table['place']})" if table["place"] else ""
@@ -207,7 +231,7 @@ def benchmark_text(benchmark: Summary) -> str:
     head = ("scenario", "cells", "solver", "kWh", "iterations", "median, ms")
     lines = table_lines(head, rows, left={0, 2})
     if not benchmark["ipopt"]:
-        lines.append("CasADi is not installed, so IPOPT is not beside them: pip install casadi.")
+        lines.append("CasADi is not installed, so there is no comparison with IPOPT: pip install casadi.")
     return "\n".join(lines)
 
 
@@ -250,6 +274,25 @@ def table_lines(head: Cell, rows: Sequence[Cell], left: Iterable[int] = (0,)) ->
         return "  ".join(words).rstrip()
 
     return [line(head), "  ".join("-" * width for width in widths), *(line(row) for row in rows)]
+
+
+def _is_broken(check: Summary) -> bool:
+    return check["largest"] is None or bool(check["largest"] > check["allowed"])
+
+
+def _check_lines(checks: Sequence[Summary]) -> list[str]:
+    rows = [
+        (
+            check["name"],
+            "no number" if check["largest"] is None else f"{check['largest']:.2g}",
+            f"{check['allowed']:.2g}",
+            check["share_of"],
+            "" if check["at_m"] is None else number(check["at_m"]),
+            "broken" if _is_broken(check) else "",
+        )
+        for check in checks
+    ]
+    return table_lines(("rule", "largest deviation", "allowed", "share of", "position, m", ""), rows, left={0, 3, 5})
 
 
 def _comparison_table(results: Sequence[Summary]) -> list[str]:
@@ -334,7 +377,7 @@ def _other_time(summary: Summary) -> str:
 
 def _price_lines(summary: Summary) -> list[str]:
     saved = summary["price_of_time_wh_per_s"]
-    return [] if saved is None else _labelled("A second more", f"would save {price(saved * J_PER_WH)} Wh")
+    return [] if saved is None else _labelled("Extra second", f"would save {price(saved * J_PER_WH)} Wh")
 
 
 def _iteration_words(summary: Summary) -> str:
@@ -349,8 +392,8 @@ def _account_lines(summary: Summary) -> list[str]:
     ]
     spent = [(kind.replace("_", " "), kwh) for kind, kwh in summary["losses_kwh"].items()]
     spent += [
-        ("kinetic, end less start", summary["kinetic_kwh"]),
-        ("potential, end less start", summary["potential_kwh"]),
+        ("kinetic, end minus start", summary["kinetic_kwh"]),
+        ("potential, end minus start", summary["potential_kwh"]),
     ]
     width = max(len(name) for name, _ in taken + spent)
 
@@ -361,7 +404,7 @@ def _account_lines(summary: Summary) -> list[str]:
             if abs(kwh) >= words.LEAST_ENERGY_KWH
         ]
 
-    return [*lines(taken), "  of traction less recuperated go to", *lines(spent)]
+    return [*lines(taken), "  traction minus recuperated goes to", *lines(spent)]
 
 
 def _validation_table(table: Summary) -> list[str]:

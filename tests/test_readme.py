@@ -19,7 +19,7 @@ from railjoule.core import solve
 from railjoule.core.scenario import STRATEGY_NAMES, load_scenario, preset_names, scenario_from_document
 from railjoule.core.scenario.document import change_document
 from railjoule.core.strategies import STRATEGIES, prepare_task
-from railjoule.dashboard.models.workbench import PAGES
+from railjoule.dashboard.models.pages import PAGES
 
 ROOT = Path(__file__).parents[1]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -173,6 +173,9 @@ def test_the_drive_that_is_added_gives_its_derivatives():
 @pytest.mark.parametrize("command", COMMANDS)
 def test_command_runs(command, folder):
     _, *arguments = shlex.split(command)
+    if arguments[0] == "check":  # what the command before it has written
+        (before,) = (line for line in COMMANDS if f"--trajectory {arguments[1]}" in line)
+        run_python(["-m", "railjoule.dashboard", *shlex.split(before)[1:]], folder)
     run = run_python(["-m", "railjoule.dashboard", *arguments], folder)
     assert (run.returncode, run.stderr) == (0, "")
     assert run.stdout

@@ -8,6 +8,16 @@ const is_there = (name) => {
   const element = view_of(name)?.el;
   return Boolean(element && element.offsetHeight > 0 && !element.classList.contains("rj-away"));
 };
+// a page stands on the sheet before its words do
+const has_heading = (name) => {
+  const holder = view_of(name)?.el;
+  const host_of = (element) => element.getRootNode().host;
+  return deep("h1").some((heading) => {
+    let host = heading.offsetHeight > 0 ? host_of(heading) : null;
+    while (host && host !== holder) { host = host_of(host); }
+    return Boolean(host);
+  });
+};
 const make = (tag, name, html) => {
   const element = document.createElement(tag);
   element.className = name;
@@ -37,11 +47,24 @@ const working = (() => {
 // --- turning pages
 
 const turning = (model) => {
-  let asked = null, sketch = null, limit = null;
+  let asked = null, sketch = null, limit = null, shown = "";
+  const bare = (name) => root.classList.toggle("rj-bare", model.bare.includes(name));
+  const scroller = () => deep(".main-content")[0], scrolled = new Map();
+  // each page keeps its place, and a new one begins at its top
+  const leave = () => { if (shown) { scrolled.set(shown, scroller()?.scrollTop ?? 0); } };
+  const arrive = (name) => {
+    if (name === shown) return;
+    shown = name;
+    const main = scroller();
+    if (main) { main.scrollTop = scrolled.get(name) ?? 0; }
+  };
   const done = () => { clearTimeout(limit); sketch?.remove(); sketch = null; asked = null; working("page", false); };
   const settle = () => {
     if (asked !== null && asked !== model.page) return;
-    if (is_there(`page ${model.page}`)) { done(); } else { requestAnimationFrame(settle); }
+    if (is_there(`page ${model.page}`) && has_heading(`page ${model.page}`)) {
+      done();
+      arrive(model.page);
+    } else { requestAnimationFrame(settle); }
   };
   // a page that was open before is there at once, and what has changed since comes with the server's answer; unless
   // it is to show something else
@@ -49,6 +72,8 @@ const turning = (model) => {
     // while the solver compiles no page can be opened
     if (!model.page || (name === model.page && asked === null)) return;
     asked = name;
+    bare(name);
+    leave();
     working("page", true);
     clearTimeout(limit);
     limit = setTimeout(done, TURNED_WITHIN_MS);
@@ -56,6 +81,7 @@ const turning = (model) => {
       for (const page of model.pages) {
         named(`page ${page}`)?.setv({css_classes: page === name ? [] : ["rj-away"]}, {sync: false});
       }
+      arrive(name);
       sketch?.remove();
       sketch = null;
       return;
@@ -64,12 +90,16 @@ const turning = (model) => {
     if (!place) return;
     sketch ??= document.body.appendChild(make("div", "rj-turning", ""));
     sketch.innerHTML = `<h1></h1><p role="status">Opening</p>${ROWS}${SKETCH}${SKETCH.replace("<svg", '<svg class="low"')}`;
-    sketch.querySelector("h1").textContent = name;
+    sketch.querySelector("h1").textContent = model.questions[name];
     Object.assign(sketch.style, {
       left: `${place.left}px`, top: `${place.top}px`, width: `${place.width}px`, height: `${place.height}px`,
     });
   };
-  model.on("page", () => requestAnimationFrame(settle));
+  model.on("page", () => {
+    if (asked === null || asked === model.page) { bare(model.page); }
+    requestAnimationFrame(settle);
+  });
+  bare(model.page);
   return turn;
 };
 
@@ -175,20 +205,15 @@ export function render({model}) {
   let resized = null;
   const measure = () => { model.window_width = window.innerWidth; };
   const resize = () => { clearTimeout(resized); resized = setTimeout(measure, 120); };
-  // the list of pages on a narrow screen is no part of its button
-  let listed = false;
+  // for those who open pages, such as the bar
+  window.railjoule.turn = turn;
   const press = (event) => {
     const path = event.composedPath();
-    const button = path.find((element) => element.matches?.("[role=tab], [role=menuitem], button"));
+    const button = path.find((element) => element.matches?.("button"));
     if (!button) return;
     const within = (name) => path.some((element) => element.classList?.contains(name));
     const words = (button.getAttribute("aria-label") ?? button.textContent).trim();
-    const of_pages = within("rj-pages") || (listed && button.matches("[role=menuitem]"));
-    listed = within("rj-menu");
-    if (of_pages && model.pages.includes(words)) {
-      // the press is seen first
-      requestAnimationFrame(() => setTimeout(() => turn(words)));
-    } else if (button.dataset.scenario) {
+    if (button.dataset.scenario) {
       model.send_msg({kind: "scenario", name: button.dataset.scenario});
       requestAnimationFrame(() => setTimeout(() => turn("Drive", true)));
     } else if (within("rj-edit")) {

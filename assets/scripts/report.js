@@ -24,6 +24,7 @@
       const source = model(id);
       source.data = {...source.data, [column]: theme === "dark" ? dark : light};
     }
+    placeNames();
     drawPhases();
   };
   const follow = () => {
@@ -76,17 +77,11 @@
   const moving = new Set(runs.flatMap((run) => Object.keys(run.lines)));
   const first = new Map();
   const keep = (id) => { if (!first.has(id)) first.set(id, {...model(id).data}); return first.get(id); };
-  const interpolate = (xs, ys, x) => {
-    let k = xs.findIndex((place) => place >= x);
-    if (k < 0) k = xs.length - 1;
-    if (k === 0 || xs[k] === xs[k - 1]) return ys[k];
-    return ys[k - 1] + (ys[k] - ys[k - 1]) * (x - xs[k - 1]) / (xs[k] - xs[k - 1]);
-  };
   const fit = (chart) => {
     const ends = chart.lines.map((id) => model(id).data.y).filter((y) => y.length);
     const low = Math.min(...ends.map((y) => y.reduce((a, b) => Math.min(a, b), Infinity)));
     const high = Math.max(...ends.map((y) => y.reduce((a, b) => Math.max(a, b), -Infinity)));
-    const room = 0.08 * Math.max(high - low, 1e-9);
+    const room = chart.room * Math.max(high - low, 1e-9);
     model(chart.range).setv({start: low - room, end: high + room});
   };
   const move = () => {
@@ -99,7 +94,8 @@
     at("account").innerHTML = run.account;
     at("phases").innerHTML = run.table;
     for (const [name, chart] of charts) {
-      const lines = {optimal: run.lines[name], largest: name === "effort" ? run.lines.largest : undefined};
+      const lines = {optimal: run.lines[name], largest: name === "effort" ? run.lines.largest : undefined,
+        clock: name === "speed" ? run.lines.clock : undefined};
       for (const [line, y] of Object.entries(lines)) {
         const id = chart.sources[line];
         if (!id || !moving.has(name)) continue;
@@ -111,46 +107,21 @@
       }
       if (chart.fits) fit(chart);
     }
-    place_names(run);
+    placed = run.names;
+    placeNames();
     phases = run.phases;
     drawPhases();
     if (data.charts.frontier) {
       model(data.charts.frontier.sources.point).data = {x: [run.point[0]], y: [run.point[1]]};
     }
   };
-  // names at the ends of lines stand beside them, as far apart as they need; those on lines go with their line
-  const spread = (values, gap) => {
-    const order = values.map((_, k) => k).sort((a, b) => values[a] - values[b]);
-    const placed = order.map((k) => values[k]);
-    for (let round = 0; round < 20; round++) {
-      for (let k = 1; k < placed.length; k++) {
-        const lack = gap - (placed[k] - placed[k - 1]);
-        if (lack > 1e-12) { placed[k - 1] -= lack / 2; placed[k] += lack / 2; }
-      }
+  // the report knows for each run where the names have room
+  let placed = null;
+  const placeNames = () => {
+    for (const [name, columns] of Object.entries(placed ?? {})) {
+      const source = model(data.charts[name].sources[data.charts[name].names]);
+      source.data = {...columns, colour: columns.line.map((line) => data.tokens[theme][line])};
     }
-    const result = [];
-    order.forEach((k, place) => { result[k] = placed[place]; });
-    return result;
-  };
-  const place_names = (run) => {
-    const speed = data.charts.speed, energy = data.charts.energy;
-    const names = model(speed.sources.names), ends = model(energy.sources.ends);
-    const line = model(speed.sources.optimal).data;
-    const k = speed.names.indexOf("optimal");
-    if (k >= 0) {
-      const y = [...names.data.y];
-      y[k] = interpolate(line.x, line.y, names.data.x[k]);
-      names.data = {...names.data, y};
-    }
-    const range = model(energy.range);
-    const last = energy.names.map((name) => {
-      const y = model(energy.sources[name]).data.y;
-      return y[y.length - 1];
-    });
-    const text = [...keep(energy.sources.ends).text];
-    const e = energy.names.indexOf("optimal");
-    if (e >= 0 && run.lines.energy) { text[e] = `${text[e].slice(0, text[e].lastIndexOf(" "))} ${run.energy}`; }
-    ends.data = {...ends.data, text, y: spread(last, 14 * (range.end - range.start) / model(energy.figure).height)};
   };
   if (slider) {
     slider.addEventListener("input", move);

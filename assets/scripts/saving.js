@@ -39,8 +39,9 @@ const within = (element, place) => {
 const token = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--rj-${name}`).trim();
 const slug = (text) => text.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-+|-+$/g, "").slice(0, 60);
 const file_name = (what, ending) => {
-  const title = window.railjoule.deep("h1").filter((heading) => heading.checkVisibility()).map((heading) => heading.textContent.trim())
-    .find(Boolean) ?? "railjoule";
+  // the name of the scenario; the heading of a page is its question
+  const title = window.railjoule.deep(".head .scenario").filter((name) => name.checkVisibility())
+    .map((name) => name.textContent.trim()).find(Boolean) ?? "railjoule";
   return `${[slug(title), slug(what)].filter(Boolean).join("-")}.${ending}`;
 };
 const offer = (content, type, name) => {

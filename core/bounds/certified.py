@@ -103,15 +103,15 @@ def bound_statement(task: Task) -> str:
 def switched_bound_statement(task: Task) -> str:
     """Return in one sentence which runs the bound of a drive covers that takes power without effort."""
     return (
-        f"No run over this mesh of {task.course.cell_count} cells, even if it switches between driving, coasting and "
-        f"braking at will within each, {_conditions(task)}; this takes for granted that the power of the drive rises "
-        "ever faster with its effort, and that its losses do not fall with speed."
+        f"No run over this mesh of {task.course.cell_count} cells, even if it switches freely between driving, "
+        f"coasting and braking within each, {_conditions(task)}; this assumes that the power of the powertrain is "
+        "convex in its effort, and that its losses do not fall with speed."
     )
 
 
 def _conditions(task: Task) -> str:
     slowest = 0.1 / MS_PER_KMH
     return (
-        f"that keeps all limits, arrives within {task.travel_time_s:.1f} s and goes nowhere slower than "
-        f"{slowest:.2f} km/h between its stops needs less"
+        f"that keeps all limits, arrives within {task.travel_time_s:.1f} s and never goes slower than "
+        f"{slowest:.2f} km/h between its stops uses less energy"
     )

@@ -48,7 +48,7 @@ class PhasePlanner:
         largest = self.largest_current_a
         current = self.options.starting_current_a
         if largest is None and (current is not None or self.options.free_starting_current):
-            raise StrategyRefusedError("needs a drive with a current to start with another than the largest.")
+            raise StrategyRefusedError("needs a drive with a motor current to start with less than the largest.")
         if largest is not None and current is not None and current > largest * (1 + 1e-9):
             raise StrategyRefusedError(
                 f"needs phases.starting_current_a = {current:g} to be at most the {largest:.5g} A of the drive."
@@ -109,7 +109,8 @@ class PhasePlanner:
             raise StrategyRefusedError(f"needs speeds at the ends of at most {3.6 * top:.1f} km/h.")
         if way(min(least, top)) > distance_m * (1 + 1e-9):
             raise StrategyRefusedError(
-                f"needs {way(least):.0f} m from the initial speed to the final one, and the way has {distance_m:.0f} m."
+                f"needs {way(least):.0f} m from the initial speed to the final one, but the distance is "
+                f"{distance_m:.0f} m."
             )
         peak = top if way(top) <= distance_m else brentq(lambda v: way(v) - distance_m, least, top, xtol=1e-13)
         cruise = max(distance_m - way(peak), 0.0)

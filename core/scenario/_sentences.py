@@ -65,7 +65,7 @@ def nearest(name: str, known: Iterable[str]) -> str:
     close = [match for match, ratio in zip(close, likeness, strict=True) if ratio > likeness[0] - CLOSE_SECOND]
     if close:
         return "did you mean " + " or ".join(repr(match) for match in close) + "?"
-    return "known are " + ", ".join(names)
+    return "choose one of " + ", ".join(names)
 
 
 def show(value: Any) -> str:

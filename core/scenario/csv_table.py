@@ -44,7 +44,7 @@ def read_rows(key: str, name: str, folder: Path | None, columns: Iterable[str]) 
             end = "" if hint.endswith("?") else "."
             raise ScenarioError(f"{key} {name!r}: unknown column {show(column)}, {hint}{end}")
     if len(set(header)) < len(header):
-        raise ScenarioError(f"{key} {name!r}: a column stands there twice.")
+        raise ScenarioError(f"{key} {name!r}: a column appears twice.")
     return [_row(header, row, f"{key} {name!r}, row {number}") for number, row in enumerate(rows[1:], 2) if row]
 
 

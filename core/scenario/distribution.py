@@ -40,7 +40,7 @@ class Triangular(Part):
     def _in_order(self) -> Self:
         if not (self.low <= self.mode <= self.high and self.low < self.high):
             raise ValueError(
-                f"low = {self.low:g}, mode = {self.mode:g}, high = {self.high:g} must stand in this order, and low "
+                f"low = {self.low:g}, mode = {self.mode:g}, high = {self.high:g} must be in this order, and low "
                 "below high"
             )
         return self
@@ -50,7 +50,7 @@ class Normal(Part):
     """Around a mean."""
 
     distribution: Literal["normal"]
-    mean: Number | None = Field(None, description="The mean; the planned value where absent.")
+    mean: Number | None = Field(None, description="The mean; by default the planned value.")
     standard_deviation: Number = Field(gt=0, le=1e6, description="The standard deviation.")
 
 

@@ -12,11 +12,11 @@ Reaction = Literal["driver", "computer", "known"]
 
 
 class Event(Part):
-    """Something that the timetable does not know; the train learns of it at its start where nothing else is given."""
+    """Something that is not in the timetable; by default the train learns of it at its start."""
 
     noticed_at_m: Number | None = Field(None, ge=0, le=1e7, description="Where the train learns of it [m].")
     noticed_at_s: Number | None = Field(None, ge=0, le=86400, description="When the train learns of it [s].")
-    reaction: Reaction = Field("computer", description="Who plans the rest.")
+    reaction: Reaction = Field("computer", description="Reaction (computer: replanning; known: in advance).")
 
     @model_validator(mode="after")
     def _noticed_once(self) -> Self:
@@ -26,65 +26,66 @@ class Event(Part):
 
 
 class UnplannedStop(Event):
-    """A stop that the timetable does not know."""
+    """A stop that is not in the timetable."""
 
     position_m: Number = Field(gt=0, le=1e7, description="Where the train must stop [m].")
-    duration_s: Number = Field(ge=0, le=86400, description="How long it must stand [s].")
+    duration_s: Number = Field(ge=0, le=86400, description="Duration of the stop [s].")
 
     @model_validator(mode="after")
     def _noticed_before(self) -> Self:
         if self.noticed_at_m is not None and self.noticed_at_m > self.position_m:
             raise ValueError(
-                f"noticed_at_m = {self.noticed_at_m:g} lies behind position_m = {self.position_m:g}, where it must stop"
+                f"noticed_at_m = {self.noticed_at_m:g} is after position_m = {self.position_m:g}, "
+                "where the train must stop"
             )
         return self
 
 
 class UnplannedLimit(Event, SpeedLimit):
-    """A speed limit that the timetable does not know."""
+    """A speed limit that is not in the timetable."""
 
     @model_validator(mode="after")
     def _noticed_before(self) -> Self:
         if self.noticed_at_m is not None and self.noticed_at_m > self.to_m:
-            raise ValueError(f"noticed_at_m = {self.noticed_at_m:g} lies behind to_m = {self.to_m:g}, where it ends")
+            raise ValueError(f"noticed_at_m = {self.noticed_at_m:g} is after to_m = {self.to_m:g}, where it ends")
         return self
 
 
 class VoltageChange(Event):
-    """Another line voltage, from when it is noticed on."""
+    """Another supply voltage, from when it is noticed."""
 
-    line_voltage_factor: Number = Field(gt=0, le=2, description="Line voltage over its nominal value.")
+    line_voltage_factor: Number = Field(gt=0, le=2, description="Supply voltage over its nominal value.")
 
 
 class RecuperationChange(Event):
-    """Another share of the generated energy that the line takes back, from when it is noticed on."""
+    """Another recuperated share of the generated energy, from when it is noticed."""
 
-    recuperation_factor: Number = Field(ge=0, le=1, description="Share that the line takes back.")
+    recuperation_factor: Number = Field(ge=0, le=1, description="Share of the generated energy that is recuperated.")
 
 
 class Disturbance(Part):
-    """All that goes otherwise than planned in one run."""
+    """All that differs from the plan in one run."""
 
     coordinate_error_m: Number = Field(
-        0.0, ge=-10_000, le=10_000, description="The train believes it is this much further on [m]."
+        0.0, ge=-10_000, le=10_000, description="Position error: the train assumes it is this much farther on [m]."
     )
     actual_load_factor: Number | None = Field(
-        None, ge=0, le=MOST_LOAD_FACTOR, description="Share of the capacity really on board."
+        None, ge=0, le=MOST_LOAD_FACTOR, description="Actual share of the capacity on board."
     )
     stops: tuple[UnplannedStop, ...] = Field((), max_length=100)
     speed_limits: tuple[UnplannedLimit, ...] = Field((), max_length=100)
     voltage_changes: tuple[VoltageChange, ...] = Field((), max_length=100)
     recuperation_changes: tuple[RecuperationChange, ...] = Field((), max_length=100)
     accepted_delay_s: Number = Field(
-        0.0, ge=0, le=86400, description="How much later than planned the train may arrive after an event [s]."
+        0.0, ge=0, le=86400, description="How much later than planned the train can arrive after an event [s]."
     )
     resistance_factor: Number = Field(
-        1.0, ge=0, le=10, description="Running resistance over the planned one, as head wind makes it."
+        1.0, ge=0, le=10, description="Running resistance over the planned one, as in a head wind."
     )
-    line_voltage_factor: Number = Field(1.0, gt=0, le=2, description="Line voltage over its nominal value.")
-    departure_delay_s: Number = Field(0.0, ge=0, le=86400, description="How much later the train leaves [s].")
+    line_voltage_factor: Number = Field(1.0, gt=0, le=2, description="Supply voltage over its nominal value.")
+    departure_delay_s: Number = Field(0.0, ge=0, le=86400, description="Departure delay [s].")
 
     @property
     def events(self) -> tuple[Event, ...]:
-        """All that the train learns of on its way, or before it."""
+        """All events that the train learns of before or during the run."""
         return (*self.stops, *self.speed_limits, *self.voltage_changes, *self.recuperation_changes)

@@ -25,7 +25,7 @@ class DriveParameters(Part):
     """What every kind of drive has."""
 
     recuperation_factor: Number = Field(
-        0.0, ge=0, le=1, description="Share of the generated electrical energy that the line takes back."
+        0.0, ge=0, le=1, description="Share of the generated electrical energy that is recuperated."
     )
 
     @property
@@ -42,9 +42,9 @@ class ConstantEfficiency(DriveParameters):
     """A drive whose losses are a fixed share of its power."""
 
     model: Literal["constant_efficiency"]
-    traction_efficiency: Efficiency = Field(description="Wheel power over line power when driving.")
+    traction_efficiency: Efficiency = Field(description="Wheel power over supply power when driving.")
     braking_efficiency: Efficiency | None = Field(
-        None, description="Generated over wheel power when braking; as in traction where absent."
+        None, description="Generated over wheel power when braking; by default as in traction."
     )
 
 
@@ -58,7 +58,7 @@ class CopperLoss(DriveParameters):
     torque_per_amp_nm: Number = Field(gt=0, le=1e4, description="Torque of one motor per ampere [N m/A].")
     resistance_ohm: Number = Field(ge=0, le=100, description="Resistance that loses R i^2 in one motor [ohm].")
     machine: InductionMachine | None = Field(
-        None, description="The machine itself, for runs in closed loop; the loss model does not ask for it."
+        None, description="The machine itself, for runs in closed loop; the loss model does not use it."
     )
 
     def at_voltage(self, factor: float) -> Self:
@@ -76,15 +76,15 @@ class Induction(DriveParameters):
     motors: Count = Field(ge=1, le=200, description="Number of traction motors of the train.")
     gear_ratio: Number = Field(gt=0, le=50, description="Turns of the motor in one turn of the wheel.")
     wheel_diameter_m: Number = Field(gt=0, le=5, description="Mean diameter of the driving wheels [m].")
-    gear_efficiency: Efficiency = Field(description="What the gear lets through of the power, either way.")
+    gear_efficiency: Efficiency = Field(description="Gear efficiency, in both directions.")
     pole_pairs: Count = Field(ge=1, le=50, description="Pole pairs of a motor.")
     stator_resistance_ohm: Resistance = Field(description="Resistance of a stator phase [ohm].")
     rotor_resistance_ohm: Resistance = Field(description="Resistance of a rotor phase, seen from the stator [ohm].")
     stator_inductance_mh: Inductance = Field(description="Self inductance of a stator phase [mH].")
     rotor_inductance_mh: Inductance = Field(description="Self inductance of a rotor phase [mH].")
     mutual_inductance_mh: Inductance = Field(description="Inductance between stator and rotor [mH].")
-    rated_magnetising_current_a: Current = Field(description="Current that makes the rated flux [A].")
-    rated_frequency_hz: Number = Field(gt=0, le=1000, description="Frequency at which the iron losses hold [Hz].")
+    rated_magnetising_current_a: Current = Field(description="Current that produces the rated flux [A].")
+    rated_frequency_hz: Number = Field(gt=0, le=1000, description="Frequency at which the iron losses are given [Hz].")
     hysteresis_loss_w: Number = Field(ge=0, le=1e6, description="Of one motor at rated flux and frequency [W].")
     eddy_loss_w: Number = Field(ge=0, le=1e6, description="Of one motor at rated flux and frequency [W].")
     mechanical_loss_torque_nm: Number = Field(ge=0, le=1e5, description="Torque that friction in a motor takes [N m].")
@@ -92,7 +92,7 @@ class Induction(DriveParameters):
     starting_current_a: Current = Field(description="Largest current of a motor in driving [A].")
     braking_current_a: Current = Field(description="Largest current of a motor in braking [A].")
     standstill_brake: bool = Field(
-        False, strict=True, description="A mechanical brake does what the motors could only do with power of the line."
+        False, strict=True, description="A mechanical brake replaces motor braking that would draw power."
     )
 
     @property
@@ -129,7 +129,7 @@ class GearedMotors(DriveParameters):
     motors: Count = Field(ge=1, le=200, description="Number of traction motors of the train.")
     gear_ratio: Number = Field(gt=0, le=50, description="Turns of the motor in one turn of the wheel.")
     wheel_diameter_m: Number = Field(gt=0, le=5, description="Mean diameter of the driving wheels [m].")
-    gear_loss_share: Number = Field(0.0, ge=0, lt=1, description="Lost in the gears, over the power at the wheels.")
+    gear_loss_share: Number = Field(0.0, ge=0, lt=1, description="Gear loss over the power at the wheels.")
 
 
 class LossPolynomial(GearedMotors):
@@ -138,9 +138,9 @@ class LossPolynomial(GearedMotors):
     model: Literal["loss_polynomial"]
     no_load_loss_w: Number = Field(0.0, ge=0, le=1e6, description="Of one motor that is on [W].")
     speed_loss_w_per_rads: Number = Field(0.0, ge=0, le=1e5, description="Loss over speed of the motor [W/(rad/s)].")
-    speed_loss_w_per_rads2: Number = Field(0.0, ge=0, le=1e4, description="Loss over its square [W/(rad/s)2].")
+    speed_loss_w_per_rads2: Number = Field(0.0, ge=0, le=1e4, description="Loss over squared motor speed [W/(rad/s)2].")
     torque_loss_w_per_nm: Number = Field(0.0, ge=0, le=1e5, description="Loss over torque of the motor [W/(N m)].")
-    torque_loss_w_per_nm2: Number = Field(0.0, ge=0, le=1e4, description="Loss over its square [W/(N m)2].")
+    torque_loss_w_per_nm2: Number = Field(0.0, ge=0, le=1e4, description="Loss over squared motor torque [W/(N m)2].")
 
 
 class EfficiencyMap(GearedMotors):
@@ -159,11 +159,11 @@ class EfficiencyMap(GearedMotors):
         torques, speeds = sorted({torque for torque, _ in places}), sorted({speed for _, speed in places})
         there = set(places)
         if len(there) < len(places):
-            raise ValueError("points has one place twice")
+            raise ValueError("points has one point twice")
         for torque in torques:
             for speed in speeds:
                 if (torque, speed) not in there:
-                    raise ValueError(f"points has a hole at torque_nm = {torque:g}, speed_rads = {speed:g}")
+                    raise ValueError(f"points has no value at torque_nm = {torque:g}, speed_rads = {speed:g}")
         if 0 not in torques or speeds[0] != 0:
             raise ValueError("points must begin at torque_nm = 0 and speed_rads = 0, where a train starts")
         for first, least in (("torque_nm", [t for t in torques if t >= 0]), ("speed_rads", speeds)):
@@ -173,7 +173,7 @@ class EfficiencyMap(GearedMotors):
             if efficiency <= 0 < torque * speed:
                 raise ValueError(
                     f"points has efficiency = {efficiency:g} at torque_nm = {torque:g}, speed_rads = {speed:g}; "
-                    "where it drives it must be above 0"
+                    "it must be above 0 in driving"
                 )
         return self
 
@@ -188,25 +188,25 @@ class Synchronous(GearedMotors):
     quadrature_inductance_mh: Inductance = Field(description="Inductance across the magnets [mH].")
     stator_resistance_ohm: Resistance = Field(description="Resistance of a stator phase to direct current [ohm].")
     conductor_height_mm: Number = Field(gt=0, le=50, description="Height of a conductor in its slot [mm].")
-    conductor_layers: Count = Field(ge=1, le=100, description="Conductors on one another in a slot.")
+    conductor_layers: Count = Field(ge=1, le=100, description="Conductors stacked in a slot.")
     max_current_a: Current = Field(description="Largest current of a phase [A].")
     max_speed_rads: Number = Field(gt=0, le=1e4, description="Largest speed of the motor [rad/s].")
-    rated_frequency_hz: Number = Field(gt=0, le=1000, description="Frequency at which the iron losses hold [Hz].")
-    rated_flux_vs: Number = Field(gt=0, le=100, description="Flux linkage at which the iron losses hold [V s].")
+    rated_frequency_hz: Number = Field(gt=0, le=1000, description="Frequency at which the iron losses are given [Hz].")
+    rated_flux_vs: Number = Field(gt=0, le=100, description="Flux linkage at which the iron losses are given [V s].")
     hysteresis_loss_w: Number = Field(ge=0, le=1e6, description="Of one motor at rated flux and frequency [W].")
     eddy_loss_w: Number = Field(ge=0, le=1e6, description="Of one motor at rated flux and frequency [W].")
     mechanical_loss_torque_nm: Number = Field(ge=0, le=1e5, description="Torque that friction in a motor takes [N m].")
     ventilation_loss_w_per_rads3: Number = Field(0.0, ge=0, le=1, description="Loss over the cube of speed.")
     modulation: Literal["space_vector", "six_step"] = Field(
-        "six_step", description="Space vectors alone, or whole blocks where they do not give enough voltage."
+        "six_step", description="Space vectors only, or block operation where they do not give enough voltage."
     )
     link_voltage_v: Number = Field(gt=0, le=1e5, description="Voltage of the direct-current link [V].")
     switching_frequency_hz: Number = Field(ge=50, le=1e5, description="Carrier of the modulation [Hz].")
     device_threshold_v: Number = Field(ge=0, le=100, description="Voltage of a conducting device at no current [V].")
-    device_resistance_ohm: Number = Field(ge=0, le=1, description="By which that voltage rises with current [ohm].")
-    switching_energy_j: Number = Field(ge=0, le=100, description="On, off and recovery of one leg together [J].")
-    switching_current_a: Current = Field(description="Current at which that energy holds [A].")
-    switching_voltage_v: Number = Field(gt=0, le=1e5, description="Voltage at which that energy holds [V].")
+    device_resistance_ohm: Number = Field(ge=0, le=1, description="Rise of that voltage with current [ohm].")
+    switching_energy_j: Number = Field(ge=0, le=100, description="Turn-on, turn-off and recovery of one leg [J].")
+    switching_current_a: Current = Field(description="Current at which that energy is given [A].")
+    switching_voltage_v: Number = Field(gt=0, le=1e5, description="Voltage at which that energy is given [V].")
 
     @property
     def knows_voltage(self) -> bool:

@@ -18,7 +18,7 @@ class Section(Part):
     gradient_permille: Number = Field(0.0, ge=-200, le=200, description="Gradient, uphill positive [per mille].")
     speed_limit_kmh: Number | None = Field(None, gt=0, le=600, description="Speed limit [km/h].")
     curve_radius_m: Number = Field(0.0, ge=0, le=1e6, description="Radius of the curve [m]; 0 means straight.")
-    tunnel_factor: Number = Field(1.0, ge=0.1, le=20, description="On the quadratic resistance; 1 means no tunnel.")
+    tunnel_factor: Number = Field(1.0, ge=0.1, le=20, description="Factor on quadratic resistance; 1 means no tunnel.")
 
 
 class SpeedLimit(Part):
@@ -38,9 +38,9 @@ class SpeedLimit(Part):
 class Station(Part):
     """A planned stop."""
 
-    name: str = Field("", max_length=200, description="What the station is called.")
+    name: str = Field("", max_length=200, description="Name of the station.")
     position_m: Number = Field(ge=0, le=1e7, description="Where the front of the train stops [m].")
-    dwell_s: Number = Field(0.0, ge=0, le=86400, description="How long it stands there [s].")
+    dwell_s: Number = Field(0.0, ge=0, le=86400, description="Dwell time [s].")
 
 
 class Line(Part):
@@ -49,9 +49,9 @@ class Line(Part):
     `reverse` turns the whole of it, limits and stations included.
     """
 
-    preset: str | None = Field(None, description="Name of the shipped line that this one starts from.")
-    name: str = Field("", max_length=200, description="What the line is called.")
-    reverse: bool = Field(False, strict=True, description="Run it from its end to its start.")
+    preset: str | None = Field(None, description="Name of the shipped line that this one is based on.")
+    name: str = Field("", max_length=200, description="Name of the line.")
+    reverse: bool = Field(False, strict=True, description="Run the line from its end to its start.")
     sections: tuple[Section, ...] = Field(min_length=1, max_length=100_000)
     speed_limits: tuple[SpeedLimit, ...] = Field((), max_length=10_000)
     stations: tuple[Station, ...] = Field((), max_length=1000)

@@ -20,7 +20,7 @@ class InductionMachine(Part):
     stator_leakage_mh: Number = Field(gt=0, le=1e4, description="Leakage inductance of a stator phase [mH].")
     rotor_leakage_mh: Number = Field(gt=0, le=1e4, description="Leakage inductance of a rotor phase [mH].")
     rotor_flux_vs: Number = Field(gt=0, le=1000, description="Rated flux linkage of the rotor [V s].")
-    rated_frequency_hz: Number = Field(gt=0, le=1000, description="Frequency at which the iron losses hold [Hz].")
+    rated_frequency_hz: Number = Field(gt=0, le=1000, description="Frequency at which the iron losses are given [Hz].")
     hysteresis_loss_w: Number = Field(0.0, ge=0, le=1e6, description="Of one motor at rated flux and frequency [W].")
     eddy_loss_w: Number = Field(0.0, ge=0, le=1e6, description="Of one motor at rated flux and frequency [W].")
     max_current_a: Number = Field(gt=0, le=1e5, description="Largest current of the inverter in a phase [A].")
@@ -31,7 +31,7 @@ class InductionMachine(Part):
         if self.max_current_a <= self.magnetising_current_a:
             raise ValueError(
                 f"max_current_a = {self.max_current_a:g} must be above rotor_flux_vs / mutual_inductance_mh = "
-                f"{self.magnetising_current_a:.4g} A, which makes the rated flux"
+                f"{self.magnetising_current_a:.4g} A, which produces the rated flux"
             )
         return self
 

@@ -18,25 +18,25 @@ class SolverOptions(Part):
 class SearchOptions(Part):
     """How the strategy `speed_limits` searches."""
 
-    regulator: Literal["literal", "brake", "coast"] = Field("coast", description="Who drives under the limits.")
+    regulator: Literal["literal", "brake", "coast"] = Field("coast", description="Regulator under the limits.")
     boundaries_m: tuple[Annotated[Number, Field(gt=0, le=1e7)], ...] = Field((), max_length=50)
-    free_boundaries: bool = Field(False, strict=True, description="The search may move the boundaries.")
+    free_boundaries: bool = Field(False, strict=True, description="The search can move the section ends.")
     limits_kmh: tuple[Annotated[Number, Field(gt=0, le=600)], ...] | None = Field(None, max_length=51)
-    time_window: Number = Field(0.01, gt=0, le=0.5, description="Allowed share of early or late arrival.")
+    time_window: Number = Field(0.01, gt=0, le=0.5, description="Allowed early or late arrival, share of the time.")
     stop_deceleration_ms2: Number = Field(0.8, gt=0, le=20, description="Deceleration of look-ahead braking [m/s2].")
     dead_zone_kmh: Number = Field(
-        1.0, gt=0, le=50, description="Of the literal regulator: no effort this close to a limit [km/h]."
+        1.0, gt=0, le=50, description="Literal regulator: no effort this close to a limit [km/h]."
     )
     regulation_speed_kmh: Number = Field(
-        5.0, ge=0, le=100, description="Of the literal regulator: up to there effort changes fastest [km/h]."
+        5.0, ge=0, le=100, description="Literal regulator: effort changes fastest up to this speed [km/h]."
     )
     full_effort_time_s: Number = Field(
-        2.0, gt=0, le=60, description="Of the literal regulator: from none to full effort at its fastest [s]."
+        2.0, gt=0, le=60, description="Literal regulator: shortest time from zero to full effort [s]."
     )
     effort_rate_share: Number = Field(
-        0.5, gt=0, le=1, description="Of the literal regulator: rate of effort at higher speed over the fastest."
+        0.5, gt=0, le=1, description="Literal regulator: rate of effort at higher speed over the fastest."
     )
-    time_step_s: Number = Field(0.05, ge=0.0005, le=1, description="Of the literal regulator [s].")
+    time_step_s: Number = Field(0.05, ge=0.0005, le=1, description="Time step of the literal regulator [s].")
 
     @model_validator(mode="after")
     def _fits_together(self) -> Self:
@@ -53,14 +53,14 @@ class SearchOptions(Part):
 class SimulationOptions(Part):
     """What `railjoule simulate` does with the plan."""
 
-    kind: Literal["following", "field_oriented"] = Field("following", description="Which simulation.")
+    kind: Literal["following", "field_oriented"] = Field("following", description="Kind of simulation.")
     precompensator: bool = Field(True, strict=True, description="Cancel the lag of the position control.")
     bandwidth_rads: Number = Field(10.0, ge=1, le=50, description="Threefold pole of the closed position loop [rad/s].")
     rotor_resistance_factor: Number = Field(
-        1.0, ge=0.2, le=5, description="Rotor resistance that the motor control believes in, over the true one."
+        1.0, ge=0.2, le=5, description="Rotor resistance that the motor controller assumes, over the true one."
     )
     flux: Literal["constant", "least_loss"] = Field(
-        "constant", description="Rated flux as long as the voltage carries it, or the flux of least loss."
+        "constant", description="Rated flux as long as the voltage allows it, or the flux of least loss."
     )
     speed_noise_rads: Number = Field(
         0.0, ge=0, le=100, description="Standard deviation of the measured motor speed [rad/s]."
@@ -74,18 +74,18 @@ class SimulationOptions(Part):
         5.0,
         ge=0,
         le=1000,
-        description="Way over which an error of speed squared falls to 1/e [m].",
+        description="Distance over which an error of speed squared falls to 1/e [m].",
     )
-    speed_error: Number = Field(0.0, gt=-0.5, lt=0.5, description="Measured speed over the true one, less 1.")
+    speed_error: Number = Field(0.0, gt=-0.5, lt=0.5, description="Measured speed over the true one, minus 1.")
     target_braking: bool = Field(True, strict=True, description="Brake along the target curve before each stop.")
     target_deceleration_ms2: Number = Field(0.6, gt=0, le=10, description="Deceleration of the target curve [m/s2].")
-    reset_sensor_m: Number | None = Field(300.0, gt=0, le=1e5, description="D1, resets the place: before the stop [m].")
+    reset_sensor_m: Number | None = Field(300.0, gt=0, le=1e5, description="D1, resets position: before the stop [m].")
     calibration_length_m: Number | None = Field(
         120.0, gt=0, le=1e5, description="From D1 to D2, over which the measured speed is calibrated [m]."
     )
-    stop_sensor_m: Number | None = Field(15.0, gt=0, le=1e5, description="D3, resets the place: before the stop [m].")
+    stop_sensor_m: Number | None = Field(15.0, gt=0, le=1e5, description="D3, resets position: before the stop [m].")
     sensor_errors_m: tuple[Number, Number, Number] = Field(
-        (0.0, 0.0, 0.0), description="By how much D1, D2, D3 lie further on than the train knows [m]."
+        (0.0, 0.0, 0.0), description="By how much D1, D2, D3 are farther on than assumed [m]."
     )
 
     @model_validator(mode="after")
@@ -96,7 +96,7 @@ class SimulationOptions(Part):
         known = [place for place in places if place is not None]
         if any(later >= earlier for earlier, later in pairwise(known)) or min(known, default=1.0) <= 0:
             raise ValueError(
-                "the sensors must stand in the order D1, D2, D3 before the stop: reset_sensor_m above "
+                "the sensors must be in the order D1, D2, D3 before the stop: reset_sensor_m above "
                 "reset_sensor_m - calibration_length_m above stop_sensor_m"
             )
         return self
@@ -109,33 +109,31 @@ class SimulationOptions(Part):
 
 
 class MonteCarloOptions(Part):
-    """From what a Monte Carlo study draws reality; the defaults are assumed."""
+    """The distributions of a Monte Carlo study; the defaults are assumed."""
 
-    runs: Count = Field(2000, ge=1, le=1_000_000, description="How many runs.")
+    runs: Count = Field(2000, ge=1, le=1_000_000, description="Number of runs.")
     seed: Count = Field(1, ge=0, le=2**63, description="The same seed draws the same runs.")
     load_factor: Distribution = Field(
-        Normal(distribution="normal", standard_deviation=0.18), description="Load really carried, 0 to 1."
+        Normal(distribution="normal", standard_deviation=0.18), description="Actual load, 0 to 1."
     )
     coordinate_error_m: Distribution = Field(
-        Normal(distribution="normal", standard_deviation=5.0), description="Error of the place [m]."
+        Normal(distribution="normal", standard_deviation=5.0), description="Position error [m]."
     )
     resistance_factor: Distribution = Field(
         LogNormal(distribution="log_normal", median=1.0, log_standard_deviation=0.08),
         description="Running resistance over the planned one.",
     )
     line_voltage_factor: Distribution = Field(
-        Normal(distribution="normal", standard_deviation=0.03), description="Line voltage over its nominal value."
+        Normal(distribution="normal", standard_deviation=0.03), description="Supply voltage over its nominal value."
     )
-    departure_delay_s: Distribution = Field(
-        Fixed(distribution="fixed", value=0.0), description="How much later than planned the train leaves [s]."
-    )
+    departure_delay_s: Distribution = Field(Fixed(distribution="fixed", value=0.0), description="Departure delay [s].")
 
 
 class EocOptions(Part):
     """Which of Ftorek's energy optimal controls is meant."""
 
     variant: Literal["optimal", "as_printed"] = Field(
-        "optimal", description="With the whole cost, or without the work of drag as the printed results have it."
+        "optimal", description="With the whole cost, or without the work of drag as in the published results."
     )
 
 
@@ -143,21 +141,21 @@ class PhasesOptions(Part):
     """Which start / cruise / coast / brake runs the strategy `phases` chooses from."""
 
     starting_current_a: Number | None = Field(
-        None, gt=0, le=1e5, description="Current of a motor in a start [A]; the largest one where absent."
+        None, gt=0, le=1e5, description="Starting current of a motor [A]; by default the largest one."
     )
-    free_starting_current: bool = Field(False, strict=True, description="The run chooses its starting current.")
-    cruise: bool = Field(True, strict=True, description="It may hold its speed.")
-    coast: bool = Field(True, strict=True, description="It may coast.")
-    cycles: Count = Field(1, ge=1, le=20, description="How often it starts between two stops, coasting in between.")
+    free_starting_current: bool = Field(False, strict=True, description="The starting current is optimised.")
+    cruise: bool = Field(True, strict=True, description="The run can hold its speed.")
+    coast: bool = Field(True, strict=True, description="The run can coast.")
+    cycles: Count = Field(1, ge=1, le=20, description="Number of starts between two stops, with coasting in between.")
 
     @model_validator(mode="after")
     def _has_a_choice(self) -> Self:
         if self.free_starting_current and self.starting_current_a is not None:
-            raise ValueError("free_starting_current = true leaves no room for starting_current_a")
+            raise ValueError("free_starting_current = true excludes starting_current_a")
         if not self.cruise and not self.coast:
-            raise ValueError("cruise and coast cannot both be false: nothing would meet the time")
+            raise ValueError("cruise and coast cannot both be false: no run would meet the time")
         if not self.coast and self.cycles > 1:
-            raise ValueError("coast = false leaves only one of cycles")
+            raise ValueError("coast = false needs cycles = 1")
         return self
 
 
@@ -165,5 +163,5 @@ class EnocOptions(Part):
     """How Ftorek's near-optimal control accelerates."""
 
     acceleration_time_s: Number | None = Field(
-        None, gt=0, le=43200, description="Time of the ramps [s]; the best one where absent."
+        None, gt=0, le=43200, description="Time of the ramps [s]; by default the best one."
     )

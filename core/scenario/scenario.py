@@ -32,8 +32,8 @@ class Scenario(Part):
     (`railjoule.core.scenario.scenario_from_document`), both of which fill in presets.
     """
 
-    title: str = Field("", max_length=200, description="What the scenario is called.")
-    strategy: StrategyName = Field("optimal", description="How the train is driven.")
+    title: str = Field("", max_length=200, description="Title of the scenario.")
+    strategy: StrategyName = Field("optimal", description="Driving strategy.")
     vehicle: Vehicle
     line: Line
     timetable: Timetable

@@ -25,11 +25,11 @@ def read_text(path: Path) -> str:
     except FileNotFoundError:
         raise ScenarioError(f"{_shown(path)}: there is no such file.") from None
     except UnicodeDecodeError:
-        raise ScenarioError(f"{path.name}: not a text in UTF-8.") from None
+        raise ScenarioError(f"{path.name}: not UTF-8 text.") from None
     except OSError as error:
         raise ScenarioError(f"{_shown(path)}: {error.strerror or error}.") from None
     except ValueError:
-        raise ScenarioError(f"{_shown(path)!r}: no name that a file can have.") from None
+        raise ScenarioError(f"{_shown(path)!r}: not a valid file name.") from None
 
 
 def _shown(path: Path) -> str:

@@ -77,23 +77,26 @@ class Braking(Part):
 class Vehicle(Part):
     """One electric rail vehicle with its load."""
 
-    preset: str | None = Field(None, description="Name of the shipped vehicle that this one starts from.")
-    name: str = Field(max_length=200, description="What the vehicle is called.")
+    preset: str | None = Field(None, description="Name of the shipped vehicle that this one is based on.")
+    name: str = Field(max_length=200, description="Name of the vehicle.")
     tare_kg: Number = Field(gt=0, le=1e7, description="Mass of the empty vehicle [kg].")
-    capacity_passengers: Number = Field(0, ge=0, le=1e5, description="Passengers of the full vehicle.")
+    capacity_passengers: Number = Field(0, ge=0, le=1e5, description="Passengers that the vehicle can carry.")
     passenger_mass_kg: Number = Field(75.0, ge=0, le=500, description="Mass of one passenger [kg].")
-    load_factor: Number = Field(0.0, ge=0, le=MOST_LOAD_FACTOR, description="Share of the capacity that is on board.")
+    load_factor: Number = Field(0.0, ge=0, le=MOST_LOAD_FACTOR, description="Share of the capacity on board.")
     crush_load_factor: Number = Field(
         1.0, ge=1, le=MOST_LOAD_FACTOR, description="Largest load factor: above 1, crush load."
     )
     rotating_mass_factor: Number | None = Field(
-        None, ge=0, le=5, description="Inertia of the turning parts, as a share of the total mass."
+        None, ge=0, le=5, description="Inertia of the rotating parts, as a share of the total mass."
     )
     inertial_mass_kg: Number | None = Field(
-        None, gt=0, le=1e8, description="Inertia of the empty train, turning parts included [kg]."
+        None, gt=0, le=1e8, description="Inertia of the empty train, rotating parts included [kg]."
     )
     auxiliary_power_kw: Number = Field(0.0, ge=0, le=1e4, description="Power of light, heating and so on [kW].")
-    length_m: Number | None = Field(None, gt=0, le=5000, description="Length of the train [m]; a point where absent.")
+    line_voltage_v: Number | None = Field(
+        None, gt=0, le=100_000, description="Nominal voltage of the supply, from which its current follows [V]."
+    )
+    length_m: Number | None = Field(None, gt=0, le=5000, description="Length of the train [m]; if empty, a point.")
     car_count: Count | None = Field(None, ge=1, le=200, description="Equal cars that share the weight.")
     resistance: Resistance
     traction: Traction

@@ -53,6 +53,8 @@ def at_voltage(vehicle: Vehicle, factor: float) -> Vehicle:
         "curve": None if curve is None else tuple((factor * speed, effort) for speed, effort in curve),
     }
     less_braking = {"max_power_kw": None if braking.max_power_kw is None else factor * braking.max_power_kw}
+    if vehicle.line_voltage_v is not None:
+        vehicle = changed(vehicle, line_voltage_v=factor * vehicle.line_voltage_v)
     return changed(
         vehicle,
         traction=traction.model_copy(update=less_traction),

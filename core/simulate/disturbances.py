@@ -285,17 +285,21 @@ class _Simulation:
         if stands - missed[0].position_m <= ROUNDING_M:
             return self._and_the_rest(_shortened(state.scenario, nodes, run, missed[0]), state)
         if not np.isfinite(stands):
-            raise InfeasibleLineError(f"From {state.position_m:.0f} m on the brakes do not stop the train on the line.")
+            raise InfeasibleLineError(
+                f"From {state.position_m:.0f} m on, the brakes do not stop the train before the end of the line."
+            )
         return self._beyond(state, np.append(nodes[nodes < stands - SAME_PLACE_M], stands), run, missed)
 
     def _slowed(self, state: State, nodes: FloatArray, run: FloatArray, envelope: FloatArray) -> Leg:
         """Return full braking until the limits ahead can be kept."""
         slow = np.flatnonzero((run <= envelope * (1 + 1e-9)) & (run > 0))
         if not len(slow):
-            raise InfeasibleLineError(f"From {state.position_m:.0f} m on the brakes cannot keep what lies ahead.")
+            raise InfeasibleLineError(
+                f"From {state.position_m:.0f} m on, the brakes cannot keep the limits and stops ahead."
+            )
         end = int(slow[0])
         if run[0] > envelope[0] * (1 + ROUNDING_SHARE):
-            self.notes.append(f"A limit becomes known too late: only at {nodes[end]:.0f} m the train is slow enough.")
+            self.notes.append(f"A limit becomes known too late: the train is slow enough only at {nodes[end]:.0f} m.")
         return Leg(state.scenario, nodes[: end + 1], run[: end + 1], np.zeros(end + 1))
 
     def _beyond(self, state: State, places: FloatArray, run: FloatArray, missed: list[Station]) -> Leg:

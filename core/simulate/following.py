@@ -159,14 +159,15 @@ def _require_places_on_the_way(scenario: Scenario) -> None:
     error, options = scenario.disturbance.coordinate_error_m, scenario.simulation
     if abs(error) >= shortest:
         raise ScenarioError(
-            f"disturbance.coordinate_error_m = {error:g} must be less than the shortest way between two stops, "
+            f"disturbance.coordinate_error_m = {error:g} must be less than the shortest distance between two stops, "
             f"{shortest:g} m."
         )
     for name in ("reset_sensor_m", "stop_sensor_m"):
         place = getattr(options, name)
         if options.target_braking and place is not None and place >= shortest:
             raise ScenarioError(
-                f"simulation.{name} = {place:g} must be less than the shortest way between two stops, {shortest:g} m."
+                f"simulation.{name} = {place:g} must be less than the shortest distance between two stops, "
+                f"{shortest:g} m."
             )
 
 
@@ -189,7 +190,7 @@ def _drive_leg(
     speed2, stand = follow_cells(course.data, wanted, real.simulation.response_length_m)
     if stand >= 0:
         raise InfeasibleLineError(
-            f"At {nodes[stand]:.0f} m the train with its real load comes to a stand: its effort does not carry it on."
+            f"At {nodes[stand]:.0f} m the train with its actual load comes to a stand: its effort is not enough."
         )
     return (nodes, speed2) if speed2[-1] <= STANDING_SPEED2 else _overrun(nodes, speed2, real)
 
@@ -230,7 +231,7 @@ def _overrun(nodes: FloatArray, speed2: FloatArray, real: Scenario) -> tuple[Flo
             ends = [*beyond[: cell - 1], (beyond[cell - 2] if cell > 1 else nodes[-1]) + last]
             return np.concatenate([nodes, ends]), np.concatenate([speed2, speeds[1:], [0.0]])
         speeds.append(after)
-    raise InfeasibleLineError(f"Beyond {nodes[-1]:.0f} m the brakes of the train with its real load cannot stop it.")
+    raise InfeasibleLineError(f"Beyond {nodes[-1]:.0f} m the brakes of the train with its actual load cannot stop it.")
 
 
 @njit(cache=True, error_model="numpy", nogil=True)

@@ -136,6 +136,7 @@ def _two_joined(one: Trajectory, other: Trajectory) -> Trajectory:
         return frozen_array(np.append(getattr(one, name), getattr(other, name)))
 
     has_current = one.current_a is not None and other.current_a is not None
+    has_line_current = one.line_current_a is not None and other.line_current_a is not None
     return replace(
         one,
         position_m=frozen_array(np.append(one.position_m, other.position_m[1:])),
@@ -149,6 +150,7 @@ def _two_joined(one: Trajectory, other: Trajectory) -> Trajectory:
         largest_braking_n=cells("largest_braking_n"),
         line_power_w=cells("line_power_w"),
         current_a=cells("current_a") if has_current else None,
+        line_current_a=cells("line_current_a") if has_line_current else None,
         gradient_permille=cells("gradient_permille"),
         energy=total_energy([one.energy, other.energy]),
     )

@@ -45,7 +45,7 @@ def event_words(event: Event) -> str:
     if isinstance(event, UnplannedLimit):
         return f"limit of {event.limit_kmh:g} km/h from {event.from_m:g} to {event.to_m:g} m"
     if isinstance(event, VoltageChange):
-        return f"line voltage {100 * event.line_voltage_factor:g} %"
+        return f"supply voltage {100 * event.line_voltage_factor:g} %"
     assert isinstance(event, RecuperationChange)
     return f"recuperation {100 * event.recuperation_factor:g} %"
 
@@ -107,8 +107,8 @@ def require_events_on_the_line(scenario: Scenario) -> None:
         value = getattr(disturbance, name)
         if value != 0:
             raise ScenarioError(
-                f"disturbance.{name} = {value:g} must be 0 where a train meets stops, limits or other voltages: it is "
-                "simulated for followed plans alone."
+                f"disturbance.{name} = {value:g} must be 0 in a run with stops, limits or other voltages: it is "
+                "simulated only for followed plans."
             )
     for index, stop in enumerate(disturbance.stops):
         if stop.position_m > length - SHORTEST_DISTANCE_M:

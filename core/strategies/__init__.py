@@ -6,7 +6,8 @@ from dataclasses import replace
 
 from railjoule.core.best_known import measured
 from railjoule.core.bounds import bounded
-from railjoule.core.errors import SolverError, StrategyRefusedError, TimetableError
+from railjoule.core.check import check_run
+from railjoule.core.errors import CheckError, SolverError, StrategyRefusedError, TimetableError
 from railjoule.core.scenario import STRATEGY_NAMES, Scenario, StrategyName
 from railjoule.core.strategies.bellman import bellman
 from railjoule.core.strategies.enoc import enoc
@@ -36,6 +37,7 @@ def solve(
     *,
     initial_speed_ms: float = 0.0,
     final_speed_ms: float = 0.0,
+    check: bool = False,
 ) -> Trajectory:
     """Return the run of a strategy over a scenario, with a bound that covers it and the best known run.
 
@@ -47,9 +49,14 @@ def solve(
         Overrides the scenario's own.
     initial_speed_ms, final_speed_ms : float
         Speeds at the ends of the run [m/s].
+    check : bool
+        Whether the run is held against its scenario by formulas that share no code with the strategies; it then
+        carries the result as `check`.
 
     Raises
     ------
+    CheckError
+        If the check finds that the run breaks a rule.
     ScenarioError
         If a limit of effort is missing or the mesh too fine.
     InfeasibleLineError
@@ -66,6 +73,12 @@ def solve(
         best = known_optimum(task)
         trajectory = bounded(task, trajectory, best.bound if best is not None else None)
         *_, trajectory = measured([trajectory] if best is None else [best, trajectory])
+    if not check:
+        return trajectory
+    result = check_run(scenario, trajectory, initial_speed_ms=initial_speed_ms, final_speed_ms=final_speed_ms)
+    trajectory = replace(trajectory, check=result)
+    if not result.ok:
+        raise CheckError(trajectory)
     return trajectory
 
 
@@ -80,8 +93,8 @@ def run_strategy(task: Task, strategy: StrategyName) -> Trajectory:
     if strategy not in STRATEGIES:
         known = ", ".join(STRATEGIES)
         if strategy in STRATEGY_NAMES:
-            raise StrategyRefusedError(f"is not part of this version, which has {known}.")
-        raise StrategyRefusedError(f"is no strategy; there are {known}.")
+            raise StrategyRefusedError(f"is not part of this version; choose one of {known}.")
+        raise StrategyRefusedError(f"is not a strategy; choose one of {known}.")
     started = time.perf_counter()
     trajectory = STRATEGIES[strategy](task)
     return replace(trajectory, solve_time_s=time.perf_counter() - started)

@@ -71,15 +71,15 @@ def known_optimum(task: Task) -> Trajectory | None:
 def switching_note(task: Task, relaxed: Solution, energy_j: float) -> str:
     """Return in one sentence what an optimal run of an energy [J] is, and what free switching needs if it is less."""
     friction = (
-        "friction brakes take what needs power otherwise"
+        "friction brakes take over where electric braking would draw power"
         if task.course.data.friction_effort_n > 0
-        else "the vehicle has no friction brakes to share in"
+        else "the vehicle has no friction brakes to support the electric ones"
     )
     known = ""
     if relaxed.energy_j <= energy_j + SMOOTHED * abs(energy_j):
         needed = relaxed.energy_j / J_PER_KWH
         known = f"free switching would need {needed:.{energy_decimals(needed)}f} kWh; "
     return (
-        "Driven or coasted cell by cell where free switching between driving, coasting and braking would drive for a "
-        f"part of each, which is the best such run found, not proven; {known}{friction}."
+        "Each cell is driven or coasted as a whole, where free switching between driving, coasting and braking would "
+        f"drive for a part of it; this is the best such run found, not proven; {known}{friction}."
     )

@@ -72,7 +72,7 @@ def plain_line(task: Task) -> PlainLine:
     if np.ptp(data.line_force_n) > 1e-9 * max(1.0, abs(line_force)):
         notes.append(_note_on_the_mean(course))
     if scenario.vehicle.drive.recuperation_factor < 1:
-        notes.append("It plans as if all that braking generates came back.")
+        notes.append("The plan assumes that all the energy generated in braking is recuperated.")
     return PlainLine(
         distance_m=course.length_m,
         inertia_kg=2 * data.half_inertia_kg,
@@ -86,13 +86,13 @@ def plain_line(task: Task) -> PlainLine:
 
 def _note_on_the_mean(course: Course) -> str:
     if not np.ptp(course.gradient_force_n):
-        return "It knows no curves: it takes their mean resistance."
+        return "Curves are replaced by their mean resistance."
     mean = float(np.average(course.gradient_permille, weights=course.data.cell_length_m))
-    return f"It knows no gradients: it takes the mean one, {mean:.2f} per mille."
+    return f"Gradients are replaced by their mean, {mean:.2f} per mille."
 
 
 def check_feasible(course: Course, speed2: FloatArray) -> None:
-    """Refuse a run that needs more effort, speed or acceleration than there is.
+    """Refuse a run that needs more effort, speed or acceleration than available.
 
     Raises
     ------
@@ -103,8 +103,8 @@ def check_feasible(course: Course, speed2: FloatArray) -> None:
     over = np.flatnonzero(speed2 > data.largest_speed2 * (1 + ALLOWED_EXCESS))
     if len(over):
         raise StrategyRefusedError(
-            f"needs {np.sqrt(speed2[over[0]]) / MS_PER_KMH:.1f} km/h where "
-            f"{np.sqrt(data.largest_speed2[over[0]]) / MS_PER_KMH:.1f} are allowed."
+            f"needs {np.sqrt(speed2[over[0]]) / MS_PER_KMH:.1f} km/h, but only "
+            f"{np.sqrt(data.largest_speed2[over[0]]) / MS_PER_KMH:.1f} is allowed."
         )
     mean_speed = 0.5 * (np.sqrt(speed2[1:]) + np.sqrt(speed2[:-1]))
     force = course.net_force_n(speed2)
@@ -117,7 +117,7 @@ def check_feasible(course: Course, speed2: FloatArray) -> None:
             cell = over[0]
             raise StrategyRefusedError(
                 f"{words} with {abs(force[cell]) / 1e3:.0f} kN at {course.position_m[cell]:.0f} m, "
-                f"{excess[cell] / 1e3:.1f} kN more than there is."
+                f"{excess[cell] / 1e3:.1f} kN more than available."
             )
     rise = 0.5 * np.diff(speed2) / data.cell_length_m
     for reached, limit, words in (
@@ -128,5 +128,5 @@ def check_feasible(course: Course, speed2: FloatArray) -> None:
         if len(over):
             place = course.position_m[over[0]]
             raise StrategyRefusedError(
-                f"{words} by {reached[over[0]]:.2f} m/s2 at {place:.0f} m, where {limit:.2f} are allowed."
+                f"{words} by {reached[over[0]]:.2f} m/s2 at {place:.0f} m, but only {limit:.2f} is allowed."
             )

@@ -220,8 +220,8 @@ def literal_trajectory(
     dwell = course.dwell_s.copy()
     dwell[0] = standing
     sentence = (
-        f"The printed regulator changes its mind {switches} times, with steps of {options.time_step_s:g} s; energy and "
-        "time hang on that step."
+        f"The literal regulator switches {switches} times with time steps of {options.time_step_s:g} s; energy and "
+        "time depend on that step."
     )
     return _made(
         task,
@@ -256,15 +256,15 @@ def limit_words(limits_ms: FloatArray, boundaries_m: FloatArray) -> str:
     """Tell limits [m/s] and the borders between them [m]."""
     limits = ", ".join(f"{limit / MS_PER_KMH:.1f}" for limit in limits_ms)
     if len(boundaries_m) == 0:
-        return f"Limit: {limits} km/h."
+        return f"Set speed: {limits} km/h."
     borders = ", ".join(f"{border:.0f}" for border in boundaries_m)
-    return f"Limits: {limits} km/h, changing at {borders} m."
+    return f"Set speeds: {limits} km/h, changing at {borders} m."
 
 
 def _words(found: LimitSearch, free: bool) -> tuple[str, ...]:
     samples = sum(evaluation.stage == "sample" for evaluation in found.evaluations)
-    moved = " and borders" if free else ""
+    moved = " and section ends" if free else ""
     return (
-        f"It looked at {len(found.evaluations)} vectors of limits{moved}, the first {samples} evenly spread; it proves "
-        "nothing of the others.",
+        f"{len(found.evaluations)} combinations of set speeds{moved} tried, the first {samples} evenly spread; "
+        "not a proof.",
     )

@@ -209,7 +209,7 @@ def _cut_off(
     first, last = frozen.cdf([low, high])
     values: FloatArray = frozen.ppf(first + (last - first) * shares)
     if not (last > first and np.all(np.isfinite(values))):
-        raise ScenarioError(f"montecarlo.{name}: the distribution has nothing within {low:g} to {high:g}.")
+        raise ScenarioError(f"montecarlo.{name}: the distribution has no values within {low:g} to {high:g}.")
     return np.clip(values, low, high)
 
 

@@ -181,7 +181,9 @@ def _blocks(task: Task, stops: list[int], arrivals_s: Mapping[int, float]) -> li
     stations = task.scenario.line.in_running_order().inner_stations
     unknown = [number for number in arrivals_s if not 0 <= number < len(stations)]
     if unknown:
-        raise ScenarioError(f"There is no station {unknown[0]} between the ends of a line with {len(stations)} there.")
+        raise ScenarioError(
+            f"There is no station {unknown[0]} between the ends of a line with {len(stations)} stations there."
+        )
     dwell, shortest = task.course.dwell_s[stops], np.append(shortest_times_s(task, stops), 0.0)
     blocks, first, left_s = [], 0, 0.0
     for number, arrival in [*sorted((n + 1, s) for n, s in arrivals_s.items()), (len(stops) - 1, task.travel_time_s)]:
@@ -219,7 +221,7 @@ def _joined(task: Task, runs: list[Trajectory], sharing: Sharing) -> Trajectory:
     if len(bounds) == len(runs):
         standing_s = task.dwell_s - sum(_standing_s(run) for run in runs)
         standing_j = task.course.data.auxiliary_power_w * standing_s
-        statement = f"No run with the same times from stop to stop needs less; of each part: {bounds[0].statement}"
+        statement = f"No run with the same times from stop to stop uses less energy; of each: {bounds[0].statement}"
         energy_j = sum(part.energy_j for part in bounds) + standing_j
         time_s = sum(part.travel_time_s for part in bounds) + standing_s
         bound = Bound(energy_j, statement, task.course.position_m, time_s)

@@ -31,13 +31,13 @@ TABLE_3_COPPER_WEIGHT = 3.087
 """With the copper loss times this, the energy surface has its minimum where Table 3 prints it."""
 LONGEST_TIME_S = 20_000.0
 
-HEAVIER = "All shaft energies lie 0.23 % low alike, as they would if the paper took g = 9.832 m/s2 for the weight."
-FOLLOWS = "It holds W_sh, and lies low with it."
+HEAVIER = "All shaft energies are 0.23 % low, as they would be if the paper took g = 9.832 m/s2 for the weight."
+FOLLOWS = "It includes W_sh, so it is low as well."
 FILTERED = "The current starts with its maximum, a jump, and the paper filtered short transients."
 MATCHED_PEAK = (
     "The paper takes the ramps that give EOC's peak speed, (15), which cost 3 to 4 % more than ENOC's own best."
 )
-BEATEN = "The printed run leaves the work of drag out of its cost; with the whole cost less is possible."
+BEATEN = "The printed run leaves the work of drag out of its cost; with the whole cost, less energy is possible."
 OTHER_WEIGHT = "With the copper loss that fits Table 2 the surface has its minimum elsewhere."
 
 
@@ -110,7 +110,7 @@ def claimed_optimum(scenario: Scenario, printed: list[Printed]) -> Table:
         printed_row(entry, "total_energy_wh", _optimum(scenario, entry).energy.net_j / J_PER_WH, BEATEN)
         for entry in printed
     ]
-    return Table("What EOC is said to need beside what the optimum needs", tuple(rows), "Table 1")
+    return Table("EOC, as published, against the optimum", tuple(rows), "Table 1")
 
 
 def enoc_as_printed(line: PlainLine, amperes_per_newton: float, printed: list[Printed]) -> Table:

@@ -21,13 +21,13 @@ from railjoule.core.validation.table import Row, Table
 FINE_MESH_M = 0.5
 """EOC brakes hardest in its last metres, of which a cell of 5 m takes the mean."""
 HEAVIER = "Low alike in every shaft energy, by what g = 9.832 m/s2 for the weight would add."
-FOLLOWS = "It holds W_sh, and lies low with it."
+FOLLOWS = "It includes W_sh, so it is low as well."
 FILTERED = "The median over half a second: short switching transients are filtered, as in the paper."
 FILTER_S = 0.5
 SOURCES = {"eoc": ("EOC as printed", "Table 1, Figure 4"), "enoc": ("ENOC", "Table 2, Figure 5")}
 MAGNETISING = (
-    "The copper loss of the current that makes the flux, (3/2) Rs id^2, is part of ours; the printed energies come out "
-    "without it."
+    "The copper loss of the current that produces the flux, (3/2) Rs id^2, is part of ours; the printed energies do "
+    "not include it."
 )
 LESS_FLUX = "As before, with the flux of least loss at each torque and speed instead of the rated one."
 

@@ -97,7 +97,7 @@ class IpoptProblem:
         if not is_installed():
             raise SolverError("IPOPT needs CasADi: pip install casadi.")
         if not is_known(task):
-            raise SolverError("this drive has no formula in symbols for IPOPT: it searches for its flux.")
+            raise SolverError("this drive has no symbolic formula for IPOPT, because it searches for its flux.")
         data, near = task.course.data, _speeds_near_timetable(task)
         reachable = np.full_like(near, np.inf) if textbook else task.greatest_speed2
         first = _one_speed(task) if textbook else near

@@ -10,10 +10,10 @@ from railjoule.core.validation.papers import citation, errata, printed_numbers
 from railjoule.core.validation.table import Comparison, Row, Table, Validation
 
 CONTROLLER = (
-    "Ours is over the plan of a train that knows its load, as the printed load 0 is never cheaper. The paper tells "
+    "Ours is over the plan for the actual load, as the printed load 0 is never cheaper. The paper tells "
     "neither its controller nor the vehicle's effort and resistance, which are assumed here; nothing is tuned to it."
 )
-LOAD_EFFECT = "The paper's growth with the load did not come out of any controller that was tried."
+LOAD_EFFECT = "None of the controllers tried reproduces the paper's growth with the load."
 HEAVY = 0.75
 
 Printed = dict[str, Any]
@@ -56,7 +56,7 @@ def overconsumption(entry: Printed, paper: Printed) -> Table:
         for k, load in enumerate(loads)
     ]
     title = load_scenario(entry["scenario"]).title
-    return Table(f"{title}, 35 km/h, followed with wrong load and place", tuple(rows), entry["place"])
+    return Table(f"{title}, 35 km/h, followed with wrong load and position", tuple(rows), entry["place"])
 
 
 def examples(figures: list[Printed]) -> list[Row]:

@@ -35,11 +35,11 @@ NOT_UNIQUE = (
     "The printed numbers leave the tram open: gear efficiencies of 0.95 to 0.99 and core losses of 300 to 1200 W fit "
     "almost as well and move this by half a percent."
 )
-BRAKING = "Distance and time of all printed braking cannot be met at once by one constant current."
-NAMEPLATE = "Voltage, current, power and power factor of the nameplate do not fit together better."
+BRAKING = "No single constant current meets distance and time of all printed braking phases."
+NAMEPLATE = "Voltage, current, power and power factor of the nameplate are not more consistent than this."
 TOGETHER = "Only the product with the inductances, the rated flux, is determined well: to {:.1f} %."
 DETERMINED = "Determined to about {:.1f} %."
-FLAT = "Ours needs the least energy in the same time. The optimum is flat: phases may change much, and energy little."
+FLAT = "Ours needs the least energy in the same time. The optimum is flat: phases can change much, and energy little."
 FLUX = ("drive.mutual_inductance_mh", "drive.rated_magnetising_current_a")
 BEST_LAW = "best of all force laws"
 LOCAL = "Printed is a local optimum of a smoothed power; ours drives and coasts cell by cell."
@@ -96,7 +96,7 @@ def figures(vehicle: Vehicle, paper: Printed, distance_m: float, running_time_s:
             Row(case, "En of part II", "kWh", _printed_part_two(entry, paper), second, NOT_UNIQUE),
             Row(case, "penalty of the stop", "%", entry["penalty_percent"], penalty, NOT_UNIQUE),
         ]
-    return Table("Energies of the rides", tuple(rows), "Figs. 1 to 4")
+    return Table("Energies of the runs", tuple(rows), "Figs. 1 to 4")
 
 
 def planned_phases(vehicle: Vehicle, paper: Printed) -> Table:
@@ -128,7 +128,7 @@ def replanned() -> Table:
                 Row(case, "En", "kWh", None, ride.actual.energy_kwh),
                 Row(case, "late", "s", None, ride.delay_s),
             ]
-    return Table("The ride replanned on the way, ours alone", tuple(rows))
+    return Table("The run replanned on the way, only ours", tuple(rows))
 
 
 def free_current(vehicle: Vehicle, paper: Printed, distance_m: float, running_time_s: float) -> Table:
@@ -159,7 +159,7 @@ def _best_force_law(scenario: Scenario, case: str, entry: Printed) -> list[Row]:
     assert run.lower_bound_kwh is not None
     return [
         Row(case, f"En, {BEST_LAW}, without switching", "kWh", entry["energy_kwh"], run.energy_kwh, LOCAL),
-        Row(case, f"En, {BEST_LAW}, switched at will", "kWh", entry["switched_kwh"], switched / J_PER_KWH),
+        Row(case, f"En, {BEST_LAW}, switched freely", "kWh", entry["switched_kwh"], switched / J_PER_KWH),
         Row(case, "its lower bound", "kWh", None, run.lower_bound_kwh),
     ]
 
@@ -200,7 +200,7 @@ def parameters(vehicle: Vehicle, identification: Identification) -> Table:
         if key in FLUX or key == "drive.stator_inductance_mh":
             note += " " + TOGETHER.format(identification.uncertainty_percent(*FLUX))
         rows.append(Row("assets/vehicles/tram-105n.toml", key, "", table[last], float(value), note))
-    return Table("Parameters that the paper does not print, identified anew", tuple(rows), reference="shipped")
+    return Table("Parameters that the paper does not print, identified again", tuple(rows), reference="shipped")
 
 
 def claims(paper: Printed) -> Table:

@@ -59,8 +59,8 @@ def shtompel_comparison() -> Comparison:
             partial(_table, claims["regenerative_stop"], regenerative_stop),
             partial(_table, claims["storage_size"], storage_sizes),
             partial(_table, claims["near_full_power"], near_full_power),
-            lambda: Table("What limits cost beside the optimum over the same time", tuple(costs())),
-            lambda: Table("The printed regulator hangs on its step of time", tuple(spread())),
+            lambda: Table("Extra energy of set speeds over the optimum in the same time", tuple(costs())),
+            lambda: Table("The printed regulator depends on its time step", tuple(spread())),
             lambda: Table("Braking by (8) and (9) as they are printed", tuple(literal_braking())),
         ),
         errata=errata(paper),
@@ -103,16 +103,16 @@ def evaluations() -> list[Row]:
         other = differential_evolution(cost, bounds, seed=1, maxiter=20, polish=False)
         case = f"{speed} km/h, two sections"
         rows += [
-            Row(case, "vectors that the search looks at", "", None, len(search.evaluations)),
+            Row(case, "combinations that the search tries", "", None, len(search.evaluations)),
             Row(case, "samples within the window before they are scaled", "%", None, 100 * inside),
-            Row(case, "vectors that differential evolution looks at", "", None, int(other.nfev)),
+            Row(case, "combinations that differential evolution tries", "", None, int(other.nfev)),
             Row(
                 case,
                 "its energy over ours less 1",
                 "%",
                 None,
                 100 * share_above(float(other.fun), search.best.energy_j),
-                "An even search over one ratio is enough: it says nothing of more sections.",
+                "An even search over one ratio is enough; this says nothing about more sections.",
             ),
         ]
     return rows
@@ -124,7 +124,7 @@ def near_full_effort() -> list[Row]:
     for speed in SCENARIOS:
         for case, run in (("two sections, coast", _limits(speed, "coast")), ("optimum", _optimum(speed))):
             share = 100 * _full_share(run)
-            note = "The regulator knows nothing else below its limit." if case != "optimum" else _judged(share, 80, 40)
+            note = "Below its limit the regulator does nothing else." if case != "optimum" else _judged(share, 80, 40)
             rows.append(Row(f"{speed} km/h, {case}", "traction energy at full effort", "%", None, share, note))
     return rows
 
@@ -135,7 +135,7 @@ def regenerative_stop() -> list[Row]:
     for speed in SCENARIOS:
         run = _limits(speed, "coast")
         share = 100 * run.energy.recuperated_j / run.energy.traction_j
-        rows.append(Row(f"{speed} km/h, two sections", "comes back of what is taken", "%", None, share, SUPPORTED))
+        rows.append(Row(f"{speed} km/h, two sections", "recuperated, of the energy drawn", "%", None, share, SUPPORTED))
     return rows
 
 
@@ -150,7 +150,7 @@ def storage_sizes() -> list[Row]:
         }
         for case, run in runs.items():
             drop = storage_need(run).largest_drop_kwh
-            note = "Sized by a regulator that brakes it comes out too large." if case == "brake limits" else ASSUMED
+            note = "Sized with a regulator that brakes, it is too large." if case == "brake limits" else ASSUMED
             rows.append(Row(f"{speed} km/h, {case}", "largest drop", "kWh", None, drop, note))
     return rows
 
@@ -191,7 +191,7 @@ def costs() -> list[Row]:
         runs = {
             "brake limits, two sections": _limits(speed, "brake"),
             "coast limits, two sections": _limits(speed, "coast"),
-            "coast limits, three sections, free borders": _limits(speed, "coast", True),
+            "coast limits, three sections, free section ends": _limits(speed, "coast", True),
         }
         for case, run in runs.items():
             more = 100 * share_above(run.energy_kwh, best)
@@ -228,13 +228,13 @@ def literal_braking() -> list[Row]:
         Row(case, "work that the wheels supply", "kWh", None, supplied),
         Row(
             case,
-            "comes back by (8) and (9)",
+            "recuperated by (8) and (9)",
             "kWh",
             None,
             float(printed) / J_PER_KWH,
-            "More than there is: a drive that brakes multiplies by its efficiency.",
+            "More than available: in braking, power is multiplied by the efficiency.",
         ),
-        Row(case, "comes back", "kWh", None, float(np.sum(generated * duration)) / J_PER_KWH),
+        Row(case, "recuperated", "kWh", None, float(np.sum(generated * duration)) / J_PER_KWH),
     ]
 
 

@@ -1,7 +1,7 @@
 """How runs compare, in words: with the best known run, with a bound, with another run, with the time asked for.
 
-Whoever tells such a thing calls this module: a page's numbers and tables, a report, the command line. What a run is
-measured against is decided in `railjoule.core.best_known`, and when a share of an energy means anything in
+A page's numbers and tables, a report and the command line all call this module. What a run is measured against is
+decided in `railjoule.core.best_known`, and when a share of an energy means anything in
 `railjoule.core.energy.share_above`.
 """
 
@@ -168,14 +168,14 @@ def other_time(strategy: str, travel_time_s: float, asked_s: float) -> str:
     if abs(more) < OTHER_TIME_S:
         return ""
     if more > 0:
-        return f"{words.time(more)} s later than the {words.time(asked_s)} s asked"
-    early = f"{words.time(-more)} s earlier than the {words.time(asked_s)} s asked"
+        return f"{words.time(more)} s later than the {words.time(asked_s)} s allowed"
+    early = f"{words.time(-more)} s earlier than the {words.time(asked_s)} s allowed"
     return f"{early}: {WAITING}" if strategy == "optimal" else early
 
 
 def time_asked(run: Trajectory) -> str:
     """Return the time asked for where a run takes another one, beneath a number; empty where it does not."""
-    return f"asked {words.time(run.scenario.travel_time_s)} s" if other_time_of(run) else ""
+    return f"allowed {words.time(run.scenario.travel_time_s)} s" if other_time_of(run) else ""
 
 
 def waiting_of(run: Trajectory) -> str:

@@ -7,9 +7,9 @@ from railjoule.core import Scenario
 from railjoule.dashboard.look import words
 
 MOST_SENTENCES = 6
-"""So many differences are told one by one."""
+"""At most so many differences are listed one by one."""
 WHOLES = ("vehicle", "line")
-"""Tables that are told by their names where they come from different presets or files."""
+"""Tables that are named as a whole where they come from different presets or files."""
 QUANTITIES: Mapping[str, tuple[str, Callable[[Any], str]]] = {
     "timetable.travel_time_s": ("travel time", lambda s: f"{words.time(s)} s"),
     "vehicle.load_factor": ("load", lambda share: f"{words.setting(share)} %"),
@@ -58,7 +58,7 @@ def _flat(scenario: Scenario) -> dict[str, Any]:
 
 def _name(scenario: Scenario, whole: str) -> str:
     part = scenario.vehicle if whole == "vehicle" else scenario.line
-    return part.name or part.preset or "without a name"
+    return part.name or part.preset or "unnamed"
 
 
 def _sentence(key: str, now: Any, before: Any) -> str:
@@ -66,7 +66,7 @@ def _sentence(key: str, now: Any, before: Any) -> str:
         word, show = QUANTITIES[key]
         return f"{word} {_shown(show, now)} instead of {_shown(show, before)}"
     if isinstance(now, list) or isinstance(before, list):
-        return f"another {key}"
+        return f"different {key}"
     return f"{key} {_shown(_plain, now)} instead of {_shown(_plain, before)}"
 
 

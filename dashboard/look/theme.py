@@ -15,7 +15,13 @@ DURATIONS = ("shortest", "shorter", "short", "standard", "complex", "enteringScr
 @cache
 def parts_css() -> str:
     """Return the style sheet of all pieces of text, numbers and tables."""
-    return (ASSETS / "css" / "parts.css").read_text(encoding="utf-8")
+    return "".join((ASSETS / "css" / name).read_text(encoding="utf-8") for name in ("parts.css", "info.css"))
+
+
+@cache
+def strategies_css() -> str:
+    """Return the style sheet of the sidebar's strategies."""
+    return "".join((ASSETS / "css" / name).read_text(encoding="utf-8") for name in ("strategies.css", "info.css"))
 
 
 @cache

@@ -44,6 +44,10 @@ LIGHT: Tokens = {
     "pin_5": "#4A5A78",
     "pin_6": "#6A4FB0",
     "driven": "#A0330F",
+    "actual": "#161B22",
+    "over": "#F8E7D8",
+    "overline": "#9A5B00",
+    "costbar": "#CC6A37",
     "full_power": "#0B5BD3",
     "part_power": "#7FA9EA",
     "hold": "#BCD3F6",
@@ -89,6 +93,10 @@ DARK: Tokens = {
     "pin_5": "#9FB2D6",
     "pin_6": "#B09AF0",
     "driven": "#F0986A",
+    "actual": "#ECF0F5",
+    "over": "#33231B",
+    "overline": "#F2B84B",
+    "costbar": "#BA6A35",
     "full_power": "#7AA2FF",
     "part_power": "#4A6BB0",
     "hold": "#2C4478",
@@ -109,7 +117,7 @@ COST_SCALES: dict[ThemeName, tuple[str, ...]] = {
 }
 """Overconsumption, from none to most."""
 
-DASHES: dict[StrategyName | Literal["pinned"], Dash] = {
+DASHES: dict[StrategyName | Literal["pinned", "actual"], Dash] = {
     "optimal": "solid",
     "bellman": [2, 2],
     "eoc": [8, 3],
@@ -118,6 +126,7 @@ DASHES: dict[StrategyName | Literal["pinned"], Dash] = {
     "speed_limits": [12, 4],
     "fastest": [1, 3],
     "pinned": "solid",
+    "actual": [7, 3],
 }
 PIN_DASHES: dict[str, list[int]] = {
     "pin_1": [7, 2],
@@ -133,4 +142,4 @@ FONT = "Inter, 'Segoe UI', 'Helvetica Neue', Arial, sans-serif"
 
 def line_width(name: str) -> float:
     """Return how thick the line of a strategy is [px]: the optimum stands out."""
-    return 2.8 if name == "optimal" else 1.8
+    return {"optimal": 2.8, "actual": 1.9}.get(name, 1.8)

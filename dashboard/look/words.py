@@ -7,13 +7,16 @@ terminal. How runs compare is told in `railjoule.dashboard.look.comparisons`.
 import math
 from collections.abc import Callable, Collection, Iterator, Sequence
 from functools import wraps
-from typing import ParamSpec
+from typing import TYPE_CHECKING, ParamSpec
 
 from railjoule.core.advice import Instruction
 from railjoule.core.energy import energy_decimals
 from railjoule.core.phases import PhaseName
 from railjoule.core.scenario import StrategyName
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+
+if TYPE_CHECKING:
+    from railjoule.core.simulate.actual_run import CauseName
 
 THIN_SPACE = "\u202f"
 MINUS = "\u2212"
@@ -27,8 +30,8 @@ STRATEGY_WORDS: dict[StrategyName, str] = {
     "bellman": "Bellman",
     "eoc": "EOC",
     "enoc": "ENOC",
-    "phases": "Phases",
-    "speed_limits": "Speed limits",
+    "phases": "Four phases",
+    "speed_limits": "Set speeds",
     "fastest": "Fastest",
 }
 PHASE_WORDS: dict[PhaseName, str] = {
@@ -38,6 +41,13 @@ PHASE_WORDS: dict[PhaseName, str] = {
     "coast": "coast",
     "brake": "brake",
     "stand": "stand",
+}
+CAUSE_WORDS: "dict[CauseName, str]" = {
+    "load": "Other load",
+    "position": "Position error",
+    "conditions": "Resistance, voltage",
+    "stops": "Unplanned stops",
+    "events": "Limits, changes",
 }
 J_PER_WH = J_PER_KWH / 1000
 LEAST_ENERGY_KWH = 5e-4

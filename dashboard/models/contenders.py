@@ -9,7 +9,7 @@ from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import words
 from railjoule.dashboard.models.workbench import Workbench
 
-SIGNS: Mapping[StrategyName, str] = {"speed_limits": "Limits"}
+SIGNS: Mapping[StrategyName, str] = {"speed_limits": "Set speeds"}
 """What stands at lines where the whole word has no room."""
 
 

@@ -18,8 +18,8 @@ TABLES = {
     "recuperation": "recuperation_changes",
 }
 """Kinds of events, and where they stand in the file."""
-FIRST_PLACE, NOTICE_BEFORE_M, FIRST_LIMIT_M = 1 / 3, 230.0, 100.0
-"""A new stop stands here as a share of the way; an event is noticed this far ahead; a new limit is this long [m]."""
+NOTICE_BEFORE_M, FIRST_LIMIT_M = 230.0, 100.0
+"""An event is noticed this far ahead; a new limit is this long [m]."""
 LONGEST_M = 1e7
 
 
@@ -57,21 +57,18 @@ class DisturbancesModel(TypedParameters):
 
     events = param.List(default=[], item_type=EventModel, doc="What happens on the way.")
     accepted_delay_s = param.Number(default=0.0, bounds=(0.0, 86_400.0), doc="Accepted delay, s")
-    dropping = param.Selector(default="stop", objects=["stop", "limit"], doc="What a press on the line drops.")
+    dropping = param.Selector(default="stop", objects=["stop", "limit"], doc="What a click on the track adds.")
 
     rides = param.ClassSelector(class_=Rides, default=None, allow_None=True, doc="The last good rides.")
     late = param.ClassSelector(class_=LateArrivals, default=None, allow_None=True, doc="Energy over lateness so far.")
     failure = param.ClassSelector(
-        class_=RailjouleError, default=None, allow_None=True, doc="Why the last wish could not be met."
+        class_=RailjouleError, default=None, allow_None=True, doc="Why the last request failed."
     )
     changed = param.Event(doc="An event has other numbers.")
 
     def take(self, scenario: Scenario) -> None:
-        """Take over the events of a scenario's file; a stop on the way where it names none."""
+        """Take over the events of a scenario's file."""
         events = [event_model(event) for event in scenario.disturbance.events]
-        if not events:
-            place = float(round(FIRST_PLACE * scenario.line.length_m))
-            events = [EventModel(kind="stop", position_m=place, noticed_at_m=max(place - NOTICE_BEFORE_M, 0.0))]
         self.param.update(events=events, accepted_delay_s=scenario.disturbance.accepted_delay_s)
 
     def drop(self, kind: str, place_m: float) -> None:

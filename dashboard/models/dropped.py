@@ -13,8 +13,8 @@ PAGE = re.compile(r"\s*(<!doctype html|<html)", re.IGNORECASE)
 LARGEST_REPORT_BYTES, LARGEST_SCENARIO_BYTES = LARGEST_FILE_BYTES, LONGEST_TEXT
 REPORTS, SCENARIOS, TABLES = (".html", ".htm"), (".toml",), (".csv", ".tsv", ".xls", ".xlsx", ".ods")
 WHAT_CAN_BE_OPENED = "Only scenarios (.toml) and reports of railjoule (.html) can be opened"
-ELSEWHERE = "; a table of sections, limits or stations goes into the editor, where each list takes a pasted one"
-NO_SCENARIO, NO_TEXT = "it holds no scenario", "it is no text in UTF-8"
+ELSEWHERE = "; paste a table of sections, limits or stations into its list in the editor"
+NO_SCENARIO, NO_TEXT = "it contains no scenario", "it is not UTF-8 text"
 TOO_LARGE = (
     f"it is larger than the {LARGEST_SCENARIO_BYTES / 1e6:g} MB of a scenario or the {LARGEST_REPORT_BYTES / 1e6:g} MB "
     "of a report"

@@ -23,13 +23,13 @@ GROUPS: Mapping[str, tuple[str, ...]] = {
     "Resistance": ("vehicle.resistance",),
     "Traction": ("vehicle.traction",),
     "Braking": ("vehicle.braking",),
-    "Drive": ("drive",),
-    "Line": ("line",),
+    "Powertrain": ("drive",),
+    "Track": ("line",),
     "Timetable": ("timetable",),
     "Disturbance": ("disturbance",),
     "Strategy options": ("search", "simulation", "phases", "eoc", "enoc", "solver"),
 }
-"""What the editor opens one by one, with the tables of the file in it."""
+"""The editor's sections, with the tables of the file in each."""
 WHOLE_TABLES = ("vehicle", "drive", "line")
 """Tables that a choice replaces as a whole."""
 STILL_PERMILLE = 1e-6
@@ -83,7 +83,7 @@ class EditorModel(param.Parameterized):
     """What the editor does to a scenario; all of it through `ScenarioModel.edit`."""
 
     open = param.Boolean(default=False, doc="Whether the editor is in sight.")
-    refused = param.Dict(default={}, doc="What was typed and not taken, by key.")
+    refused = param.Dict(default={}, doc="Typed values that were not accepted, by key.")
 
     def __init__(self, scenario: ScenarioModel, **params: Any) -> None:
         super().__init__(**params)
@@ -111,7 +111,7 @@ class EditorModel(param.Parameterized):
         return [("", parts_of(table, model)), *((words_of(name), parts_of(name, model)) for name in inner)]
 
     def type(self, field: Field, text: str) -> None:
-        """Take what was typed into a field, or say why not."""
+        """Accept what was typed into a field, or say why not."""
         look = self.look()
         try:
             value = field.parse(text)
@@ -270,7 +270,7 @@ class EditorModel(param.Parameterized):
         """Refuse to leave out what a preset or the file's rules give anyway."""
         given = value_at(self.scenario.edited.with_(**{field.key: None}), field.key)
         if given is not None:
-            raise ValueError(f"It is {field.show(given)} where nothing else is given, and cannot be left empty.")
+            raise ValueError(f"The default is {field.show(given)}; it cannot be left empty.")
 
     def _keys_under(self, tables: Sequence[str]) -> list[str]:
         beginnings = tuple(f"{table}." for table in tables)
@@ -317,7 +317,7 @@ def _entry(table: Table, row: Row, number: int) -> Any:
         return row
     missing = [column.label for column in table.columns if column.name not in row]
     if missing:
-        raise CellError(f"Row {number}, {missing[0]}: nothing there.")
+        raise CellError(f"Row {number}, {missing[0]}: a value is missing.")
     return [row[column.name] for column in table.columns]
 
 

@@ -14,6 +14,8 @@ from railjoule.dashboard.models.numbers import clock, parse_number, parse_time
 Kind = Literal["number", "whole", "yes_no", "choice", "text", "numbers"]
 Schema = Mapping[str, Any]
 
+NAMES = {"capacity_passengers": "passenger capacity"}
+"""What a field is called whose key does not read well."""
 UNITS = {
     "_m_n_per_kn": "N m/kN",
     "_n_per_kn_per_kmh2": "N/kN/(km/h)\u00b2",
@@ -119,7 +121,7 @@ class Field:
     def label(self) -> str:
         """Quantity and unit in words."""
         words = split_unit(self.name)[0] if self.unit else self.name
-        text = words.replace("_", " ")
+        text = NAMES.get(words, words).replace("_", " ")
         text = text[:1].upper() + text[1:]
         return f"{text}, {self.unit}" if self.unit else text
 
@@ -149,8 +151,8 @@ class Field:
         """Meaning and bounds in sentences."""
         bounds = self.bounds_words
         meaning = SMALL_UNIT.sub("", self.help)
-        several = " Numbers with spaces between them." if self.kind == "numbers" else ""
-        empty = " May be left empty." if self.optional else ""
+        several = " Numbers separated by spaces." if self.kind == "numbers" else ""
+        empty = " Can be left empty." if self.optional else ""
         forms = " Also as 2:30 or 2 min 30 s." if self._may_be_long else ""
         return f"{meaning}{several}{f' {bounds[:1].upper()}{bounds[1:]}.' if bounds else ''}{forms}{empty}".strip()
 

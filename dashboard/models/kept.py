@@ -24,7 +24,7 @@ class Kept(param.Parameterized):
     passing: ClassVar[tuple[str, ...]] = ()
     """What is set by hand, but is only of the moment or follows from the rest."""
 
-    originals = param.Dict(default={}, doc="Values of the scenario as it is shipped, by field.")
+    originals = param.Dict(default={}, doc="Values of the shipped scenario, by field.")
 
     @classmethod
     def settable(cls) -> tuple[str, ...]:
@@ -151,11 +151,11 @@ def _choice(value: Any, objects: Any) -> Any:
 
 
 def _choices_words(value: Any, names: list[str]) -> str:
-    """Return the end of a sentence about what is no choice: a few choices are told, of many those most like it."""
+    """Return the end of a sentence about an unknown choice: it lists a few choices, and of many the most similar."""
     if len(names) <= MOST_TOLD:
         return f"must be one of {', '.join(names)}"
     close = difflib.get_close_matches(str(value)[:LONGEST_SHOWN], names, n=1)
-    return f"is none of the {len(names)} known{f'; did you mean {close[0]}?' if close else ''}"
+    return f"is not one of the {len(names)} known{f'; did you mean {close[0]}?' if close else ''}"
 
 
 def _list(value: Any) -> list[Any]:

@@ -17,8 +17,8 @@ class StationModel(TypedParameters):
 
     kept = ("number", "station", "position_m", "dwell_s", "fixed", "arrival_s")
 
-    number = param.Integer(default=0, bounds=(0, None), doc="Its number, counted from 0.")
-    station = param.String(default="", doc="What it is called.")
+    number = param.Integer(default=0, bounds=(0, None), doc="Number, counted from 0.")
+    station = param.String(default="", doc="Name.")
     position_m = param.Number(default=0.0, bounds=(0, None), doc="Where the train stops, m")
     dwell_s = param.Number(default=0.0, bounds=(0, LATEST_S), doc="Dwell, s")
     fixed = param.Boolean(default=False, doc="Whether the timetable fixes the arrival.")
@@ -31,10 +31,10 @@ class LineModel(TypedParameters):
     kept = ("stations", "other")
 
     stations = param.List(default=[], item_type=StationModel, doc="The stations between the ends, in running order.")
-    other = param.Selector(default="proportional", objects=list(OTHERS), doc="What the optimum is compared with.")
+    other = param.Selector(default="proportional", objects=list(OTHERS), doc="Rule to compare the optimum with.")
     runs = param.ClassSelector(class_=LineRuns, default=None, allow_None=True, doc="The last good runs.")
     failure = param.ClassSelector(
-        class_=RailjouleError, default=None, allow_None=True, doc="Why the last wish could not be met."
+        class_=RailjouleError, default=None, allow_None=True, doc="Why the last request failed."
     )
 
     def take(self, scenario: Scenario) -> None:

@@ -69,7 +69,7 @@ def write_link(document: Mapping[str, Any], originals: Mapping[str, Any]) -> str
     if len(text) > LONGEST_LINK:
         raise LinkTooLongError(
             f"The page's state takes {len(text):,} characters; an address holds at most {LONGEST_LINK:,}. "
-            "Save it as TOML: a reload will not bring it back."
+            "Save it as TOML, because a reload will lose it."
         )
     return f"{'?' if len(text) <= LONGEST_QUERY else '#'}{text}"
 
@@ -94,7 +94,8 @@ def read_link(query: str) -> ReadLink:
         pairs = {key: value for key, value in pairs.items() if key in known}
     elif version != VERSION:
         told = short(version)
-        return ReadLink(refusal=f"The link is of version {told}, this page reads version {VERSION}; it was not opened.")
+        sentence_of_version = f"The link has version {told}, but this page reads version {VERSION}; it was not opened."
+        return ReadLink(refusal=sentence_of_version)
     document: Document = {}
     refusals: list[str] = []
     left = LONGEST_TEXT
@@ -117,7 +118,7 @@ def sentence(refusals: list[str]) -> str:
         return ""
     more = f" (and {len(refusals) - MOST_TOLD} more)" if len(refusals) > MOST_TOLD else ""
     told = "; ".join(refusals[:MOST_TOLD])
-    return f"The link was opened without a part of it: {told}{more}{'' if told.endswith('?') and not more else '.'}"
+    return f"Parts of the link were ignored: {told}{more}{'' if told.endswith('?') and not more else '.'}"
 
 
 @lru_cache(maxsize=1)
@@ -157,7 +158,7 @@ def _unpacked(text: str, longest: int) -> str:
         unpacker = zlib.decompressobj()
         content = unpacker.decompress(raw, max(longest, 1))
         if unpacker.unconsumed_tail or not unpacker.eof:
-            raise ValueError("is longer than allowed, or not whole")
+            raise ValueError("is too long or incomplete")
         return content.decode()
     except (binascii.Error, zlib.error, UnicodeError):
         raise ValueError("is damaged") from None
@@ -202,7 +203,7 @@ def _from_json(text: str) -> Any:
     try:
         value = json.loads(text, parse_constant=refuse)
     except (ValueError, RecursionError):
-        raise ValueError("is no list or table that can be read") from None
+        raise ValueError("is not a readable list or table") from None
     _require_small(value)
     return value
 

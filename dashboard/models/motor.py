@@ -36,25 +36,25 @@ class MotorModel(TypedParameters):
     precompensator = param.Boolean(default=True, doc="Whether the reference leads by the lag of the loop.")
     bandwidth_rads = param.Number(default=LOOP.bandwidth_rads, bounds=(1.0, 50.0), doc="Bandwidth of the loop, rad/s")
     rotor_resistance_factor = param.Number(
-        default=LOOP.rotor_resistance_factor, bounds=(0.2, 5.0), doc="Rotor resistance believed, over the true one."
+        default=LOOP.rotor_resistance_factor, bounds=(0.2, 5.0), doc="Assumed / true rotor resistance."
     )
     flux = param.Selector(default=LOOP.flux, objects=list(FLUXES), doc="How the rotor flux is chosen.")
     speed_noise_rads = param.Number(default=0.0, bounds=(0.0, 100.0), doc="Noise of the measured speed, rad/s")
     noise_seed = param.Integer(default=LOOP.noise_seed, bounds=(0, 2**31), doc="Seed of the noise")
     max_phase_voltage_v = param.Number(default=None, allow_None=True, bounds=(1.0, 1e5), doc="Largest voltage, V")
     max_current_a = param.Number(default=None, allow_None=True, bounds=(1.0, 1e5), doc="Largest current, A")
-    ripple_at_s = param.Number(default=20.0, bounds=(0.0, 86_400.0), doc="Time of the picture of ripple, s")
+    ripple_at_s = param.Number(default=20.0, bounds=(0.0, 86_400.0), doc="Ripple at t, s")
 
     run = param.ClassSelector(class_=FieldOrientedRun, default=None, allow_None=True, doc="The last good run.")
-    rivals = param.ClassSelector(class_=LoopRivals, default=None, allow_None=True, doc="What it is compared with.")
+    rivals = param.ClassSelector(class_=LoopRivals, default=None, allow_None=True, doc="Run to compare it with.")
     machine_map = param.ClassSelector(class_=MachineMap, default=None, allow_None=True, doc="Efficiency and run.")
     ripple = param.ClassSelector(class_=Ripple, default=None, allow_None=True, doc="Current under switched voltage.")
     detuning = param.ClassSelector(class_=DetuningTable, default=None, allow_None=True, doc="The study so far.")
     studying = param.Boolean(default=False, doc="Whether the study of detuning is under way.")
-    study = param.Event(doc="Begin that study.")
-    stop_study = param.Event(doc="Stop it; what came so far stands.")
+    study = param.Event(doc="Start that study.")
+    stop_study = param.Event(doc="Stop it; results so far are kept.")
     failure = param.ClassSelector(
-        class_=RailjouleError, default=None, allow_None=True, doc="Why the last wish could not be met."
+        class_=RailjouleError, default=None, allow_None=True, doc="Why the last request failed."
     )
     no_machine = param.String(default="", doc="Why this scenario has no motor to show.")
 

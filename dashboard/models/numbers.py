@@ -74,7 +74,7 @@ def parse_time(text: str, bounds: tuple[float | None, float | None], name: str =
 def _no_time(text: str, name: str) -> ValueError:
     shown = text if len(text) <= LONGEST_SHOWN else text[: LONGEST_SHOWN - 3] + "..."
     about = f"{name}: " if name else ""
-    return ValueError(f"{about}{shown!r} is no time: write seconds, min:s or h:min:s, such as 150, 2:30 or 1:02:03.")
+    return ValueError(f"{about}{shown!r} is not a time: write seconds, min:s or h:min:s, such as 150, 2:30 or 1:02:03.")
 
 
 def _plain(text: str) -> str:

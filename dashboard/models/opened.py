@@ -54,4 +54,4 @@ def outcome_of(text: str) -> Opened | RailjouleError:
     except RailjouleError as error:
         return error
     except MemoryError:
-        return ScenarioError(f"{SOURCE}: reading it takes more memory than the server has.")
+        return ScenarioError(f"{SOURCE}: not enough memory on the server to read it.")

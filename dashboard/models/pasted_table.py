@@ -49,7 +49,7 @@ def rows_of(text: str, columns: Sequence[Field], first: int = 0) -> list[dict[st
     except csv.Error as error:
         raise CellError(f"This is not a table: {error}.") from None
     if not rows:
-        raise CellError("There is nothing in it.")
+        raise CellError("The table is empty.")
     named = _named(rows[0], columns)
     number_of_first = 1 if named is None else 2
     order = list(columns[first:]) if named is None else named
@@ -68,11 +68,11 @@ def _named(row: Sequence[str], columns: Sequence[Field]) -> list[Field] | None:
         if cell.lower() not in known:
             names = ", ".join(column.name for column in columns)
             close = difflib.get_close_matches(cell.lower(), known, n=1)
-            hint = f"did you mean {known[close[0]].name}?" if close else f"known are {names}."
+            hint = f"did you mean {known[close[0]].name}?" if close else f"choose one of {names}."
             raise CellError(f"Row 1: unknown column {_shown(cell)}, {hint}")
         found.append(known[cell.lower()])
     if len(set(found)) < len(found):
-        raise CellError("Row 1: a column stands there twice.")
+        raise CellError("Row 1: a column appears twice.")
     return found
 
 

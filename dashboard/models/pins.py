@@ -24,7 +24,7 @@ from railjoule.dashboard.models.scenario import ScenarioModel
 MOST_PINS = 6
 PIN_KEYS = tuple(f"pin_{number}" for number in range(1, MOST_PINS + 1))
 """Colours and strokes of the pins, by the tokens of the look."""
-TOO_MANY = f"{MOST_PINS} pinned runs are the most: unpin one to make room for another."
+TOO_MANY = f"At most {MOST_PINS} runs can be pinned; unpin one first."
 LONGEST_NAME = 60
 
 
@@ -39,7 +39,7 @@ class Recipe:
     document : mapping or None
         The scenario that it starts from, as a nested dictionary, where it is not a shipped one.
     changes : mapping
-        Keys of the file with the values laid over it.
+        Keys of the file with their changed values.
     strategy : str
         Who drives.
     """
@@ -68,7 +68,7 @@ class Pin:
     Parameters
     ----------
     name : str
-        What the user calls it.
+        Name given by the user.
     trajectory : Trajectory
         The run.
     colour : str
@@ -97,13 +97,13 @@ class KeptPin(Kept):
 
     kept = ("called", "strategy", "preset", "toml", "changes", "colour")
 
-    called = param.String(default="", doc="What the user calls it.")
-    strategy = param.Selector(default="optimal", objects=list(STRATEGIES), doc="Who drives.")
+    called = param.String(default="", doc="Name given by the user.")
+    strategy = param.Selector(default="optimal", objects=list(STRATEGIES), doc="The strategy.")
     preset = param.Selector(
         default=None, allow_None=True, objects=list(preset_names("scenarios")), doc="Shipped scenario."
     )
-    toml = param.String(default=None, allow_None=True, doc="The scenario, where it is not a shipped one.")
-    changes = param.Dict(default={}, doc="Keys of the file with the values laid over it.")
+    toml = param.String(default=None, allow_None=True, doc="The scenario, if it is not a shipped one.")
+    changes = param.Dict(default={}, doc="Keys of the file with their changed values.")
     colour = param.Selector(default=PIN_KEYS[0], objects=list(PIN_KEYS), doc="Colour and stroke.")
 
     @classmethod

@@ -12,16 +12,19 @@ from typing import Any
 
 from railjoule.core import Scenario
 from railjoule.core.scenario import format_scenario
+from railjoule.dashboard.models.actual import actual_changes, event_changes
 from railjoule.dashboard.models.workbench import Workbench
 
 FILE = "scenario.toml"
 LONGEST_LINE = 100
 BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
+ACTUAL = "Drive, actual run"
 SIMULATIONS = {
+    ACTUAL: "from railjoule.core.simulate.actual_run import actual_run as simulate",
     "Robustness": "from railjoule.core.simulate.following import simulate_following as simulate",
-    "Disturbances": "from railjoule.core.simulate.disturbances import simulate_disturbances as simulate",
+    "Disturbances": "from railjoule.core.simulate.actual_run import actual_run as simulate",
 }
-"""Pages on which a train follows its plan, and what drives it."""
+"""Pages on which a train meets another day than planned, and what drives it."""
 
 
 @dataclass(frozen=True)
@@ -55,14 +58,16 @@ def recipe_of(state: Workbench) -> Recipe:
     """Return what the page in sight computes."""
     scenario = state.scenario
     changes = {**scenario.changes, **_strategy(state)}
+    page = ACTUAL if state.page == "Drive" and state.actual.on else state.page
     if state.page == "Robustness":
         changes |= state.robustness.changes
     elif state.page == "Disturbances":
-        changes |= {"disturbance.coordinate_error_m": 0.0, "disturbance.departure_delay_s": 0.0}
-        changes |= state.disturbances.changes
+        changes |= event_changes(state)
+    elif page == ACTUAL:
+        changes |= actual_changes(state)
     elif state.page == "Speed limits":
         changes |= state.speed_limits.changes
-    return Recipe(scenario.preset, scenario.opened, scenario.base, changes, state.page)
+    return Recipe(scenario.preset, scenario.opened, scenario.base, changes, page)
 
 
 def _strategy(state: Workbench) -> dict[str, str]:

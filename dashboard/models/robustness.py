@@ -48,9 +48,9 @@ class RobustnessModel(TypedParameters):
     actual_load_percent = param.Number(
         default=FIRST_LOAD_PERCENT, bounds=(0, 100 * MOST_LOAD_FACTOR), doc="Actual load, % of capacity"
     )
-    coordinate_error_m = param.Number(default=FIRST_ERROR_M, bounds=(-10_000, 10_000), doc="Coordinate error, m")
-    speed_error_percent = param.Number(default=0.0, bounds=(-50, 50), doc="Speed measured wrong by, %")
-    target_braking = param.Boolean(default=True, doc="Whether the train brakes along the target curve.")
+    coordinate_error_m = param.Number(default=FIRST_ERROR_M, bounds=(-10_000, 10_000), doc="Position error, m")
+    speed_error_percent = param.Number(default=0.0, bounds=(-50, 50), doc="Speed error, %")
+    target_braking = param.Boolean(default=False, doc="Whether the train brakes along the target curve.")
     reset_sensor_m = param.Number(default=SENSORS.reset_sensor_m, bounds=(0.0, 1e5), doc="D1, m before the stop")
     calibration_length_m = param.Number(
         default=SENSORS.calibration_length_m, bounds=(0.0, 1e5), doc="D1 to D2, m of calibration"
@@ -60,24 +60,24 @@ class RobustnessModel(TypedParameters):
         default=SENSORS.target_deceleration_ms2, bounds=(0.0, 10), doc="Target braking, m/s\u00b2"
     )
     load_deviation_percent = param.Number(default=18.0, bounds=(0.01, 100), doc="Load, \u00b1 %")
-    error_deviation_m = param.Number(default=5.0, bounds=(0.01, 1000), doc="Coordinate error, \u00b1 m")
+    error_deviation_m = param.Number(default=5.0, bounds=(0.01, 1000), doc="Position error, \u00b1 m")
     resistance_deviation_percent = param.Number(default=8.0, bounds=(0.01, 100), doc="Resistance, \u00b1 %")
-    voltage_deviation_percent = param.Number(default=3.0, bounds=(0.01, 50), doc="Line voltage, \u00b1 %")
-    mean_departure_delay_s = param.Number(default=0.0, bounds=(0, 3600), doc="Late departure, s on average")
+    voltage_deviation_percent = param.Number(default=3.0, bounds=(0.01, 50), doc="Supply voltage, \u00b1 %")
+    mean_departure_delay_s = param.Number(default=0.0, bounds=(0, 3600), doc="Departure delay, mean, s")
     seed = param.Integer(default=CHANCE.seed, bounds=(0, 2**31), doc="Seed")
-    both_directions = param.Boolean(default=False, doc="Whether the table is for there and back.")
+    both_directions = param.Boolean(default=False, doc="Whether the table covers both directions.")
     knows = param.Selector(default="nothing", objects=list(get_args(Knows)), doc="What the train knows.")
     measure = param.Selector(default="over_replanned", objects=list(MEASURES), doc="What the table shows.")
 
     reality = param.ClassSelector(class_=Reality, default=None, allow_None=True, doc="The last good run.")
     table = param.ClassSelector(class_=SensitivityTable, default=None, allow_None=True, doc="The table so far.")
-    chance = param.ClassSelector(class_=MonteCarloTable, default=None, allow_None=True, doc="Runs drawn so far.")
+    chance = param.ClassSelector(class_=MonteCarloTable, default=None, allow_None=True, doc="Random runs so far.")
     most_load_percent = param.Number(default=100.0, doc="The vehicle's crush load, % of capacity.")
-    drawing = param.Boolean(default=False, doc="Whether chance is drawing.")
-    draw_all = param.Event(doc="Let chance draw all its runs.")
-    stop_drawing = param.Event(doc="Stop chance; what it drew stands.")
+    drawing = param.Boolean(default=False, doc="Whether Monte Carlo runs are being drawn.")
+    draw_all = param.Event(doc="Draw all Monte Carlo runs.")
+    stop_drawing = param.Event(doc="Stop drawing; the runs so far are kept.")
     failure = param.ClassSelector(
-        class_=RailjouleError, default=None, allow_None=True, doc="Why the last wish could not be met."
+        class_=RailjouleError, default=None, allow_None=True, doc="Why the last request failed."
     )
 
     def take(self, scenario: Scenario) -> None:

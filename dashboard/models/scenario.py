@@ -46,7 +46,7 @@ class ScenarioModel(TypedParameters):
     recuperation_percent = param.Number(default=0.0, bounds=(0, 100), doc="Recuperation, %")
     acceleration_time_s = param.Number(default=None, allow_None=True, doc="Acceleration time, s")
     travel_time_range_s = param.Range(default=(50.0, 200.0), doc="Ends of the travel time's slider.")
-    edits = param.Dict(default={}, doc="Other keys of the file that were edited, with their values.")
+    edits = param.Dict(default={}, doc="Other edited keys of the file, with their values.")
 
     def __init__(self, **params: Any) -> None:
         super().__init__(**params)

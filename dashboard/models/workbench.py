@@ -9,12 +9,14 @@ from railjoule.core import RailjouleError, Trajectory
 from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.faults import Faults
+from railjoule.dashboard.models.actual import ActualModel
 from railjoule.dashboard.models.disturbances import DisturbancesModel
 from railjoule.dashboard.models.editor import EditorModel
 from railjoule.dashboard.models.kept import Kept
 from railjoule.dashboard.models.learn import LearnModel
 from railjoule.dashboard.models.line import LineModel
 from railjoule.dashboard.models.motor import MotorModel
+from railjoule.dashboard.models.pages import PAGES
 from railjoule.dashboard.models.papers import PapersModel
 from railjoule.dashboard.models.pins import MOST_PINS, TOO_MANY, KeptPin, Pin, Recipe, make_pin, recipe_of
 from railjoule.dashboard.models.robustness import RobustnessModel
@@ -23,19 +25,6 @@ from railjoule.dashboard.models.speed_limits import SpeedLimitsModel
 from railjoule.dashboard.models.start import StartModel
 from railjoule.dashboard.store import Runs, TradeOff
 
-PAGES = (
-    "Start",
-    "Drive",
-    "Compare",
-    "Trade-off",
-    "Robustness",
-    "Disturbances",
-    "Speed limits",
-    "Motor",
-    "Line",
-    "Learn",
-    "Papers",
-)
 COLOURS = ("system", "light", "dark")
 
 
@@ -74,7 +63,7 @@ class Workbench(Kept):
     compare_all = param.Boolean(default=True, doc="Compare all strategies, not only those that are ticked.")
     reference = param.String(default="", doc="Strategy or pin that others are compared with; empty for the usual one.")
     failure = param.ClassSelector(
-        class_=RailjouleError, default=None, allow_None=True, doc="Why the last wish could not be met."
+        class_=RailjouleError, default=None, allow_None=True, doc="Why the last request failed."
     )
     late = param.ClassSelector(
         class_=frozenset, default=frozenset(), doc="Pages that show what is from before the last change."
@@ -88,6 +77,7 @@ class Workbench(Kept):
         self.start = StartModel()
         self.robustness = RobustnessModel()
         self.disturbances = DisturbancesModel()
+        self.actual = ActualModel()
         self.speed_limits = SpeedLimitsModel()
         self.motor = MotorModel()
         self.line = LineModel()

@@ -20,6 +20,7 @@ from railjoule.dashboard.look.theme import report_css
 from railjoule.dashboard.report import sections
 from railjoule.dashboard.report.embedded import embedded
 from railjoule.dashboard.report.figures import Figures
+from railjoule.dashboard.report.surfaces import surfaces_of
 from railjoule.dashboard.store.report import Findings
 from railjoule.dashboard.views import parts
 
@@ -57,7 +58,7 @@ def report_html(findings: Findings, made_at: datetime) -> str:
         "spare": figures.spare_texts(),
         "distance": max(run.distance_m for run in findings.runs.runs.values()),
         "phases": _phases(findings.run),
-        "optima": optima_data(findings),
+        "optima": optima_data(findings, figures),
         "words": words.PHASE_WORDS,
     }
     # the scripts of the page come last, so that the text is there before half a second of reading them
@@ -78,8 +79,10 @@ def report_html(findings: Findings, made_at: datetime) -> str:
 {embedded(format_scenario(scenario))}
 {json_script("figures", figures.embedding())}
 {json_script("data", data)}
+{json_script("surfaces", {name: surface.data for name, surface in surfaces_of(findings).items()})}
 <script>{bokeh_script()}</script>
 <script>{(SCRIPTS / "report.js").read_text(encoding="utf-8")}</script>
+<script>{(SCRIPTS / "surface.js").read_text(encoding="utf-8")}</script>
 </body>
 </html>
 """
@@ -109,16 +112,23 @@ def json_script(name: str, values: Any) -> str:
     return f'<script type="application/json" id="{name}">{text}</script>'
 
 
-def optima_data(findings: Findings) -> dict[str, Any]:
+def optima_data(findings: Findings, figures: Figures) -> dict[str, Any]:
     """Return what moves with the travel time: of each optimum its lines, its phases and its texts."""
     optima = findings.optima
     if len(optima) < 2:
         return {"own": 0, "runs": []}
     own = sections.own_index(findings)
+    # at its own place of the slider the report shows what it has drawn
+    moved = [findings.runs.runs["optimal"] if k == own else run for k, run in enumerate(optima)]
     shown = [findings.run if k == own else run for k, run in enumerate(optima)]
     runs = [
-        {**_texts(findings, run), "lines": {} if k == own else _lines(optimum), "point": _point(optimum)}
-        for k, (run, optimum) in enumerate(zip(shown, optima, strict=True))
+        {
+            **_texts(findings, run),
+            "lines": {} if k == own else _lines(optimum),
+            "names": names,
+            "point": _point(optimum),
+        }
+        for k, (run, optimum, names) in enumerate(zip(shown, optima, figures.names_of(moved), strict=True))
     ]
     return {"own": own, "runs": runs}
 
@@ -128,7 +138,6 @@ def _texts(findings: Findings, run: Trajectory) -> dict[str, Any]:
     return {
         "time": f"{words.time(run.travel_time_s)} s",
         "shown": sections.shown_words(run),
-        "energy": words.energy(run.energy_kwh),
         "phases": _phases(run),
         "numbers": sections.numbers(findings, run),
         "advice": parts.advice(run, stale=False),
@@ -156,6 +165,7 @@ def _lines(run: Trajectory) -> dict[str, list[float]]:
         cells["current"] = run.current_a
     nodes = {
         "place": run.position_m,
+        "clock": run.time_s,
         "speed": run.speed_ms / MS_PER_KMH,
         "energy": run.line_energy_j / J_PER_KWH,
         **{name: np.append(values[:1], values) for name, values in cells.items()},

@@ -49,5 +49,5 @@ def scenario_in_report(html: str, name: str) -> str:
     _, opening, rest = html.partition(OPENING)
     toml, closing, _ = rest.partition(CLOSING)
     if not opening or not closing:
-        raise ScenarioError(f"{name}: no report of railjoule: it holds no scenario.")
+        raise ScenarioError(f"{name}: not a report of railjoule: it contains no scenario.")
     return toml.lstrip("\r\n")

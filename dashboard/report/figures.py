@@ -1,12 +1,13 @@
 """The report's figures: those of the page, drawn once, with what a browser needs to repaint and to move them."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from bokeh.document import Document
 from bokeh.embed.util import standalone_docs_json_and_render_items
 
+from railjoule.core import Trajectory
 from railjoule.core.simulate.field_oriented import FieldOrientedRun
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import words
@@ -29,6 +30,8 @@ from railjoule.dashboard.views.speed_chart import SpeedChart
 
 WIDTH_PX = 640
 """Words are left out that have no room in figures of this width, about that of a printed page."""
+ENERGY_ROOM, CELLS_ROOM = 0.06, 0.08
+"""Shares of their ranges that axes leave free at both ends, as in the charts themselves."""
 COLOUR_COLUMNS = ("colour", "fill", "ink")
 
 
@@ -73,7 +76,7 @@ class Figures:
         charts: list[SceneChart] = [
             SpeedChart(270, *common, lines),
             PhaseStrip(26, *common),
-            LineStrip(86, *common),
+            LineStrip(104, *common),
             EnergyChart(160, *common, lines),
             EffortChart(120, *common, lines),
             *([CurrentChart(120, *common, lines)] if run.current_a is not None else []),
@@ -90,7 +93,7 @@ class Figures:
     def _scene(self) -> Scene:
         runs = self.findings.runs.runs
         chosen = next(name for name, run in runs.items() if run is self.findings.run)
-        return Scene(chosen, runs, None, over_time=False, narrow=False, width_px=WIDTH_PX)
+        return Scene(chosen, runs, None, over_time=False, narrow=False, width_px=WIDTH_PX, fastest=runs.get("fastest"))
 
     def _draw(self, charts: Iterable[DistanceChart]) -> None:
         scene = self._scene()
@@ -145,12 +148,12 @@ class Figures:
             return (
                 f"Speed over distance of {names}; {words.STRATEGY_WORDS[self._scene().chosen]} reaches "
                 f"{words.number(run.max_speed_kmh)} km/h and takes {words.number(run.travel_time_s)} s. "
-                "The phases stand in a table below."
+                "A table of the phases follows."
             )
         if isinstance(chart, PhaseStrip):
             return "Phases: " + ", ".join(words.advice_in_words(run.advice))
         if isinstance(chart, LineStrip):
-            return "Gradient and height of the line; the sections stand in a table below."
+            return "Gradient and height of the track; a table of the sections follows."
         if isinstance(chart, EnergyChart):
             ends = ", ".join(f"{words.STRATEGY_WORDS[name]} {words.energy(r.energy_kwh)}" for name, r in runs.items())
             return f"Energy drawn so far over distance; at the end, in kWh: {ends}."
@@ -216,7 +219,8 @@ class Figures:
                 "caption": chart.told["caption"].id,
                 "range": chart.y_range.id,
                 "fits": isinstance(chart, RunChart) and not isinstance(chart, SpeedChart),
-                "names": self._names(chart),
+                "room": ENERGY_ROOM if isinstance(chart, EnergyChart) else CELLS_ROOM,
+                "names": "ends" if isinstance(chart, EnergyChart) else "names",
                 "lines": [chart.sources[name].id for name in self._line_names(chart)],
                 "sources": {name: source.id for name, source in chart.sources.items()},
             }
@@ -225,12 +229,20 @@ class Figures:
             if chart.figure is not None
         }
 
-    def _names(self, chart: DistanceChart) -> list[str]:
-        """Return the strategies in the order in which a chart names their lines."""
-        named = list(self._scene().named())
-        if isinstance(chart, SpeedChart):
-            return named[::-1]
-        return [name for name in named if name != "fastest" or named[-1] == "fastest"]
+    def names_of(self, optima: Sequence[Trajectory]) -> list[dict[str, dict[str, list[object]]]]:
+        """Return for each optimum the columns of the names in the charts of speed and energy, by chart."""
+        charts = [chart for chart in self.groups["runs"] if isinstance(chart, SpeedChart | EnergyChart)]
+        scene, result = self._scene(), []
+        for run in optima:
+            runs = {**scene.runs, "optimal": run}
+            told = {}
+            for chart in charts:
+                chart.draw(replace(scene, runs=runs))
+                source = chart.sources["ends" if isinstance(chart, EnergyChart) else "names"]
+                told[chart.name] = {key: list(values) for key, values in source.data.items() if key != "colour"}
+            result.append(told)
+        self._draw(charts)
+        return result
 
     def spare_texts(self) -> list[str]:
         """Return the words that have no room in narrow figures."""

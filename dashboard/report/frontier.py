@@ -9,11 +9,11 @@ from railjoule.core import Trajectory
 from railjoule.core.scenario import StrategyName
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.views.charts import Axis, DistanceChart, nice_range, spread, style_of, text_style, xy
+from railjoule.dashboard.views.charts import Axis, DistanceChart, nice_range, style_of, xy
+from railjoule.dashboard.views.line_names import Name, placed_names
 
 STEEPEST_SHARE = 1.03
 """The scale ends with the optimum at this multiple of the first time: nearer to it, energy rises out of any scale."""
-LABEL_RISE_PX, LABEL_GAP_PX = 14.0, 16.0
 
 
 class TimeChart(DistanceChart):
@@ -32,19 +32,9 @@ class TimeChart(DistanceChart):
         self.sources["optimal"] = ColumnDataSource({"x": [], "y": []})
         line = f.line("x", "y", source=self.sources["optimal"], **style_of("optimal"))
         self.palette.paint(line.glyph, line_color="optimal")
-        columns: dict[str, list[object]] = {"x": [], "y": [], "text": [], "place": [], "colour": []}
-        self.sources["runs"] = ColumnDataSource(columns)
+        self.sources["runs"] = ColumnDataSource({"x": [], "y": [], "colour": []})
         f.scatter("x", "y", source=self.sources["runs"], size=7, fill_color="colour", line_color="colour")
-        f.text(
-            "x",
-            "place",
-            "text",
-            text_color="colour",
-            source=self.sources["runs"],
-            x_offset=14,
-            text_baseline="middle",
-            **text_style(),
-        )
+        self.add_names()
         self.sources["point"] = ColumnDataSource({"x": [], "y": []})
         point = f.scatter("x", "y", source=self.sources["point"], size=11, line_width=2)
         self.palette.paint(point.glyph, fill_color="accent", line_color="surface")
@@ -69,13 +59,15 @@ class TimeChart(DistanceChart):
         self.y_range.update(start=low, end=high)
         self.sources["optimal"].data = xy(times, energies)
         self.told["sources"] = [["", self.sources["optimal"]]]
-        # the names stand a little above their points, as the line falls beneath them
-        wished = [run.energy_kwh + LABEL_RISE_PX * (high - low) / self.height for run in others.values()]
+        colours = {name: self.palette.tokens[name] for name in others}
+        points = {name: (run.travel_time_s, run.energy_kwh) for name, run in others.items()}
         self.sources["runs"].data = {
-            "x": [run.travel_time_s for run in others.values()],
-            "y": [run.energy_kwh for run in others.values()],
-            "place": spread(wished, LABEL_GAP_PX * (high - low) / self.height),
-            "text": [words.STRATEGY_WORDS[name] for name in others],
-            "colour": [self.palette.tokens[name] for name in others],
+            "x": [x for x, _ in points.values()],
+            "y": [y for _, y in points.values()],
+            "colour": list(colours.values()),
         }
+        frame = self.frame_over((start - room, end + room), (low, high))
+        dots = [frame.dot(*place) for place in (*points.values(), (shown.travel_time_s, shown.energy_kwh))]
+        names = [Name(name, words.STRATEGY_WORDS[name], colours[name], point=points[name]) for name in others]
+        self.sources["names"].data = placed_names(frame, {"optimal": (times, energies)}, names, dots)
         self.sources["point"].data = {"x": [shown.travel_time_s], "y": [shown.energy_kwh]}

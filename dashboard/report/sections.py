@@ -16,6 +16,7 @@ from railjoule.core.studies.sensitivity import SensitivityTable
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.report.figures import Figures, Plot
+from railjoule.dashboard.report.surfaces import surfaces_of
 from railjoule.dashboard.report.tables import scenario_tables
 from railjoule.dashboard.store.report import Findings
 from railjoule.dashboard.views import parts
@@ -131,11 +132,18 @@ def trade_off(findings: Findings, figures: Figures) -> str:
         )
         for k, run in ((int(k), optima[k]) for k in chosen)
     ]
-    head = ("Travel time, s", "kWh", "a second, Wh/s", "top, km/h", "above the bound, %")
+    head = ("Travel time, s", "kWh", "per extra second, Wh/s", "top, km/h", "above the bound, %")
     plots = "".join(figure_element(plot) for plot in figures.plots("frontier"))
     cells = int(np.count_nonzero(np.diff(optima[0].position_m)))
     note = f'<p class="note">{len(optima)} optima over a mesh of {words.number(cells, 0)} cells.</p>'
-    return section("trade-off", "Energy and time", f"{plots}{parts.table('Optima', head, rows)}{note}")
+    table = parts.table("Optima", head, rows)
+    return section("trade-off", "Energy and time", f"{plots}{table}{note}{surface_element(findings, 'enoc')}")
+
+
+def surface_element(findings: Findings, name: str) -> str:
+    """Return the place of a surface; nothing where there is none."""
+    surface = surfaces_of(findings).get(name)
+    return "" if surface is None else surface.element
 
 
 # ---- what is proven, who refused
@@ -170,8 +178,8 @@ def certificate(findings: Findings) -> list[str]:
     energy_words, bound_words = words.energy(best.energy_kwh), words.energy(best.lower_bound_kwh)
     if best.is_proven:
         first = (
-            f"The optimum needs {energy_words} kWh, and it is proven: no run that the bound covers needs less, up to "
-            "one part in a million."
+            f"The optimum needs {energy_words} kWh, and it is proven: no run that the bound covers uses less "
+            "energy, up to one part in a million."
         )
     else:
         first = (
@@ -213,7 +221,7 @@ def reality(findings: Findings, figures: Figures) -> str:
     ]
     more = comparisons.above(found.actual.energy_kwh, found.planned.energy_kwh)
     late, beyond = words.delay(found.delay_s), words.stop_error(found.stop_error_m)
-    text = f"{more} energy, {late} s, stopped {beyond} m from the place."
+    text = f"{more} energy, {late} s, stopped {beyond} m of stopping error."
     events = ""
     if isinstance(found, Ride):
         learned = [
@@ -227,20 +235,20 @@ def reality(findings: Findings, figures: Figures) -> str:
         numbers = parts.figures(run_figures(found), stale=False)
         events = f'{numbers}{held_words(found)}<ul class="notes">{notes}</ul>{parts_table(found)}'
     plots = "".join(figure_element(plot) for plot in figures.plots("reality"))
-    runs = parts.table("Plan and reality", ("Run", "kWh", "s", "km/h", "recuperated, kWh"), rows)
+    runs = parts.table("Planned and actual", ("Run", "kWh", "s", "km/h", "recuperated, kWh"), rows)
     return section("reality", title, f"<p>{text}</p>{events}{plots}{runs}")
 
 
 def robustness(findings: Findings, figures: Figures) -> str:
     """Return what a wrong load and a wrong place cost."""
-    title = "What a wrong load and a wrong place cost"
+    title = "What a wrong load and a position error cost"
     if findings.table is None:
         return section("robustness", title, f'<p class="note">{html.escape(findings.table_refusal)}</p>')
-    return section("robustness", title, sensitivity_table(findings.table))
+    return section("robustness", title, sensitivity_table(findings.table) + surface_element(findings, "costs"))
 
 
 def sensitivity_table(found: SensitivityTable) -> str:
-    """Return the overconsumption over load and coordinate error."""
+    """Return the overconsumption over load and position error."""
     head = ("Load, %", *(f"{words.signed(error, 0)} m" for error in found.coordinate_errors_m))
     rows = [
         (
@@ -252,14 +260,14 @@ def sensitivity_table(found: SensitivityTable) -> str:
         )
         for load, shares in zip(found.load_factors, found.overconsumption, strict=True)
     ]
-    ways = "there and back" if found.both_directions else "one way"
+    ways = "in both directions" if found.both_directions else "in one direction"
     load = words.setting(found.scenario.vehicle.load_factor)
     note = (
         f'<p class="note">The plan for a load of {load} % is followed {ways} with another load, by a train that '
-        f"believes to be further on by the error; planned are {words.energy(found.planned_kwh)} kWh. "
+        f"assumes to be farther on by the error; planned: {words.energy(found.planned_kwh)} kWh. "
         "Energy against the plan, %.</p>"
     )
-    return parts.table("Overconsumption, %, over load and coordinate error", head, rows) + note
+    return parts.table("Overconsumption, %, over load and position error", head, rows) + note
 
 
 # ---- scenario, file
@@ -274,7 +282,7 @@ def scenario(findings: Findings, figures: Figures) -> str:
 def about_file(findings: Findings, figures: Figures) -> str:
     """Return versions, how to load the file again, and the scenario's TOML."""
     text = (
-        "This file needs no network. railjoule opens it in the place of the scenario's file, as the scenario below is "
+        "This file works offline. railjoule opens it instead of the scenario's file, as the scenario below is "
         "part of it; saved as scenario.toml it gives the same numbers on the command line: "
         "<code>railjoule compare scenario.toml</code>."
     )

@@ -17,7 +17,7 @@ from railjoule.dashboard.views.parts import table
 DESCRIPTION = re.compile(r"^(?P<words>.*?)(?: \[(?P<unit>[^\]]+)\])?\.?$")
 MOST_ROWS = 40
 """A table with more rows ends with how many are left out; all of them stand in the embedded scenario."""
-PARTS = {"resistance": "Running resistance", "traction": "Traction", "braking": "Braking", "drive": "Drive"}
+PARTS = {"resistance": "Running resistance", "traction": "Traction", "braking": "Braking", "drive": "Powertrain"}
 UNITS = {
     "_n_per_kn_per_kmh2": "N/kN/(km/h)\u00b2",
     "_n_per_kn_per_kmh": "N/kN/(km/h)",
@@ -88,12 +88,12 @@ def _number(value: float) -> str:
 def _masses(scenario: Scenario) -> Iterator[Row]:
     vehicle = scenario.vehicle
     yield "Mass with passengers", words.number(vehicle.total_mass_kg, 0), "kg"
-    yield "Mass that resists acceleration", words.number(vehicle.total_inertia_kg, 0), "kg"
+    yield "Effective mass, with rotating parts", words.number(vehicle.total_inertia_kg, 0), "kg"
 
 
 def _timetable(scenario: Scenario) -> Iterator[Row]:
     yield from _fields(scenario.timetable)
-    yield "Length of the line", words.distance(scenario.line.length_m), "km"
+    yield "Length of the track", words.distance(scenario.line.length_m), "km"
     yield from _fields(scenario.solver)
 
 
@@ -113,7 +113,7 @@ def _line_tables(line: Line) -> Iterator[str]:
     ]
     name = f": {html.escape(line.name)}" if line.name else ""
     head = ("From, m", "to, m", words.PER_MILLE, "limit, km/h", "curve radius, m")
-    yield _rows_table(f"Line{name}", head, sections)
+    yield _rows_table(f"Track{name}", head, sections)
     limits = [
         (words.number(limit.from_m, 0), words.number(limit.to_m, 0), words.number(limit.limit_kmh, 0))
         for limit in running.speed_limits
@@ -130,7 +130,7 @@ def _disturbance_tables(disturbance: Disturbance) -> Iterator[str]:
     """Yield what goes otherwise than planned; nothing where all goes as planned."""
     if disturbance == Disturbance():
         return
-    yield _fields_table("What goes otherwise than planned", _fields(disturbance))
+    yield _fields_table("Disturbances", _fields(disturbance))
     events = [(number, kind, event) for kind in EVENTS for number, event in enumerate(getattr(disturbance, kind), 1)]
     for number, kind, event in events[:MOST_ROWS]:
         yield _fields_table(f"Event: {kind.replace('_', ' ').removesuffix('s')} {number}", _fields(event))
@@ -147,5 +147,5 @@ def _rows_table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) 
     if not rows:
         return ""
     left_out = len(rows) - MOST_ROWS
-    more = f'<p class="note">{left_out} more rows stand in the scenario below.</p>' if left_out > 0 else ""
+    more = f'<p class="note">{left_out} more rows in the scenario below.</p>' if left_out > 0 else ""
     return table(title, head, ((row, False) for row in rows[:MOST_ROWS])) + more

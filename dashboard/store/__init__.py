@@ -1,5 +1,6 @@
 """What the workbench computes: the only place of the dashboard that asks the core to solve."""
 
+from railjoule.dashboard.store.actual import ActualWish, compute_actual
 from railjoule.dashboard.store.cards import Card, card_names, compute_cards, outlines
 from railjoule.dashboard.store.disturbances import (
     LateArrivals,
@@ -27,7 +28,7 @@ from railjoule.dashboard.store.motor import (
     limits_of,
     machine_refusal,
 )
-from railjoule.dashboard.store.papers import PaperTables, compute_papers
+from railjoule.dashboard.store.papers import PaperTables, compute_papers, shipped_tables
 from railjoule.dashboard.store.recipes import RecipeRun, compute_recipes
 from railjoule.dashboard.store.robustness import (
     Reality,
@@ -53,6 +54,7 @@ from railjoule.dashboard.store.worker import Study, Worker
 
 __all__ = [
     "MACHINE_SCENARIO",
+    "ActualWish",
     "Card",
     "EnocMap",
     "LateArrivals",
@@ -85,6 +87,7 @@ __all__ = [
     "TradeOffWish",
     "Worker",
     "card_names",
+    "compute_actual",
     "compute_cards",
     "compute_chance",
     "compute_detuning",
@@ -111,4 +114,5 @@ __all__ = [
     "limits_of",
     "machine_refusal",
     "outlines",
+    "shipped_tables",
 ]

@@ -6,10 +6,11 @@ from typing import Any, get_args
 
 import numpy as np
 
-from railjoule.core import RailjouleError, Scenario
+from railjoule.core import RailjouleError, Scenario, Trajectory
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.scenario.disturbance import Reaction
-from railjoule.core.simulate.disturbances import Ride, simulate_disturbances, undisturbed_plan
+from railjoule.core.simulate.actual_run import actual_run, plan_of
+from railjoule.core.simulate.disturbances import Ride
 from railjoule.dashboard.store.refusals import named_refusals
 
 REACTIONS: tuple[Reaction, ...] = get_args(Reaction)
@@ -56,8 +57,14 @@ def compute_rides(wish: RidesWish) -> Rides:
     """
     scenario = wish.disturbed()
     with named_refusals(scenario):
-        planned = undisturbed_plan(scenario)
-        return Rides({reaction: simulate_disturbances(scenario, reaction, planned) for reaction in REACTIONS})
+        planned = plan_of(scenario)
+        return Rides({reaction: ride_of(scenario, reaction, planned) for reaction in REACTIONS})
+
+
+def ride_of(scenario: Scenario, reaction: Reaction, planned: Trajectory) -> Ride:
+    """Return the ride of a reaction; without events the run that has its load and place; errors as `compute_rides`."""
+    run = actual_run(scenario, reaction, planned)
+    return run.ride or Ride(planned, run.actual, scenario.travel_time_s, (), ())
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +87,7 @@ class LateArrivals:
 def compute_late_arrivals(wish: RidesWish) -> Iterator[LateArrivals]:
     """Yield energy over delay as it is computed; errors as `compute_rides`."""
     scenario = wish.disturbed()
-    planned = undisturbed_plan(scenario)
+    planned = plan_of(scenario)
     delays = {reaction: np.full(len(DELAYS_S), np.nan) for reaction in REACTIONS}
     energies = {reaction: np.full(len(DELAYS_S), np.nan) for reaction in REACTIONS}
     late = LateArrivals(frozen_array(DELAYS_S), {}, {})
@@ -88,7 +95,7 @@ def compute_late_arrivals(wish: RidesWish) -> Iterator[LateArrivals]:
         relaxed = scenario.disturbance.model_copy(update={"accepted_delay_s": accepted})
         for reaction in REACTIONS:
             try:
-                ride = simulate_disturbances(scenario.model_copy(update={"disturbance": relaxed}), reaction, planned)
+                ride = ride_of(scenario.model_copy(update={"disturbance": relaxed}), reaction, planned)
             except RailjouleError:
                 continue
             delays[reaction][k], energies[reaction][k] = ride.delay_s, ride.actual.energy_kwh

@@ -1,4 +1,4 @@
-"""What the lessons of Learn show: small scenarios of our own, solved anew for each place of a slider."""
+"""What the lessons of Learn show: small scenarios of our own, solved again for each position of a slider."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ from railjoule.core.studies.steady import PhaseCurve, SteadySpeeds, phase_plane,
 from railjoule.core.studies.tradeoff import Frontier, energy_time_frontier, frontier_times
 
 BASE = "liashenko-0"
-"""A metro train of five cars with a constant efficiency, whose speeds a formula tells."""
+"""A metro train of five cars with a constant efficiency, whose speeds follow from a formula."""
 SHORT_M, MIDDLE_M, LONG_M = 1500.0, 3000.0, 6000.0
 HUMP_TIME_S, LONG_TIME_S, LOAD_TIME_S = 125.0, 430.0, 125.0
 PLANNED_LOAD = 0.3
@@ -39,7 +39,7 @@ class LessonResult:
     frontier : Frontier or None
         Energy over travel time.
     steady : SteadySpeeds or None
-        What the multiplier tells of level track.
+        What the multiplier gives on level track.
     plane : tuple of PhaseCurve
         The run in the phase plane.
     """
@@ -58,7 +58,7 @@ class LessonResult:
 
 
 def compute_lesson(wish: LessonWish) -> LessonResult:
-    """Return what a lesson shows; raises RailjouleError if the slider asks for what no train can do."""
+    """Return what a lesson shows; raises RailjouleError if the slider asks for the impossible."""
     return LESSONS[wish.lesson](wish)
 
 
@@ -68,7 +68,7 @@ def _level(length_m: float, **changes: Any) -> Scenario:
 
 def _coasting(wish: LessonWish) -> LessonResult:
     scenario = _level(SHORT_M, **{"timetable.travel_time_s": wish.value})
-    return LessonResult(wish, {"optimum": solve(scenario), "one speed": one_speed_run(scenario)})
+    return LessonResult(wish, {"optimum": solve(scenario), "constant speed": one_speed_run(scenario)})
 
 
 def _multiplier(wish: LessonWish) -> LessonResult:
@@ -82,7 +82,7 @@ def _multiplier(wish: LessonWish) -> LessonResult:
 def _recuperation(wish: LessonWish) -> LessonResult:
     without = _level(LONG_M, **{"timetable.travel_time_s": LONG_TIME_S})
     scenario = without.with_(**{"drive.recuperation_factor": wish.value / 100})
-    return _with_plane(wish, scenario, {"optimum": solve(scenario), "nothing given back": solve(without)})
+    return _with_plane(wish, scenario, {"optimum": solve(scenario), "no recuperation": solve(without)})
 
 
 def _gradient(wish: LessonWish) -> LessonResult:
@@ -94,19 +94,19 @@ def _gradient(wish: LessonWish) -> LessonResult:
         {"length_m": 250.0, "gradient_permille": steep},
         {"length_m": 150.0},
     ]
-    blind = _level(SHORT_M, **{"timetable.travel_time_s": HUMP_TIME_S})
-    knowing = blind.with_(line={"sections": sections})
-    driven = follow(plan_for(blind), knowing).actual
-    return LessonResult(wish, {"knows the line": plan_for(knowing), "planned for level track": driven})
+    without = _level(SHORT_M, **{"timetable.travel_time_s": HUMP_TIME_S})
+    with_gradients = without.with_(line={"sections": sections})
+    driven = follow(plan_for(without), with_gradients).actual
+    return LessonResult(wish, {"planned with gradients": plan_for(with_gradients), "planned for level track": driven})
 
 
 def _load(wish: LessonWish) -> LessonResult:
     planned = _level(SHORT_M, **{"timetable.travel_time_s": LOAD_TIME_S, "vehicle.load_factor": PLANNED_LOAD})
-    real = wish.value / 100
-    driven = follow(plan_for(planned), planned.with_(**{"disturbance.actual_load_factor": real})).actual
-    # heavier, it comes late: what a plan for the true load needs counts for the same arrival
-    knowing = planned.with_(**{"vehicle.load_factor": real, "timetable.travel_time_s": driven.travel_time_s})
-    return LessonResult(wish, {"knows the load": plan_for(knowing), "planned for 30 %": driven})
+    actual = wish.value / 100
+    driven = follow(plan_for(planned), planned.with_(**{"disturbance.actual_load_factor": actual})).actual
+    # a heavier train is late: the plan for the actual load gets the same arrival
+    for_actual = planned.with_(**{"vehicle.load_factor": actual, "timetable.travel_time_s": driven.travel_time_s})
+    return LessonResult(wish, {"planned for the actual load": plan_for(for_actual), "planned for 30 %": driven})
 
 
 def _with_plane(

@@ -52,8 +52,8 @@ def machine_refusal(scenario: Scenario) -> str:
     if limits_of(scenario) is not None:
         return ""
     return (
-        f"The drive of this vehicle, {scenario.vehicle.name}, has no induction machine: drive.model = "
-        f"'{scenario.vehicle.drive.model}' without the table drive.machine."
+        f"This page simulates induction motors, and the data of {scenario.vehicle.name} describe none. The editor has "
+        "them under Powertrain; in a file they are the table drive.machine."
     )
 
 

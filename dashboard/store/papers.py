@@ -1,9 +1,22 @@
-"""The papers' printed numbers beside ours, table by table."""
+"""The papers' printed numbers beside ours, table by table: computed now, or as they were computed for this release.
 
+They depend on the code alone and take half a minute, so they are shipped; `python -m railjoule.dashboard.renew_papers`
+renews the file after a change of the core.
+"""
+
+import json
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
 
-from railjoule.core.validation import COMPARISONS, Validation
+import railjoule.core
+from railjoule.core._numba_cache import source_hash
+from railjoule.core.validation import COMPARISONS, Row, Table, Validation
+
+SHIPPED = ("papers", "computed.json")
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,3 +51,41 @@ def compute_papers(names: tuple[str, ...]) -> Iterator[dict[str, PaperTables]]:
         for step in comparison.steps():
             done = {**done, name: PaperTables(name, step, len(comparison.tables))}
             yield done
+
+
+@dataclass(frozen=True, eq=False)
+class ShippedTables:
+    """What was computed of all papers before.
+
+    Parameters
+    ----------
+    papers : mapping
+        By name.
+    is_current : bool
+        Whether this very code has computed it.
+    """
+
+    papers: dict[str, PaperTables]
+    is_current: bool
+
+
+@cache
+def shipped_tables() -> ShippedTables:
+    """Return the comparisons of the file that is shipped."""
+    kept = json.loads(files("railjoule.assets").joinpath(*SHIPPED).read_text(encoding="utf-8"))
+    papers = {name: _paper(name, tables) for name, tables in kept["papers"].items() if name in COMPARISONS}
+    return ShippedTables(papers, kept["code"] == code_hash())
+
+
+def code_hash() -> str:
+    """Return digits that change with any source of the core."""
+    return source_hash(Path(railjoule.core.__file__).parent)
+
+
+def _paper(name: str, tables: list[dict[str, Any]]) -> PaperTables:
+    comparison = COMPARISONS[name]()
+    made = tuple(
+        Table(table["title"], tuple(Row(**row) for row in table["rows"]), table["place"], table["reference"])
+        for table in tables
+    )
+    return PaperTables(name, Validation(name, comparison.citation, made, comparison.errata), len(made))

@@ -13,4 +13,4 @@ def named_refusals(scenario: Scenario) -> Iterator[None]:
     try:
         yield
     except StrategyRefusedError as refusal:
-        raise StrategyRefusedError(f"{STRATEGY_WORDS[scenario.strategy]} {refusal}") from None
+        raise StrategyRefusedError(f"{STRATEGY_WORDS[scenario.strategy]}: {refusal}") from None

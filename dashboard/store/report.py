@@ -9,7 +9,8 @@ from railjoule.core import RailjouleError, Scenario, Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.disturbance import Disturbance
-from railjoule.core.simulate.disturbances import Ride, simulate_disturbances
+from railjoule.core.simulate.actual_run import actual_run
+from railjoule.core.simulate.disturbances import Ride
 from railjoule.core.simulate.field_oriented import FieldOrientedRun, simulate_field_oriented
 from railjoule.core.simulate.following import Following, simulate_following
 from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
@@ -17,6 +18,7 @@ from railjoule.core.studies.sensitivity import SensitivityTable, sensitivity_ste
 from railjoule.core.studies.tradeoff import coarsened, frontier_times
 from railjoule.dashboard.store.refusals import named_refusals
 from railjoule.dashboard.store.runs import Runs, RunsWish, compute_runs
+from railjoule.dashboard.store.trade_off import EnocMap, compute_enoc_map
 
 OPTIMA_COUNT = 40
 MOST_CELLS = 500
@@ -54,6 +56,8 @@ class Findings:
         Overconsumption over load and coordinate error.
     table_refusal : str
         Why there is no table.
+    enoc_map : EnocMap or None
+        ENOC's energy over travel time and acceleration time, where it takes the scenario.
     share : float
         How much of the work is done, 0 to 1.
     """
@@ -65,6 +69,7 @@ class Findings:
     reality_refusal: str = ""
     table: SensitivityTable | None = None
     table_refusal: str = ""
+    enoc_map: EnocMap | None = None
     share: float = RUNS_SHARE
 
     @property
@@ -84,7 +89,9 @@ def compute_findings(wish: ReportWish) -> Iterator[Findings]:
     scenario = wish.scenario
     if wish.strategy is not None and wish.strategy != scenario.strategy:
         scenario = scenario.with_(strategy=wish.strategy)
-    findings = Findings(scenario, compute_runs(RunsWish(scenario, tuple(STRATEGIES))))
+    findings = Findings(
+        scenario, compute_runs(RunsWish(scenario, tuple(STRATEGIES))), enoc_map=compute_enoc_map(scenario)
+    )
     yield findings
     for optima, share in _optima(findings):
         findings = replace(findings, optima=optima, share=RUNS_SHARE + (OPTIMA_SHARE - RUNS_SHARE) * share)
@@ -136,5 +143,5 @@ def _reality(scenario: Scenario) -> Reality | None:
         if in_closed_loop:
             return simulate_field_oriented(scenario)
         if scenario.disturbance.events:
-            return simulate_disturbances(scenario)
+            return actual_run(scenario).ride
         return simulate_following(scenario)

@@ -116,6 +116,18 @@ def compute_trade_off(wish: TradeOffWish) -> TradeOff:
     )
 
 
+def compute_enoc_map(scenario: Scenario) -> EnocMap | None:
+    """Return ENOC's map for real timetables, or None where ENOC does not take the scenario."""
+    task = prepare_task(scenario)
+    try:
+        line = plain_line(task)
+    except StrategyRefusedError:
+        return None
+    (first, last), ramps = NARROW_MAP_S
+    times = np.linspace(first * task.shortest_time_s, last * task.shortest_time_s, MAP_SIZE)
+    return _enoc_map(enoc_coefficients(line), times, ramps)
+
+
 def _enoc_map(coefficients: EnocCoefficients, times: FloatArray, ends: tuple[float, float]) -> EnocMap:
     ramps = np.linspace(*ends, MAP_SIZE)
     best = np.array([best_acceleration_time(coefficients, time) for time in times])

@@ -12,8 +12,11 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.charts import Chart, clear, nice_range, text_style, xy
 from railjoule.dashboard.views.figures import captioned, empty_figure
+from railjoule.dashboard.views.label_places import text_width_px
+from railjoule.dashboard.views.line_names import rows_of
 
 BINS = 36
+SIGN_PX, ROW_PX = 11, 14.0
 QUANTILES = {0.05: "5 %", 0.5: "median", 0.95: "95 %"}
 SHOWN = (0.003, 0.997)
 """Of the values this part is drawn."""
@@ -30,19 +33,26 @@ class HistogramChart(Chart):
 
     kind = "bars"
 
-    def __init__(self, name: str, words: str, show: Callable[[float], str], height: int, palette: Palette) -> None:
+    def __init__(
+        self, name: str, words: str, quantity: str, show: Callable[[float], str], height: int, palette: Palette
+    ) -> None:
         super().__init__(name, words, height)
-        self.palette, self.show_value = palette, show
+        self.palette, self.quantity, self.show_value = palette, quantity, show
         self.x_range, self.y_range = Range1d(0, 1), Range1d(0, 1)
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=2)
+        f = empty_figure(
+            self.height, self.x_range, self.y_range, self.words, self.palette, ticks=2, x_title=self.quantity
+        )
         self.figure = f
         f.yaxis.visible = False
         f.ygrid.visible = False
         self.bars = ColumnDataSource({"left": [], "right": [], "top": []})
-        self.marks = ColumnDataSource({"x": [], "y": [], "text": [], "align": [], "offset": []})
+        self.marks, self.signs = (
+            ColumnDataSource({"x": [], "y": []}),
+            ColumnDataSource({"x": [], "y": [], "text": []}),
+        )
         bar = f.quad("left", "right", 0, "top", source=self.bars, line_width=1)
         self.palette.paint(bar.glyph, fill_color="line2", line_color="surface")
         line = f.segment("x", 0, "x", "y", source=self.marks, line_width=1.2)
@@ -51,12 +61,11 @@ class HistogramChart(Chart):
             "x",
             "y",
             "text",
-            text_align="align",
-            x_offset="offset",
-            source=self.marks,
+            text_align="center",
+            source=self.signs,
             y_offset=-2,
             text_baseline="bottom",
-            **text_style(11),
+            **text_style(SIGN_PX),
         )
         self.palette.paint(sign.glyph, text_color="ink2")
         self.content = captioned(self.words, f)
@@ -67,6 +76,7 @@ class HistogramChart(Chart):
         if not len(values):
             clear(self.bars)
             clear(self.marks)
+            clear(self.signs)
             return
         low, high = np.quantile(values, SHOWN)
         low, high = nice_range(float(low), float(max(high, low + 1e-3)))
@@ -74,17 +84,29 @@ class HistogramChart(Chart):
         most = float(max(counts.max(), 1))
         self.bars.data = {"left": edges[:-1].tolist(), "right": edges[1:].tolist(), "top": counts.tolist()}
         self.x_range.update(start=low, end=high)
-        self.y_range.update(start=0, end=1.25 * most)
-        places = np.quantile(values, list(QUANTILES))
-        self.marks.data = {
-            "x": places.tolist(),
-            "y": [1.06 * most] * len(places),
-            "text": [
-                f"{word}: {self.show_value(place)}"
-                for word, place in zip(QUANTILES.values(), places.tolist(), strict=True)
-            ],
-            "align": ["right", "center", "left"],
-            "offset": [2, 0, -2],
+        self._mark(np.quantile(values, list(QUANTILES)).tolist(), (low, high), most)
+
+    def _mark(self, places: list[float], ends: tuple[float, float], most: float) -> None:
+        """Draw the quantiles, their words in as many rows as they need above the bars."""
+        texts = [f"{word}: {self.show_value(place)}" for word, place in zip(QUANTILES.values(), places, strict=True)]
+        frame = self.frame_over(ends, (0.0, most))
+        spans = []
+        for place, text in zip(places, texts, strict=True):
+            width = text_width_px(text, SIGN_PX)
+            left = float(frame.x_px(np.array(place))) - 0.5 * width
+            left = min(max(left, 0.0), max(frame.width_px - width, 0.0))
+            spans.append((left, left + width))
+        rows = rows_of(spans)
+        room_px = ROW_PX * (max(rows) + 1) + ROW_PX
+        per_px = most / max(frame.height_px - room_px, ROW_PX)
+        self.y_range.update(start=0, end=most + room_px * per_px)
+        levels = [most + (ROW_PX * row + 0.4 * ROW_PX) * per_px for row in rows]
+        scale = (ends[1] - ends[0]) / frame.width_px
+        self.marks.data = {"x": places, "y": levels}
+        self.signs.data = {
+            "x": [ends[0] + 0.5 * (left + right) * scale for left, right in spans],
+            "y": levels,
+            "text": texts,
         }
 
 
@@ -92,10 +114,10 @@ def chance_table(table: MonteCarloTable) -> str:
     """Return quantiles and ends of all results of the runs so far, and how many runs there are."""
     results: dict[str, tuple[FloatArray, Callable[[float], str]]] = {
         "Energy, kWh": (table.energy_kwh, words.energy),
-        "Above the plan, %": (table.overconsumption, words.share_difference),
-        "Above a plan for that load, %": (table.over_replanned, words.share_difference),
-        "Late at the stop, s": (table.delay_s, words.delay),
-        "Beyond the stop, m": (table.stop_error_m, words.stop_error),
+        "Extra energy against the plan, %": (table.overconsumption, words.share_difference),
+        "Above a plan for this load, %": (table.over_replanned, words.share_difference),
+        "Delay at the stop, s": (table.delay_s, words.delay),
+        "Overshoot, m": (table.stop_error_m, words.stop_error),
     }
     rows = []
     for name, (values, show) in results.items():
@@ -110,7 +132,7 @@ def chance_table(table: MonteCarloTable) -> str:
     text = f"{words.number(table.done, 0)} of {words.number(table.runs, 0)} runs, seed {seed}."
     text += f" In {words.number(stuck, 0)} of them the train comes to a stand." if stuck else ""
     quantiles = parts.table("Monte Carlo", ("Result", "least", *QUANTILES.values(), "most"), rows)
-    return f'<div style="padding:0 6px 0 50px">{quantiles}<p class="note">{text}</p></div>'
+    return f'<div style="padding:0 6px">{quantiles}<p class="note">{text}</p></div>'
 
 
 class LoadScatter(Chart):
@@ -119,12 +141,14 @@ class LoadScatter(Chart):
     kind = "map"
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("scatter", "Monte Carlo: energy, kWh, over load, %", height)
+        super().__init__("scatter", "Monte Carlo: energy, kWh, over load; blue: a plan for the actual load", height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 100), Range1d(0, 1)
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=4, digits=1)
+        f = empty_figure(
+            self.height, self.x_range, self.y_range, self.words, self.palette, ticks=4, digits=1, x_title="Load, %"
+        )
         self.figure = f
         self.points = ColumnDataSource({"x": [], "y": []})
         self.line = ColumnDataSource({"x": [], "y": []})
@@ -132,27 +156,21 @@ class LoadScatter(Chart):
         self.palette.paint(points.glyph, fill_color="driven")
         line = f.line("x", "y", source=self.line, line_width=1.8)
         self.palette.paint(line.glyph, line_color="accent")
-        self.sign = ColumnDataSource({"x": [], "y": [], "text": []})
-        sign = f.text(
-            "x", "y", "text", source=self.sign, text_align="right", text_baseline="top", y_offset=30, **text_style(11)
-        )
-        self.palette.paint(sign.glyph, text_color="accent")
         self.content = captioned(self.words, f)
 
     def draw(self, table: MonteCarloTable) -> None:
-        """Draw the runs so far, and what plans would need that knew the load."""
+        """Draw the runs so far, and the energy of plans for the actual load."""
         done = np.isfinite(table.energy_kwh)
         load = 100 * table.drawn["load_factor"][: table.done][done]
         energy = table.energy_kwh[done]
         if not len(load):
-            for source in (self.points, self.line, self.sign):
+            for source in (self.points, self.line):
                 clear(source)
             return
         self.points.data = xy(load[:MOST_POINTS], energy[:MOST_POINTS])
         order = np.argsort(load)[:: max(1, len(load) // 60)]
         knowing = table.knowing_kwh[: table.done][done][order]
         self.line.data = xy(load[order], knowing)
-        self.sign.data = {"x": [float(load[order][-1])], "y": [float(knowing[-1])], "text": ["plan for the true load"]}
         self.x_range.update(start=0, end=100)
         low, high = nice_range(float(min(knowing.min(), energy.min())), float(np.quantile(energy, SHOWN[1])))
         self.y_range.update(start=low, end=high)

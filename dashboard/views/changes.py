@@ -18,12 +18,12 @@ class Changes:
 
     def __init__(self, state: Workbench) -> None:
         self.state = state
-        self.unchanged = html_pane('<div class="row small" style="padding-top:8px"><span>as in the preset</span></div>')
+        self.unchanged = html_pane('<div class="row small" style="padding-top:8px"><span>Unchanged</span></div>')
         self.count = pmui.Button(
             variant="text", size="small", margin=(0, 0, 0, 6), icon="expand_more", on_click=self._turn
         )
         self.back = pmui.Button(
-            label="Back to the preset",
+            label="Undo all",
             variant="text",
             size="small",
             margin=(0, 4),
@@ -56,7 +56,7 @@ class Changes:
         words = f"<span>{html.escape(key)}</span><span>{html.escape(before)} \u2192 {html.escape(short(value))}</span>"
         take_back = pmui.IconButton(
             icon="undo",
-            description=f"Take back {key}",
+            description=f"Undo {key}",
             size="small",
             margin=0,
             color="default",

@@ -1,6 +1,6 @@
 """The shared bones of all charts: frame, axes, zoom, one cursor through all of them."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from typing import Any, Protocol
 
@@ -34,6 +34,8 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.look.tokens import DASHES, FONT, line_width
 from railjoule.dashboard.views import parts
+from railjoule.dashboard.views.label_places import Box
+from railjoule.dashboard.views.line_names import Frame, Name, name_source, placed_names
 from railjoule.dashboard.views.sketches import COMPUTING, SketchKind, not_drawn, sketch
 
 TICKS_JS = """
@@ -62,11 +64,13 @@ const at = (data, stepped) => {
 };
 for (const chart of charts) {
   if (place == null) { chart.caption.text = chart.words; continue; }
+  // a source may have a unit and digits of its own
   const values = chart.sources
-    .map(([word, source]) => [word, at(source.data, chart.stepped)])
+    .map(([word, source, unit, digits]) => [word, at(source.data, chart.stepped), unit ?? chart.unit, digits])
     .filter(([, number]) => isFinite(number))
-    .map(([word, number]) => [word, number, chart.digits + (Math.abs(number) < chart.small ? 1 : 0)])
-    .map(([word, number, digits]) => (word ? word + " " : "") + text(number, digits) + " " + chart.unit);
+    .map(([word, number, unit, digits]) =>
+      [word, number, unit, digits ?? chart.digits + (Math.abs(number) < chart.small ? 1 : 0)])
+    .map(([word, number, unit, digits]) => (word ? word + " " : "") + text(number, digits) + " " + unit);
   const where = chart.place ? text(place, chart.place[1]) + " " + chart.place[0] + ": " : "";
   chart.caption.text = values.length ? chart.words + "&ensp;&ensp;" + where + values.join("&ensp;&ensp;") : chart.words;
 }
@@ -75,10 +79,15 @@ CAPTION_PX = 21
 UNDRAWN = "rj-undrawn"
 PLACE_CSS = """
 :host { overflow: hidden; filter: var(--rj-chart-filter, none); }
+@media (max-width: 899px) { :host { height: auto !important; } }
 """
+"""On narrow screens a caption may take two lines."""
 SHORT_COLUMN = 40
-SPREAD_PASSES = 100
-"""Enough for a dozen labels that all want the same place."""
+USUAL_WIDTH_PX = 640.0
+RIGHT_BORDER_PX = 20
+"""Half of the last number of an axis stands in it."""
+RIGHT_PX, BOTTOM_PX, TICKS_PX, TITLE_PX = RIGHT_BORDER_PX + 4, 9, 26, 20
+"""What is taken at least by the right and lower edges of a figure, the numbers of its x axis and that axis's title."""
 END_LABEL_SHARE = 0.125
 """Share of the axis beyond the last stop that is kept free for labels at the ends of lines."""
 
@@ -110,6 +119,11 @@ class Axis:
     def add(self, name: str, chart: dict[str, object]) -> None:
         """Let the cursor write into one more chart's caption, once `settle` is called."""
         self._charts[name] = chart
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """The ends of the whole axis, the room for labels included."""
+        return self._extent
 
     @property
     def end(self) -> float:
@@ -165,6 +179,8 @@ class Chart:
         )
         self.wait()
         self.visible = False
+        self.width_px = USUAL_WIDTH_PX
+        """How wide its place is at least [px]: where more room turns up, names stay as free as they are."""
         self.figure: figure | None = None
         self.content: Viewable | None = None
         self.queue: Queue = AT_ONCE
@@ -219,6 +235,14 @@ class Chart:
         if not self.is_drawn:
             self.place.css_classes = [name for name in self.place.css_classes if name != UNDRAWN]
             self.place[:] = [self.content]
+
+    def frame_over(self, x: tuple[float, float], y: tuple[float, float]) -> Frame:
+        """Return the part of the figure that is drawn in, as large as it is at least."""
+        f = self.figure
+        assert f is not None
+        below = TICKS_PX + (TITLE_PX if f.xaxis[0].axis_label else 0) if f.xaxis[0].visible else BOTTOM_PX
+        left = f.min_border_left + (TITLE_PX if f.yaxis[0].axis_label else 0)
+        return Frame(max(self.width_px - left - RIGHT_PX, 1.0), max(self.height - below - 2.0, 1.0), x, y)
 
     def fail(self) -> None:
         """Say in the chart's place that it could not be drawn; what is drawn next is drawn anew."""
@@ -295,7 +319,7 @@ class DistanceChart(Chart):
             tools="",
             outline_line_color=None,
             min_border_left=self.left,
-            min_border_right=14,
+            min_border_right=RIGHT_BORDER_PX,
             min_border_top=2,
             min_border_bottom=7,
             html_attributes={"role": "img", "aria-label": self.words or self.name},
@@ -331,6 +355,36 @@ class DistanceChart(Chart):
         }
         self.axis.add(self.name, self.told)
         return f
+
+    def rename(self, words: str) -> None:
+        """Give the chart another caption."""
+        self.words = self.told["words"] = words
+        caption = self.told["caption"]
+        if isinstance(caption, Div) and caption.text != words:
+            caption.text = words
+        if self.figure is not None:
+            self.figure.html_attributes = {"role": "img", "aria-label": words}
+
+    def add_names(self, source: str = "names", size: int = 12) -> None:
+        """Let the figure write the names of its lines."""
+        assert self.figure is not None
+        self.sources[source] = name_source()
+        write_names(self.figure, self.sources[source], size)
+
+    def place_names(
+        self,
+        lines: Mapping[str, tuple[FloatArray, FloatArray]],
+        names: Sequence[Name],
+        taken: Sequence[Box] = (),
+        source: str = "names",
+    ) -> None:
+        """Write the names of lines where there is room for them."""
+        self.sources[source].data = placed_names(self.frame_now, lines, names, taken)
+
+    @property
+    def frame_now(self) -> Frame:
+        """The frame over the whole axis, whatever part of it is zoomed in on."""
+        return self.frame_over(self.axis.extent, (float(self.y_range.start), float(self.y_range.end)))
 
     def set_range(self, low: float, high: float) -> None:
         """Set the ends of the y axis, and let the ticks of the x axis end with the run."""
@@ -377,26 +431,25 @@ def text_style(size: int = 12) -> dict[str, object]:
     return {"text_font": value(FONT), "text_font_size": value(f"{size}px")}
 
 
+def write_names(f: figure, source: ColumnDataSource, size: int = 12) -> None:
+    """Let a figure write the names that a source holds, above all that is drawn."""
+    names = f.text(
+        "x",
+        "y",
+        "text",
+        text_color="colour",
+        text_align="align",
+        x_offset="dx",
+        source=source,
+        text_baseline="middle",
+        **text_style(size),
+    )
+    names.level = "overlay"
+
+
 def style_of(name: str) -> dict[str, object]:
     """Return width and dash of a strategy's line, or of the pinned run's."""
     return {"line_width": line_width(name), "line_dash": DASHES[name]}  # type: ignore[index]
-
-
-def spread(values: Sequence[float], gap: float) -> list[float]:
-    """Return places near `values` that lie at least `gap` apart, in the same order."""
-    if not len(values):
-        return []
-    order = np.argsort(values)
-    placed = np.asarray(values, dtype=float)[order]
-    for _ in range(SPREAD_PASSES):
-        for i in range(1, len(placed)):
-            lack = gap - (placed[i] - placed[i - 1])
-            if lack > 1e-12:
-                placed[i - 1] -= lack / 2
-                placed[i] += lack / 2
-    result = np.empty(len(placed))
-    result[order] = placed
-    return [float(place) for place in result]
 
 
 def nice_range(low: float, high: float, share: float = 0.06) -> tuple[float, float]:

@@ -36,7 +36,7 @@ HEIGHTS = {
 """Of each chart [px]: in usual, wide and narrow windows."""
 BODY_CSS = ":host { padding: 4px 20px 0 14px; } @media (max-width: 899px) { :host { padding: 4px 10px 0 6px; } }"
 TEXT_CSS = ":host { padding: 0 20px 16px 20px; } @media (max-width: 899px) { :host { padding: 0 14px 16px 14px; } }"
-NO_PIN = "Pin a run on any page with Pin run, and it stands here beside the next one; up to six."
+NO_PIN = "Pin up to six runs to compare them here."
 SMALL: dict[str, Any] = {"size": "small", "sx": {"& .MuiToggleButton-root": {"whiteSpace": "nowrap"}}}
 
 
@@ -109,9 +109,9 @@ class CompareView(PageView):
         self.compared: tuple[ComparedChart, ...] = tuple(
             kind(height, self.axis, palette) for kind, height in zip(kinds, heights, strict=True)
         )
-        self.reference = pmui.Select(label="Compare with", options=[], size="small", margin=(10, 12, 0, 20), width=290)
+        self.reference = pmui.Select(label="Reference run", options=[], size="small", margin=(10, 12, 0, 20), width=290)
         self.which = pmui.RadioButtonGroup(
-            options={"All strategies": True, "Ticked ones": False},
+            options={"All strategies": True, "Selected only": False},
             value=state.compare_all,
             margin=(16, 12, 0, 20),
             **SMALL,
@@ -162,7 +162,7 @@ class CompareView(PageView):
 
     def _show_failure(self) -> None:
         run = self.state.run
-        shown = f"Shown: the last good runs, {words.number(run.travel_time_s)} s." if run else ""
+        shown = f"Shown: the last valid runs, {words.number(run.travel_time_s)} s." if run else ""
         self.tell(self.state.failure, shown)
 
     def _show(self) -> None:
@@ -193,7 +193,7 @@ class CompareView(PageView):
         count = len(state.pins)
         pinned = f"{count} of {MOST_PINS} runs pinned" if count else "nothing pinned"
         title = state.run.scenario.title
-        self.heading.object = parts.heading("Compare", title, f"{len(among)} runs, {pinned}")
+        self.heading.object = parts.heading(self.page, title, f"{len(among)} runs, {pinned}", "")
         self.table.object = comparison_table(among, reference) + self._refusals()
         self.empty.object = f'<div class="block"><h2>Pinned runs</h2>{"" if count else f"<p>{NO_PIN}</p>"}</div>'
         for row in self.rows:

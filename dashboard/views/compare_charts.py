@@ -15,14 +15,15 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import PIN_DASHES
 from railjoule.dashboard.models.contenders import Contender
-from railjoule.dashboard.views.charts import Axis, add_zero, clear, nice_range, spread, style_of, text_style, xy
+from railjoule.dashboard.views.charts import Axis, add_zero, clear, nice_range, style_of, xy
+from railjoule.dashboard.views.line_names import Name
 from railjoule.dashboard.views.run_lines import RunLinesChart
 
 PIN_WIDTH_PX = 1.8
 MOST_TOLD = 6
 """The cursor writes the values of so many runs at most, the reference first."""
 HEADROOM = 1.12
-LABEL_PX = 14
+Line = tuple[FloatArray, FloatArray]
 FASTEST = "fastest"
 
 
@@ -40,24 +41,6 @@ class ComparedChart(RunLinesChart):
     def __init__(self, name: str, title: str, height: int, axis: Axis, palette: Palette) -> None:
         super().__init__(name, title, height, axis, palette)
         self._drawn: Mapping[str, tuple[Trajectory, bool, Trajectory | None]] = {}
-
-    def add_names(self, **style: Any) -> None:
-        """Add the signs of the lines."""
-        assert self.figure is not None
-        self.sources["names"] = ColumnDataSource({"x": [], "y": [], "text": [], "colour": []})
-        names = self.figure.text(
-            "x",
-            "y",
-            "text",
-            text_color="colour",
-            source=self.sources["names"],
-            text_baseline="middle",
-            background_fill_alpha=0.8,
-            padding=1,
-            **text_style(),
-            **style,
-        )
-        self.palette.paint(names.glyph, background_fill_color="surface")
 
     def fill_all(
         self, among: Sequence[Contender], reference: Contender, over_time: bool, against: Trajectory | None = None
@@ -83,27 +66,43 @@ class ComparedChart(RunLinesChart):
         values = self.values(run)
         return float(values.min()), float(values.max())
 
-    def name_ends(
-        self, among: Sequence[Contender], over_time: bool, narrow: bool, show: Callable[[float], str]
+    def tell_left_out(self, among: Sequence[Contender], drawn: Sequence[Contender]) -> None:
+        """Say in the caption which runs would need another scale."""
+        left_out = [contender.name for contender in among if contender not in drawn]
+        told = f"{self.words}; {' and '.join(left_out)} needs more than this scale shows" if left_out else self.words
+        self.told["words"] = self.told["caption"].text = told
+
+    def name_lines(
+        self,
+        among: Sequence[Contender],
+        over_time: bool,
+        texts: Sequence[str],
+        at_end: bool = False,
+        more: Mapping[str, Line] | None = None,
     ) -> None:
-        """Write sign and last value at the ends of the lines, and make room for them."""
+        """Write the names of the runs where there is room; `more` are lines without a name."""
+        lines = {c.key: (c.run.time_s if over_time else c.run.position_m, self.values(c.run)) for c in among}
+        colours = [self.palette.tokens[contender.key] for contender in among]
+        names = [
+            Name(contender.key, text, colour, at_end)
+            for contender, text, colour in zip(among, texts, colours, strict=True)
+        ]
+        self.place_names({**lines, **(more or {})}, names)
+
+    def name_ends(
+        self,
+        among: Sequence[Contender],
+        over_time: bool,
+        narrow: bool,
+        show: Callable[[float], str],
+        more: Mapping[str, Line] | None = None,
+    ) -> None:
+        """Write sign and last value at the ends of the lines."""
         if narrow:
             clear(self.sources["names"])
             return
-        ends = [float(self.values(contender.run)[-1]) for contender in among]
-        low, high = self.y_range.start, self.y_range.end
-        # the room that labels take beyond the lines makes all of them closer, so it needs a little more
-        for _ in range(3):
-            gap = LABEL_PX * max((high - low) / self.height, 1e-9)
-            places = spread(ends, gap)
-            low, high = min(low, min(places) - 0.6 * gap), max(high, max(places) + 0.6 * gap)
-        self.set_range(low, high)
-        self.sources["names"].data = {
-            "x": [end_of(contender.run, over_time) for contender in among],
-            "y": places,
-            "text": [f"{c.sign} {show(end)}" for c, end in zip(among, ends, strict=True)],
-            "colour": [self.palette.tokens[contender.key] for contender in among],
-        }
+        texts = [f"{contender.sign} {show(float(self.values(contender.run)[-1]))}" for contender in among]
+        self.name_lines(among, over_time, texts, True, more)
 
     def draw(self, among: Sequence[Contender], reference: Contender, over_time: bool, narrow: bool) -> None:
         """Draw all runs."""
@@ -136,7 +135,7 @@ class ComparedSpeedChart(ComparedChart):
         limit = f.line("x", "y", source=self.sources["limit"], line_width=1.2)
         self.palette.paint(limit.glyph, line_color="limit")
         self.add_lines()
-        self.add_names(text_align="center")
+        self.add_names()
 
     def values(self, run: Trajectory) -> FloatArray:
         """Speed [km/h]."""
@@ -151,21 +150,9 @@ class ComparedSpeedChart(ComparedChart):
         x = np.interp(places, first.position_m, first.time_s) if over_time else np.asarray(places)
         self.sources["limit"].data = xy(np.repeat(x, 2)[1:-1], np.repeat(limits, 2))
         self.set_range(0, HEADROOM * max(high, float(np.max(limits))))
-        self._draw_names(among, over_time)
-
-    def _draw_names(self, among: Sequence[Contender], over_time: bool) -> None:
-        """Put the signs one after the other along the way, so that none covers another."""
-        places = np.linspace(0.14, 0.86, len(among) + 1)[:-1] + 0.36 / (len(among) + 1)
-        x = [float(share) * end_of(contender.run, over_time) for share, contender in zip(places, among, strict=True)]
-        self.sources["names"].data = {
-            "x": x,
-            "y": [
-                float(np.interp(place, c.run.time_s if over_time else c.run.position_m, self.values(c.run)))
-                for place, c in zip(x, among, strict=True)
-            ],
-            "text": [contender.sign for contender in among],
-            "colour": [self.palette.tokens[contender.key] for contender in among],
-        }
+        self.name_lines(
+            among, over_time, [c.sign for c in among], more={"limit": (np.repeat(x, 2)[1:-1], np.repeat(limits, 2))}
+        )
 
 
 class ComparedEnergyChart(ComparedChart):
@@ -180,7 +167,7 @@ class ComparedEnergyChart(ComparedChart):
         """Make the figure."""
         self.frame()
         self.add_lines()
-        self.add_names(x_offset=3)
+        self.add_names()
 
     def values(self, run: Trajectory) -> FloatArray:
         """Line energy so far [kWh]."""
@@ -189,6 +176,7 @@ class ComparedEnergyChart(ComparedChart):
     def draw(self, among: Sequence[Contender], reference: Contender, over_time: bool, narrow: bool) -> None:
         """Draw all runs."""
         drawn = without_fastest(among, reference)
+        self.tell_left_out(among, drawn)
         self.set_range(*nice_range(*self.fill_all(drawn, reference, over_time)))
         self.name_ends(drawn, over_time, narrow, words.energy)
 
@@ -199,7 +187,7 @@ class ComparedDifferenceChart(ComparedChart):
     unit, digits = "kWh", 2
 
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        title = "Energy so far, less that of the reference, kWh"
+        title = "Energy so far vs reference, kWh"
         super().__init__("compared_difference", title, height, axis, palette)
         self._reference: Trajectory | None = None
         self._over_time = False
@@ -209,7 +197,7 @@ class ComparedDifferenceChart(ComparedChart):
         f = self.frame(digits=1)
         add_zero(f, self.palette)
         self.add_lines()
-        self.add_names(x_offset=3)
+        self.add_names()
 
     def values(self, run: Trajectory) -> FloatArray:
         """Energy so far less that of the reference [kWh]; beyond the end of the reference its last value counts."""
@@ -223,8 +211,10 @@ class ComparedDifferenceChart(ComparedChart):
         self._reference, self._over_time = reference.run, over_time
         others = [contender for contender in without_fastest(among, reference) if contender is not reference]
         drawn = others or [reference]
+        self.tell_left_out(among, [*drawn, reference])
         self.set_range(*nice_range(*self.fill_all(drawn, drawn[0], over_time, reference.run), 0.1))
-        self.name_ends(drawn, over_time, narrow, words.energy_difference)
+        zero = {"zero": (np.array([0.0, self.axis.end]), np.zeros(2))}
+        self.name_ends(drawn, over_time, narrow, words.energy_difference, zero)
 
 
 class ComparedEffortChart(ComparedChart):
@@ -249,6 +239,7 @@ class ComparedEffortChart(ComparedChart):
     def draw(self, among: Sequence[Contender], reference: Contender, over_time: bool, narrow: bool) -> None:
         """Draw all runs and name the axis."""
         drawn = without_fastest(among, reference)
+        self.tell_left_out(among, drawn)
         self.set_range(*nice_range(*self.fill_all(drawn, reference, over_time), 0.08))
         assert self.figure is not None
         self.figure.xaxis.axis_label = "Time, s" if over_time else "Distance, m"

@@ -1,6 +1,7 @@
 """Disturbances: events on the way, who reacts how, and what catching up costs."""
 
 from functools import partial
+from itertools import pairwise
 
 import panel as pn
 import panel_material_ui as pmui
@@ -8,10 +9,12 @@ from panel.viewable import Viewable
 
 from railjoule.core import Trajectory
 from railjoule.core.scenario.disturbance import Reaction
+from railjoule.core.simulate.disturbances import Ride
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.store import Rides
 from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.charts import Axis, Chart
+from railjoule.dashboard.views.driven_charts import reality_words
 from railjoule.dashboard.views.fields import tie
 from railjoule.dashboard.views.page import PageView
 from railjoule.dashboard.views.ride_charts import LateChart, RideEnergyChart, RideSpeedChart, saved_by
@@ -25,14 +28,15 @@ LOWER_CSS = """
 """
 REACTION_WORDS: dict[Reaction, str] = {
     "driver": "Driver",
-    "computer": "Computer",
-    "known": "Known before",
+    "computer": "Replanned",
+    "known": "With advance notice",
 }
 
 WHO = (
-    "The driver holds his speed or coasts on, brakes to the stop, then drives the best rest; the computer plans all of "
-    "the rest anew at the notice; who knows before plans for it from the start."
+    "Driver: holds the speed or coasts on, brakes for the event, then drives the optimal remainder. Replanned: the "
+    "whole remainder is computed again when the event is noticed. With advance notice: the whole run is planned for it."
 )
+NO_EVENT = 'No event yet. Click the track or press "Add a stop".'
 
 
 class DisturbancesView(PageView):
@@ -47,7 +51,7 @@ class DisturbancesView(PageView):
         self.model = model = state.disturbances
         self.table, self.notes = (parts.html_pane() for _ in range(2))
         self.dropping = pmui.RadioButtonGroup(
-            options={"Drop a stop": "stop", "Drop a limit": "limit"},
+            options={"Click adds a stop": "stop", "Click adds a limit": "limit"},
             value=model.dropping,
             size="small",
             margin=(8, 8, 0, 20),
@@ -60,15 +64,28 @@ class DisturbancesView(PageView):
         self.speed = RideSpeedChart(HEIGHTS["ride_speed"][0], self.axis, palette, self._drop)
         self.energy = RideEnergyChart(HEIGHTS["ride_energy"][0], self.axis, palette)
         self.late = LateChart(HEIGHTS["late_arrival"][0], palette)
-        tools = pn.Row(self.dropping, pn.Spacer(sizing_mode="stretch_width"), self.over, margin=0)
+        self.add = pmui.Button(
+            label="Add a stop",
+            variant="outlined",
+            size="small",
+            margin=(8, 0, 0, 12),
+            height=28,
+            on_click=lambda _: self._drop_stop(),
+        )
+        self.invitation = parts.html_pane(
+            f'<p role="status" style="padding:10px 20px 0;font-size:13.5px">{NO_EVENT}</p>', visible=False
+        )
+        spacer = pn.Spacer(sizing_mode="stretch_width")
+        tools = pn.Row(self.dropping, self.add, spacer, self.over, margin=0, stylesheets=[parts.WRAP_CSS])
         tools.sizing_mode = "stretch_width"
-        lower = parts.stack(parts.stack(self.table, self.notes), self.late.place, css=LOWER_CSS)
+        self.reactions = parts.stack(self.table, self.notes)
+        lower = parts.stack(self.reactions, self.late.place, css=LOWER_CSS)
         body = parts.stack(self.speed.place, self.energy.place, lower, css=BODY_CSS)
         tie(self.dropping, model, "dropping")
         tie(self.over, state, "over_time")
-        self.shows(self._show, (state, ["over_time"]), (model, ["rides", "failure"]))
+        self.shows(self._show, (state, ["over_time"]), (model, ["rides", "failure", "events"]))
         self.shows(self._show_late, (model, ["late"]))
-        return parts.stack(self.heading, self.message, self.figures, tools, body)
+        return parts.stack(self.heading, self.message, self.invitation, self.figures, tools, body)
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -77,6 +94,13 @@ class DisturbancesView(PageView):
 
     def _drop(self, place_m: float) -> None:
         self.model.drop(self.model.dropping, place_m)
+
+    def _drop_stop(self) -> None:
+        """Add a stop in the middle of the longest stretch without one."""
+        length = self.state.scenario.edited.line.length_m
+        places = sorted({0.0, length, *(event.position_m for event in self.model.events if event.kind == "stop")})
+        start, end = max(pairwise(places), key=lambda ends: ends[1] - ends[0])
+        self.model.drop("stop", (start + end) / 2)
 
     def settle(self) -> None:
         """Tell the cursor of the rides that it may meet new charts."""
@@ -87,11 +111,14 @@ class DisturbancesView(PageView):
 
     def _show(self) -> None:
         rides = self.model.rides
-        self.tell(self.model.failure, "Shown: the last rides that can be driven." if rides is not None else "")
+        self.tell(self.model.failure, "Shown: the last runs that could be computed." if rides is not None else "")
+        none = not self.model.events
+        self.invitation.visible, self.figures.visible = none, not none
+        self.reactions.visible = self.late.place.visible = not none
         if rides is None:
             return
         over_time = self.state.over_time
-        runs = drawn(rides)
+        runs = {"undisturbed": rides.undisturbed} if none else drawn(rides)
         ends = [run.time_s[-1] if over_time else run.position_m[-1] for run in runs.values()]
         self.axis.fit(float(max(ends)), roomy=False)
         self.speed.show(partial(self.speed.draw, runs, list(self.model.events), over_time))
@@ -115,13 +142,20 @@ class DisturbancesView(PageView):
         scenario = planned.scenario
         what = (
             f"{words.distance(planned.distance_m)} km in {words.time(scenario.travel_time_s)} s, "
-            f"{len(self.model.events)} event{'' if len(self.model.events) == 1 else 's'} on the way, "
-            f"{words.STRATEGY_WORDS[planned.strategy].lower()} plans"
+            f"{len(self.model.events) or 'no'} event{'' if len(self.model.events) == 1 else 's'} on the way, "
+            f"planned with: {words.STRATEGY_WORDS[planned.strategy]}{self._day()}"
         )
-        self.heading.object = parts.heading(scenario.title, what, "")
+        self.heading.object = parts.heading(self.page, scenario.title, what, "")
         self.figures.object = parts.figures(self._cells(rides), self.model.failure is not None)
         self.table.object = self._table(rides)
         self.notes.object = "".join(f'<p class="note">{sentence}</p>' for sentence in (*told(rides), WHO))
+
+    def _day(self) -> str:
+        """Return what else differs from the plan, where the actual run on Drive is switched on."""
+        if not self.state.actual.on:
+            return ""
+        reality = self.state.robustness
+        return f"; {reality_words(reality.actual_load_percent / 100, reality.coordinate_error_m)} as on Drive"
 
     def _cells(self, rides: Rides) -> list[str]:
         planned, driver, computer, known = rides.undisturbed, *(rides.rides[one] for one in REACTION_WORDS)
@@ -133,22 +167,35 @@ class DisturbancesView(PageView):
         unit = saved.unit if verb == "saves" else f"{saved.unit} more"
         return [
             parts.figure(
-                "The events cost the driver" if spent == "costs" else "The events save the driver",
+                "Extra energy, driver" if spent == "costs" else "Energy saved, driver",
                 *more,
                 f"{energy}, undisturbed {words.energy(planned.energy_kwh)}",
                 "main",
             ),
             parts.figure(
-                f"A computer {verb}",
+                f"Replanning {verb}",
                 saved.value,
                 unit,
                 f"arrives {arrives}",
                 whole=f"{saved} {'of' if verb == 'saves' else 'more than'} the driver\u2019s {energy}",
+                term="Replanning",
             ),
-            parts.figure("Known before", words.energy(known.actual.energy_kwh), "kWh", "from the start"),
-            parts.figure("Driver arrives", words.delay(driver.delay_s), "s", "of delay"),
-            parts.figure("Computer arrives", words.delay(computer.delay_s), "s", "of delay"),
+            parts.figure("With advance notice", words.energy(known.actual.energy_kwh), "kWh", "planned from the start"),
+            self._arrival("Driver arrives", driver),
+            self._arrival("Replanned run arrives", computer),
+            self._arrival("With notice arrives", known),
         ]
+
+    @staticmethod
+    def _arrival(label: str, ride: Ride) -> str:
+        late = ride.delay_s
+        return parts.figure(
+            label,
+            words.delay(late),
+            "s",
+            "late" if late >= 0.05 else "early" if late <= -0.05 else "on time",
+            term="Delay",
+        )
 
     def _table(self, rides: Rides) -> str:
         planned, late = rides.undisturbed, self.model.late
@@ -177,7 +224,7 @@ class DisturbancesView(PageView):
                 price,
             )
             rows.append((cells, reaction == "computer"))
-        header = ("Ride", "kWh", "more, %", "late, s", "top, km/h", "1 s saves, Wh")
+        header = ("Run", "kWh", "more, %", "late, s", "top, km/h", "saved per extra second, Wh")
         return f'<div style="padding:0 6px">{parts.table("Who reacts", header, rows)}</div>'
 
 

@@ -7,10 +7,13 @@ import panel as pn
 import panel_material_ui as pmui
 from panel.viewable import Viewable
 
-from railjoule.core import TimetableError
+from railjoule.core import TimetableError, Trajectory
+from railjoule.core.simulate.actual_run import ActualRun
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import words
+from railjoule.dashboard.store import Runs
 from railjoule.dashboard.views import parts
+from railjoule.dashboard.views.actual_parts import actual_figures, belongs_to, causes_block, is_same_plan
 from railjoule.dashboard.views.charts import Axis, Chart
 from railjoule.dashboard.views.drive_charts import (
     CurrentChart,
@@ -31,7 +34,7 @@ from railjoule.dashboard.views.speed_chart import SpeedChart
 HEIGHTS = {
     "speed": (250, 310, 220),
     "phases": (26, 26, 26),
-    "line": (86, 86, 86),
+    "line": (104, 104, 104),
     "energy": (140, 140, 140),
     "difference": (92, 92, 92),
     "effort": (104, 104, 104),
@@ -44,6 +47,10 @@ HEIGHTS = {
 MARGIN_PX, NARROW_MARGIN_PX, LEAST_WIDTH_PX = 400, 40, 300
 """What stands beside the charts, and how wide they are at least."""
 RAIL_PX = 350
+NO_CURRENT = (
+    '<p class="note" style="padding:6px 8px">The current needs the voltage of the line: set it under Edit scenario, '
+    "Vehicle.</p>"
+)
 LAYOUT_CSS = """
 :host { display: grid; grid-template-columns: minmax(0, 1fr) 330px; padding: 0 20px 12px 14px; column-gap: 20px; }
 @media (max-width: 1599px) { :host { grid-template-columns: minmax(0, 1fr); } }
@@ -66,6 +73,7 @@ class DriveView(PageView):
 
     page = "Drive"
     heights = HEIGHTS
+    rail_px = RAIL_PX
 
     def make(self) -> Viewable:
         """Make the pieces of the page, and return them laid out."""
@@ -88,15 +96,25 @@ class DriveView(PageView):
         for name in ("difference", "current"):
             self.scenes[name].place.visible = False
         self.law.place.visible = False
-        column = parts.stack(*(chart.place for chart in self.charts))
+        self.causes = parts.html_pane(visible=False)
+        self.no_current = parts.html_pane(NO_CURRENT, visible=False)
+        column = parts.stack(*(self._beside(chart) for chart in self.charts))
         body = parts.stack(column, rail, css=LAYOUT_CSS)
-        tools = pn.Row(
-            self.advice, self.over, margin=0, sizing_mode="stretch_width", styles={"align-items": "flex-start"}
-        )
+        tools = pn.Row(self.advice, self.over, margin=0, sizing_mode="stretch_width", stylesheets=[TOOLS_CSS])
         tie(self.over, self.state, "over_time")
-        self.shows(self._show_failure, (self.state, ["failure", "runs"]))
-        self.shows(self._show_run, (self.state, ["runs", "chosen", "ticked", "pins", "over_time"]))
+        self.shows(self._show_failure, (self.state, ["failure", "runs"]), (self.state.actual, ["on", "failure", "run"]))
+        self.shows(
+            self._show_run,
+            (self.state, ["runs", "chosen", "ticked", "pins", "over_time"]),
+            (self.state.actual, ["on", "run", "failure"]),
+        )
         return parts.stack(self.heading, self.message, self.repair, self.figures, tools, body)
+
+    def _beside(self, chart: Chart) -> Viewable:
+        """Return a chart with what belongs to it."""
+        if chart.name == "energy":
+            return parts.stack(chart.place, self.causes)
+        return parts.stack(chart.place, self.no_current) if chart.name == "current" else chart.place
 
     def _scene_charts(self) -> dict[str, SceneChart]:
         lines = tuple(STRATEGIES)
@@ -105,10 +123,10 @@ class DriveView(PageView):
             SpeedChart(HEIGHTS["speed"][0], *common, lines),
             PhaseStrip(HEIGHTS["phases"][0], *common),
             LineStrip(HEIGHTS["line"][0], *common),
+            CurrentChart(HEIGHTS["current"][0], *common, lines),
             EnergyChart(HEIGHTS["energy"][0], *common, lines),
             DifferenceChart(HEIGHTS["difference"][0], *common),
             EffortChart(HEIGHTS["effort"][0], *common, lines),
-            CurrentChart(HEIGHTS["current"][0], *common, lines),
             PowerChart(HEIGHTS["power"][0], *common, lines),
         ]
         return {chart.name: chart for chart in charts}
@@ -133,8 +151,12 @@ class DriveView(PageView):
     def _show_failure(self) -> None:
         """Say why there is no run as asked for, and offer what mends it."""
         run, failure = self.state.run, self.state.failure
-        shown = "" if run is None else f"Shown: the last good run, {words.number(run.travel_time_s)} s."
-        self.tell(failure, shown)
+        shown = "" if run is None else f"Shown: the last valid run, {words.number(run.travel_time_s)} s."
+        actual = self.state.actual
+        if failure is None and actual.on and actual.failure is not None:
+            self.tell(actual.failure, "Shown: the plan.")
+        else:
+            self.tell(failure, shown)
         self.repair.visible = isinstance(failure, TimetableError)
         if isinstance(failure, TimetableError):
             self.repair.label = f"Use {words.number(failure.least_tenth_s)} s"
@@ -142,16 +164,23 @@ class DriveView(PageView):
     def _show_run(self) -> None:
         state = self.state
         run, runs = state.run, state.runs
-        if run is None or runs is None:
+        if run is None or runs is None or self._waits(run):
             return
-        self._show_texts()
+        actual = self._actual()
+        if actual is not None and not is_same_plan(actual, run):
+            run = actual.planned
+        self._show_texts(run, runs, actual)
         narrow = self.browser.window_width < NARROW_PX
-        shown = {name: r for name, r in runs.runs.items() if name in state.ticked or r is run}
+        shown = {name: r for name, r in runs.runs.items() if name in state.ticked}
+        shown[state.chosen_now] = run
         width = max(self.browser.window_width - (NARROW_MARGIN_PX if narrow else MARGIN_PX), LEAST_WIDTH_PX)
-        scene = Scene(self.state.chosen_now, shown, state.pinned, state.over_time, narrow, width)
+        scene = Scene(
+            state.chosen_now, shown, state.pinned, state.over_time, narrow, width, actual, runs.runs.get("fastest")
+        )
         self.axis.fit(scene.end, roomy=not narrow)
         self.scenes["difference"].place.visible = state.pinned is not None
-        self.scenes["current"].place.visible = run.current_a is not None
+        self.scenes["current"].place.visible = CurrentChart.knows(run)
+        self.no_current.visible = not CurrentChart.knows(run)
         law = None if state.over_time else runs.law
         self.law.place.visible = law is not None
         for chart in self.scenes.values():
@@ -164,18 +193,32 @@ class DriveView(PageView):
         """Return how wide the column of charts is, the rail beside it taken off."""
         return width - RAIL_PX if self.browser.window_width >= WIDE_PX else width
 
-    def _show_texts(self) -> None:
+    def _actual(self) -> ActualRun | None:
+        """Return the actual run to draw; none where it is switched off or cannot be had."""
+        model = self.state.actual
+        return model.run if model.on and model.failure is None else None
+
+    def _waits(self, run: Trajectory) -> bool:
+        """Return whether the actual run of a plan is still to come: what stands there stays until then."""
+        model = self.state.actual
+        if not model.on or model.failure is not None:
+            return False
+        return model.run is None or not belongs_to(model.run, run)
+
+    def _show_texts(self, run: Trajectory, runs: Runs, actual: ActualRun | None) -> None:
         state = self.state
-        run, runs = state.run, state.runs
-        assert run is not None
-        assert runs is not None
         vehicle = run.scenario.vehicle
         subtitle = f"{words.distance(run.distance_m)} km, {vehicle.name}, {words.load(vehicle.load_factor)}"
         solved = (
             f"solved in {words.number(1e3 * run.solve_time_s)} ms, {run.iterations} iterations, {runs.cell_count} cells"
         )
-        self.heading.object = parts.heading(run.scenario.title, subtitle, solved)
-        self.figures.object = parts.run_figures(runs, run, state.pinned, stale=False)
+        self.heading.object = parts.heading(self.page, run.scenario.title, subtitle, solved)
+        self.causes.visible = actual is not None
+        if actual is None:
+            self.figures.object = parts.run_figures(runs, run, state.pinned, stale=False)
+        else:
+            self.figures.object = actual_figures(actual, runs, state.run or run)
+            self.causes.object = causes_block(actual)
         self.advice.object = parts.advice(run, stale=False)
         self.account.object = parts.account(run)
         self.runs.object = parts.runs_table(runs, run.strategy, state.pins)

@@ -9,12 +9,20 @@ from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.views.charts import Axis, clear, columns, nice_range, spread, text_style, xy
-from railjoule.dashboard.views.scene import PINNED, CellChart, RunChart, Scene, SceneChart, line_words
+from railjoule.dashboard.views.charts import Axis, clear, columns, nice_range, text_style, xy
+from railjoule.dashboard.views.line_names import Name
+from railjoule.dashboard.views.scene import ACTUAL, PINNED, CellChart, RunChart, Scene, SceneChart, line_words
 
 WORD_PX = 7.2
-END_WORDS = {PINNED: "pinned", "fastest": "fastest", "speed_limits": "limits"}
+MOTOR_CURRENT = "Current of one motor, A"
+END_WORDS = {PINNED: "pinned", "fastest": "fastest", "speed_limits": "set speeds"}
 """What stands at the end of a line, beside its number, where the whole name has no room."""
+
+
+def end_words(name: str, scene: Scene) -> str:
+    """Return what stands at the end of a line, beside its number."""
+    short = None if scene.actual is not None and name == scene.chosen else END_WORDS.get(name)
+    return short or line_words(name, scene)
 
 
 class PhaseStrip(SceneChart):
@@ -71,12 +79,13 @@ class LineStrip(SceneChart):
     """The line: gradients over its height, curves hatched."""
 
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        super().__init__("line", f"Line: gradient, {words.PER_MILLE}, over height, m", height, axis, palette)
+        super().__init__("line", f"Track: gradient, {words.PER_MILLE}, over height, m", height, axis, palette)
 
     def build(self) -> None:
         """Make the figure."""
         f = self.frame(with_axis=True, ticks=2)
         self.palette.paint(f.xaxis[0], axis_line_color="line2")
+        f.xaxis.axis_label = "Distance, m"
         self.sources["height"] = ColumnDataSource({"x": [], "y": [], "base": []})
         ground = f.varea("x", "base", "y", source=self.sources["height"])
         self.palette.paint(ground.glyph, fill_color="ground")
@@ -100,6 +109,8 @@ class LineStrip(SceneChart):
         gradients = np.array([section.gradient_permille for section in line.sections])
         borders, height = section_borders(line), height_profile(line)
         bottom, relief = float(height.min()), max(float(np.ptp(height)), 1.0)
+        assert self.figure is not None
+        self.figure.xaxis.axis_label = "Time, s" if scene.over_time else "Distance, m"
         places = np.union1d(np.linspace(0, borders[-1], 200), borders) if scene.over_time else borders
         x = scene.x_of_place(places)
         self.set_range(bottom - 0.08 * relief, bottom + 1.7 * relief)
@@ -143,19 +154,12 @@ class EnergyChart(RunChart):
         """Make the figure."""
         self.make_sources()
         f = self.frame()
+        self.sources["extra"] = ColumnDataSource({"x": [], "low": [], "high": []})
+        extra = f.varea("x", "low", "high", source=self.sources["extra"])
+        self.palette.paint(extra.glyph, fill_color="over")
         self.add_borders()
         self.add_lines()
-        self.sources["ends"] = ColumnDataSource({"x": [], "y": [], "text": [], "colour": []})
-        f.text(
-            "x",
-            "y",
-            "text",
-            text_color="colour",
-            source=self.sources["ends"],
-            x_offset=6,
-            text_baseline="middle",
-            **text_style(),
-        )
+        self.add_names("ends")
 
     def values(self, run: Trajectory) -> FloatArray:
         """Line energy so far [kWh]."""
@@ -171,17 +175,36 @@ class EnergyChart(RunChart):
         if "fastest" not in named:
             clear(self.sources["fastest"])
         self.draw_borders(scene)
+        self._draw_extra(scene)
         if scene.narrow:
             clear(self.sources["ends"])
             return
-        ends = {name: float(v[-1]) for name, v in values.items()}
-        places = spread(list(ends.values()), 14 * (high - low) / self.height)
-        self.sources["ends"].data = {
-            "x": [float(scene.x(named[name])[-1]) for name in ends],
-            "y": places,
-            "text": [f"{END_WORDS.get(name) or line_words(name, scene)} {words.energy(e)}" for name, e in ends.items()],
-            "colour": [self.palette.tokens["ink3" if name == PINNED else name] for name in ends],
-        }
+        lines = {name: (scene.x(run), values[name]) for name, run in named.items()}
+        names = [
+            Name(name, f"{end_words(name, scene)} {words.energy(v[-1])}", self.name_colour(name), True)
+            for name, v in reversed(values.items())
+        ]
+        if scene.actual is not None and scene.actual.causes:
+            names.append(self._extra_name(scene, values))
+        self.place_names(lines, names, source="ends")
+
+    def _extra_name(self, scene: Scene, values: dict[str, FloatArray]) -> Name:
+        """Return what the actual run costs beyond the plan, between the ends of both."""
+        assert scene.actual is not None
+        between = 0.5 * (float(values[ACTUAL][-1]) + float(values[scene.chosen][-1]))
+        text = f"{words.energy_difference(scene.actual.extra_kwh)} kWh"
+        end = float(scene.x(scene.actual.actual)[-1])
+        return Name(ACTUAL, text, self.palette.tokens["overline"], point=(end, between))
+
+    def _draw_extra(self, scene: Scene) -> None:
+        """Tint what the actual run has taken more than the plan so far."""
+        if scene.actual is None:
+            clear(self.sources["extra"])
+            return
+        actual = scene.actual.actual
+        x = np.union1d(scene.x(scene.run), scene.x(actual))
+        planned, driven = (np.interp(x, scene.x(run), self.values(run)) for run in (scene.run, actual))
+        self.sources["extra"].data = columns(x=x, low=planned, high=np.maximum(planned, driven))
 
 
 class DifferenceChart(RunChart):
@@ -202,9 +225,7 @@ class DifferenceChart(RunChart):
         self.palette.paint(area.glyph, fill_color="accent")
         line = f.line("x", "y", source=self.sources["run"], line_width=1.8)
         self.palette.paint(line.glyph, line_color="accent")
-        self.sources["ends"] = ColumnDataSource({"x": [], "y": [], "text": []})
-        end = f.text("x", "y", "text", source=self.sources["ends"], x_offset=6, text_baseline="middle", **text_style())
-        self.palette.paint(end.glyph, text_color="accent")
+        self.add_names("ends")
 
     def draw(self, scene: Scene) -> None:
         """Draw the difference to the pinned run."""
@@ -225,7 +246,8 @@ class DifferenceChart(RunChart):
             return
         last = float(difference[-1])
         text = f"{words.energy_difference(last)} kWh"
-        self.sources["ends"].data = {"x": [float(x[-1])], "y": [last], "text": [text]}
+        name = Name("run", text, self.palette.tokens["accent"], at_end=True)
+        self.place_names({"run": (x, difference)}, [name], source="ends")
 
 
 class EffortChart(CellChart):
@@ -258,17 +280,30 @@ class EffortChart(CellChart):
 
 
 class CurrentChart(CellChart):
-    """Current of one motor."""
+    """Current of one motor where the drive's model has one, else that of the line."""
 
     unit, digits = "A", 0
 
     def __init__(self, height: int, axis: Axis, palette: Palette, lines: tuple[str, ...]) -> None:
-        super().__init__("current", "Current of one motor, A", height, axis, palette)
-        self.lines = lines
+        super().__init__("current", MOTOR_CURRENT, height, axis, palette)
+        self.lines, self.of_motor = lines, True
+
+    @staticmethod
+    def knows(run: Trajectory) -> bool:
+        """Return whether a run has a current to draw."""
+        return run.current_a is not None or run.line_current_a is not None
+
+    def draw(self, scene: Scene) -> None:
+        """Draw the currents, and say in the title which they are."""
+        self.of_motor = scene.run.current_a is not None
+        volts = scene.run.scenario.vehicle.line_voltage_v or 0.0
+        self.rename(MOTOR_CURRENT if self.of_motor else f"Current from the supply, A, at {words.number(volts, 0)} V")
+        super().draw(scene)
 
     def of_cells(self, run: Trajectory) -> FloatArray:
         """Return the current [A], zero where the model knows none."""
-        return run.current_a if run.current_a is not None else np.zeros(len(run.line_power_w))
+        current = run.current_a if self.of_motor else run.line_current_a
+        return current if current is not None else np.zeros(len(run.line_power_w))
 
 
 class PowerChart(CellChart):
@@ -279,7 +314,7 @@ class PowerChart(CellChart):
     axis_digits = 1
 
     def __init__(self, height: int, axis: Axis, palette: Palette, lines: tuple[str, ...]) -> None:
-        super().__init__("power", "Power at the line, MW", height, axis, palette)
+        super().__init__("power", "Power from the supply, MW", height, axis, palette)
         self.lines = lines
 
     def of_cells(self, run: Trajectory) -> FloatArray:

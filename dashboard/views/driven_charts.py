@@ -14,11 +14,14 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.views.charts import Axis, Chart, add_zero, nice_range, text_style, xy
 from railjoule.dashboard.views.figures import captioned, empty_figure
+from railjoule.dashboard.views.line_names import Name
 from railjoule.dashboard.views.run_lines import DRIVEN_DASH, RunLinesChart
 
 BEFORE_SENSOR_M, BEYOND_STOP_M = 60.0, 20.0
 """How much of the way is drawn before the first sensor and beyond the stop [m]."""
-SENSOR_WORDS = {"D1": "D1 sets the place", "D2": "D2 calibrates", "D3": "D3 sets the place"}
+HEADROOM = 1.22
+SENSOR_ROW_PX = 15.0
+SENSOR_WORDS = {"D1": "D1 resets position", "D2": "D2 calibrates", "D3": "D3 resets position"}
 
 
 STROKES: Mapping[str, tuple[str, dict[str, Any]]] = {
@@ -47,20 +50,9 @@ class DrivenSpeedChart(DrivenChart):
 
     def build(self) -> None:
         """Make the figure."""
-        f = self.frame(ticks=5)
+        self.frame(ticks=5)
         self.add_lines()
-        self.sources["names"] = ColumnDataSource({"x": [], "y": [], "text": [], "colour": []})
-        f.text(
-            "x",
-            "y",
-            "text",
-            text_color="colour",
-            source=self.sources["names"],
-            text_align="center",
-            text_baseline="bottom",
-            y_offset=-3,
-            **text_style(),
-        )
+        self.add_names()
 
     def values(self, run: Trajectory) -> FloatArray:
         """Speed [km/h]."""
@@ -69,14 +61,15 @@ class DrivenSpeedChart(DrivenChart):
     def draw(self, following: Following, name: str) -> None:
         """Draw both runs; `name` says what was driven."""
         _, high = self.fill_both(following)
-        top, end = 1.22 * high, self.axis.end
-        self.set_range(0, top)
-        self.sources["names"].data = {
-            "x": [0.24 * end, 0.72 * end],
-            "y": [0.88 * top, 0.88 * top],
-            "text": ["planned", f"driven: {name}"],
-            "colour": [self.palette.tokens["accent"], self.palette.tokens["driven"]],
-        }
+        self.set_range(0, HEADROOM * high)
+        runs = {"planned": following.planned, "driven": following.actual}
+        lines = {key: (run.position_m, self.values(run)) for key, run in runs.items()}
+        tokens = self.palette.tokens
+        names = [
+            Name("planned", "planned", tokens["accent"], wish=0.25),
+            Name("driven", f"driven: {name}", tokens["driven"], wish=0.7),
+        ]
+        self.place_names(lines, names)
 
 
 class DrivenEffortChart(DrivenChart):
@@ -107,12 +100,20 @@ class BrakingChart(Chart):
     """The last metres before the stop, with the sensors and the target curve."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("braking", "Precision braking: speed, km/h, over metres to the stop", height)
+        super().__init__("braking", "Precision braking: speed, km/h, before the stop", height)
         self.palette, self.x_range, self.y_range = palette, Range1d(-1, 1), Range1d(0, 1)
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=4)
+        f = empty_figure(
+            self.height,
+            self.x_range,
+            self.y_range,
+            self.words,
+            self.palette,
+            ticks=4,
+            x_title="Distance from the stop, m",
+        )
         self.figure = f
         self.sources = {name: ColumnDataSource({"x": [], "y": []}) for name in ("target", "planned", "driven")}
         for name, token, style in (
@@ -144,19 +145,19 @@ class BrakingChart(Chart):
         self.sources["target"].data = xy(before, target)
         self.x_range.update(start=first, end=last)
         self.y_range.update(start=0, end=1.3 * top)
-        mark_sensors(self.sensors, [(s.from_m - stop, s.sensor) for s in way[1:]], 1.3 * top)
+        mark_sensors(self.sensors, [(s.from_m - stop, s.sensor) for s in way[1:]], 1.3 * top, 0.13 * top)
 
 
 class PlaceErrorChart(Chart):
-    """By how much the train believes to be further on than it is, over time."""
+    """By how much the train assumes to be farther on than it is, over time."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("place", "Place believed less true place, m, over time, s", height)
+        super().__init__("place", "Position error: assumed less actual position, m", height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=3)
+        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=3, x_title="Time, s")
         self.figure = f
         add_zero(f, self.palette)
         self.source = ColumnDataSource({"x": [], "y": []})
@@ -181,7 +182,9 @@ class PlaceErrorChart(Chart):
         self.x_range.update(start=0, end=run.travel_time_s)
         self.y_range.update(start=-1.3 * size, end=1.6 * size)
         passed = [(float(np.interp(place, run.position_m, run.time_s)), sensor) for place, sensor in marks]
-        mark_sensors(self.sensors, passed, 1.6 * size, short=True)
+        frame = self.frame_over((0.0, run.travel_time_s), (-1.3 * size, 1.6 * size))
+        row = SENSOR_ROW_PX * 2.9 * size / frame.height_px
+        mark_sensors(self.sensors, passed, 1.6 * size, row, short=True)
 
 
 def sensor_marks(f: Any, palette: Palette) -> ColumnDataSource:
@@ -203,12 +206,14 @@ def sensor_marks(f: Any, palette: Palette) -> ColumnDataSource:
     return source
 
 
-def mark_sensors(source: ColumnDataSource, marks: list[tuple[float, str]], top: float, short: bool = False) -> None:
+def mark_sensors(
+    source: ColumnDataSource, marks: list[tuple[float, str]], top: float, row: float, short: bool = False
+) -> None:
     """Put the hairlines where the sensors are, their names one below the other; the last ones left of their lines."""
     left = [sensor == "D3" for _, sensor in marks]
     source.data = {
         "x": [place for place, _ in marks],
-        "y": [top * (0.98 - 0.1 * (k % 3)) for k in range(len(marks))],
+        "y": [0.98 * top - row * (k % 3) for k in range(len(marks))],
         "text": [sensor if short else SENSOR_WORDS[sensor] for _, sensor in marks],
         "align": ["right" if aside else "left" for aside in left],
         "offset": [-4 if aside else 4 for aside in left],
@@ -216,5 +221,5 @@ def mark_sensors(source: ColumnDataSource, marks: list[tuple[float, str]], top: 
 
 
 def reality_words(load_factor: float, error_m: float) -> str:
-    """Return what is otherwise in reality, such as 'load 100 %, +10 m'."""
-    return f"load {words.setting(load_factor)} %, {words.signed(error_m, 0)} m"
+    """Return the actual load and position error, such as 'load 100 %, +10 m'."""
+    return f"load {words.setting(load_factor)}\u00a0%, {words.signed(error_m, 0)}\u00a0m"

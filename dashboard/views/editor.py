@@ -48,7 +48,8 @@ SCENARIO_FIELDS = (
     "recuperation_percent",
     "acceleration_time_s",
 )
-OWN = "Own"
+MORE_ROWS = "{} more rows are not shown; paste a table to replace them all."
+OWN = "Custom"
 HEADINGS = {"eoc": words.STRATEGY_WORDS["eoc"], "enoc": words.STRATEGY_WORDS["enoc"]}
 CHOICES = {"vehicle": "Vehicle", "line": "Line"}
 Entry = dict[str, Any]
@@ -85,7 +86,7 @@ class EditorView:
 
     def _make(self) -> None:
         self.head = EditorHead(self._close)
-        kinds: Mapping[str, type[Group]] = {"Presets": PresetsGroup, "Drive": DriveGroup, "Line": LineGroup}
+        kinds: Mapping[str, type[Group]] = {"Presets": PresetsGroup, "Powertrain": DriveGroup, "Track": LineGroup}
         self.groups = [kinds.get(name, Group)(self, name) for name in GROUPS]
         self.queue.take(tuple(chart for group in self.groups for chart in group.charts))
         self.view[:] = [stack(self.head, css=HEAD_CSS), *(group.view for group in self.groups)]
@@ -102,7 +103,7 @@ class EditorView:
                 group.show(look)
 
     def _tell(self, *_: Any) -> None:
-        """Say what the run takes, or why there is none."""
+        """Show the energy and time of the run, or why there is none."""
         run, failure = self.state.run, self.state.failure
         if self.head is None or not self.editor.open:
             return
@@ -219,7 +220,7 @@ class Group:
                 for column in table.columns
             ],
             "rows": [[column.show(row.get(column.name)) for column in table.columns] for row in rows[:MOST_ROWS]],
-            "more": f"And {words.number(beyond, 0)} more rows: paste to replace them all." if beyond > 0 else "",
+            "more": MORE_ROWS.format(words.number(beyond, 0)) if beyond > 0 else "",
             "changed": table.key in look.changes,
             "refusal": None
             if refusal is None
@@ -272,7 +273,7 @@ class Group:
             self._then_show(acts[what])
 
     def _then_show(self, act: Callable[[], None]) -> None:
-        """Do what was asked for, and show what has come of it even where nothing has."""
+        """Handle a message, and show the result even if nothing changed."""
         with pn.io.hold():
             act()
             self.show(self.editor.look())
@@ -336,7 +337,7 @@ class PresetsGroup(ChoosingGroup):
         base = self.editor.scenario.base
         made = []
         for key, kind, about in (
-            ("vehicle", "vehicles", "A shipped vehicle with its drive; the load stays."),
+            ("vehicle", "vehicles", "A shipped vehicle with its powertrain; the load is kept."),
             ("line", "lines", "A shipped line with its limits and stations."),
         ):
             options = [(name, title) for title, name in preset_options(kind).items()]  # type: ignore[arg-type]
@@ -369,7 +370,7 @@ class DriveGroup(ChoosingGroup):
         """Return the kinds."""
         options = [(kind, words_of(kind)) for kind in drive_kinds()]
         now, was = look.now.vehicle.drive.model, self.editor.scenario.base.vehicle.drive.model
-        about = "Another kind begins with the values of a shipped vehicle that has it, or with assumed ones."
+        about = "A new kind starts with the values of a shipped vehicle that has it, or with assumed ones."
         return [self.choice("drive", "Kind", about, options, now, words_of(was))]
 
     def choose(self, key: str, value: str) -> None:
@@ -414,7 +415,7 @@ class LineGroup(Group):
         self.axis.fit(line.length_m, roomy=False)
         self.profile.show(partial(self.profile.draw, line))
         self.steps.show(partial(self.steps.draw, line, most))
-        turned = "The charts and tables show the line as its file has it; it is run from its end to its start."
+        turned = "Charts and tables show the track as in its file; the train runs from its end to its start."
         self.way.object = f'<p class="note" style="padding-left:32px">{turned}</p>' if line.reverse else ""
         self.settle()
 

@@ -12,13 +12,13 @@ from railjoule.dashboard.views.fields import NumberField, TypedNumber
 from railjoule.dashboard.views.parts import html_pane, stack
 
 FIELDS = {
-    "stop": (("position_m", "at, m", 0, "m"), ("duration_s", "stands, s", 0, "s")),
+    "stop": (("position_m", "at, m", 0, "m"), ("duration_s", "stops for, s", 0, "s")),
     "limit": (("position_m", "from, m", 0, "m"), ("to_m", "to, m", 0, "m"), ("limit_kmh", "km/h", 0, "km/h")),
     "voltage": (("share_percent", "of nominal, %", 0, "%"),),
-    "recuperation": (("share_percent", "taken back, %", 0, "%"),),
+    "recuperation": (("share_percent", "recuperated, %", 0, "%"),),
 }
 NOTICED = ("noticed_at_m", "noticed at, m", 0, "m")
-KIND_WORDS = {"stop": "Stop", "limit": "Limit", "voltage": "Line voltage", "recuperation": "Recuperation"}
+KIND_WORDS = {"stop": "Stop", "limit": "Limit", "voltage": "Supply voltage", "recuperation": "Recuperation"}
 
 
 class EventFields:
@@ -37,7 +37,7 @@ class EventFields:
             for kind, word in KIND_WORDS.items()
         ]
         self.view = stack(
-            html_pane('<div class="section">Events <span>\u00b7 press the line to drop one</span></div>'),
+            html_pane('<div class="section">Events <span>\u00b7 click the track to add one</span></div>'),
             self.list,
             pn.FlexBox(*adders, margin=(4, 8)),
             self.delay.view,

@@ -10,5 +10,5 @@ def failure_words(failure: RailjouleError) -> tuple[str, str]:
         asked, shortest = words.number(failure.travel_time_s), words.number(failure.shortest_time_s)
         return f"{asked} s is too short.", f"The shortest possible run takes {shortest} s."
     if isinstance(failure, ScenarioError):
-        return "This cannot be read.", str(failure)
-    return "This cannot be run.", str(failure)
+        return "This input cannot be read.", str(failure)
+    return "This run is not possible.", str(failure)

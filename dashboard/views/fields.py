@@ -10,11 +10,15 @@ import param
 from panel.viewable import Viewable
 
 from railjoule.dashboard.look import words
+from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.views.parts import html_pane
 
 MOST_TYPED_DIGITS, ROUNDING = 6, 1e-12
 """More decimals than these nobody types; by less than the second, as a share, binary numbers miss decimal ones."""
 HIDDEN_LABEL = {"position": "absolute", "clipPath": "inset(50%)", "width": "1px", "height": "1px", "overflow": "hidden"}
+
+
+INFO_PLACE = {"position": "absolute", "right": "68px", "top": "0", "z-index": "1"}
 
 
 class Numbers(Protocol):
@@ -90,14 +94,19 @@ class TypedNumber:
         self.mark = html_pane(
             "", visible=False, width=8, height=16, sizing_mode="fixed", styles={"position": "absolute", "right": "5px"}
         )
+        # over the left end of the number's field, which is wider than most numbers
+        sign = info(label)
+        explained = [html_pane(sign, width=24, height=24, sizing_mode="fixed", styles=INFO_PLACE)] if sign else []
         self.view = pn.Column(
             self.beside(),
             self.text,
             self.mark,
+            *explained,
             self.error,
             margin=(4, 0, 0, 0),
             sizing_mode="stretch_width",
             styles={"position": "relative"},
+            css_classes=["rj-term"],
         )
         self.text.param.watch(self._type, "value")
         model.param.watch(self._follow, field)
@@ -125,7 +134,7 @@ class TypedNumber:
         if self._quiet:
             return
         try:
-            number = self.model.parse(self.field, event.new)
+            number = self.parse(event.new)
         except ValueError as error:
             kept = f"{shown(self._kept(), self.digits)} {self.unit}".rstrip()
             sentence = f"{error} Kept: {kept}."
@@ -133,8 +142,16 @@ class TypedNumber:
                 object=f'<div class="error" role="alert">{html.escape(sentence)}</div>', visible=True
             )
             return
-        setattr(self.model, self.field, number)
+        self.take(number)
         self._follow()
+
+    def parse(self, text: str) -> float:
+        """Return the number that a text gives; raises ValueError with a sentence."""
+        return self.model.parse(self.field, text)
+
+    def take(self, number: float) -> None:
+        """Give the model a number that was typed."""
+        setattr(self.model, self.field, number)
 
     def _follow(self, *_: Any) -> None:
         """Show the number that the model holds."""

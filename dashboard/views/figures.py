@@ -6,7 +6,7 @@ from bokeh.plotting import figure
 
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.charts import dress
+from railjoule.dashboard.views.charts import RIGHT_BORDER_PX, dress
 
 
 def ink_on(colour: str) -> str:
@@ -24,9 +24,17 @@ def captioned(text: str, f: figure) -> pn.Column:
 
 
 def empty_figure(
-    height: int, x_range: Range1d, y_range: Range1d, name: str, palette: Palette, ticks: int = 6, digits: int = 0
+    height: int,
+    x_range: Range1d,
+    y_range: Range1d,
+    name: str,
+    palette: Palette,
+    ticks: int = 6,
+    digits: int = 0,
+    x_title: str = "",
+    y_title: str = "",
 ) -> figure:
-    """Return a figure with both axes and without tools."""
+    """Return a figure with both axes and without tools; where the y axis has no title, the caption names it."""
     f = figure(
         height=height,
         sizing_mode="stretch_width",
@@ -36,7 +44,7 @@ def empty_figure(
         tools="",
         outline_line_color=None,
         min_border_left=50,
-        min_border_right=14,
+        min_border_right=RIGHT_BORDER_PX,
         min_border_top=2,
         min_border_bottom=24,
         html_attributes={"role": "img", "aria-label": name},
@@ -44,4 +52,5 @@ def empty_figure(
     f.toolbar.logo = None
     dress(f, palette, ticks, digits)
     palette.paint(f.xaxis[0], axis_line_color="line2")
+    f.xaxis.axis_label, f.yaxis.axis_label = x_title or None, y_title or None
     return f

@@ -84,8 +84,8 @@ export function render({model}) {
       row.input.setAttribute("aria-invalid", field.sentence ? "true" : "false");
       row.dot.hidden = row.back.hidden = !field.changed;
       row.was.textContent = field.changed ? " changed" : "";
-      row.back.setAttribute("aria-label", `Take back ${field.label}: it was ${field.was || "empty"}`);
-      row.back.title = `Take back: it was ${field.was || "empty"}`;
+      row.back.setAttribute("aria-label", `Reset ${field.label} to ${field.was || "empty"}`);
+      row.back.title = `Reset to ${field.was || "empty"}`;
       row.error.textContent = field.sentence;
       row.error.hidden = !field.sentence;
     });
@@ -180,8 +180,8 @@ export function render({model}) {
     const add = make("button", {type: "button", class: "add text-button"}, "Add a row");
     add.addEventListener("click", () => { wanted = [0, 0]; send({what: "insert", row: 0}); });
     const dot = make("span", {class: "dot"});
-    const back = make("button", {type: "button", class: "text-button back"}, "Take back");
-    back.setAttribute("aria-label", `Take back ${model.table.label}`);
+    const back = make("button", {type: "button", class: "text-button back"}, "Reset");
+    back.setAttribute("aria-label", `Reset ${model.table.label}`);
     back.addEventListener("click", () => { wanted = [0, 0]; send({what: "back"}); });
     const title = make("h4", {}, model.table.label, ...(model.table.changed ? [dot] : []));
     root.replaceChildren(make("div", {class: "table-head"}, title, ...(model.table.changed ? [back] : [])));
@@ -211,8 +211,8 @@ export function render({model}) {
     file.value = "";
   });
   const paster = make("details", {}, make("summary", {}, "Paste a table or open a CSV file"),
-    make("p", {class: "help"}, "Tabs, semicolons or commas part the cells; a first row may name the columns. " +
-      "A block can also be pasted straight into a cell."), area, make("div", {class: "paste-row"}, replace, file));
+    make("p", {class: "help"}, "Tabs, semicolons or commas separate cells; the first row can name the columns. " +
+      "You can also paste a block directly into a cell."), area, make("div", {class: "paste-row"}, replace, file));
 
   const show = () => {
     const {columns, rows, changed, refusal, label, more} = model.table;
@@ -360,7 +360,7 @@ class FieldsForm(Form):
     """Fields below each other."""
 
     fields = param.List(default=[], doc="What each field shows.")
-    version = param.Integer(default=0, doc="Counts what was sent: the browser draws anew at each.")
+    version = param.Integer(default=0, doc="Counts what was sent: the browser redraws at each.")
 
     _esm = FIELDS_JS
 
@@ -373,7 +373,7 @@ class TableForm(Form):
     """A table whose cells are fields."""
 
     table = param.Dict(default={}, doc="What it shows.")
-    version = param.Integer(default=0, doc="Counts what was sent: the browser draws anew at each.")
+    version = param.Integer(default=0, doc="Counts what was sent: the browser redraws at each.")
 
     _esm = TABLE_JS
 

@@ -20,7 +20,7 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.charts import Chart, text_style
 from railjoule.dashboard.views.figures import empty_figure, ink_on
-from railjoule.dashboard.views.surface import CAMERA, LIGHTING, scene_layout
+from railjoule.dashboard.views.surface import LIGHTING, NARROW_PX, scene_layout
 
 CELL = 0.96
 CAMERA_DISTANCE = 1.25
@@ -70,19 +70,19 @@ def percent_difference(percent: float) -> str:
 
 MEASURES = {
     "over_replanned": Measure(
-        "Above a plan for that load, %",
+        "Above a plan for this load, %",
         lambda table: 100 * table.over_replanned,
         percent_difference,
         lambda table: table.knowing_kwh[:, None],
     ),
     "overconsumption": Measure(
-        "Above the plan, %",
+        "Extra energy against the plan, %",
         lambda table: 100 * table.overconsumption,
         percent_difference,
         lambda table: np.array(table.planned_kwh),
     ),
-    "delay_s": Measure("Late at the stop, s", lambda table: table.delay_s, words.delay),
-    "stop_error_m": Measure("Beyond the stop, m", lambda table: table.stop_error_m, words.stop_error),
+    "delay_s": Measure("Delay at the stop, s", lambda table: table.delay_s, words.delay),
+    "stop_error_m": Measure("Overshoot, m", lambda table: table.stop_error_m, words.stop_error),
 }
 
 
@@ -95,10 +95,10 @@ def colour_of(number: float, most: float, palette: Palette) -> str:
 
 
 class HeatMapChart(Chart):
-    """Loads upwards, errors to the right, one number a cell; a press chooses the cell."""
+    """Loads upwards, errors to the right, one number a cell; a click selects the cell."""
 
     kind = "map"
-    title = "table of loads and coordinate errors"
+    title = "table of loads and position errors"
 
     def __init__(self, height: int, palette: Palette, choose: Callable[[float, float], None]) -> None:
         super().__init__("heatmap", "", height)
@@ -109,10 +109,11 @@ class HeatMapChart(Chart):
     def build(self) -> None:
         """Make the figure."""
         ranges = Range1d(-0.52, len(COORDINATE_ERRORS_M) - 0.48), Range1d(-0.52, len(LOAD_FACTORS) - 0.48)
-        f = empty_figure(self.height, *ranges, "Table of loads and coordinate errors", self.palette)
+        f = empty_figure(self.height, *ranges, "Table of loads and position errors", self.palette)
         self.figure = f
         f.ygrid.visible = False
-        for axis, title in ((f.xaxis, "Coordinate error, m (+: it believes it is further on)"), (f.yaxis, "Load, %")):
+        titles = "Position error, m (+: the train assumes it is farther on)", "Load, %"
+        for axis, title in zip((f.xaxis, f.yaxis), titles, strict=True):
             axis.axis_line_color = None
             axis.axis_label = title
         self.cells = ColumnDataSource({key: [] for key in ("x", "y", "fill", "text", "ink")})
@@ -120,7 +121,8 @@ class HeatMapChart(Chart):
         self.plan = ColumnDataSource({"x": [], "y": [], "ink": []})
         f.rect("x", "y", CELL, CELL, source=self.cells, fill_color="fill", line_color=None)
         style: dict[str, Any] = {"text_align": "center", "text_baseline": "middle"}
-        f.text("x", "y", "text", source=self.cells, text_color="ink", **style, **text_style(13))
+        numbers = f.text("x", "y", "text", source=self.cells, text_color="ink", **style, **text_style(13))
+        self.numbers = numbers.glyph
         f.text("x", "y", value("plan"), source=self.plan, text_color="ink", y_offset=16, **style, **text_style(11))
         frame = f.rect("x", "y", CELL, CELL, source=self.frame, fill_color=None, line_width=2.5)
         self.palette.paint(frame.glyph, line_color="accent")
@@ -139,6 +141,7 @@ class HeatMapChart(Chart):
     def draw(self, table: SensitivityTable, measure: Measure, load_factor: float, error_m: float) -> None:
         """Draw the table so far, and the frame around a load and an error."""
         loads, errors = table.load_factors, table.coordinate_errors_m
+        self.numbers.text_font_size = value("10px" if self.width_px < NARROW_PX else "13px")
         state = (table, measure, self.palette.costs)
         if state != self._drawn:
             self._table, self._drawn = table, state
@@ -187,7 +190,7 @@ class CostSurface(Chart):
     """The same table as a surface that can be turned."""
 
     kind = "map"
-    title = "table of loads and coordinate errors, as a surface"
+    title = "table of loads and position errors, as a surface"
 
     def __init__(self, height: int, palette: Palette) -> None:
         super().__init__("costs", "", height)
@@ -202,7 +205,7 @@ class CostSurface(Chart):
             height=self.height,
             margin=0,
         )
-        name = pn.pane.HTML('<span data-figure="Table of loads and coordinate errors, as a surface"></span>', margin=0)
+        name = pn.pane.HTML('<span data-figure="Table of loads and position errors, as a surface"></span>', margin=0)
         self._drawn = ()
         self.content, self.figure = pn.Column(name, self.pane, margin=0, sizing_mode="stretch_width"), self.pane
 
@@ -226,17 +229,16 @@ class CostSurface(Chart):
                     "showscale": False,
                     "lighting": LIGHTING,
                     "text": [[measure.show(value) for value in row] for row in values.tolist()],
-                    "hovertemplate": "%{x:+.0f} m, load %{y:.0f} %: %{text}<extra></extra>",
+                    "customdata": [[words.signed(error, 0) for error in table.coordinate_errors_m]]
+                    * len(table.load_factors),
+                    "hovertemplate": "%{customdata} m, load %{y:.0f} %: %{text}<extra></extra>",
                 }
             ],
             "layout": self._layout(bottom - 0.05 * room, top + 0.05 * room),
         }
 
     def _layout(self, bottom: float, top: float) -> dict[str, Any]:
-        layout = scene_layout(self.palette, ("Coordinate error, m", "Load, %"), bottom, top)
-        eye = {axis: CAMERA_DISTANCE * place for axis, place in CAMERA["eye"].items()}
-        layout["scene"]["camera"] = {**CAMERA, "eye": eye}
-        return layout
+        return scene_layout(self.palette, ("Position error, m", "Load, %"), bottom, top, CAMERA_DISTANCE)
 
 
 def printed_table(table: SensitivityTable) -> str:

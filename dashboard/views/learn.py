@@ -21,11 +21,11 @@ from railjoule.dashboard.views.page import PageView
 PAGE = "Learn"
 SPEED_HEIGHTS, PLANE_HEIGHTS, PRICE_HEIGHTS = (200, 250, 190), (250, 300, 240), (200, 240, 190)
 LINES = {
-    "coasting": "Speed, km/h: blue the optimum, dashed one speed held",
-    "multiplier": "Speed, km/h: blue the optimum, dashed the optimum of one second more",
-    "recuperation": "Speed, km/h: blue the optimum, dashed with nothing given back",
-    "gradient": "Speed, km/h: blue knows the line, dashed planned for level track",
-    "load": "Speed, km/h: blue planned for the real load, dashed planned for 30 %",
+    "coasting": "Speed, km/h: blue the optimum, dashed one constant speed",
+    "multiplier": "Speed, km/h: blue the optimum, dashed the optimum with one more second",
+    "recuperation": "Speed, km/h: blue the optimum, dashed without recuperation",
+    "gradient": "Speed, km/h: blue planned with gradients, dashed planned for level track",
+    "load": "Speed, km/h: blue planned for the actual load, dashed planned for 30 %",
 }
 WITH_PLANE = ("multiplier", "recuperation")
 HEIGHTS = {
@@ -37,6 +37,9 @@ HEIGHTS = {
 LESSON_CSS = """
 :host { display: grid; grid-template-columns: minmax(300px, 430px) minmax(0, 1400px); column-gap: 36px;
   padding: 18px 20px 20px; align-items: start; border-top: 1px solid var(--rj-line); }
+@media (min-width: 1100px) and (max-width: 1599px) {
+  :host { grid-template-columns: minmax(300px, 0.8fr) minmax(0, 1fr); }
+}
 @media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); padding: 14px 14px 16px; } }
 """
 TEXT_CSS = """
@@ -48,7 +51,13 @@ details p { margin-top: 2px; }
 summary { cursor: pointer; color: var(--rj-accent); width: fit-content; min-height: 24px; line-height: 24px; }
 """
 FIGURES_CSS = """
-.figures { margin: 0 0 4px 50px; grid-template-columns: 1.3fr; }
+.figures { margin: 0 0 4px 50px; grid-template-columns: 1.15fr; }
+.figure { display: grid; grid-template-rows: subgrid; grid-row: span 3; align-items: end; align-content: start; }
+.figure .label { white-space: normal; line-height: 1.25; }
+.figure .detail { align-self: start; }
+@media (min-width: 900px) and (max-width: 1599px) {
+  .figure .value { font-size: 18px; } .figure.main .value { font-size: 24px; }
+}
 @media (max-width: 899px) { .figures { margin-left: 0; } }
 """
 SLIDER = {"margin": (10, 0, 0, -16), "max_width": 430}
@@ -81,8 +90,11 @@ class LessonView:
         left = parts.stack(
             parts.html_pane(text, stylesheets=styles), field.view, parts.html_pane(question, stylesheets=styles)
         )
-        right = parts.stack(self.figures, *(chart.place for chart in self.charts))
-        self.view = parts.stack(left, right, css=LESSON_CSS)
+        # two charts more are side by side beneath: one column of three would leave half of the page empty
+        beside = (self.speed, *self.more) if len(self.more) < 2 else (self.speed,)
+        right = parts.stack(self.figures, *(chart.place for chart in beside))
+        lower = [parts.stack(chart.place) for chart in self.more if chart not in beside]
+        self.view = parts.stack(left, right, *lower, css=LESSON_CSS)
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -108,7 +120,7 @@ class LearnView(PageView):
         self.lessons = {lesson.name: LessonView(lesson, self.state, self.palette) for lesson in LESSONS}
         self._shown: dict[str, LessonResult] = {}
         heading = parts.html_pane(
-            parts.heading("Learn", "five lessons; each figure is solved anew as you move its slider", "")
+            parts.heading(self.page, "Five lessons", "with live figures: move a slider and they follow", "")
         )
         self.shows(self._show, (self.state.learn, ["shown", "failure"]))
         return parts.stack(heading, self.message, *(lesson.view for lesson in self.lessons.values()))
@@ -125,7 +137,7 @@ class LearnView(PageView):
 
     def _show(self) -> None:
         learn = self.state.learn
-        self.tell(learn.failure, "Shown: the last place of the slider that can be driven.")
+        self.tell(learn.failure, "Shown: the last slider position that could be computed.")
         for name, result in learn.shown.items():
             if self._shown.get(name) is not result:
                 self._shown[name] = result
@@ -135,8 +147,20 @@ class LearnView(PageView):
 def _energies(result: LessonResult, first: str, second: str) -> list[str]:
     one, other, *_ = result.runs.values()
     return [
-        parts.figure(first, words.energy(one.energy_kwh), "kWh", f"in {words.time(one.travel_time_s)} s"),
-        parts.figure(second, words.energy(other.energy_kwh), "kWh", f"in {words.time(other.travel_time_s)} s"),
+        parts.figure(
+            first,
+            words.energy(one.energy_kwh),
+            "kWh",
+            f"in {words.time(one.travel_time_s)} s",
+            term="Energy from the supply",
+        ),
+        parts.figure(
+            second,
+            words.energy(other.energy_kwh),
+            "kWh",
+            f"in {words.time(other.travel_time_s)} s",
+            term="Energy from the supply",
+        ),
     ]
 
 
@@ -144,7 +168,7 @@ def _saved(result: LessonResult, what: str) -> str:
     """Return what the first run saves of the second one's energy, or costs more."""
     one, other, *_ = result.runs.values()
     verb, amount = comparisons.saving(one.energy_kwh, other.energy_kwh)
-    return parts.figure(f"{what} {verb}", *amount, "", "main")
+    return parts.figure(f"{what} {verb}", *amount, "", "main", term="Saving")
 
 
 def coasting_cells(result: LessonResult) -> list[str]:
@@ -154,8 +178,8 @@ def coasting_cells(result: LessonResult) -> list[str]:
     share = words.share(coasts / run.distance_m)
     return [
         _saved(result, "Coasting"),
-        *_energies(result, "Optimum", "One speed"),
-        parts.figure("Coasts", share, "%", "of the way"),
+        *_energies(result, "Optimum", "Constant speed"),
+        parts.figure("Coasts", share, "%", "of the distance"),
     ]
 
 
@@ -165,8 +189,8 @@ def multiplier_cells(result: LessonResult) -> list[str]:
     price = run.price_of_time_w or 0.0
     saved = (run.energy_kwh - later.energy_kwh) * J_PER_KWH
     return [
-        parts.figure("Price of a second", words.price(price), "Wh/s", "the multiplier", "main"),
-        parts.figure("Solved anew", words.price(saved), "Wh", "saved by a second"),
+        parts.figure("Extra second saves", words.price(price), "Wh/s", "the multiplier", "main"),
+        parts.figure("Solved again", words.price(saved), "Wh", "saved by a second"),
         *_energies(result, "Optimum", "A second later"),
     ]
 
@@ -175,7 +199,7 @@ def recuperation_cells(result: LessonResult) -> list[str]:
     """Return the numbers of the third lesson."""
     run, steady = result.runs["optimum"], result.steady
     assert steady is not None
-    cells = [_saved(result, "Giving back"), *_energies(result, "Optimum", "Without")]
+    cells = [_saved(result, "Recuperation"), *_energies(result, "Optimum", "Without")]
     off = next((phase.start_m for phase in run.phases if phase.phase == "coast"), None)
     where = "\u2013" if off is None else words.number(off, 0)
     cells.append(parts.figure("Motors off at", where, "m", f"brakes at {words.speed(steady.brake_ms)} km/h"))
@@ -184,7 +208,7 @@ def recuperation_cells(result: LessonResult) -> list[str]:
 
 def gradient_cells(result: LessonResult) -> list[str]:
     """Return the numbers of the fourth lesson."""
-    return [_saved(result, "Knowing it"), *_energies(result, "Knows the line", "Planned for level track")]
+    return [_saved(result, "Right plan"), *_energies(result, "Planned with gradients", "Planned for level track")]
 
 
 def load_cells(result: LessonResult) -> list[str]:
@@ -192,8 +216,8 @@ def load_cells(result: LessonResult) -> list[str]:
     driven = result.runs["planned for 30 %"]
     late = driven.travel_time_s - driven.scenario.travel_time_s
     return [
-        _saved(result, "Knowing it"),
-        *_energies(result, "Load known", "Planned for 30 %"),
+        _saved(result, "Right plan"),
+        *_energies(result, "Planned for actual load", "Planned for 30 %"),
         parts.figure("Arrives", words.delay(late), "s", "late" if late >= 0.05 else "on time"),
     ]
 

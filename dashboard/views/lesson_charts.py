@@ -13,8 +13,9 @@ from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.store import LessonResult
-from railjoule.dashboard.views.charts import Axis, Chart, columns, nice_range, text_style, xy
+from railjoule.dashboard.views.charts import Axis, Chart, columns, nice_range, text_style, write_names, xy
 from railjoule.dashboard.views.figures import captioned, empty_figure
+from railjoule.dashboard.views.line_names import Name, name_source, placed_names
 from railjoule.dashboard.views.run_lines import DRIVEN_DASH, RunLinesChart
 
 LINES: Mapping[str, tuple[str, dict[str, Any]]] = {
@@ -67,16 +68,16 @@ class PriceChart(Chart):
     """The least energy over travel time, with the price of a second as its slope."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__(
-            "lesson_price", "Least energy, kWh, over travel time, s; its slope is the price of a second", height
-        )
+        super().__init__("lesson_price", "Least energy, kWh; its slope: energy saved per extra second", height)
         self.palette = palette
         self.x_range, self.y_range = Range1d(0, 1), Range1d(0, 1)
         self.sources = {name: ColumnDataSource({"x": [], "y": []}) for name in ("curve", "tangent", "point")}
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=4)
+        f = empty_figure(
+            self.height, self.x_range, self.y_range, self.words, self.palette, ticks=4, x_title="Travel time, s"
+        )
         curve = f.line("x", "y", source=self.sources["curve"], line_width=2.6)
         tangent = f.line("x", "y", source=self.sources["tangent"], line_width=1.2)
         point = f.scatter("x", "y", source=self.sources["point"], size=10, line_width=2)
@@ -110,19 +111,29 @@ class PhasePlaneChart(Chart):
     kind = "map"
 
     def __init__(self, lesson: str, height: int, palette: Palette) -> None:
-        caption = "Phase plane: worth of a joule of motion, J at the line, over speed, km/h"
+        caption = "Phase plane: value of a joule of kinetic energy, J from the supply, over speed, km/h"
         super().__init__(f"plane_{lesson}", caption, height)
         self.palette = palette
         self.x_range, self.y_range = Range1d(0, 80), Range1d(*WORTH_ENDS)
         self.bands = ColumnDataSource({"bottom": [], "top": [], "fill": []})
         self.names = ColumnDataSource({"y": [], "text": [], "ink": []})
         self.run = ColumnDataSource({"x": [], "y": []})
-        self.marks = ColumnDataSource({"x": [], "y": [], "text": [], "align": [], "dx": []})
+        self.marks, self.signs = ColumnDataSource({"x": [], "y": []}), name_source()
         self.driving, self.braking = (Span(dimension="width", line_width=1) for _ in range(2))
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=4, digits=1)
+        f = empty_figure(
+            self.height,
+            self.x_range,
+            self.y_range,
+            self.words,
+            self.palette,
+            ticks=4,
+            digits=1,
+            x_title="Speed, km/h",
+            y_title="Worth, J",
+        )
         f.quad(-10, 1e3, "top", "bottom", source=self.bands, fill_color="fill", fill_alpha=0.35, line_color=None)
         f.text(
             self.x_range.end - 1,
@@ -139,12 +150,9 @@ class PhasePlaneChart(Chart):
             f.add_layout(span)
         line = f.line("x", "y", source=self.run, line_width=2.6)
         dots = f.scatter("x", "y", source=self.marks, size=8, line_width=2)
-        signs = f.text(
-            "x", "y", "text", source=self.marks, text_align="align", x_offset="dx", y_offset=-8, **text_style(11)
-        )
+        write_names(f, self.signs, 11)
         self.palette.paint(line.glyph, line_color="optimal")
         self.palette.paint(dots.glyph, fill_color="accent", line_color="surface")
-        self.palette.paint(signs.glyph, text_color="ink")
         self.figure = f
         self.content = captioned(self.words, f)
 
@@ -177,13 +185,25 @@ class PhasePlaneChart(Chart):
     def _mark(self, steady: SteadySpeeds) -> None:
         reaches = steady.highest_ms >= 0.999 * steady.hold_ms
         word = "hold" if reaches else "motors off at"
-        self.marks.data = {
-            "x": [steady.highest_ms / MS_PER_KMH, steady.brake_ms / MS_PER_KMH],
-            "y": [steady.driving_worth, steady.braking_worth],
-            "text": [
-                f"{word} {words.speed(steady.highest_ms, 1)} km/h",
-                f"brake from {words.speed(steady.brake_ms, 1)} km/h",
-            ],
-            "align": ["right", "right"],
-            "dx": [-6, -6],
+        points = [
+            (steady.highest_ms / MS_PER_KMH, steady.driving_worth),
+            (steady.brake_ms / MS_PER_KMH, steady.braking_worth),
+        ]
+        texts = (
+            f"{word} {words.speed(steady.highest_ms, 1)} km/h",
+            f"brake from {words.speed(steady.brake_ms, 1)} km/h",
+        )
+        self.marks.data = {"x": [x for x, _ in points], "y": [y for _, y in points]}
+        ink, ends = self.palette.tokens["ink"], np.array([0.0, float(self.x_range.end)])
+        names = [Name(text, text, ink, point=point) for text, point in zip(texts, points, strict=True)]
+        frame = self.frame_over((0.0, float(self.x_range.end)), WORTH_ENDS)
+        lines = {
+            "run": (np.asarray(self.run.data["x"]), np.asarray(self.run.data["y"])),
+            "driving": (ends, np.full(2, steady.driving_worth)),
+            "braking": (ends, np.full(2, steady.braking_worth)),
         }
+        regions = [
+            frame.box(ends[1] - 1, y, text, align="right", lift_px=-7)
+            for y, text in zip(self.names.data["y"], self.names.data["text"], strict=True)
+        ]
+        self.signs.data = placed_names(frame, lines, names, [*regions, *(frame.dot(*point) for point in points)], 11)

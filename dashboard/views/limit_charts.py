@@ -16,6 +16,7 @@ from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.store import LimitRun, LimitTrip
 from railjoule.dashboard.views.charts import Axis, add_zero, clear, nice_range, text_style, xy
+from railjoule.dashboard.views.line_names import Name
 from railjoule.dashboard.views.run_lines import DRIVEN_DASH, RunLinesChart
 
 LINES: Mapping[str, tuple[str, dict[str, Any]]] = {
@@ -24,6 +25,8 @@ LINES: Mapping[str, tuple[str, dict[str, Any]]] = {
 }
 LINE_WORDS = {"optimum": "optimal in the same time", "run": "under the limits"}
 HEADROOM = 1.09
+GRIP_PX, SIGN_RISE_PX = 7.0, 8.0
+"""Half the size of a handle, and how far above its step a limit is written."""
 FAR_ABOVE = 9e3
 LEAST_SECTION_M = 10
 """No border can be dragged closer to the next one."""
@@ -89,7 +92,7 @@ class LimitSpeedChart(RunLinesChart):
         release: Callable[[], None],
     ) -> None:
         super().__init__(
-            "limit_speed", "Speed, km/h: drag a step to change its limit, a border to move it", height, axis, palette
+            "limit_speed", "Speed, km/h: drag a step to change its limit, its end to move it", height, axis, palette
         )
         self._move, self._release = move, release
         self._drawing = False
@@ -104,8 +107,7 @@ class LimitSpeedChart(RunLinesChart):
         self.palette.paint(area.glyph, fill_color="ground")
         self.add_lines()
         self._add_steps()
-        self.sources["names"] = ColumnDataSource({"x": [], "y": [], "text": [], "colour": []})
-        f.text("x", "y", "text", text_color="colour", source=self.sources["names"], text_align="right", **text_style())
+        self.add_names()
 
     def _add_steps(self) -> None:
         f = self.figure
@@ -167,13 +169,24 @@ class LimitSpeedChart(RunLinesChart):
             "bottom": limits.tolist(),
         }
         self._draw_steps(limits_kmh, [0.0, *borders_m, scenario.line.length_m], most)
-        names = list(reversed(runs))
-        self.sources["names"].data = {
-            "x": [0.985 * self.axis.end] * len(names),
-            "y": [most * (0.93 - 0.075 * k) for k in range(len(names))],
-            "text": [LINE_WORDS[name] for name in names],
-            "colour": [self.palette.tokens[LINES[name][0]] for name in names],
-        }
+        self._draw_names(runs, np.repeat(places, 2)[1:-1], np.repeat(limits, 2))
+
+    def _draw_names(self, runs: Mapping[str, Trajectory], places_m: FloatArray, line_limits_kmh: FloatArray) -> None:
+        """Name the runs clear of the steps with their handles and signs."""
+        steps, frame = self.sources["sections"].data, self.frame_now
+        ends = np.ravel([steps["left"], steps["right"]], order="F"), np.repeat(steps["limit"], 2)
+        lines = {name: (run.position_m, self.values(run)) for name, run in runs.items()}
+        signs = [
+            frame.box(x, limit, text, 12, "center", SIGN_RISE_PX)
+            for x, limit, text in zip(steps["middle"], steps["limit"], steps["text"], strict=True)
+        ]
+        grips = [
+            (float(x) - GRIP_PX, float(y) - GRIP_PX, float(x) + GRIP_PX, float(y) + GRIP_PX)
+            for data, column in ((steps, ("middle", "limit")), (self.sources["handles"].data, ("x", "y")))
+            for x, y in zip(frame.x_px(data[column[0]]), frame.y_px(data[column[1]]), strict=True)
+        ]
+        names = [Name(name, LINE_WORDS[name], self.palette.tokens[LINES[name][0]]) for name in reversed(list(runs))]
+        self.place_names({**lines, "steps": ends, "line": (places_m, line_limits_kmh)}, names, [*signs, *grips])
 
     def _draw_steps(self, limits_kmh: Sequence[float], ends_m: Sequence[float], most: float) -> None:
         left, right, limits = list(ends_m[:-1]), list(ends_m[1:]), [float(limit) for limit in limits_kmh]

@@ -32,7 +32,7 @@ PAGE = "Line"
 SHIPPED, SHIPPED_TITLE = "metro-10-stations", "Metro, ten stations"
 HEIGHTS = {
     "line_speed": (230, 290, 210),
-    "line": (80, 90, 76),
+    "line": (98, 106, 94),
     "line_path": (180, 230, 170),
     "supplements": (120, 140, 110),
     "leg_energy": (140, 160, 130),
@@ -87,7 +87,7 @@ class LineView(PageView):
             last=True,
         )
         self.other = pmui.RadioButtonGroup(
-            options={"In proportion": "proportional", "Equal supplements": "equal"},
+            options={"Proportional reserve": "proportional", "Equal reserve": "equal"},
             value=self.model.other,
             margin=(8, 4, 4, 20),
             **SMALL,
@@ -131,7 +131,7 @@ class LineView(PageView):
         self.axis.settle("m", 0)
 
     def _csv(self) -> StringIO:
-        """Return the legs of all ways of sharing as a file."""
+        """Return the legs under all sharing rules as a file."""
         runs = self.model.runs
         text = (
             "\n".join(
@@ -148,7 +148,7 @@ class LineView(PageView):
 
     def _show(self) -> None:
         runs = self.model.runs
-        self.tell(self.model.failure, "Shown: the last runs that can be driven." if runs is not None else "")
+        self.tell(self.model.failure, "Shown: the last runs that could be computed." if runs is not None else "")
         alone = not self.model.stations
         self.full.visible, self.empty.visible = not alone, alone
         if alone:
@@ -172,10 +172,10 @@ class LineView(PageView):
 
     def _show_empty(self) -> None:
         scenario = self.state.scenario.edited
-        self.heading.object = parts.heading(scenario.title, "one leg", "")
+        self.heading.object = parts.heading(self.page, scenario.title, "one leg", "")
         self.empty_text.object = (
             '<p style="padding:6px 20px;max-width:70ch">This line has no stations between its ends, so there is no '
-            "time to share. Give it stations in its file (line.stations), or open a line that has some.</p>"
+            "time to share. Add stations in the editor under Track, or open a line that has some.</p>"
         )
 
     def _show_texts(self, runs: LineRuns) -> None:
@@ -183,9 +183,9 @@ class LineView(PageView):
         standing = sum(station.dwell_s for station in scenario.line.inner_stations)
         what = (
             f"{words.distance(best.run.distance_m)} km, {len(best.legs)} legs in "
-            f"{words.time(best.run.travel_time_s)} s, {words.time(standing)} s of them standing"
+            f"{words.time(best.run.travel_time_s)} s, including {words.time(standing)} s of dwell"
         )
-        self.heading.object = parts.heading(scenario.title, what, "")
+        self.heading.object = parts.heading(self.page, scenario.title, what, "")
         self.figures.object = parts.figures(figure_cells(runs), self.model.failure is not None)
         self.table.object = WIDE_TABLE.format("Legs", legs_table(runs))
         self.notes.object = parts.notes(best.run)
@@ -225,15 +225,18 @@ def figure_cells(runs: LineRuns) -> list[str]:
     price = words.price(prices[0]) if one else f"{words.price(min(prices))}\u2013{words.price(max(prices))}"
     costs = [comparisons.above(other, best.run.energy_kwh) for other in (plain, equal)]
     return [
+        parts.figure("Energy of the whole line", words.energy(best.run.energy_kwh), "kWh", "optimal reserve", "main"),
+        parts.figure("Proportional reserve", *costs[0], f"{words.energy(plain)} kWh"),
+        parts.figure("Equal reserve", *costs[1], f"{words.energy(equal)} kWh"),
         parts.figure(
-            "Energy of the whole line", words.energy(best.run.energy_kwh), "kWh", "time shared by the optimum", "main"
+            "Extra second saves",
+            price,
+            "Wh/s",
+            "same on every leg" if one else "same between fixed arrivals",
         ),
-        parts.figure("In proportion", *costs[0], f"{words.energy(plain)} kWh"),
-        parts.figure("Equal supplements", *costs[1], f"{words.energy(equal)} kWh"),
-        parts.figure("Price of a second", price, "Wh/s", "on every leg alike" if one else "one between fixed arrivals"),
         parts.proof_figure(best.run),
         parts.figure(
-            "Supplement",
+            "Running-time supplement",
             words.number(best.run.travel_time_s - runs.shortest_time_s),
             "s",
             f"shortest {words.number(runs.shortest_time_s)} s",
@@ -248,13 +251,11 @@ def key_words() -> str:
         f"{SHARING_WORDS[sharing]}</span>"
         for sharing, token in SHARING_TOKENS.items()
     )
-    return (
-        f'<p class="small" style="padding:2px 20px 0;color:var(--rj-ink2)">{bars}numbers above bars: of the optimum</p>'
-    )
+    return f'<p class="small" style="padding:2px 20px 0;color:var(--rj-ink2)">{bars}numbers above bars: optimum</p>'
 
 
 def legs_table(runs: LineRuns) -> str:
-    """Return the legs of the optimum, with what the other ways of sharing give and need."""
+    """Return the legs of the optimum, with what the other sharing rules give and need."""
     best, plain, equal = (runs.runs[sharing] for sharing in SHARING_TOKENS)
     header = (
         "Leg",
@@ -263,9 +264,9 @@ def legs_table(runs: LineRuns) -> str:
         "runs, s",
         "shortest, s",
         "supplement, s",
-        "in proportion, s",
+        "proportional, s",
         "kWh",
-        "in proportion, kWh",
+        "proportional, kWh",
         "equal, kWh",
     )
     rows = []

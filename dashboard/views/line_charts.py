@@ -17,9 +17,9 @@ from railjoule.dashboard.views.charts import Axis, add_zero, clear, columns, nic
 from railjoule.dashboard.views.run_lines import RunLinesChart
 
 SHARING_WORDS: Mapping[Sharing, str] = {
-    "optimum": "shared by the optimum",
-    "proportional": "in proportion to the shortest times",
-    "equal": "equal supplements",
+    "optimum": "optimal reserve",
+    "proportional": "proportional reserve",
+    "equal": "equal reserve",
 }
 SHARING_TOKENS: Mapping[Sharing, str] = {"optimum": "optimal", "proportional": "phases", "equal": "enoc"}
 LINES: Mapping[str, tuple[str, dict[str, Any]]] = {

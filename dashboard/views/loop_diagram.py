@@ -44,12 +44,12 @@ BLOCKS: Mapping[str, Block] = {
         ("Pre-", "compensator"), "leads the reference by the lag of the loop", ("tracking", "tracking_fine")
     ),
     "motion_control": Block(
-        ("Position and", "speed control"), "asks for the torque that keeps the train on the reference", ("loop_speed",)
+        ("Position and", "speed control"), "demands the torque that keeps the train on the reference", ("loop_speed",)
     ),
     "current_control": Block(
-        ("Current", "control"), "sets the voltages that make flux and torque currents", ("loop_currents",)
+        ("Current", "control"), "sets the voltages that produce flux and torque currents", ("loop_currents",)
     ),
-    "inverter": Block(("Inverter",), "switches the link's voltage to the phases", ("loop_voltage", "ripple")),
+    "inverter": Block(("Inverter",), "switches the DC-link voltage to the phases", ("loop_voltage", "ripple")),
     "machine": Block(("Machine",), "turns currents into flux and torque", ("loop_energy", "machine_map")),
     "load": Block(("Train", "and line"), "takes the torque and moves", ("loop_place",)),
     "flux_estimator": Block(
@@ -275,7 +275,7 @@ def diagram(drawing: Drawing) -> str:
 def block_shape(name: str, x: float, y: float, width: float) -> str:
     """Return a block that can be focused and pressed."""
     block = BLOCKS[name]
-    label = html.escape(f"{' '.join(block.words).replace('- ', '-')} {block.does}; go to its figure")
+    label = html.escape(f"{' '.join(block.words).replace('- ', '-')} {block.does}; show its chart")
     middle = y + 0.5 * BLOCK_HEIGHT - 0.5 * LINE_PX * (len(block.words) - 1)
     text = "".join(
         f'<text x="{x + 0.5 * width:g}" y="{middle + k * LINE_PX + 0.36 * FONT_PX:g}" font-size="{FONT_PX}">'

@@ -78,9 +78,9 @@ PART_WORDS = {
     "stored": "Stored in the magnetic fields",
 }
 QUESTION = (
-    '<div style="padding:8px 6px 0 50px"><h2>A wrong rotor resistance</h2><p class="note">The flux is found from the '
-    "rotor\u2019s resistance, which a warm rotor changes by up to a half. The study drives the plan with controllers "
-    "that believe in half to twice the true one.</p></div>"
+    '<div style="padding:8px 6px 0 50px"><h2>A wrong rotor resistance</h2><p class="note">The controller computes '
+    "the flux from the rotor resistance, which rises by up to half as the rotor warms up. The study runs the plan with "
+    "controllers that assume half to twice the true resistance.</p></div>"
 )
 LIMIT_WORDS = {"current": "The current limit", "voltage": "The voltage limit"}
 
@@ -122,9 +122,7 @@ class MotorView(PageView):
         self.map = MotorMapChart(HEIGHTS["machine_map"][0], palette, "machine_map")
         self.ripple = RippleChart(HEIGHTS["ripple"][0], palette)
         self.detuning = DetuningChart(HEIGHTS["detuning"][0], palette)
-        self.at = NumberField(
-            self.model, "ripple_at_s", "Picture of ripple at, s", step=0.5, digits=1, unit="s", ends=(0, 100)
-        )
+        self.at = NumberField(self.model, "ripple_at_s", "Ripple at t, s", step=0.5, digits=1, unit="s", ends=(0, 100))
         self.open = pmui.Button(
             label=f"Open {load_scenario(MACHINE_SCENARIO).title}",
             variant="outlined",
@@ -202,7 +200,7 @@ class MotorView(PageView):
             self.tell(None, "")
             self.no_machine.object = f'<p class="note" style="margin:0 20px">{parts.escaped(model.no_machine)}</p>'
             return
-        self.tell(model.failure, "Shown: the last run that could be driven." if run is not None else "")
+        self.tell(model.failure, "Shown: the last run that could be computed." if run is not None else "")
         if run is None:
             return
         self.axis.fit(float(run.time_s[-1]), roomy=False)
@@ -214,10 +212,10 @@ class MotorView(PageView):
 
     def _show_heading(self) -> None:
         scenario = self.state.scenario.scenario()
-        what = "the plan through the control loop of its motors"
+        what = "plan run through the field-oriented control of the motors"
         run = self.model.run
-        aside = "" if run is None else f"arrives {words.delay(run.delay_s)} s against the plan"
-        self.heading.object = parts.heading(scenario.title, what, aside)
+        aside = "" if run is None else f"arrival error {words.delay(run.delay_s)} s"
+        self.heading.object = parts.heading(self.page, scenario.title, what, aside)
 
     def _show_rivals(self) -> None:
         rivals = self.model.rivals
@@ -228,7 +226,7 @@ class MotorView(PageView):
         for name in (*(OF_STRATEGIES if rivals.strategies else ()), *OF_TRACKING):
             self.loops[name].show(partial(self.loops[name].draw, rivals.named))
         self.refusals.object = "".join(
-            f'<p class="note" style="padding-left:50px">{parts.escaped(words.STRATEGY_WORDS[name] + " " + why)}</p>'
+            f'<p class="note" style="padding-left:6px">{parts.escaped(words.STRATEGY_WORDS[name] + ": " + why)}</p>'
             for name, why in rivals.refused.items()
         )
 
@@ -271,13 +269,13 @@ def run_figures(run: FieldOrientedRun) -> list[str]:
     share = 1e6 * (by_parts / by_input - 1) if by_input else 0.0
     return [
         parts.figure(
-            "Energy by input power",
+            "Energy from input power",
             words.energy(by_input),
             "kWh",
             f"planned {words.energy(run.planned.energy_kwh)}",
             "main",
         ),
-        parts.figure("By its parts", words.energy(by_parts), "kWh", f"{words.signed(share, 2)} ppm apart"),
+        parts.figure("Sum of parts", words.energy(by_parts), "kWh", f"difference {words.signed(share, 2)} ppm"),
         parts.figure(
             "Magnetising loss",
             words.energy(magnetising),
@@ -293,17 +291,17 @@ def run_figures(run: FieldOrientedRun) -> list[str]:
             "A",
             f"torque {words.number(run.min_torque_current_a, 0)} to {words.number(run.max_torque_current_a, 0)}",
         ),
-        parts.figure("Peak voltage", words.number(run.max_phase_voltage_v, 0), "V", "of a phase"),
-        parts.figure("Arrival", words.delay(run.delay_s), "s", "against the plan", "extra"),
+        parts.figure("Peak voltage", words.number(run.max_phase_voltage_v, 0), "V", "per phase"),
+        parts.figure("Arrival error", words.delay(run.delay_s), "s", "against the plan", "extra"),
     ]
 
 
 def held_words(run: FieldOrientedRun) -> str:
     """Return where a limit held the drive and by how much it fell behind; nothing where none did."""
     rows = [
-        f'<p class="note"><span class="open">{LIMIT_WORDS[span.what]}</span> held the drive from '
+        f'<p class="note"><span class="open">{LIMIT_WORDS[span.what]}</span> limited the motors from '
         f"{words.number(span.start_s)} to {words.number(span.end_s)} s: "
-        f"{' '.join(length(max(span.lag_m, 0.0)))} behind at most.</p>"
+        f"{' '.join(length(max(span.lag_m, 0.0)))} behind the plan at most.</p>"
         for span in run.saturated
     ]
     return f'<div role="status" style="padding:0 20px 6px">{"".join(rows)}</div>' if rows else ""
@@ -320,7 +318,7 @@ def parts_table(run: FieldOrientedRun) -> str:
     by_input = float(run.energy_by_input_power_j[-1])
     rows.append((("Input power, integrated", *_amount(by_input, total)), True))
     table = parts.table("Where the energy goes", ("Part", "kWh", "%"), rows)
-    return f'<div style="padding:0 6px 0 50px">{table}</div>'
+    return f'<div style="padding:0 6px">{table}</div>'
 
 
 def _amount(joules: float, total: float) -> tuple[str, str]:

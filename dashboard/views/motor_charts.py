@@ -121,7 +121,7 @@ class StorageChart(Chart):
     """What storages of one power save against resistors."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("storage", "Saved by a storage against resistors, kWh, over its size, kWh", height)
+        super().__init__("storage", "Saved by storage instead of brake resistors, kWh, over storage size, kWh", height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
 
     def build(self) -> None:
@@ -156,7 +156,7 @@ class StorageChart(Chart):
         most = chosen.with_resistors_kwh - chosen.with_receptive_line_kwh
         self.curve.data = xy(storage.size_kwh, storage.saved_kwh)
         self.chosen.data = {"x": [chosen.storage.size_kwh], "y": [chosen.saved_kwh]}
-        self.most.data = {"x": [0.0], "y": [most], "text": [f"a receptive line: {words.energy(most)} kWh"]}
+        self.most.data = {"x": [0.0], "y": [most], "text": [f"fully receptive supply: {words.energy(most)} kWh"]}
         self.need.data = {"x": [need], "y": [0.0], "text": [f"needed: {words.energy(need)} kWh"]}
         self.x_range.update(start=0, end=float(storage.size_kwh[-1]))
         _, high = nice_range(0.0, max(most, 1e-3), 0.2)
@@ -176,13 +176,13 @@ def storage_table(storage: StorageCurve) -> str:
     rows = [
         row("Resistors", chosen.with_resistors_kwh),
         row(f"Storage, {size} kWh, {words.number(chosen.storage.power_kw, 0)} kW", chosen.energy_kwh, True),
-        row("A line that takes all", chosen.with_receptive_line_kwh),
+        row("Fully receptive supply", chosen.with_receptive_line_kwh),
     ]
     note = (
-        f"Braking gives back {words.energy(need.generated_kwh)} kWh at up to {words.number(need.charging_peak_kw, 0)} "
+        f"Braking generates {words.energy(need.generated_kwh)} kWh at up to {words.number(need.charging_peak_kw, 0)} "
         f"kW; driving takes up to {words.number(need.discharging_peak_kw, 0)} kW. The storage loses "
         f"{words.energy(chosen.storage_loss_kwh)} kWh, resistors burn {words.energy(chosen.burnt_kwh)} kWh; "
-        f"{words.number(need.cycles_per_day, 0)} full cycles of the size needed in a day of 18 hours."
+        f"{words.number(need.cycles_per_day, 0)} full cycles of the size needed in an 18-hour day."
     )
-    table = parts.table("What braking brings back, kWh", ("Taken by", "from the line", "saved", "%"), rows)
-    return f'<div style="padding:0 6px 0 50px">{table}<p class="note">{note}</p></div>'
+    table = parts.table("Recovered braking energy, kWh", ("Absorbed by", "from the supply", "saved", "%"), rows)
+    return f'<div style="padding:0 6px">{table}<p class="note">{note}</p></div>'

@@ -4,6 +4,7 @@ from typing import Any
 
 import panel_material_ui as pmui
 
+from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.views.fields import TypedNumber
 from railjoule.dashboard.views.parts import html_pane, stack
@@ -35,9 +36,9 @@ class MotorFields:
         )
         self.control = [
             TypedNumber(model, "bandwidth_rads", "Bandwidth, rad/s", digits=1, unit="rad/s"),
-            TypedNumber(model, "rotor_resistance_factor", "Believed resistance, \u00d7", digits=2, unit=""),
-            TypedNumber(model, "speed_noise_rads", "Noise of speed, rad/s", digits=2, unit="rad/s"),
-            TypedNumber(model, "noise_seed", "Its seed", digits=0, unit=""),
+            TypedNumber(model, "rotor_resistance_factor", "Assumed / true rotor resistance", digits=2, unit=""),
+            TypedNumber(model, "speed_noise_rads", "Speed noise, rad/s", digits=2, unit="rad/s"),
+            TypedNumber(model, "noise_seed", "Seed", digits=0, unit=""),
         ]
         self.limits = [
             TypedNumber(model, "max_phase_voltage_v", "Phase voltage, V", digits=0, unit="V"),
@@ -48,6 +49,9 @@ class MotorFields:
             self.precompensator,
             self.flux,
             *(field.view for field in self.control),
+            html_pane(
+                f'<div class="row small"><span>From its resistance it computes the slip.{info("Slip")}</span></div>'
+            ),
             html_pane('<div class="section">Inverter <span>\u00b7 at most, each phase</span></div>'),
             *(field.view for field in self.limits),
             html_pane('<hr class="rule">'),

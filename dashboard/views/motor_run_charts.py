@@ -132,7 +132,7 @@ TRACKING = Quantity(
 )
 TRACKING_FINE = Quantity(
     "tracking_fine",
-    "The same with pre-compensator, mm",
+    "Tracking error with pre-compensator, mm",
     "mm",
     3,
     (Line("", "accent", over_time("tracking_error_m", 1e3), "with"),),
@@ -171,7 +171,7 @@ ENERGY = Quantity(
     tick_digits=1,
 )
 RIVAL_SPEED = Quantity(
-    "rival_speed", "EOC against ENOC: speed, km/h", "km/h", 2, rival_lines("speed_ms", 1 / MS_PER_KMH), ticks=5
+    "rival_speed", "EOC and ENOC: speed, km/h", "km/h", 2, rival_lines("speed_ms", 1 / MS_PER_KMH), ticks=5
 )
 RIVAL_CURRENT = Quantity("rival_current", "Torque current of one motor, A", "A", 1, rival_lines("torque_current_a"))
 RIVAL_ENERGY = Quantity(
@@ -265,12 +265,14 @@ class PlaceChart(Chart):
     """Speed over position, planned and actual."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("loop_place", "Speed, km/h, over position, m; dashed: actual", height)
+        super().__init__("loop_place", "Speed, km/h, over distance; dashed: actual", height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=5)
+        f = empty_figure(
+            self.height, self.x_range, self.y_range, self.words, self.palette, ticks=5, x_title="Distance, m"
+        )
         self.figure = f
         self.planned, self.actual = (ColumnDataSource({"x": [], "y": []}) for _ in range(2))
         planned = f.line("x", "y", source=self.planned, line_width=2.4)
@@ -293,12 +295,12 @@ class RippleChart(Chart):
     """Current of one phase under switched voltage, and its average."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("ripple", "Switched current of one phase, A, over milliseconds; dashed: averaged", height)
+        super().__init__("ripple", "Switched current of one phase, A; dashed: averaged", height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=4)
+        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=4, x_title="Time, ms")
         self.figure = f
         add_zero(f, self.palette)
         self.switched, self.average = (ColumnDataSource({"x": [], "y": []}) for _ in range(2))
@@ -323,13 +325,22 @@ class DetuningChart(Chart):
     """What a rotor resistance costs that is not the one that the controller believes."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        words = "More energy, %, over rotor resistance believed / true"
+        words = "Extra energy, %, over assumed / true rotor resistance"
         super().__init__("detuning", words, height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=4, digits=1)
+        f = empty_figure(
+            self.height,
+            self.x_range,
+            self.y_range,
+            self.words,
+            self.palette,
+            ticks=4,
+            digits=1,
+            x_title="Assumed / true rotor resistance, \u2013",
+        )
         self.figure = f
         f.xaxis[0].formatter.args = {"digits": 1}
         add_zero(f, self.palette)
@@ -372,6 +383,6 @@ def detuning_table(table: DetuningTable) -> str:
             " ".join(length(table.max_tracking_error_m[k])),
         )
         rows.append((cells, factor == 1))
-    title = "A controller that believes in another rotor resistance"
-    header = ("Believed", "energy, %", "peak, A", "peak, V", "tracking error")
-    return f'<div style="padding:0 6px 0 50px">{parts.table(title, header, rows)}</div>'
+    title = "Controller with a wrong rotor resistance"
+    header = ("Assumed / true", "energy, %", "peak, A", "peak, V", "tracking error")
+    return f'<div style="padding:0 6px">{parts.table(title, header, rows)}</div>'

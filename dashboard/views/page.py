@@ -18,13 +18,15 @@ from railjoule.dashboard.views.failures import failure_words
 from railjoule.dashboard.views.sketches import COMPUTING, numbers_sketch
 
 WIDE_PX, NARROW_PX = 1600, 900
+SIDEBAR_PX, EDGES_PX, NARROW_EDGES_PX, COLUMN_GAP_PX, LEAST_WIDTH_PX = 290, 48, 40, 28, 260
+"""What stands beside the charts, the sidebar open, and how wide they are at least."""
 STALE = "rj-stale"
 PAGE_CSS = """
 :host(.rj-stale) { --rj-chart-filter: grayscale(1); --rj-number: var(--rj-ink3); --rj-verdict: var(--rj-ink3);
   --rj-words: var(--rj-ink3); }
 """
 """Numbers and charts from before the last change are grey until the next ones come."""
-NOT_SHOWN = "A part of this page could not be shown: the program made an error, which the server\u2019s log describes."
+NOT_SHOWN = "A part of this page could not be shown: a program error, which the server\u2019s log describes."
 
 
 class PageView:
@@ -39,10 +41,14 @@ class PageView:
     """Its name, one of PAGES."""
     heights: Mapping[str, tuple[int, int, int]] = {}
     """Height of each chart [px]: in usual, wide and narrow windows."""
+    halves_from_px: int | None = None
+    """From this width of the window on, two columns of charts stand beside each other; None where there is one."""
+    rail_px = 0
+    """What stands beside the charts in wide windows."""
 
     def __init__(self, state: Workbench, browser: Browser, palette: Palette) -> None:
         self.state, self.browser, self.palette = state, browser, palette
-        self.heading = parts.html_pane(parts.heading(state.scenario.edited.title, "", ""))
+        self.heading = parts.html_pane(parts.heading(self.page, state.scenario.edited.title, "", ""))
         self.figures = parts.html_pane(numbers_sketch())
         self.message = parts.html_pane(visible=False)
         self._error = parts.html_pane(visible=False)
@@ -154,9 +160,21 @@ class PageView:
         """Give the charts the heights that suit the window."""
         width = self.browser.window_width
         size = 1 if width >= WIDE_PX else 2 if width < NARROW_PX else 0
+        room = self.room_px()
         for chart in self.charts:
+            chart.width_px = room
             if chart.name in self.heights:
                 chart.resize(self.heights[chart.name][size])
+
+    def room_px(self) -> float:
+        """Return how wide the place of a chart is at least."""
+        width = self.browser.window_width
+        room = width - (NARROW_EDGES_PX if width < NARROW_PX else SIDEBAR_PX + EDGES_PX)
+        if width >= WIDE_PX:
+            room -= self.rail_px
+        if self.halves_from_px is not None and width >= self.halves_from_px:
+            room = (room - COLUMN_GAP_PX) // 2
+        return float(max(room, LEAST_WIDTH_PX))
 
     def _refit(self) -> None:
         with pn.io.hold():

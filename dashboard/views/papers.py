@@ -1,7 +1,7 @@
 """Papers: what the four papers print beside what this version computes."""
 
 import csv
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import partial
 from io import StringIO
 from typing import Any
@@ -56,6 +56,8 @@ summary span { font-weight: 400; color: var(--rj-ink3); }
 ol { margin: 4px 0 0; padding-left: 22px; font-size: 12px; color: var(--rj-ink2); max-width: 90ch; }
 .citation { max-width: 90ch; color: var(--rj-ink2); margin-top: 2px; }
 """
+COMPUTED = "Computed with the code of this version."
+COMPUTED_BEFORE = "Computed before the last change of the code; it is being computed again, table by table."
 SMALL: dict[str, Any] = {"size": "small", "margin": (6, 8, 4, 0)}
 
 
@@ -73,18 +75,24 @@ class PapersView(PageView):
             label="Stop", variant="outlined", on_click=lambda _: self.model.param.trigger("stop"), **SMALL
         )
         self.all = pmui.Button(
-            label="Compute all four", variant="outlined", on_click=lambda _: self._ask(tuple(COMPARISONS)), **SMALL
+            label="Compute all four again",
+            variant="outlined",
+            on_click=lambda _: self._ask(tuple(COMPARISONS)),
+            **SMALL,
         )
         self.sections = {name: PaperSection(name, partial(self._ask, (name,))) for name in COMPARISONS}
         heading = parts.html_pane(
-            parts.heading("Papers", "what is printed beside what this version computes, on request", "")
+            parts.heading(self.page, "Four papers", "and what this version computes beside their numbers", "")
         )
         self.busy = pn.FlexBox(
             self.progress, self.stop, self.progress_words, align_items="center", margin=0, visible=False
         )
-        bar = parts.stack(self.all, self.busy, styles={"padding": "0 20px 8px"})
-        self.shows(self._show, (self.model, ["results", "asked", "failure"]))
-        return parts.stack(heading, self.message, bar, *(section.view for section in self.sections.values()))
+        self.origin = parts.html_pane()
+        bar = parts.stack(self.origin, self.all, self.busy, styles={"padding": "0 20px 8px"})
+        self.shows(self._show, (self.model, ["results", "under_way", "is_current", "asked", "failure"]))
+        return parts.stack(
+            heading, self.message, self.figures, bar, *(section.view for section in self.sections.values())
+        )
 
     def _ask(self, names: tuple[str, ...], *_: Any) -> None:
         self.model.compare = list(names)
@@ -97,12 +105,15 @@ class PapersView(PageView):
         self.all.disabled = busy
         if busy:
             self._tell_progress()
+        self.origin.object = f'<p class="note">{COMPUTED if model.is_current else COMPUTED_BEFORE}</p>'
+        if model.results:
+            self.figures.object = parts.figures(figure_cells(model.results.values()))
         for name, section in self.sections.items():
             section.show(model.results.get(name), busy)
 
     def _tell_progress(self) -> None:
         asked = self.model.asked
-        now = [self.model.results[name] for name in asked if name in self.model.results]
+        now = [self.model.under_way[name] for name in asked if name in self.model.under_way]
         share = sum(len(paper.validation.tables) / paper.table_count for paper in now) / len(asked)
         self.progress.value = int(100 * share)
         last = next((paper for paper in now if not paper.complete), None)
@@ -120,7 +131,7 @@ class PaperSection:
     def __init__(self, name: str, ask: Callable[..., None]) -> None:
         self.name = name
         self._paper: PaperTables | None = None
-        self.button = pmui.Button(label=f"Compute {AUTHORS[name]}", variant="outlined", on_click=ask, **SMALL)
+        self.button = pmui.Button(label=f"Compute {AUTHORS[name]} again", variant="outlined", on_click=ask, **SMALL)
         self.download = pmui.FileDownload(
             callback=self._csv,
             filename=f"{FILES[name]}.csv",
@@ -216,7 +227,7 @@ def difference_words(row: Row) -> str:
         return "the same"
     side = "larger" if abs(row.ours) > abs(row.printed) else "smaller"
     if row.ours * row.printed < 0:
-        return "of the other sign"
+        return "opposite sign"
     size = "a little" if row.is_close else "" if abs(difference) <= MUCH_PERCENT else "much"
     return f"{size} {side}".strip()
 
@@ -230,13 +241,33 @@ def summary_words(table: Table) -> str:
     within = f"{CLOSE_PERCENT:g} percentage point" if percentages == len(compared) else f"{CLOSE_PERCENT:g} %"
     if 0 < percentages < len(compared):
         within += f", percentages within {CLOSE_PERCENT:g} percentage point"
-    return f"{sum(row.is_close for row in compared)} of {len(compared)} within {within}"
+    close = [row for row in compared if row.is_close]
+    others = [row for row in compared if not row.is_close]
+    because = ", the others for the reasons given" if close else ", for the reasons given"
+    because = because if others and all(row.note for row in others) else ""
+    if not close:
+        return f"{len(others)} differ by more than {within}{because}"
+    return f"{len(close)} of {len(compared)} within {within}{because}"
+
+
+def figure_cells(papers: Iterable[PaperTables]) -> list[str]:
+    """Return how many numbers of all papers agree with ours."""
+    rows = [row for paper in papers for table in paper.validation.tables for row in table.rows]
+    compared = [row for row in rows if row.difference is not None]
+    close = sum(row.is_close for row in compared)
+    told = sum(not row.is_close and bool(row.note) for row in compared)
+    return [
+        parts.figure("Numbers that agree", words.number(close, 0), "", f"of {len(compared)} printed numbers", "main"),
+        parts.figure("Differ, with a reason", words.number(told, 0), "", "the reason stands beneath the table"),
+        parts.figure("Differ, unexplained", words.number(len(compared) - close - told, 0), "", ""),
+        parts.figure("Computed only by us", words.number(len(rows) - len(compared), 0), "", "nothing is printed"),
+    ]
 
 
 def errata_html(errata: tuple[Erratum, ...]) -> str:
     """Return what must be corrected in a paper."""
     items = "".join(
-        f"<li>{parts.escaped(erratum.place)}: printed {parts.escaped(erratum.printed)}, to be read "
+        f"<li>{parts.escaped(erratum.place)}: printed {parts.escaped(erratum.printed)}, corrected: "
         f"{parts.escaped(erratum.corrected)}. {parts.escaped(erratum.reason)}</li>"
         for erratum in errata
     )

@@ -16,8 +16,10 @@ from railjoule.core import Phase, Trajectory
 from railjoule.core.advice import AT_REST_MS
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.look.tokens import DASHES, PIN_DASHES, line_width
+from railjoule.dashboard.models.pages import PAGES
 from railjoule.dashboard.models.pins import Pin
 from railjoule.dashboard.store import Runs
 
@@ -25,13 +27,15 @@ SAME_STOP_M = 0.5
 MOST_IN_SIGHT = 10
 """So many instructions stand above the charts; more are scrolled."""
 LOSS_WORDS = {
-    "drive": "Drive losses",
+    "drive": "Powertrain losses",
     "copper": "Copper loss",
     "magnetising": "Magnetising loss",
     "magnetic_field": "Left in the magnetic field",
     "brake_resistors": "Brake resistors",
     "friction_brakes": "Friction brakes",
 }
+WRAP_CSS = "@media (max-width: 899px) { :host { flex-wrap: wrap; } }"
+"""Of a row of controls that takes more lines on a narrow screen."""
 
 
 SHEETS: WeakKeyDictionary[Document, dict[str, InlineStyleSheet]] = WeakKeyDictionary()
@@ -82,10 +86,11 @@ def swatch(name: str) -> str:
     )
 
 
-def heading(title: str, subtitle: str, aside: str) -> str:
-    """Return the title line of a page."""
+def heading(page: str, title: str, subtitle: str, aside: str) -> str:
+    """Return the heading of a page: the question that it answers, and beneath it the scenario and more."""
     return (
-        f'<div class="head"><h1>{html.escape(title)}</h1><span class="muted">{html.escape(subtitle)}</span>'
+        f'<div class="head"><h1>{PAGES[page].question}</h1>'
+        f'<p class="muted"><span class="scenario">{html.escape(title)}</span> {html.escape(subtitle)}</p>'
         f'<span class="push"></span><span class="muted small wide">{html.escape(aside)}</span></div>'
     )
 
@@ -103,14 +108,15 @@ def refusal(sentence: str) -> str:
     return f'<div class="message" role="alert"><b>{html.escape(bold)}</b>{html.escape(plain)}</div>'
 
 
-def figure(label: str, value: str, unit: str, detail: str, kind: str = "", whole: str = "") -> str:
+def figure(label: str, value: str, unit: str, detail: str, kind: str = "", whole: str = "", term: str = "") -> str:
     """Return one number with its label and what it means, as HTML.
 
-    A kind is `main` or `extra`; `whole` is a sentence that a resting mouse shows where there is no room for it.
+    A kind is `main` or `extra`; `whole` is a sentence that a resting mouse shows where there is no room for it; `term`
+    is what the glossary calls the number, where its label changes.
     """
     title = f' title="{html.escape(whole)}"' if whole else ""
     return (
-        f'<div class="figure {kind}"{title}><div class="label">{label}</div>'
+        f'<div class="figure {kind}"{title}><div class="label"><span>{label}</span>{info(term or label)}</div>'
         f'<div class="value">{value}<span>{unit}</span></div><div class="detail">{detail}</div></div>'
     )
 
@@ -142,7 +148,7 @@ def proof_figure(run: Trajectory) -> str:
     if amount is None:
         return figure("Above the bound", words.UNKNOWN, "", "no bound is known")
     detail = f'<span class="open">\u25d0 bound</span> {words.energy(run.lower_bound_kwh or 0.0)} kWh'
-    return figure("Above the bound", *amount, detail, whole="Not proven: it may be this far above the optimum at most")
+    return figure("Above the bound", *amount, detail, whole="Not proven: it is at most this far above the optimum")
 
 
 def price_figure(run: Trajectory, optimum: Trajectory) -> str:
@@ -150,9 +156,9 @@ def price_figure(run: Trajectory, optimum: Trajectory) -> str:
     priced, whole = (run, "") if run.price_of_time_w is not None else (optimum, "That of the optimum")
     price = priced.price_of_time_w
     if price is None:
-        return figure("Price of a second", words.UNKNOWN, "", "")
+        return figure("Extra second saves", words.UNKNOWN, "", "")
     saved = comparisons.above(priced.energy_kwh - price / J_PER_KWH, priced.energy_kwh)
-    return figure("Price of a second", words.price(price), "Wh/s", f"1 s later: {saved}", whole=whole)
+    return figure("Extra second saves", words.price(price), "Wh/s", f"1 s more: {saved}", whole=whole)
 
 
 def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: bool) -> str:
@@ -167,7 +173,7 @@ def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: b
     per_tonne = energy.net_j / (J_PER_KWH / 1000) / mass / (run.distance_m / 1000)
     return figures(
         [
-            figure("Energy at the line", words.energy(run.energy_kwh), "kWh", main, kind="main"),
+            figure("Energy from the supply", words.energy(run.energy_kwh), "kWh", main, kind="main"),
             proof_figure(run),
             price_figure(run, runs.best),
             figure(
@@ -271,10 +277,10 @@ def account(run: Trajectory) -> str:
         "color-mix(in srgb, var(--rj-accent) 40%, transparent)",
         "var(--rj-groundline)",
     )
-    rows = [bar("Taken from the line", 0, taken, accent)]
+    rows = [bar("Drawn from the supply", 0, taken, accent)]
     if energy.recuperated_j > small:
-        rows.append(bar("Given back", taken, -energy.recuperated_j, pale))
-    rows += [bar("Net at the line", 0, energy.net_j, accent, strong=True), '<span class="gap"></span>']
+        rows.append(bar("Recuperated", taken, -energy.recuperated_j, pale))
+    rows += [bar("Net from the supply", 0, energy.net_j, accent, strong=True), '<span class="gap"></span>']
     rows += [bar(word, 0, joules, neutral) for word, joules in gains]
     place = 0.0
     for word, joules in uses:
@@ -282,7 +288,7 @@ def account(run: Trajectory) -> str:
         place += joules
     given = " + ".join(words.energy(j / J_PER_KWH) for j in (energy.net_j, *(joules for _, joules in gains)))
     used = words.energy(sum(joules for _, joules in uses) / J_PER_KWH)
-    closes = f"The account closes: {given} = {used} kWh." if gains else f"The account closes at {used} kWh."
+    closes = f"Total: {given} = {used} kWh." if gains else f"Total: {used} kWh."
     bars = f'<div class="flow">{"".join(rows)}</div><p class="note">{closes}</p>'
     return f'<div class="block"><h2>Where the energy goes, kWh</h2>{bars}</div>'
 

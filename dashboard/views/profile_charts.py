@@ -111,7 +111,7 @@ class ProfileChart(DistanceChart):
         palette: Palette,
         drop: Callable[[Sequence[float], Sequence[float]], None],
     ) -> None:
-        super().__init__("edit_profile", "Height, m: drag a border between sections", height, axis, palette)
+        super().__init__("edit_profile", "Height, m: drag a boundary between sections", height, axis, palette)
         self._drop = drop
 
     def build(self) -> None:

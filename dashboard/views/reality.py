@@ -13,7 +13,7 @@ from railjoule.dashboard.views.parts import html_pane, stack
 
 
 class RealityFields:
-    """Fields for reality, sensors and chance; in sight on Robustness alone."""
+    """Fields for actual conditions, sensors and Monte Carlo; in sight on Robustness alone."""
 
     def __init__(self, state: Workbench) -> None:
         self.state, model = state, state.robustness
@@ -22,7 +22,7 @@ class RealityFields:
         )
         self.crush = CrushLoad(self.load)
         self.place = NumberField(
-            model, "coordinate_error_m", "Coordinate error, m", step=1, digits=0, unit="m", ends=(-25, 25)
+            model, "coordinate_error_m", "Position error, m", step=1, digits=0, unit="m", ends=(-25, 25)
         )
         self.speed = NumberField(
             model, "speed_error_percent", "Speed error, %", step=0.1, digits=1, unit="%", ends=(-5, 5)
@@ -35,17 +35,17 @@ class RealityFields:
             sx={"& .MuiTypography-root": {"fontSize": "13px"}},
         )
         self.sensors = [
-            TypedNumber(model, "reset_sensor_m", "D1, sets the place", digits=0, unit="m"),
+            TypedNumber(model, "reset_sensor_m", "D1, resets position", digits=0, unit="m"),
             TypedNumber(model, "calibration_length_m", "D1 to D2, calibrates", digits=0, unit="m"),
-            TypedNumber(model, "stop_sensor_m", "D3, sets the place", digits=0, unit="m"),
+            TypedNumber(model, "stop_sensor_m", "D3, resets position", digits=0, unit="m"),
             TypedNumber(model, "target_deceleration_ms2", "Target curve, m/s\u00b2", digits=2, unit="m/s\u00b2"),
         ]
         self.chance = [
             TypedNumber(model, "load_deviation_percent", "Load, \u00b1 %", digits=0, unit="%"),
-            TypedNumber(model, "error_deviation_m", "Coordinate error, \u00b1 m", digits=1, unit="m"),
+            TypedNumber(model, "error_deviation_m", "Position error, \u00b1 m", digits=1, unit="m"),
             TypedNumber(model, "resistance_deviation_percent", "Resistance, \u00b1 %", digits=1, unit="%"),
-            TypedNumber(model, "voltage_deviation_percent", "Line voltage, \u00b1 %", digits=1, unit="%"),
-            TypedNumber(model, "mean_departure_delay_s", "Late departure, mean s", digits=0, unit="s"),
+            TypedNumber(model, "voltage_deviation_percent", "Supply voltage, \u00b1 %", digits=1, unit="%"),
+            TypedNumber(model, "mean_departure_delay_s", "Departure delay, mean, s", digits=0, unit="s"),
             TypedNumber(model, "seed", "Seed", digits=0, unit=""),
         ]
         self.run = pmui.Button(
@@ -67,7 +67,7 @@ class RealityFields:
             value=0, variant="determinate", margin=(0, 16, 4, 16), sizing_mode="stretch_width", visible=False
         )
         self.view = stack(
-            html_pane('<div class="section">Reality <span>\u00b7 the framed cell</span></div>'),
+            html_pane('<div class="section">Actual conditions <span>\u00b7 the framed cell</span></div>'),
             self.load.view,
             self.crush.view,
             self.place.view,

@@ -14,9 +14,10 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.disturbances import EventModel
 from railjoule.dashboard.store import LateArrivals
-from railjoule.dashboard.views.charts import Axis, Chart, nice_range, spread, text_style, xy
+from railjoule.dashboard.views.charts import Axis, Chart, nice_range, text_style, xy
 from railjoule.dashboard.views.events import event_sign
 from railjoule.dashboard.views.figures import captioned, empty_figure
+from railjoule.dashboard.views.line_names import Name
 from railjoule.dashboard.views.run_lines import DRIVEN_DASH, RunLinesChart
 
 LINES: Mapping[str, tuple[str, dict[str, Any]]] = {
@@ -26,6 +27,11 @@ LINES: Mapping[str, tuple[str, dict[str, Any]]] = {
     "computer": ("accent", {"line_width": 2.2}),
 }
 """Colour and stroke of each ride, in the order of drawing."""
+NAMES = {"computer": "replanned", "known": "with advance notice"}
+"""What rides are called in a chart, where that is not their key."""
+
+SIGN_DROP_PX = 15
+"""The sign of an event hangs down so far from its place."""
 
 
 class RideSpeedChart(RunLinesChart):
@@ -55,8 +61,7 @@ class RideSpeedChart(RunLinesChart):
             "x", "y", "text", source=self.sources["events"], x_offset=4, text_baseline="top", **text_style(11)
         )
         self.palette.paint(sign.glyph, text_color="limit")
-        self.sources["names"] = ColumnDataSource({"x": [], "y": [], "text": [], "colour": []})
-        f.text("x", "y", "text", text_color="colour", source=self.sources["names"], x_offset=6, **text_style())
+        self.add_names()
         f.on_event(Tap, self._press)
 
     def _press(self, event: Any) -> None:
@@ -86,23 +91,31 @@ class RideSpeedChart(RunLinesChart):
             "bottom": [event.limit_kmh for event in limits],
         }
         self.sources["notices"].data = {"x": [] if over_time else [event.noticed_at_m for event in events]}
-        self._draw_names(runs, over_time, top)
+        self._draw_names(runs, over_time)
 
-    def _draw_names(self, runs: Mapping[str, Trajectory], over_time: bool, top: float) -> None:
-        """Name each line at its fastest place, one name below the other."""
-        names, ends = list(runs), []
-        for run in runs.values():
-            at = int(np.argmax(run.speed_ms))
-            ends.append(
-                (float((run.time_s if over_time else run.position_m)[at]), float(run.speed_ms[at]) / MS_PER_KMH)
+    def _draw_names(self, runs: Mapping[str, Trajectory], over_time: bool) -> None:
+        """Name the lines where nothing else is, and clear of the signs of the events."""
+        lines = {name: (run.time_s if over_time else run.position_m, self.values(run)) for name, run in runs.items()}
+        events, frame = self.sources["events"].data, self.frame_now
+        limits = self.sources["limits"].data
+        borders = {
+            f"limit {k}": (np.array([left, right]), np.array([level, level]))
+            for k, (left, right, level) in enumerate(
+                zip(limits["left"], limits["right"], limits["bottom"], strict=True)
             )
-        places = spread([y for _, y in ends], 0.065 * top)
-        self.sources["names"].data = {
-            "x": [x for x, _ in ends],
-            "y": places,
-            "text": names,
-            "colour": [self.palette.tokens["ink3" if name == "undisturbed" else LINES[name][0]] for name in names],
         }
+        hairlines = [*events["x"], *self.sources["notices"].data["x"]]
+        upright = {f"hairline {k}": frame.upright(float(x)) for k, x in enumerate(hairlines)}
+        # from the top downwards
+        taken = [
+            frame.box(x, y, text, lift_px=-SIGN_DROP_PX)
+            for x, y, text in zip(events["x"], events["y"], events["text"], strict=True)
+        ]
+        names = [
+            Name(name, NAMES.get(name, name), self.palette.tokens["ink3" if name == "undisturbed" else LINES[name][0]])
+            for name in reversed(list(runs))
+        ]
+        self.place_names({**lines, **borders, **upright}, names, taken)
 
 
 class RideEnergyChart(RunLinesChart):
@@ -138,7 +151,16 @@ class LateChart(Chart):
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=4, digits=1)
+        f = empty_figure(
+            self.height,
+            self.x_range,
+            self.y_range,
+            self.words,
+            self.palette,
+            ticks=4,
+            digits=1,
+            x_title="Delay at the end, s",
+        )
         self.figure = f
         self.sources = {}
         for name, (token, style) in LINES.items():

@@ -33,7 +33,7 @@ from railjoule.dashboard.views.page import PageView
 
 HEIGHTS = {
     "heatmap": (350, 440, 320),
-    "costs": (330, 400, 260),
+    "costs": (410, 470, 270),
     "more": (190, 220, 170),
     "late": (190, 220, 170),
     "scatter": (220, 260, 200),
@@ -49,9 +49,9 @@ LAYOUT_CSS = """
 @media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); padding: 8px 12px; } }
 """
 KNOWS_WORDS = {
-    "for nothing": "nothing",
-    "for the true load": "load",
-    "for the true place": "place",
+    "none": "nothing",
+    "for the load": "load",
+    "for the position": "place",
     "for both": "both",
 }
 SELECT: dict[str, Any] = {"size": "small", "margin": (6, 0, 6, 6), "sizing_mode": "stretch_width"}
@@ -62,6 +62,7 @@ class RobustnessView(PageView):
 
     page = PAGE
     heights = HEIGHTS
+    halves_from_px = 1100
 
     def make(self) -> Viewable:
         """Make the pieces of the page, and return them laid out."""
@@ -69,11 +70,15 @@ class RobustnessView(PageView):
         palette = self.palette
         self.printed, self.chance_table = (parts.html_pane() for _ in range(2))
         self.measure = pmui.Select(
-            label="Table of", options={m.words: key for key, m in MEASURES.items()}, value=model.measure, **SELECT
+            label="Show",
+            options={m.words: key for key, m in MEASURES.items()},
+            value=model.measure,
+            min_width=270,
+            **SELECT,
         )
-        self.knows = pmui.Select(label="Planned anew", options=KNOWS_WORDS, value=model.knows, **SELECT)
+        self.knows = pmui.Select(label="Replanning", options=KNOWS_WORDS, value=model.knows, **SELECT)
         self.ways = pmui.RadioButtonGroup(
-            options={"This way": False, "Both ways": True},
+            options={"One direction": False, "Both directions": True},
             value=model.both_directions,
             size="small",
             margin=(10, 0, 0, 12),
@@ -82,17 +87,20 @@ class RobustnessView(PageView):
         self.axis = Axis(palette)
         self.heat_map = HeatMapChart(HEIGHTS["heatmap"][0], palette, self._choose)
         self.costs = CostSurface(HEIGHTS["costs"][0], palette)
-        more, late = "Monte Carlo: more energy than a plan for the true load, %", "Monte Carlo: late at the stop, s"
-        self.more = HistogramChart("more", more, percent_difference, HEIGHTS["more"][0], palette)
-        self.late = HistogramChart("late", late, words.delay, HEIGHTS["late"][0], palette)
+        more, late = (
+            "Monte Carlo: extra energy against a plan for the actual load, %",
+            "Monte Carlo: delay at the stop, s",
+        )
+        self.more = HistogramChart("more", more, "Extra energy, %", percent_difference, HEIGHTS["more"][0], palette)
+        self.late = HistogramChart("late", late, "Delay, s", words.delay, HEIGHTS["late"][0], palette)
         self.scatter = LoadScatter(HEIGHTS["scatter"][0], palette)
         self.speed = DrivenSpeedChart(HEIGHTS["driven_speed"][0], self.axis, palette)
         self.effort = DrivenEffortChart(HEIGHTS["driven_effort"][0], self.axis, palette)
         self.braking = BrakingChart(HEIGHTS["braking"][0], palette)
         self.place = PlaceErrorChart(HEIGHTS["place"][0], palette)
-        note = '<p class="note" style="margin:10px 0 0 12px">Press a cell to see its run.</p>'
+        note = '<p class="note" style="margin:10px 0 0 12px">Click a cell to see its run.</p>'
         left = parts.stack(
-            pn.Row(self.measure, self.ways, margin=0, sizing_mode="stretch_width"),
+            pn.Row(self.measure, self.ways, margin=0, sizing_mode="stretch_width", stylesheets=[parts.WRAP_CSS]),
             self.heat_map.place,
             pn.Row(self.knows, parts.html_pane(note), margin=0, sizing_mode="stretch_width"),
             self.costs.place,
@@ -137,7 +145,7 @@ class RobustnessView(PageView):
 
     def _show_run(self) -> None:
         reality = self.model.reality
-        self.tell(self.model.failure, "Shown: the last run that can be driven." if reality is not None else "")
+        self.tell(self.model.failure, "Shown: the last run that could be computed." if reality is not None else "")
         if reality is None:
             return
         following = reality.following
@@ -191,11 +199,10 @@ class RobustnessView(PageView):
         scenario = planned.scenario
         runs = self.model.table.done if self.model.table else 0
         what = (
-            f"plan for load {words.setting(scenario.vehicle.load_factor)} % and the right place, "
-            f"{words.distance(planned.distance_m)} km in {words.time(planned.travel_time_s)} s; what is driven "
-            "when they are wrong"
+            f"{words.distance(planned.distance_m)} km in {words.time(planned.travel_time_s)} s, planned at "
+            f"{words.setting(scenario.vehicle.load_factor)} % load; actual load and position differ"
         )
-        self.heading.object = parts.heading(scenario.title, what, f"{runs} cells")
+        self.heading.object = parts.heading(self.page, scenario.title, what, f"{runs} cells")
         self.figures.object = parts.figures(self._cells(reality), self.model.failure is not None)
 
     def _cells(self, reality: Reality) -> list[str]:
@@ -203,29 +210,36 @@ class RobustnessView(PageView):
         energy, planned = following.actual.energy_kwh, following.planned.energy_kwh
         disturbance = following.actual.scenario.disturbance
         reference = planned if reality.knowing_kwh is None else reality.knowing_kwh
-        against = "planned" if reality.knowing_kwh is None else "for that load"
+        against = "planned" if reality.knowing_kwh is None else "for the actual load"
         cells = [
             parts.figure(
                 reality_words(disturbance.actual_load_factor or 0.0, disturbance.coordinate_error_m).capitalize(),
                 *comparisons.above(energy, reference),
                 f"{words.energy(energy)} kWh, {against} {words.energy(reference)}",
                 "main",
+                term="Extra energy",
+            ),
+            parts.figure(
+                "Against the plan",
+                words.energy_difference(energy - planned),
+                "kWh",
+                f"{comparisons.above(energy, planned)}, planned {words.energy(planned)}",
             ),
             parts.figure("Arrival", words.delay(following.delay_s), "s", "at the end"),
-            parts.figure("Stands", words.stop_error(following.stop_error_m), "m", "beyond the stop"),
+            parts.figure("Overshoot", words.stop_error(following.stop_error_m), "m", "beyond the stop"),
         ]
         table = self.model.table
         if table is not None and np.any(np.isfinite(table.over_replanned)):
             k, m = np.unravel_index(np.nanargmax(table.over_replanned), table.over_replanned.shape)
             worst = words.share_difference(float(table.over_replanned[k, m]))
             place = reality_words(table.load_factors[k], table.coordinate_errors_m[m])
-            cells.append(parts.figure("Worst of the table", worst, "%", place))
+            cells.append(parts.figure("Largest in table", worst, "%", place))
         chance = self.model.chance
         values = finite(chance.over_replanned) if chance is not None else np.zeros(0)
         if chance is not None and len(values):
             half, most = (words.share_difference(float(np.quantile(values, share))) for share in (0.5, 0.95))
             drawn = f"of {words.number(chance.done, 0)} drawn"
-            cells.append(parts.figure("Half of all runs", f"&lt; {half}", "%", drawn))
+            cells.append(parts.figure("Median", f"&lt; {half}", "%", drawn))
             seed = f"seed {chance.scenario.montecarlo.seed}"
-            cells.append(parts.figure("19 of 20 runs", f"&lt; {most}", "%", seed))
+            cells.append(parts.figure("95th percentile", f"&lt; {most}", "%", seed))
         return cells

@@ -13,8 +13,8 @@ from railjoule.dashboard.look.tokens import FONT, Tokens
 from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.charts import Chart
 
-LINE, DRIVE, TRAIN, BRAKE = "Line", "Drive", "Train", "Brake"
-BACK = "Back to the line"
+LINE, DRIVE, TRAIN, BRAKE = "Supply", "Powertrain", "Train", "Brake"
+BACK = "Recuperated"
 KNOTS = (LINE, DRIVE, TRAIN, BRAKE)
 """What energy passes on its way; everything else is where it ends or comes from."""
 SMALLEST_SHARE = 1e-4
@@ -43,7 +43,7 @@ def links_of(flow: EnergyFlow) -> tuple[Link, ...]:
     links = [
         Link(LINE, "Auxiliaries", energy.auxiliary_j, "groundline"),
         Link(LINE, DRIVE, energy.traction_j, "accent"),
-        Link(DRIVE, "Drive losses, driving", flow.driving_loss_j, "brake"),
+        Link(DRIVE, "Powertrain losses, driving", flow.driving_loss_j, "brake"),
         Link(DRIVE, TRAIN, flow.wheel_traction_j, "accent"),
         Link("Height lost", TRAIN, -energy.potential_j, "groundline"),
         Link("Speed lost", TRAIN, -energy.kinetic_j, "groundline"),
@@ -53,7 +53,7 @@ def links_of(flow: EnergyFlow) -> tuple[Link, ...]:
         Link(TRAIN, "Speed gained", energy.kinetic_j, "groundline"),
         Link(TRAIN, "Friction brakes", flow.friction_brakes_j, "brake"),
         Link(TRAIN, BRAKE, flow.wheel_braking_j, "accent"),
-        Link(BRAKE, "Drive losses, braking", flow.braking_loss_j, "brake"),
+        Link(BRAKE, "Powertrain losses, braking", flow.braking_loss_j, "brake"),
         Link(BRAKE, "Brake resistors", flow.brake_resistors_j, "brake"),
         Link(BRAKE, BACK, energy.recuperated_j, "accent"),
     ]
@@ -72,7 +72,7 @@ class SankeyChart(Chart):
     kind = "bars"
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("sankey", "Energy from the line to losses and back, kWh", height)
+        super().__init__("sankey", "Energy from the supply to losses and back, kWh", height)
         self.palette = palette
 
     def build(self) -> None:

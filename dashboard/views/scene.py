@@ -9,10 +9,11 @@ from bokeh.models import ColumnDataSource
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import StrategyName
+from railjoule.core.simulate.actual_run import ActualRun
 from railjoule.dashboard.look import words
 from railjoule.dashboard.views.charts import DistanceChart, add_zero, clear, columns, nice_range, style_of, xy
 
-PINNED = "pinned"
+PINNED, ACTUAL = "pinned", "actual"
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,8 +26,6 @@ class Scene:
         The strategy whose numbers are shown.
     runs : mapping
         The runs to draw, the chosen one among them.
-    fastest : Trajectory or None
-        The fastest run, if it is drawn.
     pinned : Trajectory or None
         The run to compare with.
     over_time : bool
@@ -35,6 +34,10 @@ class Scene:
         On a narrow screen: no labels at the ends of lines.
     width_px : float
         How wide the charts are, about.
+    actual : ActualRun or None
+        The actual run, if it is drawn beside the plan.
+    fastest : Trajectory or None
+        The fastest run, drawn or not: the cursor tells its speed.
     """
 
     chosen: StrategyName
@@ -43,6 +46,8 @@ class Scene:
     over_time: bool
     narrow: bool
     width_px: float
+    actual: ActualRun | None = None
+    fastest: Trajectory | None = None
 
     @property
     def run(self) -> Trajectory:
@@ -61,6 +66,7 @@ class Scene:
     def end(self) -> float:
         """Where the longest run ends on the axis."""
         drawn = [*self.runs.values(), *([self.pinned] if self.pinned else [])]
+        drawn += [self.actual.actual] if self.actual else []
         return max(float(self.x(run)[-1]) for run in drawn)
 
     def named(self) -> dict[str, Trajectory]:
@@ -68,7 +74,21 @@ class Scene:
         named: dict[str, Trajectory] = {PINNED: self.pinned} if self.pinned else {}
         named.update({name: run for name, run in self.runs.items() if name != self.chosen})
         named[self.chosen] = self.run
+        if self.actual is not None:
+            named[ACTUAL] = self.actual.actual
         return named
+
+    @property
+    def stops(self) -> list[tuple[float, float]]:
+        """Where the actual run makes unplanned stops on the axis, and how long it stands there [s]."""
+        if self.actual is None or self.actual.ride is None:
+            return []
+        run = self.actual.actual
+        events = self.actual.scenario.disturbance.stops
+        places = np.array([stop.position_m for stop in events])
+        arrivals = np.searchsorted(run.position_m, places - 1e-6)
+        x = self.x(run)[np.minimum(arrivals, len(run.position_m) - 1)]
+        return [(float(place), stop.duration_s) for place, stop in zip(x, events, strict=True)]
 
 
 class SceneChart(DistanceChart):
@@ -87,7 +107,7 @@ class RunChart(SceneChart):
     def add_lines(self) -> None:
         """Add a line for each strategy and the pinned run, each from a source of its own."""
         assert self.figure is not None
-        for name in (PINNED, *reversed(self.lines)):
+        for name in (PINNED, *reversed(self.lines), ACTUAL):
             draw = self.figure.step if self.stepped else self.figure.line
             mode = {"mode": "before"} if self.stepped else {}
             line = draw("x", "y", source=self.sources[name], **style_of(name), **mode)
@@ -95,24 +115,30 @@ class RunChart(SceneChart):
 
     def make_sources(self) -> None:
         """Make the sources: one a line, and those that the cursor reads."""
-        for name in (PINNED, *self.lines):
+        for name in (PINNED, *self.lines, ACTUAL):
             self.sources[name] = ColumnDataSource({"x": [], "y": []})
 
     def draw_lines(self, scene: Scene) -> None:
         """Fill the lines of all runs; what is not drawn is emptied."""
         named = scene.named()
-        for name in (PINNED, *self.lines):
+        for name in (PINNED, *self.lines, ACTUAL):
             if name in named:
                 self.sources[name].data = xy(scene.x(named[name]), self.values(named[name]))
             else:
                 clear(self.sources[name])
-        self.told["sources"] = [["", self.sources[scene.chosen]]]
+        self.told["sources"] = [["planned" if scene.actual else "", self.sources[scene.chosen]]]
+        if scene.actual is not None:
+            self.told["sources"].append(["actual", self.sources[ACTUAL]])
         if scene.pinned is not None:
             self.told["sources"].append(["pinned", self.sources[PINNED]])
 
     def values(self, run: Trajectory) -> FloatArray:
         """Return what is drawn of a run, at its nodes."""
         raise NotImplementedError
+
+    def name_colour(self, name: str) -> str:
+        """Return the colour in which a line's name is written."""
+        return self.palette.tokens["ink3" if name == PINNED else name]
 
     def add_borders(self) -> None:
         """Add the hairlines of the phases."""
@@ -173,7 +199,11 @@ def line_words(name: str, scene: Scene) -> str:
     if name == PINNED:
         assert scene.pinned is not None
         return f"pinned: {words.STRATEGY_WORDS[scene.pinned.strategy].lower()}"  # type: ignore[index]
+    if name == ACTUAL:
+        return "actual"
+    if name == scene.chosen and scene.actual is not None:
+        return "planned"
     if name == "fastest":
         return "fastest possible"
     word = words.STRATEGY_WORDS[name]  # type: ignore[index]
-    return word if word.isupper() else word.lower()
+    return word if word.isupper() or name == "bellman" else word.lower()

@@ -9,8 +9,9 @@ from railjoule.core.limit_search.search import LimitSearch
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.views.charts import Chart, clear, columns, nice_range, text_style, xy
+from railjoule.dashboard.views.charts import Chart, clear, columns, nice_range, text_style, write_names, xy
 from railjoule.dashboard.views.figures import captioned, empty_figure
+from railjoule.dashboard.views.line_names import Name, name_source, placed_names
 from railjoule.dashboard.views.surface import CIVIDIS
 
 DEAR = 0.75
@@ -23,7 +24,7 @@ class SearchPlaneChart(Chart):
     kind = "map"
 
     def __init__(self, height: int, palette: Palette) -> None:
-        text = "Search: limits of two sections, km/h; dark is cheap, hollow as drawn at first"
+        text = "Search: set speeds of two sections, km/h; dark: less energy, hollow: first samples"
         super().__init__("search_plane", text, height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
 
@@ -36,7 +37,7 @@ class SearchPlaneChart(Chart):
             ColumnDataSource({"x": [], "y": [], "energy": []}),
         )
         self.path, self.ends = ColumnDataSource({"x": [], "y": []}), ColumnDataSource({"x": [], "y": [], "marker": []})
-        self.signs = ColumnDataSource({"x": [], "y": [], "text": []})
+        self.signs = name_source()
         hollow = f.scatter("x", "y", source=self.asked, size=4, fill_color=None, line_width=1)
         self.palette.paint(hollow.glyph, line_color="groundline")
         self.mapper = LinearColorMapper(palette=list(CIVIDIS), low=0, high=1)
@@ -48,8 +49,7 @@ class SearchPlaneChart(Chart):
         self.palette.paint(path.glyph, line_color="ink3")
         ends = f.scatter("x", "y", source=self.ends, marker="marker", size=11, line_width=2)
         self.palette.paint(ends.glyph, fill_color="speed_limits", line_color="surface")
-        sign = f.text("x", "y", "text", source=self.signs, x_offset=9, text_baseline="middle", **text_style(11))
-        self.palette.paint(sign.glyph, text_color="ink2")
+        write_names(f, self.signs, 11)
         self.content = captioned(self.words, f)
 
     def draw(self, search: LimitSearch, first: int) -> None:
@@ -73,21 +73,22 @@ class SearchPlaneChart(Chart):
         start, end = driven[int(np.argmin(np.where(samples, energy, np.inf)))], search.best.limits_ms[pair] / MS_PER_KMH
         self.ends.data = {"x": [start[0], end[0]], "y": [start[1], end[1]], "marker": ["circle", "diamond"]}
         near = float(np.abs(start - end).max()) < 2
-        self.signs.data = {
-            "x": [end[0]] if near else [start[0], end[0]],
-            "y": [end[1]] if near else [start[1], end[1]],
-            "text": ["found"] if near else ["best of the first search", "found"],
-        }
         top = 1.04 * float(max(asked.max(), driven[known].max() if known.any() else 0.0))
         self.x_range.update(start=0, end=top)
         self.y_range.update(start=0, end=top)
+        ink, place = self.palette.tokens["ink2"], (float(end[0]), float(end[1]))
+        names = [Name("found", "found", ink, point=place)]
+        if not near:
+            names.append(Name("first", "best of the first search", ink, point=(float(start[0]), float(start[1]))))
+        frame = self.frame_over((0.0, top), (0.0, top))
+        self.signs.data = placed_names(frame, {}, names, [frame.dot(*place, 6)], 11)
 
 
 class SearchPathChart(Chart):
     """Energy of each trip that the search looked at, and the best so far."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("search_path", "Search: energy, kWh, of trip after trip, with the best so far", height)
+        super().__init__("search_path", "Search: energy of each trip, kWh, and the best so far", height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
 
     def build(self) -> None:
@@ -169,9 +170,9 @@ def search_words(search: LimitSearch) -> str:
     known = energy[np.isfinite(energy)]
     late = len(energy) - len(known)
     if not len(known):
-        return "None of the trips that the search looked at arrives in time."
+        return "None of the combinations tried arrives in time."
     first = energy[stages(search) == "sample"]
     return (
-        f"{len(energy)} trips looked at, {late} of them late; the best of the first {len(first)} needs "
+        f"{len(energy)} combinations tried, {late} of them late; the best of the first {len(first)} needs "
         f"{words.energy(float(first.min()))} kWh, the best of all {words.energy(float(known.min()))} kWh."
     )

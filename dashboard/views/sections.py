@@ -1,5 +1,6 @@
 """The sidebar's part of Speed limits: the sections one by one, the search, the storage on board."""
 
+import math
 from typing import Any
 
 import panel as pn
@@ -23,18 +24,16 @@ class SectionFields:
         self.list = stack()
         self.search = [
             TypedNumber(model, "section_count", "Sections", digits=0, unit=""),
-            TypedNumber(model, "time_window_percent", "Window of the time, \u00b1 %", digits=1, unit="%"),
+            TypedNumber(model, "time_window_percent", "Time window, \u00b1 %", digits=1, unit="%"),
             TypedNumber(model, "stop_deceleration_ms2", "Braking, m/s\u00b2", digits=2, unit="m/s\u00b2"),
         ]
         self.size = NumberField(
             model, "storage_size_kwh", "Storage, kWh", step=0.01, digits=2, unit="kWh", ends=SIZE_ENDS
         )
-        self.power = NumberField(
-            model, "storage_power_kw", "Its power, kW", step=10, digits=0, unit="kW", ends=POWER_ENDS
-        )
+        self.power = NumberField(model, "storage_power_kw", "Power, kW", step=10, digits=0, unit="kW", ends=POWER_ENDS)
         self.shares = [
-            TypedNumber(model, "charging_percent", "Charging keeps, %", digits=1, unit="%"),
-            TypedNumber(model, "discharging_percent", "Discharging gives, %", digits=1, unit="%"),
+            TypedNumber(model, "charging_percent", "Charging efficiency, %", digits=1, unit="%"),
+            TypedNumber(model, "discharging_percent", "Discharging efficiency, %", digits=1, unit="%"),
         ]
         self.view = stack(
             html_pane('<div class="section">Sections <span>\u00b7 limit and end of each</span></div>'),
@@ -56,7 +55,8 @@ class SectionFields:
         if self.model.storage is not None:
             chosen = self.model.storage.chosen.storage
             self.size.suggest(chosen.size_kwh)
-            self.power.suggest(chosen.power_kw)
+            # whole kilowatts, as the field has room for no more; upwards, as less would not do
+            self.power.suggest(math.ceil(chosen.power_kw))
 
     def _list_sections(self, *_: Any) -> None:
         sections = self.model.sections

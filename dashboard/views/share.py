@@ -15,7 +15,7 @@ from railjoule.dashboard.views.parts import html_pane, refusal, stack
 
 COPIED = {
     True: "Copied.",
-    False: "The browser lets nothing be copied here: mark the text, or the address above, and copy it by hand.",
+    False: "The browser does not allow copying here: mark the text, or the address above, and copy it by hand.",
 }
 STATUS = '<p class="note" role="status" style="margin: 2px 20px 6px">{}</p>'
 LAYOUT_CSS = """

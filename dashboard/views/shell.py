@@ -1,5 +1,6 @@
 """The shell of all pages: app bar, sidebar, the page in sight."""
 
+import json
 from collections.abc import Callable
 from functools import cache
 from importlib.resources import files
@@ -12,9 +13,12 @@ from bokeh.model import Model
 from panel.io.resources import LOCAL_DIST
 
 from railjoule.dashboard.browser import Browser
+from railjoule.dashboard.look import glossary
 from railjoule.dashboard.look.theme import document_css, material_theme
 from railjoule.dashboard.messages import added_to, one_message, unfrozen
-from railjoule.dashboard.models.workbench import PAGES, Workbench
+from railjoule.dashboard.models.pages import PAGES, bar_entries
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.navigation import BRAND, Navigation
 from railjoule.dashboard.views.parts import heading, html_pane, stack
 from railjoule.dashboard.views.saving import Saving
 from railjoule.dashboard.views.share import Share
@@ -22,15 +26,9 @@ from railjoule.dashboard.views.sidebar import Sidebar
 from railjoule.dashboard.views.starting import StartingView
 
 NARROW_PX = 900
-MENU_PX = 700
-BRAND_PX = 480
-BRAND = (
-    '<div class="brand"><svg width="22" height="22" viewBox="0 0 22 22" aria-hidden="true">'
-    '<path d="M2 18 C5 18 5 5 9 5 C13 5 13 11 16 14 C18 16.5 19 18 20 18" fill="none" stroke="var(--rj-accent)" '
-    'stroke-width="2.4" stroke-linecap="round"/>'
-    '<path d="M1 20.5H21" stroke="var(--rj-line2)" stroke-width="1.4"/></svg>'
-    "railjoule</div>"
-)
+COMPACT_PX = 1000
+"""In narrower windows the bar has no room for words on its buttons."""
+NAVIGATION = {"sizing_mode": "stretch_width", "height": 48, "margin": 0}
 FIRST_SKETCH = (
     '<svg viewBox="0 0 100 100" preserveAspectRatio="none" aria-hidden="true">'
     '<path d="M0 98 C4 40 8 16 18 16 L78 16 C90 16 96 46 100 98"/><path d="M0 99 H100"/></svg>'
@@ -41,7 +39,7 @@ AWAY_CSS = """
 """
 """A page that was left keeps its size and its figures, so that turning back to it costs nothing."""
 NOT_OPENED = (
-    "This page could not be opened: the program made an error, which the server\u2019s log describes. The other pages "
+    "This page could not be opened: a program error, which the server\u2019s log describes. The other pages "
     "work; turn to this one again to try once more."
 )
 OWN_COLOURS = ["Axis", "Title", "Grid", "Figure", "Plot", "Legend", "ColorBar", "BaseColorBar"]
@@ -58,18 +56,13 @@ def first_paint() -> dict[str, Any]:
     """Return what the document shows and does before its scripts are read."""
     return {
         "first": asset("scripts", "first.js"),
-        "mends": asset("scripts", "follow.js") + asset("scripts", "mends.js"),
+        "mends": "".join(asset("scripts", name) for name in ("follow.js", "mends.js", "glossary.js")),
+        "glossary": json.dumps(glossary.texts()).replace("<", "\\u003c"),
         "css": asset("css", "first.css"),
         "brand": BRAND,
-        "pages": PAGES,
+        "pages": bar_entries(),
         "sketch": FIRST_SKETCH + FIRST_SKETCH.replace("<svg", '<svg class="low"'),
     }
-
-
-class Tabs(pmui.TabMenu):
-    """The list of pages; a press need not wait for others to come."""
-
-    _priority_changes = ("active",)
 
 
 class Page(pmui.Page):
@@ -133,27 +126,11 @@ class Shell:
         self._made: dict[str, pn.viewable.Viewable] = {}
         self._failed: set[str] = set()
         self._wide, self._starting = True, False
+        self._open, self._beside = True, PAGES[state.page].has_sidebar
         self.main = stack()
         self.editor = editor
         self.sidebar = Sidebar(state, share.keeping)
-        self.tabs = Tabs(
-            items=list(PAGES),
-            active=PAGES.index(state.page),
-            variant="scrollable",
-            scroll_buttons="false",
-            margin=0,
-            css_classes=["rj-pages"],
-        )
-        self.menu = pmui.MenuButton(
-            label=state.page,
-            items=[{"label": page} for page in PAGES],
-            variant="text",
-            size="small",
-            margin=0,
-            align="center",
-            visible=False,
-            css_classes=["rj-menu"],
-        )
+        self.navigation = Navigation(self._turn_to, self._pin, page=state.page, **NAVIGATION)
         self.pin = pmui.Button(
             label="Pin run", icon="push_pin", variant="outlined", size="small", margin=(0, 6), align="center", height=30
         )
@@ -166,15 +143,10 @@ class Shell:
             description="Pin run",
             visible=False,
         )
-        self.brand = html_pane(
-            BRAND, sizing_mode="fixed", width=112, height=22, margin=(0, 10, 0, 0), styles={"align-self": "center"}
-        )
         self.starting, self.saving = StartingView(), Saving()
         self.page = self._page()
-        self.tabs.param.watch(self._turn, "active")
-        self.menu.on_click(self._pick)
-        self.pin.on_click(self._pin)
-        self.pin_small.on_click(self._pin)
+        self.pin.on_click(lambda _: self._pin())
+        self.pin_small.on_click(lambda _: self._pin())
         state.param.watch(self._show_page, "page")
         state.param.watch(self._name_pin, ["pins", "runs", "chosen"])
         state.editor.param.watch(self._make_room, "open")
@@ -186,16 +158,15 @@ class Shell:
         state.param.watch(self._tell_work, ["late", "page"])
 
     def _page(self) -> Page:
-        space = pn.Spacer(sizing_mode="stretch_width")
         return Page(
             title="",
             meta_title="railjoule",
             main=[self.share.view, self.main, self.browser, self.saving, self.editor],
             sidebar=[self.sidebar.view],
             sidebar_width=272,
-            sidebar_open=True,
+            sidebar_open=self._beside,
             sidebar_resizable=False,
-            header=[self.brand, self.tabs, self.menu, space, *self.share.buttons, self.pin, self.pin_small],
+            header=[self.navigation, *self.share.buttons, self.pin, self.pin_small],
             dark_theme=self.state.dark,
             theme_config=material_theme(),
             raw_css=[document_css()],
@@ -212,32 +183,33 @@ class Shell:
                 },
                 "& .MuiAppBar-root .MuiToolbar-root": {"height": "48px"},
                 "& .MuiAppBar-root .MuiIconButton-root": {"color": "var(--rj-ink2)"},
+                "& .MuiAppBar-root [aria-label$=' drawer']": {"display": "var(--rj-beside, inline-flex)"},
             },
         )
 
     def show_starting(self) -> None:
-        """Show how far the kernels are, in the place of the page."""
+        """Show how far the kernels are, in the place of the page.
+
+        The page stays where it is, out of sight: were it taken off and put back, the browser would know it twice.
+        """
         self._starting = True
         with one_message():
-            self.main[:] = [self.starting.view]
+            for holder in self._made.values():
+                holder.css_classes = [AWAY]
+            self.main.append(self.starting.view)
             self.browser.page = ""
 
     def open(self) -> None:
         """Show the page that the state names."""
         self._starting = False
         with one_message():
-            self.main[:] = list(self._made.values())
+            if self.starting.view in list(self.main):
+                self.main.remove(self.starting.view)
             self._show_page()
 
     def add(self, *parts: pn.viewable.Viewable) -> None:
         """Put parts at the right end of the app bar."""
         self.page.header = [*self.page.header, *parts]
-
-    def _turn(self, event: Any) -> None:
-        self._turn_to(PAGES[event.new])
-
-    def _pick(self, item: dict[str, str]) -> None:
-        self._turn_to(item["label"])
 
     def _turn_to(self, page: str) -> None:
         with pn.io.hold():
@@ -247,8 +219,8 @@ class Shell:
         """Show the page that the state names; those that were open before stay where they are, out of sight."""
         name = self.state.page
         with pn.io.hold():
-            self.tabs.active = PAGES.index(name)
-            self.menu.label = name
+            self.navigation.page = name
+            self._show_sidebar()
             if self._starting:
                 return
             if name in self._failed:
@@ -269,12 +241,12 @@ class Shell:
         except Exception as error:
             self.state.faults.note(error, f"the page {name} could not be opened")
             self._failed.add(name)
-            text = f'{heading(name, "", "")}<div class="message" role="alert">{NOT_OPENED}</div>'
+            text = f'{heading(name, "", "", "")}<div class="message" role="alert">{NOT_OPENED}</div>'
             return html_pane(text)
         self._failed.discard(name)
         return view
 
-    def _pin(self, *_: Any) -> None:
+    def _pin(self) -> None:
         """Pin the run that is shown, or let go of it where it is pinned."""
         pin = self.state.pin_of_run
         if pin is None:
@@ -288,15 +260,21 @@ class Shell:
             self.pin.label = self.pin_small.description = label
 
     def _fit(self) -> None:
-        """Close the sidebar on narrow screens, and put the pages into a menu on the narrowest."""
+        """Close the sidebar on narrow screens, and make the buttons small where the bar needs the room."""
         with pn.io.hold():
-            narrow = self.browser.window_width < MENU_PX
-            self.tabs.visible, self.menu.visible = not narrow, narrow
-            self.pin.visible, self.pin_small.visible = not narrow, narrow
-            self.brand.visible = self.browser.window_width >= BRAND_PX
+            compact = self.browser.window_width < COMPACT_PX
+            self.pin.visible, self.pin_small.visible = not compact, compact
             was_wide, self._wide = self._wide, self.browser.window_width >= NARROW_PX
             if was_wide != self._wide:
-                self.page.sidebar_open = self._wide
+                self._open = self._wide
+                self.page.sidebar_open = self._open and self._beside
+
+    def _show_sidebar(self) -> None:
+        """Open or close the sidebar as the user has left it; pages without one have the whole width."""
+        if self._beside:
+            self._open = self.page.sidebar_open
+        self._beside = PAGES[self.state.page].has_sidebar
+        self.page.sidebar_open = self._open and self._beside
 
     def _make_room(self, event: Any) -> None:
         """Close the sidebar where it would stand before the editor."""

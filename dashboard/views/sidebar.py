@@ -1,4 +1,4 @@
-"""The sidebar: the scenario's editor, and the strategies as key, switch and table of results in one."""
+"""The sidebar: the scenario's editor, and the strategies."""
 
 import html
 from collections.abc import Callable, Mapping
@@ -9,29 +9,28 @@ import panel as pn
 import panel_material_ui as pmui
 from panel.viewable import Viewable
 
-from railjoule.core.scenario import StrategyName, load_scenario, preset_names
-from railjoule.core.strategies import STRATEGIES
+from railjoule.core.scenario import load_scenario, preset_names
 from railjoule.core.strategies.enoc import best_acceleration_time
 from railjoule.dashboard.keeping import Keeping
-from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look import words
 from railjoule.dashboard.messages import added_to, unfrozen
 from railjoule.dashboard.models.dropped import LARGEST_REPORT_BYTES, NO_TEXT, TOO_LARGE
+from railjoule.dashboard.models.pages import PAGES
 from railjoule.dashboard.models.workbench import Workbench
-from railjoule.dashboard.store import Runs
+from railjoule.dashboard.views.actual_fields import ActualFields
 from railjoule.dashboard.views.changes import Changes
 from railjoule.dashboard.views.events import EventFields
 from railjoule.dashboard.views.fields import CrushLoad, NumberField
 from railjoule.dashboard.views.motor_fields import MotorFields
-from railjoule.dashboard.views.parts import Words, html_pane, swatch
+from railjoule.dashboard.views.parts import html_pane, stack
 from railjoule.dashboard.views.reality import RealityFields
 from railjoule.dashboard.views.sections import SectionFields
+from railjoule.dashboard.views.strategies import StrategyList
 
 FIELDS_AFTER_MS = 200
-FROM_FILE = "from a file"
-NOT_SHOWN = "These fields could not be shown: the program made an error, which the server\u2019s log describes."
-HIDE_LABEL_CSS = """
-.MuiFormControlLabel-label { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
-"""
+FROM_FILE = "file"
+"""What the value of a scenario from a file begins with; its number tells it from the one opened before it."""
+NOT_SHOWN = "These fields could not be shown: a program error, which the server\u2019s log describes."
 
 
 class ScenarioFile(pmui.FileInput):
@@ -71,6 +70,7 @@ class Sidebar:
         self.file = ScenarioFile(
             refuse=lambda: keeping.refuse_file("The file", TOO_LARGE),
             label="Open a scenario file",
+            uploaded_label="Open a scenario file",
             max_file_size=LARGEST_REPORT_BYTES,
             icon="folder_open",
             variant="text",
@@ -107,28 +107,30 @@ class Sidebar:
         own = [PageFields(state, page, make).view for page, make in OWN_FIELDS.items()]
         self.line = html_pane()
         self.strategies = StrategyList(state)
+        self.strategy_part = stack(
+            html_pane('<hr class="rule">'), html_pane('<div class="section">Strategies</div>'), self.strategies
+        )
         self.changes = Changes(state)
         self.view = pn.Column(
             self.preset,
             self.file,
             self.edit,
-            html_pane('<div class="section">Timetable</div>'),
+            html_pane('<div class="section">Plan <span>\u00b7 what the timetable expects</span></div>'),
             self.travel_time.view,
             self.shortest,
-            self.vehicle,
             self.load.view,
             self.crush.view,
             self.recuperation.view,
             *own,
+            self.vehicle,
             self.line,
-            html_pane('<hr class="rule">'),
-            self.strategies.view,
+            self.strategy_part,
             html_pane('<hr class="rule">'),
             self.changes.view,
             margin=0,
             sizing_mode="stretch_width",
         )
-        self._quiet = False
+        self._quiet, self._opened = False, 0
         self.preset.param.watch(self._choose, "value")
         self.file.param.watch(self._open, "value")
         scenario.param.watch(self._name_scenario, ["preset", "opened"])
@@ -138,10 +140,16 @@ class Sidebar:
         scenario.param.watch(self._move_ends, "travel_time_range_s")
         scenario.param.watch(self._move_load, ["preset", "opened", "edits"])
         state.param.watch(self._show_runs, "runs")
+        state.param.watch(self._fit_page, "page")
+        self._fit_page()
         self._describe()
 
+    def _fit_page(self, *_: Any) -> None:
+        """Leave out the strategies where they change nothing."""
+        self.strategy_part.visible = bool(PAGES[self.state.page].strategies)
+
     def _choose(self, event: Any) -> None:
-        if not self._quiet and event.new != FROM_FILE:
+        if not self._quiet and not event.new.startswith(FROM_FILE):
             self.state.scenario.choose(event.new)
 
     def _open(self, event: Any) -> None:
@@ -155,10 +163,15 @@ class Sidebar:
 
     def _name_scenario(self, *_: Any) -> None:
         """Show in the list which scenario this is."""
-        scenario = self.state.scenario
+        opened = self.state.scenario.opened
+        self._opened += opened is not None
+        file = f"{FROM_FILE} {self._opened}"
         self._quiet = True
-        self.preset.options = scenario_options(self.state)
-        self.preset.value = FROM_FILE if scenario.opened is not None else scenario.preset
+        with pn.io.hold():
+            self.preset.param.update(
+                options=scenario_options(self.state, file),
+                value=self.state.scenario.preset if opened is None else file,
+            )
         self._quiet = False
 
     def _move_ends(self, *_: Any) -> None:
@@ -172,7 +185,7 @@ class Sidebar:
         base = self.state.scenario.edited
         name = html.escape(base.vehicle.name)
         self.vehicle.object = f'<div class="section">Vehicle <span>\u00b7 {name}</span></div>'
-        self.line.object = f'<div class="section">Line</div>{line_rows(self.state)}'
+        self.line.object = f'<div class="section">Track</div>{line_rows(self.state)}'
 
     def _show_runs(self, *_: Any) -> None:
         runs = self.state.runs
@@ -189,12 +202,12 @@ def shipped_scenarios() -> tuple[tuple[str, str], ...]:
     return tuple((load_scenario(name).title, name) for name in preset_names("scenarios"))
 
 
-def scenario_options(state: Workbench) -> dict[str, str]:
-    """Return the scenarios to choose from by their titles, that of a file included."""
+def scenario_options(state: Workbench, file: str = FROM_FILE) -> dict[str, str]:
+    """Return the scenarios to choose from by their titles, that of a file included under a name of its own."""
     options = dict(shipped_scenarios())
     opened = state.scenario.opened
     if opened is not None:
-        options[f"{opened.title or 'Without a title'} (file)"] = FROM_FILE
+        options[f"{opened.title or 'Untitled'} (file)"] = file
     return options
 
 
@@ -275,6 +288,7 @@ class EnocField:
 
 
 OWN_FIELDS: Mapping[str, Callable[[Workbench], HasView]] = {
+    "Drive": ActualFields,
     "Trade-off": EnocField,
     "Robustness": RealityFields,
     "Disturbances": EventFields,
@@ -299,106 +313,3 @@ def line_rows(state: Workbench) -> str:
         for limit in line.speed_limits
     ]
     return "".join(rows)
-
-
-class StrategyList:
-    """The strategies: tick to draw, press the name to see its numbers."""
-
-    def __init__(self, state: Workbench) -> None:
-        self.state = state
-        self.ticks: dict[StrategyName, pmui.Checkbox] = {}
-        self.numbers: dict[StrategyName, Words] = {}
-        self.choices: dict[StrategyName, pmui.Button] = {}
-        rows = [self._row(name) for name in STRATEGIES]
-        self.title = html_pane(strategies_title(proven=True))
-        self.view = pn.Column(self.title, *rows, margin=0, sizing_mode="stretch_width")
-        state.param.watch(self._show, ["runs", "chosen", "ticked"])
-        state.param.watch(self._follow_ticks, "ticked")
-
-    def _follow_ticks(self, *_: Any) -> None:
-        for name, tick in self.ticks.items():
-            tick.value = name in self.state.ticked
-
-    def _row(self, name: StrategyName) -> pn.Row:
-        word = words.STRATEGY_WORDS[name]
-        tick = pmui.Checkbox(
-            value=name in self.state.ticked,
-            label=f"Draw {word}",
-            size="small",
-            margin=(0, 0, 0, 14),
-            width=26,
-            align="center",
-            stylesheets=[HIDE_LABEL_CSS],
-        )
-        tick.param.watch(lambda event: self._tick(name, event.new), "value")
-        choice = pmui.Button(
-            label=word,
-            variant="text",
-            size="small",
-            margin=0,
-            width=92,
-            align="center",
-            on_click=self._chooser(name),
-            sx={
-                "justifyContent": "flex-start",
-                "color": "text.primary",
-                "fontWeight": 400,
-                "height": "28px",
-                "padding": "0 4px",
-                "whiteSpace": "nowrap",
-            },
-        )
-        numbers = html_pane("", align="center")
-        self.ticks[name], self.choices[name], self.numbers[name] = tick, choice, numbers
-        sample = html_pane(swatch(name), width=28, height=20, sizing_mode="fixed", align="center")
-        return pn.Row(
-            tick,
-            sample,
-            choice,
-            numbers,
-            margin=0,
-            sizing_mode="stretch_width",
-            min_height=28,
-            styles={"align-items": "center"},
-        )
-
-    def _chooser(self, name: StrategyName) -> Callable[[Any], None]:
-        def choose(_: Any) -> None:
-            self.state.chosen = name
-
-        return choose
-
-    def _tick(self, name: StrategyName, ticked: bool) -> None:
-        names = [other for other in STRATEGIES if (ticked if other == name else other in self.state.ticked)]
-        self.state.ticked = names
-
-    def _show(self, *_: Any) -> None:
-        runs = self.state.runs
-        if runs is None:
-            return
-        self.title.object = strategies_title(runs.is_proven)
-        for name in STRATEGIES:
-            chosen = name == self.state.chosen
-            weight = 600 if chosen else 400
-            if self.choices[name].sx["fontWeight"] != weight:
-                self.choices[name].sx = {**self.choices[name].sx, "fontWeight": weight}
-            self.numbers[name].object = strategy_numbers(runs, name, chosen)
-
-
-def strategies_title(proven: bool) -> str:
-    """Return the title of the strategies, which says what their numbers are."""
-    above = comparisons.reference_name(proven)
-    return f'<div class="section">Strategies <span>\u00b7 kWh, above {above}</span></div>'
-
-
-def strategy_numbers(runs: Runs, name: StrategyName, chosen: bool) -> str:
-    """Return a strategy's energy and by how much it lies above the best known run, or why it refuses."""
-    if name in runs.refused:
-        return f'<div class="result"><span class="reason">{html.escape(runs.refused[name].rstrip("."))}</span></div>'
-    if name not in runs.runs:
-        return '<div class="result"><span class="reason">\u2013</span></div>'
-    run = runs.runs[name]
-    amount, energy = comparisons.above_reference(run), words.energy(run.energy_kwh)
-    # the title says kWh, and there is no room for it
-    above = words.UNKNOWN if amount is None else str(amount).removesuffix(" kWh")
-    return f'<div class="result{" chosen" if chosen else ""}"><span>{energy}</span><span>{above}</span></div>'

@@ -5,7 +5,7 @@ from typing import Literal
 
 SketchKind = Literal["lines", "bars", "map", "strip"]
 COMPUTING = "Computing"
-NOT_DRAWN = "This figure could not be drawn: the program made an error, which the server\u2019s log describes."
+NOT_DRAWN = "This figure could not be drawn because of a program error; the server\u2019s log describes it."
 BAR_HEIGHTS = (52, 78, 64, 90, 40, 70, 58, 84, 46, 66)
 MAP_ROWS, MAP_COLUMNS = 4, 7
 STRIPS = ((0, 9), (10, 46), (57, 17), (75, 25))

@@ -21,7 +21,7 @@ from railjoule.dashboard.views.sections import PAGE
 
 HEIGHTS = {
     "limit_speed": (290, 360, 240),
-    "line": (86, 96, 80),
+    "line": (104, 112, 98),
     "limit_effort": (104, 120, 96),
     "limit_energy": (130, 150, 120),
     "search_plane": (280, 330, 260),
@@ -37,8 +37,13 @@ LOWER_CSS = """
 @media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); padding: 8px 10px 12px 6px; } }
 """
 GAP_CSS = ":host { row-gap: 10px; }"
+NOTES_CSS = ":host { padding: 0 20px 16px; } @media (max-width: 899px) { :host { padding: 0 12px 16px; } }"
 REGULATOR_WORDS = {"coast": "Coasts", "brake": "Brakes", "literal": "As printed"}
-REGULATOR_DOES = {"coast": "coasts above a limit", "brake": "brakes for a limit", "literal": "is the printed relay"}
+REGULATOR_DOES = {"coast": "coasts above a limit", "brake": "brakes for a limit", "literal": "is the published relay"}
+RULE = (
+    '<p style="padding:0 20px 8px;max-width:90ch">Below its limit the train drives, above it coasts: limits are '
+    "set-points, not rules. The travel time may differ from the timetable within a window.</p>"
+)
 SMALL: dict[str, Any] = {"size": "small", "sx": {"& .MuiToggleButton-root": {"whiteSpace": "nowrap"}}}
 
 
@@ -69,14 +74,14 @@ class SpeedLimitsView(PageView):
             **SMALL,
         )
         self.free = pmui.Checkbox(
-            label="Borders may move",
+            label="Section ends may move",
             value=model.free_borders,
             size="small",
             margin=(8, 8, 0, 16),
             sx={"& .MuiFormControlLabel-label": {"fontSize": "13px"}},
         )
         self.search = pmui.Button(
-            label="Search limits",
+            label="Search set speeds",
             variant="outlined",
             size="small",
             margin=(8, 20, 0, 8),
@@ -87,7 +92,7 @@ class SpeedLimitsView(PageView):
             label="Sections", options={"1 and 2": 0}, value=0, size="small", margin=(6, 0, 0, 46), width=130
         )
         self.whose = pmui.RadioButtonGroup(
-            options={"Drive": "drive", "Motor": "motor"}, value=model.shown_map, margin=(6, 0, 0, 46), **SMALL
+            options={"Powertrain": "drive", "Motor": "motor"}, value=model.shown_map, margin=(6, 0, 0, 46), **SMALL
         )
         self.pair.visible = self.whose.visible = False
         self._listen()
@@ -101,7 +106,7 @@ class SpeedLimitsView(PageView):
         left = parts.stack(self.table, self.plane.place, self.pair, self.path.place, self.search_text, css=GAP_CSS)
         right = parts.stack(self.no_map, self.map.place, self.whose, self.storage.place, self.storage_text, css=GAP_CSS)
         lower = parts.stack(left, right, css=LOWER_CSS)
-        notes = parts.stack(self.notes, css=":host { padding: 0 20px 16px; }")
+        notes = parts.stack(self.notes, css=NOTES_CSS)
         return parts.stack(self.heading, self.message, self.figures, tools, body, lower, notes)
 
     def _listen(self) -> None:
@@ -138,7 +143,7 @@ class SpeedLimitsView(PageView):
 
     def _show_run(self) -> None:
         run = self.model.run
-        self.tell(self.model.failure, "Shown: the last run that can be driven." if run is not None else "")
+        self.tell(self.model.failure, "Shown: the last run that could be computed." if run is not None else "")
         if run is None:
             return
         self.axis.fit(run.run.distance_m, roomy=False)
@@ -165,10 +170,10 @@ class SpeedLimitsView(PageView):
         if trip is None:
             return
         self.speed.show(partial(self.speed.draw_trip, trip))
-        wait = "let the step go to compare"
+        wait = "release the step to compare"
         cells = [
-            parts.figure("Limits cost", "\u2013", "", wait, "main"),
-            parts.figure("Energy", words.energy(trip.energy_kwh), "kWh", "at the line"),
+            parts.figure("Extra energy of set speeds", "\u2013", "", wait, "main"),
+            parts.figure("Energy", words.energy(trip.energy_kwh), "kWh", "from the supply"),
             parts.figure("Optimum", "\u2013", "", ""),
             self._time_figure(trip.travel_time_s),
             parts.figure("Storage needed", "\u2013", "", ""),
@@ -188,7 +193,7 @@ class SpeedLimitsView(PageView):
         if sections > 1:
             self.plane.show(partial(self.plane.draw, path.search, self.pair.value))
         self.path.show(partial(self.path.draw, path.search))
-        self.search_text.object = f'<p class="note" style="padding-left:50px">{search_words(path.search)}</p>'
+        self.search_text.object = f'<p class="note" style="padding-left:6px">{search_words(path.search)}</p>'
 
     def _show_map(self) -> None:
         found, run, refusal = self.model.motor_map, self.model.run, self.model.no_map
@@ -196,7 +201,7 @@ class SpeedLimitsView(PageView):
         self.whose.visible = found is not None and found.motor is not None
         self.no_map.visible = bool(refusal)
         if refusal:
-            self.no_map.object = f'<p class="note" style="padding-left:50px">{parts.escaped(refusal)}</p>'
+            self.no_map.object = f'<p class="note" style="padding-left:6px">{parts.escaped(refusal)}</p>'
         if found is not None and run is not None:
             self.map.show(partial(self.map.draw, found, self.model.shown_map, run.points))
 
@@ -211,20 +216,21 @@ class SpeedLimitsView(PageView):
         how = "found by search" if scenario.search.limits_kmh is None else "given"
         what = (
             f"{words.distance(run.run.distance_m)} km in {words.time(run.planned_s)} s, {count} "
-            f"section{'' if count == 1 else 's'}, limits {how}; the regulator "
+            f"section{'' if count == 1 else 's'}, set speeds {how}; the regulator "
             f"{REGULATOR_DOES[scenario.search.regulator]}"
         )
-        self.heading.object = parts.heading(scenario.title, what, "")
+        self.heading.object = parts.heading(self.page, scenario.title, what, "") + RULE
         self.figures.object = parts.figures(self._cells(run), self.model.failure is not None)
         self.table.object = sections_table(run)
         without = run.no_optimum and f"No optimum in the time of the run: {run.no_optimum}"
-        self.notes.object = f'<p class="note">{parts.escaped(without)}</p>{parts.notes(run.run)}'
+        first = f'<p class="note">{parts.escaped(without)}</p>' if without else ""
+        self.notes.object = f'<div class="columns">{first}{parts.notes(run.run)}</div>'
 
     def _cells(self, run: LimitRun) -> list[str]:
         need = run.need
         return [
             cost_figure(run),
-            parts.figure("Energy", words.energy(run.run.energy_kwh), "kWh", "at the line"),
+            parts.figure("Energy", words.energy(run.run.energy_kwh), "kWh", "from the supply"),
             optimum_figure(run),
             self._time_figure(run.run.travel_time_s),
             parts.figure(
@@ -242,7 +248,7 @@ class SpeedLimitsView(PageView):
         first, last = planned * (1 - share), planned * (1 + share)
         rounding = 1e-5 * planned
         if first - rounding <= time_s <= last + rounding:
-            detail = f"in {words.number(first)}\u2013{words.number(last)}"
+            detail = f"allowed {words.number(first)} to {words.number(last)} s"
         elif time_s > last:
             detail = f'<span class="worse">{words.number(time_s - last)} s too late</span>'
         else:
@@ -254,9 +260,9 @@ def cost_figure(run: LimitRun) -> str:
     """Return what the limits cost beside the best known run of the same time."""
     cost, reference = comparisons.above_reference(run.run), run.run.reference
     if cost is None or reference is None:
-        return parts.figure("Limits cost", words.UNKNOWN, "", "no optimum to compare with", "main")
+        return parts.figure("Extra energy of set speeds", words.UNKNOWN, "", "no optimum to compare with", "main")
     name = comparisons.reference_noun(reference.proven)
-    return parts.figure("Limits cost", *cost, f"above the {name} in the same time", "main")
+    return parts.figure("Extra energy of set speeds", *cost, f"above the {name} in the same time", "main")
 
 
 def optimum_figure(run: LimitRun) -> str:
@@ -274,7 +280,14 @@ def optimum_figure(run: LimitRun) -> str:
         detail = f'<span class="open">\u25d0</span> {amount.sentence} bound'
         whole = f"Not proven: the bound is {words.energy(bound)} kWh"
     name = comparisons.reference_noun(reference.proven).capitalize()
-    return parts.figure(name, words.energy(reference.energy_kwh), "kWh", detail, whole=whole)
+    return parts.figure(
+        name,
+        words.energy(reference.energy_kwh),
+        "kWh",
+        detail,
+        whole=whole,
+        term="Optimum" if reference.proven else "Best known",
+    )
 
 
 def sections_table(run: LimitRun) -> str:
@@ -287,4 +300,4 @@ def sections_table(run: LimitRun) -> str:
         cells = (str(number), words.number(start, 0), words.number(end, 0), words.number(float(limit)), top)
         rows.append((cells, False))
     table = parts.table("Sections", ("Section", "from, m", "to, m", "limit, km/h", "top, km/h"), rows)
-    return f'<div style="padding:0 6px 0 50px">{table}</div>'
+    return f'<div style="padding:0 6px">{table}</div>'

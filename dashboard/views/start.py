@@ -9,13 +9,63 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.theme import parts_css
+from railjoule.dashboard.models.pages import PAGES
 from railjoule.dashboard.store import Card, Runs, outlines
 from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.page import PageView
+from railjoule.dashboard.views.surface import round_step
 
+GROUPS: tuple[tuple[str, str, tuple[str, ...]], ...] = (
+    (
+        "First steps",
+        "one run between two stops: move the travel time and see what changes",
+        ("metro-with-limit", "tram-950m", "ftorek-300s", "liashenko-ii", "tram-950m-stop", "tram-950m-recuperating"),
+    ),
+    (
+        "Whole lines",
+        "several stations: how the optimum shares the time among them",
+        ("metro-10-stations",),
+    ),
+    (
+        "From the papers",
+        "the cases of published studies, to compare with what they print",
+        (
+            "liashenko-0",
+            "liashenko-i",
+            "liashenko-iii",
+            "liashenko-fig-3",
+            "liashenko-fig-4",
+            "liashenko-fig-5",
+            "liashenko-fig-6",
+            "kharkiv-like-40kmh",
+            "kharkiv-like-20kmh",
+        ),
+    ),
+)
+"""Title, what they show and names of the scenarios that belong together."""
+OTHERS = ("More", "further scenarios")
+GOOD_FOR = {
+    "metro-with-limit": "Start here: gradients, a speed limit and part of the braking energy recuperated.",
+    "tram-950m": "Level track without recuperation: why coasting saves.",
+    "ftorek-300s": "All strategies run on it: good for Compare and Trade-off.",
+    "liashenko-ii": "Down into a valley and out of it: where to coast and where to drive.",
+    "tram-950m-stop": "A red signal on the way: what an unplanned stop costs.",
+    "tram-950m-recuperating": "The same tram with recuperation: later coasting, later braking.",
+    "metro-10-stations": "Ten stations in one timetable: which leg gets how much running-time supplement.",
+    "liashenko-0": "A steady rise of 3 per mille: the plain case beside the three profiles.",
+    "liashenko-i": "Light gradients, up to 10 per mille.",
+    "liashenko-iii": "Heavy gradients, up to 40 per mille.",
+    "liashenko-fig-3": "Planned at half load, driven full and with the position 10\u00a0m wrong.",
+    "liashenko-fig-4": "Planned at half load, driven nearly empty and 5\u00a0m wrong, on profile I.",
+    "liashenko-fig-5": "Planned at half load, driven full at the right position, on profile II.",
+    "liashenko-fig-6": "Planned at half load, driven fuller and 15\u00a0m wrong, on profile III.",
+    "kharkiv-like-40kmh": "Limits of sections as set speeds, at 40\u00a0km/h on average.",
+    "kharkiv-like-20kmh": "The same line at half the speed: where limits as set speeds cost most.",
+}
+"""What each shipped scenario is good for, in one line."""
 WIDTH, HEIGHT = 1000.0, 240.0
 SMALL_WIDTH, SMALL_HEIGHT = 240.0, 54.0
-MOST_POINTS = 160
+MOST_POINTS, MOST_TICKS = 160, 6
 SKETCHED_LINE = (
     '<path d="M2 53 C 8 20 14 8 32 8 L 196 8 C 222 8 232 30 238 53" fill="none" stroke="var(--rj-line2)" '
     'stroke-width="1.8" vector-effect="non-scaling-stroke"/>'
@@ -26,8 +76,8 @@ HERO_SKETCH = (
 )
 LEAD = "railjoule finds the run of a rail vehicle that needs the least energy for a given time, and proves it."
 MORE = (
-    "Choose a scenario, move the travel time and see what the driver has to do, what the other methods of driving cost "
-    "beside it, and what wrong loads, delays and speed limits make of it."
+    "Choose a scenario, move the travel time and see what the driver has to do, how much more the other "
+    "strategies need, and how wrong loads, delays and speed limits change it."
 )
 START_CSS = """
 .hero { padding: 22px 20px 6px; }
@@ -37,7 +87,16 @@ START_CSS = """
 .hero .key { display: flex; flex-wrap: wrap; gap: 2px 22px; font-size: 12px; margin-top: 6px; color: var(--rj-ink2); }
 .hero .key b { color: var(--rj-accent); font-weight: 600; }
 .hero .key i { display: inline-block; width: 10px; height: 10px; margin-right: 5px; border: 1px solid var(--rj-line2); }
-h2.begin { padding: 14px 20px 0; font-size: 15px; }
+h2.begin { padding: 16px 20px 4px; font-size: 15px; }
+h2.begin span { margin-left: 8px; font-size: 13px; font-weight: 400; }
+.hero .plot { position: relative; margin: 14px 0 0 44px; padding-bottom: 36px; }
+.hero .plot svg { margin: 0; }
+.hero .plot span { position: absolute; font-size: 11px; line-height: 14px; color: var(--rj-ink3); }
+.hero .plot .y { right: calc(100% + 8px); transform: translateY(-50%); }
+.hero .plot .x { bottom: 18px; transform: translateX(-50%); }
+.hero .plot .title { bottom: 0; left: 50%; transform: translateX(-50%); font-size: 12px; color: var(--rj-ink2); }
+.hero .name { margin-top: 14px; font-size: 12px; color: var(--rj-ink2); }
+.hero .name + .plot { margin-top: 4px; }
 @media (min-width: 1600px) { .hero svg { height: 320px; } }
 @media (max-width: 899px) {
   .hero { padding: 14px 14px 4px; } .hero h1 { font-size: 20px; } .hero svg { height: 150px; }
@@ -52,6 +111,7 @@ CARD_CSS = """
 .card button:active { color: var(--rj-ink); }
 .card button:focus-visible { outline: 2px solid var(--rj-accent); outline-offset: 2px; }
 .card p { font-size: 12px; color: var(--rj-ink3); }
+.card p.for { color: var(--rj-ink2); min-height: 34px; text-wrap: pretty; }
 .card svg { display: block; width: 100%; height: 54px; margin: 8px 0 2px; }
 """
 GRID_CSS = """
@@ -59,6 +119,14 @@ GRID_CSS = """
   padding: 4px 20px 24px; align-items: stretch; }
 @media (max-width: 899px) { :host { padding: 4px 14px 24px; } }
 """
+
+
+def groups(names: tuple[str, ...]) -> list[tuple[str, str, tuple[str, ...]]]:
+    """Return title, what it shows and scenarios of each group; what no group names stands last."""
+    named = [name for _, _, members in GROUPS for name in members]
+    rest = tuple(name for name in names if name not in named)
+    listed = [(title, shows, tuple(name for name in members if name in names)) for title, shows, members in GROUPS]
+    return [*listed, *([(*OTHERS, rest)] if rest else [])]
 
 
 class StartView(PageView):
@@ -71,11 +139,18 @@ class StartView(PageView):
         self.hero = parts.html_pane(hero(None), stylesheets=[parts_css(), START_CSS])
         self.cards = {card.name: self._card_pane(card) for card in outlines()}
         self._shown: dict[str, Card] = {}
-        title = parts.html_pane('<h2 class="begin">Begin with</h2>', stylesheets=[parts_css(), START_CSS])
         self.browser.on_open(self._open)
         self.shows(self._show_picture, (self.state, ["runs"]))
         self.shows(self._show_cards, (self.state.start, ["cards"]))
-        return parts.stack(self.hero, title, parts.stack(*self.cards.values(), css=GRID_CSS))
+        return parts.stack(
+            self.hero, *(piece for group in groups(tuple(self.cards)) for piece in self._laid_out(*group))
+        )
+
+    def _laid_out(self, title: str, shows: str, names: tuple[str, ...]) -> tuple[Viewable, Viewable]:
+        """Return the heading of a group of cards, and its cards."""
+        heading = f'<h2 class="begin">{title} <span class="muted">{shows}</span></h2>'
+        cards = parts.stack(*(self.cards[name] for name in names), css=GRID_CSS)
+        return parts.html_pane(heading, stylesheets=[parts_css(), START_CSS]), cards
 
     def _card_pane(self, card: Card) -> parts.Words:
         return parts.html_pane(card_html(card), stylesheets=[parts_css(), CARD_CSS])
@@ -100,7 +175,7 @@ class StartView(PageView):
 
 def hero(runs: Runs | None) -> str:
     """Return the sentence, and the picture of the present optimum beside the fastest run once it is there."""
-    text = f"<h1>{LEAD}</h1><p>{MORE}</p>"
+    text = f"<h1>{PAGES['Start'].question}</h1><p>{LEAD} {MORE}</p>"
     if runs is None:
         return (
             f'<div class="hero">{text}<svg role="img" aria-label="Being computed: the first run" viewBox="0 0 10 10" '
@@ -109,13 +184,13 @@ def hero(runs: Runs | None) -> str:
     run, fastest = runs.best, runs.runs.get("fastest")
     phases = dict.fromkeys(phase.phase for phase in run.phases)
     key = [
-        f"<span><b>{parts.escaped(run.scenario.title)}</b>: speed over {words.distance(run.distance_m)} km</span>",
+        f"<span><b>{parts.escaped(run.scenario.title)}</b>, {words.distance(run.distance_m)} km</span>",
         f"<span>{words.strategy(run.strategy)}: <b>{words.energy(run.energy_kwh)} kWh</b> "
         f"in {words.time(run.travel_time_s)} s</span>",
     ]
     if fastest is not None:
         key.append(
-            f"<span>dotted: as fast as can be, {words.energy(fastest.energy_kwh)} kWh in "
+            f"<span>dotted: fastest possible, {words.energy(fastest.energy_kwh)} kWh in "
             f"{words.time(fastest.travel_time_s)} s</span>"
         )
     key += [
@@ -126,16 +201,21 @@ def hero(runs: Runs | None) -> str:
         words.advice_in_words(run.advice)
     )
     return (
-        f'<div class="hero">{text}<svg role="img" aria-label="{parts.escaped(alternative)}" '
+        f'<div class="hero">{text}<div class="name">Speed, km/h</div><div class="plot">'
+        f'<svg role="img" aria-label="{parts.escaped(alternative)}" '
         f'viewBox="0 0 {WIDTH:g} {HEIGHT:g}" preserveAspectRatio="none">{picture(run, fastest)}</svg>'
-        f'<div class="key">{"".join(key)}</div></div>'
+        f'{axes(run, fastest)}</div><div class="key">{"".join(key)}</div></div>'
     )
 
 
 def picture(run: Trajectory, fastest: Trajectory | None) -> str:
     """Return the area under the speed, phase by phase, and the line of the fastest run, as SVG."""
-    top = 1.06 * max(run.max_speed_kmh, fastest.max_speed_kmh if fastest else 0.0)
-    shapes = []
+    top = top_kmh(run, fastest)
+    shapes = [
+        f'<path d="M0 {HEIGHT * (1 - speed / top):.1f} H{WIDTH:g}" stroke="var(--rj-grid)" '
+        'vector-effect="non-scaling-stroke"/>'
+        for speed in ticks(top)[1:]
+    ]
     for phase in run.phases:
         inside = (run.position_m >= phase.start_m - 1e-9) & (run.position_m <= phase.end_m + 1e-9)
         x, y = scaled(run.position_m[inside], run.speed_ms[inside] / MS_PER_KMH, run.distance_m, top, WIDTH, HEIGHT)
@@ -153,6 +233,30 @@ def picture(run: Trajectory, fastest: Trajectory | None) -> str:
     return "".join(shapes)
 
 
+def top_kmh(run: Trajectory, fastest: Trajectory | None) -> float:
+    """Return the speed at the upper edge of the picture [km/h]."""
+    return 1.06 * max(run.max_speed_kmh, fastest.max_speed_kmh if fastest else 0.0)
+
+
+def ticks(end: float) -> list[float]:
+    """Return round numbers from zero up to `end`, four to eight of them."""
+    step = round_step(end / MOST_TICKS)
+    return [step * k for k in range(int(end / step + 1e-9) + 1)]
+
+
+def axes(run: Trajectory, fastest: Trajectory | None) -> str:
+    """Return the numbers and the title of the picture's axes."""
+    top, length_km = top_kmh(run, fastest), run.distance_m / 1000
+    speeds = "".join(
+        f'<span class="y" style="top:calc((100% - 36px) * {1 - speed / top:.4f})">{speed:g}</span>'
+        for speed in ticks(top)
+    )
+    places = "".join(
+        f'<span class="x" style="left:{100 * place / length_km:.2f}%">{place:g}</span>' for place in ticks(length_km)
+    )
+    return f'{speeds}{places}<span class="title">Distance, km</span>'
+
+
 def card_html(card: Card) -> str:
     """Return what a scenario is, and energy and time of its run with its strategy where that is not the optimum."""
     stops = f", {card.stations} stations on the way" if card.stations else ""
@@ -163,6 +267,7 @@ def card_html(card: Card) -> str:
         f'<svg role="img" aria-label="{name}" viewBox="0 0 {SMALL_WIDTH:g} {SMALL_HEIGHT:g}" '
         f'preserveAspectRatio="none">{line}<path d="M0 {SMALL_HEIGHT - 0.5:g} H{SMALL_WIDTH:g}" '
         'stroke="var(--rj-line2)" vector-effect="non-scaling-stroke"/></svg>'
+        f'<p class="for">{GOOD_FOR.get(card.name, "")}</p>'
         f"<p>{words.distance(card.length_m)}\u00a0km{stops}</p><p>{cost}</p></div>"
     )
 
@@ -174,7 +279,7 @@ def _run_words(run: Trajectory | None) -> tuple[str, str, str]:
     line = speed_line(run, 1.06 * run.max_speed_kmh, SMALL_WIDTH, SMALL_HEIGHT, "var(--rj-accent)", 1.8)
     name = f"Speed over distance, up to {words.number(run.max_speed_kmh)} km/h"
     strategy = "" if run.strategy == "optimal" else f"{words.strategy(run.strategy)}: "
-    asked = comparisons.other_time_of(run) and f" ({words.time(run.scenario.travel_time_s)}\u00a0s asked)"
+    asked = comparisons.other_time_of(run) and f" ({words.time(run.scenario.travel_time_s)}\u00a0s allowed)"
     cost = f"{strategy}{words.energy(run.energy_kwh)}\u00a0kWh in {words.time(run.travel_time_s)}\u00a0s{asked}"
     return line, name, cost
 

@@ -31,6 +31,7 @@ TALLEST = 3.2
 POINT_LIFT = 0.012
 """Points and valley float this share of the height above the surface, or it would hide them."""
 CAMERA = {"eye": {"x": 1.52, "y": -1.36, "z": 0.72}, "center": {"x": 0.03, "y": 0.02, "z": -0.23}}
+NARROW_PX, NARROW_DISTANCE = 420, 1.35
 LIGHTING = {"ambient": 0.85, "diffuse": 0.35, "specular": 0.02, "roughness": 0.9}
 
 
@@ -72,12 +73,19 @@ class SurfacePane(Chart):
                 self._points([now] if now and now[2] < top else [], "present run", "accent", "circle", top - bottom),
                 self._printed(enoc_map, printed, bottom, top),
             ],
-            "layout": scene_layout(self.palette, ("Travel time, s", "Acceleration time, s"), bottom, top),
+            "layout": scene_layout(
+                self.palette, ("Travel time, s", "Acceleration time, s"), bottom, top, self.camera_distance
+            ),
         }
+
+    @property
+    def camera_distance(self) -> float:
+        """How far away the camera stands, that the titles of the axes lie within narrow places too."""
+        return NARROW_DISTANCE if self.width_px < NARROW_PX else 1.0
 
     def _surface(self, enoc_map: EnocMap, bottom: float, top: float) -> dict[str, Any]:
         heights = np.where(enoc_map.energy_kwh > top, np.nan, enoc_map.energy_kwh)
-        step = float(np.round((top - bottom) / 8, 2)) or 0.1
+        step = round_step((top - bottom) / 10)
         return {
             "type": "surface",
             "x": enoc_map.travel_time_s,
@@ -91,7 +99,7 @@ class SurfacePane(Chart):
             "contours": {
                 "z": {
                     "show": True,
-                    "start": bottom,
+                    "start": step * np.ceil(bottom / step),
                     "end": top,
                     "size": step,
                     "color": "rgba(255,255,255,0.45)",
@@ -141,7 +149,15 @@ class SurfacePane(Chart):
         }
 
 
-def scene_layout(palette: Palette, titles: tuple[str, str], bottom: float, top: float) -> dict[str, Any]:
+def round_step(least: float) -> float:
+    """Return the smallest of 1, 2, 2.5 and 5 times a power of ten that is not below a number."""
+    power = 10.0 ** np.floor(np.log10(max(least, 1e-9)))
+    return float(next(factor * power for factor in (1, 2, 2.5, 5, 10) if factor * power >= least * (1 - 1e-9)))
+
+
+def scene_layout(
+    palette: Palette, titles: tuple[str, str], bottom: float, top: float, distance: float = 1.0
+) -> dict[str, Any]:
     """Return the layout of a surface over two titled axes; its heights go from `bottom` to `top`."""
     tokens = palette.tokens
 
@@ -167,7 +183,7 @@ def scene_layout(palette: Palette, titles: tuple[str, str], bottom: float, top: 
         "uirevision": "keep",
         "scene": {
             "bgcolor": tokens["surface"],
-            "camera": CAMERA,
+            "camera": {**CAMERA, "eye": {axis: distance * place for axis, place in CAMERA["eye"].items()}},
             "aspectratio": {"x": 1.3, "y": 1.05, "z": 0.8},
             "xaxis": axis(titles[0]),
             "yaxis": axis(titles[1]),

@@ -57,6 +57,7 @@ class TradeOffView(PageView):
 
     page = "Trade-off"
     heights = HEIGHTS
+    halves_from_px = 900
 
     def make(self) -> Viewable:
         """Make the pieces of the page, and return them laid out."""
@@ -72,7 +73,8 @@ class TradeOffView(PageView):
             value=map_of(state),
             size="small",
             margin=(6, 0, 8, 6),
-            width=360,
+            sizing_mode="stretch_width",
+            max_width=360,
             visible=False,
         )
         self.left = parts.stack(self.frontier.place, self.share.place, self.table)
@@ -98,7 +100,7 @@ class TradeOffView(PageView):
 
     def _show_failure(self) -> None:
         run = self.state.run
-        shown = "" if run is None else f"Shown: the last good run, {words.number(run.travel_time_s)} s."
+        shown = "" if run is None else f"Shown: the last valid run, {words.number(run.travel_time_s)} s."
         self.tell(self.state.failure, shown)
 
     def _show(self) -> None:
@@ -131,6 +133,7 @@ class TradeOffView(PageView):
         frontier = trade_off.frontier
         solved = f"{len(frontier.travel_time_s)} optima in {words.number(1e3 * self.state.trade_off_duration_s, 0)} ms"
         self.heading.object = parts.heading(
+            self.page,
             run.scenario.title,
             "energy against travel time" + ("; ENOC over its acceleration time" if now else ""),
             solved,
@@ -146,14 +149,20 @@ class TradeOffView(PageView):
         def changed(factor: float, label: str) -> str:
             then = factor * run.travel_time_s
             if then < frontier.shortest_travel_time_s:
-                return parts.figure(label, words.UNKNOWN, "", f"no train can, in {words.time(then)} s")
+                return parts.figure(
+                    label, words.UNKNOWN, "", f"no train can, in {words.time(then)} s", term="Change of time"
+                )
             # the frontier's mesh may be coarser than that of the run: its differences are what counts
             more_kwh = frontier.energy_kwh_at(then) - frontier.energy_kwh_at(run.travel_time_s)
             if not np.isfinite(more_kwh):
-                return parts.figure(label, words.UNKNOWN, "", f"not known in {words.time(then)} s")
+                return parts.figure(
+                    label, words.UNKNOWN, "", f"not known in {words.time(then)} s", term="Change of time"
+                )
             value = run.energy_kwh + more_kwh
             more = comparisons.above(value, run.energy_kwh)
-            return parts.figure(label, *more, f"{words.energy(value)} kWh at {words.time(then)} s")
+            return parts.figure(
+                label, *more, f"{words.energy(value)} kWh at {words.time(then)} s", term="Change of time"
+            )
 
         asked, waiting = comparisons.time_asked(run), comparisons.waiting_of(run)
         detail = f"{asked}: {waiting}" if waiting else asked or f"for {words.distance(run.distance_m)} km"
@@ -162,7 +171,12 @@ class TradeOffView(PageView):
         optimum = "Optimum" if run.is_proven else words.strategy(run.strategy)
         cells = [
             parts.figure(
-                f"{optimum} at {words.time(run.travel_time_s)} s", words.energy(run.energy_kwh), "kWh", detail, "main"
+                f"{optimum} at {words.time(run.travel_time_s)} s",
+                words.energy(run.energy_kwh),
+                "kWh",
+                detail,
+                "main",
+                term="Energy from the supply",
             ),
             parts.price_figure(run, run),
             changed(1.1, "10 % more time"),

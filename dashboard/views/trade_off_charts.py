@@ -1,5 +1,6 @@
 """The charts of the trade-off: frontier, distance to the optimum, ENOC's contours."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -17,10 +18,13 @@ from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import EnocMap, TradeOff
-from railjoule.dashboard.views.charts import Chart, clear, nice_range, style_of, text_style, xy
+from railjoule.dashboard.views.charts import Chart, clear, nice_range, style_of, text_style, write_names, xy
 from railjoule.dashboard.views.figures import captioned, empty_figure, ink_on
-from railjoule.dashboard.views.surface import CIVIDIS
+from railjoule.dashboard.views.label_places import Box
+from railjoule.dashboard.views.line_names import Name, clear_of, name_source, placed_names
+from railjoule.dashboard.views.surface import CIVIDIS, round_step
 
+MOST_LEVELS = 10
 STEEPEST_SHARE = 0.04
 """The frontier is drawn from this share above the shortest time: nearer to it, it rises out of any scale."""
 
@@ -41,7 +45,9 @@ class FrontierChart(Chart):
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, digits=1)
+        f = empty_figure(
+            self.height, self.x_range, self.y_range, self.words, self.palette, digits=1, x_title="Travel time, s"
+        )
         self.figure = f
         area = f.varea("x", "low", "high", source=self.source("between", "x", "low", "high"), fill_alpha=0.10)
         self.palette.paint(area.glyph, fill_color="enoc")
@@ -70,18 +76,8 @@ class FrontierChart(Chart):
         f.add_layout(self.now)
         point = f.scatter("x", "y", source=self.source("point"), size=11, line_width=2)
         self.palette.paint(point.glyph, fill_color="accent", line_color="surface")
-        f.text(
-            "x",
-            "y",
-            "text",
-            text_color="colour",
-            text_align="align",
-            x_offset="dx",
-            y_offset="dy",
-            source=self.source("signs", "x", "y", "text", "colour", "align", "dx", "dy"),
-            text_baseline="middle",
-            **text_style(),
-        )
+        self.sources["names"] = name_source()
+        write_names(f, self.sources["names"])
         f.on_event(Tap, self._set_time)
         f.on_event(Pan, self._set_time)
         self.content = captioned(self.words, f)
@@ -92,7 +88,7 @@ class FrontierChart(Chart):
 
     def draw(self, trade_off: TradeOff, run: Trajectory) -> None:
         """Draw the frontier, ENOC's curve, the present run and its tangent."""
-        frontier, tokens = trade_off.frontier, self.palette.tokens
+        frontier = trade_off.frontier
         time, energy = frontier.travel_time_s, frontier.energy_kwh
         shortest = frontier.shortest_travel_time_s
         steepest = float(np.interp(shortest * (1 + STEEPEST_SHARE), time, energy))
@@ -115,25 +111,43 @@ class FrontierChart(Chart):
         self.sources["printed"].data = {"x": printed[0], "y": printed[2]}
         self.now.location = now
         self.sources["point"].data = {"x": [now], "y": [run.energy_kwh]}
-        signs: list[tuple[float, float, str, str, str, int, int]] = []
-        below = [f"{words.energy(run.energy_kwh)} kWh at {words.time(now)} s", f"1 s saves {words.price(price)} Wh"]
-        for k, text in enumerate(below):
-            colour = tokens["optimal" if k == 0 else "ink2"]
-            side = "left" if now - self.x_range.start < 0.3 * (self.x_range.end - self.x_range.start) else "right"
-            dx = 10 if side == "left" else -10
-            signs.append(
-                (now, run.energy_kwh, text, colour, side, dx, 18 + 16 * k if side == "right" else -34 + 16 * k)
-            )
-        far, near = (float(np.interp(share, (0, 1), (time[0], time[-1]))) for share in (0.82, 0.2))
-        signs.append((far, float(np.interp(far, time, energy)), "optimal", tokens["optimal"], "right", -4, 14))
-        if len(enoc):
-            near = max(near, float(enoc_time[0]))
-            high = float(np.interp(near, enoc_time, enoc))
-            signs.append((near, high, "ENOC, best acceleration time", tokens["enoc"], "left", 6, -12))
-        if len(printed[0]):
-            signs.append((printed[0][-1], printed[2][-1], "ENOC as printed, Table 2", tokens["enoc"], "left", 8, -10))
-        keys = ("x", "y", "text", "colour", "align", "dx", "dy")
-        self.sources["signs"].data = {key: [sign[k] for sign in signs] for k, key in enumerate(keys)}
+        self._draw_names(run, enoc_curve(trade_off), printed)
+
+    def _draw_names(self, run: Trajectory, enoc: tuple[FloatArray, ...], printed: tuple[FloatArray, ...]) -> None:
+        """Name the curves, the present point and the printed ones where nothing else is."""
+        tokens, now = self.palette.tokens, (run.travel_time_s, run.energy_kwh)
+        optimal, tangent = self.sources["optimal"].data, self.sources["tangent"].data
+        lines = {
+            "optimal": (np.asarray(optimal["x"]), np.asarray(optimal["y"])),
+            "tangent": (np.asarray(tangent["x"]), np.asarray(tangent["y"])),
+            "enoc": (enoc[0], enoc[1]),
+            "now": (np.full(2, now[0]), np.array([self.y_range.start, self.y_range.end], dtype=float)),
+        }
+        times, _, energies = printed
+        frame = self.frame_over(
+            (float(self.x_range.start), float(self.x_range.end)), (float(self.y_range.start), float(self.y_range.end))
+        )
+        dots = [frame.dot(*now, 6), *(frame.dot(*place, 6) for place in zip(times, energies, strict=True))]
+        point = f"{words.energy(now[1])} kWh at {words.time(now[0])} s"
+        names = [
+            Name("now", point, tokens["optimal"], point=now),
+            Name(
+                "price",
+                f"saved per extra second: {words.price(run.price_of_time_w or 0.0)} Wh",
+                tokens["ink2"],
+                point=now,
+            ),
+            Name("optimal", "optimal", tokens["optimal"], wish=0.8),
+        ]
+        if len(enoc[0]):
+            names.append(Name("enoc", "ENOC", tokens["enoc"], wish=0.5))
+        inside = [
+            place for place in zip(times, energies, strict=True) if self.x_range.start <= place[0] <= self.x_range.end
+        ]
+        if inside:
+            last = float(inside[-1][0]), float(inside[-1][1])
+            names.append(Name("printed", "ENOC as printed, Table 2", tokens["enoc"], point=last))
+        self.sources["names"].data = placed_names(frame, lines, names, dots)
 
 
 class ShareChart(Chart):
@@ -145,15 +159,16 @@ class ShareChart(Chart):
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=3)
+        f = empty_figure(
+            self.height, self.x_range, self.y_range, self.words, self.palette, ticks=3, x_title="Travel time, s"
+        )
         self.figure = f
-        self.line, self.sign = ColumnDataSource({"x": [], "y": []}), ColumnDataSource({"x": [], "y": [], "text": []})
+        self.line, self.sign = ColumnDataSource({"x": [], "y": []}), name_source()
         area = f.varea("x", 0, "y", source=self.line, fill_alpha=0.10)
         line = f.line("x", "y", source=self.line, **style_of("enoc"))
-        sign = f.text("x", "y", "text", source=self.sign, x_offset=6, y_offset=-4, **text_style())
+        write_names(f, self.sign)
         self.palette.paint(area.glyph, fill_color="enoc")
         self.palette.paint(line.glyph, line_color="enoc")
-        self.palette.paint(sign.glyph, text_color="enoc")
         self.now = Span(location=-1, dimension="height", line_width=1)
         self.palette.paint(self.now, line_color="line2")
         f.add_layout(self.now)
@@ -176,7 +191,11 @@ class ShareChart(Chart):
         else:
             more = comparisons.above(best_enoc_kwh(trade_off, now), run.energy_kwh)
             here = float(np.interp(now, time, share))
-            self.sign.data = {"x": [now], "y": [here], "text": [f"{more} at {words.time(now)} s"]}
+            name = Name("now", f"{more} at {words.time(now)} s", self.palette.tokens["enoc"], point=(now, here))
+            frame = self.frame_over(
+                (float(self.x_range.start), float(self.x_range.end)), (0.0, float(self.y_range.end))
+            )
+            self.sign.data = placed_names(frame, {"enoc": (time, share)}, [name])
         self.now.location = now
 
 
@@ -186,12 +205,21 @@ class ContourChart(Chart):
     kind = "map"
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("contour", "ENOC: energy, kWh, over travel time, s, and acceleration time, s", height)
+        super().__init__("contour", "ENOC: energy, kWh, as contours", height)
         self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=5)
+        f = empty_figure(
+            self.height,
+            self.x_range,
+            self.y_range,
+            self.words,
+            self.palette,
+            ticks=5,
+            x_title="Travel time, s",
+            y_title="Acceleration time, s",
+        )
         self.figure = f
         f.ygrid.visible = False
         self.valley, self.point = (ColumnDataSource({"x": [], "y": []}) for _ in range(2))
@@ -259,18 +287,37 @@ class ContourChart(Chart):
         self.drawn = enoc_map
 
     def _sign_levels(self, enoc_map: EnocMap, levels: list[float], colours: list[str]) -> None:
-        """Write each level where its line crosses the upper part of the map, in black or white."""
-        row = int(0.88 * (len(enoc_map.acceleration_time_s) - 1))
-        energies = enoc_map.energy_kwh[row]
+        """Write each level on its line, in black or white, as high up as it is clear of the other levels."""
+        time, ramp = enoc_map.travel_time_s, enoc_map.acceleration_time_s
+        frame = self.frame_over((float(time[0]), float(time[-1])), (float(ramp[0]), float(ramp[-1])))
         signs: dict[str, list[Any]] = {"x": [], "y": [], "text": [], "colour": []}
+        taken: list[Box] = []
         for k, level in enumerate(levels[1:-1], 1):
-            crossing = np.flatnonzero(np.diff(np.sign(energies - level)))
-            if len(crossing):
-                signs["x"].append(float(enoc_map.travel_time_s[crossing[-1]]))
-                signs["y"].append(float(enoc_map.acceleration_time_s[row]))
-                signs["text"].append(f"{level:g}")
-                signs["colour"].append(ink_on(colours[k]))
+            text = f"{level:g}"
+            place = next(
+                (
+                    (x, y, box)
+                    for x, y in _crossings(enoc_map, level)
+                    if clear_of(box := frame.box(x, y, text, 11, "center", -7.0), taken, frame)
+                ),
+                None,
+            )
+            if place is not None:
+                x, y, box = place
+                taken.append(box)
+                for key, value in zip(signs, (x, y, text, ink_on(colours[k])), strict=True):
+                    signs[key].append(value)
         self.signs.data = signs
+
+
+def _crossings(enoc_map: EnocMap, level: float) -> Iterator[tuple[float, float]]:
+    """Yield where the line of an energy crosses the rows of the map, from above."""
+    time, ramp, rows = enoc_map.travel_time_s, enoc_map.acceleration_time_s, len(enoc_map.acceleration_time_s)
+    for row in range(int(0.92 * (rows - 1)), int(0.1 * (rows - 1)), -1):
+        energies = enoc_map.energy_kwh[row]
+        crossing = np.flatnonzero(np.diff(np.sign(energies - level)))
+        if len(crossing):
+            yield float(time[crossing[-1]]), float(ramp[row])
 
 
 def enoc_curve(trade_off: TradeOff) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -315,8 +362,8 @@ def printed_points(trade_off: TradeOff, everywhere: bool = False) -> tuple[Float
 
 
 def contour_levels(energy_kwh: FloatArray) -> list[float]:
-    """Return round levels that follow the spread of the energies, closer where most of them lie."""
-    shares = np.nanquantile(energy_kwh, np.linspace(0.02, 0.93, 10))
-    step = 10 ** np.floor(np.log10(max(shares[-1] - shares[0], 1e-6))) / 20
-    inner = sorted({float(round(level / step) * step) for level in shares})
-    return [0.0, *(round(level, 6) for level in inner if level > 0), float(np.nanmax(energy_kwh)) * 10 + 1]
+    """Return the multiples of a round step that most of the energies lie between, and ends beyond all of them."""
+    low, high = (float(level) for level in np.nanquantile(energy_kwh, (0.02, 0.93)))
+    step = round_step((high - low) / MOST_LEVELS)
+    inner = step * np.arange(np.ceil(low / step), np.floor(high / step) + 1)
+    return [0.0, *(round(float(level), 9) for level in inner if level > 0), float(np.nanmax(energy_kwh)) * 10 + 1]

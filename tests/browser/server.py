@@ -8,7 +8,8 @@ import sys
 import time
 import urllib.error
 import urllib.request
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from pathlib import Path
 
 import psutil
 
@@ -47,32 +48,50 @@ class Server:
         times = psutil.Process(self.process.pid).cpu_times()
         return times.user + times.system
 
-    def wait(self) -> None:
-        """Wait until the health check solves a scenario."""
+    def wait(self, warm: bool = True) -> None:
+        """Wait until the health check solves a scenario, or only until it answers."""
         deadline = time.monotonic() + START_TIMEOUT_S
         while time.monotonic() < deadline:
             if self.process.poll() is not None:
                 raise RuntimeError(f"the server ended with status {self.process.returncode}")
-            with contextlib.suppress(urllib.error.URLError, ConnectionError, TimeoutError):
+            try:
                 self.get("health")
                 return
+            except urllib.error.HTTPError:
+                if not warm:
+                    return
+            except (urllib.error.URLError, ConnectionError, TimeoutError):
+                pass
             time.sleep(0.2)
         raise RuntimeError(f"the server was not ready within {START_TIMEOUT_S} s")
 
 
 @contextlib.contextmanager
-def serving(*command: str, port: int | None = None) -> Iterator[Server]:
-    """Run a command that takes --port, and end it afterwards."""
+def serving(
+    *command: str,
+    port: int | None = None,
+    log: Path | None = None,
+    environment: Mapping[str, str] | None = None,
+    warm: bool = True,
+) -> Iterator[Server]:
+    """Run a command that takes --port, and end it afterwards; `log` takes what it writes down."""
     port = free_port() if port is None else port
-    process = subprocess.Popen([sys.executable, *command, "--port", str(port)], env=os.environ.copy())
-    server = Server(process, port)
-    try:
-        server.wait()
-        yield server
-    finally:
-        process.terminate()
+    with contextlib.ExitStack() as stack:
+        output = None if log is None else stack.enter_context(log.open("wb"))
+        process = subprocess.Popen(
+            [sys.executable, *command, "--port", str(port)],
+            env={**os.environ, **(environment or {})},
+            stdout=output,
+            stderr=output,
+        )
+        server = Server(process, port)
         try:
-            process.wait(10)
-        except subprocess.TimeoutExpired:
-            process.kill()
-            process.wait()
+            server.wait(warm)
+            yield server
+        finally:
+            process.terminate()
+            try:
+                process.wait(10)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()

@@ -38,7 +38,7 @@ def number(cell: str) -> float:
 def test_pinned_runs_stand_beside_all_strategies(user: User) -> None:
     table = user.page.get_by_role("table").filter(has_text="above bound")
     # Bellman is not ticked: it comes with the work behind this page
-    for name in ("Optimal", "Bellman", "Speed limits", "Fastest", "1 Optimal, 170.0 s", "2 Optimal, 170.0 s"):
+    for name in ("Optimal", "Bellman", "Set speeds", "Fastest", "1 Optimal, 170.0 s", "2 Optimal, 170.0 s"):
         expect(table.get_by_role("row").filter(has_text=name).first).to_be_visible()
     one, two = row(user, "1 Optimal"), row(user, "2 Optimal")
     assert two[2:4] == ["0.000", "0.00"]
@@ -50,7 +50,7 @@ def test_pinned_runs_stand_beside_all_strategies(user: User) -> None:
 
 
 def test_another_run_becomes_the_reference(user: User) -> None:
-    user.page.get_by_role("combobox", name="Compare with").click()
+    user.page.get_by_role("combobox", name="Reference run").click()
     user.page.get_by_role("menuitem", name="Optimal", exact=True).click()
     told = user.page.locator(".differences li")
     expect(told).to_have_count(2)
@@ -69,7 +69,7 @@ def test_the_table_is_sorted_by_a_column(user: User) -> None:
 
 def test_only_ticked_strategies(user: User) -> None:
     table = user.page.get_by_role("table").filter(has_text="above bound")
-    user.page.get_by_role("button", name="Ticked ones", exact=True).click()
+    user.page.get_by_role("button", name="Selected only", exact=True).click()
     expect(table.get_by_role("row").filter(has_text="Bellman")).to_have_count(0)
     user.page.get_by_role("button", name="All strategies", exact=True).click()
     expect(table.get_by_role("row").filter(has_text="Bellman")).to_have_count(1)
@@ -90,7 +90,7 @@ def test_a_seventh_run_is_refused_in_one_sentence(user: User) -> None:
         user.type("Load, % of capacity", str(load))
         user.page.get_by_role("button", name="Pin run", exact=True).click()
         user.rest()
-    assert user.alerts() == ["6 pinned runs are the most: unpin one to make room for another."]
+    assert user.alerts() == ["At most 6 runs can be pinned; unpin one first."]
     unpin = user.page.get_by_role("button", name="Unpin run 3", exact=True)
     unpin.click()
     expect(unpin).to_be_hidden()

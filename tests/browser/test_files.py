@@ -39,7 +39,10 @@ def test_a_good_file(user: User, tmp_path: Path) -> None:
     path = tmp_path / "own.toml"
     path.write_text(GOOD)
     user.open_file(path)
-    expect(user.page.get_by_role("heading", level=1, name="Own line")).to_be_visible()
+    expect(user.scenario("Own line")).to_be_visible()
+    expect(user.page.get_by_role("combobox", name="Scenario")).to_contain_text("Own line (file)")
+    expect(user.page.get_by_text("Open a scenario file").first).to_be_visible()
+    expect(user.page.get_by_text("Uploaded")).to_have_count(0)
     assert "stand 20 s" in user.page.locator(".advice").inner_text()
     assert user.alerts() == []
 
@@ -58,17 +61,17 @@ BAD = {
 
 def test_a_bad_file_says_why_and_changes_nothing(user: User, tmp_path: Path) -> None:
     user.begin_anew()
-    energy, alert = user.number("Energy at the line"), user.page.get_by_role("alert")
+    energy, alert = user.number("Energy from the supply"), user.page.get_by_role("alert")
     for number, (text, sentence) in enumerate(BAD.items()):
         path = tmp_path / f"bad-{number}.toml"
         path.write_text(text)
         user.page.locator("input[type=file]").set_input_files(path)
         expect(alert).to_contain_text(sentence)
-        assert user.number("Energy at the line") == energy
+        assert user.number("Energy from the supply") == energy
     user.page.get_by_role("button", name="Close the message").click()
     expect(alert).to_be_hidden()
     user.push("Travel time, s", 4)
-    assert user.number("Energy at the line") != energy
+    assert user.number("Energy from the supply") != energy
 
 
 def test_a_file_of_another_kind_is_told_what_can_be_opened(user: User, tmp_path: Path) -> None:
@@ -77,12 +80,12 @@ def test_a_file_of_another_kind_is_told_what_can_be_opened(user: User, tmp_path:
     path.write_text("time_s,speed_kmh\n0,0\n1,3.6\n")
     user.page.locator("input[type=file]").set_input_files(path)
     expect(alert).to_contain_text(
-        "run.csv: it holds no scenario. Only scenarios (.toml) and reports of railjoule (.html)"
+        "run.csv: it contains no scenario. Only scenarios (.toml) and reports of railjoule (.html)"
     )
     path = tmp_path / "picture.png"
     path.write_bytes(b"\x89PNG\r\n\x1a\n")
     user.page.locator("input[type=file]").set_input_files(path)
-    expect(alert).to_contain_text("picture.png: it is no text in UTF-8. Only scenarios")
+    expect(alert).to_contain_text("picture.png: it is not UTF-8 text. Only scenarios")
     colours = "element => [getComputedStyle(element).borderColor, getComputedStyle(element.firstChild).color]"
     border, words = alert.evaluate(colours)
     assert border == words != user.page.evaluate("getComputedStyle(document.body).color")
@@ -96,7 +99,7 @@ def test_markup_in_a_file_stays_text(user: User, tmp_path: Path) -> None:
     path = tmp_path / f"{CANARY.replace('/', '')}.toml"
     path.write_text(text)
     user.open_file(path)
-    expect(user.page.get_by_role("heading", level=1, name=CANARY)).to_be_visible()
+    expect(user.scenario(CANARY)).to_be_visible()
     user.page.get_by_role("button", name="Pin run").click()
     user.turn_to("Trade-off")
     assert user.page.evaluate("window.pwned") is None

@@ -12,7 +12,7 @@ from browser.server import Server, serving
 from browser.test_files import CANARY, GOOD
 from browser.user import PATIENCE_MS, User
 
-FIGURES = ("Energy at the line", "Travel time", "Highest speed", "Recuperated")
+FIGURES = ("Energy from the supply", "Travel time", "Highest speed", "Recuperated")
 
 
 @pytest.fixture(scope="module")
@@ -72,7 +72,7 @@ def test_a_changed_key_is_taken_back(user: User) -> None:
     user.begin_anew()
     user.type("Load, % of capacity", "20")
     press(user, "1 field changed")
-    press(user, "Take back vehicle.load_factor")
+    press(user, "Undo vehicle.load_factor")
     expect(user.page.get_by_label("Load, % of capacity, as a number", exact=True)).to_have_value("50")
 
 
@@ -88,7 +88,7 @@ def test_save_and_drop(user: User, tmp_path: Path) -> None:
         press(user, "Save as TOML")
     path = tmp_path / download.value.suggested_filename
     download.value.save_as(path)
-    press(user, "Back to the preset")
+    press(user, "Undo all")
     expect(user.figure_value(FIGURES[1])).not_to_have_text(kept[1])
     drop(user.page, path.name, path.read_text(encoding="utf-8"))
     expect(user.figure_value(FIGURES[1])).to_have_text(kept[1])
@@ -104,10 +104,10 @@ def test_save_and_drop(user: User, tmp_path: Path) -> None:
 def test_markup_stays_text(user: User, server: Server) -> None:
     text = GOOD.replace('"Own line"', f'"{CANARY}"').replace('"Half way"', f'"{CANARY}"')
     drop(user.page, f"{CANARY}.html", f'<html><script type="application/toml" id="scenario">{text}</script></html>')
-    expect(user.page.get_by_role("heading", level=1, name=CANARY)).to_be_visible()
+    expect(user.scenario(CANARY)).to_be_visible()
     expect(user.page.get_by_label("Command line")).to_contain_text(CANARY)
     user.page.goto(f"{server.url}?v=1&load_percent={CANARY}&{CANARY}=1&page={CANARY}&edits={CANARY}")
-    alert = user.page.get_by_role("alert").filter(has_text="The link was opened without a part of it")
+    alert = user.page.get_by_role("alert").filter(has_text="Parts of the link were ignored")
     expect(alert).to_contain_text("<img")
     user.page.locator("html.rj-started").wait_for(timeout=PATIENCE_MS)
     assert user.page.evaluate("window.pwned") is None
@@ -119,7 +119,7 @@ def test_a_link_behind_the_hash_and_one_of_another_version(user: User, server: S
     expect(user.page.get_by_label("Load, % of capacity, as a number", exact=True)).to_have_value("10")
     expect(user.page).to_have_url(server.url + "?v=1&load_percent=10&robustness.seed=7")
     user.page.evaluate("location.hash = '#v=2&load_percent=20'")
-    expect(user.page.get_by_role("alert").filter(has_text="The link is of version 2")).to_be_visible()
+    expect(user.page.get_by_role("alert").filter(has_text="The link has version 2")).to_be_visible()
 
 
 def test_a_restarted_server_finds_the_page_as_it_was(chromium: Browser) -> None:

@@ -70,7 +70,7 @@ def test_from_a_card_to_a_pinned_run_compared(server: Server, chromium: Browser)
         reach(page, "Drive")
         page.keyboard.press("ArrowRight")
         page.keyboard.press("Enter")
-        expect(page.get_by_role("heading", level=1, name="Compare")).to_be_visible()
+        expect(page.get_by_role("heading", level=1, name="Which way of driving")).to_be_visible()
         expect(page.get_by_label("Name of pinned run 1")).to_be_visible()
     finally:
         context.close()

@@ -17,7 +17,7 @@ def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who stays on the page for all tests of this file."""
     with User.on(window, server.drive_url) as someone:
         someone.turn_to("Motor")
-        expect(someone.page.get_by_text("has no induction machine")).to_be_visible()
+        expect(someone.page.get_by_text("simulates induction motors")).to_be_visible()
         someone.page.get_by_role("button", name="Open Suburban, flat 5 km").click()
         expect(someone.figure_value("Tracking error")).not_to_be_empty()
         yield someone
@@ -69,7 +69,7 @@ def test_blocks_and_figures_light_each_other(user: User) -> None:
 
 
 def test_a_limit_that_is_too_low_is_told(user: User) -> None:
-    held = user.page.get_by_text("held the drive from")
+    held = user.page.get_by_text("limited the motors from")
     user.type("Current, A", "300")
     expect(held.first).to_be_visible()
     user.type("Current, A", "100")

@@ -24,7 +24,7 @@ def test_a_press_on_a_cell_shows_its_run(user: User) -> None:
     user.choose("Metro, profile II")
     # 14.2 % more energy at full load and +10 m, as `railjoule simulate` has it
     expect(user.figure_value("Load 100 %, +10 m")).to_have_text("+14.2%")
-    expect(user.figure_value("Worst of the table")).to_have_text("+34.9%")
+    expect(user.figure_value("Largest in table")).to_have_text("+34.9%")
     for chart in ("heatmap", "driven_speed", "driven_effort"):
         expect(user.page.locator(f".rj-chart-{chart}:visible canvas").first).to_be_visible()
     box = user.page.locator(".rj-chart-heatmap:visible canvas").first.bounding_box()
@@ -35,12 +35,12 @@ def test_a_press_on_a_cell_shows_its_run(user: User) -> None:
     expect(user.figure_value("Load 0 %, \u221225 m")).to_be_visible()
     user.rest()
     assert user.picture("driven_speed") != speed
-    assert user.page.get_by_label("Coordinate error, m, as a number").input_value() == "\u221225"
+    assert user.page.get_by_label("Position error, m, as a number").locator("visible=true").input_value() == "\u221225"
 
 
 def test_both_ways_stand_beside_the_printed_table(user: User) -> None:
     user.choose("Metro, profile I")
-    user.page.get_by_role("button", name="Both ways").click()
+    user.page.get_by_role("button", name="Both directions").click()
     table = user.page.get_by_role("table").filter(has_text="load 25 %")
     expect(user.page.get_by_text("Table 5 of Liashenko 2025")).to_be_visible()
     assert table.count() == 1
@@ -65,10 +65,10 @@ def test_chance_draws_and_can_be_stopped(user: User) -> None:
 
 
 def test_what_cannot_be_is_told_and_the_last_run_stays(user: User) -> None:
-    user.type("Coordinate error, m", "5000")
+    user.type("Position error, m", "5000")
     (alert,) = user.alerts()
-    assert "less than the shortest way between two stops" in alert
-    user.type("Coordinate error, m", "0")
+    assert "less than the shortest distance between two stops" in alert
+    user.type("Position error, m", "0")
     assert user.alerts() == []
     user.type("Actual load, % of capacity", "121")
     (alert,) = user.alerts()

@@ -64,16 +64,16 @@ def test_a_figure_as_csv(user: User) -> None:
 
 def test_the_flow_of_energy(user: User) -> None:
     user.page.locator(".rj-chart-sankey:visible").scroll_into_view_if_needed()
-    figure = "Energy from the line to losses and back, kWh"
+    figure = "Energy from the supply to losses and back, kWh"
     expect(user.page.get_by_role("img", name=figure)).to_be_visible()
     svg = ElementTree.fromstring(user.save(figure, "SVG")[1])
-    assert any("Back to the line" in "".join(text.itertext()) for text in svg.iter(f"{SVG}text"))
+    assert any("Recuperated" in "".join(text.itertext()) for text in svg.iter(f"{SVG}text"))
     assert user.save(figure, "PNG")[1].startswith(PNG)
     header, *rows = rows_of(user.save(figure, "CSV")[1])
     assert header == ["From", "To", "kWh"]
     flows = {(row[0], row[1]): float(row[2]) for row in rows}
-    net = flows["Line", "Drive"] - flows["Brake", "Back to the line"]
-    assert net == pytest.approx(float(user.number("Energy at the line").removesuffix("kWh")), abs=0.011)
+    net = flows["Supply", "Powertrain"] - flows["Brake", "Recuperated"]
+    assert net == pytest.approx(float(user.number("Energy from the supply").removesuffix("kWh")), abs=0.011)
 
 
 def test_a_table_as_csv(user: User) -> None:

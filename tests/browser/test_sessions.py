@@ -51,4 +51,4 @@ def test_many_open_pages(chromium: Browser) -> None:
 def test_a_second_start_finds_the_kernels(server: Server, chromium: Browser) -> None:
     assert server.process.poll() is None
     with serving("-m", "railjoule.dashboard", "serve") as again, User.at(chromium, again.drive_url) as user:
-        assert user.number("Energy at the line").startswith("7.8")
+        assert user.number("Energy from the supply").startswith("7.8")

@@ -8,10 +8,11 @@ from playwright.sync_api import BrowserContext, expect
 from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User
+from railjoule.dashboard.views.charts import RIGHT_BORDER_PX
 
 LENGTH_M, TOP_KMH = 2400.0, 80.0 * 1.09
 """Of the line, and at the upper end of the speed chart."""
-LEFT_PX, RIGHT_PX, ABOVE_PX, BELOW_PX = 50.0, 14.0, 2.0, 7.0
+LEFT_PX, ABOVE_PX, BELOW_PX = 50.0, 2.0, 7.0
 """Borders of the chart around its frame."""
 LIMIT = "Section 1: limit, km/h"
 
@@ -21,7 +22,7 @@ def user(server: Server, window: BrowserContext) -> Iterator[User]:
     """One user, who stays on the page for all tests of this file."""
     with User.on(window, server.drive_url) as someone:
         someone.turn_to("Speed limits")
-        someone.choose("Metro, speed limits, 40 km/h")
+        someone.choose("Metro, set speeds, 40 km/h")
         expect(someone.page.get_by_label(f"{LIMIT}, as a number")).to_have_value("44.7")
         yield someone
 
@@ -30,7 +31,7 @@ def drag(user: User, start: tuple[float, float], end: tuple[float, float]) -> No
     """Drag from one place and speed to another, and let go."""
     box = user.page.locator(".rj-chart-limit_speed:visible canvas").first.bounding_box()
     assert box is not None
-    width, height = box["width"] - LEFT_PX - RIGHT_PX, box["height"] - ABOVE_PX - BELOW_PX
+    width, height = box["width"] - LEFT_PX - RIGHT_BORDER_PX, box["height"] - ABOVE_PX - BELOW_PX
 
     def at(place: tuple[float, float]) -> tuple[float, float]:
         x = box["x"] + LEFT_PX + width * place[0] / LENGTH_M
@@ -39,14 +40,14 @@ def drag(user: User, start: tuple[float, float], end: tuple[float, float]) -> No
     user.page.mouse.move(*at(start))
     user.page.mouse.down()
     user.page.mouse.move(*at(end), steps=6)
-    expect(user.page.get_by_text("let the step go to compare")).to_be_visible()
+    expect(user.page.get_by_text("release the step to compare")).to_be_visible()
     user.page.mouse.up()
-    expect(user.page.get_by_text("let the step go to compare")).to_be_hidden()
+    expect(user.page.get_by_text("release the step to compare")).to_be_hidden()
 
 
 def test_the_search_and_its_cost(user: User) -> None:
     # 8.43 kWh in 1 % more than 216 s, as `railjoule solve kharkiv-like-40kmh` has it
-    expect(user.figure_value("Energy")).to_have_text("8.43kWh")
+    expect(user.figure_value("from the supply")).to_have_text("8.43kWh")
     expect(user.figure_value("Travel time")).to_have_text("218.2s")
     for chart in ("limit_speed", "limit_effort", "limit_energy"):
         expect(user.page.locator(f".rj-chart-{chart}:visible canvas").first).to_be_visible()
@@ -58,14 +59,14 @@ def test_the_search_and_its_cost(user: User) -> None:
 
 
 def test_a_step_and_a_border_are_dragged(user: User) -> None:
-    before, limit = user.number("Limits cost"), user.page.get_by_label(f"{LIMIT}, as a number")
+    before, limit = user.number("Extra energy of set speeds"), user.page.get_by_label(f"{LIMIT}, as a number")
     end = user.page.get_by_label("Section 1: ends at, m, as a number")
     drag(user, (600.0, 44.7), (600.0, 60.0))
     assert float(limit.input_value()) == pytest.approx(60.0, abs=0.6)
-    expect(user.figure_value("Limits cost")).not_to_have_text(before)
+    expect(user.figure_value("Extra energy of set speeds")).not_to_have_text(before)
     drag(user, (1200.0, 43.3), (900.0, 43.3))
     assert float(end.input_value().replace("\u202f", "")) == pytest.approx(900.0, abs=4.0)
-    user.page.get_by_role("button", name="Search limits").click()
+    user.page.get_by_role("button", name="Search set speeds").click()
     expect(limit).not_to_have_value("60.0")
 
 

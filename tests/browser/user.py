@@ -9,6 +9,7 @@ from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect
 
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look.words import STRATEGY_WORDS
+from railjoule.dashboard.models.pages import PAGES
 
 PATIENCE_MS = 90_000
 REST_MS = 400
@@ -17,8 +18,8 @@ FIRST_TITLE, FIRST_TICKED = "Metro, profile II + I", ("optimal", "fastest")
 GROUNDS = {"light": "rgb(244, 246, 248)", "dark": "rgb(14, 18, 23)"}
 """Of the page, as in look.md."""
 GROUND = "colour => getComputedStyle(document.body).backgroundColor === colour"
-HARMLESS = ("Upload error", "Cannot read properties of undefined (reading '_guiEditing')")
-"""The browser refuses a file too large to send; plotly stumbles where its page is left while it draws."""
+HARMLESS = ("Upload error",)
+"""The browser refuses a file too large to send."""
 
 
 class User:
@@ -36,25 +37,33 @@ class User:
     @classmethod
     @contextlib.contextmanager
     def at(
-        cls, browser: Browser, url: str, width: int = 1280, height: int = 900, dark: bool = False
+        cls,
+        browser: Browser,
+        url: str,
+        width: int = 1280,
+        height: int = 900,
+        dark: bool = False,
+        on_drive: bool = True,
     ) -> Iterator["User"]:
         """Open the page, and check at the end that nothing went wrong in the browser."""
         context = browser.new_context(
             viewport={"width": width, "height": height}, color_scheme="dark" if dark else "light"
         )
         try:
-            with cls.on(context, url) as user:
+            with cls.on(context, url, on_drive) as user:
                 yield user
         finally:
             context.close()
 
     @classmethod
     @contextlib.contextmanager
-    def on(cls, context: BrowserContext, url: str) -> Iterator["User"]:
+    def on(cls, context: BrowserContext, url: str, on_drive: bool = True) -> Iterator["User"]:
         """Open the page in a window that may stay open, with the same checks."""
         user = cls(context.new_page(), url)
         try:
-            user.open()
+            user.load()
+            if on_drive:
+                user.see_drive()
             yield user
             grave = [error for error in user.errors if not error.startswith(HARMLESS)]
             assert grave == [], grave
@@ -67,11 +76,14 @@ class User:
         if parts.scheme in {"http", "https", "ws", "wss"} and parts.netloc != urlsplit(self.url).netloc:
             self.foreign.append(address)
 
-    def open(self) -> None:
-        """Open the page and wait for its first numbers and figures."""
+    def load(self) -> None:
+        """Open the page and wait until it has loaded."""
         self.page.goto(self.url)
         self.page.locator("html.rj-started").wait_for(timeout=PATIENCE_MS)
-        expect(self.figure_value("Energy at the line")).not_to_be_empty(timeout=PATIENCE_MS)
+
+    def see_drive(self) -> None:
+        """Wait for the first numbers and figures of Drive."""
+        expect(self.figure_value("Energy from the supply")).not_to_be_empty(timeout=PATIENCE_MS)
         expect(self.page.locator(".rj-chart-speed:visible canvas").first).to_be_visible(timeout=PATIENCE_MS)
         self.rest()
 
@@ -100,7 +112,7 @@ class User:
 
     def type(self, name: str, text: str) -> None:
         """Type into the text field of a number."""
-        field = self.page.get_by_label(f"{name}, as a number", exact=True)
+        field = self.page.get_by_role("textbox", name=f"{name}, as a number", exact=True)
         field.fill(text)
         field.press("Enter")
         self.rest(1000)
@@ -121,22 +133,31 @@ class User:
         """Choose a shipped scenario."""
         self.page.get_by_role("combobox").first.click()
         self.page.get_by_role("menuitem", name=title, exact=True).click()
-        expect(self.page.get_by_role("heading", name=title, level=1)).to_be_visible()
+        expect(self.scenario(title)).to_be_visible()
         self.rest(1000)
+
+    def question(self, page: str) -> Locator:
+        """Return the question of a page while it is in sight; its sketch has the same before."""
+        return self.page.locator(".head h1:visible, .hero h1:visible").get_by_text(PAGES[page].question, exact=True)
+
+    def scenario(self, title: str) -> Locator:
+        """Return the name of the scenario beneath the heading of the page in sight."""
+        return self.page.locator(".head:visible .scenario").get_by_text(title, exact=True)
 
     def begin_anew(self) -> None:
         """Go back to what a new page of Drive shows, without the seconds that opening it takes."""
-        back = self.page.get_by_role("button", name="Back to the preset")
+        back = self.page.get_by_role("button", name="Undo all")
         self.let_go_of_pins()
         self.page.get_by_role("button", name="Distance", exact=True).click()
-        for name in STRATEGIES:
-            box = self.page.get_by_label(f"Draw {STRATEGY_WORDS[name]}", exact=True)
-            box.set_checked(name in FIRST_TICKED)
-        self.page.get_by_role("button", name="Optimal", exact=True).click()
-        if not self.page.get_by_role("heading", name=FIRST_TITLE, level=1, exact=True).is_visible():
+        self.page.get_by_role("radio", name="Optimal", exact=True).check()
+        if not self.scenario(FIRST_TITLE).is_visible():
             self.choose(FIRST_TITLE)
         elif back.is_visible():
             back.click()
+        for name in STRATEGIES:
+            box = self.page.get_by_label(f"Draw {STRATEGY_WORDS[name]}", exact=True)
+            if box.is_enabled():
+                box.set_checked(name in FIRST_TICKED)
         self.page.mouse.move(5, 5)
         self.rest(800)
 
@@ -152,8 +173,8 @@ class User:
         self.turn_to("Drive")
 
     def turn_to(self, page: str) -> None:
-        """Turn to another page."""
-        self.page.get_by_role("tab", name=page).click()
+        """Turn to another page, and let it come to rest."""
+        open_page(self, page)
         self.rest(1500)
 
     def open_file(self, path: Path) -> None:
@@ -174,3 +195,16 @@ class User:
     def alerts(self) -> list[str]:
         """Return the messages in sight."""
         return [alert.inner_text() for alert in self.page.get_by_role("alert").all() if alert.is_visible()]
+
+
+def open_page(user: User, name: str) -> None:
+    """Turn to a page by mouse, through the list of its group or the menu of narrow screens where it stands there."""
+    bar = user.page.get_by_role("navigation", name="Pages")
+    menu = bar.get_by_role("button", name="Pages, ")
+    group = PAGES[name].group
+    if menu.is_visible() and name != "Start":
+        menu.click()
+    elif group:
+        bar.get_by_role("button", name=group, exact=True).click()
+    bar.get_by_role("button", name=name, exact=True).first.click()
+    expect(user.question(name)).to_be_visible()

@@ -119,6 +119,7 @@ INSIDE = {
     "physics": TABLES["Inside the physics"],
     "interior_point": TABLES["Inside the interior-point method"],
     "dynamic_programming": TABLES["Inside the dynamic programming"],
+    "check": TABLES["Inside the check"],
 }
 """The names that one package alone uses."""
 

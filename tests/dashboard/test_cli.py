@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 import xarray
 
-from railjoule.core import load_scenario, solve
+from railjoule.core import Check, CheckResult, load_scenario, solve
 from railjoule.core.validation import PAPERS
 from railjoule.core.validation import benchmark as core_benchmark
 from railjoule.core.validation.benchmark import Timing
 from railjoule.dashboard import cli, commands
-from railjoule.dashboard.cli import BAD_INPUT, BROKEN_PIPE, INTERRUPTED, OK, main
+from railjoule.dashboard.cli import BAD_INPUT, BROKEN_PIPE, BROKEN_RULE, INTERRUPTED, OK, main
 
 COMMAND = [sys.executable, "-m", "railjoule.dashboard"]
 ON_SCREEN = ("panel", "panel_material_ui", "param", "bokeh", "holoviews", "plotly", "pandas", "casadi", "pyarrow")
@@ -62,7 +62,7 @@ def test_solve_prints_json(capsys):
 def test_solve_prints_words(capsys):
     text = answer(capsys, "solve", "liashenko-ii")
     assert text.startswith("Metro, profile II: Optimal\n1.30 km in 133.7 s, at most 46.1 km/h\n")
-    assert "2.224 kWh at the line, proven optimal" in text
+    assert "2.224 kWh from the supply, proven optimal" in text
     assert "133.7 s; shortest possible 76.9 s, allowed 133.7 s: slack 56.8 s (73.8 %)" in text
     assert "full power to 27.6 km/h, coast from 24 m, brake fully from 1,278 m to a stop" in text
     assert "would save" in text
@@ -72,7 +72,7 @@ def test_solve_prints_words(capsys):
 def test_solve_tells_how_far_a_strategy_is_from_the_best(capsys):
     text = answer(capsys, "solve", "ftorek-300s", "--strategy", "enoc")
     assert "1.7 % above the optimum of 4.181 kWh" in text
-    assert "A second more" not in text
+    assert "Extra second" not in text
     assert "ENOC accelerates and brakes for 31.0 s each" in text
 
 
@@ -189,6 +189,99 @@ def test_a_file_that_cannot_be_written(capsys, tmp_path, suffix):
     )
 
 
+# ---- check
+
+
+@pytest.fixture(scope="module")
+def run_file(tmp_path_factory):
+    """Return a file with a good run of liashenko-ii."""
+    file = tmp_path_factory.mktemp("run") / "run.csv"
+    solve(load_scenario("liashenko-ii")).to_dataframe().to_csv(file, index=False)
+    return str(file)
+
+
+def test_check_prints_json(capsys, run_file):
+    result = json.loads(answer(capsys, "check", run_file, "--scenario", "liashenko-ii", "--json"))
+    assert result["ok"] is True
+    assert {"name", "largest", "allowed", "at_m"} <= result["checks"][0].keys()
+    assert all(check["largest"] <= check["allowed"] for check in result["checks"])
+    assert {rule["name"] for rule in result["not_checked"]} >= {"account", "bound below the energy"}
+
+
+def test_check_prints_a_table_and_a_verdict(capsys, run_file):
+    lines = answer(capsys, "check", run_file, "--scenario", "liashenko-ii").splitlines()
+    assert lines[0].split() == ["rule", "largest", "deviation", "allowed", "share", "of", "position,", "m"]
+    assert any(line.startswith("balance of forces ") for line in lines)
+    assert "Not checked: account: a table of nodes has none." in lines
+    assert lines[-1] == "The run keeps all 21 rules that were checked."
+
+
+def test_a_broken_rule_ends_with_its_own_status(capsys, run_file):
+    words = ("check", run_file, "--scenario", "liashenko-ii", "--set", "vehicle.traction.max_effort_kn=100")
+    assert main(words) == BROKEN_RULE
+    text, complaints = capsys.readouterr()
+    assert complaints == ""
+    (line,) = (line for line in text.splitlines() if line.endswith(" broken"))
+    assert line.startswith("tractive effort ")
+    assert "The run breaks 1 of 21 rules, worst of all 'tractive effort': by " in text
+    assert main((*words, "--json")) == BROKEN_RULE
+    assert json.loads(capsys.readouterr().out)["ok"] is False
+
+
+def test_check_reads_parquet(capsys, tmp_path):
+    pytest.importorskip("pyarrow", reason="pyarrow is not installed, so there is no parquet to write")
+    file = tmp_path / "run.parquet"
+    solve(load_scenario("liashenko-ii")).to_dataframe().to_parquet(file, index=False)
+    assert json.loads(answer(capsys, "check", str(file), "--scenario", "liashenko-ii", "--json"))["ok"] is True
+
+
+def test_check_asks_for_the_scenario(capsys, run_file):
+    words = complaint(capsys, "check", run_file)
+    assert words == "--scenario is missing: the file of a run does not contain its scenario."
+
+
+def test_check_refuses_what_is_no_run(capsys, tmp_path, run_file):
+    scenario = ("--scenario", "liashenko-ii")
+    assert complaint(capsys, "check", "no-such.csv", *scenario) == "no-such.csv: there is no such file."
+    assert complaint(capsys, "check", "run.html", *scenario) == "RUN run.html: must end in .csv or .parquet."
+    contents = {"empty": "", "torn": 'a,b\n1,2\n"3', "ragged": "a\n1,2,3\n4,5\n6,7,8,9\n", "binary": "\0\1\2"}
+    for name, text in contents.items():
+        file = tmp_path / f"{name}.csv"
+        file.write_text(text, encoding="utf-8")
+        assert complaint(capsys, "check", str(file), *scenario)
+    words = tmp_path / "words.csv"
+    words.write_text("position_m,time_s,speed_kmh\n0,0,0\n9,later,0\n", encoding="utf-8")
+    assert complaint(capsys, "check", str(words), *scenario).endswith(
+        "holds something that is no number in its column time_s."
+    )
+    (tmp_path / "folder.csv").mkdir()
+    assert complaint(capsys, "check", str(tmp_path / "folder.csv"), *scenario)
+    (tmp_path / "no.parquet").write_text("no parquet", encoding="utf-8")
+    assert complaint(capsys, "check", str(tmp_path / "no.parquet"), *scenario)
+    assert "must be one of optimal, " in complaint(capsys, "check", run_file, *scenario, "--strategy", "quickest")
+    assert "no such file or shipped scenario" in complaint(capsys, "check", run_file, "--scenario", "no-such")
+
+
+def test_solve_shows_its_check(capsys):
+    words = ("solve", "ftorek-300s", "--strategy", "enoc", "--check")
+    assert json.loads(answer(capsys, *words, "--json"))["check"]["ok"] is True
+    last = answer(capsys, *words).splitlines()[-1]
+    assert last.startswith("Check ")
+    assert "The run keeps all " in last
+
+
+def test_solve_shows_what_a_run_breaks(capsys, monkeypatch):
+    broken = CheckResult(
+        (Check("tractive effort", 0.02, 2e-6, 350.0, "the largest effort"), Check("stops", 0, 0, None, "")), ()
+    )
+    monkeypatch.setattr(commands, "check_run", lambda *_: broken)
+    assert main(("solve", "liashenko-ii", "--check")) == BROKEN_RULE
+    lines = capsys.readouterr().out.splitlines()
+    (row,) = (line for line in lines if line.endswith(" broken"))
+    assert row.split() == ["tractive", "effort", "0.02", "2e-06", "the", "largest", "effort", "350.0", "broken"]
+    assert "The run breaks 1 of 2 rules" in " ".join(lines[-2:])
+
+
 # ---- compare, validate, benchmark, serve
 
 
@@ -294,7 +387,7 @@ def test_a_missing_package_of_the_dashboard_is_named(capsys, monkeypatch):
 
 BAD_FILES = {
     "broken TOML": (b"title = ", "not a valid TOML file"),
-    "no text": (b"\xff\xfe\x00", "not a text in UTF-8"),
+    "no text": (b"\xff\xfe\x00", "not UTF-8 text"),
     "empty": (b"", "vehicle is missing"),
     "too large": (b"#" * 10_000_001, "10 MB allowed"),
 }
@@ -352,25 +445,25 @@ def test_a_bad_change(capsys, change, words):
         (["solve", "liashenko-ii", "--jso"], "unrecognized arguments: --jso"),
         (
             ["solve", "metro"],
-            "metro: there is no such file and no shipped scenario of that name; shipped are ftorek-300s,",
+            "metro: there is no such file or shipped scenario; choose one of ftorek-300s,",
         ),
         (["solve", "metro.toml"], "metro.toml: there is no such file."),
         (["solve", "."], "Is a directory"),
         (["solve", "x" * 5000], "File name too long"),
         (
             ["solve", "liashenko-ii", "--strategy", "best"],
-            "best is no strategy; there are optimal, bellman, eoc, enoc, phases, speed_limits, fastest.",
+            "best is not a strategy; choose one of optimal, bellman, eoc, enoc, phases, speed_limits, fastest.",
         ),
         (["solve", "liashenko-ii", "--strategy", "eoc"], "eoc needs a drive with copper loss."),
         (
             ["validate", "milroy"],
-            "'milroy' is none of the papers of this version, which has ftorek, liashenko, rawicki, shtompel.",
+            "'milroy' is not a paper of this version; choose one of ftorek, liashenko, rawicki, shtompel.",
         ),
-        (["serve", "--port", "65536"], "'65536' is no port from 1 to 65535"),
+        (["serve", "--port", "65536"], "'65536' is not a port from 1 to 65535"),
         (["serve", "--port", "-1"], "port"),
-        (["serve", "--port", "0"], "'0' is no port"),
-        (["serve", "--port", "9" * 5000], "is no port"),
-        (["serve", "--port", "http"], "'http' is no port"),
+        (["serve", "--port", "0"], "'0' is not a port"),
+        (["serve", "--port", "9" * 5000], "is not a port"),
+        (["serve", "--port", "http"], "'http' is not a port"),
         (["benchmark", "liashenko-ii"], "unrecognized arguments"),
     ],
 )
@@ -405,7 +498,7 @@ def test_compilation_is_announced_to_people_only(capsys, monkeypatch, tmp_path, 
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path if cached else tmp_path / "none"))
     monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal, raising=False)
     commands.announce_compilation()
-    assert ("being compiled" in capsys.readouterr().err) == (terminal and not cached)
+    assert ("Compiling the solver" in capsys.readouterr().err) == (terminal and not cached)
 
 
 # ---- in a process of its own
@@ -528,7 +621,7 @@ def test_a_report_that_cannot_be_written_or_read(capsys, tmp_path):
     assert "shorter than the shortest possible" in words
     assert not (tmp_path / "x.html").exists()
     (tmp_path / "other.html").write_text("<html></html>")
-    assert "no report of railjoule" in complaint(capsys, "solve", str(tmp_path / "other.html"))
+    assert "not a report of railjoule" in complaint(capsys, "solve", str(tmp_path / "other.html"))
 
 
 @pytest.mark.parametrize(("words", "called"), [([], ["serve"]), (["validate", "ftorek"], ["validate", "ftorek"])])
@@ -555,7 +648,7 @@ def test_work_that_takes_too_long_is_refused_with_a_cure(capsys):
     assert sentence in complaint(capsys, "solve", "liashenko-ii", "--strategy", "bellman", *change)
 
 
-@pytest.mark.parametrize(("error", "words"), [(MemoryError, "more memory than there is"), (RecursionError, "nested")])
+@pytest.mark.parametrize(("error", "words"), [(MemoryError, "not enough memory"), (RecursionError, "nested")])
 def test_memory_that_is_not_there_is_told(capsys, monkeypatch, error, words):
     def fail(*_):
         raise error

@@ -13,6 +13,10 @@ def state() -> Workbench:
     Disturbances(state)
     state.scenario.choose("liashenko-ii")
     state.page = "Disturbances"
+    # without an event there is the plan, and nothing to catch up
+    assert state.disturbances.rides is not None
+    assert state.disturbances.late is None
+    state.disturbances.drop("stop", 433.0)
     return state
 
 

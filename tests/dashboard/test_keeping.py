@@ -75,7 +75,7 @@ def test_a_page_begins_with_the_state_of_its_address(state: Workbench) -> None:
     keeping = Keeping(state, Lifeline())
     keeping.begin("?v=1&preset=liashenko-i&load_percent=30&robustness.seed=7&load=2")
     assert (state.scenario.preset, state.scenario.load_percent, state.robustness.seed) == ("liashenko-i", 30, 7)
-    assert state.notice == "The link was opened without a part of it: load is not known."
+    assert state.notice == "Parts of the link were ignored: load is not known."
     assert keeping.lifeline.address == "?v=1&preset=liashenko-i&load_percent=30&robustness.seed=7"
     assert not keeping.can_undo
 
@@ -151,7 +151,7 @@ def test_a_hostile_address_opens_a_page_that_says_so(name: str) -> None:
     keeping.begin(f"?{urlencode({'v': 1, 'page': 'Drive', **packed})}")
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
-    assert state.notice.startswith("The link was opened without a part of it: ")
+    assert state.notice.startswith("Parts of the link were ignored: ")
     assert len(state.notice) < 300
     assert (state.page, state.scenario.preset) == ("Drive", Workbench().scenario.preset)
     assert keeping.lifeline.address == "?v=1&page=Drive"

@@ -66,7 +66,7 @@ def test_bad_limits_are_told_and_the_last_run_stays(state: Workbench) -> None:
 def test_a_scenario_without_machine_says_so_and_shows_no_run(state: Workbench) -> None:
     model = state.motor
     state.scenario.choose("liashenko-ii")
-    assert "has no induction machine" in model.no_machine
+    assert "simulates induction motors" in model.no_machine
     assert model.run is None
     state.scenario.choose("ftorek-300s")
     assert model.no_machine == ""

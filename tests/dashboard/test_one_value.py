@@ -32,12 +32,13 @@ from railjoule.dashboard.views.sidebar import Sidebar
 from railjoule.dashboard.views.start import card_html
 
 FIGURE = re.compile(
-    r'<div class="label">(?P<label>.*?)</div><div class="value">(?P<value>.*?)<span>(?P<unit>.*?)</span></div>'
+    r'<div class="label"><span>(?P<label>.*?)</span>.*?</div>'
+    r'<div class="value">(?P<value>.*?)<span>(?P<unit>.*?)</span></div>'
     r'<div class="detail">(?P<detail>.*?)</div></div>'
 )
 NUMBER = r"-?[\d,]+(?:\.\d+)?"
 NAMES = {word: name for name, word in STRATEGY_WORDS.items()}
-CHART_NAMES = {"limits": "speed_limits", "Limits": "speed_limits"}
+CHART_NAMES = {"set speeds": "speed_limits"}
 PALETTE = Palette(dark=False)
 
 Told = dict[tuple[str, str], dict[str, str]]
@@ -99,10 +100,10 @@ class Teller:
     def head(self, place: str, strategy: str, markup: str) -> None:
         """Read the row of numbers of Drive or of a report."""
         figures = {match["label"]: match for match in FIGURE.finditer(markup)}
-        energy, time = figures["Energy at the line"], figures["Travel time"]
+        energy, time = figures["Energy from the supply"], figures["Travel time"]
         self.tell(place, strategy, energy=plain(energy["value"]), time=plain(time["value"]))
         if self.runs.runs[strategy].price_of_time_w is not None:
-            self.tell(place, strategy, price=plain(figures["Price of a second"]["value"]))
+            self.tell(place, strategy, price=plain(figures["Extra second saves"]["value"]))
         above = next(match for label, match in figures.items() if label.startswith("Above "))
         text = amount(plain(f"{above['value']} {above['unit']}"))
         bound = re.search(rf"bound ({NUMBER})", plain(above["detail"]))
@@ -120,13 +121,13 @@ class Teller:
         for name in self.runs.runs:
             self.state.chosen = name
             self.head("head", name, self.drive.figures.object)
-        heading = re.search(rf'<span class="muted">({NUMBER}) km,', self.drive.heading.object)
+        heading = re.search(rf'class="scenario">.*?</span> ({NUMBER}) km,', self.drive.heading.object)
         side = re.search(rf"({NUMBER}) km", plain(self.sidebar.line.object))
         self.tell("heading", "", distance=heading and heading[1])
         self.tell("sidebar", "", distance=side and side[1])
         self.runs_table("table", self.drive.runs.object)
-        for name, pane in self.sidebar.strategies.numbers.items():
-            told = re.findall(r"<span>(.*?)</span>", pane.object)
+        for name, markup in self.sidebar.strategies.results.items():
+            told = re.findall(r"<span>(.*?)</span>", markup)
             if name in self.runs.runs:
                 self.tell("sidebar", name, energy=plain(told[0]), above=amount(plain(told[1])))
         chart = next(chart for chart in self.drive.charts if chart.name == "energy")
@@ -154,7 +155,7 @@ class Teller:
     def card(self) -> None:
         """Read the card on Start."""
         text = plain(card_html(make_card(self.name)).split("</button>")[1])
-        length = re.search(rf"({NUMBER}) km", text)
+        length = re.search(rf"({NUMBER}) km(?!/h)", text)
         run = re.search(rf"(?:([A-Z][a-z ]+): )?({NUMBER}) kWh in ({NUMBER}) s", text)
         assert length is not None
         assert run is not None

@@ -59,5 +59,5 @@ def test_a_pin_that_cannot_be_run_is_told_and_the_others_stay() -> None:
 def test_seven_pins_of_an_address_are_refused() -> None:
     state = opened()
     lay(state, document_of(state) | {"kept_pins": [{"preset": "liashenko-i"}] * 7})
-    assert "6 pinned runs are the most" in state.notice
+    assert "At most 6 runs can be pinned" in state.notice
     assert state.kept_pins == []

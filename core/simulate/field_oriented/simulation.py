@@ -13,6 +13,7 @@ from railjoule.core.drive.induction.traction import TractionMachines, traction_m
 from railjoule.core.drive.line_power import line_power, resistor_power
 from railjoule.core.energy import Energy
 from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError
+from railjoule.core.line_current import line_current_a
 from railjoule.core.motion import Course, build_course
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.as_it_is import as_it_is
@@ -38,7 +39,7 @@ NOTICEABLE_LAG_M = 0.05
 ALLOWED_DIFFERENCE = 5e-4
 ACCOUNTS_APART = (
     "The energy of the input power and the sum of its parts differ by {:.2f} %: simulation.time_step_s is too long for "
-    "what the currents do."
+    "the currents."
 )
 OVERSHOOT = 1.02
 """A current beyond its limit by more than this factor is told."""
@@ -100,7 +101,7 @@ def _refuse_what_is_not_simulated(scenario: Scenario) -> None:
         ("disturbance.departure_delay_s", disturbance.departure_delay_s != 0),
     ):
         if there:
-            raise ScenarioError(f"simulation.kind = field_oriented knows no {words}; kind = following does.")
+            raise ScenarioError(f"simulation.kind = field_oriented does not simulate {words}; kind = following does.")
 
 
 def _require_few_steps(scenario: Scenario, duration_s: float) -> None:
@@ -179,8 +180,8 @@ def _run(
     if outcome == p.TOO_LONG:
         raise InfeasibleLineError(
             f"after {longest_s:.0f} s the train stands or creeps at {states[kept - 1, p.X]:.0f} m of {end:.0f} m: "
-            f"with {machines.driving_current_a:g} A and {machines.machine.max_phase_voltage_v:g} V its machines do "
-            "not carry it on."
+            f"with {machines.driving_current_a:g} A and {machines.machine.max_phase_voltage_v:g} V its machines "
+            "cannot move it on."
         )
     time: FloatArray = reference.start_s + step * keep_every * np.arange(kept, dtype=np.float64)
     # the last sample is that of the stop, and lies between two others
@@ -343,16 +344,16 @@ def _notes(
 ) -> tuple[str, ...]:
     notes = ["The machines are magnetised before the departure; the account begins with it."]
     if scenario.vehicle.braking.friction_effort_kn > 0:
-        notes.append("The machines do all of the braking: friction brakes are not part of the loop.")
+        notes.append("The machines do all the braking: friction brakes are not part of the loop.")
     machine = machines.machine
     if flux.weakest_share < WEAKENED_SHARE:
         notes.append(
-            f"The limit of {machine.max_phase_voltage_v:.0f} V a phase weakens the flux to "
+            f"The limit of {machine.max_phase_voltage_v:.0f} V per phase weakens the flux to "
             f"{100 * flux.weakest_share:.0f} % of its rated value."
         )
     limits = {
         "current": f"{machines.driving_current_a:g} A driving or {machines.braking_current_a:g} A braking",
-        "voltage": f"{machine.max_phase_voltage_v:.0f} V a phase",
+        "voltage": f"{machine.max_phase_voltage_v:.0f} V per phase",
     }
     for span in saturated:
         if abs(span.lag_m) < NOTICEABLE_LAG_M:
@@ -367,17 +368,15 @@ def _notes(
     current, largest = float(record.peaks[p.MAX_CURRENT]), max(machines.driving_current_a, machines.braking_current_a)
     if current > OVERSHOOT * largest:
         notes.append(
-            f"The current reaches {current:.0f} A, beyond the limit of {largest:g} A, where the voltage or a noisy "
-            "speed leaves the control no hold of it."
+            f"The current reaches {current:.0f} A, above the limit of {largest:g} A, where the voltage limit or "
+            "the speed noise prevents its control."
         )
     beyond = float(record.states[-1, p.X]) - end_m
     if beyond > ARRIVAL_M:
-        notes.append(f"The train stands {beyond:.1f} m beyond its end: its machines do not brake as planned.")
+        notes.append(f"The train overshoots its end by {beyond:.1f} m: its machines do not brake as planned.")
     factor = scenario.simulation.rotor_resistance_factor
     if factor != 1:
-        notes.append(
-            f"The control takes the rotor resistance for {factor:g} times what it is: its flux is off its axis."
-        )
+        notes.append(f"The controller assumes {factor:g} times the true rotor resistance, so its flux axis is wrong.")
     return tuple(notes)
 
 
@@ -423,6 +422,7 @@ def _trajectory(
         kinetic_j=float(data.half_inertia_kg * (states[-1, p.V] ** 2 - states[0, p.V] ** 2)),
         potential_j=float(ends[p.CLIMB]),
     )
+    power_w = np.diff(line) / duration
     return Trajectory(
         scenario=real,
         strategy=planned.strategy,
@@ -435,8 +435,9 @@ def _trajectory(
         friction_braking_n=frozen_array(np.zeros_like(effort)),
         largest_effort_n=frozen_array(data.traction.effort_n(mean_speed)),
         largest_braking_n=frozen_array(data.braking.effort_n(mean_speed) + data.friction_effort_n),
-        line_power_w=frozen_array(np.diff(line) / duration),
+        line_power_w=frozen_array(power_w),
         current_a=frozen_array(0.5 * (states[1:, p.IQ] + states[:-1, p.IQ])),
         gradient_permille=frozen_array(course.gradient_permille[cell]),
         energy=energy,
+        line_current_a=line_current_a(power_w, real.vehicle.line_voltage_v),
     )

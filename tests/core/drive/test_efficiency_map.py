@@ -57,13 +57,13 @@ def swap(lines):
 @pytest.mark.parametrize(
     ("change", "expected"),
     [
-        (lambda lines: lines.pop(6), r"drive.points has a hole at torque_nm = 200, speed_rads = 150."),
+        (lambda lines: lines.pop(6), r"drive.points has no value at torque_nm = 200, speed_rads = 150."),
         (swap, r"drive.points must rise in torque_nm and then in speed_rads, or the other way round."),
         (lambda lines: lines.__setitem__(6, "200,150,1.02"), r"drive.points\[6\]\[2\] = 1.02 must be at most 1."),
         (lambda lines: lines.__setitem__(6, "200,150,0"), r"has efficiency = 0 at torque_nm = 200, speed_rads = 150;"),
         (lambda lines: lines.__setitem__(6, "200,150,"), r"drive.file 'map.csv': point 7 has no efficiency."),
         (lambda lines: lines.__setitem__(6, "200,150,x"), r"row 8: efficiency = 'x' must be a number."),
-        (lambda lines: lines.insert(6, lines[6]), r"drive.points has one place twice."),
+        (lambda lines: lines.insert(6, lines[6]), r"drive.points has one point twice."),
         (lambda lines: lines.__delitem__(slice(0, 4)), r"must begin at torque_nm = 0 and speed_rads = 0"),
         (
             lambda lines: lines.__delitem__(slice(2, None)),

@@ -133,7 +133,7 @@ def test_the_printed_regulator_arrives_and_its_account_closes(step):
     assert run.position_m[-1] == 2400
     # dead zone, ramp and a curve of two seconds keep it near its limits
     assert run.speed_ms.max() * 3.6 < 40 + 1 + 2
-    assert "changes its mind" in run.notes[1]
+    assert "The literal regulator switches" in run.notes[1]
 
 
 def test_the_printed_regulator_does_not_converge():

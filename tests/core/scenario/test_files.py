@@ -102,7 +102,7 @@ def test_a_device_without_an_end():
         ("no-such-file.toml", "no-such-file.toml: there is no such file."),
         (".", "Is a directory"),
         ("a" * 5000, "File name too long"),
-        ("a\0b", "no name that a file can have"),
+        ("a\0b", "not a valid file name"),
     ],
     ids=["missing", "folder", "long", "zero byte"],
 )
@@ -115,7 +115,7 @@ def test_a_path_that_leads_nowhere(path, sentence):
 
 def test_text_that_is_none(tmp_path):
     (tmp_path / "bytes.toml").write_bytes(b"title = '\xff\xfe'")
-    with pytest.raises(ScenarioError, match=r"^bytes.toml: not a text in UTF-8.$"):
+    with pytest.raises(ScenarioError, match=r"^bytes.toml: not UTF-8 text.$"):
         load_scenario(tmp_path / "bytes.toml")
 
 

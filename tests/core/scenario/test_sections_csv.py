@@ -43,7 +43,7 @@ def test_the_file_lies_beside_the_scenario(tmp_path, monkeypatch):
         ("", "line.file 'line.csv' is empty."),
         ("length_m\n", "line.sections is empty."),
         ("length\n5\n", "line.file 'line.csv': unknown column 'length', did you mean 'length_m'?"),
-        ("length_m,length_m\n5,6\n", "line.file 'line.csv': a column stands there twice."),
+        ("length_m,length_m\n5,6\n", "line.file 'line.csv': a column appears twice."),
         ("length_m,gradient_permille\n5\n", "line.file 'line.csv', row 2: 1 cells under 2 columns."),
         ("length_m\n5\n6,7\n", "line.file 'line.csv', row 3: 2 cells under 1 columns."),
         ("length_m\n5\nfive\n", "line.file 'line.csv', row 3: length_m = 'five' must be a number."),
@@ -52,7 +52,7 @@ def test_the_file_lies_beside_the_scenario(tmp_path, monkeypatch):
         ("length_m\n5\n-5\n", "line.sections[1].length_m = -5 must be above 0."),
         ("length_m,gradient_permille\n,4\n", "line.sections[0].length_m is missing."),
         ("length_m\n" + "5" * 200_000 + "\n", "line.file 'line.csv': not a table in CSV: "),
-        (b"length_m\n\xff\n", "line.csv: not a text in UTF-8."),
+        (b"length_m\n\xff\n", "line.csv: not UTF-8 text."),
     ],
 )
 def test_a_table_that_is_none(tmp_path, content, sentence):

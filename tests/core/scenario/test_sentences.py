@@ -46,12 +46,12 @@ CASES = {
         {"vehicle.braking.friction_efort_kn": 1},
         "unknown key vehicle.braking.friction_efort_kn, did you mean 'friction_effort_kn'",
     ),
-    "unknown key unlike any": ({"zzz": 1}, "unknown key zzz, known are disturbance, enoc, eoc, line, montecarlo, "),
+    "unknown key unlike any": ({"zzz": 1}, "unknown key zzz, choose one of disturbance, enoc, eoc, line, montecarlo, "),
     "unknown key of a drive": (
         {"drive.efficiency": 0.9},
         "unknown key drive.efficiency, did you mean 'braking_efficiency' or 'traction_efficiency'?",
     ),
-    "very long key": ({"x" * 5000: 1}, "unknown key " + "x" * 57 + "..., known are "),
+    "very long key": ({"x" * 5000: 1}, "unknown key " + "x" * 57 + "..., choose one of "),
     "misspelt key of a section": (
         {"line.sections": [{"length": 5}]},
         "unknown key line.sections[0].length, did you mean 'length_m'? (and 1 more).",
@@ -184,7 +184,7 @@ def test_junk_makes_a_scenario_or_one_sentence(path, value):
 
 def test_nearest_names_come_first():
     assert nearest("max_efort_kn", ["max_effort_kn", "max_power_kw", "name"]).startswith("did you mean 'max_effort_kn'")
-    assert nearest("zzz", ["b", "a"]) == "known are a, b"
+    assert nearest("zzz", ["b", "a"]) == "choose one of a, b"
 
 
 def test_values_are_shown_short():

@@ -171,7 +171,7 @@ def test_many_events_are_taken_as_they_come():
         ),
         (
             {"stops": [{"position_m": 500.0, "duration_s": 5.0, "noticed_at_m": 600.0}]},
-            r"disturbance.stops\[0\].noticed_at_m = 600 lies behind position_m = 500, where it must stop",
+            r"disturbance.stops\[0\].noticed_at_m = 600 is after position_m = 500, where the train must stop",
         ),
         (
             {"stops": [{"position_m": 500.0, "duration_s": 5.0, "noticed_at_m": 1.0, "noticed_at_s": 1.0}]},

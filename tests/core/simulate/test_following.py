@@ -100,16 +100,16 @@ def test_a_hill_that_the_real_load_cannot_climb():
         "timetable.travel_time_s": 300.0,
         "disturbance.actual_load_factor": 1.0,
     }
-    with pytest.raises(InfeasibleLineError, match="with its real load comes to a stand"):
+    with pytest.raises(InfeasibleLineError, match="with its actual load comes to a stand"):
         simulate_following(plain_scenario(changes))
 
 
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"disturbance.coordinate_error_m": 3000.0}, "must be less than the shortest way between two stops, 2000 m"),
+        ({"disturbance.coordinate_error_m": 3000.0}, "less than the shortest distance between two stops, 2000 m"),
         ({"simulation.reset_sensor_m": 2500.0}, "simulation.reset_sensor_m = 2500 must be less than"),
-        ({"simulation.stop_sensor_m": 250.0}, "the sensors must stand in the order D1, D2, D3"),
+        ({"simulation.stop_sensor_m": 250.0}, "the sensors must be in the order D1, D2, D3"),
         (
             {"disturbance.actual_load_factor": 1.5},
             "disturbance.actual_load_factor = 1.5 must be at most 1, the vehicle.crush",

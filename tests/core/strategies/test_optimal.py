@@ -171,7 +171,7 @@ def test_iterations_price_and_bound_come_with_the_run():
     assert 0 <= run.gap <= PROVEN_GAP
     assert run.bound.statement == (
         f"No run over this mesh of {task.course.cell_count} cells, with one effort in each, that keeps all limits, "
-        "arrives within 133.7 s and goes nowhere slower than 0.36 km/h between its stops needs less."
+        "arrives within 133.7 s and never goes slower than 0.36 km/h between its stops uses less energy."
     )
 
 

@@ -34,7 +34,7 @@ def test_gradients_and_curves_become_a_mean_force():
     """-1.5 per mille in the mean; 300 m of 600 N m/kN over 400 m in 2000 m: 0.225 N/kN."""
     line = line_of({"line.sections": SLOPES})
     assert line.constant_n == pytest.approx(981 * (2 - 1.5))
-    assert line.notes == ("It knows no gradients: it takes the mean one, -1.50 per mille.",)
+    assert line.notes == ("Gradients are replaced by their mean, -1.50 per mille.",)
     curve = [{"length_m": 1700.0}, {"length_m": 300.0, "curve_radius_m": 400.0}]
     curved = line_of({"line.sections": curve, "vehicle.resistance.curve_constant_m_n_per_kn": 600.0})
     assert curved.constant_n == pytest.approx(981 * (2 + 0.225))
@@ -52,7 +52,7 @@ def test_one_gradient_all_the_way_needs_no_note():
 
 def test_a_part_of_recuperation_is_noted():
     assert line_of({"drive.recuperation_factor": 0.99}).notes == (
-        "It plans as if all that braking generates came back.",
+        "The plan assumes that all the energy generated in braking is recuperated.",
     )
 
 
@@ -92,19 +92,19 @@ def test_feasible_runs_pass(seed):
     ("changes", "peak_ms", "sentence"),
     [
         # 28^2 m2/s2 times 0.99 at the last node before the middle
-        ({}, 28.0, "needs 100.3 km/h where 100.0 are allowed."),
+        ({}, 28.0, "needs 100.3 km/h, but only 100.0 is allowed."),
         # 22 kN of inertia and 2 of resistance at the start, less 2 and 2.5 of drag where braking begins
-        ({"vehicle.traction.max_effort_kn": 20.0}, 20.0, "pulls with 24 kN at 0 m, 4.0 kN more than there is."),
-        ({"vehicle.braking.max_effort_kn": 15.0}, 20.0, "brakes with 18 kN at 1000 m, 2.5 kN more than there is."),
+        ({"vehicle.traction.max_effort_kn": 20.0}, 20.0, "pulls with 24 kN at 0 m, 4.0 kN more than available."),
+        ({"vehicle.braking.max_effort_kn": 15.0}, 20.0, "brakes with 18 kN at 1000 m, 2.5 kN more than available."),
         (
             {"vehicle.traction.max_acceleration_ms2": 0.15},
             20.0,
-            "accelerates by 0.20 m/s2 at 0 m, where 0.15 are allowed.",
+            "accelerates by 0.20 m/s2 at 0 m, but only 0.15 is allowed.",
         ),
         (
             {"vehicle.braking.max_deceleration_ms2": 0.15},
             20.0,
-            "slows down by 0.20 m/s2 at 1000 m, where 0.15 are allowed.",
+            "slows down by 0.20 m/s2 at 1000 m, but only 0.15 is allowed.",
         ),
     ],
     ids=["speed", "effort", "braking", "acceleration", "deceleration"],

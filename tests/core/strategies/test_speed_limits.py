@@ -17,8 +17,8 @@ def test_sections_of_the_line_where_none_are_given():
     assert section_boundaries(scenario) == pytest.approx([400, 700, 1200, 1700])
     run = solve(scenario)
     assert run.travel_time_s == pytest.approx(1.01 * 180, rel=1e-6)
-    assert run.notes[0].startswith("Limits: ")
-    assert "proves nothing" in run.notes[1]
+    assert run.notes[0].startswith("Set speeds: ")
+    assert "not a proof" in run.notes[1]
 
 
 def test_its_bound_is_that_of_its_own_time_and_nodes():
@@ -46,13 +46,13 @@ def test_stops_on_the_way():
 def test_one_section_needs_no_search():
     run, search = speed_limits_with_search(prepare_task(plain_scenario({"strategy": "speed_limits"})))
     assert len(search.evaluations) == 1
-    assert run.notes[0].startswith("Limit: ")
+    assert run.notes[0].startswith("Set speed: ")
 
 
 def test_given_limits_are_one_trip():
     run, search = speed_limits_with_search(prepare_task(METRO.with_(**{"search.limits_kmh": [40.0, 35.0]})))
     assert [one.stage for one in search.evaluations] == ["given"]
-    assert run.notes == ("Limits: 40.0, 35.0 km/h, changing at 1200 m.",)
+    assert run.notes == ("Set speeds: 40.0, 35.0 km/h, changing at 1200 m.",)
 
 
 @pytest.mark.parametrize(

@@ -47,8 +47,8 @@ def test_the_scenario_names_the_strategy_unless_the_call_does():
 @pytest.mark.parametrize(
     ("strategy", "words"),
     [
-        *((name, "is not part of this version, which has") for name in STRATEGY_NAMES if name not in STRATEGIES),
-        ("magic", "is no strategy; there are"),
+        *((name, "is not part of this version; choose one of") for name in STRATEGY_NAMES if name not in STRATEGIES),
+        ("magic", "is not a strategy; choose one of"),
     ],
 )
 def test_an_unknown_strategy_is_refused_with_those_that_there_are(strategy, words):

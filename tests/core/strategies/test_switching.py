@@ -76,15 +76,15 @@ def test_statement_and_note_say_what_is_bounded():
     task = prepare_task(tram())
     best = optimal(task)
     assert best.bound.statement == (
-        f"No run over this mesh of {task.course.cell_count} cells, even if it switches between driving, coasting and "
-        "braking at will within each, that keeps all limits, arrives within 95.0 s and goes nowhere slower than "
-        "0.36 km/h between its stops needs less; this takes for granted that the power of the drive rises ever faster "
-        "with its effort, and that its losses do not fall with speed."
+        f"No run over this mesh of {task.course.cell_count} cells, even if it switches freely between driving, "
+        "coasting and braking within each, that keeps all limits, arrives within 95.0 s and never goes slower than "
+        "0.36 km/h between its stops uses less energy; this assumes that the power of the powertrain is convex in its "
+        "effort, and that its losses do not fall with speed."
     )
     assert best.notes == (
-        "Driven or coasted cell by cell where free switching between driving, coasting and braking would drive for a "
-        f"part of each, which is the best such run found, not proven; free switching would need "
-        f"{relaxed_kwh(task):.3f} kWh; the vehicle has no friction brakes to share in.",
+        "Each cell is driven or coasted as a whole, where free switching between driving, coasting and braking would "
+        "drive for a part of it; this is the best such run found, not proven; free switching would need "
+        f"{relaxed_kwh(task):.3f} kWh; the vehicle has no friction brakes to support the electric ones.",
     )
 
 

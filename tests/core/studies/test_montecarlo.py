@@ -112,7 +112,7 @@ def test_crush_loads_have_plans_that_know_them():
         ({"distribution": "fixed", "value": 1.5}, "montecarlo.load_factor.value = 1.5 must lie within 0 to 1.2."),
         (
             {"distribution": "uniform", "low": 2.0, "high": 3.0},
-            "montecarlo.load_factor: the distribution has nothing within 0 to 1.2.",
+            "montecarlo.load_factor: the distribution has no values within 0 to 1.2.",
         ),
     ],
 )

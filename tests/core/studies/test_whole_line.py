@@ -85,7 +85,7 @@ def test_fixing_the_optimum_s_own_arrival_costs_nothing(scenario, lines):
 def test_what_cannot_be_kept_is_told(scenario):
     with pytest.raises(ScenarioError, match=r"arrival at Central after 300\.0 s must be later than \d+\.\d s"):
         whole_line(scenario, "equal", {4: 300.0})
-    with pytest.raises(ScenarioError, match="no station 8 between the ends of a line with 8"):
+    with pytest.raises(ScenarioError, match="no station 8 between the ends of a line with 8 stations"):
         whole_line(scenario, "equal", {8: 300.0})
     with pytest.raises(TimetableError):
         whole_line(scenario.with_(**{"timetable.travel_time_s": 800.0}))

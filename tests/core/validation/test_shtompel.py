@@ -17,12 +17,12 @@ def test_nothing_is_said_to_be_printed(rows):
 
 
 def test_costs_beside_the_optimum(rows):
-    """findings.md, on another assumed line: 20 and 19 % for braked limits, 3 and 1 % with free borders."""
+    """findings.md, on another assumed line: 20 and 19 % for braked limits, 3 and 1 % with free section ends."""
     more = "more than the optimum"
     assert 15 < rows["20 km/h, brake limits, two sections", more] < 30
     assert 15 < rows["40 km/h, brake limits, two sections", more] < 30
-    assert 0 < rows["20 km/h, coast limits, three sections, free borders", more] < 4
-    assert 0 < rows["40 km/h, coast limits, three sections, free borders", more] < 2
+    assert 0 < rows["20 km/h, coast limits, three sections, free section ends", more] < 4
+    assert 0 < rows["40 km/h, coast limits, three sections, free section ends", more] < 2
 
 
 def test_near_full_power_is_best_in_tight_timetables_only(rows):
@@ -36,8 +36,8 @@ def test_printed_braking_gives_more_than_there_is(rows):
     """findings.md, on another assumed line: 11.11 kWh where the wheel supplies 9.92 and the truth is 8.84."""
     case = "40 km/h, brake limits"
     supplied = rows[case, "work that the wheels supply"]
-    assert rows[case, "comes back by (8) and (9)"] / supplied == pytest.approx(11.11 / 9.92, rel=0.06)
-    assert rows[case, "comes back"] / supplied == pytest.approx(8.84 / 9.92, rel=0.06)
+    assert rows[case, "recuperated by (8) and (9)"] / supplied == pytest.approx(11.11 / 9.92, rel=0.06)
+    assert rows[case, "recuperated"] / supplied == pytest.approx(8.84 / 9.92, rel=0.06)
 
 
 def test_braked_limits_ask_for_too_large_a_storage(rows):

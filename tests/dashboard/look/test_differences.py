@@ -27,7 +27,7 @@ def test_fields_of_the_page_are_told_in_words() -> None:
 def test_lists_are_told_as_a_whole() -> None:
     base = load_scenario("metro-with-limit")
     other = base.with_(**{"line.speed_limits": []})
-    assert difference_words(other, base) == ("another line.speed_limits",)
+    assert difference_words(other, base) == ("different line.speed_limits",)
 
 
 def test_another_vehicle_is_told_by_its_name_and_many_differences_are_counted() -> None:

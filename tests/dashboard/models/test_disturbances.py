@@ -5,12 +5,11 @@ from railjoule.core.simulate.disturbances import simulate_disturbances
 from railjoule.dashboard.models.disturbances import KINDS, DisturbancesModel
 
 
-def test_a_scenario_without_events_gets_a_stop_on_its_way() -> None:
+def test_no_event_is_invented() -> None:
     model = DisturbancesModel()
+    model.take(load_scenario("tram-950m-stop"))
     model.take(load_scenario("liashenko-ii"))
-    (event,) = model.events
-    assert event.kind == "stop"
-    assert 0 < event.noticed_at_m < event.position_m < 1300
+    assert model.events == []
 
 
 def test_the_events_of_a_file_are_taken_over() -> None:

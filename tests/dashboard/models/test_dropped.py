@@ -20,7 +20,7 @@ def test_a_report_carries_its_scenario() -> None:
 
 
 def test_another_page_is_refused() -> None:
-    with pytest.raises(ScenarioError, match=r"^news\.html: no report of railjoule: it holds no scenario\."):
+    with pytest.raises(ScenarioError, match=r"^news\.html: not a report of railjoule: it contains no scenario\."):
         scenario_text("<html><script>1</script></html>", "news.html")
 
 
@@ -36,12 +36,13 @@ def test_a_file_that_is_too_large_is_refused() -> None:
     [
         (
             "run.csv",
-            "run.csv: it holds no scenario. Only scenarios (.toml) and reports of railjoule (.html) can be opened; ",
+            "run.csv: it contains no scenario. Only scenarios (.toml) and reports of railjoule (.html) can be opened; ",
         ),
-        ("run.XLSX", "where each list takes a pasted one."),
+        ("run.XLSX", "into its list in the editor."),
         (
             "notes.txt",
-            "notes.txt: it holds no scenario. Only scenarios (.toml) and reports of railjoule (.html) can be opened.",
+            "notes.txt: it contains no scenario. "
+            "Only scenarios (.toml) and reports of railjoule (.html) can be opened.",
         ),
         ("broken.toml", "broken.toml: not a valid TOML file: no."),
         ("report.html", "broken.toml: not a valid TOML file: no."),

@@ -77,7 +77,7 @@ def test_every_field_takes_its_own_text_without_a_change(model: ScenarioModel, e
         (
             "timetable.travel_time_s",
             "soon",
-            "Travel time: 'soon' is no time: write seconds, min:s or h:min:s, such as 150, 2:30 or 1:02:03. "
+            "Travel time: 'soon' is not a time: write seconds, min:s or h:min:s, such as 150, 2:30 or 1:02:03. "
             "Kept: 170 s.",
         ),
         ("vehicle.tare_kg", "soon", "Not a number. Kept: 160000 kg."),

@@ -60,7 +60,7 @@ def test_a_field_of_a_time_takes_it_as_on_a_clock() -> None:
     assert time.parse("2 min 30 s") == time.parse("2:30") == 150.0
     assert time.help_words == (
         "Time for the whole run. Above 0 and at most 86\u202f400 (24:00:00). Also as 2:30 or 2 min 30 s. "
-        "May be left empty."
+        "Can be left empty."
     )
     steps = {part.key: part for part in parts_of("simulation")}["simulation.time_step_s"]
     assert isinstance(steps, Field)

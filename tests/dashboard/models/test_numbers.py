@@ -51,7 +51,7 @@ def test_times_as_people_type_them(text: str, seconds: float) -> None:
 
 @pytest.mark.parametrize("text", ["", "2:75", "2:5", "1:60:00", ":30", "2:", "1:2:3:4", "2 km", "soon", "min", "-2:30"])
 def test_what_is_no_time_is_named_with_the_forms_it_may_have(text: str) -> None:
-    with pytest.raises(ValueError, match=r"is no time: write seconds, .* such as 150, 2:30 or 1:02:03\.$") as error:
+    with pytest.raises(ValueError, match=r"is not a time: write seconds, .* such as 150, 2:30 or 1:02:03\.$") as error:
         parse_time(text, (0.0, 86_400.0))
     assert repr(text) in str(error.value)
 

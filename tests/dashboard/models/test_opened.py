@@ -68,6 +68,6 @@ def test_memory_that_is_not_there_is_told(monkeypatch: pytest.MonkeyPatch) -> No
 
     monkeypatch.setattr(opened, "parse_scenario", parse)
     opened.outcome_of.cache_clear()
-    with pytest.raises(ScenarioError, match=r"^x: reading it takes more memory than the server has\.$"):
+    with pytest.raises(ScenarioError, match=r"^x: not enough memory on the server to read it\.$"):
         open_scenario("text", "x")
     opened.outcome_of.cache_clear()

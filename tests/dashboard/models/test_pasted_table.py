@@ -34,14 +34,14 @@ def test_a_block_may_begin_in_another_column() -> None:
 @pytest.mark.parametrize(
     ("text", "sentence"),
     [
-        ("", "There is nothing in it."),
+        ("", "The table is empty."),
         ("100\t2\n100\tsteep", "Row 2, Gradient, \u2030: 'steep'. Not a number."),
         ("0\t2", "Row 1, Length, m: '0'. Above 0."),
         ("100\t2\t700", "Row 1, Speed limit, km/h: '700'. At most 600."),
         ("1\t2\t3\t4\t5\t6", "Row 1: 6 cells for 5 columns."),
-        ("length_m,slope\n1,2", "Row 1: unknown column 'slope', known are"),
+        ("length_m,slope\n1,2", "Row 1: unknown column 'slope', choose one of"),
         ("length_m,gradient_permile\n1,2", "Row 1: unknown column 'gradient_permile', did you mean gradient_permille?"),
-        ("length_m,length_m\n1,2", "Row 1: a column stands there twice."),
+        ("length_m,length_m\n1,2", "Row 1: a column appears twice."),
         ("length_m;gradient_permille\n1;201", "Row 2, Gradient, \u2030: '201'. At most 200."),
     ],
 )

@@ -58,7 +58,7 @@ def test_numbers_as_people_type_them(model: ScenarioModel, text: str, number: fl
     assert model.parse("travel_time_s", text) == number
 
 
-NO_TIME = "is no time: write seconds, min:s or h:min:s, such as 150, 2:30 or 1:02:03."
+NO_TIME = "is not a time: write seconds, min:s or h:min:s, such as 150, 2:30 or 1:02:03."
 
 
 @pytest.mark.parametrize(

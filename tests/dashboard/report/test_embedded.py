@@ -22,5 +22,5 @@ def test_no_text_can_end_the_element() -> None:
 
 @pytest.mark.parametrize("page", ["", "<html></html>", '<script type="application/toml" id="scenario">\ntitle = ""'])
 def test_a_page_without_a_scenario_says_so(page: str) -> None:
-    with pytest.raises(ScenarioError, match="no report of railjoule"):
+    with pytest.raises(ScenarioError, match="not a report of railjoule"):
         scenario_in_report(page, "report.html")

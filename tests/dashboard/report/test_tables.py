@@ -30,7 +30,7 @@ def test_a_line_is_told_in_running_order() -> None:
 def test_a_long_table_says_how_much_it_leaves_out() -> None:
     sections = [{"length_m": 20.0}] * (MOST_ROWS + 7)
     markup = scenario_tables(load_scenario("liashenko-0", {"line.preset": None, "line.sections": sections}))
-    assert "7 more rows stand in the scenario below." in markup
+    assert "7 more rows in the scenario below." in markup
 
 
 def test_what_goes_as_planned_is_not_told() -> None:
@@ -38,4 +38,4 @@ def test_what_goes_as_planned_is_not_told() -> None:
     stop = [{"position_m": 400.0, "duration_s": 5.0}]
     told = scenario_tables(load_scenario("liashenko-0", {"disturbance.stops": stop}))
     assert "Event: stop 1" in told
-    assert ["How long it must stand", "5", "s"] in rows(told)
+    assert ["Duration of the stop", "5", "s"] in rows(told)

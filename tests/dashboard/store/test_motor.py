@@ -62,7 +62,7 @@ def test_strategies_that_refuse_a_line_are_told() -> None:
     hilly = hilly.with_(**{"line.speed_limits": [{"from_m": 1000.0, "to_m": 1500.0, "limit_kmh": 40.0}]})
     rivals = compute_rivals(compute_loop_run(LoopWish(hilly, "optimal", {})))
     assert set(rivals.refused) == {"eoc", "enoc"}
-    with pytest.raises(StrategyRefusedError, match=r"^ENOC "):
+    with pytest.raises(StrategyRefusedError, match=r"^ENOC: "):
         compute_loop_run(LoopWish(hilly, "enoc", {}))
 
 
@@ -89,6 +89,6 @@ def test_detuning_comes_step_by_step() -> None:
 def test_scenarios_without_a_machine_say_so() -> None:
     assert machine_refusal(SUBURBAN) == ""
     assert machine_refusal(load_scenario("tram-950m")) == ""
-    assert "has no induction machine" in machine_refusal(load_scenario("liashenko-ii"))
+    assert "simulates induction motors" in machine_refusal(load_scenario("liashenko-ii"))
     with pytest.raises(ScenarioError, match="max_phase_voltage_v"):
         compute_loop_run(LoopWish(SUBURBAN, "enoc", {"drive.machine.max_phase_voltage_v": -1.0}))

@@ -24,7 +24,7 @@ def test_sensors_out_of_order_are_refused() -> None:
 
 def test_an_error_beyond_the_line_is_refused() -> None:
     wish = RealityWish(load_scenario("liashenko-ii"), {**HEAVY, "disturbance.coordinate_error_m": 5000.0})
-    with pytest.raises(ScenarioError, match="less than the shortest way between two stops, 1300 m"):
+    with pytest.raises(ScenarioError, match="less than the shortest distance between two stops, 1300 m"):
         compute_reality(wish)
 
 

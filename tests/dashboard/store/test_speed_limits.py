@@ -70,7 +70,7 @@ def level() -> Scenario:
 
 def test_refusals_name_the_strategy() -> None:
     tight = SCENARIO.with_(**{"timetable.travel_time_s": 131.0})
-    with pytest.raises(StrategyRefusedError, match="Speed limits needs at least"):
+    with pytest.raises(StrategyRefusedError, match="Set speeds: needs at least"):
         compute_limit_run(LimitsWish(tight, {"strategy": "speed_limits"}))
     with pytest.raises(ScenarioError, match="at most the vehicle's 80"):
         compute_limit_run(LimitsWish(SCENARIO, {**GIVEN, "search.limits_kmh": [50.0, 500.0]}))

@@ -9,11 +9,11 @@ from railjoule.dashboard.views.heat_map import percent_difference
 
 
 def test_a_histogram_marks_its_quantiles() -> None:
-    chart = HistogramChart("more", "More, %", percent_difference, 190, Palette(dark=False))
+    chart = HistogramChart("more", "More, %", "More, %", percent_difference, 190, Palette(dark=False))
     chart.build()
     chart.draw(np.append(np.linspace(0.0, 100.0, 1001), np.nan))
     assert np.allclose(chart.marks.data["x"], [5.0, 50.0, 95.0])
-    assert chart.marks.data["text"][1] == "median: +50.0"
+    assert chart.signs.data["text"][1] == "median: +50.0"
     chart.draw(np.array([np.nan]))
     assert chart.bars.data["top"] == []
 
@@ -23,7 +23,7 @@ def test_the_table_says_how_many_runs_there_are() -> None:
     assert "0 of 30 runs, seed 1." in chance_table(empty)
     shown = chance_table(full)
     assert "30 of 30 runs, seed 1." in shown
-    assert "Late at the stop, s" in shown
+    assert "Delay at the stop, s" in shown
 
 
 def test_the_table_tells_the_earliest_and_the_latest_arrival() -> None:

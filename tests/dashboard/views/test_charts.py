@@ -6,18 +6,7 @@ from bokeh.models import LinearColorMapper
 from bokeh.plotting import figure
 
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.views.charts import Axis, Chart, check_complete, columns, nice_range, spread
-
-
-def test_labels_are_spread_in_their_order() -> None:
-    placed = spread([5.0, 5.1, 5.05], gap=1.0)
-    assert np.argsort(placed).tolist() == [0, 2, 1]
-    assert np.min(np.diff(np.sort(placed))) >= 1.0 - 1e-6
-
-
-def test_labels_far_apart_stay() -> None:
-    assert spread([1.0, 5.0], gap=1.0) == [1.0, 5.0]
-    assert spread([], gap=1.0) == []
+from railjoule.dashboard.views.charts import Axis, Chart, check_complete, columns, nice_range
 
 
 def test_ranges_leave_room_even_around_one_value() -> None:

@@ -37,4 +37,4 @@ def test_the_last_metres_show_the_sensors_where_they_stand(following):
 
 
 def test_reality_in_words():
-    assert reality_words(0.25, -5.0) == "load 25 %, \u22125 m"
+    assert reality_words(0.25, -5.0) == "load 25\u00a0%, \u22125\u00a0m"

@@ -67,13 +67,13 @@ def test_a_message_is_an_edit_and_its_refusal_is_shown(state: Workbench, view: E
 def test_what_the_browser_cannot_ask_for_changes_nothing(
     state: Workbench, view: EditorView, message: dict[str, Any]
 ) -> None:
-    group = opened(view, "Line")
+    group = opened(view, "Track")
     group._tables[0][0]._handle_msg(message)
     assert dict(state.scenario.changes) == {}
 
 
 def test_the_fields_are_those_of_the_drive(state: Workbench, view: EditorView) -> None:
-    group = opened(view, "Drive")
+    group = opened(view, "Powertrain")
     assert isinstance(group, DriveGroup)
     group._choices._handle_msg({"what": "type", "key": "drive", "text": "induction"})
     assert shown(group, "drive.pole_pairs")["text"] == "2"
@@ -83,7 +83,7 @@ def test_the_fields_are_those_of_the_drive(state: Workbench, view: EditorView) -
 
 
 def test_a_dragged_border_changes_both_sections_beside_it(state: Workbench, view: EditorView) -> None:
-    group = opened(view, "Line")
+    group = opened(view, "Track")
     assert isinstance(group, LineGroup)
     before = state.scenario.scenario().line
     x, y = section_borders(before), height_profile(before)
@@ -101,7 +101,7 @@ def test_a_dragged_border_changes_both_sections_beside_it(state: Workbench, view
 
 def test_a_dragged_limit_is_that_of_its_table(state: Workbench, view: EditorView) -> None:
     state.scenario.edit({"line.sections": [{"length_m": 2300.0, "speed_limit_kmh": 70.0}]})
-    group = opened(view, "Line")
+    group = opened(view, "Track")
     group._drop_limits([0.0, 650.0], [2300.0, 900.0], [65.0, 40.0])
     line = state.scenario.scenario().line
     assert line.sections[0].speed_limit_kmh == 65.0
@@ -111,6 +111,6 @@ def test_a_dragged_limit_is_that_of_its_table(state: Workbench, view: EditorView
 
 def test_a_long_table_shows_its_beginning(state: Workbench, view: EditorView) -> None:
     state.scenario.edit({"line.sections": [{"length_m": 23.0}] * 100})
-    group = opened(view, "Line")
+    group = opened(view, "Track")
     table = group._tables[0][0].table
-    assert (len(table["rows"]), table["more"]) == (60, "And 40 more rows: paste to replace them all.")
+    assert (len(table["rows"]), table["more"]) == (60, "40 more rows are not shown; paste a table to replace them all.")

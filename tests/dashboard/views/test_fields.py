@@ -73,7 +73,7 @@ def test_a_travel_time_is_read_as_on_a_clock(model: ScenarioModel) -> None:
     assert (model.travel_time_s, field.text.value) == (150.0, "150.0")
     field.text.value = "2:75"
     assert model.travel_time_s == 150.0
-    assert "Travel time: &#x27;2:75&#x27; is no time: write seconds, min:s or h:min:s" in field.error.object
+    assert "Travel time: &#x27;2:75&#x27; is not a time: write seconds, min:s or h:min:s" in field.error.object
     assert "Kept: 150.0 s." in field.error.object
 
 

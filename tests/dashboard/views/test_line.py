@@ -46,7 +46,7 @@ def test_texts_name_the_stations_and_escape_them(runs: LineRuns) -> None:
     table = legs_table(runs)
     assert "A \u2013 &lt;b&gt;B&lt;/b&gt;" in table
     assert "<b>B" not in table
-    assert "on every leg alike" in "".join(figure_cells(runs))
+    assert "same on every leg" in "".join(figure_cells(runs))
 
 
 def test_names_that_would_touch_are_left_out() -> None:

@@ -78,7 +78,7 @@ def test_both_strategies_of_the_paper_go_through_the_loop(view: MotorView) -> No
 def test_a_limit_that_holds_the_drive_is_told_and_marked(view: MotorView) -> None:
     assert view.held.object == ""
     view.model.max_phase_voltage_v = 400.0
-    assert "The voltage limit</span> held the drive from" in view.held.object
+    assert "The voltage limit</span> limited the motors from" in view.held.object
     assert len(view.loops["loop_voltage"].sources["bands"].data["from"]) > 0
 
 
@@ -92,7 +92,7 @@ def test_a_scenario_without_machine_offers_one_that_has(view: MotorView) -> None
     view.state.scenario.choose("liashenko-ii")
     assert view.missing.visible
     assert not view.body.visible
-    assert "has no induction machine" in view.no_machine.object
+    assert "simulates induction motors" in view.no_machine.object
     view.open.clicks += 1
     assert not view.missing.visible
     assert view.body.visible

@@ -24,7 +24,7 @@ TABLE = Table(
         (100.0, 99.5, "a little smaller"),
         (-100.0, -105.0, "larger"),
         (100.0, 120.0, "much larger"),
-        (1.0, -1.0, "of the other sign"),
+        (1.0, -1.0, "opposite sign"),
         (0.0, 1.0, "printed as zero"),
         (None, 1.0, "none printed"),
     ],

@@ -32,7 +32,7 @@ def pinned(runs: Runs, name: str) -> Pin:
 @pytest.mark.parametrize(
     "markup",
     [
-        parts.heading(HOSTILE, HOSTILE, HOSTILE),
+        parts.heading("Drive", HOSTILE, HOSTILE, HOSTILE),
         parts.failure(HOSTILE, HOSTILE, HOSTILE),
     ],
 )
@@ -43,7 +43,7 @@ def test_texts_of_users_are_escaped(markup: str) -> None:
 
 def test_figures_of_the_optimum(runs: Runs) -> None:
     text = plain(parts.run_figures(runs, runs.runs["optimal"], None, stale=False))
-    assert "Energy at the line 4.181 kWh for 300.0 s" in text
+    assert "Energy from the supply 4.181 kWh for 300.0 s" in text
     assert "Above the optimum 0.00 % \u2713 proven" in text
 
 
@@ -77,8 +77,8 @@ def test_a_run_without_bound_says_so(runs: Runs) -> None:
 
 def test_another_time_than_asked_stands_beside_the_time(runs: Runs) -> None:
     text = plain(parts.run_figures(runs, runs.runs["fastest"], None, stale=False))
-    assert "Travel time 198.7 s asked 300.0 s" in text
-    assert "Fastest: 101.3 s earlier than the 300.0 s asked." in plain(parts.runs_table(runs, "optimal"))
+    assert "Travel time 198.7 s allowed 300.0 s" in text
+    assert "Fastest: 101.3 s earlier than the 300.0 s allowed." in plain(parts.runs_table(runs, "optimal"))
 
 
 def test_next_to_a_negative_optimum_runs_differ_by_kilowatt_hours() -> None:
@@ -91,13 +91,13 @@ def test_next_to_a_negative_optimum_runs_differ_by_kilowatt_hours() -> None:
     assert f"+{more:.2f} kWh" in plain(parts.runs_table(runs, "optimal"))
     text = plain(parts.run_figures(runs, runs.runs["optimal"], None, stale=False))
     assert "for 5 767.0 s: more time saves nothing" in text
-    assert "Travel time 5 767.0 s asked 9 999.0 s" in text
+    assert "Travel time 5 767.0 s allowed 9 999.0 s" in text
 
 
 def test_the_bars_of_the_account_add_up(runs: Runs) -> None:
     run = runs.runs["optimal"]
     text = plain(parts.account(run))
-    assert text.endswith("The account closes at 4.181 kWh.")
+    assert text.endswith("Total: 4.181 kWh.")
     assert "Copper loss" in text
 
 
@@ -192,8 +192,8 @@ def test_the_price_of_a_second_is_that_of_the_run_where_its_strategy_tells_one(r
     assert optimum.price_of_time_w is not None
     dearer = replace(enoc, price_of_time_w=2 * optimum.price_of_time_w)
     told = parts.price_figure(enoc, optimum)
-    assert f"{words.price(optimum.price_of_time_w)} Wh/s 1 s later: \u22120.30 %" in plain(told)
+    assert f"{words.price(optimum.price_of_time_w)} Wh/s 1 s more: \u22120.30 %" in plain(told)
     assert 'title="That of the optimum"' in told
     told = parts.price_figure(dearer, optimum)
-    assert f"{words.price(2 * optimum.price_of_time_w)} Wh/s 1 s later: \u22120.59 %" in plain(told)
+    assert f"{words.price(2 * optimum.price_of_time_w)} Wh/s 1 s more: \u22120.59 %" in plain(told)
     assert "title" not in told

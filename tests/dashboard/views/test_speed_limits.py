@@ -42,7 +42,7 @@ def test_the_search_s_path_never_rises(view: SpeedLimitsView) -> None:
     assert np.all(np.diff(best) <= 0)
     assert best[-1] == pytest.approx(path.search.best.energy_j / 3.6e6)
     assert view.plane.ends.data["x"][-1] == pytest.approx(path.limits_kmh[0])
-    assert search_words(path.search).startswith(f"{len(path.search.evaluations)} trips looked at")
+    assert search_words(path.search).startswith(f"{len(path.search.evaluations)} combinations tried")
 
 
 def test_what_the_browser_has_moved_is_a_trip_until_it_is_let_go(view: SpeedLimitsView) -> None:
@@ -53,7 +53,7 @@ def test_what_the_browser_has_moved_is_a_trip_until_it_is_let_go(view: SpeedLimi
     assert model.run is before
     assert model.trip is not None
     assert len(view.speed.sources["run"].data["x"]) == len(model.trip.position_m)
-    assert "let the step go to compare" in view.figures.object
+    assert "release the step to compare" in view.figures.object
     view._release()
     assert model.run is not before
     assert "let the step go" not in view.figures.object
@@ -79,7 +79,7 @@ def test_one_section_has_no_plane(view: SpeedLimitsView) -> None:
 
 
 def test_a_run_out_of_its_window_is_marked(view: SpeedLimitsView) -> None:
-    assert "in 213.8" in view.figures.object
+    assert "allowed 213.8 to" in view.figures.object
     view.model.sections[0].limit_kmh = 70.0
     assert "s too early" in view.figures.object
     view.model.set([20.0, 20.0], [1200.0])

@@ -23,8 +23,8 @@ def test_every_shipped_scenario_has_one_card() -> None:
     ("name", "words"),
     [
         # energies and times as `railjoule solve` has them
-        ("tram-950m", "Phases: 1.053 kWh in 95.0 s"),
-        ("kharkiv-like-20kmh", "Speed limits: 5.92 kWh in 436.3 s (432.0 s asked)"),
+        ("tram-950m", "Four phases: 1.053 kWh in 95.0 s"),
+        ("kharkiv-like-20kmh", "Set speeds: 5.92 kWh in 436.3 s (432.0 s allowed)"),
         ("liashenko-ii", "2.224 kWh in 133.7 s"),
     ],
 )

@@ -80,7 +80,7 @@ def test_the_nameplates_voltage_weakens_the_field():
     assert weak.max_phase_voltage_v <= 637.0
     assert weak.rotor_flux_vs.min() < 0.7 * 2.73
     assert abs(weak.final_error_m) <= 0.01
-    assert any("limit of 637 V a phase weakens the flux" in note for note in weak.notes)
+    assert any("limit of 637 V per phase weakens the flux" in note for note in weak.notes)
 
 
 def test_a_voltage_that_the_profile_exceeds_is_told():
@@ -89,7 +89,7 @@ def test_a_voltage_that_the_profile_exceeds_is_told():
     assert held.max_phase_voltage_v <= 430.0 * (1 + 1e-12)
     span = next(span for span in held.saturated if span.what == "voltage")
     assert span.lag_m > 1
-    assert any("the voltage limit of 430 V a phase holds the machines back" in note for note in held.notes)
+    assert any("the voltage limit of 430 V per phase holds the machines back" in note for note in held.notes)
 
 
 def test_a_current_that_the_profile_exceeds_is_told():
@@ -114,7 +114,7 @@ def test_a_brake_that_is_too_weak_overruns_and_says_so():
     overrun = driven(drive__machine__max_current_a=220.0)
     assert overrun.final_error_m > 10
     assert overrun.delay_s > 10
-    assert any("beyond its end" in note for note in overrun.notes)
+    assert any("overshoots its end" in note for note in overrun.notes)
 
 
 @pytest.mark.parametrize("factor", [0.6, 1.5])
@@ -261,7 +261,7 @@ def test_a_loop_that_breaks_out_ends_in_one_sentence():
 
 
 def test_a_train_that_its_machines_do_not_carry_on_is_told():
-    with pytest.raises(InfeasibleLineError, match=r"after 660 s .* with 810 A and 1 V its machines do not carry it on"):
+    with pytest.raises(InfeasibleLineError, match=r"after 660 s .* with 810 A and 1 V its machines cannot move it on"):
         driven(drive__machine__max_phase_voltage_v=1.0)
 
 

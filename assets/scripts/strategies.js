@@ -1,0 +1,64 @@
+// The strategies: which run all numbers speak of, which are drawn, and what each of them needs.
+
+const make = (tag, name, html = "") => {
+  const element = document.createElement(tag);
+  element.className = name;
+  element.innerHTML = html;
+  return element;
+};
+
+export function render({model}) {
+  const root = make("div", "strategies");
+  root.setAttribute("role", "group");
+  root.setAttribute("aria-label", "Strategies");
+  const head = make("div", "strategy head",
+    '<span class="one">this run</span><span class="draw">draw</span><span></span><span></span><span></span>' +
+    '<span class="heads"><span>kWh</span><span class="above"></span></span>');
+  head.setAttribute("aria-hidden", "true");
+  root.append(head);
+  const rows = new Map();
+  for (const {name, label, swatch, info} of model.strategies) {
+    const row = make("div", "strategy");
+    const radio = make("input", "one"), box = make("input", "draw");
+    Object.assign(radio, {type: "radio", name: "this-run", value: name});
+    radio.setAttribute("aria-label", label);
+    box.type = "checkbox";
+    box.setAttribute("aria-label", `Draw ${label}`);
+    const text = make("label", "name");
+    text.textContent = label;
+    text.addEventListener("click", () => radio.click());
+    const result = make("span", "result");
+    row.append(radio, box, make("span", "swatch", swatch), text, make("span", "", info), result);
+    radio.addEventListener("change", () => {
+      model.send_msg({kind: "choose", name});
+      for (const [other, one] of rows) { mark(one, other === name, one.box.dataset.ticked === "1"); }
+    });
+    box.addEventListener("change", () => {
+      box.dataset.ticked = +box.checked;
+      model.send_msg({kind: "draw", name, on: box.checked});
+    });
+    rows.set(name, {row, radio, box, result});
+    root.append(row);
+  }
+  const mark = ({row, radio, box}, chosen, ticked) => {
+    row.classList.toggle("chosen", chosen);
+    radio.checked = chosen;
+    box.dataset.ticked = +ticked;
+    // the run that all numbers speak of is always drawn
+    box.checked = chosen || ticked;
+    box.disabled = chosen;
+  };
+  const show = () => {
+    for (const [name, one] of rows) {
+      mark(one, name === model.chosen, model.ticked.includes(name));
+      const html = model.results[name] ?? "";
+      if (one.html !== html) { one.html = html; one.result.innerHTML = html; }
+      one.row.classList.toggle("refused", html.includes("reason"));
+    }
+    head.querySelector(".above").textContent = model.above;
+    root.classList.toggle("undrawn", !model.draws);
+  };
+  for (const name of ["chosen", "ticked", "results", "above", "draws"]) { model.on(name, show); }
+  show();
+  return root;
+}

@@ -1,0 +1,123 @@
+"""An independent check of a run: from the scenario's own keys and the equations, with none of the product's kernels.
+
+It asks whether motion, efforts, powers, times and sums of a run fit together, and keep every limit of scenario, vehicle
+and motors. Each rule has its largest deviation, as a share of a stated scale, and what of it is allowed. The equations
+and their sources stand in the modules: `train` (masses, line, running resistance), `motion`, `efforts`, `powers`,
+`account`, and the drives' loss models in `drives`, `loss_map`, `induction` and `synchronous`. import-linter holds that
+none of it imports a drive, a solver or the account that it checks.
+
+What it cannot know: whether the vehicle's data are right, and whether a run could be cheaper; the bound is only held
+against the energy. The losses of synchronous motors are exact here and tabulated in the product, so that they agree
+only within a share of the losses, `synchronous.TABLE_ACCURACY`.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from railjoule.core.check.account import account_findings
+from railjoule.core.check.case import Case
+from railjoule.core.check.efforts import effort_findings
+from railjoule.core.check.motion import motion_findings, order_finding
+from railjoule.core.check.powers import power_findings
+from railjoule.core.check.record import Record, record_of_run, record_of_table
+from railjoule.core.check.result import Check, CheckResult, Finding, Unchecked, largest_of, result_of
+from railjoule.core.scenario import Scenario, StrategyName
+from railjoule.core.units import MS_PER_KMH
+
+__all__ = ["Check", "CheckResult", "Unchecked", "check_run", "check_table"]
+
+
+def check_run(
+    scenario: Scenario, run: Any, *, initial_speed_ms: float | None = None, final_speed_ms: float | None = None
+) -> CheckResult:
+    """Return how well a run keeps the rules of its scenario.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What was asked for.
+    run : Trajectory
+        Or anything with its fields.
+    initial_speed_ms, final_speed_ms : float, optional
+        Speeds at the ends of the run [m/s]; those of the timetable where absent.
+    """
+    return _check(scenario, record_of_run(run), initial_speed_ms, final_speed_ms)
+
+
+def check_table(
+    scenario: Scenario,
+    table: Mapping[str, Any],
+    strategy: StrategyName | None = None,
+    *,
+    initial_speed_ms: float | None = None,
+    final_speed_ms: float | None = None,
+) -> CheckResult:
+    """Return how well the nodes of a run keep the rules of its scenario, as far as a table tells.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What was asked for.
+    table : mapping of str to array of nodes
+        Columns as `Trajectory.to_dataframe` has them, of which position_m, time_s and speed_kmh must be there.
+    strategy : str, optional
+        Who made the run, the scenario's where absent: some may be late.
+    initial_speed_ms, final_speed_ms : float, optional
+        Speeds at the ends of the run [m/s]; those of the timetable where absent.
+
+    Raises
+    ------
+    ScenarioError
+        If a column that must be there is missing, or one holds no numbers.
+    """
+    record = record_of_table(table, scenario.vehicle, strategy or scenario.strategy)
+    return _check(scenario, record, initial_speed_ms, final_speed_ms)
+
+
+def _check(scenario: Scenario, record: Record, initial_ms: float | None, final_ms: float | None) -> CheckResult:
+    ends = [
+        # not every version of the format has speeds at the ends
+        getattr(scenario.timetable, key, 0.0) * MS_PER_KMH if given is None else given
+        for given, key in ((initial_ms, "entry_speed_kmh"), (final_ms, "exit_speed_kmh"))
+    ]
+    # numbers of any size may stand in a table: what overflows breaks a rule, and needs no warning
+    with np.errstate(all="ignore"):
+        return result_of(list(_findings(Case(scenario, record, *ends))))
+
+
+def _findings(case: Case) -> Iterator[Finding]:
+    finite = _finite(case.record)
+    yield finite
+    if not finite.ok:
+        yield Unchecked("all other rules", "the run has numbers that are not finite")
+        return
+    order = order_finding(case)
+    yield order
+    if not order.ok:
+        yield Unchecked("all other rules", "places, times or speeds fall where they must not")
+        return
+    yield from motion_findings(case)
+    yield from effort_findings(case)
+    yield from power_findings(case)
+    yield from account_findings(case)
+
+
+def _finite(record: Record) -> Check:
+    """Count the numbers that are not finite."""
+    nodes = np.zeros(len(record.position_m))
+    whole = 0
+    for values in record.numbers():
+        wrong = ~np.isfinite(values)
+        if len(values) == 1:
+            whole += int(wrong[0])
+        else:
+            nodes[: len(values)] += wrong
+    if not nodes.any():
+        return largest_of("finite numbers", "one number", 0.0, float(whole))
+    # the place of the first, as the places themselves may be none
+    first = int(np.argmax(nodes > 0))
+    place = record.position_m[first]
+    total = float(nodes.sum() + whole)
+    return Check("finite numbers", total, 0.0, float(place) if np.isfinite(place) else None, "one number")

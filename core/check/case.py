@@ -1,0 +1,211 @@
+"""A run together with all that it is held against."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from railjoule.core.arrays import BoolArray, FloatArray
+from railjoule.core.check.drives import loss_model
+from railjoule.core.check.loss_model import Losses, LossModel
+from railjoule.core.check.record import Record
+from railjoule.core.check.train import Route, Train, route_of, train_of
+from railjoule.core.scenario import Scenario
+
+ROUNDED_SPEED = 1e-9
+"""A solver tells speeds to this share: over a short cell that is much force."""
+OFF = 1e-6
+"""Efforts below this share of the largest one may be rounding, and then the drive is off."""
+SMALL_LOSS_SHARE = 0.1
+"""Losses below this share of the largest are told no better than those."""
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A run, its scenario, and what follows from both; arrays are of the k cells in which the train moves on.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        What was asked for.
+    record : Record
+        The run.
+    initial_speed_ms, final_speed_ms : float
+        Speeds that the ends ask for [m/s].
+    """
+
+    scenario: Scenario
+    record: Record
+    initial_speed_ms: float
+    final_speed_ms: float
+
+    @cached_property
+    def train(self) -> Train:
+        """Masses and running resistance."""
+        return train_of(self.scenario.vehicle)
+
+    @cached_property
+    def route(self) -> Route:
+        """The line in running order."""
+        return route_of(self.scenario)
+
+    @cached_property
+    def model(self) -> LossModel:
+        """The drive."""
+        return loss_model(self.scenario.vehicle.drive)
+
+    @cached_property
+    def gradient_permille(self) -> FloatArray:
+        """Mean gradient under the train."""
+        return self.route.gradient_permille(*self._ends_m)
+
+    @cached_property
+    def gradient_n(self) -> FloatArray:
+        """Force of the gradient against the train [N]."""
+        return self.train.weight_kn * self.gradient_permille
+
+    @cached_property
+    def curve_n(self) -> FloatArray:
+        """Curve resistance [N]."""
+        curvature = self.route.curvature_per_m(*self._ends_m)
+        return self.train.weight_kn * self.train.curve_constant_m_n_per_kn * curvature
+
+    @cached_property
+    def resistance_n(self) -> FloatArray:
+        """Running resistance [N]."""
+        train, record = self.train, self.record
+        mean_speed2 = 0.5 * (record.entering_speed2 + record.leaving_speed2)
+        quadratic = train.quadratic * self.route.tunnel_factor(*self._ends_m)
+        resistance: FloatArray = train.constant_n + train.linear * record.mean_speed_ms + quadratic * mean_speed2
+        return resistance
+
+    @cached_property
+    def acceleration_ms2(self) -> FloatArray:
+        """Change of v^2 over twice the length [m/s2]."""
+        change: FloatArray = self.record.leaving_speed2 - self.record.entering_speed2
+        return 0.5 * change / self.record.length_m
+
+    @cached_property
+    def needed_n(self) -> FloatArray:
+        """Force at the wheels that the motion needs [N]."""
+        inertia: FloatArray = self.train.inertia_kg * self.acceleration_ms2
+        return inertia + self.resistance_n + self.gradient_n + self.curve_n
+
+    @cached_property
+    def rounding_ms2(self) -> FloatArray:
+        """What a change of the speeds in their last told digit makes of the acceleration [m/s2]."""
+        greatest: FloatArray = np.maximum(self.record.entering_speed2, self.record.leaving_speed2)
+        return ROUNDED_SPEED * greatest / self.record.length_m
+
+    @cached_property
+    def rounding_n(self) -> FloatArray:
+        """The same as a force [N]."""
+        return self.train.inertia_kg * self.rounding_ms2
+
+    @cached_property
+    def rounding_permille(self) -> FloatArray:
+        """What the rounding of places makes of the mean gradient of a short cell [per mille]."""
+        route = self.route
+        steepest = max(abs(section.gradient_permille) for section in route.sections)
+        # over a train's length it is a difference of integrals of integrals
+        spread = max(route.length_m / route.train_m, 1.0) if route.train_m is not None and route.cars is None else 1.0
+        return 10 * steepest * spread * self.rounding_share
+
+    @cached_property
+    def rounding_share(self) -> FloatArray:
+        """Last digit of the length of the line over the length of each cell: how well its ends tell it."""
+        share: FloatArray = np.finfo(float).eps * self.route.length_m / self.record.length_m
+        return share
+
+    @cached_property
+    def large_effort_n(self) -> float:
+        """The largest effort of the run or, where it is less, a hundredth of the weight [N]: a scale for efforts."""
+        effort = self.record.effort_n
+        largest = float(np.max(np.abs(effort), initial=0.0)) if effort is not None else 0.0
+        return max(largest, 10.0 * self.train.weight_kn)
+
+    @cached_property
+    def moved_j(self) -> float:
+        """The work at the wheels or at the line with either sign, whichever is more [J]: a scale for energies."""
+        record = self.record
+        wheels = float(np.sum(np.abs(self.needed_n) * record.length_m))
+        told = record.line_power_w
+        line = 0.0 if told is None else float(np.sum(np.abs(told) * np.diff(record.time_s)))
+        return max(wheels, line, 1.0)
+
+    @cached_property
+    def drive_power_w(self) -> FloatArray:
+        """What the line gives to the drive, as the run tells it: auxiliaries apart [W]."""
+        assert self.record.line_power_w is not None
+        return self.record.moving(self.record.line_power_w) - self.auxiliary_power_w
+
+    @cached_property
+    def electric_n(self) -> FloatArray:
+        """Effort of the drive, braking negative [N]; that of all brakes where the run does not tell the drive's."""
+        record = self.record
+        assert record.effort_n is not None
+        if record.electric_braking_n is None or record.tractive_effort_n is None:
+            return record.moving(record.effort_n)
+        return record.moving(record.tractive_effort_n - record.electric_braking_n)
+
+    @cached_property
+    def off(self) -> BoolArray:
+        """Where the drive is off: without effort, or with one that the run itself takes for rounding."""
+        rounding = np.abs(self.electric_n) <= OFF * self.large_effort_n
+        off: BoolArray = (self.electric_n == 0) | (rounding & (self.drive_power_w == 0))
+        return off
+
+    @cached_property
+    def losses_w(self) -> Losses:
+        """What the drive loses by its formulas, by kind [W]; NaN where its motors cannot give the effort."""
+        losses = self.model.losses_w(self.electric_n, self.record.mean_speed_ms)
+        return {kind: np.where(self.off, 0.0, watts) for kind, watts in losses.items()}
+
+    @cached_property
+    def terminal_power_w(self) -> FloatArray:
+        """What the drive takes by its formulas, negative where it generates [W]; NaN as there."""
+        work = self.electric_n * self.record.mean_speed_ms
+        power: FloatArray = np.where(self.off, 0.0, work) + sum(self.losses_w.values(), np.zeros(len(work)))
+        return power
+
+    @cached_property
+    def unsure_w(self) -> FloatArray:
+        """By how much a right power may differ, as the drive's losses are tabulated [W]."""
+        losses = np.nan_to_num(sum(self.losses_w.values(), np.zeros(len(self.electric_n))))
+        unsure: FloatArray = self.model.accuracy * (losses + SMALL_LOSS_SHARE * np.max(losses, initial=0.0))
+        return unsure
+
+    @cached_property
+    def electric_limit_n(self) -> FloatArray:
+        """Largest effort of the electric brake, within the limits of vehicle and motors [N]."""
+        braking, speed = self.scenario.vehicle.braking, self.record.mean_speed_ms
+        limit = self.model.largest_effort_n(speed, True)
+        if braking.max_effort_kn is not None:
+            limit = np.minimum(limit, braking.max_effort_kn * 1e3)
+        if braking.max_power_kw is not None:
+            limit = np.minimum(limit, braking.max_power_kw * 1e3 / np.maximum(speed, 1e-9))
+        return limit
+
+    def at_line_w(self, terminal_power_w: FloatArray) -> FloatArray:
+        """Return what the line gives for a power of the drive [W]: it takes back a share of what is generated."""
+        return np.where(terminal_power_w < 0, self.recuperation_factor * terminal_power_w, terminal_power_w)
+
+    def line_power_at_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
+        """Return the line power of the drive for electric efforts at speeds [W]; off without effort; NaN as there."""
+        losses = sum(self.model.losses_w(effort_n, speed_ms).values(), np.zeros(len(speed_ms)))
+        return self.at_line_w(np.where(effort_n == 0, 0.0, effort_n * speed_ms + losses))
+
+    @property
+    def auxiliary_power_w(self) -> float:
+        """Power of the auxiliaries [W]."""
+        return self.scenario.vehicle.auxiliary_power_kw * 1e3
+
+    @property
+    def recuperation_factor(self) -> float:
+        """Share of the generated energy that the line takes back."""
+        return self.scenario.vehicle.drive.recuperation_factor
+
+    @property
+    def _ends_m(self) -> tuple[FloatArray, FloatArray]:
+        record = self.record
+        return record.moving(record.position_m[:-1]), record.moving(record.position_m[1:])

@@ -1,0 +1,117 @@
+"""Whether the efforts keep the limits of vehicle and motors, and the brakes share as they must.
+
+Limits hold at a cell's mean speed, where its effort acts. What the last told digit of the speeds makes of a force is
+taken off first.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.check.case import Case
+from railjoule.core.check.result import Check, Finding, Unchecked, largest_of
+from railjoule.core.units import MS_PER_KMH
+
+ROUNDED_LIMIT = 2e-6
+"""A vehicle without an electric brake may have a billionth of its tractive effort, and solvers stop near a limit."""
+TABULATED = 2e-3
+"""The product rounds the corners of limits that vary with speed, those of motors and curves; here they are exact."""
+LEAST_SHARE = 0.01
+"""Of the largest effort; limits below it count as this much, or a deviation would be a share of nothing."""
+
+
+def effort_findings(case: Case) -> Iterator[Finding]:
+    """Yield all findings about a run's efforts."""
+    record = case.record
+    if record.effort_n is None or record.tractive_effort_n is None:
+        yield Unchecked("efforts and their limits", "the table has no column effort_kn")
+        return
+    yield from _traction(case, record.moving(record.tractive_effort_n))
+    if record.electric_braking_n is None or record.friction_braking_n is None:
+        yield from _all_brakes(case, np.maximum(-record.moving(record.effort_n), 0.0))
+        return
+    electric, friction = record.moving(record.electric_braking_n), record.moving(record.friction_braking_n)
+    yield from _brakes(case, electric, friction)
+    yield _signs(case)
+    yield _sharing(case, electric, friction)
+
+
+def _traction(case: Case, effort_n: FloatArray) -> Iterator[Check]:
+    traction, speed = case.scenario.vehicle.traction, case.record.mean_speed_ms
+    if traction.max_effort_kn is not None:
+        yield _effort(case, "tractive effort", effort_n, np.full(len(effort_n), traction.max_effort_kn * 1e3))
+    if traction.max_power_kw is not None:
+        yield _power(case, "tractive power", effort_n, traction.max_power_kw * 1e3)
+    if traction.curve is not None:
+        kmh, kn = np.array(traction.curve).T
+        limit = np.interp(speed, kmh * MS_PER_KMH, kn * 1e3)
+        yield _effort(case, "curve of tractive effort", effort_n, limit, TABULATED)
+    yield from _motors(case, "motors while driving", effort_n, False)
+
+
+def _brakes(case: Case, electric_n: FloatArray, friction_n: FloatArray) -> Iterator[Check]:
+    braking = case.scenario.vehicle.braking
+    if braking.max_effort_kn is not None:
+        limit = np.full(len(electric_n), braking.max_effort_kn * 1e3)
+        yield _effort(case, "electric braking effort", electric_n, limit)
+    if braking.max_power_kw is not None:
+        yield _power(case, "electric braking power", electric_n, braking.max_power_kw * 1e3)
+    yield from _motors(case, "motors while braking", electric_n, True)
+    limit = np.full(len(friction_n), braking.friction_effort_kn * 1e3)
+    yield _effort(case, "friction braking effort", friction_n, limit)
+
+
+def _all_brakes(case: Case, braking_n: FloatArray) -> Iterator[Finding]:
+    """Compare the sum of the brakes alone, where nothing tells how they share."""
+    friction = case.scenario.vehicle.braking.friction_effort_kn * 1e3
+    excess = (braking_n - case.electric_limit_n - friction - case.rounding_n) / case.large_effort_n
+    yield largest_of("effort of all brakes", "the largest effort", TABULATED, excess, case.record.middle_m)
+    for name in ("electric braking effort", "friction braking effort", "sharing of the brakes"):
+        yield Unchecked(name, "the table tells one effort for both brakes")
+
+
+def _effort(case: Case, name: str, effort_n: FloatArray, limit_n: FloatArray, allowed: float = ROUNDED_LIMIT) -> Check:
+    excess = (effort_n - limit_n - case.rounding_n) / case.large_effort_n
+    return largest_of(name, "the largest effort", allowed, excess, case.record.middle_m)
+
+
+def _power(case: Case, name: str, effort_n: FloatArray, limit_w: float) -> Check:
+    excess = (effort_n - case.rounding_n) * case.record.mean_speed_ms / limit_w - 1
+    return largest_of(name, "the limit", ROUNDED_LIMIT, excess, case.record.middle_m)
+
+
+def _motors(case: Case, name: str, effort_n: FloatArray, braking: bool) -> Iterator[Check]:
+    """Compare with the largest effort of the motors, if they have a limit of their own."""
+    used = effort_n > 0
+    limit = case.model.largest_effort_n(case.record.mean_speed_ms[used], braking)
+    if np.isinf(limit).all():
+        return
+    scale = np.maximum(limit, LEAST_SHARE * case.large_effort_n)
+    excess = (effort_n[used] - limit - case.rounding_n[used]) / scale - ROUNDED_LIMIT
+    yield largest_of(name, "the motors' largest effort", TABULATED, excess, case.record.middle_m[used])
+
+
+def _signs(case: Case) -> Check:
+    """Compare each part with zero, and driving with braking: never both at once."""
+    record = case.record
+    assert record.tractive_effort_n is not None
+    assert record.electric_braking_n is not None
+    assert record.friction_braking_n is not None
+    parts = np.array([record.tractive_effort_n, record.electric_braking_n, record.friction_braking_n])
+    both = np.minimum(parts[0], parts[1] + parts[2])
+    misses = np.maximum(both, -parts.min(axis=0)) / case.large_effort_n
+    return largest_of("drives or brakes, not both", "the largest effort", ROUNDED_LIMIT, misses, record.position_m[:-1])
+
+
+def _sharing(case: Case, electric_n: FloatArray, friction_n: FloatArray) -> Check:
+    """Compare with a full electric brake: friction may only do what it cannot, or what would cost line power."""
+    used = friction_n > ROUNDED_LIMIT * case.large_effort_n
+    electric, speed = electric_n[used], case.record.mean_speed_ms[used]
+    full = np.minimum(electric + friction_n[used], np.maximum(case.electric_limit_n[used], electric))
+    lost = case.line_power_at_w(-electric, speed) - case.line_power_at_w(-full, speed)
+    if case.record.line_power_w is not None:
+        lost = lost - 2 * case.unsure_w[used]
+    scale = np.maximum(full * speed, 1e-3 * case.large_effort_n * np.max(speed, initial=1.0))
+    share = np.nan_to_num(lost / scale)
+    return largest_of("sharing of the brakes", "the braking power", TABULATED, share, case.record.middle_m[used])

@@ -1,0 +1,202 @@
+"""Whether a run moves as it must: places, times, stops, speeds, accelerations, arrival, and the forces that it needs.
+
+In a cell the net force is constant, so v^2 is linear over distance: a cell of the length h takes 2 h / (v0 + v1) and
+its acceleration is (v1^2 - v0^2) / (2 h).
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from railjoule.core.check.case import Case
+from railjoule.core.check.result import Check, Finding, Unchecked, largest_of
+from railjoule.core.units import MS_PER_KMH
+
+SAME_PLACE_M = 1e-5
+ROUNDING, ROUNDED_GRADIENT, ROUNDED_FORCE = 1e-7, 1e-10, 1e-5
+ROUNDED_SPEED, ROUNDED_ACCELERATION = 1e-6, 1e-5
+LATE_S, LATE_SHARE = 1e-6, 2e-9
+"""A timetable is kept to a millionth of a second, or to the rounding of a long sum of times."""
+PRICED = 1e-5
+"""An early arrival may cost what five digits of the energy do not tell."""
+STATED_FORCE = 1e-6
+
+
+def motion_findings(case: Case) -> Iterator[Finding]:
+    """Yield all findings about a run's motion."""
+    yield _whole_line(case)
+    yield _end_speeds(case)
+    yield _cell_lengths(case)
+    yield _cell_times(case)
+    yield from _stops(case)
+    yield from _arrival(case)
+    yield _speed_limit(case)
+    yield from _accelerations(case)
+    yield _gradient(case)
+    yield _forces(case)
+
+
+def order_finding(case: Case) -> Check:
+    """Return whether places and times rise, and no speed is negative."""
+    record, most = case.record, float(np.max(np.abs(case.record.speed_ms)))
+    back = np.maximum.reduce(
+        [
+            -np.diff(record.position_m) / max(case.route.length_m, 1.0),
+            -np.diff(record.time_s) / max(float(np.ptp(record.time_s)), 1.0),
+            -np.minimum(record.speed_ms[:-1], record.speed_ms[1:]) / max(most, 1.0),
+        ]
+    )
+    return largest_of(
+        "places, times and speeds rise from zero",
+        "the line, the time or the greatest speed",
+        0.0,
+        back,
+        record.position_m[:-1],
+    )
+
+
+def _whole_line(case: Case) -> Check:
+    ends, length = case.record.position_m[[0, -1]], case.route.length_m
+    misses = np.abs(ends - [0.0, length]) / length
+    return largest_of("whole line driven", "the line", ROUNDING, misses, ends)
+
+
+def _end_speeds(case: Case) -> Check:
+    record = case.record
+    misses = np.abs(record.speed_ms[[0, -1]] - [case.initial_speed_ms, case.final_speed_ms])
+    most = case.scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH
+    return largest_of(
+        "speeds at the ends", "the vehicle's top speed", ROUNDING, misses / most, record.position_m[[0, -1]]
+    )
+
+
+def _cell_lengths(case: Case) -> Check:
+    """Compare cells with the last digit of their places: in a shorter one forces are nothing but rounding."""
+    return largest_of(
+        "cells long enough for their places",
+        "the cell, its ends' last digit",
+        ROUNDED_FORCE,
+        case.rounding_share,
+        case.record.middle_m,
+    )
+
+
+def _cell_times(case: Case) -> Check:
+    record = case.record
+    with np.errstate(divide="ignore"):
+        times = record.length_m / record.mean_speed_ms
+    misses = np.abs(record.duration_s - times) / np.maximum(record.duration_s, 1.0)
+    return largest_of("time of each cell", "the cell's time, at least 1 s", ROUNDING, misses, record.middle_m)
+
+
+def _stops(case: Case) -> Iterator[Check]:
+    """Stand at each station for its dwell, and nowhere else but before the start."""
+    record, stops = case.record, case.route.stops
+    waits = np.where(record.moves, 0.0, np.diff(record.time_s))
+    places = record.position_m[:-1]
+    waits[places <= places[0]] = 0.0
+    most = case.scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH
+    passing, misses = [], []
+    for stop in stops:
+        passing.append(_speed_at(case, stop.position_m) / most)
+        here = np.abs(places - stop.position_m) < SAME_PLACE_M
+        misses.append(abs(float(waits[here].sum()) - stop.dwell_s) / max(stop.dwell_s, 1.0))
+        waits[here] = 0.0
+    at = np.array([stop.position_m for stop in stops])
+    still = ~record.moves
+    before, after = record.speed_ms[:-1][still], record.speed_ms[1:][still]
+    rolling = np.where(np.diff(record.time_s)[still] > 0, np.maximum(before, after), np.abs(after - before)) / most
+    yield largest_of("stands still where it stands", "the vehicle's top speed", ROUNDING, rolling, places[still])
+    if stops:
+        yield largest_of("stops", "the vehicle's top speed", ROUNDING, np.array(passing), at)
+    yield largest_of(
+        "standing times",
+        "the dwell, at least 1 s",
+        ROUNDING,
+        np.concatenate([np.array(misses), waits]),
+        np.concatenate([at, places]),
+    )
+
+
+def _speed_at(case: Case, position_m: float) -> float:
+    """Return the least speed at a place [m/s]: that of its node, or between two."""
+    record = case.record
+    near = np.abs(record.position_m - position_m) < SAME_PLACE_M
+    if near.any():
+        return float(record.speed_ms[near].min())
+    return float(np.sqrt(np.interp(position_m, record.position_m, record.speed_ms**2)))
+
+
+def _arrival(case: Case) -> Iterator[Finding]:
+    record, scenario = case.record, case.scenario
+    taken, due = float(record.time_s[-1] - record.time_s[0]), scenario.travel_time_s
+    allowed = max(LATE_S / due, LATE_SHARE)
+    reason = _untimed(case)
+    if reason:
+        yield Unchecked("late arrival", reason)
+    else:
+        window = scenario.search.time_window if record.strategy == "speed_limits" else 0.0
+        latest = due + window * (due - sum(stop.dwell_s for stop in case.route.stops))
+        yield largest_of("late arrival", "the timetable's time", allowed, (taken - latest) / due)
+    early = due - taken - allowed * due
+    if record.price_of_time_w is None:
+        yield Unchecked("early arrival", "no price of time is known, so it may cost nothing")
+    else:
+        lost = max(early, 0.0) * record.price_of_time_w
+        yield largest_of("early arrival", "the energy moved, by the price of time", PRICED, lost / case.moved_j)
+
+
+def _untimed(case: Case) -> str:
+    """Return why a run keeps no timetable, or nothing."""
+    strategy, search = case.record.strategy, case.scenario.search
+    if strategy == "fastest":
+        return "the fastest run has no timetable to keep"
+    if strategy == "speed_limits" and search.limits_kmh is not None:
+        return "given limits take the time that they take"
+    if strategy == "speed_limits" and search.regulator == "literal":
+        return "the printed regulator is not searched with, and promises no time"
+    return ""
+
+
+def _speed_limit(case: Case) -> Check:
+    """Compare speeds within cells: between two nodes v^2 is linear, so the greatest is at a border of a limit."""
+    record, route = case.record, case.route
+    places = np.unique(np.concatenate([record.position_m, route.limit_borders_m]))
+    places = places[(places >= record.position_m[0]) & (places <= record.position_m[-1])]
+    speed2 = np.interp(places, record.position_m, record.speed_ms**2)
+    # a piece that is no longer than rounding belongs to a border that fell beside its node
+    whole = np.diff(places) > SAME_PLACE_M
+    middle = (0.5 * (places[1:] + places[:-1]))[whole]
+    fastest = np.sqrt(np.maximum(speed2[1:], speed2[:-1])[whole])
+    limit = np.minimum(route.speed_limit_ms(middle), case.scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH)
+    return largest_of("speed limit", "the limit", ROUNDED_SPEED, fastest / limit - 1, middle)
+
+
+def _accelerations(case: Case) -> Iterator[Check]:
+    vehicle, middle = case.scenario.vehicle, case.record.middle_m
+    for name, change, limit in (
+        ("acceleration", case.acceleration_ms2, vehicle.traction.max_acceleration_ms2),
+        ("deceleration", -case.acceleration_ms2, vehicle.braking.max_deceleration_ms2),
+    ):
+        if limit is not None:
+            excess = (change - case.rounding_ms2) / limit - 1
+            yield largest_of(name, "the limit", ROUNDED_ACCELERATION, excess, middle)
+
+
+def _gradient(case: Case) -> Finding:
+    told = case.record.gradient_permille
+    if told is None:
+        return Unchecked("gradient", "the table has no column gradient_permille")
+    misses = np.maximum(np.abs(case.record.moving(told) - case.gradient_permille) - case.rounding_permille, 0.0)
+    return largest_of("gradient", "the weight", ROUNDED_GRADIENT, 1e-3 * misses, case.record.middle_m)
+
+
+def _forces(case: Case) -> Finding:
+    """Inertia, running resistance, gradient and curve against the efforts."""
+    if case.record.effort_n is None:
+        return Unchecked("balance of forces", "the table has no column effort_kn")
+    told = case.record.moving(case.record.effort_n)
+    scale = np.maximum(np.abs(told), np.abs(case.needed_n)) + STATED_FORCE * 1e3 * case.train.weight_kn
+    rounding = 1e-3 * case.rounding_n + case.train.weight_kn * case.rounding_permille
+    misses = np.maximum(np.abs(told - case.needed_n) - rounding, 0.0) / scale
+    return largest_of("balance of forces", "the force", ROUNDED_FORCE, misses, case.record.middle_m)

@@ -1,0 +1,194 @@
+"""The numbers of a run as the check takes them, from a trajectory or from a table of its nodes."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from railjoule.core.arrays import BoolArray, FloatArray
+from railjoule.core.errors import ScenarioError
+from railjoule.core.scenario import Vehicle
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+
+NEEDED_COLUMNS = ("position_m", "time_s", "speed_kmh")
+FEWEST_NODES = 2
+ENERGIES = (
+    *("traction_j", "recuperated_j", "auxiliary_j", "running_resistance_j", "curve_resistance_j"),
+    *("kinetic_j", "potential_j"),
+)
+"""The entries of an energy account but its losses by kind."""
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """A run with n + 1 nodes and n cells; None where its source does not tell.
+
+    Parameters
+    ----------
+    strategy : str
+        Who made the run.
+    position_m, speed_ms, time_s : array of nodes
+        Places [m], speeds [m/s] and times [s].
+    effort_n : array of cells or None
+        Effort at the wheels, braking negative [N].
+    tractive_effort_n, electric_braking_n, friction_braking_n : array of cells or None
+        Its parts, all positive [N].
+    line_power_w : array of cells or None
+        Power taken from the line, auxiliaries included [W].
+    line_energy_j : array of nodes or None
+        Energy taken from it so far [J].
+    gradient_permille : array of cells or None
+        Mean gradient under the train.
+    current_a : array of cells or None
+        Current of one motor [A].
+    energies_j, losses_j : mapping of str to float, or None
+        The account [J]: the entries of `ENERGIES`, and losses by kind.
+    bound_j, gap, price_of_time_w : float or None
+        Lower bound of the energy [J], energy over it less 1, and what a second more would save [W].
+    """
+
+    strategy: str
+    position_m: FloatArray
+    speed_ms: FloatArray
+    time_s: FloatArray
+    effort_n: FloatArray | None = None
+    tractive_effort_n: FloatArray | None = None
+    electric_braking_n: FloatArray | None = None
+    friction_braking_n: FloatArray | None = None
+    line_power_w: FloatArray | None = None
+    line_energy_j: FloatArray | None = None
+    gradient_permille: FloatArray | None = None
+    current_a: FloatArray | None = None
+    energies_j: Mapping[str, float] | None = None
+    losses_j: Mapping[str, float] | None = None
+    bound_j: float | None = None
+    gap: float | None = None
+    price_of_time_w: float | None = None
+
+    @cached_property
+    def moves(self) -> BoolArray:
+        """Whether the train moves on in each cell; shape (n,). What follows is of these k cells."""
+        moves: BoolArray = np.diff(self.position_m) > 0
+        return moves
+
+    @cached_property
+    def middle_m(self) -> FloatArray:
+        """Where the middles of the cells are [m]; shape (k,)."""
+        return self.moving(0.5 * (self.position_m[1:] + self.position_m[:-1]))
+
+    @cached_property
+    def length_m(self) -> FloatArray:
+        """How long they are [m]; shape (k,)."""
+        return self.moving(np.diff(self.position_m))
+
+    @cached_property
+    def duration_s(self) -> FloatArray:
+        """How long they take [s]; shape (k,)."""
+        return self.moving(np.diff(self.time_s))
+
+    @cached_property
+    def entering_speed2(self) -> FloatArray:
+        """Squares of speed where they begin [m2/s2]; shape (k,)."""
+        return self.moving(self.speed_ms[:-1] ** 2)
+
+    @cached_property
+    def leaving_speed2(self) -> FloatArray:
+        """Squares of speed where they end [m2/s2]; shape (k,)."""
+        return self.moving(self.speed_ms[1:] ** 2)
+
+    @cached_property
+    def mean_speed_ms(self) -> FloatArray:
+        """Means of the speeds at their ends, which are their lengths over their times [m/s]; shape (k,)."""
+        return self.moving(0.5 * (self.speed_ms[:-1] + self.speed_ms[1:]))
+
+    def moving(self, values: FloatArray) -> FloatArray:
+        """Return the values of the cells in which the train moves on; shape (k,)."""
+        return values[self.moves]
+
+    def numbers(self) -> Iterator[FloatArray]:
+        """Yield all numbers of the run; those of the run as a whole as arrays of shape (1,)."""
+        for value in (getattr(self, field.name) for field in fields(self)):
+            if isinstance(value, Mapping):
+                yield from (np.array([joules], dtype=float) for joules in value.values())
+            elif isinstance(value, np.ndarray | float):
+                yield np.atleast_1d(np.asarray(value, dtype=float))
+
+
+def record_of_run(run: Any) -> Record:
+    """Return the record of a `railjoule.core.Trajectory`, or of anything with its fields."""
+    bound = run.bound
+    return Record(
+        strategy=run.strategy,
+        position_m=np.asarray(run.position_m, dtype=float),
+        speed_ms=np.asarray(run.speed_ms, dtype=float),
+        time_s=np.asarray(run.time_s, dtype=float),
+        effort_n=run.tractive_effort_n - run.electric_braking_n - run.friction_braking_n,
+        tractive_effort_n=run.tractive_effort_n,
+        electric_braking_n=run.electric_braking_n,
+        friction_braking_n=run.friction_braking_n,
+        line_power_w=run.line_power_w,
+        line_energy_j=run.line_energy_j,
+        gradient_permille=run.gradient_permille,
+        current_a=run.current_a,
+        energies_j={name: float(getattr(run.energy, name)) for name in ENERGIES},
+        losses_j=dict(run.energy.losses_j),
+        bound_j=None if bound is None else float(bound.energy_j),
+        gap=None if bound is None else float(run.gap),
+        price_of_time_w=None if run.price_of_time_w is None else float(run.price_of_time_w),
+    )
+
+
+def record_of_table(table: Mapping[str, Any], vehicle: Vehicle, strategy: str) -> Record:
+    """Return the record of a table of nodes, with the columns of `Trajectory.to_dataframe`.
+
+    Parameters
+    ----------
+    table : mapping of str to array of nodes
+        A data frame is one; efforts and powers are those of the cells that begin at the nodes.
+    vehicle : Vehicle
+        Without friction brakes, all of its braking is electric.
+    strategy : str
+        Who made the run.
+
+    Raises
+    ------
+    ScenarioError
+        If a column is missing or holds no numbers, or there are fewer than two nodes.
+    """
+    missing = [name for name in NEEDED_COLUMNS if name not in table]
+    if missing:
+        raise ScenarioError(f"has no column {missing[0]}; a run needs at least {', '.join(NEEDED_COLUMNS)}.")
+    position, time, speed = (_column(table, name) for name in NEEDED_COLUMNS)
+    if len(position) < FEWEST_NODES:
+        raise ScenarioError(f"has {len(position)} of at least {FEWEST_NODES} rows that a run needs.")
+    effort = _cells(table, "effort_kn", 1e3)
+    electric = friction = None
+    if effort is not None and vehicle.braking.friction_effort_kn == 0:
+        electric, friction = np.maximum(-effort, 0.0), np.zeros(len(effort))
+    return Record(
+        strategy=strategy,
+        position_m=position,
+        speed_ms=speed * MS_PER_KMH,
+        time_s=time,
+        effort_n=effort,
+        tractive_effort_n=None if effort is None else np.maximum(effort, 0.0),
+        electric_braking_n=electric,
+        friction_braking_n=friction,
+        line_power_w=_cells(table, "line_power_kw", 1e3),
+        line_energy_j=_column(table, "line_energy_kwh") * J_PER_KWH if "line_energy_kwh" in table else None,
+        gradient_permille=_cells(table, "gradient_permille", 1.0),
+        current_a=_cells(table, "current_a", 1.0),
+    )
+
+
+def _cells(table: Mapping[str, Any], name: str, factor: float) -> FloatArray | None:
+    return _column(table, name)[:-1] * factor if name in table else None
+
+
+def _column(table: Mapping[str, Any], name: str) -> FloatArray:
+    try:
+        return np.asarray(table[name], dtype=float)
+    except (TypeError, ValueError):
+        raise ScenarioError(f"holds something that is no number in its column {name}.") from None

@@ -1,0 +1,413 @@
+"""The glossary: every term and every number that the pages show, in at most 35 words each.
+
+It stands here alone: beside the terms on the pages, and as a whole on the page Help.
+"""
+
+import re
+from dataclasses import dataclass
+from functools import cache
+
+MOST_WORDS = 35
+
+
+@dataclass(frozen=True)
+class Term:
+    """One entry.
+
+    Parameters
+    ----------
+    name : str
+        What it is looked up by.
+    text : str
+        What it means here.
+    labels : tuple of str
+        What else it is called on the pages: labels of numbers and of fields.
+    """
+
+    name: str
+    text: str
+    labels: tuple[str, ...] = ()
+
+    @property
+    def slug(self) -> str:
+        """Its name in addresses and attributes."""
+        return re.sub(r"[^a-z0-9]+", "-", self.name.lower()).strip("-")
+
+
+STRATEGIES = (
+    Term(
+        "Optimal",
+        "The run that needs the least energy in the given time, found by an interior-point method. A lower "
+        "bound, computed separately, shows how far it can be from the true optimum.",
+        ("Optimum",),
+    ),
+    Term(
+        "Bellman",
+        "Dynamic programming: a search over a grid of positions and speeds, with a price on time. Slower than the "
+        "optimal solver and independent of it, so it serves as a check.",
+        ("Bellman's map",),
+    ),
+    Term(
+        "EOC",
+        "Energy-optimal control of the Ftorek paper: the effort that the optimality conditions prescribe, a "
+        "boundary value problem. It changes smoothly over the run. For level lines without limits.",
+    ),
+    Term(
+        "ENOC",
+        "Energy near-optimal control of the same paper: accelerate evenly, cruise, brake evenly, with ramps of "
+        "equal length. Its energy is a closed formula. For level lines without limits.",
+        ("ENOC energy",),
+    ),
+    Term(
+        "Four phases",
+        "The best run of four phases between two stops: full power, hold a speed, coast, brake. It is what "
+        "a driver can remember.",
+        ("Phases", "Phase"),
+    ),
+    Term(
+        "Set speeds",
+        "One set speed for each section of the line: below it the train drives, above it it coasts or brakes. "
+        "The strategy searches the set speeds that need the least energy.",
+        ("Speed limits",),
+    ),
+    Term(
+        "Fastest",
+        "The shortest possible run: full power, then the limits, then full braking. It shows how much time "
+        "there is to save energy with.",
+    ),
+)
+ENERGY = (
+    Term(
+        "Energy from the supply",
+        "What the train takes from the overhead line or third rail over the run, less what "
+        "it feeds back while braking. Auxiliaries such as heating are included.",
+        (
+            "Energy",
+            "Energy of the whole line",
+            "Energy from input power",
+            "Optimum at this time",
+            "Energy of a run",
+            "Planned run",
+        ),
+    ),
+    Term(
+        "Energy saved per extra second",
+        "Energy that arriving one second later would save. In the theory it is the "
+        "multiplier of the travel time, also called the price of a second.",
+        ("Extra second saves", "Price of a second", "Solved again", "saved per extra second, Wh"),
+    ),
+    Term(
+        "Above the optimum",
+        "By how much this run's energy exceeds that of the optimal run in the same time. Zero "
+        "with a tick means: proven to be the optimum.",
+        ("above optimum", "Above best known", "above"),
+    ),
+    Term(
+        "Bound",
+        "A lower bound: an energy below which no run can stay, computed separately from the run. The optimum "
+        "lies between the bound and the best run known.",
+        ("Above the bound", "bound"),
+    ),
+    Term(
+        "Gap",
+        "The distance between the best run known and the lower bound. No gap means that the run is proven "
+        "optimal; a gap of 1 % means that at most 1 % could be saved.",
+    ),
+    Term(
+        "Proven",
+        "The lower bound meets the run's energy within rounding, so no run that obeys the same model, time "
+        "and limits uses less. The sentence below the charts says what the proof covers.",
+    ),
+    Term(
+        "Best known",
+        "The run with the least energy that any strategy has found, where the optimum is not proven.",
+        ("Best known run",),
+    ),
+    Term(
+        "Recuperated energy",
+        "Energy that braking feeds back to the supply, losses of the powertrain already taken off.",
+        ("Recuperated", "Recuperation"),
+    ),
+    Term(
+        "Recuperation factor",
+        "Share of the braking energy, after losses of the powertrain, that the supply takes back. At "
+        "zero all of it is lost in brake resistors.",
+        ("Recuperation, %",),
+    ),
+    Term(
+        "Energy per tonne and kilometre",
+        "Energy from the supply divided by mass and distance: it compares runs of different trains and lines.",
+        ("Per tonne and km",),
+    ),
+    Term(
+        "Extra energy",
+        "What the actual run uses more, as a share of the energy of a plan made for the actual load: the cost of "
+        "wrong assumptions.",
+        ("Largest in table", "above a plan for that load"),
+    ),
+    Term(
+        "Agreement with print",
+        "A number of ours agrees with a printed one if it differs by at most 1 %, a percentage by at most one "
+        "percentage point.",
+        ("Numbers that agree", "Differ, with a reason", "Differ, unexplained", "Computed only by us"),
+    ),
+    Term(
+        "Saving",
+        "By how much less energy the first of two runs needs than the second, as a share of the second.",
+        ("Coasting saves", "Right plan saves"),
+    ),
+)
+TIME = (
+    Term(
+        "Travel time",
+        "Time from departure to standstill at the last stop, dwells at stations included.",
+        ("Travel time, s",),
+    ),
+    Term(
+        "Change of time",
+        "By how much the least energy changes if the travel time is a tenth longer or shorter.",
+        ("10 % more time", "10 % less time"),
+    ),
+    Term("Dwell", "How long the train stands at a station; it counts as travel time.", ("Dwell, s",)),
+    Term(
+        "Fixed arrival",
+        "An arrival that the timetable prescribes. Between two of them every second is worth the same energy.",
+        ("Arrives after, s",),
+    ),
+    Term("Late departure", "Simulated days depart late by this much on average.", ("Departure delay, mean, s",)),
+    Term("Slack", "Travel time beyond the shortest possible run. It is what coasting and lower speeds are paid with."),
+    Term(
+        "Supplement",
+        "Running-time supplement: the slack that a timetable plans for, so that delays can be made up.",
+        ("Equal reserve", "Proportional reserve", "Running-time supplement", "time reserve"),
+    ),
+    Term(
+        "Accepted delay",
+        "How late the train may arrive after an event. A later arrival needs less energy.",
+        ("Accepted delay, s",),
+    ),
+    Term(
+        "Delay",
+        "Arrival compared with the plan: plus is late, minus is early.",
+        (
+            "Arrival",
+            "Arrival error",
+            "Arrives",
+            "Driver arrives",
+            "Replanned run arrives",
+            "With notice arrives",
+            "late, s",
+        ),
+    ),
+    Term(
+        "Time window",
+        "How far the travel time under set speeds may differ from the timetable. Few limits seldom hit "
+        "the second exactly.",
+        ("Time window, \u00b1 %",),
+    ),
+)
+DRIVING = (
+    Term(
+        "Coasting",
+        "Rolling without power and without brakes. Only running resistance and gradients change the speed.",
+        ("Coasts", "coast", "Motors off at"),
+    ),
+    Term("Hold", "Keeping one speed with just as much power or braking as resistance and gradient ask for.", ("hold",)),
+    Term(
+        "Highest speed",
+        "The largest speed of the run; beneath it the mean, distance over travel time, stops included.",
+        ("top, km/h",),
+    ),
+    Term(
+        "Replanning",
+        "Computing the rest of the run again when something unexpected is noticed, with the time that is left.",
+        ("Replanned run", "Replanning saves", "Replanning costs", "Replanned"),
+    ),
+    Term(
+        "Advance notice",
+        "The train knew of the event before it departed, so the whole run is planned for it. Nobody "
+        "who learns of it later can do better.",
+        ("With advance notice",),
+    ),
+    Term(
+        "Driver without help",
+        "Holds the speed or coasts on as planned, brakes for the event, then drives the optimal remainder.",
+        ("Driver",),
+    ),
+    Term(
+        "Cost of the events",
+        "Extra energy of the driver without help, compared with the undisturbed run.",
+        ("Extra energy, driver", "Energy saved, driver"),
+    ),
+    Term("Extra energy of set speeds", "What the set speeds cost above the best run known in the same time."),
+    Term(
+        "Overshoot",
+        "How far beyond its stopping place the train comes to rest; minus means short of it.",
+        ("Stopping error",),
+    ),
+    Term(
+        "Best acceleration time",
+        "The length of ENOC's ramp that needs the least energy for this travel time.",
+        ("Acceleration time, s",),
+    ),
+)
+TRAIN = (
+    Term(
+        "Tractive effort", "Force at the wheels, positive for driving and negative for electric braking.", ("Effort",)
+    ),
+    Term(
+        "Running resistance",
+        "Force of air, bearings and rails against the motion, with a constant, a linear and a "
+        "quadratic part in speed. Gradients and curves are counted separately.",
+    ),
+    Term(
+        "Load factor",
+        "Passengers on board as a share of the capacity. A loaded train is heavier, so it needs more "
+        "energy to start and rolls farther.",
+        ("Load, % of capacity", "Actual load, % of capacity", "Load, \u00b1 %"),
+    ),
+    Term(
+        "Storage",
+        "A battery or supercapacitor on board that stores braking energy and returns it. Needed is the "
+        "size at which nothing is lost.",
+        ("Storage needed", "Storage, kWh"),
+    ),
+    Term(
+        "Cause of extra energy",
+        "What makes the actual run use more than the plan: load, position error, conditions, stops and other events, "
+        "added one after another in this order.",
+        ("Largest cause", "Actual run costs", "Actual run saves", "Against the plan"),
+    ),
+    Term(
+        "Section",
+        "A stretch of the line with one set speed. More sections come closer to the optimum.",
+        ("Sections",),
+    ),
+    Term(
+        "Braking rate",
+        "Deceleration at the stop, and that of the target curve that a train follows into its stopping place.",
+        ("Braking, m/s\u00b2", "Target curve, m/s\u00b2"),
+    ),
+    Term(
+        "Storage power",
+        "How fast the storage takes and gives energy; braking above it is lost in resistors.",
+        ("Power, kW",),
+    ),
+    Term(
+        "Storage efficiency",
+        "Shares of the energy that remain after charging and after discharging.",
+        ("Charging efficiency, %", "Discharging efficiency, %"),
+    ),
+    Term(
+        "Spread of the days",
+        "How far simulated days typically stray around the plan, to each side.",
+        ("Resistance, \u00b1 %", "Supply voltage, \u00b1 %"),
+    ),
+    Term(
+        "Position error",
+        "Where the train assumes it is, less where it is; called coordinate error in the papers. It "
+        "makes every phase begin too early or too late.",
+        ("Position error, m", "Position error, \u00b1 m"),
+    ),
+    Term(
+        "Speed error",
+        "How far the measured speed is from the actual one, in percent. It grows into a position error "
+        "until a sensor resets the position.",
+        ("Speed error, %",),
+    ),
+    Term(
+        "Reset of the position",
+        "A trackside sensor tells the train where it is, so that its position error starts again from zero.",
+        ("D1, resets position", "D3, resets position", "D1 to D2, calibrates"),
+    ),
+    Term("Median", "Half of all simulated days cost less than this.", ()),
+    Term("95th percentile", "Nineteen of twenty simulated days cost less than this.", ()),
+    Term("Seed", "Where the random numbers begin: the same seed gives the same simulated days again.", ("Its seed",)),
+)
+MOTORS = (
+    Term(
+        "Field-oriented control",
+        "A way to control induction motors: one part of the current makes the magnetic field, "
+        "the other the torque, each by its own controller.",
+    ),
+    Term(
+        "Slip",
+        "By how much the rotor turns slower than the field of the stator. It grows with torque and causes "
+        "losses in the rotor.",
+    ),
+    Term(
+        "Rotor flux",
+        "The magnetic field of the rotor. Less field means less magnetising loss but more current for the same torque.",
+        (),
+    ),
+    Term(
+        "Magnetising loss",
+        "Copper loss of the current that makes the magnetic field; the paper's energy leaves it out.",
+    ),
+    Term(
+        "Sum of losses",
+        "The same energy added up from mechanical work and losses; the difference to the integrated "
+        "input power checks the simulation.",
+        ("Sum of parts",),
+    ),
+    Term("Tracking error", "The largest distance between planned and simulated position during the run."),
+    Term("Peak current", "The largest amplitude of a motor's phase current during the run.", ("Current, A",)),
+    Term(
+        "Peak voltage",
+        "The largest amplitude of a motor's phase voltage; the inverter can supply only so much.",
+        ("Phase voltage, V",),
+    ),
+    Term(
+        "Current ripple",
+        "The small, fast waves of current that switching of the inverter causes.",
+        ("Ripple at t, s",),
+    ),
+    Term("Speed noise", "Random error of the measured motor speed.", ("Speed noise, rad/s",)),
+    Term(
+        "Bandwidth",
+        "How fast the speed controller reacts: a larger value follows the plan more closely and amplifies noise.",
+        ("Bandwidth, rad/s",),
+    ),
+    Term(
+        "Assumed rotor resistance",
+        "The controller's value of the rotor resistance over the true one. If it is wrong, "
+        "field and torque are no longer separate.",
+        ("Assumed / true rotor resistance",),
+    ),
+)
+GROUPS: dict[str, tuple[Term, ...]] = {
+    "Strategies": STRATEGIES,
+    "Energy and proof": ENERGY,
+    "Time": TIME,
+    "Driving": DRIVING,
+    "Train and line": TRAIN,
+    "Motors": MOTORS,
+}
+"""All terms as Help lists them."""
+TERMS = tuple(term for terms in GROUPS.values() for term in terms)
+
+
+@cache
+def _by_label() -> dict[str, Term]:
+    return {label: term for term in TERMS for label in (term.name, *term.labels)}
+
+
+def term_of(label: str) -> Term | None:
+    """Return the entry that explains a label or a term, if there is one."""
+    return _by_label().get(label)
+
+
+def texts() -> dict[str, dict[str, str]]:
+    """Return name and text of each entry by its slug, as the browser shows them."""
+    return {term.slug: {"name": term.name, "text": term.text} for term in TERMS}
+
+
+def info(label: str) -> str:
+    """Return the button that explains a label, as HTML; nothing where the glossary does not know it."""
+    term = term_of(label)
+    if term is None:
+        return ""
+    return (
+        f'<button type="button" class="info" data-term="{term.slug}" aria-expanded="false" '
+        f'aria-label="What is meant: {term.name}"></button>'
+    )

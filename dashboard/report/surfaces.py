@@ -1,0 +1,136 @@
+"""The surfaces of a report: what they show, and their places; a script of its own draws and turns them."""
+
+import html
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.studies.sensitivity import SensitivityTable
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.tokens import COST_SCALES, ThemeName
+from railjoule.dashboard.store.report import Findings
+from railjoule.dashboard.store.trade_off import EnocMap
+from railjoule.dashboard.views.surface import CIVIDIS, TALLEST
+
+TICKS, ROUND_STEPS, CORNER_SHARE = 5, (1.0, 2.0, 2.5, 5.0, 10.0), 0.06
+MOST_NODES = 40
+"""Along an axis: a finer surface looks the same, and the file has all its numbers."""
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A surface over two axes.
+
+    Parameters
+    ----------
+    name : str
+        Of its place in the file.
+    caption : str
+        What it shows.
+    x, y : array of shape (m,), (k,)
+        Its axes, rising evenly.
+    z : array of shape (k, m)
+        Its heights; NaN where there are none.
+    titles : pair of str
+        What the axes are.
+    show : pair of callables
+        Write a number of an axis, and a height.
+    scale : mapping
+        Colours from low to high, by theme.
+    """
+
+    name: str
+    caption: str
+    x: FloatArray
+    y: FloatArray
+    z: FloatArray
+    titles: tuple[str, str]
+    show: tuple[Callable[[float], str], Callable[[float], str]]
+    scale: Mapping[ThemeName, Sequence[str]]
+
+    @property
+    def element(self) -> str:
+        """Its place in the file."""
+        caption = html.escape(self.caption)
+        low, high = (self.show[1](float(edge)) for edge in (np.nanmin(self.z), np.nanmax(self.z)))
+        told = f"{caption}, from {low} to {high}; the arrow keys turn it"
+        canvas = f'<canvas data-surface="{self.name}" tabindex="0" role="img" aria-label="{told}"></canvas>'
+        return f'<figure class="surface"><figcaption>{caption}</figcaption>{canvas}</figure>'
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """What the script draws."""
+        across, up = self.show
+        low, high = float(np.nanmin(self.z)), float(np.nanmax(self.z))
+        return {
+            "x": self.x.tolist(),
+            "y": self.y.tolist(),
+            "z": [[None if np.isnan(value) else float(f"{value:.5g}") for value in row] for row in self.z],
+            "titles": self.titles,
+            "ticks": {
+                "x": _ticks(float(self.x[0]), float(self.x[-1]), across),
+                "y": _ticks(float(self.y[0]), float(self.y[-1]), across),
+                "z": _ticks(low, high, up),
+            },
+            "scale": {theme: list(colours) for theme, colours in self.scale.items()},
+        }
+
+
+def _ticks(low: float, high: float, show: Callable[[float], str]) -> list[tuple[float, str]]:
+    """Return where along an axis ticks lie, as shares of it, and their texts: round numbers, none at the corners."""
+    height = max(high - low, 1e-12)
+    size = 10.0 ** np.floor(np.log10(height / TICKS))
+    step = next(size * round_step for round_step in ROUND_STEPS if size * round_step >= height / TICKS)
+    values = step * np.arange(np.ceil(low / step), np.floor(high / step) + 1)
+    shares = (values - low) / height
+    inside = (shares > CORNER_SHARE) & (shares < 1 - CORNER_SHARE)
+    ticks = zip(shares[inside].tolist(), values[inside].tolist(), strict=True)
+    return [(share, show(value)) for share, value in ticks]
+
+
+def enoc_surface(found: EnocMap) -> Surface:
+    """Return ENOC's energy over travel time and acceleration time."""
+    rows, columns = (_thinned(len(axis)) for axis in (found.acceleration_time_s, found.travel_time_s))
+    energy = found.energy_kwh[np.ix_(rows, columns)]
+    energy = np.where(energy > TALLEST * np.nanmin(energy), np.nan, energy)
+    return Surface(
+        "enoc",
+        "ENOC: energy, kWh, over travel time and acceleration time",
+        found.travel_time_s[columns],
+        found.acceleration_time_s[rows],
+        energy,
+        ("Travel time, s", "Acceleration time, s"),
+        (lambda value: words.number(value, 0), words.energy),
+        {"light": CIVIDIS, "dark": CIVIDIS},
+    )
+
+
+def cost_surface(table: SensitivityTable) -> Surface | None:
+    """Return the overconsumption over load and position error; None where no cell of the table could be driven."""
+    share = table.overconsumption
+    if not np.any(np.isfinite(share)):
+        return None
+    return Surface(
+        "costs",
+        "Overconsumption, %, over load and position error",
+        np.array(table.coordinate_errors_m),
+        100 * np.array(table.load_factors),
+        100 * share,
+        ("Position error, m", "Load, %"),
+        (lambda value: words.number(value, 0), lambda value: words.share_difference(value / 100)),
+        COST_SCALES,
+    )
+
+
+def _thinned(count: int) -> FloatArray:
+    return np.unique(np.linspace(0, count - 1, min(count, MOST_NODES)).round().astype(int))
+
+
+def surfaces_of(findings: Findings) -> dict[str, Surface]:
+    """Return the surfaces that a report shows, by the names of their places."""
+    found = [enoc_surface(findings.enoc_map)] if findings.enoc_map is not None else []
+    costs = cost_surface(findings.table) if findings.table is not None else None
+    return {surface.name: surface for surface in [*found, *([costs] if costs else [])]}

@@ -1,0 +1,117 @@
+"""Help: the keys, what each page answers, how to read a proof, and the whole glossary."""
+
+from panel.viewable import Viewable
+
+from railjoule.dashboard.look.glossary import GROUPS, Term
+from railjoule.dashboard.look.theme import parts_css
+from railjoule.dashboard.models.pages import KEYED, PAGES
+from railjoule.dashboard.views import parts
+from railjoule.dashboard.views.page import PageView
+
+KEYS = (
+    ("?", "open this page"),
+    ("1 to 9", "open a page, in the order of the bar"),
+    ("P", "pin the run, or unpin it"),
+    ("Ctrl + Z", "undo"),
+    ("Ctrl + Shift + Z", "redo"),
+    ("Escape", "close an explanation or a list of pages"),
+    ("Left, right", "move a slider by one step; Home and End to its ends"),
+    ("Down", "open the list of a group of pages"),
+)
+"""What the keys do; letters, digits and signs only while nothing is typed."""
+PROOF = (
+    (
+        "What is proven",
+        "The solver finds a run, and separately a lower bound: an energy below which no run can stay that obeys the "
+        "same model, timetable and limits. Where both meet, the run is marked with a tick as proven.",
+    ),
+    (
+        "When there is a gap",
+        "A half circle stands for a gap. The true optimum lies between the bound and the run, so the gap is the most "
+        "that could still be saved. Such a run is called the best known, not the optimum.",
+    ),
+    (
+        "What a proof does not cover",
+        "It holds for the model: for this vehicle, line and timetable as entered. The sentence under \u201cWhat is "
+        "proven\u201d on Drive names what the model leaves out. Other strategies are compared with the proven run.",
+    ),
+)
+HELP_CSS = """
+.help { padding: 4px 20px 32px; max-width: 1240px; }
+.help h2 { font-size: 15px; margin: 22px 0 6px; }
+.help h3 { font-size: 13px; font-weight: 600; color: var(--rj-ink); margin: 14px 0 2px; break-after: avoid; }
+.help table { width: auto; font-size: 13px; }
+.help td { text-align: left; white-space: normal; padding: 4px 0 4px 20px; }
+.help td:first-child { min-width: 0; padding-left: 0; white-space: nowrap; }
+.help kbd { display: inline-block; min-width: 24px; box-sizing: border-box; padding: 1px 7px; border-radius: 4px;
+  border: 1px solid var(--rj-line2); font: 500 12px/1.5 var(--rj-font); text-align: center; }
+.help .open-page { min-height: 24px; padding: 0; border: 0; background: none; color: var(--rj-accent); cursor: pointer;
+  font: 600 13px/1.4 var(--rj-font); text-align: left; white-space: nowrap; }
+.help .open-page:hover { text-decoration: underline; }
+.help .columns { columns: 2; column-gap: 44px; }
+.help dl { margin: 0; }
+.help dl div { break-inside: avoid; padding: 5px 0; border-top: 1px solid var(--rj-line); }
+.help dl div:focus { outline: 2px solid var(--rj-accent); outline-offset: 3px; }
+.help dt { font-weight: 600; }
+.help dt span { font-weight: 400; color: var(--rj-ink3); }
+.help dd { margin: 0; max-width: 68ch; color: var(--rj-ink2); }
+.help .proof { max-width: 76ch; }
+@media (max-width: 899px) { .help { padding: 2px 14px 24px; } .help .columns { columns: 1; } }
+"""
+
+
+class HelpView(PageView):
+    """The page of words and keys."""
+
+    page = "Help"
+
+    def make(self) -> Viewable:
+        """Make the pieces of the page, and return them laid out."""
+        heading = parts.html_pane(parts.heading(self.page, "Keys, pages, proofs and all terms", "", ""))
+        return parts.stack(heading, parts.html_pane(help_html(), stylesheets=[parts_css(), HELP_CSS]))
+
+
+def help_html() -> str:
+    """Return the page below its heading."""
+    return f'<div class="help">{keys_html()}{pages_html()}{proof_html()}{glossary_html()}</div>'
+
+
+def keys_html() -> str:
+    """Return what the keys do."""
+    rows = "".join(f"<tr><td><kbd>{key}</kbd></td><td>{does}</td></tr>" for key, does in KEYS)
+    note = '<p class="note">The keys ?, 1 to 9 and P do nothing while you type in a field.</p>'
+    return f'<h2 id="keys">Keys</h2><table><tbody>{rows}</tbody></table>{note}'
+
+
+def pages_html() -> str:
+    """Return the pages with their questions and keys."""
+    rows = []
+    for name, entry in PAGES.items():
+        key = f"<kbd>{KEYED.index(name) + 1}</kbd>" if name in KEYED else "<kbd>?</kbd>" if name == "Help" else ""
+        button = f'<button type="button" class="open-page" data-open="{name}">{name}</button>'
+        rows.append(f"<tr><td>{button}</td><td>{key}</td><td>{entry.question}</td></tr>")
+    return f'<h2 id="pages">Pages</h2><table><tbody>{"".join(rows)}</tbody></table>'
+
+
+def proof_html() -> str:
+    """Return how to read a proof."""
+    told = "".join(f"<h3>{title}</h3><p>{text}</p>" for title, text in PROOF)
+    return f'<h2 id="proof">How to read a proof</h2><div class="proof">{told}</div>'
+
+
+def glossary_html() -> str:
+    """Return all terms by group."""
+    groups = "".join(
+        f"<h3>{group}</h3><dl>{''.join(entry_html(term) for term in terms)}</dl>" for group, terms in GROUPS.items()
+    )
+    return f'<h2 id="terms">All terms</h2><div class="columns">{groups}</div>'
+
+
+def entry_html(term: Term) -> str:
+    """Return one term with what else it is called on the pages."""
+    others = ", ".join(term.labels)
+    also = f" <span>\u00b7 {parts.escaped(others)}</span>" if others else ""
+    return (
+        f'<div id="term-{term.slug}" tabindex="-1"><dt>{parts.escaped(term.name)}{also}</dt>'
+        f"<dd>{parts.escaped(term.text)}</dd></div>"
+    )

@@ -1,0 +1,96 @@
+"""The actual run on Drive, as a user works with it who comes from Start by mouse."""
+
+import re
+
+from playwright.sync_api import Browser, expect
+
+from browser.findings import assert_nothing_grave
+from browser.server import Server
+from browser.user import User
+
+SCENARIO = "Metro, profile II + I"
+DASHED = """() => {
+  for (const model of Bokeh.documents[0]._all_models.values()) {
+    if (model.type !== "ColumnDataSource" || model.name !== "actual") continue;
+    const {x, y} = model.data;
+    if (x && x.length > 2) return `${x.length} ${Array.from(y).reduce((sum, one) => sum + one, 0)}`;
+  }
+  return "";
+}"""
+"""What the dashed line of the first chart is made of."""
+
+
+def extra(user: User) -> str:
+    """Return what the actual run costs [kWh], as a text."""
+    return number_of(user.number("Actual run costs"))
+
+
+def number_of(text: str) -> str:
+    """Return the first number of a text."""
+    return re.match(r"[+\u2212]?[\d\u202f.]+", text).group()  # type: ignore[union-attr]
+
+
+def changed(user: User, before: tuple[str, str]) -> tuple[str, str]:
+    """Wait until number and dashed line have changed, and return them."""
+    expect(user.figure_value("Actual run costs")).not_to_contain_text(before[0])
+    user.page.wait_for_function(f"before => ({DASHED})() !== before", arg=before[1])
+    return extra(user), user.page.evaluate(DASHED)
+
+
+def test_every_widget_of_the_day_moves_number_and_curve(server: Server, chromium: Browser) -> None:
+    page = chromium.new_page(viewport={"width": 1280, "height": 1000}, color_scheme="light")
+    user = User(page, server.url)
+    page.goto(server.url)
+    page.get_by_role("button", name=SCENARIO, exact=True).click()
+    expect(user.scenario(SCENARIO)).to_be_visible()
+    expect(user.figure_value("Energy from the supply")).to_be_visible()
+    page.get_by_role("switch", name="Actual run").click()
+    expect(user.figure_value("Actual run costs")).to_be_visible()
+    user.rest(1500)
+    now = extra(user), page.evaluate(DASHED)
+    for name, steps in (
+        ("Travel time, s", 30),
+        ("Load, % of capacity", -10),
+        ("Recuperation, %", 15),
+        ("Actual load, %", -15),
+        ("Position error, m", -6),
+    ):
+        user.push(name, steps)
+        now = changed(user, now)
+    page.get_by_role("button", name="+ stop").click()
+    expect(page.get_by_label("Stop 1: at, m, as a number")).to_be_visible()
+    now = changed(user, now)
+    # a train that drives as fast as it may already arrives later, and needs no more
+    time = user.number("Travel time")
+    user.type("Stop 1: for, s", "40")
+    expect(user.figure_value("Travel time")).not_to_have_text(time)
+
+    user.type("Stop 1: at, m", "2310")
+    (alert,) = user.alerts()
+    assert "A stop at 2310 m lies beyond the line, 2300 m." in alert
+    assert "Kept: " in alert
+    user.type("Stop 1: at, m", "1800")
+    assert user.alerts() == []
+    changed(user, now)
+    assert_nothing_grave(user)
+    same_number_on_the_deeper_pages(user)
+    assert user.errors == [], user.errors
+    page.close()
+
+
+def same_number_on_the_deeper_pages(user: User) -> None:
+    """Check the number of Drive against Disturbances, and without stops against Robustness."""
+    cost, late = user.number("Actual run costs"), user.page.locator(".figure:visible", has_text="Travel time")
+    seconds = number_of(late.locator(".detail").inner_text())
+    user.turn_to("Disturbances")
+    expect(user.page.locator(".figure.main:visible")).to_contain_text("Extra energy, driver")
+    shown = user.page.locator(".figure.main:visible").inner_text()
+    assert re.search(r"\+?([\d.]+) %", cost).group(1) in shown  # type: ignore[union-attr]
+    assert seconds in user.number("Driver arrives")
+    user.turn_to("Drive")
+    user.page.get_by_role("button", name="Remove stop 1").click()
+    user.rest(1200)
+    expect(user.page.locator(".figure:visible", has_text="Largest cause")).not_to_contain_text("stop")
+    cost = extra(user)
+    user.turn_to("Robustness")
+    expect(user.figure_value("Against the plan")).to_contain_text(cost)

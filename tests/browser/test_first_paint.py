@@ -1,0 +1,87 @@
+"""The first second of a page: its colours are right from the first paint, and what is pressed answers at once."""
+
+from playwright.sync_api import Browser, expect
+
+from browser.server import Server, serving
+from browser.user import GROUNDS, User, open_page
+
+LEAST_CONTRAST = 3.0
+"""Of words on the page's ground, as WCAG has it for large ones: dark words on a dark ground have less than 2."""
+WATCH = """
+window.seen = {grounds: [], contrasts: []};
+const light = (colour) => {
+  const [r, g, b] = colour.match(/[.\\d]+/g).slice(0, 3)
+    .map((part) => part / 255).map((part) => part <= 0.04045 ? part / 12.92 : ((part + 0.055) / 1.055) ** 2.4);
+  return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+};
+const look = () => {
+  requestAnimationFrame(look);
+  const sketch = document.getElementById("rj-first");
+  if (!document.body || !(sketch || window.railjoule)) { return; }
+  const ground = getComputedStyle(document.body).backgroundColor;
+  if (!window.seen.grounds.includes(ground)) { window.seen.grounds.push(ground); }
+  // a sketch lies over all that is not ready
+  if (sketch || !document.documentElement.classList.contains("rj-started")) { return; }
+  const below = light(ground);
+  for (const one of railjoule.deep("[role=tab], .MuiFormLabel-root:not(.Mui-disabled), input.MuiInputBase-input")) {
+    if (!one.checkVisibility()) { continue; }
+    const above = light(getComputedStyle(one).color);
+    const ratio = (Math.max(above, below) + 0.05) / (Math.min(above, below) + 0.05);
+    window.seen.contrasts.push([ratio, one.textContent || one.value]);
+  }
+};
+requestAnimationFrame(look);
+"""
+MOST_FRAMES = 4
+"""A press is answered within so many pictures, as a busy machine makes fewer of them a second."""
+COUNT = """
+(selector) => addEventListener("click", () => {
+  let frames = 0;
+  const look = () => {
+    frames += 1;
+    if (document.querySelector(selector)) { window.answered_after = frames; } else { requestAnimationFrame(look); }
+  };
+  window.answered_after = null;
+  requestAnimationFrame(look);
+}, {capture: true, once: true})
+"""
+QUIET_S, MOST_ERRORS = 10, 5
+"""The tries after 1, 3 and 7 s leave a line each, and the socket that closes one or two."""
+
+
+def test_a_dark_page_is_dark_from_its_first_paint(server: Server, chromium: Browser) -> None:
+    context = chromium.new_context(color_scheme="dark", viewport={"width": 1280, "height": 900})
+    context.add_init_script(WATCH)
+    # the second time the server knows from the first which colours are asked for
+    for _ in range(2):
+        with User.on(context, server.drive_url) as user:
+            user.rest(1000)
+            seen = user.page.evaluate("window.seen")
+        assert seen["grounds"] == [GROUNDS["dark"]]
+        assert len(seen["contrasts"]) > 0
+        assert min(seen["contrasts"])[0] >= LEAST_CONTRAST, min(seen["contrasts"])
+    context.close()
+
+
+def test_a_press_is_answered_at_once(user: User) -> None:
+    user.page.evaluate(COUNT, ".rj-turning")
+    open_page(user, "Compare")
+    user.page.wait_for_function(f"window.answered_after <= {MOST_FRAMES} && window.answered_after > 0")
+    expect(user.page.locator(".rj-chart-compared_speed:visible canvas").first).to_be_visible()
+    user.page.evaluate(COUNT, ".rj-drawer")
+    user.page.get_by_role("button", name="Edit scenario").click()
+    user.page.wait_for_function(f"window.answered_after <= {MOST_FRAMES} && window.answered_after > 0")
+    expect(user.page.get_by_role("region", name="Scenario editor")).to_be_visible()
+    expect(user.page.locator(".rj-drawer")).to_have_count(0)
+
+
+def test_a_lost_server_leaves_few_lines_in_the_console(chromium: Browser) -> None:
+    with chromium.new_context() as context:
+        user = User(context.new_page(), "")
+        with serving("-m", "railjoule.dashboard", "serve") as own:
+            user.url = own.drive_url
+            user.load()
+        user.errors.clear()
+        expect(user.page.get_by_text("The connection to the server is lost")).to_be_visible()
+        user.rest(1000 * QUIET_S)
+        assert len(user.errors) <= MOST_ERRORS, user.errors

@@ -1,0 +1,124 @@
+"""From every page to every other, as a user goes: what belongs there is there, in sight and further down."""
+
+import itertools
+import re
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, expect
+
+from browser.server import Server, serving
+from browser.sight import Sight
+from browser.user import User, open_page
+from railjoule.dashboard.models.pages import PAGES
+
+THERE_WITHIN_S = 45.0
+LOOK_MS = 40
+COMPILED_WITHIN_MS = 240_000
+COMMAND = ("-m", "railjoule.dashboard", "serve")
+WITHOUT_NUMBER = {"Compare", "Disturbances", "Help"}
+WITHOUT_CHART = {"Start", "Papers", "Help"}
+NAMES = tuple(PAGES)
+SUBURBAN, STATIONS = "ftorek-300s", "metro-10-stations"
+"""One whose motor is known, and one with stations: together they have all charts."""
+LACKING = {SUBURBAN: {"Line"}, STATIONS: {"Motor"}}
+"""Pages that say what the scenario lacks."""
+SCROLLED = """() => {
+  const main = railjoule.deep(".main-content")[0], before = main.scrollTop;
+  main.scrollBy({top: 0.8 * main.clientHeight, behavior: "instant"});
+  return main.scrollTop > before;
+}"""
+OF_A_SESSION = re.compile(r"[-0-9]+ [:0-9]+ a page was open for \d+ s, at last [-\w ]+")
+OF_THE_SERVER = re.compile(r"Launching server at http://[.\d]+:\d+")
+
+
+def every_pair(names: tuple[str, ...]) -> Iterator[str]:
+    """Yield a walk from the first name back to it that goes from each name to each other exactly once."""
+    for k, name in enumerate(names):
+        for other in names[k + 2 :]:
+            yield from (other, name)
+        yield from names[k + 1 : k + 2]
+    yield from names[-2::-1]
+
+
+def test_the_walk_goes_from_every_page_to_every_other() -> None:
+    walk = (NAMES[0], *every_pair(NAMES))
+    pairs = list(itertools.pairwise(walk))
+    assert len(pairs) == len(set(pairs)) == len(NAMES) * (len(NAMES) - 1)
+    assert all(one != other for one, other in pairs)
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """What the server writes down."""
+    return tmp_path_factory.mktemp("walk") / "log"
+
+
+@pytest.fixture(scope="module")
+def own_server(log: Path) -> Iterator[Server]:
+    """One process for the whole walk."""
+    with serving(*COMMAND, log=log) as running:
+        yield running
+
+
+def arrive(user: User, name: str, preset: str = SUBURBAN) -> None:
+    """Go to a page, and wait for its large number and for a chart."""
+    open_page(user, name)
+    lacking = name in LACKING[preset]
+    deadline = time.monotonic() + THERE_WITHIN_S
+    while True:
+        sight = Sight(user.page, name)
+        counted = lacking or name in WITHOUT_NUMBER or sight.number
+        charted = lacking or name in WITHOUT_CHART or len(sight.undrawn) < len(sight.charts)
+        if sight.heading and counted and charted:
+            return
+        assert time.monotonic() < deadline, (name, sight.heading, sight.number, sight.undrawn)
+        user.rest(LOOK_MS)
+
+
+def scroll_to_the_end(user: User, name: str) -> None:
+    """Go down a page step by step; all charts in sight are drawn at each."""
+    while True:
+        deadline = time.monotonic() + THERE_WITHIN_S
+        while undrawn := Sight(user.page, name).undrawn:
+            assert time.monotonic() < deadline, (name, undrawn)
+            user.rest(LOOK_MS)
+        if not user.page.evaluate(SCROLLED):
+            return
+
+
+def test_from_every_page_to_every_other(own_server: Server, chromium: Browser) -> None:
+    with User.at(chromium, f"{own_server.url}?v=1&preset={SUBURBAN}", on_drive=False) as user:
+        known = {"Start"}
+        for name in every_pair(NAMES):
+            arrive(user, name, SUBURBAN)
+            if name not in known:
+                known.add(name)
+                scroll_to_the_end(user, name)
+
+
+def test_dark_from_start_to_every_page(own_server: Server, chromium: Browser) -> None:
+    with User.at(chromium, f"{own_server.url}?v=1&preset={STATIONS}", dark=True, on_drive=False) as user:
+        for name in NAMES[1:]:
+            arrive(user, name, STATIONS)
+            scroll_to_the_end(user, name)
+
+
+def test_the_log_is_quiet(log: Path) -> None:
+    lines = log.read_text().splitlines()
+    assert [line for line in lines if not (OF_A_SESSION.fullmatch(line) or OF_THE_SERVER.fullmatch(line))] == []
+
+
+@pytest.mark.cold
+def test_drive_from_start_while_the_kernels_compile(chromium: Browser, tmp_path: Path) -> None:
+    # without optimization they compile in a fraction of the time
+    environment = {"NUMBA_CACHE_DIR": str(tmp_path), "NUMBA_OPT": "0", "PYTHONWARNINGS": "ignore"}
+    with (
+        serving(*COMMAND, environment=environment, warm=False) as server,
+        User.at(chromium, server.url, on_drive=False) as user,
+    ):
+        expect(user.page.get_by_text("Compiling the solver, once")).to_be_visible()
+        expect(user.page.locator(".hero")).to_be_visible(timeout=COMPILED_WITHIN_MS)
+        arrive(user, "Drive")

@@ -1,0 +1,96 @@
+"""The explanations of terms and the page Help, as a user reads them."""
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import BrowserContext, Locator, expect
+
+from browser.findings import assert_nothing_grave
+from browser.server import Server
+from browser.user import User, open_page
+from railjoule.dashboard.look.glossary import TERMS, term_of
+from railjoule.dashboard.models.pages import PAGES
+
+
+@pytest.fixture(scope="module")
+def user(server: Server, window: BrowserContext) -> Iterator[User]:
+    """One user, who begins with Drive."""
+    with User.on(window, server.drive_url) as someone:
+        yield someone
+
+
+def sign(user: User, label: str) -> Locator:
+    """Return the sign beside a term."""
+    term = term_of(label)
+    assert term is not None
+    return user.page.locator(f'.info[data-term="{term.slug}"]:visible').first
+
+
+def test_a_press_opens_an_explanation_in_the_flow(user: User) -> None:
+    open_page(user, "Drive")
+    told = user.page.get_by_role("note")
+    chart = user.page.locator(".rj-chart-speed:visible")
+    before = chart.bounding_box()
+    sign(user, "Above the optimum").click()
+    expect(told).to_contain_text("Above the optimum, now 0.00 %")
+    user.rest()
+    box, after = told.bounding_box(), chart.bounding_box()
+    assert box is not None
+    assert before is not None
+    assert after is not None
+    assert after["y"] >= before["y"] + box["height"] - 1
+    for label, text in (("ENOC", "Energy near-optimal control"), ("Load, % of capacity", "Passengers on board")):
+        sign(user, label).click()
+        expect(told).to_have_count(1)
+        expect(told).to_contain_text(text)
+    user.page.keyboard.press("Escape")
+    expect(told).to_have_count(0)
+    expect(sign(user, "Load, % of capacity")).to_be_focused()
+    sign(user, "Travel time").click()
+    sign(user, "Travel time").click()
+    expect(told).to_have_count(0)
+
+
+def test_an_explanation_follows_its_number(user: User) -> None:
+    open_page(user, "Drive")
+    sign(user, "Highest speed").click()
+    told = user.page.get_by_role("note")
+    before = told.inner_text()
+    user.push("Travel time, s", 10)
+    expect(told).to_contain_text(f"now {user.number('Highest speed').replace('km/h', ' km/h')}")
+    assert told.inner_text() != before
+    user.page.keyboard.press("Escape")
+
+
+def test_a_resting_mouse_and_the_focus_show_it_too(user: User) -> None:
+    open_page(user, "Drive")
+    tip = user.page.get_by_role("tooltip")
+    sign(user, "EOC").hover()
+    expect(tip).to_contain_text("Energy-optimal control")
+    user.page.mouse.move(700, 500)
+    expect(tip).to_have_count(0)
+    user.page.get_by_role("radio", name="Optimal").focus()
+    user.page.keyboard.press("Tab")
+    expect(sign(user, "Optimal")).to_be_focused()
+    expect(tip).to_contain_text("interior-point")
+    user.page.keyboard.press("Escape")
+    expect(tip).to_have_count(0)
+
+
+def test_help_lists_everything_and_is_opened_at_a_term(user: User) -> None:
+    open_page(user, "Drive")
+    sign(user, "Extra second saves").click()
+    user.page.get_by_role("button", name="All terms in Help").click()
+    expect(user.question("Help")).to_be_visible()
+    entry = user.page.locator("#term-energy-saved-per-extra-second")
+    expect(entry).to_be_in_viewport()
+    expect(entry).to_be_focused()
+    for term in TERMS:
+        expect(user.page.locator(f"#term-{term.slug}")).to_contain_text(term.text)
+    for entry in PAGES.values():
+        expect(user.page.get_by_text(entry.question).last).to_be_attached()
+    for heading in ("Keys", "Pages", "How to read a proof", "All terms"):
+        expect(user.page.get_by_role("heading", name=heading, exact=True)).to_be_attached()
+    assert_nothing_grave(user)
+    user.page.locator("[data-open=Compare]").click()
+    expect(user.question("Compare")).to_be_visible()

@@ -1,0 +1,136 @@
+"""The bar of pages, its groups and keys, and what stands in the sidebar, as a user works with them."""
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Locator, expect
+
+from browser.server import Server
+from browser.user import User, open_page
+from railjoule.dashboard.models.pages import KEYED, PAGES
+
+
+@pytest.fixture(scope="module")
+def user(server: Server, window: BrowserContext) -> Iterator[User]:
+    """One user, who begins with Drive."""
+    with User.on(window, server.drive_url) as someone:
+        yield someone
+
+
+def bar(user: User) -> Locator:
+    return user.page.get_by_role("navigation", name="Pages")
+
+
+def question(user: User, page: str) -> None:
+    """Wait until a page is in sight."""
+    expect(user.question(page)).to_be_visible()
+
+
+def test_by_mouse_from_start_to_every_page(user: User) -> None:
+    for name in (*PAGES, "Start"):
+        open_page(user, name)
+        side = user.page.get_by_role("combobox", name="Scenario")
+        expect(side).to_be_visible(visible=PAGES[name].has_sidebar)
+        expect(user.page.get_by_role("button", name="Close drawer")).to_be_visible(visible=PAGES[name].has_sidebar)
+
+
+def test_a_group_opens_by_press_and_key_and_not_by_hovering(user: User) -> None:
+    open_page(user, "Drive")
+    group, entry = (bar(user).get_by_role("button", name=name, exact=True) for name in ("What if", "Robustness"))
+    group.hover()
+    user.rest()
+    expect(entry).to_be_hidden()
+    group.click()
+    expect(entry).to_be_visible()
+    expect(group).to_have_attribute("aria-expanded", "true")
+    user.page.mouse.click(700, 400)
+    expect(entry).to_be_hidden()
+    for key in ("Enter", "ArrowDown"):
+        group.press(key)
+        expect(entry).to_be_focused()
+        user.page.keyboard.press("Escape")
+        expect(group).to_be_focused()
+    group.press("ArrowDown")
+    user.page.keyboard.press("ArrowDown")
+    expect(bar(user).get_by_role("button", name="Disturbances", exact=True)).to_be_focused()
+    user.page.keyboard.press("Enter")
+    question(user, "Disturbances")
+    expect(group).to_have_class("group here")
+
+
+def test_keys_open_pages_pin_and_help_but_not_while_typing(user: User) -> None:
+    open_page(user, "Drive")
+    for number, name in enumerate(KEYED, 1):
+        user.page.keyboard.press(str(number))
+        question(user, name)
+    user.page.keyboard.press("?")
+    question(user, "Help")
+    user.page.keyboard.press("1")
+    question(user, "Drive")
+    user.page.keyboard.press("p")
+    expect(user.page.get_by_role("button", name="Unpin")).to_be_visible()
+    user.page.keyboard.press("p")
+    expect(user.page.get_by_role("button", name="Pin run")).to_be_visible()
+    field = user.page.get_by_role("textbox", name="Travel time, s, as a number", exact=True)
+    before = field.input_value()
+    field.focus()
+    user.page.keyboard.press("End")
+    for key in ("2", "?", "p"):
+        user.page.keyboard.press(key)
+    user.rest()
+    question(user, "Drive")
+    expect(field).to_have_value(f"{before}2?p")
+    field.fill(before)
+    field.press("Enter")
+
+
+def test_this_run_is_a_radio_and_draw_a_box(user: User) -> None:
+    open_page(user, "Drive")
+    radio, box = user.page.get_by_role("radio", name="EOC"), user.page.get_by_label("Draw EOC")
+    expect(user.page.get_by_label("Draw Optimal")).to_be_disabled()
+    user.choose("Suburban, flat 5 km")
+    radio.check()
+    expect(box).to_be_checked()
+    expect(box).to_be_disabled()
+    expect(user.page.get_by_label("Draw Optimal")).to_be_enabled()
+    user.page.get_by_role("radio", name="Optimal").check()
+    expect(box).not_to_be_checked()
+    open_page(user, "Robustness")
+    expect(radio).to_be_visible()
+    expect(box).to_be_hidden()
+    open_page(user, "Line")
+    expect(radio).to_be_hidden()
+
+
+def test_changes_are_counted_and_undone(user: User) -> None:
+    open_page(user, "Drive")
+    user.choose("Metro, profile II")
+    expect(user.page.get_by_text("Unchanged", exact=True)).to_be_visible()
+    user.type("Load, % of capacity", "60")
+    user.type("Recuperation, %", "10")
+    user.page.get_by_role("button", name="2 fields changed").click()
+    user.page.get_by_role("button", name="Undo vehicle.load_factor").click()
+    expect(user.page.get_by_role("button", name="1 field changed")).to_be_visible()
+    user.page.get_by_role("button", name="Undo all").click()
+    expect(user.page.get_by_text("Unchanged", exact=True)).to_be_visible()
+
+
+def test_an_old_address_opens_its_page(server: Server, chromium: Browser) -> None:
+    for name in ("Robustness", "Speed limits"):
+        page = chromium.new_page()
+        page.goto(f"{server.url}?page={name}")
+        expect(User(page, server.url).question(name)).to_be_visible()
+        page.close()
+
+
+@pytest.mark.parametrize("width", [390, 720, 1280])
+def test_one_menu_on_narrow_screens(server: Server, chromium: Browser, width: int) -> None:
+    with User.at(chromium, server.drive_url, width=width) as user:
+        menu = bar(user).get_by_role("button", name="Pages, Drive")
+        expect(menu).to_be_visible(visible=width < 700)
+        for name in ("Motor", "Help", "Learn", "Start"):
+            open_page(user, name)
+            assert user.page.evaluate("document.documentElement.scrollWidth - window.innerWidth") <= 0
+        if width < 700:
+            bar(user).get_by_role("button", name="Pages, ").click()
+            expect(bar(user).get_by_role("heading", name="Equipment")).to_be_visible()

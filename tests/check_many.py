@@ -1,0 +1,359 @@
+"""`python -m tests.check_many` drives many random scenarios with every strategy, and tables what their check finds.
+
+The scenarios are those of the review's generator where it lies beside the repository (shared/check/gen.py), else those
+of `tests.any_scenarios`. Two processes work at once, each call within a limit of time; a longer one is stopped and
+counted. Every call is written down as a line of JSON, so that a run that was broken off goes on where it was, as long
+as the core's sources are the same.
+"""
+
+import argparse
+import importlib.util
+import json
+import os
+import queue
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import traceback
+import warnings
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from railjoule.core import InfeasibleLineError, RailjouleError, Trajectory, check_run
+from railjoule.core.scenario import scenario_from_document
+from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
+from tests.any_scenarios import MODELS, any_document, any_time
+
+REVIEW = Path(__file__).parents[2] / "shared" / "check"
+LONGEST_TIME_S = 86_400
+WARMING_SEEDS = range(2 * len(MODELS))
+"""Their calls compile what later ones find compiled; no limit holds for them."""
+STARTING_S = 1800.0
+DEARER = 1e-3
+"""From this share on another strategy's run counts as cheaper than the optimum."""
+
+Row = dict[str, Any]
+
+
+# ---- one scenario, in a worker
+
+
+def review_module(name: str) -> ModuleType | None:
+    """Return a module of the review, or None where it is not beside the repository."""
+    path = REVIEW / f"{name}.py"
+    if not path.is_file():
+        return None
+    spec = importlib.util.spec_from_file_location(f"review_{name}", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def document_of(seed: int, generator: ModuleType | None) -> tuple[Row, float]:
+    """Return the scenario of a seed, without a timetable, and the share of its shortest time that it shall have."""
+    if generator is None:
+        return any_document(seed), any_time(seed)
+    document, share = generator.scenario(seed)
+    return document, share
+
+
+def timed_task(document: Row, share: float) -> Task:
+    """Return the task of a scenario with a share of its shortest time; the document gets the timetable."""
+    first = prepare_task(scenario_from_document(document))
+    total = first.shortest_time_s * share + first.dwell_s
+    if total > LONGEST_TIME_S:
+        raise InfeasibleLineError("the generator's timetable is longer than a day.")
+    document["timetable"] = {"travel_time_s": total}
+    return prepare_task(scenario_from_document(document))
+
+
+def calls(seed: int, done: Iterable[str], generator: ModuleType | None, reference: ModuleType | None) -> Iterator[Row]:
+    """Yield what became of each strategy over the scenario of a seed, before each its name alone."""
+    document, share = document_of(seed, generator)
+    about = {"seed": seed, "model": document["vehicle"]["drive"]["model"]}
+    yield about | {"strategy": "", "begins": True}
+    try:
+        task = timed_task(document, share)
+    except Exception as error:
+        yield about | {"strategy": "", **failure(error)}
+        return
+    bound = None
+    for name in STRATEGIES:
+        if name in done:
+            continue
+        yield about | {"strategy": name, "begins": True}
+        started = time.perf_counter()
+        try:
+            run = run_strategy(task, name)
+            seconds = time.perf_counter() - started
+            bound = run.bound if name == "optimal" else bound
+            run = run if run.bound is not None or not task.has_slack else replace(run, bound=bound)
+            found = checked(run)
+            if reference is not None:
+                found["reference"] = [[kind, amount] for kind, amount, _ in reference.check(document, run, name)]
+        except Exception as error:
+            seconds, found = time.perf_counter() - started, failure(error)
+        yield about | {"strategy": name, "seconds": seconds, **found}
+
+
+def checked(run: Trajectory) -> Row:
+    """Return what the check finds of a run."""
+    broken = check_run(run.scenario, run).broken
+    return {
+        "status": "solved",
+        "energy_kwh": run.energy_kwh,
+        "time_s": run.travel_time_s,
+        "cells": len(run.line_power_w),
+        "broken": [[check.name, check.largest, check.allowed, check.at_m] for check in broken],
+    }
+
+
+def failure(error: Exception) -> Row:
+    """Return what became of a call that raised: a refusal in a sentence, or a traceback."""
+    if isinstance(error, RailjouleError):
+        return {"status": "refused", "words": f"{type(error).__name__}: {error}"}
+    return {"status": "traceback", "words": "".join(traceback.format_exception(error))}
+
+
+def work() -> None:
+    """Do what standard input asks for, line by line; write what becomes of it to standard output."""
+    warnings.simplefilter("ignore")
+    generator, reference = review_module("gen"), review_module("check")
+    for seed in WARMING_SEEDS:
+        list(calls(seed, (), None, None))
+    print(json.dumps({"ready": True}), flush=True)
+    for line in sys.stdin:
+        asked = json.loads(line)
+        for row in calls(asked["seed"], asked["done"], generator, reference):
+            print(json.dumps(row, default=float), flush=True)
+        print(json.dumps({"ready": True}), flush=True)
+
+
+# ---- many of them
+
+
+class Worker:
+    """A process that drives one scenario after another, and is started anew when a call takes too long."""
+
+    def __init__(self, limit_s: float) -> None:
+        self.limit_s = limit_s
+        self.process: subprocess.Popen[str] | None = None
+
+    def rows(self, seed: int, done: set[str]) -> Iterator[Row]:
+        """Yield what became of each strategy that is not done yet."""
+        finished = set(done)
+        while True:
+            current: Row | None = None
+            for row in self._answers(seed, finished):
+                if row.get("begins"):
+                    current = row
+                    continue
+                if row.get("ready"):
+                    return
+                if "died" in row:
+                    break
+                current = None
+                finished.add(row["strategy"])
+                yield row
+            # what was at work when the process ended is not asked again
+            if current is None:
+                return
+            del current["begins"]
+            yield current | {"status": "stopped", "seconds": self.limit_s}
+            finished.add(current["strategy"])
+            if not current["strategy"]:
+                return
+
+    def _answers(self, seed: int, done: set[str]) -> Iterator[Row]:
+        if self.process is None:
+            self._start()
+        assert self.process is not None
+        assert self.process.stdin is not None
+        self.process.stdin.write(json.dumps({"seed": seed, "done": sorted(done)}) + "\n")
+        self.process.stdin.flush()
+        while True:
+            row = self._next(self.limit_s)
+            yield row
+            if "ready" in row or "died" in row:
+                return
+
+    def _start(self) -> None:
+        command = [sys.executable, "-m", "tests.check_many", "--worker"]
+        self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        self.lines: queue.Queue[str] = queue.Queue()
+        threading.Thread(target=self._listen, args=(self.process, self.lines), daemon=True).start()
+        if "died" in self._next(STARTING_S):
+            raise SystemExit("a worker did not start; its own words are above.")
+
+    @staticmethod
+    def _listen(process: "subprocess.Popen[str]", lines: "queue.Queue[str]") -> None:
+        assert process.stdout is not None
+        for line in process.stdout:
+            lines.put(line)
+        lines.put(json.dumps({"died": True}))
+
+    def _next(self, limit_s: float) -> Row:
+        try:
+            row: Row = json.loads(self.lines.get(timeout=limit_s))
+        except queue.Empty:
+            row = {"died": True}
+        if "died" in row:
+            self.close()
+        return row
+
+    def close(self) -> None:
+        """End the process."""
+        if self.process is not None:
+            self.process.kill()
+            self.process.wait()
+            self.process = None
+
+
+def sources() -> str:
+    """Return what tells the core's sources from others: the name of the folder that holds its compiled kernels."""
+    return Path(os.environ["NUMBA_CACHE_DIR"]).name
+
+
+def kept_rows(file: Path, seeds: range) -> list[Row]:
+    """Return the rows of a file for seeds that were made from the same sources; a torn last line does not count."""
+    rows = []
+    for line in file.read_text(encoding="utf-8").splitlines() if file.exists() else ():
+        try:
+            row = json.loads(line)
+        except ValueError:
+            continue
+        if row["sources"] == sources() and row["seed"] in seeds:
+            rows.append(row)
+    return rows
+
+
+def drive_all(file: Path, seeds: range, processes: int, limit_s: float) -> list[Row]:
+    """Drive all scenarios that are not in the file yet, and return all rows."""
+    rows = kept_rows(file, seeds)
+    done: dict[int, set[str]] = defaultdict(set)
+    for row in rows:
+        done[row["seed"]].add(row["strategy"])
+    waiting: queue.SimpleQueue[int] = queue.SimpleQueue()
+    for seed in seeds:
+        if "" not in done[seed] and done[seed] != set(STRATEGIES):
+            waiting.put(seed)
+    written = threading.Lock()
+
+    def keep_working() -> None:
+        worker = Worker(limit_s)
+        try:
+            while True:
+                seed = waiting.get_nowait()
+                for row in worker.rows(seed, done[seed]):
+                    with written, file.open("a", encoding="utf-8") as kept:
+                        rows.append(row)
+                        kept.write(json.dumps(row | {"sources": sources()}) + "\n")
+                print(f"\r{waiting.qsize()} seeds left   ", end="", file=sys.stderr, flush=True)
+        except queue.Empty:
+            return
+        finally:
+            worker.close()
+
+    # an interrupt ends this process at once, and workers whose input ends go after their call
+    threads = [threading.Thread(target=keep_working, daemon=True) for _ in range(processes)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    print(file=sys.stderr)
+    return rows
+
+
+# ---- the table
+
+
+def table(rows: list[Row]) -> str:
+    """Return the table of strategies, and the lines that belong to it."""
+    scenarios = {row["seed"] for row in rows}
+    refused = [row for row in rows if not row["strategy"]]
+    lines = [
+        f"scenarios: {len(scenarios)}, of them refused before any strategy: {len(refused)}; "
+        f"calls: {sum(bool(row['strategy']) for row in rows)}",
+        "",
+        "| strategy | tried | solved | without a fault | refused | faults by rule |",
+        "| --- | --- | --- | --- | --- | --- |",
+    ]
+    for name in STRATEGIES:
+        mine = [row for row in rows if row["strategy"] == name]
+        solved = [row for row in mine if row["status"] == "solved"]
+        kinds = Counter(broken[0] for row in solved for broken in row["broken"])
+        words = ", ".join(f"{kind} {count}" for kind, count in kinds.most_common()) or "none"
+        lines.append(
+            f"| {name} | {len(mine)} | {len(solved)} | {sum(not row['broken'] for row in solved)} | "
+            f"{sum(row['status'] == 'refused' for row in mine)} | {words} |"
+        )
+    return "\n".join([*lines, "", *_other_lines(rows)])
+
+
+def _other_lines(rows: list[Row]) -> Iterator[str]:
+    solved = [row for row in rows if row.get("status") == "solved"]
+    yield f"not finite: {_places(row for row in solved if row['broken'] and row['broken'][0][0] == 'finite numbers')}"
+    yield f"tracebacks: {_places(row for row in rows if row['status'] == 'traceback')}"
+    yield f"stopped after the limit of time: {_places(row for row in rows if row['status'] == 'stopped')}"
+    longest = sorted((row for row in rows if "seconds" in row), key=lambda row: -row["seconds"])[:3]
+    yield "longest: " + ", ".join(f"{row['seconds']:.1f} s ({row['strategy']} {row['seed']})" for row in longest)
+    yield f"optimal dearer by over {DEARER:.1%} than another run without a fault: {_places(_dearer(solved))}"
+    compared = [row for row in solved if "reference" in row]
+    if compared:
+        ours = {id(row) for row in compared if row["broken"]}
+        theirs = {id(row) for row in compared if any(kind != "early" for kind, _ in row["reference"])}
+        yield (
+            f"beside the review's checker, early arrivals apart: both find a fault in {len(ours & theirs)} runs, ours "
+            f"alone in {len(ours - theirs)}, the review's alone in {len(theirs - ours)}"
+        )
+
+
+def _places(rows: Iterable[Row]) -> str:
+    found = [f"{row['strategy'] or 'scenario'} {row['seed']}" for row in rows]
+    return f"{len(found)} ({', '.join(found)})" if found else "none"
+
+
+def _dearer(solved: list[Row]) -> Iterator[Row]:
+    """Yield the optima that a run without a fault undercuts, in no more time."""
+    for best in solved:
+        if best["strategy"] == "optimal":
+            others = (row for row in solved if row["seed"] == best["seed"] and not row["broken"])
+            least = min(
+                (row["energy_kwh"] for row in others if row["time_s"] <= best["time_s"] * 1.000001), default=None
+            )
+            if least is not None and best["energy_kwh"] - least > DEARER * abs(least):
+                yield best
+
+
+def main() -> None:
+    """Drive many scenarios, and print the table."""
+    parser = argparse.ArgumentParser(prog="python -m tests.check_many", description=__doc__)
+    parser.add_argument("--first", type=int, default=0, help="the first seed")
+    parser.add_argument("--count", type=int, default=200, help="how many seeds")
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--limit", type=float, default=60.0, metavar="S", help="time that a call may take")
+    parser.add_argument(
+        "--results", type=Path, default=Path(tempfile.gettempdir()) / "check_many.jsonl", metavar="FILE"
+    )
+    parser.add_argument("--worker", action="store_true", help=argparse.SUPPRESS)
+    asked = parser.parse_args()
+    if asked.worker:
+        work()
+        return
+    seeds = range(asked.first, asked.first + asked.count)
+    print(table(drive_all(asked.results, seeds, asked.processes, asked.limit)))
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except KeyboardInterrupt:
+        sys.exit(130)

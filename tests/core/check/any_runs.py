@@ -1,0 +1,52 @@
+"""The runs of every strategy over the scenarios of `tests.any_scenarios`.
+
+`python -m tests.core.check.any_runs` prints which rules they break, by strategy and regulator: the seeds that
+`known_faults` lists.
+"""
+
+import warnings
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import replace
+
+from railjoule.core import RailjouleError, Trajectory, check_run
+from railjoule.core.strategies import STRATEGIES, run_strategy
+from tests.any_scenarios import any_task
+
+SEEDS = 300
+CLEAR = 2
+"""A rule that is broken by less than this many times what is allowed may be kept on another machine."""
+
+
+def any_runs(seed: int) -> Iterator[Trajectory]:
+    """Yield the runs over the scenario of a seed, with the bound of `optimal` where they have none of their own."""
+    task, bound = any_task(seed), None
+    for name in STRATEGIES:
+        if task is None:
+            return
+        try:
+            with warnings.catch_warnings():
+                # divisions by zero in the phases and in Bellman's law are faults of their own
+                warnings.simplefilter("ignore", RuntimeWarning)
+                run = run_strategy(task, name)
+        except RailjouleError:
+            continue
+        bound = run.bound if name == "optimal" else bound
+        yield run if run.bound is not None else replace(run, bound=bound)
+
+
+def main() -> None:
+    """Print the seeds of all clear faults."""
+    found = defaultdict(list)
+    for seed in range(SEEDS):
+        for run in any_runs(seed):
+            regulator = run.scenario.search.regulator if run.strategy == "speed_limits" else ""
+            for check in check_run(run.scenario, run).checks:
+                if check.largest > CLEAR * check.allowed:
+                    found[run.strategy, check.name, regulator].append(seed)
+    for (strategy, rule, regulator), seeds in sorted(found.items()):
+        print(f"{strategy} {regulator}, {rule}: {seeds}")
+
+
+if __name__ == "__main__":
+    main()

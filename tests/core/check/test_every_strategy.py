@@ -1,0 +1,88 @@
+"""Every strategy's runs over 300 scenarios of every drive keep every rule, but for the known faults."""
+
+import importlib.util
+import warnings
+from collections import Counter
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from railjoule.core import check_run
+from railjoule.core.strategies import STRATEGIES
+from tests.any_scenarios import MODELS
+from tests.core.check.any_runs import CLEAR, SEEDS, any_runs
+from tests.core.check.known_faults import known_rules
+
+BATCH = 15
+REFERENCE = Path(__file__).parents[4] / "shared" / "check" / "check.py"
+REFERENCE_SEEDS = range(1, 300, 7)
+"""About 40 of them, over all drives."""
+seen: Counter[tuple[str, str]] = Counter()
+
+
+@pytest.mark.parametrize("first", range(0, SEEDS, BATCH))
+def test_runs_keep_every_rule_but_for_the_known_faults(first):
+    news, cured = [], []
+    for seed in range(first, first + BATCH):
+        for run in any_runs(seed):
+            seen[run.strategy, run.scenario.vehicle.drive.model] += 1
+            known, checks = known_rules(run.strategy, seed), check_run(run.scenario, run).checks
+            place = f"seed {seed}, {run.strategy}"
+            news += [
+                f"{place}: {check.name}, {check.largest:.2g} of {check.allowed:.2g}"
+                for check in checks
+                if check.name not in known and check.largest > CLEAR * check.allowed
+            ]
+            cured += [f"{place}: {check.name}" for check in checks if check.name in known and check.ok]
+    assert not news, f"new faults: {news}"
+    assert not cured, f"cured, to be taken off known_faults.py: {cured}"
+
+
+def test_every_strategy_has_driven_every_drive():
+    if sum(seen.values()) < SEEDS:
+        pytest.skip("needs all batches of the test before, in one process")
+    copper_only = {"eoc", "enoc"}
+    missing = [
+        (name, model)
+        for name in STRATEGIES
+        for model in MODELS
+        if not seen[name, model] and not (name in copper_only and model != "copper_loss")
+    ]
+    assert not missing
+
+
+@pytest.fixture(scope="module")
+def reference() -> ModuleType:
+    """Return the independent checker of the review, which shares no code with ours."""
+    if not REFERENCE.is_file():
+        pytest.skip("the review's checker is not beside the repository (shared/check/check.py)")
+    spec = importlib.util.spec_from_file_location("reference_check", REFERENCE)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+WITHOUT_PRICE = "early"
+"""The reference calls every early arrival so, ours only one that costs something."""
+
+
+def test_what_the_reference_finds_ours_finds_too(reference):
+    missed, alone = [], []
+    for seed in REFERENCE_SEEDS:
+        for run in any_runs(seed):
+            document = run.scenario.model_dump(mode="json", exclude_none=True)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", RuntimeWarning)
+                faults = [fault for fault in reference.check(document, run, run.strategy) if fault[0] != WITHOUT_PRICE]
+            ours = check_run(run.scenario, run).broken
+            place = f"seed {seed}, {run.strategy}"
+            if faults and not ours:
+                missed.append(f"{place}: {faults}")
+            known = known_rules(run.strategy, seed)
+            if not faults and any(check.largest > CLEAR * check.allowed and check.name not in known for check in ours):
+                alone.append(f"{place}: {ours}")
+    assert not missed
+    assert not alone

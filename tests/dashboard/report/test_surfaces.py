@@ -1,0 +1,48 @@
+import json
+import re
+
+import numpy as np
+import pytest
+
+from railjoule.core import load_scenario
+from railjoule.core.studies.sensitivity import sensitivity
+from railjoule.dashboard.report.document import json_script
+from railjoule.dashboard.report.surfaces import MOST_NODES, cost_surface, enoc_surface
+from railjoule.dashboard.store.trade_off import compute_enoc_map
+
+
+@pytest.fixture(scope="module")
+def enoc():
+    found = compute_enoc_map(load_scenario("ftorek-300s"))
+    assert found is not None
+    return found
+
+
+def test_the_surface_of_enoc_has_the_map_s_own_numbers(enoc):
+    data = enoc_surface(enoc).data
+    assert len(data["x"]) == len(data["z"][0]) == MOST_NODES
+    row = int(np.flatnonzero(enoc.acceleration_time_s == data["y"][3])[0])
+    column = int(np.flatnonzero(enoc.travel_time_s == data["x"][5])[0])
+    assert data["z"][3][5] == pytest.approx(enoc.energy_kwh[row, column], rel=1e-4)
+
+
+def test_ticks_are_round_and_keep_clear_of_the_corners(enoc):
+    for axis in ("x", "y", "z"):
+        ticks = enoc_surface(enoc).data["ticks"][axis]
+        assert 2 <= len(ticks) <= 6
+        assert all(0.05 < share < 0.95 for share, _ in ticks)
+        assert all(float(text) * 2 == round(float(text) * 2) for _, text in ticks)
+
+
+def test_the_surface_of_costs_is_the_table():
+    table = sensitivity(load_scenario("liashenko-ii"), (0.0, 1.0), (-10.0, 0.0, 10.0), both_directions=False)
+    surface = cost_surface(table)
+    assert surface is not None
+    assert np.array(surface.data["z"]) == pytest.approx(100 * table.overconsumption, rel=1e-4)
+    assert 'aria-label="Overconsumption, %, over load and position error, from' in surface.element
+    text = json_script("surfaces", {"costs": surface.data})
+    assert json.loads(re.search(r">(.*)<", text).group(1))["costs"]["x"] == [-10.0, 0.0, 10.0]  # type: ignore[union-attr]
+
+
+def test_a_scenario_that_enoc_does_not_take_has_no_such_surface():
+    assert compute_enoc_map(load_scenario("metro-with-limit")) is None

@@ -1,0 +1,113 @@
+"""The script that drives many scenarios: its rows, what it keeps of them, and its table."""
+
+import json
+
+import pytest
+
+from railjoule.core.strategies import STRATEGIES
+from tests import check_many
+from tests.check_many import calls, kept_rows, sources, table
+
+BAD = [["tractive power", 0.01, 2e-6, 40.0]]
+
+
+def solved(seed, strategy, energy_kwh, broken=(), **more):
+    return {"seed": seed, "model": "m", "strategy": strategy, "status": "solved", "seconds": 0.1, "cells": 9,
+            "energy_kwh": energy_kwh, "time_s": 100.0, "broken": list(broken), **more}  # fmt: skip
+
+
+def test_every_strategy_is_called_once():
+    rows = list(calls(0, {"bellman", "speed_limits"}, None, None))
+    begun = [row["strategy"] for row in rows if row.get("begins")]
+    ended = [row["strategy"] for row in rows if "status" in row]
+    assert begun == ["", *ended]
+    assert ended == [name for name in STRATEGIES if name not in {"bellman", "speed_limits"}]
+    assert {row["status"] for row in rows if "status" in row} == {"solved", "refused"}
+    json.dumps(rows, default=float)
+
+
+def test_what_a_strategy_raises_is_written_down(monkeypatch):
+    def fail(task):
+        raise ZeroDivisionError("by zero")
+
+    monkeypatch.setitem(STRATEGIES, "optimal", fail)
+    (row,) = (row for row in calls(0, set(STRATEGIES) - {"optimal"}, None, None) if "status" in row)
+    assert row["status"] == "traceback"
+    assert "ZeroDivisionError: by zero" in row["words"]
+
+
+def test_rows_of_the_same_sources_are_kept(tmp_path):
+    file = tmp_path / "rows.jsonl"
+    assert kept_rows(file, range(9)) == []
+    rows = [solved(1, "optimal", 1.0) | {"sources": name} for name in (sources(), "others")]
+    rows.append(solved(70, "optimal", 1.0) | {"sources": sources()})
+    file.write_text("".join(json.dumps(row) + "\n" for row in rows) + '{"seed": 2, "strat', encoding="utf-8")
+    assert kept_rows(file, range(9)) == rows[:1]
+
+
+def test_what_is_done_is_not_done_again(tmp_path, monkeypatch):
+    class Idle:
+        def __init__(self, limit_s):
+            pass
+
+        def rows(self, seed, done):
+            yield from (solved(seed, name, 1.0) for name in STRATEGIES if name not in done)
+
+        def close(self):
+            pass
+
+    monkeypatch.setattr(check_many, "Worker", Idle)
+    file = tmp_path / "rows.jsonl"
+    first = check_many.drive_all(file, range(2), 1, 1.0)
+    assert len(first) == 2 * len(STRATEGIES)
+    again = check_many.drive_all(file, range(3), 2, 1.0)
+    assert len(again) == 3 * len(STRATEGIES)
+    assert len(file.read_text().splitlines()) == 3 * len(STRATEGIES)
+
+
+@pytest.mark.parametrize("dies", [False, True])
+def test_a_call_that_takes_too_long_is_stopped_and_the_next_one_made(monkeypatch, dies):
+    """A worker whose `bellman` never answers, or kills its process."""
+    worker, asked = check_many.Worker(limit_s=5.0), []
+
+    def answers(seed, done):
+        asked.append(set(done))
+        for name in STRATEGIES:
+            if name in done:
+                continue
+            yield {"seed": seed, "strategy": name, "begins": True}
+            if name == "bellman":
+                yield {"died": True}
+                return
+            yield solved(seed, name, 1.0)
+        yield {"ready": True}
+
+    monkeypatch.setattr(worker, "_answers", answers)
+    rows = list(worker.rows(3, {"optimal"} if dies else set()))
+    assert [row["strategy"] for row in rows] == [name for name in STRATEGIES if not (dies and name == "optimal")]
+    assert [row["strategy"] for row in rows if row["status"] == "stopped"] == ["bellman"]
+    assert asked[-1] >= {"optimal", "bellman"}
+
+
+def test_the_table_counts():
+    rows = [
+        solved(0, "optimal", 1.0, reference=[["early", 1.0]]),
+        solved(0, "bellman", 0.9, reference=[]),
+        solved(1, "optimal", 1.0, BAD, reference=[["effort", 0.1]]),
+        solved(1, "bellman", 0.5, BAD),
+        {"seed": 2, "model": "m", "strategy": "", "status": "refused", "words": "x"},
+        {"seed": 1, "model": "m", "strategy": "phases", "status": "refused", "words": "x", "seconds": 0.0},
+        {"seed": 1, "model": "m", "strategy": "fastest", "status": "stopped", "seconds": 60.0},
+        {"seed": 0, "model": "m", "strategy": "fastest", "status": "traceback", "seconds": 0.2, "words": "x"},
+    ]
+    lines = table(rows).splitlines()
+    assert lines[0] == "scenarios: 3, of them refused before any strategy: 1; calls: 7"
+    assert "| optimal | 2 | 2 | 1 | 0 | tractive power 1 |" in lines
+    assert "| phases | 1 | 0 | 0 | 1 | none |" in lines
+    assert "not finite: none" in lines
+    assert "tracebacks: 1 (fastest 0)" in lines
+    assert "stopped after the limit of time: 1 (fastest 1)" in lines
+    assert "longest: 60.0 s (fastest 1), 0.2 s (fastest 0), 0.1 s (optimal 0)" in lines
+    # the cheaper run of seed 1 breaks a rule
+    assert "optimal dearer by over 0.1% than another run without a fault: 1 (optimal 0)" in lines
+    assert lines[-1].endswith("both find a fault in 1 runs, ours alone in 0, the review's alone in 0")
