@@ -5,7 +5,7 @@
 """
 
 from railjoule.core.bounds.certified import PROOF_BUDGET, bound_of, bounded, certify, work_floor_j
-from railjoule.core.bounds.minimum import Solution, minimise
+from railjoule.core.bounds.minimum import Solution, minimise, minimise_decided
 
 __all__ = [
     "PROOF_BUDGET",
@@ -14,5 +14,6 @@ __all__ = [
     "bounded",
     "certify",
     "minimise",
+    "minimise_decided",
     "work_floor_j",
 ]

@@ -7,10 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from railjoule.core.bounds.minimum import minimise
+from railjoule.core.bounds.minimum import minimise, minimise_decided
 from railjoule.core.errors import InfeasibleLineError, SolverError, StrategyRefusedError, TimetableError
+from railjoule.core.interior_point.duty import COASTED, duty
 from railjoule.core.interior_point.proof import prove
-from railjoule.core.interior_point.solver import Optimum
+from railjoule.core.interior_point.solver import CONVERGED, Optimum
 from railjoule.core.interior_point.switching_bound import switched_bound
 from railjoule.core.task import Task, prepare_task
 from railjoule.core.trajectory import PROVEN_GAP, Bound, Trajectory
@@ -70,15 +71,30 @@ def _covering(task: Task, run: Trajectory) -> Task:
 
 def certify(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> Bound:
     """Return the lower bound that the multipliers of an optimum prove, and what it covers."""
-    given = task.course.data, optimum, task.greatest_speed2, task.running_time_s
     if task.course.drive.jumps_at_no_effort:
-        proven, _ = switched_bound(*given, SWITCHED_PROOF_TOLERANCE, min(PIECES_A_CELL, proof_budget))
+        proven = _switched_bound_j(task, optimum, proof_budget)
         statement = switched_bound_statement(task)
     else:
+        given = task.course.data, optimum, task.greatest_speed2, task.running_time_s
         proven = prove(*given, PROOF_SHARE * PROVEN_GAP, proof_budget).bound_j
         statement = bound_statement(task)
     energy = max(proven + task.dwell_energy_j, work_floor_j(task))
     return Bound(energy, statement, task.course.position_m, task.travel_time_s)
+
+
+def _switched_bound_j(task: Task, optimum: Optimum, proof_budget: int) -> float:
+    """Return what multipliers prove of a drive that takes power without effort [J], dwells not included.
+
+    Those of an optimum that has not converged may prove next to nothing. A bound holds with any, so that those of a
+    smooth problem are tried, too: with the drive on wherever the optimum drives at all.
+    """
+    points = [optimum]
+    if optimum.status != CONVERGED:
+        share, _ = duty(task.course.data, optimum)
+        points.append(minimise_decided(task, share > COASTED))
+    effort = SWITCHED_PROOF_TOLERANCE, min(PIECES_A_CELL, proof_budget)
+    given = task.greatest_speed2, task.running_time_s
+    return max(switched_bound(task.course.data, point, *given, *effort)[0] for point in points)
 
 
 def work_floor_j(task: Task) -> float:

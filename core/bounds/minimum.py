@@ -1,10 +1,12 @@
-"""The optimum of a task, by the interior-point method with a second attempt."""
+"""The optimum of a task, by the interior-point method with a second attempt, and that of a decision where to drive."""
 
 from dataclasses import dataclass
 
+from railjoule.core.arrays import BoolArray
 from railjoule.core.budget import current_budget
 from railjoule.core.errors import SolverError
 from railjoule.core.interior_point.solver import CONVERGED, Optimum, minimise_energy
+from railjoule.core.physics.course_data import lowered_limits
 from railjoule.core.task import Task
 
 TOLERANCE = 1e-7
@@ -14,6 +16,8 @@ FIRST_ITERATIONS, SECOND_ITERATIONS = 40, 60
 FREE_CENTRING, STEADY_CENTRING = 1e-6, 0.2
 """The first attempt may centre as little as it likes; the second always centres, which ends the rare cycles."""
 LOOSE_GAP = 0.1
+LIMIT_SHARE, TIME_SHARE, SLACK_SHARE = 1e-6, 1e-7, 0.01
+"""The optimum of a decision leaves these shares of limits and time, or that of the slack if it is less."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,3 +71,23 @@ def minimise(task: Task, tolerance: float = TOLERANCE) -> Solution:
         # a relaxation is no run to drive: its multipliers are good enough for a bound and a decision where to drive
         return Solution(optimum, iterations, optimum.energy_j + task.dwell_energy_j)
     raise SolverError(f"the optimum was not found within {iterations} iterations.")
+
+
+def minimise_decided(task: Task, on: BoolArray) -> Optimum:
+    """Return the optimum with the drive on in some cells and off in all others, whether it has converged or not.
+
+    Coasting exactly afterwards, where it all but coasts, changes efforts and time by some of their last digits, and
+    has to find a little left of every limit.
+
+    Parameters
+    ----------
+    task : Task
+        Must have slack in its timetable; its drive takes power without effort.
+    on : array of shape (n,)
+        Cells in which the drive is on.
+    """
+    slack = task.running_time_s - task.shortest_time_s
+    data = task.course.data._replace(machines_on=on.astype(float))
+    data = lowered_limits(data, min(LIMIT_SHARE, SLACK_SHARE * slack / task.running_time_s))
+    times = task.shortest_time_s, task.running_time_s - min(TIME_SHARE * task.running_time_s, SLACK_SHARE * slack)
+    return minimise_energy(data, task.greatest_speed2, *times, SWITCHED_TOLERANCE, SECOND_ITERATIONS, FREE_CENTRING)

@@ -14,6 +14,8 @@ from railjoule.core.physics.course_data import CourseData, cell_of, train_of
 
 NEXT_TO_NOTHING = 1e-5
 """Efforts below this share of the largest are what a barrier leaves of none."""
+DRIVEN, COASTED = 0.98, 0.02
+"""Shares of driving from which a cell counts as driven, and up to which as coasted."""
 
 
 @njit(cache=True, error_model="numpy")

@@ -143,3 +143,16 @@ def cells_of(course: CourseData) -> Cell:
         course.resistance_linear,
         course.resistance_quadratic,
     )
+
+
+def lowered_limits(course: CourseData, share: float) -> CourseData:
+    """Return a course whose limits of effort, speed and rate of change of speed are lower by a share."""
+    kept = 1.0 - share
+    return course._replace(
+        largest_speed2=kept * course.largest_speed2,
+        traction=course.traction.lowered(share),
+        braking=course.braking.lowered(share),
+        friction_effort_n=kept * course.friction_effort_n,
+        max_acceleration_ms2=kept * course.max_acceleration_ms2,
+        max_deceleration_ms2=kept * course.max_deceleration_ms2,
+    )

@@ -61,6 +61,13 @@ class EffortLimit(NamedTuple):
         _fill_efforts(self, speed.ravel(), effort)
         return effort.reshape(speed.shape)
 
+    def lowered(self, share: float) -> "EffortLimit":
+        """Return a limit that is lower by a share at every speed."""
+        kept = 1.0 - share
+        table = self.table.copy()
+        table[:, 1:] *= kept
+        return EffortLimit(kept * self.constant_n, kept * self.power_w, table, self.first_piece)
+
 
 def untabulated_limit(constant_n: float, power_w: float = np.inf) -> EffortLimit:
     """Return the limit of a constant effort [N] and a power [W]."""

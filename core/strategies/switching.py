@@ -4,7 +4,9 @@ Free switching between coasting and driving within a cell gives the convex hull 
 problem that has a lower bound. Where its optimum drives for a part of the way, as it does instead of holding a speed,
 a run to drive must decide: on in some cells, off in the others. Sum-up rounding drives in a cell as soon as half of one
 is owed; its runs approach the optimum with free switching as the mesh gets finer. With that decided the problem is
-smooth again. Where it costs much, driving wherever the optimum drives at all is tried as well.
+smooth again. How much must be owed is a matter of luck, cell by cell, so that some shares of a cell are tried, and the
+best run found is decided anew by its own efforts. Where it costs much, driving wherever the optimum drives at all is
+tried as well.
 
 Reference: Sager, Bock, Diehl 2012, "The integer approximation error in mixed-integer optimal control", Math. Program.
 133, 1-23.
@@ -15,22 +17,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray
-from railjoule.core.bounds.minimum import SWITCHED_TOLERANCE
+from railjoule.core.bounds import minimise_decided
 from railjoule.core.dynamic_programming.search import search
-from railjoule.core.interior_point.duty import coasting_exactly, duty
-from railjoule.core.interior_point.solver import LARGEST_VIOLATION, Optimum, minimise_energy
+from railjoule.core.interior_point.duty import COASTED, DRIVEN, NEXT_TO_NOTHING, coasting_exactly, duty
+from railjoule.core.interior_point.solver import CONVERGED, LARGEST_VIOLATION, Optimum
 from railjoule.core.motion import running_time
 from railjoule.core.physics.account import run_energy
 from railjoule.core.physics.cell import mean_speed
 from railjoule.core.physics.reference import reference_energy
 from railjoule.core.task import Task
 
-ITERATIONS, CENTRING = 60, 1e-6
-FULL, NONE = 0.98, 0.02
-"""Shares of driving from which a cell counts as driven, and up to which as coasted."""
-FAR = 1e-3
-"""A run this far above free switching, relatively, is worth a second decision."""
-TIME_SHARE, TIME_ROUNDING = 1e-7, 1e-9
+OWED, OWED_AGAIN = (0.5, 0.25, 0.75, 0.4, 0.6), (0.5, 0.25, 0.75)
+"""Shares of a cell that are tried as what must be owed before it is driven, first and for decisions made anew."""
+NEAR, FAR = 1e-4, 1e-3
+"""A run this near free switching, relatively, is good enough; one this far from it is worth yet another decision."""
+MOST_MENDED, MOST_ANEW = 3, 3
+TIME_ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,12 +49,16 @@ class Unswitched:
         Price of a second [J/s].
     iterations : int
         Of all solutions together.
+    driven_share : array of shape (n,)
+        Share of each cell on which the drive would be on at its cheapest effort or above, or none where nothing is
+        known of that.
     """
 
     speed2: FloatArray
     energy_j: float
     price_of_time_w: float
     iterations: int
+    driven_share: FloatArray | None = None
 
 
 def unswitched(task: Task, optimum: Optimum) -> Unswitched:
@@ -70,23 +76,83 @@ def unswitched(task: Task, optimum: Optimum) -> Unswitched:
     SolverError
         If Bellman's recursion, the last resort, finds no run either.
     """
+    search = _Search(task, optimum)
     share, _ = duty(task.course.data, optimum)
-    runs = [_drivable(task, optimum, share <= NONE)]
-    for on, apart in ((summed_up(share, task.course.data.cell_length_m), 0.0), (share > NONE, FAR)):
-        if _apart(task, optimum, _cheapest(runs).energy_j) <= apart:
+    search.add(optimum, share <= COASTED)
+    search.decide_by(share, OWED)
+    for _ in range(MOST_ANEW):
+        best = search.best
+        if best.driven_share is not None:
+            search.decide_by(best.driven_share, OWED_AGAIN)
+        if search.best is best:
             break
-        runs.append(_drivable(task, _solved(task, on), ~on))
-    if _cheapest(runs).energy_j == np.inf:
-        runs.append(_by_recursion(task))
-    return replace(_cheapest(runs), iterations=sum(run.iterations for run in runs))
+    if search.apart > FAR:
+        search.decide(share > COASTED)
+    if search.best.energy_j == np.inf:
+        search.runs.append(_by_recursion(task))
+    return replace(search.best, iterations=sum(run.iterations for run in search.runs))
 
 
-def _cheapest(runs: list[Unswitched]) -> Unswitched:
-    return min(runs, key=lambda run: run.energy_j)
+class _Search:
+    """Runs found so far, and the decisions where to drive that have been tried."""
+
+    def __init__(self, task: Task, relaxed: Optimum) -> None:
+        self.task, self.relaxed = task, relaxed
+        self.runs: list[Unswitched] = []
+        self.tried: set[bytes] = set()
+
+    @property
+    def best(self) -> Unswitched:
+        return min(self.runs, key=lambda run: run.energy_j)
+
+    @property
+    def apart(self) -> float:
+        """How far the best run lies above the optimum with free switching, relatively."""
+        least = self.relaxed.energy_j
+        reference = reference_energy(self.task.course.data, least, self.task.running_time_s)
+        return float((self.best.energy_j - least) / reference)
+
+    @property
+    def is_near(self) -> bool:
+        """Whether the best run is good enough; what has not converged is no measure of that."""
+        return self.relaxed.status == CONVERGED and self.apart <= NEAR
+
+    def decide_by(self, driven_share: FloatArray, owed: tuple[float, ...]) -> None:
+        """Try the decisions that shares of driving lead to, until a run is good enough."""
+        for least in owed:
+            if self.is_near:
+                return
+            self.decide(summed_up(driven_share, self.task.course.data.cell_length_m, least))
+
+    def decide(self, on: BoolArray) -> None:
+        """Try a decision; cells where no run can do without driving are driven, too."""
+        for _ in range(1 + MOST_MENDED):
+            if on.tobytes() in self.tried:
+                return
+            self.tried.add(on.tobytes())
+            found = minimise_decided(self.task, on)
+            self.add(found, ~on)
+            needed = ~on & (found.traction_n > NEXT_TO_NOTHING * self.task.course.data.traction.constant_n)
+            if not needed.any():
+                return
+            on = on | needed
+
+    def add(self, optimum: Optimum, off: BoolArray) -> None:
+        """Take up the run of an optimum, coasting exactly where it all but coasts; infinite if none keeps all limits.
+
+        A point that has not converged is a run as well, if it keeps them.
+        """
+        data = self.task.course.data
+        points = coasting_exactly(data, optimum, off), optimum.speed2
+        speed2 = next((point for point in points if _keeps_limits(self.task, point)), None)
+        energy = np.inf if speed2 is None else _energy_j(self.task, speed2)
+        best = optimum.speed2 if speed2 is None else speed2
+        share, _ = duty(data, optimum)
+        self.runs.append(Unswitched(best, energy, optimum.price_of_time_w, optimum.iterations, share))
 
 
-def summed_up(driven_share: FloatArray, cell_length_m: FloatArray) -> BoolArray:
-    """Return which cells to drive in so that the way driven up to each stays within half a cell; shape (n,).
+def summed_up(driven_share: FloatArray, cell_length_m: FloatArray, owed_share: float = 0.5) -> BoolArray:
+    """Return which cells to drive in so that the way driven up to each stays within a cell, or half of one; shape (n,).
 
     Parameters
     ----------
@@ -94,42 +160,16 @@ def summed_up(driven_share: FloatArray, cell_length_m: FloatArray) -> BoolArray:
         Share of each cell on which the drive is on.
     cell_length_m : array of shape (n,)
         Lengths of the cells [m].
+    owed_share : float
+        Which share of a cell must be owed before it is driven: a half keeps closest.
     """
-    on: BoolArray = driven_share >= FULL
+    on: BoolArray = driven_share >= DRIVEN
     owed = 0.0
-    for cell in np.flatnonzero(driven_share > NONE):
+    for cell in np.flatnonzero(driven_share > COASTED):
         owed += driven_share[cell] * cell_length_m[cell]
-        on[cell] |= bool(owed >= 0.5 * cell_length_m[cell])
+        on[cell] |= bool(owed >= owed_share * cell_length_m[cell])
         owed -= cell_length_m[cell] if on[cell] else 0.0
     return on
-
-
-def _apart(task: Task, optimum: Optimum, energy_j: float) -> float:
-    """Return how far an energy [J] lies above the optimum with free switching, relatively."""
-    least = optimum.energy_j
-    return float((energy_j - least) / reference_energy(task.course.data, least, task.running_time_s))
-
-
-def _solved(task: Task, on: BoolArray) -> Optimum:
-    """Return the optimum with the drive on in some cells and off in all others."""
-    data = task.course.data._replace(machines_on=on.astype(float))
-    # coasting exactly afterwards may cost some of the last digits of the time
-    spare = min(TIME_SHARE * task.running_time_s, 0.01 * (task.running_time_s - task.shortest_time_s))
-    times = task.shortest_time_s, task.running_time_s - spare
-    return minimise_energy(data, task.greatest_speed2, *times, SWITCHED_TOLERANCE, ITERATIONS, CENTRING)
-
-
-def _drivable(task: Task, optimum: Optimum, off: BoolArray) -> Unswitched:
-    """Return a run with its exact energy, coasting exactly where it all but coasts; infinite if none keeps all limits.
-
-    A point that has not converged is a run as well, if it keeps them.
-    """
-    data = task.course.data
-    points = coasting_exactly(data, optimum, off), optimum.speed2
-    speed2 = next((point for point in points if _keeps_limits(task, point)), None)
-    energy = np.inf if speed2 is None else _energy_j(task, speed2)
-    best = optimum.speed2 if speed2 is None else speed2
-    return Unswitched(best, energy, optimum.price_of_time_w, optimum.iterations)
 
 
 def _by_recursion(task: Task) -> Unswitched:

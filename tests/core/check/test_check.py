@@ -136,6 +136,10 @@ def with_loss(run: Trajectory, kind: str, factor: float, shift: float = 0.0) -> 
     return with_energy(run, losses_j=losses | {kind: losses[kind] * factor + shift})
 
 
+def bounded_by(run: Trajectory, energy_j: float) -> Trajectory:
+    return replace(run, bound=Bound(energy_j, "", run.nodes_m, run.travel_time_s))
+
+
 def stop_node(run: Trajectory) -> int:
     """Return the number of the cell in which the run stands."""
     return int(np.flatnonzero(np.diff(run.position_m) == 0)[0])
@@ -154,7 +158,7 @@ SPOILT: list[tuple[str, Callable[[Trajectory], Trajectory]]] = [
     ("finite numbers", lambda run: changed(run, "speed_ms", 5, np.nan)),
     ("finite numbers", lambda run: changed(run, "line_power_w", 5, np.inf)),
     ("finite numbers", lambda run: with_energy(run, kinetic_j=np.nan)),
-    ("finite numbers", lambda run: replace(run, bound=Bound(np.nan, ""))),
+    ("finite numbers", lambda run: bounded_by(run, np.nan)),
     ("places, times and speeds rise from zero", lambda run: moved_on(run, "position_m", 5, -50.0)),
     ("places, times and speeds rise from zero", lambda run: moved_on(run, "time_s", 5, -50.0)),
     ("places, times and speeds rise from zero", lambda run: changed(run, "speed_ms", 5, -1.0)),
@@ -209,7 +213,7 @@ SPOILT: list[tuple[str, Callable[[Trajectory], Trajectory]]] = [
     ("account: closes", lambda run: with_loss(run, "copper", 1.0001)),
     ("account: no negative loss", lambda run: with_loss(run, "copper", -1.0)),
     ("account: net energy", lambda run: with_energy(run, auxiliary_j=0.0)),
-    ("bound below the energy", lambda run: replace(run, bound=Bound(1.00001 * run.energy.net_j, ""))),
+    ("bound below the energy", lambda run: bounded_by(run, 1.00001 * run.energy.net_j)),
 ]
 
 
