@@ -205,7 +205,8 @@ def tabulated_power(
         Mean effort over the way [N] and speed [m/s].
     """
     step = ray_step(course)
-    k = min(int(speed / step), RAY_COUNT - 2)
+    # not a number becomes a large negative integer: it must not lead out of the table
+    k = max(min(int(speed / step), RAY_COUNT - 2), 0)
     x = speed / step - k
     touch = rays[k, 0] + x * (rays[k + 1, 0] - rays[k, 0])
     if effort >= touch:

@@ -143,7 +143,8 @@ def table_speeds(top_speed_ms: float) -> FloatArray:
 @njit(cache=True, error_model="numpy")
 def piece_at(limit: EffortLimit, speed: float) -> int:
     """Return the number of the piece of a table at a speed [m/s]; the last one goes on."""
-    step = min(int(speed / TABLE_STEP_MS), limit.first_piece.shape[0] - 1)
+    # not a number, as where there is no run, becomes a large negative integer: it must not lead out of the table
+    step = max(min(int(speed / TABLE_STEP_MS), limit.first_piece.shape[0] - 1), 0)
     piece, last = int(limit.first_piece[step]), limit.table.shape[0] - 1
     while piece < last and limit.table[piece + 1, 0] <= speed:
         piece += 1

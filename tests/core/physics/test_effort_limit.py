@@ -150,3 +150,16 @@ def test_what_lies_far_above_the_constant_limit_need_not_be_followed():
     assert limit.effort_n(np.array([1e-4, 1.0, 7.9])).tolist() == [50e3] * 3
     assert len(limit.table) < 200
     assert limit.effort_n(np.array([20.0])) == pytest.approx([20e3], rel=1e-5)
+
+
+def test_a_speed_that_is_no_number_leads_out_of_no_table():
+    """Bellman's law holds none where there is no run; as an index it would be -2^31, far from the table."""
+    table = fitted_limit(100e3, lambda v: 100e3 - 1e3 * v, 27.0, np.zeros(0))
+    alone = table.effort_n(np.full(100, np.nan))
+    assert not ((alone < 0) | (alone > 100e3)).any()
+
+
+@pytest.mark.parametrize("changes", [{}, {"vehicle.traction.curve": CURVE, "vehicle.traction.max_power_kw": None}])
+def test_a_lowered_limit_is_lower_at_every_speed(changes):
+    traction, _ = limits(changes)
+    assert traction.lowered(0.01).effort_n(SPEEDS) == pytest.approx(0.99 * traction.effort_n(SPEEDS), rel=1e-12)
