@@ -121,8 +121,9 @@ def search_level(
         first = other
     slow, fast = (first, other) if lateness(first) >= lateness(other) else (other, first)
     if lateness(slow) <= 0:
-        # the cheapest run at any price is early
-        return Level(grid, steps, math.exp(slow), runs[slow][0], runs[slow][0], len(runs))
+        # the cheapest run at any price is early, and at the least price it is the cheapest of all
+        lowest = min(slow, fast)
+        return Level(grid, steps, math.exp(lowest), runs[lowest][0], runs[lowest][0], len(runs))
     if lateness(fast) > 0:
         return Level(grid, steps, math.exp(fast), runs[fast][0], fastest_speed2, len(runs))
     for _ in range(MOST_SWEEPS):

@@ -74,7 +74,7 @@ def bellman_with_law(task: Task) -> tuple[Trajectory, ControlLaw]:
         task.course,
         "bellman",
         found.speed2,
-        price_of_time_w=found.price_w - data.auxiliary_power_w,
+        price_of_time_w=max(found.price_w - data.auxiliary_power_w, 0.0),
         iterations=found.sweeps,
         notes=notes,
     )

@@ -118,8 +118,10 @@ def check_feasible(course: Course, speed2: FloatArray) -> None:
         over = np.flatnonzero(excess > ALLOWED_EXCESS * data.traction.constant_n)
         if len(over):
             cell = over[0]
-            asked = abs(force[cell]) / N_PER_KN
-            needed, most = told_apart(asked, asked - excess[cell] / N_PER_KN, EFFORT_DIGITS)
+            asked, available = abs(force[cell]), abs(force[cell]) - excess[cell]
+            # what stands for a missing brake is none
+            available = 0.0 if available < ALLOWED_EXCESS * data.traction.constant_n else available
+            needed, most = told_apart(asked / N_PER_KN, available / N_PER_KN, EFFORT_DIGITS)
             raise StrategyRefusedError(
                 f"{words} with {needed} kN at {course.position_m[cell]:.0f} m, where at most {most} kN are available."
             )

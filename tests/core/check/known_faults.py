@@ -39,13 +39,6 @@ KNOWN_FAULTS = (
         "its nodes are its own and finer, and the bound is that of the scenario's mesh",
         (*(7, 28, 42, 54, 71, 84, 96, 109, 115, 126, 162, 183, 192, 204, 244, 246, 260, 270, 276, 284, 288, 290),),
     ),
-    KnownFault(
-        "phases",
-        "cells long enough for their places",
-        "a phase of braking from next to no speed makes a cell of next to no length",
-        (25, 80, 89, 190),
-    ),
-    KnownFault("phases", "motors while braking", "the same cell holds a force that is rounding", (190,)),
     KnownFault("speed_limits", "bound below the energy", OWN_NODES, (14, 24, 71, 83, 110, 116, 126, 257)),
     KnownFault("speed_limits", "bound below the energy", LITERAL, (12, 67, 172, 204, 205)),
     KnownFault(

@@ -129,3 +129,9 @@ def test_friction_brakes_help_to_brake():
 
 def triangle(course, peak_ms):
     return peak_ms**2 * np.minimum(course.position_m, 2000 - course.position_m) / 1000
+
+
+def test_a_missing_brake_is_none_in_words():
+    course = prepare_task(plain_scenario({**COPPER, "vehicle.braking.max_effort_kn": 0.0})).course
+    with pytest.raises(StrategyRefusedError, match=r"^brakes with 17.5 kN at 1000 m, where at most 0 kN are available"):
+        check_feasible(course, triangle(course, 20.0))
