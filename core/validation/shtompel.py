@@ -141,7 +141,7 @@ def near_full_effort() -> list[Row]:
     for speed in SCENARIOS:
         for case, run in (("two sections, coast", _limits(speed, "coast")), ("optimum", _optimum(speed))):
             share = 100 * _full_share(run)
-            note = _judged_by_majority(share) if case == "optimum" else "Limits are set for full effort below them."
+            note = _judged_by_majority(share) if case == "optimum" else ASSUMED
             rows.append(Row(f"{speed} km/h, {case}", "traction energy at full effort", "%", None, share, note))
     return rows
 
@@ -188,9 +188,10 @@ def near_full_power() -> list[Row]:
         largest, share = float(np.max(at_wheels_kw)), 100 * _energy_share(full, at_wheels_kw > FULL_SHARE * power)
         more = 100 * share_above(half.energy_kwh, full.energy_kwh)
         case = f"{speed} km/h, optimum"
+        close = SUPPORTED if largest > FULL_SHARE * power else REFUTED
         rows += [
-            Row(case, "largest power at the wheels", "kW", None, largest, f"The largest there is: {power:g} kW."),
-            Row(case, "traction energy at full power", "%", None, share, _judged_by_majority(share)),
+            Row(case, "largest power at the wheels", "kW", None, largest, close),
+            Row(case, "traction energy at full power", "%", None, share, f"{100 - share:.0f} % of it at less power."),
             Row(case, "more energy with half the power", "%", None, more, ASSUMED),
         ]
     return rows

@@ -338,10 +338,13 @@ def test_braking_from_next_to_nothing_makes_no_hole_in_the_numbers():
 def test_more_deceleration_than_is_allowed_is_refused():
     """40 per mille take 0.36 m/s2 of a train whose masses turn as well, and resistance 0.02 more."""
     changes = {"line.sections": [{"length_m": 2000.0, "gradient_permille": 40.0}], "timetable.travel_time_s": 200.0}
-    limit = {"vehicle.braking.max_deceleration_ms2": 0.3}
+    limit = "vehicle.braking.max_deceleration_ms2"
     assert solve(plain_scenario(changes), "phases").energy_kwh > 0
-    with pytest.raises(StrategyRefusedError, match=r"^slows down by 0\.3\d+ m/s2 at .* but only 0.3 m/s2 is allowed"):
-        solve(plain_scenario(changes | limit), "phases")
+    with pytest.raises(StrategyRefusedError, match=rf"^needs a line on which .* slows down by less than {limit} = 0.3"):
+        solve(plain_scenario(changes | {limit: 0.3}), "phases")
+    # at rest alone, resistance would allow it
+    with pytest.raises(StrategyRefusedError, match=r"^slows down by 0\.3\d+ m/s2 at .* but only 0.38 m/s2 is allowed"):
+        solve(plain_scenario(changes | {limit: 0.38}), "phases")
 
 
 def test_a_time_that_only_the_phases_cannot_keep():
