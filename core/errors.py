@@ -12,6 +12,10 @@ class ScenarioError(RailjouleError):
     """A scenario, vehicle or line that cannot be read, or a value out of its bounds."""
 
 
+class DriveRangeError(ScenarioError):
+    """An effort or a speed beyond what the map of a drive holds."""
+
+
 class TimetableError(RailjouleError):
     """A timetable that no train can keep.
 

@@ -11,7 +11,7 @@ from railjoule.core.motion import Course, build_course, greatest_speeds, running
 from railjoule.core.motion.mesh import enough_words
 from railjoule.core.motion.passes import MOVED
 from railjoule.core.scenario import Scenario, StrategyName
-from railjoule.core.units import N_PER_KN
+from railjoule.core.units import N_PER_KN, plain_number
 
 LEAST_SLACK = 1e-9
 """A timetable must exceed the shortest time by this share, or the optimum has no inside to search."""
@@ -137,8 +137,10 @@ def _obstacle_sentence(course: Course, cell: int, braking: bool) -> str:
             f"At {place:.0f} m, on a gradient of {gradient:.4g} per mille, the brakes of at most {effort:.4g} kN "
             "cannot slow the train down for what lies ahead."
         )
-    effort = course.data.traction.constant_n / N_PER_KN
+    effort, curve = course.data.traction.constant_n / N_PER_KN, course.curve_force_n[cell] / N_PER_KN
+    # the curve alone may be what stops it
+    resisting = f" and in a curve that resists with {plain_number(curve, 4)} kN" if curve > 0 else ""
     return (
-        f"At {place:.0f} m, on a gradient of {gradient:.4g} per mille, the train comes to a stand: its effort of at "
-        f"most {effort:.4g} kN and its momentum are not enough."
+        f"At {place:.0f} m, on a gradient of {gradient:.4g} per mille{resisting}, the train comes to a stand: its "
+        f"effort of at most {effort:.4g} kN and its momentum are not enough."
     )

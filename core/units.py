@@ -21,5 +21,27 @@ H_PER_MH = 1e-3
 M_PER_MM = 1e-3
 """Metres in one millimetre."""
 
+MOST_DIGITS = 12
+"""By which two numbers that rounding has not made equal can be told apart."""
+
 STANDARD_GRAVITY_MS2 = 9.81
 """Acceleration of gravity [m/s2], the value that all four papers use."""
+
+
+def told_apart(one: float, other: float, digits: int = 4) -> tuple[str, str]:
+    """Return two numbers in words, with as many digits as it takes to tell them apart, but no fewer than asked for."""
+    for count in range(digits, MOST_DIGITS):
+        words = plain_number(one, count), plain_number(other, count)
+        if words[0] != words[1]:
+            return words
+    return plain_number(one, MOST_DIGITS), plain_number(other, MOST_DIGITS)
+
+
+def plain_number(value: float, digits: int) -> str:
+    """Return a number with so many digits that count, never with an exponent."""
+    rounded = float(f"{value:.{digits}g}")
+    return (
+        f"{rounded:.15f}".rstrip("0").rstrip(".")
+        if abs(rounded) < 1
+        else f"{rounded:.{digits}f}".rstrip("0").rstrip(".")
+    )

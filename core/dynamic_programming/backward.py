@@ -21,6 +21,11 @@ from railjoule.core.physics.effort_limit import EffortLimit
 
 CONTROLS_BESIDE_GRID = 4
 ROUNDING = 1e-10
+ON_GRID = 1e-9
+"""A speed squared this close to a grid point, relatively, is that point: beyond it there may be no run."""
+SLOWEST_SHARE = 1 / 96
+"""The least speed of a grid over the greatest one: a quarter of the first grid's step between speeds."""
+HALVINGS = 60
 
 
 class Steps(NamedTuple):
@@ -39,8 +44,42 @@ class Steps(NamedTuple):
 
 
 @njit(cache=True, error_model="numpy")
+def least_speeds(course: CourseData, greatest_speed2: FloatArray) -> FloatArray:
+    """Return the least squares of speed [m2/s2] of a grid: from all of them, full traction leads on; shape (nodes,).
+
+    Uphill a train may need its momentum: slower than this it comes to a stand, or falls below the least of what lies
+    ahead. Elsewhere they are a small share of the greatest ones, as nothing can start from rest between stops.
+    """
+    nodes = greatest_speed2.shape[0]
+    train, traction, braking = train_of(course), course.traction, course.braking
+    least = greatest_speed2 * SLOWEST_SHARE**2
+    for i in range(nodes - 1, -1, -1):
+        if course.fixed_speed2[i] >= 0.0:
+            least[i] = course.fixed_speed2[i]
+        if i == nodes - 1 or course.fixed_speed2[i] >= 0.0:
+            continue
+        cell = cell_of(course, i)
+        if exit_speed2(cell, train, traction, braking, least[i], FULL_TRACTION) >= least[i + 1]:
+            continue
+        low, high = least[i], greatest_speed2[i]
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            if exit_speed2(cell, train, traction, braking, middle, FULL_TRACTION) >= least[i + 1]:
+                high = middle
+            else:
+                low = middle
+        least[i] = high
+    return least
+
+
+@njit(cache=True, error_model="numpy")
 def speed_grid(
-    greatest_speed2: FloatArray, fixed_speed2: FloatArray, centre_ms: FloatArray, reach_ms: float, points: int
+    greatest_speed2: FloatArray,
+    least_speed2: FloatArray,
+    fixed_speed2: FloatArray,
+    centre_ms: FloatArray,
+    reach_ms: float,
+    points: int,
 ) -> FloatArray:
     """Return squares of speed [m2/s2], rising at each node; shape (nodes, points).
 
@@ -49,8 +88,8 @@ def speed_grid(
 
     Parameters
     ----------
-    greatest_speed2 : array of shape (nodes,)
-        Greatest squares of speed [m2/s2].
+    greatest_speed2, least_speed2 : array of shape (nodes,)
+        Greatest and least squares of speed [m2/s2].
     fixed_speed2 : array of shape (nodes,)
         Prescribed ones, negative where the speed is free.
     centre_ms, reach_ms : array of shape (nodes,) and float
@@ -63,8 +102,8 @@ def speed_grid(
     for i in range(nodes):
         fixed = fixed_speed2[i]
         greatest = math.sqrt(greatest_speed2[i])
-        least = greatest / (4 * points)
-        high = min(greatest, centre_ms[i] + reach_ms)
+        least = math.sqrt(least_speed2[i])
+        high = max(min(greatest, centre_ms[i] + reach_ms), least)
         low = max(least, min(centre_ms[i], high) - reach_ms)
         for k in range(points):
             speed = high - (high - low) * (points - 1 - k) / (points - 1)
@@ -78,7 +117,7 @@ def speed_grid(
 def place_in_row(row: FloatArray, speed2: float) -> tuple[int, float]:
     """Return the grid point below a square of speed and how far it lies on the way to the next; (-1, 0) if outside."""
     last = row.shape[0] - 1
-    if speed2 < row[0] * (1.0 - 1e-12) or speed2 > row[last] * (1.0 + 1e-12) + 1e-12:
+    if speed2 < row[0] * (1.0 - ON_GRID) or speed2 > row[last] * (1.0 + 1e-12) + 1e-12:
         return -1, 0.0
     if row[last] <= row[0]:
         return 0, 0.0
@@ -90,19 +129,35 @@ def place_in_row(row: FloatArray, speed2: float) -> tuple[int, float]:
     while lower < last - 1 and row[lower + 1] < speed2:
         lower += 1
     share = (speed2 - row[lower]) / (row[lower + 1] - row[lower])
-    return lower, min(max(share, 0.0), 1.0)
+    return lower, min(max(share, 0.0), 1.0) if share < 1.0 - ON_GRID else 1.0
 
 
 @njit(cache=True, error_model="numpy")
 def reach(
-    cell: Cell, train: Train, traction: EffortLimit, braking: EffortLimit, entering_speed2: float, row: FloatArray
+    cell: Cell,
+    train: Train,
+    traction: EffortLimit,
+    braking: EffortLimit,
+    drive: FloatArray,
+    entering_speed2: float,
+    row: FloatArray,
 ) -> tuple[float, float]:
-    """Return the least and the greatest square of speed at the end of a cell that the grid of its end holds."""
+    """Return the least and the greatest square of speed at the end of a cell that the grid of its end holds.
+
+    The first is greater than the second where there is none.
+    """
     greatest = row[row.shape[0] - 1]
     top = min(exit_speed2(cell, train, traction, braking, entering_speed2, FULL_TRACTION), greatest)
     low = max(exit_speed2(cell, train, traction, braking, entering_speed2, FULL_BRAKE), row[0])
-    # on the steepest braking curve both are the same but for rounding
-    return (top if top < low <= top + ROUNDING * max(entering_speed2, greatest) else low), top
+    if top < low and top >= 0.0:
+        # on the steepest braking curve both are the same but for rounding, and for what is left of a fixed point, which
+        # hardly converges before a stop: what the limits allow counts
+        slowed = entering_speed2 - top <= 2.0 * train.max_deceleration_ms2 * cell.length_m * (1.0 + ROUNDING)
+        if low <= top + ROUNDING * max(entering_speed2, greatest) or (
+            slowed and cell_cost(cell, train, traction, braking, drive, entering_speed2, top)[2]
+        ):
+            low = top
+    return low, top
 
 
 @njit(cache=True, error_model="numpy")
@@ -125,7 +180,7 @@ def tabulate_steps(course: CourseData, grid: FloatArray) -> Steps:
             first[i, k] = total
             if k > 0 and grid[i, k] == grid[i, k - 1]:
                 continue
-            span[i, k] = reach(cell, train, traction, braking, grid[i, k], row)
+            span[i, k] = reach(cell, train, traction, braking, drive, grid[i, k], row)
             if span[i, k, 0] <= span[i, k, 1]:
                 start, end = grid_range(row, span[i, k, 0], span[i, k, 1])
                 total += CONTROLS_BESIDE_GRID + max(end - start, 0)

@@ -64,7 +64,7 @@ def best_exit(
     The best of full traction, coasting, holding, full braking and the grid points, then the best between the grid
     points around it by golden section: there the cost to go is linear.
     """
-    low, top = reach(cell, train, traction, braking, entering_speed2, row)
+    low, top = reach(cell, train, traction, braking, drive, entering_speed2, row)
     if low > top:
         return -1.0
     start, end = grid_range(row, low, top)

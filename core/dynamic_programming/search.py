@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.dynamic_programming.backward import Steps, speed_grid, sweep_back, tabulate_steps
+from railjoule.core.dynamic_programming.backward import Steps, least_speeds, speed_grid, sweep_back, tabulate_steps
 from railjoule.core.dynamic_programming.rollout import roll_out
 from railjoule.core.errors import SolverError
 from railjoule.core.motion import running_time
@@ -32,6 +32,9 @@ LEAST_WIDTH = 1e-4
 MOST_WIDENINGS, MOST_SWEEPS = 20, 60
 PRICE_SHARES = (1e-6, 1e4)
 """The least and the greatest price that is tried, over kinetic energy at the mean speed by running time."""
+TINY = 1e-300
+WIDENING, MOST_FAILURES = 2.0, 3
+"""A band that holds no run is widened; a search that meets so many ends with the best run so far."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +86,8 @@ def search_level(
     time_s : float
         Running time allowed [s].
     price_scale_w, first_price_w, factor : float
-        A natural price of time, where the search begins [J/s], and by which factor its bracket widens.
+        A natural price of time, where the search begins [J/s], and by which factor its bracket widens. Prices count
+        the auxiliaries: none is below their power.
     near_s : float
         The search ends with a run whose time is this close [s], or with prices that hardly differ.
 
@@ -106,7 +110,9 @@ def search_level(
         return runs[log_price][1]
 
     least, most = (math.log(price_scale_w * share) for share in PRICE_SHARES)
-    first = other = math.log(first_price_w)
+    # a second costs at least what the auxiliaries take: a run that is early at that price had better be early
+    least, most = (max(bound, math.log(max(course.auxiliary_power_w, TINY))) for bound in (least, most))
+    first = other = min(max(math.log(first_price_w), least), most)
     for widening in range(MOST_WIDENINGS):
         wider = other + math.copysign(math.log(factor) * 1.5**widening, lateness(first))
         other = min(max(wider, least), most)
@@ -115,8 +121,9 @@ def search_level(
         first = other
     slow, fast = (first, other) if lateness(first) >= lateness(other) else (other, first)
     if lateness(slow) <= 0:
-        # the cheapest run at any price is early
-        return Level(grid, steps, math.exp(slow), runs[slow][0], runs[slow][0], len(runs))
+        # the cheapest run at any price is early, and at the least price it is the cheapest of all
+        lowest = min(slow, fast)
+        return Level(grid, steps, math.exp(lowest), runs[lowest][0], runs[lowest][0], len(runs))
     if lateness(fast) > 0:
         return Level(grid, steps, math.exp(fast), runs[fast][0], fastest_speed2, len(runs))
     for _ in range(MOST_SWEEPS):
@@ -161,17 +168,21 @@ class Found:
     speed2 : array of shape (nodes,)
         Squares of speed [m2/s2].
     price_w : float
-        Price of a second [J/s].
+        Price of a second, auxiliaries included [J/s].
     first : Level
         The first grid, which spans all speeds.
     sweeps : int
         Backward inductions on all grids together.
+    unrefined_ms : float or None
+        Half of the width of the band of speeds [m/s] that ended the search because it held no run; None where the
+        search ended by itself.
     """
 
     speed2: FloatArray
     price_w: float
     first: Level
     sweeps: int
+    unrefined_ms: float | None = None
 
 
 def search(course: CourseData, greatest_speed2: FloatArray, time_s: float) -> Found:
@@ -196,23 +207,36 @@ def search(course: CourseData, greatest_speed2: FloatArray, time_s: float) -> Fo
     kinetic = course.half_inertia_kg * mean**2
     scale = kinetic / time_s
     half, points, near = float(greatest.max()), FIRST_POINTS, FIRST_NEAR * time_s
-    grid = speed_grid(greatest_speed2, course.fixed_speed2, 0.5 * greatest, half, points)
+    bounds = greatest_speed2, least_speeds(course, greatest_speed2), course.fixed_speed2
+    grid = speed_grid(*bounds, 0.5 * greatest, half, points)
     first = level = search_level(course, grid, greatest_speed2, time_s, scale, scale, FIRST_FACTOR, near)
-    speed2, sweeps, energy = meet_time(course, first.slower, first.faster, time_s), first.sweeps, math.inf
+    speed2, sweeps = meet_time(course, first.slower, first.faster, time_s), first.sweeps
+    best, least, price = speed2, _total_energy(course, speed2), first.price_w
     half *= FIRST_BAND_SHARE
+    failures, unrefined, steady_at = 0, None, math.inf
     for number in range(MOST_LEVELS):
         points, near = POINTS[min(number, len(POINTS) - 1)], max(0.5 * near, LEAST_NEAR * time_s)
-        grid = speed_grid(greatest_speed2, course.fixed_speed2, np.sqrt(speed2), half, points)
+        grid = speed_grid(*bounds, np.sqrt(speed2), half, points)
         try:
             level = search_level(course, grid, greatest_speed2, time_s, scale, level.price_w, NEXT_FACTOR, near)
         except SolverError:
-            # a band may be too narrow to lead on; the run found so far stands
-            break
-        found = meet_time(course, level.slower, level.faster, time_s)
-        before, energy = energy, min(energy, run_energy(course, found))
-        speed2, sweeps = found, sweeps + level.sweeps
-        if before - energy <= STEADY_SHARE * kinetic or number == 0:
+            failures, unrefined = failures + 1, half
+            if failures == MOST_FAILURES:
+                break
+            half *= WIDENING
+            continue
+        speed2, sweeps, unrefined = meet_time(course, level.slower, level.faster, time_s), sweeps + level.sweeps, None
+        energy = _total_energy(course, speed2)
+        if energy < least:
+            best, least, price = speed2, energy, level.price_w
+        before, steady_at = steady_at, min(steady_at, energy)
+        if before - steady_at <= STEADY_SHARE * kinetic or number == 0:
             if half < LEAST_BAND_MS:
                 break
             half *= NARROWING
-    return Found(speed2, level.price_w, first, sweeps)
+    return Found(best, price, first, sweeps, unrefined)
+
+
+def _total_energy(course: CourseData, speed2: FloatArray) -> float:
+    """Return the line energy of a run with auxiliaries on its way [J]: runs may differ in their times."""
+    return float(run_energy(course, speed2) + course.auxiliary_power_w * running_time(course.cell_length_m, speed2))

@@ -131,7 +131,10 @@ def _adjusted(model: PhaseModel, plan: PhasePlan) -> PhasePlan:
             return with_values(values)
         steps = 1e-6 * scales
         slopes = np.column_stack([(misses(values + step) - miss) / step.sum() for step in np.diag(steps)])
-        values = values - np.linalg.solve(slopes, miss)
+        try:
+            values = values - np.linalg.solve(slopes, miss)
+        except np.linalg.LinAlgError as error:
+            raise SolverError("the phases cannot be moved to meet the distance and the time.") from error
     if (np.abs(miss) > 1e-9 * aims).any():
         raise SolverError("the phases do not add up to the distance and the time.")
     return with_values(values)

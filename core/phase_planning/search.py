@@ -23,6 +23,9 @@ HALVINGS = 60
 EXACT = 1e-13
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 NARROWINGS, SCANNED = 32, 12
+LEAST_BRAKED_SPEED2 = 1e-4
+"""What the last brake takes off at least, in speed squared [m2/s2]: braking before a stop begins at 0.036 km/h or more.
+From less it would be a cell of some micrometres, whose force is rounding far from the start of a line."""
 
 
 @njit(cache=True)
@@ -69,10 +72,12 @@ def _run_down(
     stop_time, stop_distance, _ = between(brake, final, cruise_speed)
     if cruise_speed * stop_time - stop_distance > aim:
         return cruise_speed, distance - stop_distance, TOO_LATE
-    low, high = final, cruise_speed
-    coast_time, coast_distance, _ = between(coast, final, cruise_speed)
+    low, high = min(math.sqrt(final * final + LEAST_BRAKED_SPEED2), cruise_speed), cruise_speed
+    coast_time, coast_distance, _ = between(coast, low, cruise_speed)
+    last_time, last_distance, _ = between(brake, final, low)
+    coast_time, coast_distance = coast_time + last_time, coast_distance + last_distance
     if cruise_speed * coast_time - coast_distance < aim:
-        return final, distance - coast_distance, TOO_EARLY
+        return low, distance - coast_distance, TOO_EARLY
     # regula falsi with halved ends (Illinois)
     above, below, kept = (
         cruise_speed * coast_time - coast_distance - aim,

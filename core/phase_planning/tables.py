@@ -160,6 +160,12 @@ class PhaseModel:
             return loss, self.braking_power_w(effort, speed)
 
         effort = self.braking_effort_n(self._knots())
+        most = self.vehicle.braking.max_deceleration_ms2
+        if most is not None and np.min(self.resistance_n(self._knots())) >= most * self.inertia_kg:
+            raise StrategyRefusedError(
+                "needs a line on which a coasting train slows down by less than "
+                f"vehicle.braking.max_deceleration_ms2 = {most:g} m/s2."
+            )
         if not np.isfinite(effort).all() or np.max(effort) <= LEAST_BRAKING_SHARE * self._largest_effort_n:
             raise StrategyRefusedError("needs a brake whose largest effort is given.")
         knots = self._knots(self._corner_ms(None, braking=True), self._drawing_until_ms())

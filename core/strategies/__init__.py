@@ -7,7 +7,13 @@ from dataclasses import replace
 from railjoule.core.best_known import measured
 from railjoule.core.bounds import bounded
 from railjoule.core.check import check_run
-from railjoule.core.errors import CheckError, SolverError, StrategyRefusedError, TimetableError
+from railjoule.core.errors import (
+    CheckError,
+    DriveRangeError,
+    InfeasibleLineError,
+    RailjouleError,
+    StrategyRefusedError,
+)
 from railjoule.core.scenario import STRATEGY_NAMES, Scenario, StrategyName
 from railjoule.core.strategies.bellman import bellman
 from railjoule.core.strategies.enoc import enoc
@@ -87,8 +93,15 @@ def run_strategy(task: Task, strategy: StrategyName) -> Trajectory:
 
     Raises
     ------
+    ScenarioError
+        If an option of the strategy is out of its bounds.
+    TimetableError
+        If the timetable cannot be kept.
     StrategyRefusedError
-        If the strategy is not part of this version or cannot honour the scenario.
+        If the strategy is not part of this version or cannot honour the scenario. What it asks too much of the drive or
+        of the line is a fault of its run alone: the task was prepared without.
+    SolverError
+        If it ended without a run.
     """
     if strategy not in STRATEGIES:
         known = ", ".join(STRATEGIES)
@@ -96,7 +109,10 @@ def run_strategy(task: Task, strategy: StrategyName) -> Trajectory:
             raise StrategyRefusedError(f"is not part of this version; choose one of {known}.")
         raise StrategyRefusedError(f"is not a strategy; choose one of {known}.")
     started = time.perf_counter()
-    trajectory = STRATEGIES[strategy](task)
+    try:
+        trajectory = STRATEGIES[strategy](task)
+    except (DriveRangeError, InfeasibleLineError) as error:
+        raise StrategyRefusedError(f"finds no run that can be driven: {error}") from error
     return replace(trajectory, solve_time_s=time.perf_counter() - started)
 
 
@@ -115,8 +131,7 @@ def compare(scenario: Scenario) -> tuple[list[Trajectory], dict[StrategyName, st
     for name in STRATEGIES:
         try:
             runs.append(run_strategy(task, name))
-        except (StrategyRefusedError, SolverError, TimetableError) as refusal:
-            # a strategy may need more time than the fastest run
+        except RailjouleError as refusal:
             refused[name] = str(refusal)
     known = next((run.bound for run in runs if run.bound is not None), None)
     return measured([bounded(task, run, known) for run in runs]), refused

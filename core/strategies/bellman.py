@@ -11,8 +11,10 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.dynamic_programming.backward import sweep_back
 from railjoule.core.dynamic_programming.search import Level, search
+from railjoule.core.physics.cell import NEARLY_AT_REST_MS, mean_speed
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
+from railjoule.core.units import MS_PER_KMH
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +32,7 @@ class ControlLaw:
     control : array of shape (n, k)
         Effort over the largest one at that speed, braking negative; NaN where the end cannot be reached.
     price_of_time_w : float
-        Price of a second [J/s].
+        Price of a second, auxiliaries included [J/s].
     """
 
     position_m: FloatArray
@@ -61,13 +63,20 @@ def bellman_with_law(task: Task) -> tuple[Trajectory, ControlLaw]:
     task.require_budget("bellman")
     data = task.course.data
     found = search(data, task.greatest_speed2, task.running_time_s)
+    notes: tuple[str, ...] = ()
+    if found.unrefined_ms is not None:
+        notes = (
+            "The search ended before its speeds were as fine as usual: no run was found within "
+            f"{found.unrefined_ms / MS_PER_KMH:.2g} km/h of the one before.",
+        )
     trajectory = make_trajectory(
         task.scenario,
         task.course,
         "bellman",
         found.speed2,
-        price_of_time_w=found.price_w,
+        price_of_time_w=max(found.price_w - data.auxiliary_power_w, 0.0),
         iterations=found.sweeps,
+        notes=notes,
     )
     return trajectory, _control_law(task, found.first, found.price_w)
 
@@ -76,14 +85,17 @@ def _control_law(task: Task, level: Level, price_w: float) -> ControlLaw:
     course, data, entering_speed2 = task.course, task.course.data, level.grid[:-1]
     cost, best = sweep_back(level.steps, level.grid, price_w)
     leaving_speed2 = np.where(best >= 0, level.steps.leaving_speed2[best], np.nan)
-    mean_speed = 0.5 * (np.sqrt(entering_speed2) + np.sqrt(leaving_speed2))
+    # nothing moves from rest to rest, where a limit of power has no end
+    speed = np.maximum(mean_speed(np.sqrt(entering_speed2), np.sqrt(leaving_speed2)), NEARLY_AT_REST_MS)
     force = course.force_between_n(entering_speed2.T, leaving_speed2.T).T
-    traction = data.traction.effort_n(mean_speed)
-    braking = data.braking.effort_n(mean_speed) + data.friction_effort_n
+    traction = data.traction.effort_n(speed)
+    braking = data.braking.effort_n(speed) + data.friction_effort_n
+    largest = np.where(force > 0, traction, braking)
+    control = np.divide(force, largest, out=np.full_like(force, np.nan), where=largest > 0)
     return ControlLaw(
         position_m=course.position_m,
         speed_ms=frozen_array(np.sqrt(level.grid)),
         cost_to_go_j=frozen_array(cost),
-        control=frozen_array(np.where(force > 0, force / traction, force / braking)),
+        control=frozen_array(control),
         price_of_time_w=price_w,
     )

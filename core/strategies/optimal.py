@@ -7,7 +7,8 @@ from dataclasses import replace
 
 from railjoule.core.bounds import PROOF_BUDGET, Solution, certify, minimise
 from railjoule.core.energy import energy_decimals
-from railjoule.core.errors import SolverError, StrategyRefusedError
+from railjoule.core.errors import RailjouleError, SolverError, StrategyRefusedError
+from railjoule.core.strategies.bellman import bellman
 from railjoule.core.strategies.switching import unswitched
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Reference, Trajectory, make_trajectory
@@ -30,14 +31,33 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
     proof_budget : int
         Boxes of speed that the proof may look at beyond one a cell.
 
+    Where the interior point does not converge it is the best run of dynamic programming, without a bound, and says so.
+
     Raises
     ------
     TimetableError
         If the timetable cannot be kept.
     SolverError, StrategyRefusedError
-        As `railjoule.core.bounds.minimise`.
+        As `railjoule.core.bounds.minimise`, if dynamic programming finds no run either.
     """
     task.require_timetable()
+    try:
+        return _by_interior_point(task, proof_budget)
+    except SolverError as failure:
+        return _by_recursion(task, failure)
+
+
+def known_optimum(task: Task) -> Trajectory | None:
+    """Return the optimum of a task, to measure other runs against; None where it is not found."""
+    try:
+        return _by_interior_point(task, PROOF_BUDGET)
+    except RailjouleError:
+        # another run stands without it
+        return None
+
+
+def _by_interior_point(task: Task, proof_budget: int) -> Trajectory:
+    """Return the optimum with its bound; errors as `railjoule.core.bounds.minimise`."""
     solution = minimise(task)
     optimum = solution.optimum
     bound = certify(task, optimum, proof_budget)
@@ -57,15 +77,22 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
         iterations=iterations,
         notes=notes,
     )
+    return _as_reference(task, best)
+
+
+def _as_reference(task: Task, best: Trajectory) -> Trajectory:
+    """Return a run that others of its task are measured against."""
     return replace(best, reference=Reference(best.energy.net_j, best.strategy, task.travel_time_s, best.is_proven))
 
 
-def known_optimum(task: Task) -> Trajectory | None:
-    """Return the optimum of a task, to measure other runs against; None where it is not found."""
+def _by_recursion(task: Task, failure: SolverError) -> Trajectory:
+    """Return the best run of dynamic programming, or raise the failure of the interior point."""
     try:
-        return optimal(task)
+        run = bellman(task)
     except (SolverError, StrategyRefusedError):
-        return None
+        raise failure from None
+    note = f"The interior-point method failed: {failure} This is the best run of dynamic programming, without a bound."
+    return _as_reference(task, replace(run, strategy="optimal", notes=(note, *run.notes)))
 
 
 def switching_note(task: Task, relaxed: Solution, energy_j: float) -> str:

@@ -7,12 +7,13 @@ Source: Rawicki, (44)-(55). The searches are in `railjoule.core.phase_planning`.
 
 import numpy as np
 
-from railjoule.core.errors import StrategyRefusedError
+from railjoule.core.errors import StrategyRefusedError, TimetableError
 from railjoule.core.motion import Course, build_course
 from railjoule.core.phase_planning.plan import PhasePlan
 from railjoule.core.phase_planning.planner import PhasePlanner
 from railjoule.core.phase_planning.run import lay_out
 from railjoule.core.phase_planning.tables import phase_model
+from railjoule.core.strategies.plain_line import check_accelerations
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
@@ -26,9 +27,9 @@ def phases(task: Task) -> Trajectory:
     Raises
     ------
     TimetableError
-        If the timetable cannot be kept, or not with these phases.
+        If the timetable cannot be kept.
     StrategyRefusedError
-        If gradient, curve or limit change along the line, or the phases cannot be driven.
+        If gradient, curve or limit change along the line, the phases cannot be driven, or not in this time.
     """
     task.require_timetable()
     planner = planner_of(task)
@@ -36,12 +37,21 @@ def phases(task: Task) -> Trajectory:
     stops = [station.position_m for station in task.scenario.line.in_running_order().inner_stations]
     distances = np.diff([first, *stops, last]).tolist()
     initial, final = np.sqrt(task.course.data.fixed_speed2[[0, -1]]).tolist()
-    if len(distances) == 1:
-        plans: tuple[PhasePlan, ...] = (planner.plan(distances[0], task.running_time_s, initial, final),)
-    elif final > 0:
+    if len(distances) > 1 and final > 0:
         raise StrategyRefusedError("needs a run that ends at rest where it stops on its way.")
-    else:
-        plans = planner.plan_parts(distances, task.running_time_s, initial)
+    plans: tuple[PhasePlan, ...]
+    try:
+        if len(distances) == 1:
+            plans = (planner.plan(distances[0], task.running_time_s, initial, final),)
+        else:
+            plans = planner.plan_parts(distances, task.running_time_s, initial)
+    except TimetableError as late:
+        # the timetable can be kept: only these phases need longer
+        least = TimetableError(task.travel_time_s, late.shortest_time_s + task.dwell_s)
+        raise StrategyRefusedError(
+            f"needs at least {least.least_tenth_s:.1f} s with these phases; the fastest run needs "
+            f"{task.shortest_travel_time_s:.1f} s."
+        ) from late
     return trajectory_of(task, planner, plans)
 
 
@@ -68,12 +78,14 @@ def trajectory_of(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...
     position = np.concatenate(nodes)
     position[-1] = task.course.position_m[-1]
     course = build_course(task.scenario, plans[0].initial_speed_ms, plans[-1].final_speed_ms, position)
-    price = planner.price_of_time_w(plans[0])
+    price, speed2 = planner.price_of_time_w(plans[0]), np.concatenate(speeds) ** 2
+    # where the line slows a coasting train down more than is allowed, no brake mends it
+    check_accelerations(course, speed2)
     return make_trajectory(
         task.scenario,
         course,
         "phases",
-        np.concatenate(speeds) ** 2,
+        speed2,
         price_of_time_w=None if price is None else price - course.data.auxiliary_power_w,
         notes=tuple(_sentence(plan) for plan in plans),
     )

@@ -8,11 +8,14 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.drive.kinds import COPPER_LOSS
 from railjoule.core.errors import StrategyRefusedError
 from railjoule.core.motion import Course
+from railjoule.core.physics.cell import mean_speed
 from railjoule.core.physics.resistance import running_resistance
 from railjoule.core.task import Task
-from railjoule.core.units import MS_PER_KMH
+from railjoule.core.units import MS_PER_KMH, N_PER_KN, told_apart
 
 ALLOWED_EXCESS = 1e-6
+"""By which share a run may pass a limit: of the limit itself, of an effort as a share of the greatest tractive one."""
+EFFORT_DIGITS = 3
 
 
 @dataclass(frozen=True)
@@ -102,23 +105,32 @@ def check_feasible(course: Course, speed2: FloatArray) -> None:
     data = course.data
     over = np.flatnonzero(speed2 > data.largest_speed2 * (1 + ALLOWED_EXCESS))
     if len(over):
-        raise StrategyRefusedError(
-            f"needs {np.sqrt(speed2[over[0]]) / MS_PER_KMH:.1f} km/h, but only "
-            f"{np.sqrt(data.largest_speed2[over[0]]) / MS_PER_KMH:.1f} is allowed."
-        )
-    mean_speed = 0.5 * (np.sqrt(speed2[1:]) + np.sqrt(speed2[:-1]))
+        asked, limit = (float(np.sqrt(of[over[0]])) / MS_PER_KMH for of in (speed2, data.largest_speed2))
+        needed, allowed = told_apart(asked, limit)
+        raise StrategyRefusedError(f"needs {needed} km/h, but only {allowed} km/h is allowed.")
+    speed = np.sqrt(speed2)
+    mean = mean_speed(speed[:-1], speed[1:])
     force = course.net_force_n(speed2)
     for excess, words in (
-        (force - data.traction.effort_n(mean_speed), "pulls"),
-        (-force - data.braking.effort_n(mean_speed) - data.friction_effort_n, "brakes"),
+        (force - data.traction.effort_n(mean), "pulls"),
+        (-force - data.braking.effort_n(mean) - data.friction_effort_n, "brakes"),
     ):
         over = np.flatnonzero(excess > ALLOWED_EXCESS * data.traction.constant_n)
         if len(over):
             cell = over[0]
+            asked, available = abs(force[cell]), abs(force[cell]) - excess[cell]
+            # what stands for a missing brake is none
+            available = 0.0 if available < ALLOWED_EXCESS * data.traction.constant_n else available
+            needed, most = told_apart(asked / N_PER_KN, available / N_PER_KN, EFFORT_DIGITS)
             raise StrategyRefusedError(
-                f"{words} with {abs(force[cell]) / 1e3:.0f} kN at {course.position_m[cell]:.0f} m, "
-                f"{excess[cell] / 1e3:.1f} kN more than available."
+                f"{words} with {needed} kN at {course.position_m[cell]:.0f} m, where at most {most} kN are available."
             )
+    check_accelerations(course, speed2)
+
+
+def check_accelerations(course: Course, speed2: FloatArray) -> None:
+    """Refuse a run that accelerates or slows down more than is allowed; errors as `check_feasible`."""
+    data = course.data
     rise = 0.5 * np.diff(speed2) / data.cell_length_m
     for reached, limit, words in (
         (rise, data.max_acceleration_ms2, "accelerates"),
@@ -127,6 +139,5 @@ def check_feasible(course: Course, speed2: FloatArray) -> None:
         over = np.flatnonzero(reached > limit * (1 + ALLOWED_EXCESS))
         if len(over):
             place = course.position_m[over[0]]
-            raise StrategyRefusedError(
-                f"{words} by {reached[over[0]]:.2f} m/s2 at {place:.0f} m, but only {limit:.2f} is allowed."
-            )
+            by, allowed = told_apart(float(reached[over[0]]), limit, EFFORT_DIGITS)
+            raise StrategyRefusedError(f"{words} by {by} m/s2 at {place:.0f} m, but only {allowed} m/s2 is allowed.")

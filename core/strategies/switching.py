@@ -175,7 +175,9 @@ def summed_up(driven_share: FloatArray, cell_length_m: FloatArray, owed_share: f
 def _by_recursion(task: Task) -> Unswitched:
     """Return the run that Bellman's recursion finds, which needs nothing to be smooth."""
     found = search(task.course.data, task.greatest_speed2, task.running_time_s)
-    return Unswitched(found.speed2, _energy_j(task, found.speed2), found.price_w, found.sweeps)
+    return Unswitched(
+        found.speed2, _energy_j(task, found.speed2), found.price_w - task.course.data.auxiliary_power_w, found.sweeps
+    )
 
 
 def _energy_j(task: Task, speed2: FloatArray) -> float:

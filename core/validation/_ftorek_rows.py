@@ -2,12 +2,14 @@
 
 from typing import Any
 
-from railjoule.core.units import J_PER_KWH
+from railjoule.core.units import J_PER_KWH, STANDARD_GRAVITY_MS2
 from railjoule.core.validation.table import Row
 
 J_PER_WH = J_PER_KWH / 1e3
 
 Printed = dict[str, Any]
+
+FOLLOWS = "It includes W_sh, and with it the same difference."
 
 QUANTITIES = {
     "acceleration_time_s": ("T_e", "s"),
@@ -18,6 +20,16 @@ QUANTITIES = {
     "peak_energy_wh": ("W_max", "Wh"),
     "total_energy_wh": ("W_T", "Wh"),
 }
+
+
+def as_if_heavier(entry: Printed, ours: float) -> str:
+    """Return in one sentence by how much a shaft energy of ours [Wh] is off, and which gravity would explain it.
+
+    On a level line it is the work of the running resistance, nearly in proportion to the weight.
+    """
+    ratio = entry["shaft_energy_wh"] / ours
+    gravity = STANDARD_GRAVITY_MS2 * ratio
+    return f"{100 * (1 / ratio - 1):+.2f} %, as if the paper took g = {gravity:.3f} m/s2 for the weight."
 
 
 def printed_row(entry: Printed, key: str, ours: float, note: str = "", by: str = "") -> Row:

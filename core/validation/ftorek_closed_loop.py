@@ -15,13 +15,11 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.field_oriented import FieldOrientedRun, simulate_field_oriented
 from railjoule.core.units import MS_PER_KMH
-from railjoule.core.validation._ftorek_rows import J_PER_WH, Printed, printed_row
+from railjoule.core.validation._ftorek_rows import FOLLOWS, J_PER_WH, Printed, as_if_heavier, printed_row
 from railjoule.core.validation.table import Row, Table
 
 FINE_MESH_M = 0.5
 """EOC brakes hardest in its last metres, of which a cell of 5 m takes the mean."""
-HEAVIER = "Low alike in every shaft energy, by what g = 9.832 m/s2 for the weight would add."
-FOLLOWS = "It includes W_sh, so it is low as well."
 FILTERED = "The median over half a second: short switching transients are filtered, as in the paper."
 FILTER_S = 0.5
 SOURCES = {"eoc": ("EOC as printed", "Table 1, Figure 4"), "enoc": ("ENOC", "Table 2, Figure 5")}
@@ -69,12 +67,12 @@ def _in_the_papers_account(scenario: Scenario, strategy: str, printed: list[Prin
         run = _run(scenario, entry, strategy)
         energy = run.energy_by_input_power_j - run.magnetising_so_far_j
         current = _without_spikes(run)
-        row = partial(printed_row, entry)
+        row, shaft = partial(printed_row, entry), run.parts_j["shaft"] / J_PER_WH
         rows += [
             row("max_speed_kmh", float(run.speed_ms.max()) / MS_PER_KMH),
             row("max_current_a", float(current.max()), FILTERED),
             row("min_current_a", float(current.min()), FILTERED),
-            row("shaft_energy_wh", run.parts_j["shaft"] / J_PER_WH, HEAVIER),
+            row("shaft_energy_wh", shaft, as_if_heavier(entry, shaft)),
             row("peak_energy_wh", float(np.max(energy)) / J_PER_WH, FOLLOWS),
             row("total_energy_wh", float(energy[-1]) / J_PER_WH, FOLLOWS),
         ]

@@ -32,8 +32,8 @@ from railjoule.core.validation.rawicki_identification import (
 from railjoule.core.validation.table import Comparison, Row, Table, Validation
 
 NOT_UNIQUE = (
-    "The printed numbers leave the tram open: gear efficiencies of 0.95 to 0.99 and core losses of 300 to 1200 W fit "
-    "almost as well and move this by half a percent."
+    "The printed numbers leave the tram open: other gear efficiencies and core losses than the assumed ones fit almost "
+    "as well."
 )
 BRAKING = "No single constant current meets distance and time of all printed braking phases."
 NAMEPLATE = "Voltage, current, power and power factor of the nameplate are not more consistent than this."
@@ -113,7 +113,8 @@ def planned_phases(vehicle: Vehicle, paper: Printed) -> Table:
                 Row(case, "t", "s", printed["duration_s"], own.duration_s, FLAT),
                 Row(case, "v at its start", "m/s", printed["start_ms"], own.start_ms, FLAT),
             ]
-    return Table("Phases of part II as planned by us, 650 m in 56.01 s", tuple(rows), "below Figs. 3 and 4")
+    ride = f"{paper['part_ii_length_m']:g} m in {_part_two_time_s(paper):g} s"
+    return Table(f"Phases of part II as planned by us, {ride}", tuple(rows), "below Figs. 3 and 4")
 
 
 def replanned() -> Table:
@@ -134,9 +135,10 @@ def replanned() -> Table:
 def free_current(vehicle: Vehicle, paper: Printed, distance_m: float, running_time_s: float) -> Table:
     """Return what the run of Figures 1 and 2 needs with a starting current of its choice, and at one speed."""
     rows: list[Row] = []
+    ride = f"{distance_m:g} m in {running_time_s:g} s"
     for entry in paper["reference"]:
         recuperation = float(entry["recuperation_factor"])
-        case = f"950 m in 95 s, kr = {recuperation:g}"
+        case = f"{ride}, kr = {recuperation:g}"
         if entry["place"] == BEST_LAW:
             rows += _best_force_law(load_scenario(paper["scenario"]), case, entry)
             continue
@@ -148,7 +150,7 @@ def free_current(vehicle: Vehicle, paper: Printed, distance_m: float, running_ti
             Row(case, "its starting current", "A", None, free.starting_current_a),
             Row(case, "En at constant speed, without coasting", "kWh", None, _kwh(steady)),
         ]
-    return Table("Other runs over 950 m in 95 s", tuple(rows), reference="independent")
+    return Table(f"Other runs over {ride}", tuple(rows), reference="independent")
 
 
 def _best_force_law(scenario: Scenario, case: str, entry: Printed) -> list[Row]:
@@ -179,9 +181,10 @@ def driven_phases(vehicle: Vehicle, paper: Printed) -> Table:
 def nameplate(vehicle: Vehicle, plate: Printed) -> Table:
     """Return the nameplate of a motor beside ours at rated flux, frequency and speed."""
     quantities = (("U_m", "V"), ("I_m", "A"), ("P", "W"), ("cos phi", ""))
+    case = f"{plate['speed_rpm']:g} r/min at {plate['frequency_hz']:g} Hz"
     printed, ours = nameplate_values(plate), machine_values(vehicle, plate)
     rows = tuple(
-        Row("1724 r/min at 60 Hz", name, unit, float(f"{a:.5g}"), float(b), NAMEPLATE)
+        Row(case, name, unit, float(f"{a:.5g}"), float(b), NAMEPLATE)
         for (name, unit), a, b in zip(quantities, printed, ours, strict=True)
     )
     return Table("Nameplate of a motor, amplitudes per phase", rows, "rated data")

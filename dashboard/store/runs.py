@@ -4,7 +4,7 @@ import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from railjoule.core import Scenario, SolverError, StrategyRefusedError, TimetableError, Trajectory
+from railjoule.core import RailjouleError, Scenario, StrategyRefusedError, Trajectory
 from railjoule.core.best_known import measured
 from railjoule.core.bounds import bounded
 from railjoule.core.scenario import StrategyName
@@ -128,7 +128,7 @@ def compute_runs_in_steps(wish: RunsWish) -> Iterator[Runs]:
                 run = run_strategy(task, name)
             # the optimum comes first, and its bound covers the runs over the same mesh that are in time
             runs[name] = bounded(task, run, runs["optimal"].bound if "optimal" in runs else None)
-        except (StrategyRefusedError, SolverError, TimetableError) as refusal:
+        except RailjouleError as refusal:
             refused[name] = str(refusal)
         if runs:
             yield beside_each_other(task, runs, refused, law)

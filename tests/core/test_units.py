@@ -1,7 +1,8 @@
+import pytest
 from builders import plain_scenario
 
 from railjoule.core.motion import build_course
-from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH, told_apart
 
 
 def test_factors_by_their_definitions():
@@ -14,3 +15,18 @@ def test_weight_is_that_of_all_four_papers():
     sections = [{"length_m": 100.0, "gradient_permille": 10.0}]
     force = build_course(plain_scenario({"line.sections": sections})).gradient_force_n
     assert force.round(6).tolist() == [9810.0] * len(force)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "words"),
+    [
+        (303.2, 5880.0, ("303.2", "5880")),
+        (44.8201, 44.8204, ("44.8201", "44.8204")),
+        (0.014, 0.0, ("0.014", "0")),
+        (1e-7, 0.0, ("0.0000001", "0")),
+        (123456.0, 1.0, ("123500", "1")),
+        (2.0, 2.0, ("2", "2")),
+    ],
+)
+def test_two_numbers_are_told_apart(one, other, words):
+    assert told_apart(one, other) == words

@@ -10,7 +10,8 @@ from railjoule.core.drive.geared_parameters import MOTORS, TURNS
 from railjoule.core.drive.kinds import LOSS_MAP
 from railjoule.core.drive.loss_map.loss import DRIVING_TABLE
 from railjoule.core.drive.loss_map.table import loss_table
-from railjoule.core.errors import ScenarioError
+from railjoule.core.errors import DriveRangeError
+from railjoule.core.units import N_PER_KN, told_apart
 
 ROUNDING = 1e-9
 
@@ -58,14 +59,15 @@ class MapDrive(GearedDrive):
 
         Raises
         ------
-        ScenarioError
+        DriveRangeError
             If an effort or a speed lies beyond the map.
         """
         self.require_speed(float(np.max(speed_ms, initial=0.0)))
         for sign, limit, way in ((1, self.driving_n, "drive"), (-1, self.braking_n, "brake")):
             most, largest = float(np.max(sign * np.asarray(effort_n), initial=0.0)), float(limit.max())
             if most > largest * (1 + 1e-6):
-                raise ScenarioError(f"the map of the drive ends at {largest:.4g} N to {way} with, below {most:.4g} N.")
+                end, asked = told_apart(largest / N_PER_KN, most / N_PER_KN)
+                raise DriveRangeError(f"the map of the drive ends at {end} kN to {way} with, below {asked} kN.")
         return super().electrical_power_w(effort_n, speed_ms)
 
     def effort_limit_n(self, speed_ms: FloatArray, braking: bool = False) -> FloatArray:
@@ -83,10 +85,10 @@ class MapDrive(GearedDrive):
         return self.limit_speed_ms
 
     def require_speed(self, speed_ms: float) -> None:
-        """Raise ScenarioError if the map ends below a speed [m/s]."""
+        """Raise DriveRangeError if the map ends below a speed [m/s]."""
         if speed_ms > self.greatest_speed_ms * (1 + ROUNDING):
             turns = self.parameters[TURNS]
-            raise ScenarioError(
+            raise DriveRangeError(
                 f"the map of the drive ends at {self.greatest_speed_ms * turns:.4g} rad/s of the motor, below the "
                 f"{speed_ms * turns:.4g} rad/s of {3.6 * speed_ms:.4g} km/h."
             )

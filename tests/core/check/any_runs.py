@@ -4,7 +4,6 @@
 `known_faults` lists.
 """
 
-import warnings
 from collections import defaultdict
 from collections.abc import Iterator
 
@@ -25,10 +24,7 @@ def any_runs(seed: int) -> Iterator[Trajectory]:
         if task is None:
             return
         try:
-            with warnings.catch_warnings():
-                # divisions by zero in the phases and in Bellman's law are faults of their own
-                warnings.simplefilter("ignore", RuntimeWarning)
-                run = run_strategy(task, name)
+            run = run_strategy(task, name)
         except RailjouleError:
             continue
         bound = run.bound if name == "optimal" else bound

@@ -22,13 +22,6 @@ REGULATOR = "the ideal regulator passes a limit by some thousandths where one ph
 KNOWN_FAULTS = (
     KnownFault("optimal", "late arrival", "the interior point stops a millionth of a second late", (6, 48)),
     KnownFault(
-        "phases",
-        "cells long enough for their places",
-        "a phase of braking from next to no speed makes a cell of next to no length",
-        (25, 80, 89, 190),
-    ),
-    KnownFault("phases", "motors while braking", "the same cell holds a force that is rounding", (190,)),
-    KnownFault(
         "speed_limits",
         "cells long enough for their places",
         "borders of its phases fall all but on nodes of the mesh",

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from railjoule.core.dynamic_programming.backward import (
     cost_between,
+    least_speeds,
     place_in_row,
     speed_grid,
     sweep_back,
@@ -40,7 +41,8 @@ def test_the_cost_to_go_falls_with_speed_where_time_is_all_that_counts():
     """At a price of time beyond all energy, being faster anywhere can only help, until the stop is near."""
     task = prepare_task(plain_scenario({"line.sections": HILLS}))
     data, greatest = task.course.data, np.sqrt(task.greatest_speed2)
-    grid = speed_grid(task.greatest_speed2, data.fixed_speed2, 0.5 * greatest, float(greatest.max()), 16)
+    least = least_speeds(data, task.greatest_speed2)
+    grid = speed_grid(task.greatest_speed2, least, data.fixed_speed2, 0.5 * greatest, float(greatest.max()), 16)
     price = 1e9
     cost, best = sweep_back(tabulate_steps(data, grid), grid, price)
     finite = np.isfinite(cost[1:-1]).all(axis=1)

@@ -218,3 +218,14 @@ def test_speeds_at_the_ends_that_cannot_be(ends):
     changes = {"vehicle.traction.max_power_kw": 300.0}
     with pytest.raises(InfeasibleLineError):
         solve(plain_scenario(changes), **ends)
+
+
+def test_a_curve_that_stops_the_train_is_named():
+    """A curve of 3 m takes 600 / 3 = 200 N/kN, twice what 100 kN pull of 130 t: the gradient has no part in it."""
+    sections = [{"length_m": 500.0}, {"length_m": 700.0, "curve_radius_m": 3.0}]
+    changes = {"line.sections": sections, "vehicle.resistance.curve_constant_m_n_per_kn": 600.0}
+    with pytest.raises(InfeasibleLineError, match="gradient of 0 per mille and in a curve that resists with") as error:
+        solve(plain_scenario(changes))
+    weight_kn = plain_scenario().vehicle.total_mass_kg * 9.81 / 1e3
+    resisting = float(str(error.value).split("resists with ")[1].split(" kN")[0])
+    assert resisting == pytest.approx(0.2 * weight_kn, rel=1e-3)

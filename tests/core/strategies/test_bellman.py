@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 from builders import COPPER_LOSS, HILLS, plain_scenario
+from hard_scenarios import WEAK_BRAKES
 from random_scenarios import random_run
 
-from railjoule.core import TimetableError, load_scenario, solve
+from railjoule.core import SolverError, TimetableError, load_scenario, solve
+from railjoule.core.dynamic_programming import search as search_module
+from railjoule.core.scenario import scenario_from_document
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.core.strategies.bellman import bellman_with_law
 
@@ -86,3 +89,72 @@ def test_the_control_law_drives_and_brakes_within_its_bounds():
 def test_an_impossible_timetable_is_refused():
     with pytest.raises(TimetableError):
         solve(plain_scenario({"timetable.travel_time_s": 60.0}), "bellman")
+
+
+def test_it_arrives_early_where_waiting_costs_more_than_it_saves():
+    scenario = plain_scenario({"vehicle.auxiliary_power_kw": 400.0, "timetable.travel_time_s": 900.0})
+    run, optimum = solve(scenario, "bellman", check=True), solve(scenario, "optimal")
+    assert optimum.travel_time_s < 500
+    assert run.energy_kwh == pytest.approx(optimum.energy_kwh, rel=1e-3)
+    assert run.price_of_time_w == pytest.approx(0.0, abs=1.0)
+
+
+def test_it_descends_with_brakes_that_hardly_hold():
+    """Full braking before a stop is a fixed point that hardly converges: every step of the fastest run was refused."""
+    run = solve(scenario_from_document(WEAK_BRAKES), "bellman", check=True)
+    assert run.energy_kwh == pytest.approx(0.0, abs=1e-6)
+
+
+def test_it_climbs_what_takes_a_run_up():
+    sections = [{"length_m": 500.0}, {"length_m": 60.0, "gradient_permille": 150.0}, {"length_m": 500.0}]
+    changes = {"line.sections": sections}
+    shortest = prepare_task(plain_scenario(changes)).shortest_travel_time_s
+    scenario = plain_scenario({**changes, "timetable.travel_time_s": 1.002 * shortest})
+    run, optimum = solve(scenario, "bellman", check=True), solve(scenario, "optimal")
+    assert run.energy_kwh == pytest.approx(optimum.energy_kwh, rel=2e-3)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_best_of_all_its_runs_is_what_it_returns(seed, monkeypatch):
+    task, seen = random_run(seed, stops=False).task, []
+
+    def meet_time(*arguments):
+        seen.append(met(*arguments))
+        return seen[-1]
+
+    met = search_module.meet_time
+    monkeypatch.setattr(search_module, "meet_time", meet_time)
+    found = search_module.search(task.course.data, task.greatest_speed2, task.running_time_s)
+    assert len(seen) > 2
+    energies = [search_module._total_energy(task.course.data, speed2) for speed2 in seen]
+    assert search_module._total_energy(task.course.data, found.speed2) == min(energies)
+
+
+def test_a_search_that_cannot_be_refined_says_so(monkeypatch):
+    """All but the first grid hold no run."""
+    level, grids = search_module.search_level, []
+
+    def search_level(*arguments):
+        grids.append(arguments)
+        if len(grids) > 1:
+            raise SolverError("no run")
+        return level(*arguments)
+
+    monkeypatch.setattr(search_module, "search_level", search_level)
+    run = run_strategy(prepare_task(plain_scenario({"line.sections": HILLS})), "bellman")
+    assert len(grids) == 1 + search_module.MOST_FAILURES
+    assert run.notes[0].startswith("The search ended before its speeds were as fine as usual: no run was found within ")
+
+
+def test_the_control_law_divides_by_nothing():
+    """With a limit of power, and from rest to rest; a warning is an error here."""
+    changes = {"line.stations": [{"position_m": 900.0, "dwell_s": 20.0}], "timetable.travel_time_s": 240.0}
+    _, law = bellman_with_law(
+        prepare_task(
+            plain_scenario(
+                {**changes, "vehicle.braking.max_effort_kn": 0.0}
+                | {"vehicle.braking.friction_effort_kn": 90.0, "vehicle.traction.max_power_kw": 500.0}
+            )
+        )
+    )
+    assert np.isfinite(law.control[1]).any()

@@ -1,8 +1,11 @@
 """What holds for an energy-optimal run whatever the numbers are; golden energies are in ../interior_point."""
 
+from importlib import import_module
+
 import numpy as np
 import pytest
 from builders import COPPER_LOSS, HILLS, plain_scenario
+from hard_scenarios import WEAK_BRAKES
 from hypothesis import given
 from hypothesis import strategies as st
 from random_scenarios import random_run
@@ -10,6 +13,7 @@ from random_scenarios import random_run
 from railjoule.core import SolverError, load_scenario, solve
 from railjoule.core.bounds import minimise, work_floor_j
 from railjoule.core.bounds.minimum import TOLERANCE
+from railjoule.core.scenario import scenario_from_document
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.core.strategies.optimal import optimal
 from railjoule.core.task import Task
@@ -212,3 +216,42 @@ def test_the_work_at_the_wheels_by_hand():
         )
     )
     assert work_floor_j(task) == pytest.approx(40e3 * 9.81 * (0.002 + 0.005) * 1000.0)
+
+
+def test_a_barrier_that_falls_slowly_still_ends():
+    """Nothing needs energy: the first two attempts end after 40 and 60 iterations, before the gap does."""
+    run = solve(scenario_from_document(WEAK_BRAKES), check=True)
+    assert run.energy_kwh == pytest.approx(0.0, abs=1e-6)
+    assert run.iterations > 100
+
+
+@pytest.fixture
+def failing(monkeypatch):
+    """Let the interior point fail."""
+
+    def fails(*_):
+        raise SolverError("the optimum was not found within 250 iterations.")
+
+    monkeypatch.setattr(import_module("railjoule.core.strategies.optimal"), "minimise", fails)
+
+
+@pytest.mark.usefixtures("failing")
+def test_where_the_interior_point_fails_dynamic_programming_drives():
+    task = prepare_task(plain_scenario({"line.sections": HILLS}))
+    run, other = optimal(task), run_strategy(task, "bellman")
+    assert (run.strategy, run.bound, run.energy_kwh) == ("optimal", None, other.energy_kwh)
+    assert run.notes[0] == (
+        "The interior-point method failed: the optimum was not found within 250 iterations. This is the best run of "
+        "dynamic programming, without a bound."
+    )
+    assert not run.reference.proven
+
+
+@pytest.mark.usefixtures("failing")
+def test_where_both_fail_the_first_failure_is_told(monkeypatch):
+    def fails(_):
+        raise SolverError("no run")
+
+    monkeypatch.setattr(import_module("railjoule.core.strategies.optimal"), "bellman", fails)
+    with pytest.raises(SolverError, match="the optimum was not found within 250 iterations"):
+        optimal(prepare_task(plain_scenario()))

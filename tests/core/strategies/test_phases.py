@@ -1,22 +1,27 @@
 """Start, cruise, coast, brake: numbers of the findings, brute force, the trajectory's own account, refusals."""
 
+import re
+
 import numpy as np
 import pytest
 from builders import COPPER_LOSS, INDUCTION, plain_scenario
+from hard_scenarios import COASTS_ALL_BUT_TO_A_STAND
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from railjoule.core import StrategyRefusedError, TimetableError, load_scenario, solve
+from railjoule.core import StrategyRefusedError, TimetableError, check_run, load_scenario, solve
 from railjoule.core.drive import make_drive
 from railjoule.core.errors import ScenarioError
 from railjoule.core.phase_planning.planner import PhasePlanner
 from railjoule.core.phase_planning.search import between
 from railjoule.core.phase_planning.tables import PhaseModel
+from railjoule.core.scenario import scenario_from_document
 from railjoule.core.scenario.options import PhasesOptions
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.core.strategies.phases import planner_of
 from railjoule.core.validation.benchmark import warm_median_s
+from tests.any_scenarios import any_task
 
 KWH = 3.6e6
 TRAM = {
@@ -314,3 +319,43 @@ def test_a_plan_takes_less_than_twenty_milliseconds(changes):
     task = prepare_task(tram(**changes))
     # the bar of the project's fifth issue is 20 ms; twice that lets a busy machine pass
     assert warm_median_s(lambda: run_strategy(task, "phases"), 0.2) < 0.04
+
+
+@pytest.mark.parametrize("seed", [25, 80, 89, 190])
+def test_a_run_that_all_but_coasts_to_a_stand_can_be_told(seed):
+    """From next to no speed, braking was a cell of next to no length."""
+    run = run_strategy(any_task(seed), "phases")
+    assert np.min(np.diff(run.nodes_m)) > 1e-6
+    assert check_run(run.scenario, run).ok
+
+
+def test_braking_from_next_to_nothing_makes_no_hole_in_the_numbers():
+    scenario = scenario_from_document(COASTS_ALL_BUT_TO_A_STAND)
+    run, optimum = solve(scenario, "phases", check=True), solve(scenario, "optimal")
+    assert optimum.energy_kwh < run.energy_kwh < 1.2 * optimum.energy_kwh
+
+
+def test_more_deceleration_than_is_allowed_is_refused():
+    """40 per mille take 0.36 m/s2 of a train whose masses turn as well, and resistance 0.02 more."""
+    changes = {"line.sections": [{"length_m": 2000.0, "gradient_permille": 40.0}], "timetable.travel_time_s": 200.0}
+    limit = "vehicle.braking.max_deceleration_ms2"
+    assert solve(plain_scenario(changes), "phases").energy_kwh > 0
+    with pytest.raises(StrategyRefusedError, match=rf"^needs a line on which .* slows down by less than {limit} = 0.3"):
+        solve(plain_scenario(changes | {limit: 0.3}), "phases")
+    # at rest alone, resistance would allow it
+    with pytest.raises(StrategyRefusedError, match=r"^slows down by 0\.3\d+ m/s2 at .* but only 0.38 m/s2 is allowed"):
+        solve(plain_scenario(changes | {limit: 0.38}), "phases")
+
+
+def test_a_time_that_only_the_phases_cannot_keep():
+    """They brake with the electric brake alone; the fastest run has friction beside it."""
+    weak = {"vehicle.braking.max_effort_kn": 20.0, "vehicle.braking.friction_effort_kn": 80.0}
+    shortest = prepare_task(plain_scenario(weak)).shortest_travel_time_s
+    scenario = plain_scenario({**weak, "timetable.travel_time_s": shortest + 2})
+    with pytest.raises(StrategyRefusedError) as refusal:
+        solve(scenario, "phases")
+    words = re.fullmatch(
+        r"needs at least ([\d.]+) s with these phases; the fastest run needs ([\d.]+) s\.", str(refusal.value)
+    )
+    assert float(words[2]) == pytest.approx(shortest, abs=0.06)
+    assert solve(scenario.with_(**{"timetable.travel_time_s": float(words[1])}), "phases").energy_kwh > 0

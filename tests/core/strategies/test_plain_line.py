@@ -92,19 +92,23 @@ def test_feasible_runs_pass(seed):
     ("changes", "peak_ms", "sentence"),
     [
         # 28^2 m2/s2 times 0.99 at the last node before the middle
-        ({}, 28.0, "needs 100.3 km/h, but only 100.0 is allowed."),
+        ({}, 28.0, "needs 100.3 km/h, but only 100 km/h is allowed."),
         # 22 kN of inertia and 2 of resistance at the start, less 2 and 2.5 of drag where braking begins
-        ({"vehicle.traction.max_effort_kn": 20.0}, 20.0, "pulls with 24 kN at 0 m, 4.0 kN more than available."),
-        ({"vehicle.braking.max_effort_kn": 15.0}, 20.0, "brakes with 18 kN at 1000 m, 2.5 kN more than available."),
+        ({"vehicle.traction.max_effort_kn": 20.0}, 20.0, "pulls with 24 kN at 0 m, where at most 20 kN are available."),
+        (
+            {"vehicle.braking.max_effort_kn": 15.0},
+            20.0,
+            "brakes with 17.5 kN at 1000 m, where at most 15 kN are available.",
+        ),
         (
             {"vehicle.traction.max_acceleration_ms2": 0.15},
             20.0,
-            "accelerates by 0.20 m/s2 at 0 m, but only 0.15 is allowed.",
+            "accelerates by 0.2 m/s2 at 0 m, but only 0.15 m/s2 is allowed.",
         ),
         (
             {"vehicle.braking.max_deceleration_ms2": 0.15},
             20.0,
-            "slows down by 0.20 m/s2 at 1000 m, but only 0.15 is allowed.",
+            "slows down by 0.2 m/s2 at 1000 m, but only 0.15 m/s2 is allowed.",
         ),
     ],
     ids=["speed", "effort", "braking", "acceleration", "deceleration"],
@@ -125,3 +129,9 @@ def test_friction_brakes_help_to_brake():
 
 def triangle(course, peak_ms):
     return peak_ms**2 * np.minimum(course.position_m, 2000 - course.position_m) / 1000
+
+
+def test_a_missing_brake_is_none_in_words():
+    course = prepare_task(plain_scenario({**COPPER, "vehicle.braking.max_effort_kn": 0.0})).course
+    with pytest.raises(StrategyRefusedError, match=r"^brakes with 17.5 kN at 1000 m, where at most 0 kN are available"):
+        check_feasible(course, triangle(course, 20.0))

@@ -16,6 +16,7 @@ from railjoule.core import (
     solve,
 )
 from railjoule.core.bounds import certified
+from railjoule.core.errors import DriveRangeError, ScenarioError
 from railjoule.core.scenario import STRATEGY_NAMES
 from railjoule.core.strategies import STRATEGIES, prepare_task, run_strategy
 
@@ -118,3 +119,32 @@ def test_speeds_at_the_ends():
     run = solve(plain_scenario({"line.sections": HILLS}), initial_speed_ms=5.0, final_speed_ms=3.0)
     assert run.speed_ms[[0, -1]] == pytest.approx([5, 3])
     assert run.gap < 1e-6
+
+
+@pytest.mark.parametrize("error", [DriveRangeError("the map ends."), ScenarioError("no."), SolverError("none.")])
+def test_one_strategy_that_fails_leaves_the_others(error, monkeypatch):
+    def fails(_):
+        raise error
+
+    monkeypatch.setitem(STRATEGIES, "speed_limits", fails)
+    runs, refused = compare(SUBURBAN)
+    assert {run.strategy for run in runs} == set(STRATEGIES) - {"speed_limits"}
+    assert str(error) in refused["speed_limits"]
+
+
+def test_a_run_beyond_the_map_of_its_drive_is_a_refusal(monkeypatch):
+    def fails(_):
+        raise DriveRangeError("the map of the drive ends at 303.2 kN to brake with, below 5880 kN.")
+
+    monkeypatch.setitem(STRATEGIES, "phases", fails)
+    words = r"^finds no run that can be driven: the map of the drive ends at 303.2 kN to brake with, below 5880 kN\.$"
+    with pytest.raises(StrategyRefusedError, match=words):
+        solve(SUBURBAN, "phases")
+
+
+def test_whatever_an_optimum_fails_with_leaves_the_run(monkeypatch):
+    def fails(*_):
+        raise DriveRangeError("the map ends.")
+
+    monkeypatch.setattr(import_module("railjoule.core.strategies.optimal"), "minimise", fails)
+    assert solve(SUBURBAN, "fastest").energy_kwh > 0

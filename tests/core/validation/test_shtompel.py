@@ -1,8 +1,12 @@
 """The claims of Shtompel 2025: each has numbers, and those that the findings tell come out alike."""
 
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
 import pytest
 
-from railjoule.core.validation import validate_shtompel
+from railjoule.core.validation import shtompel, validate_shtompel
 
 
 @pytest.fixture(scope="module")
@@ -49,3 +53,20 @@ def test_braked_limits_ask_for_too_large_a_storage(rows):
 def test_few_samples_lie_in_the_window(rows):
     """findings.md: 0 to 5 %."""
     assert all(share <= 5 for (_, quantity), share in rows.items() if quantity.startswith("samples within"))
+
+
+def test_verdicts_follow_their_numbers(rows, monkeypatch):
+    """A drive that keeps its efficiency refutes the claim that it falls to zero, and a share below a half a 'most'."""
+    notes = {(row.case, row.quantity): row.note for row in shtompel.efficiency()}
+    assert notes["drive at 0.1 % of its torque", "greatest efficiency"] == shtompel.SUPPORTED
+    maps = shtompel.efficiency_maps
+    flat = partial(replace, drive=np.full((2, shtompel.MAP_POINTS), 0.9))
+
+    def kept(drive, torque, speed):
+        found = maps(drive, torque, speed)
+        return flat(found) if len(torque) == 2 else found
+
+    monkeypatch.setattr(shtompel, "efficiency_maps", kept)
+    notes = {(row.case, row.quantity): row.note for row in shtompel.efficiency()}
+    assert notes["drive at 0.1 % of its torque", "greatest efficiency"] == shtompel.REFUTED
+    assert [shtompel._judged_by_majority(share) for share in (49.0, 51.0)] == [shtompel.REFUTED, shtompel.SUPPORTED]
