@@ -10,8 +10,8 @@ nothing else. The barrier never falls under a tenth of what the tolerance asks f
 the dual is rounding noise, which grows.
 
 What the stopping rule guarantees: the sum of slack times multiplier is below the tolerance times the energy, no
-limit of effort is violated by more than 1e-8, no timetable by more than 1e-9, and the dual residual is small or at its noise floor. Whether the point is
-the global optimum, `certificate` proves afterwards.
+limit of effort is violated by more than 1e-8, no timetable by more than 1e-9, and the dual residual is small or at
+its noise floor. Whether the point is the global optimum, `certificate` proves afterwards.
 """
 
 from typing import NamedTuple
