@@ -6,6 +6,8 @@ corner of the box or at a stationary point of an edge or of the inside, each a r
 
 from railjoule.core.compiled import njit
 
+# Newton's steps inside a bracket that shrinks: a few suffice, 100 bisections would reach rounding by themselves.
+# SciPy's root finders take a function, which compiled code cannot pass on.
 ROOT_STEPS = 100
 
 
@@ -54,6 +56,7 @@ def edge_minimum(
 ) -> float:
     """Return the minimum of `pair_value` over v1 in [low, high] at a fixed v0."""
     best = min(pair_value(a0, a1, kappa, beta, gamma, v0, low), pair_value(a0, a1, kappa, beta, gamma, v0, high))
+    # with v1 = 2 v - v0, v^2 / 2 times the derivative by v is (4 a1 + gamma) v^3 + (beta / 2 - 2 a1 v0) v^2 - kappa / 2
     cubic, square, constant = 4.0 * a1 + gamma, 0.5 * beta - 2.0 * a1 * v0, 0.5 * kappa
     first, last = 0.5 * (v0 + low), 0.5 * (v0 + high)
     # on either side of its turning point the cubic is monotone
@@ -83,7 +86,7 @@ def box_minimum(
     )
     if a0 * a1 <= 0.0 or low0 == high0 or low1 == high1:
         return best
-    # inside, both derivatives vanish: a0 v0 = a1 v1, so one unknown is left
+    # inside, both derivatives vanish: 2 a0 v0 = 2 a1 v1 = -dG/dv / 2, so v1 = ratio v0 and one unknown is left
     ratio = a0 / a1
     half = 0.5 * (1.0 + ratio)
     first, last = max(low0, low1 / ratio) * half, min(high0, high1 / ratio) * half

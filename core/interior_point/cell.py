@@ -11,15 +11,27 @@ from railjoule.core.interior_point.layout import (
     BRAKING_CONSTANT,
     BRAKING_OVER_SPEED,
     BRAKING_POSITIVE,
+    BRAKING_VV,
+    BRAKING_XV,
+    BRAKING_XX,
+    CEILING,
     DECELERATION,
     DRAWN,
     DRAWN_POSITIVE,
+    DRIVING_FF,
+    DRIVING_FV,
+    DRIVING_VV,
+    END_WW,
     FAST,
+    FLOOR,
     FRICTION_CONSTANT,
     FRICTION_POSITIVE,
+    PRICED_VV,
+    START_WW,
     TRACTION_CONSTANT,
     TRACTION_OVER_SPEED,
     TRACTION_POSITIVE,
+    Rows,
     Work,
 )
 from railjoule.core.interior_point.switching import keep_larger_curvature, switched_powers
@@ -32,7 +44,7 @@ from railjoule.core.physics.cell import (
     needed_force,
 )
 from railjoule.core.physics.course_data import CourseData, scaled_cell_of
-from railjoule.core.physics.effort_limit import limit_over_speed
+from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
 from railjoule.core.physics.energy_per_metre import energy_per_metre
 
 
@@ -96,7 +108,8 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
             generated = generated_power(kind, parameters, max(x, 0.0) * scale, v)
         e, e_f, e_v, e_ff, e_fv, e_vv = scaled_energy_per_metre(taken, scale, v)
         g, g_x, g_v, g_xx, g_xv, g_vv = scaled_energy_per_metre(generated, scale, v)
-        # of what braking generates, the line returns its share; the price of drawing counts as if it returned more
+        # Of g, what braking generates, the supply takes its share; where braking draws (g < 0) all of it is paid for:
+        # cost -share g + (1 - share) psi with psi >= 0, psi >= -g. The multiplier of the latter acts on g like a share.
         drawn_price = z[DRAWN, i] if used[DRAWN] > 0.0 else 0.0
         returned = h[i] * share + drawn_price
         energy += h[i] * smooth_line_power(e, g, cells.drawn[i], share)
@@ -111,26 +124,21 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
         own_speed = h[i] * e_v - returned * g_v - time_price * t / v
         curvature = 2.0 * time_price * t / (v * v)
         if rows.weight[TRACTION_OVER_SPEED, i] > 0.0:
-            limit, limit_v, limit_vv = limit_over_speed(course.traction, v)
-            price = z[TRACTION_OVER_SPEED, i]
-            residual[TRACTION_OVER_SPEED, i] = limit / scale - f
-            rows.by_speed[TRACTION_OVER_SPEED, i] = limit_v / scale
-            own_traction += price
-            own_speed -= price * limit_v / scale
-            curvature -= price * limit_vv / scale
+            by_v, by_vv = _over_speed(course.traction, TRACTION_OVER_SPEED, i, f, v, scale, rows)
+            own_traction += z[TRACTION_OVER_SPEED, i]
+            own_speed -= z[TRACTION_OVER_SPEED, i] * by_v
+            curvature -= z[TRACTION_OVER_SPEED, i] * by_vv
         if rows.weight[BRAKING_OVER_SPEED, i] > 0.0:
-            limit, limit_v, limit_vv = limit_over_speed(course.braking, v)
-            price = z[BRAKING_OVER_SPEED, i]
-            residual[BRAKING_OVER_SPEED, i] = limit / scale - x
-            rows.by_speed[BRAKING_OVER_SPEED, i] = limit_v / scale
-            own_braking += price
-            own_speed -= price * limit_v / scale
-            curvature -= price * limit_vv / scale
+            by_v, by_vv = _over_speed(course.braking, BRAKING_OVER_SPEED, i, x, v, scale, rows)
+            own_braking += z[BRAKING_OVER_SPEED, i]
+            own_speed -= z[BRAKING_OVER_SPEED, i] * by_v
+            curvature -= z[BRAKING_OVER_SPEED, i] * by_vv
         if used[DRAWN] > 0.0:
             residual[DRAWN_POSITIVE, i] = cells.drawn[i]
             residual[DRAWN, i] = cells.drawn[i] + g
             rows.by_effort[DRAWN, i] = g_x
             rows.by_speed[DRAWN, i] = g_v
+        # stationarity by x, or by q where friction brakes share, tells what a newton of net force is worth
         price = own_braking
         if friction:
             q = f - force - x
@@ -138,32 +146,59 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
             residual[FRICTION_CONSTANT, i] = top_friction - q
             price = z[FRICTION_CONSTANT, i] - z[FRICTION_POSITIVE, i]
         cells.force[i], cells.force_by_start[i], cells.force_by_end[i] = force, d0, d1
-        cells.speed_by_start[i], cells.speed_by_end[i], cells.rise_factor[i] = u0, u1, cell.inertia
+        cells.speed_by_start[i], cells.speed_by_end[i], cells.inertia[i] = u0, u1, cell.inertia
         cells.traction_gradient[i], cells.braking_gradient[i] = own_traction, own_braking
         cells.speed_gradient[i], cells.force_price[i] = own_speed, -price
-        work.nodes.gradient[i] += own_speed * u0 - price * d0
-        work.nodes.gradient[i + 1] += own_speed * u1 - price * d1
-        work.nodes.time_gradient[i] -= t / v * u0
-        work.nodes.time_gradient[i + 1] -= t / v * u1
-        # the mean speed is concave in w, which bends whatever depends on it
-        slope = own_speed - price * cell.linear
         curve = work.curvature
-        curve[0, i], curve[1, i], curve[2, i] = h[i] * e_ff, h[i] * e_fv, h[i] * e_vv
-        curve[3, i], curve[4, i], curve[5, i] = -returned * g_xx, -returned * g_xv, -returned * g_vv
-        curve[6, i] = curvature
-        curve[7, i] = slope * mean_speed_curvature(u0, w[i]) if u0 > 0.0 else 0.0
-        curve[8, i] = slope * mean_speed_curvature(u1, w[i + 1]) if u1 > 0.0 else 0.0
+        curve[DRIVING_FF, i], curve[DRIVING_FV, i], curve[DRIVING_VV, i] = h[i] * e_ff, h[i] * e_fv, h[i] * e_vv
+        curve[BRAKING_XX, i], curve[BRAKING_XV, i] = -returned * g_xx, -returned * g_xv
+        curve[BRAKING_VV, i], curve[PRICED_VV, i] = -returned * g_vv, curvature
+        _scatter_to_nodes(work, i, t / v, own_speed - price * cell.linear)
         v0 = v1
     if jumps:
         keep_larger_curvature(work.curvature, work.last_curvature)
-    _evaluate_rise(course, scale, work)
+    _limit_change_of_speed(course, scale, work)
     return energy, gross, total_time, _finish_residuals(work)
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
-def _evaluate_rise(course: CourseData, scale: float, work: Work) -> None:
+def _over_speed(
+    limit: EffortLimit, row: int, i: int, effort: float, speed: float, scale: float, rows: Rows
+) -> tuple[float, float]:
+    """Evaluate a limit of effort over speed; return its first and second derivative by the mean speed, scaled."""
+    largest, by_speed, curvature = limit_over_speed(limit, speed)
+    rows.residual[row, i] = largest / scale - effort
+    rows.by_speed[row, i] = by_speed / scale
+    return by_speed / scale, curvature / scale
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def _scatter_to_nodes(work: Work, i: int, time_by_speed: float, by_mean_speed: float) -> None:
+    """Add what a cell's Lagrangian and time vary with w to its two nodes.
+
+    Parameters
+    ----------
+    time_by_speed : float
+        Minus the derivative of the cell's time by its mean speed [s2/m].
+    by_mean_speed : float
+        Derivative of the Lagrangian by the mean speed, that of the net force included.
+    """
+    cells, nodes, curve = work.cells, work.nodes, work.curvature
+    w, speed, force = nodes.speed2, cells.speed_gradient[i], cells.force_price[i]
+    u0, u1 = cells.speed_by_start[i], cells.speed_by_end[i]
+    nodes.gradient[i] += speed * u0 + force * cells.force_by_start[i]
+    nodes.gradient[i + 1] += speed * u1 + force * cells.force_by_end[i]
+    nodes.time_gradient[i] -= time_by_speed * u0
+    nodes.time_gradient[i + 1] -= time_by_speed * u1
+    # chain rule: what depends on v has the curvature L_vv v_w^2, which `newton` builds, and L_v v_ww, which is this
+    curve[START_WW, i] = by_mean_speed * mean_speed_curvature(u0, w[i]) if u0 > 0.0 else 0.0
+    curve[END_WW, i] = by_mean_speed * mean_speed_curvature(u1, w[i + 1]) if u1 > 0.0 else 0.0
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def _limit_change_of_speed(course: CourseData, scale: float, work: Work) -> None:
     """Evaluate the limits of acceleration and deceleration."""
-    w, factor, z = work.nodes.speed2, work.cells.rise_factor, work.rows.multiplier
+    w, inertia, z = work.nodes.speed2, work.cells.inertia, work.rows.multiplier
     for row, sign, limit in (
         (ACCELERATION, -1.0, course.max_acceleration_ms2),
         (DECELERATION, 1.0, course.max_deceleration_ms2),
@@ -171,9 +206,9 @@ def _evaluate_rise(course: CourseData, scale: float, work: Work) -> None:
         if work.used[row] <= 0.0:
             continue
         largest = 2.0 * course.half_inertia_kg * limit / scale
-        for i in range(factor.shape[0]):
-            work.rows.residual[row, i] = largest + sign * factor[i] * (w[i + 1] - w[i])
-            price = sign * factor[i] * z[row, i]
+        for i in range(inertia.shape[0]):
+            work.rows.residual[row, i] = largest + sign * inertia[i] * (w[i + 1] - w[i])
+            price = sign * inertia[i] * z[row, i]
             work.nodes.gradient[i] += price
             work.nodes.gradient[i + 1] -= price
 
@@ -191,6 +226,6 @@ def _finish_residuals(work: Work) -> float:
     bounds, nodes = work.bounds, work.nodes
     for i in range(nodes.speed2.shape[0]):
         if nodes.free[i] > 0.0:
-            bounds.residual[0, i] = nodes.speed2[i] - nodes.floor[i] - bounds.slack[0, i]
-            bounds.residual[1, i] = nodes.ceiling[i] - nodes.speed2[i] - bounds.slack[1, i]
+            bounds.residual[FLOOR, i] = nodes.speed2[i] - nodes.floor[i] - bounds.slack[FLOOR, i]
+            bounds.residual[CEILING, i] = nodes.ceiling[i] - nodes.speed2[i] - bounds.slack[CEILING, i]
     return violation

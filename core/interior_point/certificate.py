@@ -154,6 +154,10 @@ def node_prices(
     times its derivative, what the limits of acceleration are worth, and all that varies with the mean speed - priced
     time, the energy's tangent, limits over speed - times the derivative of that.
     """
+    # Of a cell with node prices p0 and p1, what depends on w is nu D(w0, w1) + rise (w1 - w0) + B(v) + p0 w0 - p1 w1,
+    # where nu is the price of the net force D, and B' = by_speed. It is stationary at the point if
+    #     p0 = rise - nu dD/dw0 - B' dv/dw0    and    p1 = rise + nu dD/dw1 + B' dv/dw1,
+    # as `right` of its first node and `left` of its second one have it; any other prices prove less, none too much.
     h, w, z = course.cell_length_m, optimum.speed2, optimum.multiplier
     n = h.shape[0]
     left, right = np.zeros(n + 1), np.zeros(n + 1)
@@ -233,8 +237,10 @@ def table_majorant(limit: EffortLimit, v: float, low: float, high: float) -> tup
     It touches the table at `v`, which lies in [low, high], unless a parabola a little higher there is much flatter:
     near a kink the table is strongly curved over a very short way.
     """
+    # A piece that holds v or touches it asks for a curvature, one further away for an excess over the tangent, which
+    # the parabola must have reached there.
     value, slope, half = limit_over_speed(limit, v)
-    near, lift, far = 0.5 * half, 0.0, 0.0
+    beside, lift, beyond = 0.5 * half, 0.0, 0.0
     first, last = piece_at(limit, low), piece_at(limit, high)
     for piece in range(first, last + 1):
         c = limit.table[piece]
@@ -243,13 +249,14 @@ def table_majorant(limit: EffortLimit, v: float, low: float, high: float) -> tup
         x0, x1 = start - c[0], end - c[0]
         excess = _largest_excess(c, x0, x1, value + slope * (start - v), slope)
         if start - TABLE_STEP_MS <= v <= end + TABLE_STEP_MS:
-            near, lift = max(near, c[3] + 3.0 * c[4] * x0, c[3] + 3.0 * c[4] * x1), max(lift, excess)
+            beside = max(beside, c[3] + 3.0 * c[4] * x0, c[3] + 3.0 * c[4] * x1)
+            lift = max(lift, excess)
         elif excess > 0.0:
-            far = max(far, excess / min((start - v) ** 2, (end - v) ** 2))
+            beyond = max(beyond, excess / min((start - v) ** 2, (end - v) ** 2))
     reach = max(v - low, high - v) ** 2
-    if lift + far * reach < max(near, far) * reach:
-        return value + lift, slope, far
-    return value, slope, max(near, far)
+    if lift + beyond * reach < max(beside, beyond) * reach:
+        return value + lift, slope, beyond
+    return value, slope, max(beside, beyond)
 
 
 @njit(cache=True, error_model="numpy")
@@ -368,6 +375,9 @@ def tangent_minimum(
     value += min(cell[BY_TRACTION] + cell[OVER_TRACTION], 0.0) * cell[TOP_TRACTION]
     value += min(cell[BY_BRAKING] + cell[OVER_BRAKING], 0.0) * cell[TOP_BRAKING]
     value += min(cell[BY_FRICTION], 0.0) * cell[TOP_FRICTION]
+    # All but G(v) = kappa / v + beta v is linear in w. The Hessian of G(v(w)) is G'' v_w v_w' + G' v_ww with v_ww <= 0,
+    # as the mean speed is concave: positive if G'' = 2 kappa / v^3 >= 0 and G' = beta - kappa / v^2 <= 0 over the whole
+    # box, which its greatest v decides. A convex function lies above its tangent plane.
     if kappa < 0.0 or kappa < beta * top * top:
         return value, -np.inf
     slope = 0.25 * (beta - kappa / (v * v))
@@ -389,6 +399,11 @@ def fastest_of_better_runs(
 
     What a train has in speed at a node it has drawn before and gives back at most in part.
     """
+    # No drive takes less than `drawn` per work at the wheels, nor returns more than `returned` per work of braking, and
+    # drawn >= returned: so energy >= drawn * work and energy >= returned * work both hold for any work of either sign.
+    # With the first up to node i and the second after it,
+    #     E >= drawn (before + half (w_i - w_0)) + returned (after + half (w_n - w_i)),
+    # which bounds w_i by an energy E that a better run must not exceed.
     h, w = course.cell_length_m, optimum.speed2
     n = h.shape[0]
     drawn, returned = work_bounds(course.drive_kind, course.drive_parameters)
@@ -400,7 +415,7 @@ def fastest_of_better_runs(
     work = h * (course.resistance_constant_n + course.line_force_n)
     length = h.sum()
     mean = length / running_time
-    # what varies with speed costs least at one speed all the way
+    # the resistance that varies with speed is convex in it: over a time and a length, it costs least at one speed
     drag = running_resistance(0.0, course.resistance_linear, course.resistance_quadratic.min(), mean, mean * mean)
     energy = optimum.energy_j - returned * drag * length
     before, after = 0.0, work.sum()

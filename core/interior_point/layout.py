@@ -48,46 +48,69 @@ from railjoule.core.compiled import njit
     DECELERATION,
 ) = range(12)
 ROWS = 12
+FLOOR, CEILING = range(2)
+"""Rows of the nodes' constraints."""
+(
+    DRIVING_FF,
+    DRIVING_FV,
+    DRIVING_VV,
+    BRAKING_XX,
+    BRAKING_XV,
+    BRAKING_VV,
+    PRICED_VV,
+    START_WW,
+    END_WW,
+) = range(9)
+"""Rows of `Work.curvature`: second derivatives of the Lagrangian of a cell. The cost of driving by traction f and mean
+speed v, that of braking by x and v, priced time and limits by v, and what the concave mean speed adds by each w."""
+CURVATURES = 9
 RAY_COUNT = 200
 """Speeds of the table of a drive that takes power without effort."""
+# Slack and multiplier of the timetable stand apart from all rows: it couples all cells, so its step is solved for by a
+# rank-one update of the tridiagonal system, never row by row.
+TIME_SLACK, TIME_MULTIPLIER = range(2)
+"""Entries of `Work.time_step`."""
 
 FAST = {"contract", "reassoc", "nsz", "arcp"}
 """Liberties of the compiler; NaN and infinity keep their meaning."""
 
 
 class Cells(NamedTuple):
-    """Arrays of shape (n,), one number a cell.
+    """Arrays of shape (n,), one number a cell."""
 
-    The last group is what the elimination of efforts leaves: traction and braking each as a weight on (effort +
-    slope * v)^2 and the two together a weight on v^2.
-    """
-
+    # the point: f, x and psi, and their steps
     traction: FloatArray
     braking: FloatArray
     drawn: FloatArray
     traction_step: FloatArray
     braking_step: FloatArray
     drawn_step: FloatArray
+    # net force D and mean speed v at the point, and their derivatives by w0 and w1; k
     force: FloatArray
     force_by_start: FloatArray
     force_by_end: FloatArray
     speed_by_start: FloatArray
     speed_by_end: FloatArray
-    rise_factor: FloatArray
+    inertia: FloatArray
+    # how psi follows x and v once it is eliminated
     drawn_by_effort: FloatArray
     drawn_by_speed: FloatArray
+    # derivatives of the Lagrangian by f, x and v, and the multiplier of x + q = f - D
     traction_gradient: FloatArray
     braking_gradient: FloatArray
     speed_gradient: FloatArray
     force_price: FloatArray
+    # the cell's second-order model after condensing (`newton`): weight on (effort + slope * v)^2 for traction, for all
+    # brakes together and for each brake; the coupling of both nodes that is left once efforts are eliminated
     traction_weight: FloatArray
     traction_slope: FloatArray
     braking_weight: FloatArray
     braking_slope: FloatArray
     electric_weight: FloatArray
     friction_weight: FloatArray
-    lean_start: FloatArray
-    lean_end: FloatArray
+    coupling_start: FloatArray
+    coupling_end: FloatArray
+    # right-hand sides of the efforts, kept for `step.expand`
     traction_right: FloatArray
     electric_right: FloatArray
     friction_right: FloatArray
@@ -99,27 +122,35 @@ class Rows(NamedTuple):
 
     slack: FloatArray
     multiplier: FloatArray
+    # of the barrier: the length for which a constraint stands; 0 where it does not occur
     weight: FloatArray
+    # g - slack
     residual: FloatArray
+    # derivatives of g where they are not constant
     by_effort: FloatArray
     by_speed: FloatArray
     slack_step: FloatArray
     multiplier_step: FloatArray
+    # what slack times multiplier is aimed at, over the slack; and what the row adds to the right-hand side
     target: FloatArray
-    pull: FloatArray
+    rhs: FloatArray
 
 
 class Nodes(NamedTuple):
     """Arrays of shape (n + 1,), one number a node."""
 
     speed2: FloatArray
+    # the right-hand side until it is solved for, then the step
     speed2_step: FloatArray
+    # 1 where the speed is unknown, 0 where it is prescribed: a factor, so that inner loops do not branch
     free: FloatArray
     floor: FloatArray
     ceiling: FloatArray
+    # derivatives of the Lagrangian and of the travel time by w; the tridiagonal system's answer to the latter
     gradient: FloatArray
     time_gradient: FloatArray
     time_response: FloatArray
+    # factors of the tridiagonal system
     inverse_pivot: FloatArray
     ratio: FloatArray
 
@@ -127,10 +158,9 @@ class Nodes(NamedTuple):
 class Work(NamedTuple):
     """All arrays of one solution.
 
-    `curvature` has shape (9, n): second derivatives of the driving energy by (f, v): ff, fv, vv; of the braking
-    energy by (x, v): xx, xv, vv; of time and limits by v; and two by w that the concave mean speed brings.
-    Of a drive that takes power without effort, `rays` is the table of `switching.tabulate_rays`, and
-    `last_curvature`, shape (6, n), is what the first six rows of `curvature` were an iteration ago.
+    `curvature` has shape (9, n), its rows as numbered above. Of a drive that takes power without effort, `rays` is the
+    table of `switching.tabulate_rays`, and `last_curvature`, shape (6, n), is what the first six rows of `curvature`
+    were an iteration ago.
     `time_step` holds the steps of the timetable's slack and multiplier; `used` which rows occur at all.
     """
 
@@ -172,7 +202,7 @@ def allocate(n: int) -> Work:
         c[20], c[21], c[22], c[23], c[24], c[25], c[26], c[27], c[28], c[29],
     )  # fmt: skip
     nodes = Nodes(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9])
-    curvature, rays, last_curvature = np.zeros((9, n)), np.zeros((2, RAY_COUNT, 3)), np.zeros((6, n))
+    curvature, rays, last_curvature = np.zeros((CURVATURES, n)), np.zeros((2, RAY_COUNT, 3)), np.zeros((6, n))
     return Work(
         cells, _rows(ROWS, n), nodes, _rows(2, n + 1), curvature, rays, last_curvature, np.zeros(2), np.zeros(ROWS)
     )

@@ -1,11 +1,17 @@
 """Newton's step of the interior-point method: a tridiagonal system plus one rank-one term for the time.
 
-Every cell is first condensed: what its constraints and its cost ask of traction and of braking is gathered, each
+Every cell is first condensed: what its constraints and its cost say on traction and on braking is gathered, each
 as a weight on (effort + slope * mean speed)^2, with a remainder on the mean speed; then the efforts are
-eliminated, and the nodes one after another. Weights of constraints are combined without subtraction, the
-remainder as a sum over pairs, W_k W_l / W (slope_k - slope_l)^2, and each pivot comes from the determinant of a
-cell's block as a sum over pairs of rank-one terms: when several limits of a cell are active their weights reach
-1e12, and a difference would lose all digits.
+eliminated, and the nodes one after another.
+
+Constraint k is g_k(f, v) with slack s and multiplier z; to second order its barrier adds z / s (dg)^2, which is
+W_k (df + slope_k dv)^2. A sum of such squares is one square and a remainder (Lagrange's identity):
+
+    sum W_k (f + slope_k v)^2 = W (f + slope v)^2 + remainder v^2,      W = sum W_k,   slope = sum W_k slope_k / W,
+    remainder = sum over pairs k < l of W_k W_l / W (slope_k - slope_l)^2.
+
+When several limits of a cell are active, their weights reach 1e12, and any difference of them would lose all
+digits. So nothing here is subtracted: remainders are sums over pairs, and so are determinants (`cell_block`).
 """
 
 import math
@@ -19,12 +25,23 @@ from railjoule.core.interior_point.layout import (
     BRAKING_CONSTANT,
     BRAKING_OVER_SPEED,
     BRAKING_POSITIVE,
+    BRAKING_VV,
+    BRAKING_XV,
+    BRAKING_XX,
+    CEILING,
     DECELERATION,
     DRAWN,
     DRAWN_POSITIVE,
+    DRIVING_FF,
+    DRIVING_FV,
+    DRIVING_VV,
+    END_WW,
     FAST,
+    FLOOR,
     FRICTION_CONSTANT,
     FRICTION_POSITIVE,
+    PRICED_VV,
+    START_WW,
     TRACTION_CONSTANT,
     TRACTION_OVER_SPEED,
     TRACTION_POSITIVE,
@@ -43,8 +60,9 @@ def positive_part(a: float, b: float, c: float) -> tuple[float, float, float]:
         return a, b, c
     if high <= 0.0:
         return 0.0, 0.0, 0.0
-    share = high / (high - low)
-    return share * (a - low), share * b, share * (c - low)
+    # With one eigenvalue on either side of zero the positive part is high d d', and d d' = (M - low) / (high - low).
+    weight = high / (high - low)
+    return weight * (a - low), weight * b, weight * (c - low)
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
@@ -52,9 +70,12 @@ def add_curvature(
     weight: float, slope: float, remainder: float, ff: float, fv: float, vv: float
 ) -> tuple[float, float, float]:
     """Add a curvature [[ff, fv], [fv, vv]] to weight (f + slope v)^2 + remainder v^2; return the new three."""
+    # Completing the square of (weight + ff) f^2 + 2 (weight slope + fv) f v gives the slope
+    # (weight slope + fv) / total. Written by its change, cross / total, nothing subtracts weight * slope^2 from
+    # itself; what is added to the remainder is the curvature along (-slope, 1), where the square does not change.
     total = weight + ff
-    bent = fv - ff * slope
-    return total, slope + bent / total, remainder + vv - 2.0 * fv * slope + ff * slope * slope - bent * bent / total
+    cross = fv - ff * slope
+    return total, slope + cross / total, remainder + vv - 2.0 * fv * slope + ff * slope * slope - cross * cross / total
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
@@ -73,72 +94,77 @@ def condense(work: Work) -> FloatArray:
     for i in range(n):
         alone = z[TRACTION_POSITIVE, i] / s[TRACTION_POSITIVE, i] + z[TRACTION_CONSTANT, i] / s[TRACTION_CONSTANT, i]
         over = z[TRACTION_OVER_SPEED, i] / s[TRACTION_OVER_SPEED, i]
-        lean = -rows.by_speed[TRACTION_OVER_SPEED, i]
+        # f >= 0 and f <= 1 ask of f alone, slope 0; L(v) - f >= 0 has the slope -L'
+        limit_slope = -rows.by_speed[TRACTION_OVER_SPEED, i]
         weight = alone + over
-        slope = over * lean / weight
-        # the pair of (1, 0) and (1, lean): as a difference of squares it would lose all digits
-        remainder = alone * over / weight * lean * lean
-        ff, fv, vv = curve[0, i], curve[1, i], curve[2, i]
-        bb, bv, braking_vv, mean = curve[3, i], curve[4, i], curve[5, i], curve[6, i]
-        ff, fv, vv = positive_part(ff, fv, vv)
-        bb, bv, braking_vv = positive_part(bb, bv, braking_vv)
-        mean = max(mean, 0.0)
-        cells.traction_weight[i], cells.traction_slope[i], speed = add_curvature(weight, slope, remainder, ff, fv, vv)
+        slope = over * limit_slope / weight
+        remainder = alone * over / weight * limit_slope * limit_slope
+        # the cost need not be convex in effort and speed: only its positive part keeps the step a descent
+        ff, fv, vv = positive_part(curve[DRIVING_FF, i], curve[DRIVING_FV, i], curve[DRIVING_VV, i])
+        cells.traction_weight[i], cells.traction_slope[i], on_speed[i] = add_curvature(
+            weight, slope, remainder, ff, fv, vv
+        )
         alone = z[BRAKING_POSITIVE, i] / s[BRAKING_POSITIVE, i] + z[BRAKING_CONSTANT, i] / s[BRAKING_CONSTANT, i]
         over = z[BRAKING_OVER_SPEED, i] / s[BRAKING_OVER_SPEED, i]
-        lean = -rows.by_speed[BRAKING_OVER_SPEED, i]
+        limit_slope = -rows.by_speed[BRAKING_OVER_SPEED, i]
         weight = alone + over
-        slope = over * lean
-        remainder = alone * over * lean * lean
+        slope = over * limit_slope
+        remainder = alone * over * limit_slope * limit_slope
         if work.used[DRAWN] > 0.0:
             first = z[DRAWN_POSITIVE, i] / s[DRAWN_POSITIVE, i]
             second = z[DRAWN, i] / s[DRAWN, i]
-            # psi is eliminated first: two springs in series
+            # psi is eliminated first: at its least, first psi^2 + second (psi + g_x x + g_v v)^2 is two springs in
+            # series, the product over the sum, on (g_x x + g_v v)^2
             both = first * second / (first + second)
             by_x, by_v = rows.by_effort[DRAWN, i], rows.by_speed[DRAWN, i]
             cells.drawn_by_effort[i] = second / (first + second) * by_x
             cells.drawn_by_speed[i] = second / (first + second) * by_v
             weight += both * by_x * by_x
             slope += both * by_x * by_v
-            remainder += both * (alone * by_v * by_v + over * (by_v - by_x * lean) ** 2)
+            # pairs of (by_x, by_v) with (1, 0) and with (1, limit_slope)
+            remainder += both * (alone * by_v * by_v + over * (by_v - by_x * limit_slope) ** 2)
         slope /= weight
         remainder /= weight
-        weight, slope, remainder = add_curvature(weight, slope, remainder, bb, bv, braking_vv)
+        xx, xv, vv = positive_part(curve[BRAKING_XX, i], curve[BRAKING_XV, i], curve[BRAKING_VV, i])
+        weight, slope, remainder = add_curvature(weight, slope, remainder, xx, xv, vv)
         cells.electric_weight[i], cells.braking_slope[i] = weight, slope
         cells.braking_weight[i] = weight
         if work.used[FRICTION_POSITIVE] > 0.0:
             q = z[FRICTION_POSITIVE, i] / s[FRICTION_POSITIVE, i] + z[FRICTION_CONSTANT, i] / s[FRICTION_CONSTANT, i]
             cells.friction_weight[i] = q
-            # the brakes share an effort like springs in series, too
+            # x + q is given by f and D, so the brakes share it like springs in series, too
             cells.braking_weight[i] = weight * q / (weight + q)
-        on_speed[i] = speed + remainder + mean
+        on_speed[i] += remainder + max(curve[PRICED_VV, i], 0.0)
     return on_speed
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
 def cell_block(
-    lean0: float, lean1: float, both: float, u0: float, u1: float, speed: float, rise: float, start: float, end: float
+    c0: float, c1: float, effort: float, u0: float, u1: float, speed: float, change: float, start: float, end: float
 ) -> tuple[float, float, float, float]:
     """Return the block of two nodes, sum of rank-one terms, and its determinant: (m00, m01, m11, determinant).
 
     Parameters
     ----------
-    lean0, lean1, both : float
-        Direction and weight that the eliminated efforts leave.
+    c0, c1, effort : float
+        Coupling of the two nodes and weight that the eliminated efforts leave.
     u0, u1, speed : float
-        Direction and weight of the mean speed.
-    rise : float
+        Derivatives of the mean speed by w0 and w1, and its weight.
+    change : float
         Weight on (w1 - w0)^2.
     start, end : float
         Weights on the nodes themselves.
     """
-    m00 = both * lean0 * lean0 + speed * u0 * u0 + rise + start
-    m01 = both * lean0 * lean1 + speed * u0 * u1 - rise
-    m11 = both * lean1 * lean1 + speed * u1 * u1 + rise + end
-    across = lean0 * u1 - lean1 * u0
-    determinant = both * speed * across * across + start * end
-    determinant += rise * (both * (lean0 + lean1) ** 2 + speed * (u0 + u1) ** 2 + start + end)
-    determinant += start * (both * lean1 * lean1 + speed * u1 * u1) + end * (both * lean0 * lean0 + speed * u0 * u0)
+    m00 = effort * c0 * c0 + speed * u0 * u0 + change + start
+    m01 = effort * c0 * c1 + speed * u0 * u1 - change
+    m11 = effort * c1 * c1 + speed * u1 * u1 + change + end
+    # The block is a sum of a_k d_k d_k', with the directions c, u, (1, -1), (1, 0) and (0, 1). By Cauchy and Binet its
+    # determinant is the sum over pairs k < l of a_k a_l (d_k x d_l)^2, all terms positive; m00 m11 - m01^2 would take
+    # the difference of two numbers of 1e24 that agree in all digits where one limit of effort is active.
+    across = c0 * u1 - c1 * u0
+    determinant = effort * speed * across * across + start * end
+    determinant += change * (effort * (c0 + c1) ** 2 + speed * (u0 + u1) ** 2 + start + end)
+    determinant += start * (effort * c1 * c1 + speed * u1 * u1) + end * (effort * c0 * c0 + speed * u0 * u0)
     return m00, m01, m11, determinant
 
 
@@ -146,12 +172,13 @@ def cell_block(
 def factor(work: Work, forced: bool) -> bool:
     """Eliminate efforts and nodes; fill pivots and ratios; return whether all pivots are positive.
 
-    With `forced`, those that rounding has made negative are turned round, and the factors are of use all the same.
+    With `forced`, those that rounding has made negative change sign, and the factors can still be used.
     """
     cells, nodes, rows, curve = work.cells, work.nodes, work.rows, work.curvature
-    on_node = work.bounds.multiplier[0] / work.bounds.slack[0] + work.bounds.multiplier[1] / work.bounds.slack[1]
+    z, s = work.bounds.multiplier, work.bounds.slack
+    on_node = z[FLOOR] / s[FLOOR] + z[CEILING] / s[CEILING]
     on_speed = condense(work)
-    limited_rise = work.used[ACCELERATION] > 0.0 or work.used[DECELERATION] > 0.0
+    limits_change = work.used[ACCELERATION] > 0.0 or work.used[DECELERATION] > 0.0
     n = on_speed.shape[0]
     left = on_node[0]
     for i in range(n):
@@ -159,17 +186,21 @@ def factor(work: Work, forced: bool) -> bool:
         total = cells.traction_weight[i] + cells.braking_weight[i]
         if not total > 0.0:
             return False
-        apart = cells.traction_slope[i] - cells.braking_slope[i]
-        lean0, lean1 = cells.force_by_start[i] + apart * u0, cells.force_by_end[i] + apart * u1
-        cells.lean_start[i], cells.lean_end[i] = lean0, lean1
+        # With y = df + s_f dv and db = df - dD, the model W_f (df + s_f dv)^2 + W_b (db + s_b dv)^2 reads
+        # W_f y^2 + W_b (y - dD - (s_f - s_b) dv)^2: eliminating y leaves two springs in series on the coupling
+        # c dw = dD + (s_f - s_b) dv.
+        difference = cells.traction_slope[i] - cells.braking_slope[i]
+        c0, c1 = cells.force_by_start[i] + difference * u0, cells.force_by_end[i] + difference * u1
+        cells.coupling_start[i], cells.coupling_end[i] = c0, c1
         both = cells.traction_weight[i] * cells.braking_weight[i] / total
-        # falling with the mean speed bends these the right way; rising is left to the proof
-        rise, start, end = 0.0, max(curve[7, i], 0.0), max(curve[8, i], 0.0)
-        if limited_rise:
-            rise = rows.multiplier[ACCELERATION, i] / rows.slack[ACCELERATION, i]
-            rise += rows.multiplier[DECELERATION, i] / rows.slack[DECELERATION, i]
-            rise *= cells.rise_factor[i] * cells.rise_factor[i]
-        m00, m01, m11, determinant = cell_block(lean0, lean1, both, u0, u1, on_speed[i], rise, start, end)
+        # The mean speed is concave in w: a cost that falls with it curves these upwards, one that rises downwards. The
+        # latter is left out, lest the step climb; whether the point is the best one is for the proof to say.
+        change, start, end = 0.0, max(curve[START_WW, i], 0.0), max(curve[END_WW, i], 0.0)
+        if limits_change:
+            change = rows.multiplier[ACCELERATION, i] / rows.slack[ACCELERATION, i]
+            change += rows.multiplier[DECELERATION, i] / rows.slack[DECELERATION, i]
+            change *= cells.inertia[i] * cells.inertia[i]
+        m00, m01, m11, determinant = cell_block(c0, c1, both, u0, u1, on_speed[i], change, start, end)
         right = m11
         nodes.inverse_pivot[i] = nodes.ratio[i] = 0.0
         if nodes.free[i] > 0.0:
@@ -205,9 +236,9 @@ def back_substitute(nodes: Nodes, vector: FloatArray) -> None:
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
 def factor_with_fallback(work: Work) -> float:
-    """Factor the system so that the step goes downhill; return the time's weight in the rank-one term.
+    """Factor the system so that the step is a descent; return the time's weight in the rank-one term.
 
-    Not a number where no factors can be had, as where a weight is none.
+    Not a number where there are no factors, as where a weight is not a number.
     """
     nodes = work.nodes
     if not factor(work, False) and not factor(work, True):

@@ -20,10 +20,16 @@ from railjoule.core.physics.course_data import CourseData
 from railjoule.core.physics.effort_limit import EffortLimit
 from railjoule.core.physics.reference import reference_energy
 
+# Intervals of speed at a node. Each pair of neighbours is a box, so the table of their values has this squared times
+# the cells; LARGEST_TABLE keeps it to 32 MB on long lines, which then get fewer intervals and a looser bound.
 MOST_INTERVALS = 64
 LARGEST_TABLE = 4_000_000
 MOST_ROUNDS = 60
+"""Of cutting; the budget of boxes ends it before, but where intervals cannot be cut further."""
 SPLIT_SHARE = 0.5
+"""Intervals are cut that lie on chains up to so far from the lowest one to the target: fewer need more rounds."""
+TARGET_SHARE = 0.9
+"""Of the tolerance that the target uses up, so that rounding does not decide."""
 
 
 class Proof(NamedTuple):
@@ -92,7 +98,7 @@ def prove(
     bound = min(total, optimum.energy_j)
     evaluations = n
     if optimum.energy_j - bound > tolerance * reference and budget > 0:
-        target = optimum.energy_j - 0.9 * tolerance * reference
+        target = optimum.energy_j - TARGET_SHARE * tolerance * reference
         sharper, more = _sharpen(cells, traction, braking, low, high, loose, offset, target, budget)
         bound = max(bound, sharper)
         evaluations += more
@@ -146,7 +152,7 @@ def _sharpen(
         if not _split(low, high, count, cut, fresh, forward + backward, below):
             if cut.all() or not cut.any():
                 break
-            # a run may also go round a loose cell, which its neighbours must be cut to tell
+            # a better run may also avoid a loose cell by what it does beside it: its neighbours are cut, too
             wider = cut.copy()
             wider[1:] |= cut[:-1]
             wider[:-1] |= cut[1:]

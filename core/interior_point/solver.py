@@ -10,8 +10,8 @@ nothing else. The barrier never falls under a tenth of what the tolerance asks f
 the dual is rounding noise, which grows.
 
 What the stopping rule guarantees: the sum of slack times multiplier is below the tolerance times the energy, no
-limit is violated by more than 1e-8, and the dual residual is small or at its noise floor. Whether the point is
-the global optimum, `certificate` proves afterwards.
+limit of effort is violated by more than 1e-8, no timetable by more than 1e-9, and the dual residual is small or at
+its noise floor. Whether the point is the global optimum, `certificate` proves afterwards.
 """
 
 from typing import NamedTuple
@@ -21,7 +21,18 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.interior_point.cell import evaluate
-from railjoule.core.interior_point.layout import DRAWN, DRAWN_POSITIVE, FAST, FRICTION_POSITIVE, Work, allocate
+from railjoule.core.interior_point.layout import (
+    CEILING,
+    DRAWN,
+    DRAWN_POSITIVE,
+    FAST,
+    FLOOR,
+    FRICTION_POSITIVE,
+    TIME_MULTIPLIER,
+    TIME_SLACK,
+    Work,
+    allocate,
+)
 from railjoule.core.interior_point.newton import factor_with_fallback
 from railjoule.core.interior_point.start import TIME_WEIGHT, prepare
 from railjoule.core.interior_point.step import complementarity, longest_steps, move, set_direction
@@ -30,11 +41,31 @@ from railjoule.core.physics.reference import reference_energy
 
 CONVERGED, ITERATIONS_EXCEEDED = 0, 1
 LARGEST_VIOLATION = 1e-8
+"""Of a limit, in shares of the largest effort: well within the 1e-6 that a check allows."""
+# Stricter than limits of effort, as arrivals are compared in seconds: 1e-8 of an hour would be 36 microseconds.
+LARGEST_DELAY = 1e-9
+"""By which share of its running time a run may be late."""
+# Once the gap is met, the residual of the dual falls for a few iterations more, unless it is rounding already: in one
+# case of ten with a tolerance of 1e-8. The multipliers that the proof takes are the better for each.
 NOISE_FLOOR_PATIENCE = 6
+NOISY_RESIDUAL = 1e-2
+"""A relative residual of the dual beyond this is no noise, and the multipliers are of no use."""
+# A pair far from the centre shortens all steps. Ordinarily six decades to either side are allowed; after three
+# short steps in a row one decade, which sacrifices a pair's progress to let the others move.
 LOOSE_WIDTH, TIGHT_WIDTH = 1e6, 10.0
 SHORT_STEP = 0.3
 SHORT_STEPS_BEFORE_TIGHT = 3
-WHOLE_STEP = 0.99
+WHOLE_STEP, HALF_STEP = 0.99, 0.5
+# Mehrotra's centring is the cube of what the affine step leaves of the gap. At least half is kept after a step so short
+# that the affine direction is of no use, and never more than nine tenths, or the barrier would stand still.
+MOST_CENTRING, CAUTIOUS_CENTRING, USELESS_STEP = 0.9, 0.5, 0.1
+# The share of the way to the nearest bound that a step takes: closer to 1 as the barrier falls, for the last iterations
+# to converge superlinearly.
+BOUND_SHARE = 0.995
+DUAL_SHARE = 0.1
+"""Centring per unit of dual residual over gap: the barrier must not outrun the residual, which then becomes noise."""
+LEAST_BARRIER_SHARE = 0.1
+"""Of the barrier that the tolerance asks for: under it the residual is noise, eps z / s, which grows as it falls."""
 
 
 class Optimum(NamedTuple):
@@ -88,7 +119,7 @@ def dual_residual(course: CourseData, work: Work) -> float:
             total += abs(drawn)
     for i in range(work.nodes.speed2.shape[0]):
         if work.nodes.free[i] > 0.0:
-            gradient = work.nodes.gradient[i] - bounds.multiplier[0, i] + bounds.multiplier[1, i]
+            gradient = work.nodes.gradient[i] - bounds.multiplier[FLOOR, i] + bounds.multiplier[CEILING, i]
             total += abs(gradient) * work.nodes.speed2[i]
     for row in range(rows.slack.shape[0]):
         if work.used[row] > 0.0:
@@ -102,7 +133,9 @@ def _all_complementarity(
     work: Work, point: float, multipliers: float, time_slack: float, time_multiplier: float
 ) -> float:
     """Return the sum of slack times multiplier of all constraints after steps of given lengths."""
-    total: float = (time_slack + point * work.time_step[0]) * (time_multiplier + multipliers * work.time_step[1])
+    total: float = (time_slack + point * work.time_step[TIME_SLACK]) * (
+        time_multiplier + multipliers * work.time_step[TIME_MULTIPLIER]
+    )
     total += complementarity(work.rows, work.used, point, multipliers)
     total += complementarity(work.bounds, np.ones(2), point, multipliers)
     return total
@@ -150,51 +183,52 @@ def minimise_energy(
     length = course.cell_length_m.sum()
     time_weight = TIME_WEIGHT * length
     auxiliaries = course.auxiliary_power_w / scale
-    step, near, poor, iteration = 1.0, 0, 0, 0
+    step, iterations_close, short_steps, iteration = 1.0, 0, 0, 0
     status, energy, gap = ITERATIONS_EXCEEDED, 0.0, 1.0
     while iteration < largest_iterations:
         before = energy
         energy, gross, time, violation = evaluate(course, scale, time_multiplier + auxiliaries, work)
         energy += auxiliaries * time
         time_residual = running_time - time - time_slack
-        violation = max(violation, (time - running_time) / running_time)
+        delay = (time - running_time) / running_time
         product = _all_complementarity(work, 0.0, 0.0, time_slack, time_multiplier)
         barrier = product / weights
         reference = max(reference_energy(course, energy * scale, running_time) / scale, 0.01 * gross)
         gap = product / reference
         dual = (dual_residual(course, work) + time_multiplier * abs(time_residual)) / reference
-        if violation < LARGEST_VIOLATION and gap < 1.5 * tolerance:
-            near += 1
+        if violation < LARGEST_VIOLATION and delay < LARGEST_DELAY and gap < 1.5 * tolerance:
+            iterations_close += 1
             # whole steps that change nothing any more: then what is left of the dual residual is noise, however large
             settled = step > WHOLE_STEP and abs(energy - before) < 0.1 * tolerance * reference
-            patient = near >= NOISE_FLOOR_PATIENCE and (dual < 1e-2 or settled)
+            patient = iterations_close >= NOISE_FLOOR_PATIENCE and (dual < NOISY_RESIDUAL or settled)
             if patient or (gap < tolerance and dual < 10.0 * tolerance):
                 status = CONVERGED
                 break
-        # under this the dual residual is rounding noise, eps z / s, which grows as the barrier falls
-        least = min(barrier, 0.1 * tolerance * reference / weights)
+        least = min(barrier, LEAST_BARRIER_SHARE * tolerance * reference / weights)
         response = factor_with_fallback(work)
         if not np.isfinite(response):
-            break  # nothing to step along: what stands is told with its gap, and as not converged
+            break  # no direction to step along: the point is returned with its gap, as not converged
         set_direction(course, work, response, 0.0, False, time_slack, time_multiplier, time_residual, 0.0)
         point, multipliers = longest_steps(work, time_slack, time_multiplier, 1.0)
         centring = (_all_complementarity(work, point, multipliers, time_slack, time_multiplier) / product) ** 3
-        # the barrier must not outrun the dual, whose residual would then be noise
         if dual > gap:
-            centring = max(centring, min(0.5, 0.1 * dual / gap))
-        centring = max(min(max(centring, least_centring), 0.9), 0.5 if step < 0.1 else 0.0)
+            centring = max(centring, min(CAUTIOUS_CENTRING, DUAL_SHARE * dual / gap))
+        centring = min(max(centring, least_centring), MOST_CENTRING)
+        if step < USELESS_STEP:
+            centring = max(centring, CAUTIOUS_CENTRING)
         aim = max(centring * barrier, least)
         set_direction(course, work, response, aim, True, time_slack, time_multiplier, time_residual, aim * time_weight)
-        point, multipliers = longest_steps(work, time_slack, time_multiplier, max(0.995, 1.0 - barrier))
+        point, multipliers = longest_steps(work, time_slack, time_multiplier, max(BOUND_SHARE, 1.0 - barrier))
         step = min(point, multipliers)
-        poor = poor + 1 if step < SHORT_STEP else 0
-        # short steps in a row mean pairs far from the centre: pull them back
-        width = LOOSE_WIDTH if poor < SHORT_STEPS_BEFORE_TIGHT else TIGHT_WIDTH
-        centre = aim if step > 0.5 else max(barrier, least)
+        short_steps = short_steps + 1 if step < SHORT_STEP else 0
+        width = LOOSE_WIDTH if short_steps < SHORT_STEPS_BEFORE_TIGHT else TIGHT_WIDTH
+        # after a short step the target was not reached: pairs are kept around the barrier that there is
+        centre = aim if step > HALF_STEP else max(barrier, least)
         _take_step(work, point, multipliers, centre, width)
-        time_slack += point * work.time_step[0]
-        middle = centre * time_weight / time_slack
-        time_multiplier = min(max(time_multiplier + multipliers * work.time_step[1], middle / width), middle * width)
+        time_slack += point * work.time_step[TIME_SLACK]
+        central = centre * time_weight / time_slack
+        time_multiplier += multipliers * work.time_step[TIME_MULTIPLIER]
+        time_multiplier = min(max(time_multiplier, central / width), central * width)
         iteration += 1
     return Optimum(
         work.nodes.speed2,

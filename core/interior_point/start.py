@@ -17,9 +17,11 @@ from railjoule.core.interior_point.layout import (
     BRAKING_CONSTANT,
     BRAKING_OVER_SPEED,
     BRAKING_POSITIVE,
+    CEILING,
     DECELERATION,
     DRAWN,
     DRAWN_POSITIVE,
+    FLOOR,
     FRICTION_CONSTANT,
     FRICTION_POSITIVE,
     TRACTION_CONSTANT,
@@ -36,7 +38,11 @@ from railjoule.core.physics.energy_per_metre import energy_per_metre
 
 SLOWEST_SPEED2 = 0.01
 """Floor of speed squared at inner nodes [m2/s2], 0.36 km/h: at rest a crest would have an infinite derivative."""
+# In scaled units, and of the order of the energy per metre of an ordinary run, whose mean effort is some hundredths of
+# the largest: the first centre then lies where cost and limits weigh about the same.
 FIRST_BARRIER = 0.03
+# The timetable is one constraint against several of each cell, whose weights add up to some lengths of the line. With
+# this share 10,000 random tasks, half of them with stops, all converge.
 TIME_WEIGHT = 0.2
 """Weight of the timetable in the barrier, as a share of the line's length."""
 MOST_SLACK = 1.0
@@ -52,6 +58,9 @@ def start_speeds(
     Scaling all squares of speed by c keeps every force between that of the fastest run and that of standing
     still, so the start is strictly feasible however tight the timetable is.
     """
+    # In a tight timetable half of the slack that is used goes to scaling; in a generous one scaling ends at
+    # sqrt(0.85) of the speed and the cap does the rest, as capped runs resemble the optimum more. A tenth of the
+    # slack is left over, so that the timetable, too, is strictly met.
     h, fixed = course.cell_length_m, course.fixed_speed2
     wanted = shortest_time + 0.9 * min(running_time - shortest_time, MOST_SLACK * shortest_time)
     tight = (shortest_time / wanted) ** 2
@@ -65,6 +74,7 @@ def start_speeds(
     high = math.sqrt(fastest.max())
     low = 1e-3 * high
     v1 = 0.0
+    # bisection for the cap, over its logarithm while its scale is unknown; 5e-4 of the speed is all that a start needs
     for _ in range(40):
         cap = math.sqrt(low * high) if low < 0.1 * high else 0.5 * (low + high)
         time = 0.0
@@ -146,12 +156,12 @@ def prepare(
         nodes.floor[i] = min(SLOWEST_SPEED2, 0.25 * w[i])
         nodes.ceiling[i] = course.largest_speed2[i]
         if nodes.free[i] > 0.0:
-            near = 0.5 * ((h[i - 1] if i > 0 else 0.0) + (h[i] if i < n else 0.0))
-            bounds.slack[0, i] = w[i] - nodes.floor[i]
-            bounds.slack[1, i] = max(nodes.ceiling[i] - w[i], 1e-3 * nodes.ceiling[i])
-            for side in range(2):
-                bounds.weight[side, i] = near
-                bounds.multiplier[side, i] = FIRST_BARRIER * near / bounds.slack[side, i]
+            length = 0.5 * ((h[i - 1] if i > 0 else 0.0) + (h[i] if i < n else 0.0))
+            bounds.slack[FLOOR, i] = w[i] - nodes.floor[i]
+            bounds.slack[CEILING, i] = max(nodes.ceiling[i] - w[i], 1e-3 * nodes.ceiling[i])
+            for side in (FLOOR, CEILING):
+                bounds.weight[side, i] = length
+                bounds.multiplier[side, i] = FIRST_BARRIER * length / bounds.slack[side, i]
     used_time = running_time_of(h, w)
     _start_cells(course, scale, work)
     time_weight = TIME_WEIGHT * h.sum()
@@ -178,7 +188,7 @@ def _start_cells(course: CourseData, scale: float, work: Work) -> None:
             over_braking = limit_over_speed(course.braking, v)[0] / scale
         electric = min(top_braking, over_braking)
         low = max(force, 0.0)
-        # a tenth into the interval: most of an optimal run coasts or pulls little
+        # a tenth into the interval: most of an optimal run coasts or uses little effort
         f = low + 0.1 * max(min(1.0, over_traction, electric + top_friction + force) - low, 0.0)
         b = f - force
         x = b if top_friction <= 0.0 else 0.5 * (max(b - top_friction, 0.0) + min(b, electric))

@@ -37,12 +37,16 @@ from railjoule.core.physics.energy_per_metre import energy_per_metre
 from railjoule.core.physics.reference import reference_energy
 
 NARROWEST_SHARE = 1e-9
+# A chord over 1 / v misses by the square of its width, and what it misses counts most where the cell is lowest: so the
+# first pieces narrow towards that speed, and most cells need no halving.
 FIRST_WIDTHS = (0.5, 0.25, 0.1, 0.04, 0.015)
 """Edges of the first pieces, as shares of the speed at which the least is expected."""
 PRECISION = 0.1
 """How much of the tolerance the search for the cheapest effort may use up."""
 STEPS = 60
 EXACT = 1e-9
+FIRST_EFFORT = 0.3
+"""Share of the largest effort to begin with, where the neighbouring piece tells none."""
 
 START, END, CONSTANT, TIME, BY_SPEED, PRICE, RETURNED, LENGTH = range(8)
 """What a priced cell is [J]: START w0 + END w1 + CONSTANT + TIME / v + BY_SPEED v, and over its LENGTH [m] efforts
@@ -59,7 +63,7 @@ def cheapest_effort(
     loss_speed: float,
     speed: float,
     most: float,
-    near: float,
+    first: float,
     precision: float,
 ) -> tuple[float, float]:
     """Return a lower bound of energy per metre less a price times effort [N], at most 0, and the effort [N].
@@ -74,22 +78,25 @@ def cheapest_effort(
         Weight of the energy, and energy per work that an effort is worth.
     loss_speed, speed : float
         The losses are those at the first speed, the way is made at the second [m/s].
-    most, near : float
+    most, first : float
         Largest effort, and where to begin [N].
     precision : float
         How far the bound may lie below the least [N].
     """
+    # Convex in the effort y: the least lies between a point with a falling and one with a rising tangent, and not below
+    # where these two meet. Newton's step finds the next point, halving the interval where it leaves it.
     kind, parameters = course.drive_kind, course.drive_parameters
     worth = -price if braking else price
     drawn, returned = work_bounds(kind, parameters)
     if share <= 0.0:
-        return min(0.0, -worth * most), near
+        return min(0.0, -worth * most), first
+    # less than the least that any effort costs per work: none is worth it
     if worth <= (-share * returned if braking else drawn):
-        return 0.0, near
+        return 0.0, first
     low, high, reach = 0.0, most, most
     value_low, slope_low = -math.inf, -math.inf
     value_high, slope_high = math.inf, math.inf
-    y = near if 0.0 < near < most else 0.3 * most
+    y = first if 0.0 < first < most else FIRST_EFFORT * most
     least = -math.inf
     for _ in range(STEPS):
         p, p_f, _, p_ff, _, _ = power_when_on(kind, parameters, braking, y, loss_speed)
@@ -127,7 +134,7 @@ def cheapest_effort(
 
 @njit(cache=True, error_model="numpy")
 def effort_value(
-    course: CourseData, cell: FloatArray, near: FloatArray, loss_speed: float, speed: float, precision: float
+    course: CourseData, cell: FloatArray, cheapest: FloatArray, loss_speed: float, speed: float, precision: float
 ) -> float:
     """Return what the cheapest efforts of a cell add to it [J], with losses at one speed and limits as well.
 
@@ -135,7 +142,7 @@ def effort_value(
     ----------
     course : CourseData
     cell : array of shape (COLUMNS,)
-    near : array of shape (2,)
+    cheapest : array of shape (2,)
         The cheapest efforts found last [N]; brought up to date.
     loss_speed, speed : float
         The losses are those at the first speed, the way is made at the second [m/s].
@@ -145,9 +152,9 @@ def effort_value(
     price, share = cell[PRICE], cell[RETURNED]
     precision /= cell[LENGTH]
     most = _greatest(course.traction, loss_speed, speed)
-    total, near[0] = cheapest_effort(course, False, 1.0, price, loss_speed, speed, most, near[0], precision)
+    total, cheapest[0] = cheapest_effort(course, False, 1.0, price, loss_speed, speed, most, cheapest[0], precision)
     most = _greatest(course.braking, loss_speed, speed)
-    braking, near[1] = cheapest_effort(course, True, share, price, loss_speed, speed, most, near[1], precision)
+    braking, cheapest[1] = cheapest_effort(course, True, share, price, loss_speed, speed, most, cheapest[1], precision)
     # a standstill brake does it without a loss that counts
     total += min(braking, price * most) + min(price, 0.0) * course.friction_effort_n
     value: float = cell[LENGTH] * total
@@ -183,13 +190,15 @@ def piece_bound(
     a0, a1 = cell[START], cell[END]
     low0, high0, low1, high1 = box
     if a0 > 0.0 and a1 > 0.0 and low0 < high0 and low1 < high1:
-        # the best pair of speeds with a given mean, whether it lies in the box or not
+        # Of all pairs with the mean v, a0 v0^2 + a1 (2 v - v0)^2 is least at v0 = 2 v a1 / (a0 + a1), where it is
+        # 4 a0 a1 / (a0 + a1) v^2. That is a bound whether the pair lies in the box or not, and a value if it does.
         square = 4.0 * a0 * a1 / (a0 + a1)
         start = 2.0 * low * a1 / (a0 + a1)
         inside = low0 <= start <= high0 and low1 <= 2.0 * low - start <= high1
         value = here + square * low * low if inside else np.inf
         return constant + curve_bound(square, beta, kappa, low, high), value
-    # else one of the two speeds of the best pair is at an end of its range
+    # With a factor that is not positive the parabola in v0 is concave, or its vertex lies outside 0 <= v0 <= 2 v: the
+    # best pair has one speed s at an end of its range, and is own s^2 + other (2 v - s)^2.
     bound, value = np.inf, np.inf
     for side in range(4):
         fixed = box[side]
@@ -209,6 +218,9 @@ def piece_bound(
 @njit(cache=True, error_model="numpy")
 def curve_bound(square: float, linear: float, kappa: float, low: float, high: float) -> float:
     """Return a lower bound of square v^2 + linear v + kappa / v over [low, high], exact as the ends meet."""
+    # The second derivative, 2 (square + kappa / v^3), is monotone in v, so its extremes are at the ends. If it is
+    # nowhere negative, the tangent in the middle is a bound; else the lower end, less what a curve with that second
+    # derivative can sag below its chord, max(f'') width^2 / 8.
     at_low, at_high = 2.0 * (square + kappa / low**3), 2.0 * (square + kappa / high**3)
     half = 0.5 * (high - low)
     if min(at_low, at_high) >= 0.0:
@@ -257,14 +269,14 @@ def least_of_cell(
         edges[count] = middle * (1.0 + FIRST_WIDTHS[k])
         count += 1 if bottom < edges[count] < top else 0
     edges[count] = top
-    near, precision = np.zeros(2), PRECISION * tolerance
+    cheapest, precision = np.zeros(2), PRECISION * tolerance
     size = max(budget, count) + 1
     lows, highs, firsts, bounds = np.empty(size), np.empty(size), np.empty(size), np.empty(size)
     best = np.inf
     for k in range(count):
         low, high = edges[k], edges[k + 1]
-        first = effort_value(course, cell, near, low, low, precision)
-        last = effort_value(course, cell, near, low, high, precision)
+        first = effort_value(course, cell, cheapest, low, low, precision)
+        last = effort_value(course, cell, cheapest, low, high, precision)
         bound, value = piece_bound(cell, box, low, high, first, last)
         best = min(best, value)
         lows[k], highs[k], firsts[k], bounds[k] = low, high, first, bound
@@ -278,8 +290,8 @@ def least_of_cell(
             return bounds[worst], count
         middle = math.sqrt(low * high) if low < 0.5 * high else 0.5 * (low + high)
         for start, end, place in ((low, middle, worst), (middle, high, count)):
-            first = firsts[worst] if place == worst else effort_value(course, cell, near, start, start, precision)
-            last = effort_value(course, cell, near, start, end, precision)
+            first = firsts[worst] if place == worst else effort_value(course, cell, cheapest, start, start, precision)
+            last = effort_value(course, cell, cheapest, start, end, precision)
             bound, value = piece_bound(cell, box, start, end, first, last)
             best = min(best, value)
             lows[place], highs[place], firsts[place], bounds[place] = start, end, first, bound
