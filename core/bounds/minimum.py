@@ -1,4 +1,4 @@
-"""The optimum of a task, by the interior-point method in up to three attempts, and that of a decision where to drive."""
+"""The optimum of a task, by the interior-point method in up to three attempts, and that of one decision."""
 
 from dataclasses import dataclass
 
