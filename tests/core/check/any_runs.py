@@ -7,7 +7,6 @@
 import warnings
 from collections import defaultdict
 from collections.abc import Iterator
-from dataclasses import replace
 
 from railjoule.core import RailjouleError, Trajectory, check_run
 from railjoule.core.strategies import STRATEGIES, run_strategy
@@ -19,7 +18,7 @@ CLEAR = 2
 
 
 def any_runs(seed: int) -> Iterator[Trajectory]:
-    """Yield the runs over the scenario of a seed, with the bound of `optimal` where they have none of their own."""
+    """Yield the runs over the scenario of a seed, with the bound of `optimal` where it covers them."""
     task, bound = any_task(seed), None
     for name in STRATEGIES:
         if task is None:
@@ -32,7 +31,7 @@ def any_runs(seed: int) -> Iterator[Trajectory]:
         except RailjouleError:
             continue
         bound = run.bound if name == "optimal" else bound
-        yield run if run.bound is not None else replace(run, bound=bound)
+        yield run if run.bound is not None else run.with_bound(bound)
 
 
 def main() -> None:

@@ -16,10 +16,7 @@ class KnownFault(NamedTuple):
     seeds: tuple[int, ...]
 
 
-OWN_NODES = "its nodes are its own and finer, and the bound is that of the scenario's mesh"
 TABULATED = "limits of power that stand in a table with those of motors are rounded at its corners"
-LITERAL = "the printed regulator arrives at any speed, and its last step of time makes any force of it"
-REGULATOR = "the ideal regulator passes a limit by some thousandths where one phase follows another within a cell"
 
 KNOWN_FAULTS = (
     KnownFault("bellman", "tractive power", TABULATED, (161, 203)),
@@ -35,54 +32,11 @@ KNOWN_FAULTS = (
     KnownFault("optimal", "late arrival", "the interior point stops a millionth of a second late", (6, 48)),
     KnownFault(
         "phases",
-        "bound below the energy",
-        "its nodes are its own and finer, and the bound is that of the scenario's mesh",
-        (*(7, 28, 42, 54, 71, 84, 96, 109, 115, 126, 162, 183, 192, 204, 244, 246, 260, 270, 276, 284, 288, 290),),
-    ),
-    KnownFault(
-        "phases",
         "cells long enough for their places",
         "a phase of braking from next to no speed makes a cell of next to no length",
         (25, 80, 89, 190),
     ),
     KnownFault("phases", "motors while braking", "the same cell holds a force that is rounding", (190,)),
-    KnownFault("speed_limits", "bound below the energy", OWN_NODES, (14, 24, 71, 83, 110, 116, 126, 257)),
-    KnownFault("speed_limits", "bound below the energy", LITERAL, (12, 67, 172, 204, 205)),
-    KnownFault(
-        "speed_limits",
-        "cells long enough for their places",
-        "borders of its phases fall all but on nodes of the mesh",
-        (170, 216, 260, 292, 294),
-    ),
-    KnownFault("speed_limits", "acceleration", LITERAL, (48, 102, 180, 204)),
-    KnownFault("speed_limits", "deceleration", LITERAL, (39, 82, 102, 109, 123, 180, 233, 235, 236, 259, 290)),
-    KnownFault(
-        "speed_limits",
-        "electric braking effort",
-        LITERAL,
-        (8, 12, 13, 37, 48, 58, 106, 109, 132, 172, 180, 204, 235, 236, 247, 250, 284),
-    ),
-    KnownFault("speed_limits", "electric braking power", LITERAL, (8, 12, 48, 58, 106, 132, 250)),
-    KnownFault("speed_limits", "friction braking effort", LITERAL, (0, 19, 61, 67, 163, 205, 210, 262, 274)),
-    KnownFault("speed_limits", "motors while braking", LITERAL, (58, 106, 172, 250)),
-    KnownFault("speed_limits", "motors while driving", LITERAL, (82,)),
-    KnownFault("speed_limits", "speed limit", LITERAL, (0, 264)),
-    KnownFault("speed_limits", "tractive effort", LITERAL, (12,)),
-    KnownFault("speed_limits", "tractive power", LITERAL, (0, 12, 13, 37, 123, 150, 172, 233, 235, 250, 264, 290)),
-    KnownFault(
-        "speed_limits",
-        "electric braking effort",
-        REGULATOR,
-        (
-            *(14, 24, 28, 29, 30, 32, 36, 42, 53, 56, 59, 68, 71, 72, 84, 90, 92, 101, 116, 117, 118, 119, 122, 128),
-            *(140, 146, 147, 155, 157, 164, 181, 184, 186, 188, 193, 208, 213, 217, 223, 225, 228, 244, 255, 256, 257),
-            *(261, 270, 278, 280, 286, 288, 294, 297),
-        ),
-    ),
-    KnownFault("speed_limits", "electric braking power", REGULATOR, (137,)),
-    KnownFault("speed_limits", "friction braking effort", REGULATOR, (96, 136, 161, 166, 218, 227, 246, 248)),
-    KnownFault("speed_limits", "motors while driving", REGULATOR, (94,)),
-    KnownFault("speed_limits", "tractive power", REGULATOR, (125, 156, 296)),
 )
 
 
