@@ -176,7 +176,8 @@ def _curve_at(position_m: FloatArray, curve_speed2: FloatArray, cell: int, place
     while cell < last and position_m[cell + 1] <= place:
         cell += 1
     share = min((place - position_m[cell]) / (position_m[cell + 1] - position_m[cell]), 1.0)
-    return curve_speed2[cell] + share * (curve_speed2[cell + 1] - curve_speed2[cell])
+    speed2: float = curve_speed2[cell] + share * (curve_speed2[cell + 1] - curve_speed2[cell])
+    return speed2
 
 
 @njit(cache=True)
@@ -228,11 +229,12 @@ def _wanted(
         return asked, False
     wanted2 = _curve_at(regulation.position_m, curve_speed2, motion.cell, place + reach)
     change2 = (wanted2 - speed * speed) / (2.0 * reach)
-    if motion.braking:
-        brakes = change2 < 0.0
-    else:
-        brakes = _must_brake(course, regulation.position_m, curve_speed2, motion, brake, rate, relay.time_step_s)
-    return (min(asked, mass * change2 + resisting) if brakes else asked), brakes
+    if motion.braking and change2 < 0.0:
+        return min(asked, mass * change2 + resisting), True
+    if _must_brake(course, regulation.position_m, curve_speed2, motion, brake, rate, relay.time_step_s):
+        # effort takes its time to fall: it falls as fast as it can until the train is on the curve, or slow enough
+        return min(asked, -brake), change2 < 0.0
+    return asked, False
 
 
 @njit(cache=True)

@@ -134,6 +134,7 @@ def _trajectory(task: Task, problem: LimitProblem, best: Evaluation, words: tupl
     """Return the trajectory of limits on a mesh with nodes wherever the regulator changes its effort."""
     if task.scenario.search.regulator == "literal":
         return literal_trajectory(task, best.limits_ms, best.boundaries_m, words)
+    # twice: on the coarse mesh forces are means over longer cells, and corners lie a little beside their places
     finer, best = _over_corners(task, problem, best, whole_cells=False)
     cells, best = _over_corners(task, finer, best, whole_cells=True)
     places, speed2 = cells.nodes_of(best.limits_ms, best.boundaries_m)
@@ -147,10 +148,7 @@ def _trajectory(task: Task, problem: LimitProblem, best: Evaluation, words: tupl
 def _over_corners(
     task: Task, problem: LimitProblem, best: Evaluation, whole_cells: bool
 ) -> tuple[LimitProblem, Evaluation]:
-    """Return a problem with nodes at the corners of a trip too, and what the trip is there, scaled to its time again.
-
-    Twice: on the first, coarse mesh forces are means over longer cells, which moves the corners a little.
-    """
+    """Return a problem with nodes at the corners of a trip too, and the trip there, scaled to its time again."""
     places, speed2 = problem.nodes_of(best.limits_ms, best.boundaries_m)
     fast = [] if whole_cells else _within_fast_changes(places, speed2)
     nodes = _merged(problem.course.position_m, np.concatenate([places, fast]))
