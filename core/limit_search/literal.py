@@ -1,34 +1,46 @@
 """The printed regulator in steps of time: a relay with a dead zone whose effort changes at a limited rate.
 
-Below V - dV it asks for full effort, above V + dV for full braking, between them for none; (5) tells nothing of the
-half of that zone above V, where none is taken. Effort rises at the fastest rate up to a speed V_min and at a share of
-it above; it falls, and the brake rises, at the fastest (6). The paper has no rule for a stop: along the braking curve
-of the line's own limits and stops the regulator brakes as that curve asks. Between steps of time effort is constant
-and speed is integrated by the fourth-order rule of Runge and Kutta. Such a relay does not converge with its step: where
-it switches, and how often, hangs on it.
+Below V - dV it asks for full effort, above V + dV for full braking, between them for none; (5) leaves out the half of
+that zone above V, where none is taken. Effort rises at the fastest rate up to a speed V_min and at a share of it above;
+it falls, and the brake rises, at the fastest (6). Between steps of time effort is constant, and speed is integrated by
+the fourth-order rule of Runge and Kutta. Where such a relay switches, and how often, depends on its step: steps
+of 0.1 s and of 0.002 s differ by some percent in energy.
 
-Source: Shtompel, Khvorost 2025, (2), (4)-(6).
+What the paper leaves open is that of a train that can be driven:
+
+- The line's own limits are kept a dead zone below, for a relay swings about its mark by as much.
+- For them and for its stop the train brakes along the curve of `railjoule.core.limit_search.regulation`, which asks for
+  no more than its brakes give at each speed and gradient. It begins once it would be above that curve after the time in
+  which its effort falls to none, or in which it builds up the brake, and one step of time, for it decides once a step.
+- Efforts and accelerations stay within their limits.
+- A constant effort within the limits of the brake leads from the last step to rest at the end of the line. Where the
+  regulator comes too fast for that, there is no run.
+
+Source: Shtompel, Khvorost 2025, (2), (4)-(6); the rules above are ours.
 """
 
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.limit_search.way import Way, braking_curves
+from railjoule.core.limit_search.regulation import Regulation, braking_curves, regulation_of
+from railjoule.core.motion.course import Course
+from railjoule.core.physics.cell import NEARLY_AT_REST_MS
 from railjoule.core.physics.course_data import CourseData
-from railjoule.core.physics.effort_limit import largest_effort
+from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
 from railjoule.core.physics.resistance import running_resistance
 
-LOOK_AHEAD_S = 1.0
-LEAST_LOOK_AHEAD_M = 0.05
-STOPPED_MS = 0.02
-NEAR_STOP_M = 0.02
-NEAR_ENOUGH_M = 0.5
-LONGEST_STANDING_S = 60.0
-BRAKING_SHARE = 0.7
-"""The regulator begins to brake for the line once its curve asks for this share of the deceleration."""
-GOES_ON, ARRIVED, STANDS = range(3)
+BRAKE_RESERVE = 0.1
+"""Share of the brakes' efforts and of the vehicle's largest deceleration that the curve leaves, an option of ours: a
+train that is above a curve at full brakes never comes back to it, and in steps of time it always is a little. With more
+it brakes earlier where brakes are weak; where they are not, the deceleration asked for decides, and nothing changes."""
+RAMP_POINTS = 8
+"""So often on its way to the full brake a train is compared with the curve: it is the fastest where it begins to slow
+down, and may come to rest before the brake is built up."""
+GOES_ON, ARRIVED, STANDS, OVERSHOOTS = range(4)
 
 
 class Relay(NamedTuple):
@@ -55,14 +67,60 @@ class Relay(NamedTuple):
     time_step_s: float
 
 
-@njit(cache=True)
-def _asked(course: CourseData, relay: Relay, limit_ms: float, speed: float) -> float:
-    """Return the effort that (5) asks for [N]; braking is negative."""
-    if speed < limit_ms - relay.dead_zone_ms:
-        return largest_effort(course.traction, max(speed, 1e-9))
-    if speed > limit_ms + relay.dead_zone_ms:
-        return -largest_effort(course.braking, max(speed, 1e-9))
-    return 0.0
+def literal_regulation(
+    course: Course, stop_deceleration_ms2: float, dead_zone_ms: float
+) -> tuple[Regulation, FloatArray]:
+    """Return what the line asks of the printed regulator, and its braking curve at the nodes [m2/s2].
+
+    Parameters
+    ----------
+    course : Course
+        What the train obeys.
+    stop_deceleration_ms2 : float
+        Of braking ahead [m/s2].
+    dead_zone_ms : float
+        How far below the line's limits it keeps [m/s].
+    """
+    data, left = course.data, 1.0 - BRAKE_RESERVE
+    regulation = regulation_of(course, stop_deceleration_ms2, False)
+    regulation = regulation._replace(
+        deceleration_ms2=min(stop_deceleration_ms2, left * data.max_deceleration_ms2),
+        top_speed2=np.maximum(np.sqrt(regulation.top_speed2) - dead_zone_ms, 0.0) ** 2,
+        bound_speed2=np.maximum(np.sqrt(regulation.bound_speed2) - dead_zone_ms, 0.0) ** 2,
+    )
+    weaker = data._replace(braking=_scaled(data.braking, left), friction_effort_n=left * data.friction_effort_n)
+    curve, _ = braking_curves(weaker, regulation, np.empty(0), np.array([np.inf]))
+    return regulation, curve
+
+
+def _scaled(limit: EffortLimit, share: float) -> EffortLimit:
+    table = limit.table.copy()
+    table[:, 1:] *= share
+    return EffortLimit(share * limit.constant_n, share * limit.power_w, table, limit.first_piece)
+
+
+class Motion(NamedTuple):
+    """Where a train is after a step of time.
+
+    Parameters
+    ----------
+    place_m, speed_ms, effort_n : float
+        Place [m], speed [m/s], and the effort that led there, braking negative [N].
+    braking : bool
+        Whether the regulator follows the braking curve.
+    asks : int
+        What it asks for: 1 driving, 0 none, -1 braking.
+    cell, section : int
+        In which the train is.
+    """
+
+    place_m: float
+    speed_ms: float
+    effort_n: float
+    braking: bool
+    asks: int
+    cell: int
+    section: int
 
 
 @njit(cache=True)
@@ -74,41 +132,195 @@ def _resisting_n(course: CourseData, number: int, speed: float) -> float:
 
 
 @njit(cache=True)
+def _strongest_brake_n(course: CourseData, speed: float) -> float:
+    return largest_effort(course.braking, max(speed, NEARLY_AT_REST_MS)) + course.friction_effort_n
+
+
+@njit(cache=True)
+def _within_limits(course: CourseData, effort: float, speed: float, resisting: float) -> float:
+    """Return an effort [N] cut to the limits of effort and acceleration at a speed [m/s]."""
+    mass = 2.0 * course.half_inertia_kg
+    most = min(
+        largest_effort(course.traction, max(speed, NEARLY_AT_REST_MS)), mass * course.max_acceleration_ms2 + resisting
+    )
+    least = max(-_strongest_brake_n(course, speed), resisting - mass * course.max_deceleration_ms2)
+    return max(min(effort, most), least)
+
+
+@njit(cache=True)
 def _step(course: CourseData, number: int, effort: float, speed: float, step_s: float) -> tuple[float, float]:
-    """Return way [m] and speed [m/s] after a step of time at one effort, by Runge and Kutta's fourth-order rule."""
+    """Return distance [m] and speed [m/s] after a step of time at one effort, by the rule of Runge and Kutta."""
     mass = 2.0 * course.half_inertia_kg
     k1 = (effort - _resisting_n(course, number, speed)) / mass
     k2 = (effort - _resisting_n(course, number, max(speed + 0.5 * step_s * k1, 0.0))) / mass
     k3 = (effort - _resisting_n(course, number, max(speed + 0.5 * step_s * k2, 0.0))) / mass
     k4 = (effort - _resisting_n(course, number, max(speed + step_s * k3, 0.0))) / mass
-    way = step_s * (speed + step_s * (k1 + k2 + k3) / 6.0)
-    return way, speed + step_s * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0
+    distance = step_s * (speed + step_s * (k1 + k2 + k3) / 6.0)
+    return distance, speed + step_s * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0
+
+
+@njit(cache=True)
+def _asked(course: CourseData, relay: Relay, limit_ms: float, speed: float) -> float:
+    """Return the effort that (5) asks for [N]; braking is negative."""
+    if speed < limit_ms - relay.dead_zone_ms:
+        return largest_effort(course.traction, max(speed, NEARLY_AT_REST_MS))
+    if speed > limit_ms + relay.dead_zone_ms:
+        return -largest_effort(course.braking, max(speed, NEARLY_AT_REST_MS))
+    return 0.0
+
+
+@njit(cache=True)
+def _curve_at(position_m: FloatArray, curve_speed2: FloatArray, cell: int, place: float) -> float:
+    """Return the square of speed [m2/s2] that the braking curve has at a place [m], in a cell or later."""
+    last = position_m.shape[0] - 2
+    while cell < last and position_m[cell + 1] <= place:
+        cell += 1
+    share = min((place - position_m[cell]) / (position_m[cell + 1] - position_m[cell]), 1.0)
+    speed2: float = curve_speed2[cell] + share * (curve_speed2[cell + 1] - curve_speed2[cell])
+    return speed2
+
+
+@njit(cache=True)
+def _must_brake(
+    course: CourseData,
+    position_m: FloatArray,
+    curve_speed2: FloatArray,
+    motion: Motion,
+    brake: float,
+    rate: float,
+    step_s: float,
+) -> bool:
+    """Return whether a train that changes its effort to a brake [N] from the next step on would pass the curve."""
+    mass = 2.0 * course.half_inertia_kg
+    acceleration = (motion.effort_n - _resisting_n(course, motion.cell, motion.speed_ms)) / mass
+    place = motion.place_m + step_s * (motion.speed_ms + 0.5 * step_s * acceleration)
+    speed = motion.speed_ms + step_s * acceleration
+    # effort falls evenly with time, the acceleration with it
+    jerk, duration = rate / mass, max(motion.effort_n + brake, 0.0) / rate
+    for number in range(RAMP_POINTS + 1):
+        t = duration * number / RAMP_POINTS
+        later = max(speed + t * (acceleration - 0.5 * t * jerk), 0.0)
+        at = place + t * (speed + t * (0.5 * acceleration - t * jerk / 6.0))
+        if at > position_m[-1] or later * later > _curve_at(position_m, curve_speed2, motion.cell, at):
+            return True
+        if later <= 0.0:
+            break
+    return False
+
+
+@njit(cache=True)
+def _wanted(
+    course: CourseData,
+    regulation: Regulation,
+    curve_speed2: FloatArray,
+    limit_ms: float,
+    relay: Relay,
+    rate: float,
+    motion: Motion,
+) -> tuple[float, bool]:
+    """Return the effort that relay and braking curve ask for [N], and whether it is the curve that does."""
+    asked = _asked(course, relay, limit_ms, motion.speed_ms)
+    mass, speed, place = 2.0 * course.half_inertia_kg, motion.speed_ms, motion.place_m
+    resisting = _resisting_n(course, motion.cell, speed)
+    brake = min(max(mass * regulation.deceleration_ms2 - resisting, 0.0), _strongest_brake_n(course, speed))
+    # the speed that the curve has after the time in which the brake can be built up or taken off again
+    reach = min(speed * (brake / rate + 2.0 * relay.time_step_s), regulation.position_m[-1] - place)
+    if reach <= 0.0:
+        return asked, False
+    wanted2 = _curve_at(regulation.position_m, curve_speed2, motion.cell, place + reach)
+    change2 = (wanted2 - speed * speed) / (2.0 * reach)
+    if motion.braking and change2 < 0.0:
+        return min(asked, mass * change2 + resisting), True
+    if _must_brake(course, regulation.position_m, curve_speed2, motion, brake, rate, relay.time_step_s):
+        # effort takes its time to fall: it falls as fast as it can until the train is on the curve, or slow enough
+        return min(asked, -brake), change2 < 0.0
+    return asked, False
+
+
+@njit(cache=True)
+def _end_of(course: CourseData, relay: Relay, motion: Motion, remaining: float) -> int:
+    """Return how a trip ends whose next step passes its end or comes to rest: one effort shall lead to rest there."""
+    deceleration = motion.speed_ms * motion.speed_ms / (2.0 * remaining)
+    resisting = _resisting_n(course, motion.cell, 0.5 * motion.speed_ms)
+    effort = resisting - 2.0 * course.half_inertia_kg * deceleration
+    cut = _within_limits(course, effort, 0.5 * motion.speed_ms, resisting)
+    if cut > effort:
+        return OVERSHOOTS
+    # no longer than the regulator takes to change its effort anyhow, or the train would creep
+    creeps = 2.0 * remaining > motion.speed_ms * max(relay.full_effort_time_s, relay.time_step_s)
+    return STANDS if creeps or cut < effort else ARRIVED
+
+
+@njit(cache=True)
+def _advance(
+    course: CourseData,
+    regulation: Regulation,
+    curve_speed2: FloatArray,
+    borders_m: FloatArray,
+    limits_ms: FloatArray,
+    relay: Relay,
+    motion: Motion,
+) -> tuple[Motion, int]:
+    """Return where a train is after a step of time, and whether it goes on from there or how the trip ends."""
+    place, speed, cell, section = motion.place_m, motion.speed_ms, motion.cell, motion.section
+    while cell < regulation.top_speed2.shape[0] - 1 and regulation.position_m[cell + 1] <= place:
+        cell += 1
+    while section < borders_m.shape[0] and borders_m[section] <= place:
+        section += 1
+    here = Motion(place, speed, motion.effort_n, motion.braking, motion.asks, cell, section)
+    rate = largest_effort(course.traction, NEARLY_AT_REST_MS) / relay.full_effort_time_s
+    limit = min(limits_ms[section], math.sqrt(regulation.top_speed2[cell]))
+    asked, braking = _wanted(course, regulation, curve_speed2, limit, relay, rate, here)
+    slow = asked > motion.effort_n >= 0.0 and speed >= relay.regulation_speed_ms
+    change = rate * relay.time_step_s * (relay.effort_rate_share if slow else 1.0)
+    effort = motion.effort_n + min(max(asked - motion.effort_n, -change), change)
+    resisting = _resisting_n(course, cell, speed)
+    effort = _within_limits(course, effort, speed, resisting)
+    moved, after = _step(course, cell, effort, speed, relay.time_step_s)
+    middle = 0.5 * (speed + max(after, 0.0))
+    cut = _within_limits(course, effort, middle, resisting)
+    if cut != effort:
+        # a limit of power or motors holds at the mean speed of the step
+        effort = cut
+        moved, after = _step(course, cell, effort, speed, relay.time_step_s)
+    asks = 1 if asked > 0.0 else -1 if asked < 0.0 else 0
+    remaining = regulation.position_m[-1] - place
+    if speed <= 0.0 and after <= 0.0:
+        # the effort grows until it moves the train, or is all there is
+        return Motion(place, 0.0, effort, braking, asks, cell, section), GOES_ON if effort < asked else STANDS
+    if moved >= remaining or after <= 0.0 or (braking and 2.0 * remaining <= speed * relay.time_step_s):
+        return Motion(place, speed, effort, braking, asks, cell, section), _end_of(course, relay, here, remaining)
+    return Motion(place + moved, after, effort, braking, asks, cell, section), GOES_ON
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def literal_trip(
     course: CourseData,
-    way: Way,
+    regulation: Regulation,
+    curve_speed2: FloatArray,
     borders_m: FloatArray,
     limits_ms: FloatArray,
     relay: Relay,
     position_m: FloatArray,
     speed2: FloatArray,
+    effort_n: FloatArray,
 ) -> tuple[int, float, int, int]:
     """Drive once as printed; fill places [m] and squares of speed [m2/s2], one for each step of time that moves.
 
     Parameters
     ----------
-    course, way : CourseData, Way
-        What the train obeys; the way of a regulator that does not brake ahead for sections.
+    course, regulation : CourseData, Regulation
+        What the train obeys, and a regulator that does not brake ahead for sections.
+    curve_speed2 : array of shape (n + 1,)
+        Squares of speed from which braking keeps the line's limits and stops, at the nodes [m2/s2].
     borders_m : array of shape (k - 1,)
         Between sections, rising [m].
     limits_ms : array of shape (k,)
         Of the sections [m/s].
     relay : Relay
         How the regulator is set.
-    position_m, speed2 : array of shape (m,)
-        What is filled.
+    position_m, speed2, effort_n : array of shape (m,)
+        What is filled; efforts [N] of the steps that lead to the nodes.
 
     Returns
     -------
@@ -116,53 +328,23 @@ def literal_trip(
         How many nodes the trip has, for how long the train stood at its start while effort grew [s], how often the
         effort asked for changed between driving, none and braking, and how it ended.
     """
-    curve, _ = braking_curves(course, way, borders_m, limits_ms)
-    n = way.top_speed2.shape[0]
-    stop = way.position_m[n]
-    rate = largest_effort(course.traction, 1e-9) / relay.full_effort_time_s
     w0 = max(course.fixed_speed2[0], 0.0)
-    place, speed, effort, standing = way.position_m[0], math.sqrt(w0), 0.0, 0.0
-    position_m[0], speed2[0] = place, w0
-    nodes, switches, before, braking = 1, 0, 0.0, False
-    cell = ahead = section = 0
+    motion = Motion(regulation.position_m[0], math.sqrt(w0), 0.0, False, 0, 0, 0)
+    position_m[0], speed2[0], effort_n[0] = motion.place_m, w0, 0.0
+    nodes, switches, standing = 1, 0, 0.0
     while nodes < position_m.shape[0]:
-        while cell < n - 1 and way.position_m[cell + 1] <= place:
-            cell += 1
-        while section < borders_m.shape[0] and borders_m[section] <= place:
-            section += 1
-        asked = _asked(course, relay, limits_ms[section], speed)
-        # the speed that the braking curve has a little further on asks for a deceleration
-        reach = min(max(speed * LOOK_AHEAD_S, LEAST_LOOK_AHEAD_M), stop - place)
-        ahead = max(ahead, cell)
-        while ahead < n - 1 and way.position_m[ahead + 1] <= place + reach:
-            ahead += 1
-        share = (place + reach - way.position_m[ahead]) / (way.position_m[ahead + 1] - way.position_m[ahead])
-        wanted2 = curve[ahead] + share * (curve[ahead + 1] - curve[ahead])
-        rise = (wanted2 - speed * speed) / (2.0 * max(reach, 1e-6))
-        braking = rise < (0.0 if braking else -BRAKING_SHARE * way.deceleration_ms2)
-        if braking:
-            most = largest_effort(course.braking, max(speed, 1e-9)) + course.friction_effort_n
-            curve_effort = 2.0 * course.half_inertia_kg * rise + _resisting_n(course, cell, speed)
-            asked = min(asked, max(curve_effort, -most))
-        kind = math.copysign(1.0, asked) if asked != 0.0 else 0.0
-        switches += kind != before
-        before = kind
-        slow = asked > effort >= 0.0 and speed >= relay.regulation_speed_ms
-        change = rate * relay.time_step_s * (relay.effort_rate_share if slow else 1.0)
-        effort += min(max(asked - effort, -change), change)
-        moved, after = _step(course, cell, effort, speed, relay.time_step_s)
-        if after <= 0.0 and nodes == 1:
-            standing += relay.time_step_s
-            if standing > LONGEST_STANDING_S:
-                return nodes, standing, switches, STANDS
-            continue
-        at_the_end = place + moved >= stop - NEAR_STOP_M
-        if at_the_end or after <= (STOPPED_MS if braking else 0.0):
-            if stop - place > NEAR_ENOUGH_M:
-                return nodes, standing, switches, STANDS
-            position_m[nodes], speed2[nodes] = stop, 0.0
+        then, status = _advance(course, regulation, curve_speed2, borders_m, limits_ms, relay, motion)
+        switches += then.asks != motion.asks
+        if status == ARRIVED:
+            position_m[nodes], speed2[nodes], effort_n[nodes] = regulation.position_m[-1], 0.0, then.effort_n
             return nodes + 1, standing, switches, ARRIVED
-        place, speed = place + moved, after
-        position_m[nodes], speed2[nodes] = place, speed * speed
-        nodes += 1
+        if status != GOES_ON:
+            return nodes, standing, switches, status
+        if then.place_m > motion.place_m:
+            position_m[nodes], speed2[nodes] = then.place_m, then.speed_ms * then.speed_ms
+            effort_n[nodes] = then.effort_n
+            nodes += 1
+        else:
+            standing += relay.time_step_s
+        motion = then
     return nodes, standing, switches, GOES_ON

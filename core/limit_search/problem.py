@@ -1,15 +1,18 @@
 """A task as a search for limits sees it, and one evaluation of it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.limit_search.projection import scale_to_time
-from railjoule.core.limit_search.trip import trip, trip_cost
-from railjoule.core.limit_search.way import Way, way_of
+from railjoule.core.limit_search.regulation import Regulation, regulation_of
+from railjoule.core.limit_search.trip import trip
+from railjoule.core.limit_search.whole_cells import trip_cost, trip_over_cells
 from railjoule.core.motion.course import Course
 
+CUTS_PER_CELL = 8
+"""A trip has room for so many nodes a cell; a regulator changes its effort two or three times within one at most."""
 LEAST_SECTION_M = 1.0
 """A section that the search may move is never shorter."""
 
@@ -46,7 +49,7 @@ class LimitProblem:
     ----------
     course : Course
         What the train obeys.
-    way : Way
+    regulation : Regulation
         The same for its regulator.
     least_ms, most_ms : float
         Between which limits stay [m/s].
@@ -55,7 +58,7 @@ class LimitProblem:
     """
 
     course: Course
-    way: Way
+    regulation: Regulation
     least_ms: float
     most_ms: float
     running_time_s: float
@@ -63,7 +66,7 @@ class LimitProblem:
     def evaluate(self, stage: str, asked_ms: FloatArray, boundaries_m: FloatArray) -> Evaluation:
         """Return what becomes of limits [m/s] and boundaries [m], scaled until the trip takes the allowed time."""
         limits, time, energy, _ = scale_to_time(
-            self.course.data, self.way, boundaries_m, asked_ms, self.least_ms, self.most_ms, self.running_time_s
+            self.course.data, self.regulation, boundaries_m, asked_ms, self.least_ms, self.most_ms, self.running_time_s
         )
         late = time > self.running_time_s * (1 + 1e-6)
         return Evaluation(
@@ -72,14 +75,23 @@ class LimitProblem:
 
     def as_given(self, limits_ms: FloatArray, boundaries_m: FloatArray) -> Evaluation:
         """Return the trip under limits [m/s] as they are, whatever its time."""
-        time, energy = trip_cost(self.course.data, self.way, boundaries_m, limits_ms)
+        time, energy = trip_cost(self.course.data, self.regulation, boundaries_m, limits_ms)
         return Evaluation("given", limits_ms, limits_ms, boundaries_m, time, self._with_auxiliaries(time, energy))
 
+    def over(self, course: Course, whole_cells: bool = False) -> "LimitProblem":
+        """Return the same problem over another mesh; with `whole_cells` its trips are runs over that mesh."""
+        regulation = regulation_of(course, self.regulation.deceleration_ms2, self.regulation.brakes)
+        return replace(self, course=course, regulation=regulation._replace(whole_cells=whole_cells))
+
     def nodes_of(self, limits_ms: FloatArray, boundaries_m: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return places [m] and squares of speed [m2/s2] of a trip, cut wherever its regulator changes its mind."""
-        most = 6 * (self.course.cell_count + len(limits_ms)) + 8
+        """Return places [m] and squares of speed [m2/s2] of a trip, cut wherever its regulator changes its effort.
+
+        A trip that fails ends where it does.
+        """
+        most = CUTS_PER_CELL * (self.course.cell_count + len(limits_ms)) + CUTS_PER_CELL
         position, speed2 = np.empty(most), np.empty(most)
-        nodes, _, _ = trip(self.course.data, self.way, boundaries_m, limits_ms, position, speed2)
+        drive = trip_over_cells if self.regulation.whole_cells else trip
+        nodes, _, _ = drive(self.course.data, self.regulation, boundaries_m, limits_ms, position, speed2)
         return frozen_array(position[:nodes]), frozen_array(speed2[:nodes])
 
     def _with_auxiliaries(self, time_s: float, energy_j: float) -> float:
@@ -91,4 +103,4 @@ def limit_problem(
     course: Course, stop_deceleration_ms2: float, brakes: bool, least_ms: float, most_ms: float, running_time_s: float
 ) -> LimitProblem:
     """Return the problem of a course; `brakes` tells a regulator that brakes for sections from one that coasts."""
-    return LimitProblem(course, way_of(course, stop_deceleration_ms2, brakes), least_ms, most_ms, running_time_s)
+    return LimitProblem(course, regulation_of(course, stop_deceleration_ms2, brakes), least_ms, most_ms, running_time_s)

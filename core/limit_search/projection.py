@@ -6,13 +6,21 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.limit_search.trip import trip_cost
-from railjoule.core.limit_search.way import Way
+from railjoule.core.limit_search.regulation import Regulation
+from railjoule.core.limit_search.whole_cells import trip_cost
 from railjoule.core.physics.course_data import CourseData
 
 EXACT = 1e-9
+"""How close a trip comes to its time, as a share: a millionth of a second of a quarter of an hour."""
 MOST_TRIPS = 60
+MOST_REPEATS = 4
+"""After so many secants on one side of the time the bracket is halved."""
 FIRST_WIDENING = 0.1
+"""How far beyond the factor that a trip at constant speed would need, as a logarithm, the other side is looked for."""
+STANDING_WIDENING = 0.7
+"""By so much, a factor of 2, limits rise under which the train stands."""
+NARROWEST = 1e-13
+"""Bracket of logarithms that rounding does not let grow narrower."""
 
 
 @njit(cache=True)
@@ -23,7 +31,7 @@ def _scaled(limits_ms: FloatArray, logarithm: float, least_ms: float, most_ms: f
 @njit(cache=True, error_model="numpy", nogil=True)
 def scale_to_time(
     course: CourseData,
-    way: Way,
+    regulation: Regulation,
     borders_m: FloatArray,
     limits_ms: FloatArray,
     least_ms: float,
@@ -34,7 +42,7 @@ def scale_to_time(
 
     Parameters
     ----------
-    course, way, borders_m, limits_ms
+    course, regulation, borders_m, limits_ms
         As in `railjoule.core.limit_search.trip.trip`.
     least_ms, most_ms : float
         Between which limits stay [m/s].
@@ -52,35 +60,42 @@ def scale_to_time(
     """
     low, high = math.log(least_ms / limits_ms.max()), math.log(most_ms / limits_ms.min())
     x = min(max(0.0, low), high)
-    # a trip at constant speed shows about where to look
-    width, trips, last_side = FIRST_WIDENING, 0, 0
-    excess_low, excess_high = math.inf, -math.inf
-    found = limits_ms
-    time = energy = math.inf
+    width, trips, last_side, repeats = FIRST_WIDENING, 0, 0, 0
+    late_known = early_known = False
+    late = early = excess = 0.0
+    found, time, energy = limits_ms, math.inf, math.inf
     for _ in range(MOST_TRIPS):
         found = _scaled(limits_ms, x, least_ms, most_ms)
-        time, energy = trip_cost(course, way, borders_m, found)
+        time, energy = trip_cost(course, regulation, borders_m, found)
         trips += 1
         excess = math.log(time / running_time_s)
         if abs(excess) <= EXACT or (excess > 0.0 and x >= high) or (excess < 0.0 and x <= low):
             break
-        if excess > 0.0:
-            if excess_low < math.inf and excess_high > -math.inf and last_side > 0:
-                excess_high *= 0.5
-            low, excess_low, last_side = x, excess, 1
+        side = 1 if excess > 0.0 else -1
+        repeats = repeats + 1 if side == last_side else 0
+        if side > 0:
+            early = 0.5 * early if repeats else early
+            low, late, late_known = x, excess, True
         else:
-            if excess_low < math.inf and excess_high > -math.inf and last_side < 0:
-                excess_low *= 0.5
-            high, excess_high, last_side = x, excess, -1
-        if excess_low < math.inf and excess_high > -math.inf:
-            x = low + (high - low) * excess_low / (excess_low - excess_high)
-        elif excess > 0.0:
+            late = 0.5 * late if repeats else late
+            high, early, early_known = x, excess, True
+        last_side = side
+        if late_known and early_known:
+            # a secant does not leave limits under which the train stands, or a range of them that hardly bind
+            share = 0.5 if late == math.inf or repeats >= MOST_REPEATS else late / (late - early)
+            x = low + (high - low) * share
+        elif side > 0:
             # time falls about as limits rise
-            x = min(x + (1.2 * excess + width if excess < math.inf else 0.7), high)
+            x = min(x + (1.2 * excess + width if excess < math.inf else STANDING_WIDENING), high)
             width *= 2.0
         else:
             x = max(x + 1.2 * excess - width, low)
             width *= 2.0
-        if high - low <= 1e-14:
+        if high - low <= NARROWEST:
             break
+    if excess > EXACT and early_known:
+        # time jumps where a train just passes a hill, or stands: the run that arrives is the early one
+        found = _scaled(limits_ms, high, least_ms, most_ms)
+        time, energy = trip_cost(course, regulation, borders_m, found)
+        trips += 1
     return found, time, energy, trips

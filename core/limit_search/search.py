@@ -18,12 +18,14 @@ from scipy.optimize import minimize
 from railjoule.core.arrays import FloatArray
 from railjoule.core.limit_search.problem import LEAST_SECTION_M, Evaluation, LimitProblem
 
-SAMPLES_PER_SECTION = 64
-MOST_SAMPLES = 256
-REFINEMENTS_PER_DIMENSION, MOST_REFINEMENTS = 60, 240
-STARTS = 2
+SAMPLES_PER_SECTION, MOST_SAMPLES = 64, 256
+REFINEMENTS_PER_DIMENSION, MOST_REFINEMENTS, STARTS = 60, 240, 2
+"""What a search may look at, options of ours for a search of less than a second; a test holds what it finds for two
+sections against 800 ratios of their limits."""
 RATIO_STEP, BORDER_STEP_SHARE = 0.1, 0.08
+"""Sizes of the first simplex, as logarithms of ratios of limits and shares of the line: options of ours."""
 RATIO_EXACT, ENERGY_EXACT = 1e-4, 1e-6
+"""Where the simplex ends, in logarithms of ratios and as a share of the energy."""
 
 
 @dataclass(frozen=True, eq=False)

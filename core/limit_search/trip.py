@@ -1,20 +1,20 @@
-"""One trip under the limits of sections, over distance, by a regulator that is never off its mark.
+"""One trip under the limits of sections, over distance, by a regulator without dead zone or delay.
 
 Below the limit of the section in which its front is, the train drives at full effort; at the limit with just enough to
-hold it; above it, it coasts, if the regulator coasts. It brakes along the curves of `railjoule.core.limit_search.way`
-and where it would run faster than the line allows. Within a cell the net force is constant; a cell in which the
-regulator changes its mind is cut there, so that time and energy do not jump with limits and borders.
+hold it; above it, it coasts, if the regulator coasts. It brakes along the curves of
+`railjoule.core.limit_search.regulation` and where it would run faster than the line allows. Within a cell the net force
+is constant; a cell in which the regulator changes its effort is cut there, so that time and energy do not jump with
+limits and borders. Its efforts may pass their limits by some thousandths in the cells that are cut, which a search does
+not mind; `railjoule.core.limit_search.whole_cells` makes a run of it.
 
 Source: Shtompel, Khvorost 2025, (5) in the limit of no dead zone and no ramp; the rule before a stop is ours.
 """
 
 import math
 
-import numpy as np
-
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.limit_search.way import Way, braking_curves, section_at
+from railjoule.core.limit_search.regulation import Regulation, braking_curves, section_at
 from railjoule.core.motion.cell_step import COAST, FULL_TRACTION, cell_cost, exit_speed2
 from railjoule.core.physics.cell import Cell
 from railjoule.core.physics.course_data import CourseData, Train, cell_of, part_of_cell, train_of
@@ -27,6 +27,17 @@ CORRECTIONS, EXACT_CUT = 4, 1e-10
 HOLD = 3
 """A control beside those of `railjoule.core.motion.cell_step`."""
 MOST_CUTS = 12
+SLOWEST2 = 0.1**2
+"""Square of the speed of 0.1 m/s [m2/s2], below which bounds count no run between its stops."""
+
+
+@njit(cache=True)
+def comes_to_a_stand(speed2: float, after2: float, curve2: float) -> bool:
+    """Return whether a train that slows down from a square of speed to another stands, though no stop asks for it.
+
+    One slower than any run of which a bound is known does, too: over another mesh it would stand.
+    """
+    return after2 < 0.0 or (after2 < speed2 and after2 < SLOWEST2 < curve2)
 
 
 @njit(cache=True, error_model="numpy")
@@ -100,7 +111,7 @@ def _next(
         share, after = _cut(cell, train, traction, braking, speed2, control, share, level2, 0.0)
     if after <= start2 + (end2 - start2) * share + small:
         return (1.0, after) if share >= 1.0 - LEAST_SHARE else (share, after)
-    # from here on the braking curve is in the way
+    # from here on the braking curve is lower than where the control leads
     if speed2 >= start2 - small:
         return 1.0, end2
     share = (start2 - speed2) / ((after - speed2) / share + start2 - end2)
@@ -114,7 +125,7 @@ def _next(
 @njit(cache=True, error_model="numpy", nogil=True)
 def trip(
     course: CourseData,
-    way: Way,
+    regulation: Regulation,
     borders_m: FloatArray,
     limits_ms: FloatArray,
     position_m: FloatArray,
@@ -124,7 +135,7 @@ def trip(
 
     Parameters
     ----------
-    course, way : CourseData, Way
+    course, regulation : CourseData, Regulation
         What the train obeys.
     borders_m : array of shape (k - 1,)
         Between sections, rising [m].
@@ -139,35 +150,35 @@ def trip(
         How many nodes the trip has, its time [s], infinite where it comes to a stand, and its line energy without
         auxiliaries [J].
     """
-    curve, fall = braking_curves(course, way, borders_m, limits_ms)
+    curve, fall = braking_curves(course, regulation, borders_m, limits_ms)
     train, traction, braking, drive = train_of(course), course.traction, course.braking, course.drive_parameters
     record = position_m.shape[0] > 0
     sections = limits_ms.shape[0]
     w = max(course.fixed_speed2[0], 0.0)
-    section = section_at(borders_m, way.position_m[0])
+    section = section_at(borders_m, regulation.position_m[0])
     time = energy = 0.0
     nodes = 1
     if record:
-        position_m[0], speed2[0] = way.position_m[0], w
-    for i in range(way.top_speed2.shape[0]):
+        position_m[0], speed2[0] = regulation.position_m[0], w
+    for i in range(regulation.top_speed2.shape[0]):
         whole = cell_of(course, i)
-        place, end = way.position_m[i], way.position_m[i + 1]
+        place, end = regulation.position_m[i], regulation.position_m[i + 1]
         while section < sections - 1 and borders_m[section] <= place:
             section += 1
         done = False
         for _ in range(MOST_CUTS + sections):
             until, until2 = end, curve[i + 1]
-            limit2, top2 = limits_ms[section] * limits_ms[section], way.top_speed2[i]
+            limit2, top2 = limits_ms[section] * limits_ms[section], regulation.top_speed2[i]
             if section < sections - 1 and borders_m[section] < end:
                 until = borders_m[section]
                 until2 += fall[i] * (end - until)
-                if way.brakes:
+                if regulation.brakes:
                     until2 = min(until2, limits_ms[section + 1] * limits_ms[section + 1])
-            if way.brakes:
+            if regulation.brakes:
                 top2 = min(top2, limit2)
             cell = part_of_cell(whole, until - place)
             share, after = _next(cell, train, traction, braking, w, limit2, top2, until2, fall[i])
-            if after <= 0.0 and not (share == 1.0 and until == end and curve[i + 1] == 0.0):
+            if comes_to_a_stand(w, after, curve[i + 1] if share == 1.0 and until == end else math.inf):
                 return nodes, math.inf, math.inf
             after = max(after, 0.0)
             step = (until - place) * share
@@ -188,11 +199,3 @@ def trip(
         if not done:
             return nodes, math.inf, math.inf
     return nodes, time, energy
-
-
-@njit(cache=True, nogil=True)
-def trip_cost(course: CourseData, way: Way, borders_m: FloatArray, limits_ms: FloatArray) -> tuple[float, float]:
-    """Return running time [s] and line energy without auxiliaries [J] of a trip; arguments as `trip`."""
-    nothing = np.empty(0)
-    _, time, energy = trip(course, way, borders_m, limits_ms, nothing, nothing)
-    return time, energy

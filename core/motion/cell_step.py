@@ -25,7 +25,7 @@ def exit_speed2(
     speed of the cell, hence on the result: a fixed point that is found in a few steps.
     """
     entry = math.sqrt(entering_speed2)
-    leaving_speed2 = entering_speed2
+    leaving_speed2, last_change = entering_speed2, 0.0
     for _ in range(STEPS):
         v = max(mean_speed(entry, math.sqrt(max(leaving_speed2, 0.0))), NEARLY_AT_REST_MS)
         force = 0.0
@@ -35,6 +35,11 @@ def exit_speed2(
             force = -(largest_effort(braking, v) + train.friction_effort_n)
         before = leaving_speed2
         leaving_speed2 = reached_speed2(cell, entering_speed2, v, force)
+        change = leaving_speed2 - before
+        if change * last_change < 0.0 and abs(change) > 0.5 * abs(last_change):
+            # in long cells an effort that falls fast with speed throws the result to and fro
+            leaving_speed2 = before + 0.5 * change
+        last_change = change
         if abs(leaving_speed2 - before) <= EXACT * entering_speed2:
             break
     if control == FULL_TRACTION:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from railjoule.core.errors import ScenarioError
+from railjoule.core.errors import ScenarioError, StrategyRefusedError
 from railjoule.core.scenario import Scenario
 from railjoule.core.strategies.speed_limits import literal_trajectory, speed_limits
 from railjoule.core.task import prepare_task
@@ -21,15 +21,16 @@ class LiteralRun:
     ----------
     time_step_s : float
         The step [s].
-    energy_kwh : float
-        Net energy at the line [kWh].
-    travel_time_s : float
-        Time of the run [s].
+    energy_kwh, travel_time_s : float
+        Net energy at the line [kWh] and time of the run [s]; NaN where there is none.
+    refusal : str
+        Why there is no run that the train can drive; empty where there is one.
     """
 
     time_step_s: float
     energy_kwh: float
     travel_time_s: float
+    refusal: str = ""
 
 
 def drive_under_limits(scenario: Scenario, limits_kmh: Sequence[float], regulator: str | None = None) -> Trajectory:
@@ -49,7 +50,7 @@ def drive_under_limits(scenario: Scenario, limits_kmh: Sequence[float], regulato
     ScenarioError
         If there are more or fewer limits than sections, or one is out of bounds.
     StrategyRefusedError
-        If the train comes to a stand.
+        If the regulator drives no run that the train can: it comes to a stand, say, or brakes too late.
     """
     changes = {"limits_kmh": tuple(float(limit) for limit in limits_kmh)}
     if regulator is not None:
@@ -63,7 +64,7 @@ def drive_under_limits(scenario: Scenario, limits_kmh: Sequence[float], regulato
 def literal_spread(
     scenario: Scenario, limits_kmh: Sequence[float], time_steps_s: Sequence[float]
 ) -> tuple[LiteralRun, ...]:
-    """Return the printed regulator's run for each of several steps of time [s]; they do not converge.
+    """Return the printed regulator's run for each of several steps of time [s], or why it drives none.
 
     Parameters
     ----------
@@ -73,17 +74,16 @@ def literal_spread(
         One for each section [km/h].
     time_steps_s : sequence of float
         Steps of time [s].
-
-    Raises
-    ------
-    StrategyRefusedError
-        If the train comes to a stand.
     """
     runs = []
     for step in time_steps_s:
         search = scenario.search.model_copy(update={"time_step_s": float(step)})
         task = prepare_task(scenario.model_copy(update={"search": search}))
         limits = np.array(limits_kmh, dtype=float) * MS_PER_KMH
-        run = literal_trajectory(task, limits, np.array(search.boundaries_m))
-        runs.append(LiteralRun(float(step), run.energy_kwh, run.travel_time_s))
+        try:
+            run = literal_trajectory(task, limits, np.array(search.boundaries_m))
+        except StrategyRefusedError as error:
+            runs.append(LiteralRun(float(step), np.nan, np.nan, str(error)))
+        else:
+            runs.append(LiteralRun(float(step), run.energy_kwh, run.travel_time_s))
     return tuple(runs)

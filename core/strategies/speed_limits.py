@@ -1,7 +1,8 @@
 """One speed limit for each section, found by search, under which an ordinary regulator drives the train.
 
 Source: Shtompel, Khvorost 2025. The regulators are in `railjoule.core.limit_search.trip` and `.literal`, the search in
-`railjoule.core.limit_search.search`. The run may be late by `search.time_window`, and it is: time is what it pays with.
+`railjoule.core.limit_search.search`, and the run, with one effort in each cell, in `.whole_cells`. The run may be late
+by `search.time_window`, and it is: time is what it pays with.
 """
 
 from dataclasses import replace
@@ -10,15 +11,14 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.bounds import bounded
-from railjoule.core.budget import current_budget, rounded_up
 from railjoule.core.errors import ScenarioError, StrategyRefusedError
-from railjoule.core.limit_search.literal import ARRIVED, Relay, literal_trip
 from railjoule.core.limit_search.problem import Evaluation, LimitProblem, limit_problem
 from railjoule.core.limit_search.search import LimitSearch, search_limits
 from railjoule.core.motion import Course, build_course
 from railjoule.core.motion.line_profile import section_borders
-from railjoule.core.motion.mesh import finer_at_stops, with_nodes_at
+from railjoule.core.motion.mesh import finer_at_stops
 from railjoule.core.scenario import Scenario
+from railjoule.core.strategies.literal_regulator import literal_run
 from railjoule.core.strategies.optimal import known_optimum
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
@@ -30,9 +30,9 @@ MOST_SECTIONS = 12
 HALVINGS_AT_STOPS = 6
 """Near its stop a train's motors begin to draw power: where, only short cells tell."""
 FAST_CHANGE_MS2, LONGEST_FAST_CELL_M = 0.2, 2.0
-LONGEST_LITERAL_SHARE = 3.0
-"""A literal trip may take so many times as long as planned."""
-SHORTEST_STEP_M = 1e-5
+SHORTEST_PART_M = 1e-3
+"""A corner of a trip this close to a node is merged with it: its cell would tell nothing but rounding, and a train
+whose regulator changes its effort a millimetre beside its mark drives no other run."""
 
 
 def speed_limits(task: Task) -> Trajectory:
@@ -60,19 +60,13 @@ def speed_limits_with_search(task: Task) -> tuple[Trajectory, LimitSearch]:
         limits = _given_limits(task.scenario, len(borders) + 1)
         problem = _problem(task, task.running_time_s)
         given = problem.as_given(limits, borders)
-        if not np.isfinite(given.running_time_s):
-            raise StrategyRefusedError("needs limits under which the train does not come to a stand.")
         return _trajectory(task, problem, given, ()), LimitSearch((given,), given)
     task.require_timetable()
     task.require_budget("speed_limits")
     problem = limit_problem_of(task)
     found = search_limits(problem, borders, options.free_boundaries)
     if not np.isfinite(found.best.energy_j):
-        least = found.best.running_time_s + task.dwell_s
-        raise StrategyRefusedError(
-            f"needs at least {least / (1 + options.time_window):.1f} s with its regulator, which brakes at "
-            f"{problem.way.deceleration_ms2:g} m/s2."
-        )
+        raise StrategyRefusedError(_no_limits(task, problem, found))
     words = _words(found, options.free_boundaries)
     return _trajectory(task, problem, found.best, words), found
 
@@ -137,29 +131,75 @@ def _problem(task: Task, running_time_s: float) -> LimitProblem:
 
 
 def _trajectory(task: Task, problem: LimitProblem, best: Evaluation, words: tuple[str, ...]) -> Trajectory:
-    """Return the trajectory of limits on a mesh with nodes wherever the regulator changes its mind."""
+    """Return the trajectory of limits on a mesh with nodes wherever the regulator changes its effort."""
     if task.scenario.search.regulator == "literal":
         return literal_trajectory(task, best.limits_ms, best.boundaries_m, words)
-    ends = task.end_speeds_ms
+    # twice: on the coarse mesh forces are means over longer cells, and corners lie a little beside their places
+    finer, best = _over_corners(task, problem, best, whole_cells=False)
+    cells, best = _over_corners(task, finer, best, whole_cells=True)
+    places, speed2 = cells.nodes_of(best.limits_ms, best.boundaries_m)
+    if not np.isfinite(best.running_time_s):
+        raise StrategyRefusedError(_failure(cells, places, speed2))
+    if not np.isfinite(best.energy_j):
+        raise StrategyRefusedError(_too_late(task, cells, best.running_time_s))
+    return _made(task, cells.course, speed2, (limit_words(best.limits_ms, best.boundaries_m), *words))
+
+
+def _over_corners(
+    task: Task, problem: LimitProblem, best: Evaluation, whole_cells: bool
+) -> tuple[LimitProblem, Evaluation]:
+    """Return a problem with nodes at the corners of a trip too, and the trip there, scaled to its time again."""
     places, speed2 = problem.nodes_of(best.limits_ms, best.boundaries_m)
-    fine = build_course(
-        task.scenario,
-        *ends,
-        with_nodes_at(problem.course.position_m, [*places[1:-1], *_within_fast_changes(places, speed2)]),
+    fast = [] if whole_cells else _within_fast_changes(places, speed2)
+    nodes = _merged(problem.course.position_m, np.concatenate([places, fast]))
+    finer = problem.over(build_course(task.scenario, *task.end_speeds_ms, nodes), whole_cells)
+    if best.stage == "given":
+        return finer, finer.as_given(best.limits_ms, best.boundaries_m)
+    return finer, finer.evaluate("refine", best.limits_ms, best.boundaries_m)
+
+
+def _merged(position_m: FloatArray, places_m: FloatArray) -> FloatArray:
+    """Return nodes [m] with further ones at places that are not too close to them, or to one another."""
+    places = np.setdiff1d(places_m, position_m)
+    after = np.searchsorted(position_m, places)
+    inside = (after > 0) & (after < len(position_m))
+    places, after = places[inside], after[inside]
+    free = np.minimum(places - position_m[after - 1], position_m[after] - places) > SHORTEST_PART_M
+    kept: list[float] = []
+    for place in places[free]:
+        if not kept or place - kept[-1] > SHORTEST_PART_M:
+            kept.append(place)
+    return np.union1d(position_m, kept)
+
+
+def _failure(problem: LimitProblem, position_m: FloatArray, speed2: FloatArray) -> str:
+    """Return why a trip does not reach the end of the line, from its nodes up to where it fails."""
+    place = position_m[-1]
+    if speed2[-1] <= 0.0:
+        return f"comes to a stand at {place:.0f} m with these set speeds."
+    bound = problem.regulation.bound_speed2[len(speed2) - 1]
+    return (
+        f"cannot brake in time: it passes {place:.0f} m at {np.sqrt(speed2[-1]) / MS_PER_KMH:.1f} km/h, where "
+        f"{np.sqrt(bound) / MS_PER_KMH:.1f} km/h is the limit."
     )
-    finer = limit_problem(
-        fine,
-        problem.way.deceleration_ms2,
-        problem.way.brakes,
-        problem.least_ms,
-        problem.most_ms,
-        problem.running_time_s,
+
+
+def _no_limits(task: Task, problem: LimitProblem, found: LimitSearch) -> str:
+    """Return why a search found no limits."""
+    fastest = min(found.evaluations, key=lambda one: one.running_time_s)
+    if np.isfinite(fastest.running_time_s):
+        return _too_late(task, problem, fastest.running_time_s)
+    cells = problem.over(problem.course, whole_cells=True)
+    return _failure(cells, *cells.nodes_of(fastest.limits_ms, fastest.boundaries_m))
+
+
+def _too_late(task: Task, problem: LimitProblem, running_time_s: float) -> str:
+    """Return why no limits keep a time, from the shortest running time under limits [s]."""
+    least = (running_time_s / (1 + task.scenario.search.time_window)) + task.dwell_s
+    return (
+        f"needs at least {least:.1f} s with its regulator, which brakes at "
+        f"{problem.regulation.deceleration_ms2:g} m/s2."
     )
-    if best.stage != "given":
-        best = finer.evaluate("refine", best.limits_ms, best.boundaries_m)
-    places, speed2 = finer.nodes_of(best.limits_ms, best.boundaries_m)
-    course = build_course(task.scenario, *ends, places)
-    return _made(task, course, speed2, (limit_words(best.limits_ms, best.boundaries_m), *words))
 
 
 def _within_fast_changes(position_m: FloatArray, speed2: FloatArray) -> list[float]:
@@ -174,71 +214,16 @@ def _within_fast_changes(position_m: FloatArray, speed2: FloatArray) -> list[flo
 def literal_trajectory(
     task: Task, limits_ms: FloatArray, boundaries_m: FloatArray, words: tuple[str, ...] = ()
 ) -> Trajectory:
-    """Return the run of the printed regulator under limits.
+    """Return the run of the printed regulator under limits, with sentences to go with it.
 
-    Parameters
-    ----------
-    task : Task
-        Train and line.
-    limits_ms : array of shape (k,)
-        Of the sections [m/s].
-    boundaries_m : array of shape (k - 1,)
-        Between them [m].
-    words : tuple of str
-        Sentences to go with it.
-
-    Raises
-    ------
-    StrategyRefusedError
-        If the line has stops on its way, the regulator does not bring the train to its end, or takes too many steps.
+    Other arguments and errors as `railjoule.core.strategies.literal_regulator.literal_run`.
     """
-    options, scenario = task.scenario.search, task.scenario
-    if scenario.line.inner_stations:
-        raise StrategyRefusedError("needs a line without stops between its ends for the literal regulator.")
-    _require_few_steps(options.time_step_s, task.running_time_s)
-    relay = Relay(
-        options.dead_zone_kmh * MS_PER_KMH,
-        options.regulation_speed_kmh * MS_PER_KMH,
-        options.full_effort_time_s,
-        options.effort_rate_share,
-        options.time_step_s,
-    )
-    way = limit_problem(task.course, options.stop_deceleration_ms2, False, 0.0, np.inf, np.inf).way
-    most = int(LONGEST_LITERAL_SHARE * task.running_time_s / options.time_step_s)
-    position, speed2 = np.empty(most), np.empty(most)
-    nodes, standing, switches, status = literal_trip(
-        task.course.data, way, boundaries_m, limits_ms, relay, position, speed2
-    )
-    if status != ARRIVED:
-        raise StrategyRefusedError(f"comes to a stand at {position[nodes - 1]:.0f} m with the literal regulator.")
-    # steps of time that hardly move make cells in which rounding would be all of the force
-    kept = np.append(True, np.diff(position[:nodes]) > SHORTEST_STEP_M)
-    kept[-1] = True
-    if position[nodes - 1] - position[:nodes][kept][-2] <= SHORTEST_STEP_M:
-        kept[np.flatnonzero(kept)[-2]] = False
-    course = build_course(scenario, float(np.sqrt(speed2[0])), 0.0, position_m=position[:nodes][kept])
-    dwell = course.dwell_s.copy()
-    dwell[0] = standing
+    run = literal_run(task, limits_ms, boundaries_m)
     sentence = (
-        f"The literal regulator switches {switches} times with time steps of {options.time_step_s:g} s; energy and "
-        "time depend on that step."
+        f"The literal regulator switches {run.switches} times with time steps of "
+        f"{task.scenario.search.time_step_s:g} s; energy and time depend on that step."
     )
-    return _made(
-        task,
-        replace(course, dwell_s=frozen_array(dwell)),
-        speed2[:nodes][kept],
-        (limit_words(limits_ms, boundaries_m), sentence, *words),
-    )
-
-
-def _require_few_steps(step_s: float, running_time_s: float) -> None:
-    """Refuse a step of time that makes more cells of the printed regulator's run than the current budget has."""
-    most = current_budget().cell_count
-    if running_time_s > most * step_s:
-        raise StrategyRefusedError(
-            f"takes at most {most:,} steps of the literal regulator, and search.time_step_s = {step_s:g} makes "
-            f"{running_time_s / step_s:,.0f}. Use {rounded_up(running_time_s / most):g} s or more."
-        )
+    return _made(task, run.course, run.speed2, (limit_words(limits_ms, boundaries_m), sentence, *words))
 
 
 def _made(task: Task, course: Course, speed2: FloatArray, notes: tuple[str, ...]) -> Trajectory:

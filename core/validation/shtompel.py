@@ -220,8 +220,9 @@ def spread() -> list[Row]:
     rows = []
     for run in literal_spread(_scenario(40), limits, TIME_STEPS_S):
         case = f"40 km/h, steps of {run.time_step_s:g} s"
-        rows.append(Row(case, "energy", "kWh", None, run.energy_kwh))
-        rows.append(Row(case, "time", "s", None, run.travel_time_s))
+        refusal = f"No run: it {run.refusal}" if run.refusal else ""
+        rows.append(Row(case, "energy", "kWh", None, run.energy_kwh, refusal))
+        rows.append(Row(case, "time", "s", None, run.travel_time_s, refusal))
     return rows
 
 

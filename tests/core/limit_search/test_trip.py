@@ -7,12 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from railjoule.core import load_scenario
-from railjoule.core.limit_search.literal import ARRIVED, Relay, literal_trip
 from railjoule.core.limit_search.problem import limit_problem
 from railjoule.core.limit_search.projection import scale_to_time
-from railjoule.core.limit_search.trip import trip_cost
-from railjoule.core.limit_search.way import way_of
-from railjoule.core.simulate.regulator import drive_under_limits, literal_spread
+from railjoule.core.limit_search.regulation import regulation_of
+from railjoule.core.limit_search.whole_cells import trip_cost
+from railjoule.core.simulate.regulator import drive_under_limits
 from railjoule.core.strategies.speed_limits import limit_problem_of
 from railjoule.core.task import prepare_task
 
@@ -105,7 +104,7 @@ def test_scaled_limits_meet_the_time(pair, brakes, share):
     target = share * TASK.shortest_time_s
     problem = limit_problem(TASK.course, 0.8, brakes, 1 / 3.6, 80 / 3.6, target)
     found, seconds, energy, trips = scale_to_time(
-        TASK.course.data, problem.way, BORDERS, np.array(pair), 1 / 3.6, 80 / 3.6, target
+        TASK.course.data, problem.regulation, BORDERS, np.array(pair), 1 / 3.6, 80 / 3.6, target
     )
     assert (found >= 1 / 3.6 - 1e-12).all()
     assert (found <= 80 / 3.6 + 1e-12).all()
@@ -113,48 +112,12 @@ def test_scaled_limits_meet_the_time(pair, brakes, share):
         assert found[0] / found[1] == pytest.approx(pair[0] / pair[1])
     assert trips <= 60
     assert seconds == pytest.approx(target, rel=1e-6)
-    assert (seconds, energy) == trip_cost(TASK.course.data, problem.way, BORDERS, found)
+    assert (seconds, energy) == trip_cost(TASK.course.data, problem.regulation, BORDERS, found)
 
 
 def test_uphill_at_a_crawl_the_train_stands():
     """600 kN of grade against 100 kN of effort, after a coasting run-up that is too short."""
     course = prepare_task(plain_scenario()).course
     data = course.data._replace(line_force_n=np.where(course.position_m[1:] > 500, 200e3, 0.0))
-    cost = trip_cost(data, way_of(course, 0.8, False), np.empty(0), np.array([3.0]))
+    cost = trip_cost(data, regulation_of(course, 0.8, False), np.empty(0), np.array([3.0]))
     assert cost == (np.inf, np.inf)
-
-
-@pytest.mark.parametrize("step", [0.1, 0.02])
-def test_the_printed_regulator_arrives_and_its_account_closes(step):
-    scenario = METRO.with_(**{"search.time_step_s": step})
-    run = drive_under_limits(scenario, [40, 35], "literal")
-    assert abs(run.energy.imbalance) < 1e-6
-    assert run.speed_ms[-1] == 0
-    assert run.position_m[-1] == 2400
-    # dead zone, ramp and a curve of two seconds keep it near its limits
-    assert run.speed_ms.max() * 3.6 < 40 + 1 + 2
-    assert "The literal regulator switches" in run.notes[1]
-
-
-def test_the_printed_regulator_does_not_converge():
-    """findings.md: energy goes to and fro by about 1 % between steps of 0.1 and 0.001 s."""
-    energies = [run.energy_kwh for run in literal_spread(METRO, [42.2, 42.2], [0.1, 0.05, 0.02, 0.01, 0.005])]
-    spread = max(energies) / min(energies) - 1
-    assert 1e-3 < spread < 5e-2
-    assert len({np.sign(change) for change in np.diff(energies)}) == 2, "no direction: it does not settle"
-
-
-def test_effort_changes_no_faster_than_its_rate():
-    relay = Relay(1 / 3.6, 5 / 3.6, 2.0, 0.5, 0.01)
-    course = prepare_task(plain_scenario()).course
-    position, speed2 = np.empty(60_000), np.empty(60_000)
-    nodes, standing, switches, status = literal_trip(
-        course.data, way_of(course, 0.8, False), BORDERS, np.array([10.0, 10.0]), relay, position, speed2
-    )
-    assert status == ARRIVED
-    assert switches > 2
-    # full effort after 2 s below 5 km/h, half as fast above: dv/dt grows by at most 100 kN / 2 s / mass
-    speed = np.sqrt(speed2[: nodes - 100])
-    jerk = np.abs(np.diff(speed, 2)) / 0.01**2
-    assert jerk.max() <= 100e3 / 2 / (2 * course.data.half_inertia_kg) * 1.1
-    assert standing < 0.1

@@ -16,7 +16,7 @@ from railjoule.core.motion.passes import entering_speed2_under_brakes
 from railjoule.core.physics.course_data import CourseData
 
 
-class Way(NamedTuple):
+class Regulation(NamedTuple):
     """A course as a regulator sees it; n cells.
 
     Parameters
@@ -31,6 +31,9 @@ class Way(NamedTuple):
         Of braking ahead [m/s2].
     brakes : bool
         Whether limits of sections are braked for.
+    whole_cells : bool
+        Whether the regulator takes one effort for each cell, as a run over this mesh has it, or changes its effort
+        within cells, so that time and energy do not jump with the limits of a search.
     """
 
     position_m: FloatArray
@@ -38,16 +41,17 @@ class Way(NamedTuple):
     bound_speed2: FloatArray
     deceleration_ms2: float
     brakes: bool
+    whole_cells: bool = False
 
 
-def way_of(course: Course, stop_deceleration_ms2: float, brakes: bool) -> Way:
-    """Return the way of a course for a regulator that `brakes` for sections or coasts."""
+def regulation_of(course: Course, stop_deceleration_ms2: float, brakes: bool) -> Regulation:
+    """Return what a course asks of a regulator that `brakes` for sections or coasts."""
     data = course.data
     bound = data.largest_speed2.copy()
     fixed = data.fixed_speed2 >= 0
     bound[fixed] = np.minimum(bound[fixed], data.fixed_speed2[fixed])
     bound[0] = data.largest_speed2[0]
-    return Way(
+    return Regulation(
         position_m=course.position_m,
         top_speed2=course.cell_limit_ms**2,
         bound_speed2=bound,
@@ -67,7 +71,7 @@ def section_at(borders_m: FloatArray, place_m: float) -> int:
 
 @njit(cache=True, error_model="numpy")
 def braking_curves(
-    course: CourseData, way: Way, borders_m: FloatArray, limits_ms: FloatArray
+    course: CourseData, regulation: Regulation, borders_m: FloatArray, limits_ms: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the squares of speed from which braking ahead still keeps all limits, and how they fall in each cell.
 
@@ -75,7 +79,7 @@ def braking_curves(
     ----------
     course : CourseData
         What the train obeys.
-    way : Way
+    regulation : Regulation
         The same for a regulator.
     borders_m : array of shape (k - 1,)
         Between sections, rising [m].
@@ -89,27 +93,28 @@ def braking_curves(
     fall_ms2 : array of shape (n,)
         By how much it falls over a metre within a cell while the train brakes [m/s2].
     """
-    n = way.top_speed2.shape[0]
+    n = regulation.top_speed2.shape[0]
     curve, fall = np.empty(n + 1), np.empty(n)
-    curve[n] = way.bound_speed2[n]
+    curve[n] = regulation.bound_speed2[n]
     section = limits_ms.shape[0] - 1
-    if way.brakes:
+    if regulation.brakes:
         curve[n] = min(curve[n], limits_ms[section] * limits_ms[section])
     for i in range(n - 1, -1, -1):
         h = course.cell_length_m[i]
-        steepest = curve[i + 1] + 2.0 * way.deceleration_ms2 * h
+        steepest = curve[i + 1] + 2.0 * regulation.deceleration_ms2 * h
         reached = entering_speed2_under_brakes(course, i, curve[i + 1], steepest)
-        fall[i] = max(reached - curve[i + 1], 0.0) / h
-        end, value = way.position_m[i + 1], curve[i + 1]
-        while way.brakes and section > 0 and borders_m[section - 1] >= way.position_m[i]:
+        # down a hill too steep for its brakes the train must enter a cell slower than it leaves it
+        fall[i] = (reached - curve[i + 1]) / h if reached >= 0.0 else 0.0
+        end, value = regulation.position_m[i + 1], curve[i + 1]
+        while regulation.brakes and section > 0 and borders_m[section - 1] >= regulation.position_m[i]:
             border = borders_m[section - 1]
             value = value + fall[i] * (end - border)
             lower = min(limits_ms[section - 1], limits_ms[section])
             value = min(value, lower * lower)
             end = border
             section -= 1
-        value = min(value + fall[i] * (end - way.position_m[i]), way.bound_speed2[i])
-        if way.brakes:
+        value = min(value + fall[i] * (end - regulation.position_m[i]), regulation.bound_speed2[i])
+        if regulation.brakes:
             value = min(value, limits_ms[section] * limits_ms[section])
         curve[i] = value
     return curve, fall

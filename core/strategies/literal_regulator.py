@@ -1,0 +1,182 @@
+"""The run of the printed regulator, as one that the train can drive, or why there is none.
+
+Between its steps of time the regulator sees the forces of the line in the mean over the cells of the mesh. Over the
+steps themselves they differ a little, and so do efforts: the run follows the speeds of the regulator as closely as the
+limits of efforts and accelerations allow, and where it asks for nothing, the train coasts.
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from railjoule.core.arrays import BoolArray, FloatArray, frozen_array
+from railjoule.core.budget import current_budget, rounded_up
+from railjoule.core.errors import StrategyRefusedError
+from railjoule.core.limit_search.literal import (
+    ARRIVED,
+    GOES_ON,
+    STANDS,
+    Relay,
+    literal_regulation,
+    literal_trip,
+)
+from railjoule.core.limit_search.whole_cells import followed
+from railjoule.core.motion import Course, build_course
+from railjoule.core.scenario.options import SearchOptions
+from railjoule.core.task import Task
+from railjoule.core.units import MS_PER_KMH
+
+LONGEST_SHARE = 3.0
+"""A trip may take so many times as long as planned: it is not searched with, and limits may be given for any time."""
+SHORTEST_STEP_M = 1e-5
+"""Steps of time that hardly move are joined: over less, rounding of places and speeds would be all of the force."""
+PASSED_SHARE = 1e-6
+"""A limit of speed counts as passed where it is exceeded by more than this share, as in the check of a run."""
+
+
+class LiteralRun(NamedTuple):
+    """What the printed regulator drives.
+
+    Parameters
+    ----------
+    course : Course
+        With a node after each step of time, and its standing time at the start.
+    speed2 : array of shape (n + 1,)
+        Squares of speed at the nodes [m2/s2].
+    switches : int
+        How often it changes between driving, nothing and braking.
+    """
+
+    course: Course
+    speed2: FloatArray
+    switches: int
+
+
+def literal_run(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> LiteralRun:
+    """Return the run of the printed regulator.
+
+    Parameters
+    ----------
+    task : Task
+        Train and line.
+    limits_ms : array of shape (k,)
+        Of the sections [m/s].
+    boundaries_m : array of shape (k - 1,)
+        Between them [m].
+
+    Raises
+    ------
+    StrategyRefusedError
+        If the line has stops on its way, the regulator takes too many steps, or drives no run that the train can.
+    """
+    options = task.scenario.search
+    if task.scenario.line.inner_stations:
+        raise StrategyRefusedError("needs a line without stops between its ends for the literal regulator.")
+    _require_few_steps(options.time_step_s, task.running_time_s)
+    relay = _relay(options)
+    regulation, curve = literal_regulation(task.course, options.stop_deceleration_ms2, relay.dead_zone_ms)
+    most = int(LONGEST_SHARE * task.running_time_s / options.time_step_s) + 2
+    position, speed2, effort = np.empty(most), np.empty(most), np.empty(most)
+    nodes, standing, switches, status = literal_trip(
+        task.course.data, regulation, curve, boundaries_m, limits_ms, relay, position, speed2, effort
+    )
+    if status != ARRIVED:
+        raise StrategyRefusedError(_failure(task, status, position[nodes - 1], speed2[nodes - 1]))
+    places, wanted2, coasts = _joined(position[:nodes], speed2[:nodes], effort[:nodes])
+    course = build_course(task.scenario, float(np.sqrt(speed2[0])), 0.0, position_m=places)
+    driven2 = followed(course.data, wanted2, coasts)
+    _require_arrival(task, course, driven2)
+    _require_limits(task, course, driven2)
+    dwell = course.dwell_s.copy()
+    dwell[0] = standing
+    return LiteralRun(replace(course, dwell_s=frozen_array(dwell)), driven2, switches)
+
+
+def _relay(options: SearchOptions) -> Relay:
+    return Relay(
+        options.dead_zone_kmh * MS_PER_KMH,
+        options.regulation_speed_kmh * MS_PER_KMH,
+        options.full_effort_time_s,
+        options.effort_rate_share,
+        options.time_step_s,
+    )
+
+
+def _require_few_steps(step_s: float, running_time_s: float) -> None:
+    """Refuse a step of time that makes more cells of the printed regulator's run than the current budget has."""
+    most = current_budget().cell_count
+    if running_time_s > most * step_s:
+        raise StrategyRefusedError(
+            f"takes at most {most:,} steps of the literal regulator, and search.time_step_s = {step_s:g} makes "
+            f"{running_time_s / step_s:,.0f}. Use {rounded_up(running_time_s / most):g} s or more."
+        )
+
+
+def _joined(
+    position_m: FloatArray, speed2: FloatArray, effort_n: FloatArray
+) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Return places and squares of speed without steps that hardly move, and in which cells there is no effort."""
+    kept = np.append(True, np.diff(position_m) > SHORTEST_STEP_M)
+    kept[-1] = True
+    if position_m[-1] - position_m[kept][-2] <= SHORTEST_STEP_M and kept.sum() > 2:
+        kept[np.flatnonzero(kept)[-2]] = False
+    nodes = np.flatnonzero(kept)
+    coasts = np.logical_and.reduceat(effort_n[1:] == 0.0, nodes[:-1])
+    return position_m[nodes], speed2[nodes], coasts
+
+
+def _with_step(task: Task) -> str:
+    return f"with the literal regulator and search.time_step_s = {task.scenario.search.time_step_s:g}"
+
+
+def _failure(task: Task, status: int, place_m: float, speed2: float) -> str:
+    """Return why a trip did not arrive."""
+    if status == GOES_ON:
+        return f"does not arrive within {LONGEST_SHARE * task.running_time_s:.0f} s {_with_step(task)}."
+    if status == STANDS:
+        return f"comes to a stand at {place_m:.1f} m of {task.course.position_m[-1]:.1f} m {_with_step(task)}."
+    return _overshoot(task, place_m, speed2)
+
+
+def _overshoot(task: Task, place_m: float, speed2: float) -> str:
+    """Return by how much a train passes the end of the line that brakes fully from a place and a square of speed."""
+    data, end_m = task.course.data, task.course.position_m[-1]
+    speed = np.array([0.5 * np.sqrt(speed2)])
+    brake = float(data.braking.effort_n(speed)[0]) + data.friction_effort_n
+    resisting = float(task.course.running_resistance_n(np.full(task.course.cell_count + 1, 0.25 * speed2))[-1])
+    deceleration = (brake + resisting + float(data.line_force_n[-1])) / (2 * data.half_inertia_kg)
+    deceleration = min(deceleration, data.max_deceleration_ms2)
+    if deceleration <= 0:
+        return f"cannot stop at the end of the line {_with_step(task)}: its brakes do not hold it there."
+    beyond = place_m + speed2 / (2 * deceleration) - end_m
+    return (
+        f"passes the end of the line by {beyond:.2g} m {_with_step(task)}, even with all its brakes from "
+        f"{np.sqrt(speed2) / MS_PER_KMH:.2g} km/h at {end_m - place_m:.2g} m before it."
+    )
+
+
+def _require_arrival(task: Task, course: Course, speed2: FloatArray) -> None:
+    """Refuse a run that does not come to rest at the end of the line."""
+    if speed2[-1] == 0.0:
+        return
+    if speed2[-1] < 0.0:
+        last = int(np.argmax(speed2 < 0.0)) - 1 if (speed2[:-1] < 0.0).any() else len(speed2) - 2
+        raise StrategyRefusedError(_failure(task, STANDS, float(course.position_m[last]), 0.0))
+    raise StrategyRefusedError(_overshoot(task, float(course.position_m[-1]), float(speed2[-1])))
+
+
+def _require_limits(task: Task, course: Course, speed2: FloatArray) -> None:
+    """Refuse a run that is too fast for line or vehicle: a relay passes its mark by as much as it takes to react."""
+    line = task.course
+    places = np.union1d(line.position_m, course.position_m)
+    between2 = np.interp(places, course.position_m, speed2)
+    middle = 0.5 * (places[1:] + places[:-1])
+    limit = line.cell_limit_ms[np.searchsorted(line.position_m, middle) - 1]
+    excess = np.sqrt(np.maximum(between2[1:], between2[:-1])) - limit
+    worst = int(np.argmax(excess / limit))
+    if excess[worst] > PASSED_SHARE * limit[worst]:
+        raise StrategyRefusedError(
+            f"passes the speed limit of {limit[worst] / MS_PER_KMH:.4g} km/h by {excess[worst] / MS_PER_KMH:.2g} km/h "
+            f"at {middle[worst]:.0f} m {_with_step(task)}."
+        )
