@@ -19,6 +19,9 @@ from railjoule.core.physics.cell import Cell, mean_speed, needed_force
 from railjoule.core.physics.course_data import CourseData, Train, cell_of, train_of
 from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
 
+SHORTEST_PART_M = 1e-3
+"""A corner of a trip this close to a node is merged with it: its cell would tell nothing but rounding, and a train
+whose regulator changes its effort a millimetre beside its mark drives no other run."""
 ROUNDING = 1e-10
 """Brakes reach a square of speed where they miss it by less than this share: curve and cell find it by iteration."""
 PASSED_SHARE = 1e-9
@@ -46,6 +49,11 @@ def _coasting_speed2(
     Where coasting is faster than the limit, a train that reaches the limit within the cell coasts from there.
     """
     coasting2 = exit_speed2(cell, train, traction, braking, speed2, COAST)
+    # The corner where coasting ends may lie a little before the node that it was merged with. To hold the limit over
+    # that little would take effort in the whole cell, and with it the power of motors that are on.
+    merged = (speed2 - coasting2) * SHORTEST_PART_M / cell.length_m
+    if speed2 >= limit2 and coasting2 < limit2 <= coasting2 + merged:
+        return coasting2
     if speed2 >= limit2 or coasting2 <= speed2:
         return max(limit2, coasting2)
     full2 = exit_speed2(cell, train, traction, braking, speed2, FULL_TRACTION)

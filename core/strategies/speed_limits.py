@@ -14,6 +14,7 @@ from railjoule.core.bounds import bounded
 from railjoule.core.errors import ScenarioError, StrategyRefusedError
 from railjoule.core.limit_search.problem import Evaluation, LimitProblem, limit_problem
 from railjoule.core.limit_search.search import LimitSearch, search_limits
+from railjoule.core.limit_search.whole_cells import SHORTEST_PART_M
 from railjoule.core.motion import Course, build_course
 from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.motion.mesh import finer_at_stops
@@ -30,9 +31,6 @@ MOST_SECTIONS = 12
 HALVINGS_AT_STOPS = 6
 """Near its stop a train's motors begin to draw power: where, only short cells tell."""
 FAST_CHANGE_MS2, LONGEST_FAST_CELL_M = 0.2, 2.0
-SHORTEST_PART_M = 1e-3
-"""A corner of a trip this close to a node is merged with it: its cell would tell nothing but rounding, and a train
-whose regulator changes its effort a millimetre beside its mark drives no other run."""
 
 
 def speed_limits(task: Task) -> Trajectory:
