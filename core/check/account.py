@@ -17,6 +17,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.check.case import Case
 from railjoule.core.check.result import Check, Finding, Unchecked, largest_of
+from railjoule.core.units import MS_PER_KMH
 
 ROUNDED_SUM = 1e-7
 BOUND = 1e-6
@@ -121,7 +122,7 @@ def _bound(case: Case) -> Iterator[Finding]:
     if slowest < LEAST_COVERED_MS:
         yield Unchecked(
             "bound below the energy",
-            f"the run goes as slow as {3.6 * slowest:.2g} km/h, and bounds cover none below 0.36",
+            f"the run goes as slow as {slowest / MS_PER_KMH:.2g} km/h, and bounds cover none below 0.36",
         )
         return
     yield largest_of("bound below the energy", "the bound", BOUND, -gap)

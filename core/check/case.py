@@ -11,6 +11,7 @@ from railjoule.core.check.loss_model import Losses, LossModel
 from railjoule.core.check.record import Record
 from railjoule.core.check.train import Route, Train, route_of, train_of
 from railjoule.core.scenario import Scenario
+from railjoule.core.units import N_PER_KN, W_PER_KW
 
 ROUNDED_SPEED = 1e-9
 """A solver tells speeds to this share: over a short cell that is much force."""
@@ -181,9 +182,9 @@ class Case:
         braking, speed = self.scenario.vehicle.braking, self.record.mean_speed_ms
         limit = self.model.largest_effort_n(speed, True)
         if braking.max_effort_kn is not None:
-            limit = np.minimum(limit, braking.max_effort_kn * 1e3)
+            limit = np.minimum(limit, braking.max_effort_kn * N_PER_KN)
         if braking.max_power_kw is not None:
-            limit = np.minimum(limit, braking.max_power_kw * 1e3 / np.maximum(speed, 1e-9))
+            limit = np.minimum(limit, braking.max_power_kw * W_PER_KW / np.maximum(speed, 1e-9))
         return limit
 
     def at_line_w(self, terminal_power_w: FloatArray) -> FloatArray:
@@ -198,7 +199,7 @@ class Case:
     @property
     def auxiliary_power_w(self) -> float:
         """Power of the auxiliaries [W]."""
-        return self.scenario.vehicle.auxiliary_power_kw * 1e3
+        return self.scenario.vehicle.auxiliary_power_kw * W_PER_KW
 
     @property
     def recuperation_factor(self) -> float:

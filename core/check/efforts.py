@@ -11,7 +11,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.check.case import Case
 from railjoule.core.check.result import Check, Finding, Unchecked, largest_of
-from railjoule.core.units import MS_PER_KMH
+from railjoule.core.units import MS_PER_KMH, N_PER_KN, W_PER_KW
 
 ROUNDED_LIMIT = 2e-6
 """A vehicle without an electric brake may have a billionth of its tractive effort, and solvers stop near a limit."""
@@ -40,12 +40,12 @@ def effort_findings(case: Case) -> Iterator[Finding]:
 def _traction(case: Case, effort_n: FloatArray) -> Iterator[Check]:
     traction, speed = case.scenario.vehicle.traction, case.record.mean_speed_ms
     if traction.max_effort_kn is not None:
-        yield _effort(case, "tractive effort", effort_n, np.full(len(effort_n), traction.max_effort_kn * 1e3))
+        yield _effort(case, "tractive effort", effort_n, np.full(len(effort_n), traction.max_effort_kn * N_PER_KN))
     if traction.max_power_kw is not None:
-        yield _power(case, "tractive power", effort_n, traction.max_power_kw * 1e3)
+        yield _power(case, "tractive power", effort_n, traction.max_power_kw * W_PER_KW)
     if traction.curve is not None:
         kmh, kn = np.array(traction.curve).T
-        limit = np.interp(speed, kmh * MS_PER_KMH, kn * 1e3)
+        limit = np.interp(speed, kmh * MS_PER_KMH, kn * N_PER_KN)
         yield _effort(case, "curve of tractive effort", effort_n, limit, TABULATED)
     yield from _motors(case, "motors while driving", effort_n, False)
 
@@ -53,18 +53,18 @@ def _traction(case: Case, effort_n: FloatArray) -> Iterator[Check]:
 def _brakes(case: Case, electric_n: FloatArray, friction_n: FloatArray) -> Iterator[Check]:
     braking = case.scenario.vehicle.braking
     if braking.max_effort_kn is not None:
-        limit = np.full(len(electric_n), braking.max_effort_kn * 1e3)
+        limit = np.full(len(electric_n), braking.max_effort_kn * N_PER_KN)
         yield _effort(case, "electric braking effort", electric_n, limit)
     if braking.max_power_kw is not None:
-        yield _power(case, "electric braking power", electric_n, braking.max_power_kw * 1e3)
+        yield _power(case, "electric braking power", electric_n, braking.max_power_kw * W_PER_KW)
     yield from _motors(case, "motors while braking", electric_n, True)
-    limit = np.full(len(friction_n), braking.friction_effort_kn * 1e3)
+    limit = np.full(len(friction_n), braking.friction_effort_kn * N_PER_KN)
     yield _effort(case, "friction braking effort", friction_n, limit)
 
 
 def _all_brakes(case: Case, braking_n: FloatArray) -> Iterator[Finding]:
     """Compare the sum of the brakes alone, where nothing tells how they share."""
-    friction = case.scenario.vehicle.braking.friction_effort_kn * 1e3
+    friction = case.scenario.vehicle.braking.friction_effort_kn * N_PER_KN
     excess = (braking_n - case.electric_limit_n - friction - case.rounding_n) / case.large_effort_n
     yield largest_of("effort of all brakes", "the largest effort", TABULATED, excess, case.record.middle_m)
     for name in ("electric braking effort", "friction braking effort", "sharing of the brakes"):

@@ -29,8 +29,8 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.check.loss_model import EDGE, EXACT, Losses
 from railjoule.core.check.polynomials import product, real_roots, values
 from railjoule.core.scenario.drive import Induction
+from railjoule.core.units import H_PER_MH
 
-H_PER_MH = 1e-3
 OVERLOAD = 2e-3
 """A torque so little beyond the greatest takes the power that it has at the ratio of the pull-out."""
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from railjoule.core.check.case import Case
 from railjoule.core.check.result import Check, Finding, Unchecked, largest_of
-from railjoule.core.units import MS_PER_KMH
+from railjoule.core.units import MS_PER_KMH, N_PER_KN
 
 SAME_PLACE_M = 1e-5
 ROUNDING, ROUNDED_GRADIENT, ROUNDED_FORCE = 1e-7, 1e-10, 1e-5
@@ -196,7 +196,7 @@ def _forces(case: Case) -> Finding:
     if case.record.effort_n is None:
         return Unchecked("balance of forces", "the table has no column effort_kn")
     told = case.record.moving(case.record.effort_n)
-    scale = np.maximum(np.abs(told), np.abs(case.needed_n)) + STATED_FORCE * 1e3 * case.train.weight_kn
+    scale = np.maximum(np.abs(told), np.abs(case.needed_n)) + STATED_FORCE * N_PER_KN * case.train.weight_kn
     rounding = 1e-3 * case.rounding_n + case.train.weight_kn * case.rounding_permille
     misses = np.maximum(np.abs(told - case.needed_n) - rounding, 0.0) / scale
     return largest_of("balance of forces", "the force", ROUNDED_FORCE, misses, case.record.middle_m)

@@ -11,6 +11,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.check.case import OFF, Case
 from railjoule.core.check.efforts import TABULATED
 from railjoule.core.check.result import Finding, Unchecked, largest_of
+from railjoule.core.units import N_PER_KN
 
 ROUNDED_POWER, ROUNDED_CURRENT = 1e-7, 1e-6
 SEARCHED = 1e-4
@@ -61,7 +62,7 @@ def _powers_of_sharing(
     case: Case, braking_n: FloatArray, limit_n: FloatArray, speed_ms: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the least and the greatest line power that a sharing of the brakes can have [W]."""
-    friction = case.scenario.vehicle.braking.friction_effort_kn * 1e3
+    friction = case.scenario.vehicle.braking.friction_effort_kn * N_PER_KN
     most = np.minimum(braking_n, limit_n * (1 + TABULATED))
     least = np.minimum(np.maximum(braking_n - friction, 0.0), most)
     # right at its limit a motor has losses, and beyond it perhaps none are known

@@ -10,7 +10,7 @@ import numpy as np
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario import Vehicle
-from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN, W_PER_KW
 
 NEEDED_COLUMNS = ("position_m", "time_s", "speed_kmh")
 FEWEST_NODES = 2
@@ -163,7 +163,7 @@ def record_of_table(table: Mapping[str, Any], vehicle: Vehicle, strategy: str) -
     position, time, speed = (_column(table, name) for name in NEEDED_COLUMNS)
     if len(position) < FEWEST_NODES:
         raise ScenarioError(f"has {len(position)} of at least {FEWEST_NODES} rows that a run needs.")
-    effort = _cells(table, "effort_kn", 1e3)
+    effort = _cells(table, "effort_kn", N_PER_KN)
     electric = friction = None
     if effort is not None and vehicle.braking.friction_effort_kn == 0:
         electric, friction = np.maximum(-effort, 0.0), np.zeros(len(effort))
@@ -176,7 +176,7 @@ def record_of_table(table: Mapping[str, Any], vehicle: Vehicle, strategy: str) -
         tractive_effort_n=None if effort is None else np.maximum(effort, 0.0),
         electric_braking_n=electric,
         friction_braking_n=friction,
-        line_power_w=_cells(table, "line_power_kw", 1e3),
+        line_power_w=_cells(table, "line_power_kw", W_PER_KW),
         line_energy_j=_column(table, "line_energy_kwh") * J_PER_KWH if "line_energy_kwh" in table else None,
         gradient_permille=_cells(table, "gradient_permille", 1.0),
         current_a=_cells(table, "current_a", 1.0),

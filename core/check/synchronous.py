@@ -40,10 +40,10 @@ from railjoule.core.check.loss_model import (
 )
 from railjoule.core.check.polynomials import product, real_roots
 from railjoule.core.scenario.drive import Synchronous
+from railjoule.core.units import H_PER_MH, M_PER_MM
 
 TABLE_ACCURACY = 0.12
 """The largest difference between table and formulas that 40 random machines had in 640,000 points was 0.102."""
-H_PER_MH = 1e-3
 COPPER_OHM_M, VACUUM_H_PER_M = 2.2e-8, 4e-7 * math.pi
 """Resistivity of the windings at 100 degrees Celsius, and permeability."""
 CARRIERS, BANDS, STEPS = 4, 16, 8
@@ -175,7 +175,7 @@ class Machine:
         """Return the resistance of a phase at angular frequencies, by Dowell's formula [ohm]."""
         p = self.parameters
         depth = np.sqrt(2 * COPPER_OHM_M / (np.maximum(rads, 1e-6) * VACUUM_H_PER_M))
-        x = np.clip(p.conductor_height_mm * 1e-3 / depth, 1e-2, 50.0)
+        x = np.clip(p.conductor_height_mm * M_PER_MM / depth, 1e-2, 50.0)
         skin = x * (np.sinh(2 * x) + np.sin(2 * x)) / (np.cosh(2 * x) - np.cos(2 * x))
         near = 2 * x * (np.sinh(x) - np.sin(x)) / (np.cosh(x) + np.cos(x))
         resistance: FloatArray = p.stator_resistance_ohm * (skin + (p.conductor_layers**2 - 1) / 3 * near)

@@ -20,7 +20,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import Scenario, Section, Vehicle
-from railjoule.core.units import MS_PER_KMH, STANDARD_GRAVITY_MS2
+from railjoule.core.units import MS_PER_KMH, N_PER_KN, STANDARD_GRAVITY_MS2
 
 END_M = 1e-6
 """A station this close to an end of the line is that end."""
@@ -193,7 +193,7 @@ def train_of(vehicle: Vehicle) -> Train:
         inertia = (1 + (vehicle.rotating_mass_factor or 0.0)) * mass
     else:
         inertia = vehicle.inertial_mass_kg + load
-    weight = mass * STANDARD_GRAVITY_MS2 / 1e3
+    weight = mass * STANDARD_GRAVITY_MS2 / N_PER_KN
     resistance = vehicle.resistance
     cars = vehicle.car_count or 1
 

@@ -2,10 +2,7 @@
 
 from typing import Any
 
-from railjoule.core.units import J_PER_KWH
 from railjoule.core.validation.table import Row
-
-J_PER_WH = J_PER_KWH / 1e3
 
 Printed = dict[str, Any]
 

@@ -20,8 +20,8 @@ from railjoule.core.strategies.enoc import (
 from railjoule.core.strategies.eoc import solve_eoc
 from railjoule.core.strategies.plain_line import PlainLine, plain_line
 from railjoule.core.trajectory import Trajectory
-from railjoule.core.units import MS_PER_KMH
-from railjoule.core.validation._ftorek_rows import J_PER_WH, Printed, printed_row
+from railjoule.core.units import J_PER_WH, MS_PER_KMH
+from railjoule.core.validation._ftorek_rows import Printed, printed_row
 from railjoule.core.validation._trapezoid import sample_trapezoid
 from railjoule.core.validation.ftorek_closed_loop import closed_loop_tables
 from railjoule.core.validation.papers import citation, errata, printed_numbers

@@ -14,8 +14,8 @@ from scipy.ndimage import median_filter
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.field_oriented import FieldOrientedRun, simulate_field_oriented
-from railjoule.core.units import MS_PER_KMH
-from railjoule.core.validation._ftorek_rows import J_PER_WH, Printed, printed_row
+from railjoule.core.units import J_PER_WH, MS_PER_KMH
+from railjoule.core.validation._ftorek_rows import Printed, printed_row
 from railjoule.core.validation.table import Row, Table
 
 FINE_MESH_M = 0.5

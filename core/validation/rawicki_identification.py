@@ -22,7 +22,7 @@ from railjoule.core.phase_planning.search import between
 from railjoule.core.phase_planning.tables import PhaseModel
 from railjoule.core.scenario import Vehicle
 from railjoule.core.scenario.options import PhasesOptions
-from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH, W_PER_KW
 
 NAMEPLATE_WEIGHT = 0.5
 EXACT = {"ftol": 1e-13, "xtol": 1e-13, "gtol": 1e-13, "jac": "3-point", "diff_step": 1e-4}
@@ -164,7 +164,7 @@ def nameplate_values(plate: Printed) -> FloatArray:
         [
             plate["voltage_v"] * math.sqrt(2 / 3),
             plate["current_a"] * math.sqrt(2),
-            1e3 * plate["power_kw"],
+            W_PER_KW * plate["power_kw"],
             plate["power_factor"],
         ]
     )
