@@ -53,6 +53,8 @@ class Frontier:
         Cells of the mesh.
     refused : tuple of (float, str)
         The times [s] without an energy, each with the reason in one sentence.
+    notes : tuple of str
+        Sentences on what was simplified: a coarser mesh than the scenario's.
     """
 
     strategy: StrategyName
@@ -63,6 +65,7 @@ class Frontier:
     shortest_travel_time_s: float
     cell_count: int
     refused: tuple[tuple[float, str], ...]
+    notes: tuple[str, ...] = ()
 
     @property
     def energy_kwh(self) -> FloatArray:
@@ -134,14 +137,14 @@ def energy_time_frontier(
     if task.course.drive.jumps_at_no_effort:
         # its optimum with free switching is a bound, and no run
         return strategy_frontier(task, travel_times_s, "optimal", most_cells)
-    task = coarsened(task, most_cells)
+    coarse = coarsened(task, most_cells)
 
     def point(timed: Task) -> tuple[float, float, float]:
         solution = minimise(timed, TOLERANCE)
         bound = certify(timed, solution.optimum).energy_j if with_bounds else np.nan
         return solution.energy_j, solution.optimum.price_of_time_w, bound
 
-    return _frontier(task, "optimal", travel_times_s, point)
+    return _frontier(coarse, "optimal", travel_times_s, point, _mesh_notes(task, coarse))
 
 
 def strategy_frontier(
@@ -162,7 +165,8 @@ def strategy_frontier(
         price = np.nan if run.price_of_time_w is None else run.price_of_time_w
         return run.energy.net_j, price, np.nan if run.bound is None else run.bound.energy_j
 
-    return _frontier(coarsened(task, most_cells), strategy, travel_times_s, point)
+    coarse = coarsened(task, most_cells)
+    return _frontier(coarse, strategy, travel_times_s, point, _mesh_notes(task, coarse))
 
 
 def enoc_frontier(task: Task, travel_times_s: FloatArray, most_cells: int = MOST_CELLS) -> Frontier:
@@ -180,8 +184,22 @@ def coarsened(task: Task, most_cells: int) -> Task:
     return prepare_task(longer, *task.end_speeds_ms)
 
 
+def _mesh_notes(task: Task, coarse: Task) -> tuple[str, ...]:
+    """Return the sentence on a mesh that is coarser than the one asked for, or nothing."""
+    if coarse is task:
+        return ()
+    return (
+        f"Computed over {coarse.course.cell_count:,} cells of at most {coarse.scenario.solver.mesh_m:.3g} m instead of "
+        f"the {task.course.cell_count:,} of solver.mesh_m = {task.scenario.solver.mesh_m:g}.",
+    )
+
+
 def _frontier(
-    task: Task, strategy: StrategyName, travel_times_s: FloatArray, point: Callable[[Task], tuple[float, float, float]]
+    task: Task,
+    strategy: StrategyName,
+    travel_times_s: FloatArray,
+    point: Callable[[Task], tuple[float, float, float]],
+    notes: tuple[str, ...],
 ) -> Frontier:
     times = np.asarray(travel_times_s, dtype=float)
     values = np.full((3, len(times)), np.nan)
@@ -203,4 +221,5 @@ def _frontier(
         shortest_travel_time_s=task.shortest_travel_time_s,
         cell_count=task.course.cell_count,
         refused=tuple(refused),
+        notes=notes,
     )

@@ -140,7 +140,8 @@ class TradeOffView(PageView):
         )
         self.figures.object = parts.figures(self._cells(trade_off, run, now))
         refusal = enoc_refusal(trade_off, run.travel_time_s)
-        self.refusal.object = f'<p class="note" style="margin:8px 20px 0">{refusal}</p>' if refusal else ""
+        sentences = [parts.escaped(note) for note in frontier.notes] + ([refusal] if refusal else [])
+        self.refusal.object = "".join(f'<p class="note" style="margin:8px 20px 0">{text}</p>' for text in sentences)
         self.table.object = self._table(trade_off, run, now)
 
     def _cells(self, trade_off: TradeOff, run: Trajectory, now: tuple[float, float, float] | None) -> list[str]:
