@@ -67,16 +67,6 @@ class Energy:
         parts += self.kinetic_j + self.potential_j
         return (parts - self.traction_j + self.recuperated_j) / max(self.traction_j + self.recuperated_j, 1.0)
 
-    def in_kwh(self) -> dict[str, float | dict[str, float]]:
-        """Return all parts in kWh, keys without their unit; the losses as a dictionary of their own."""
-        values: dict[str, float | dict[str, float]] = {
-            field.name.removesuffix("_j"): getattr(self, field.name) / J_PER_KWH
-            for field in fields(self)
-            if field.name != "losses_j"
-        }
-        values["losses"] = {kind: joules / J_PER_KWH for kind, joules in self.losses_j.items()}
-        return values
-
 
 @overload
 def share_above(energy: float, reference: float) -> float: ...

@@ -184,7 +184,7 @@ def _shorten_vehicle(vehicle: Vehicle) -> tuple[Document, Document]:
         base = preset_document("vehicles", vehicle.preset)
         base = Vehicle.model_validate(base).model_dump(mode="json", exclude_none=True)
         short = _difference(full, base)
-        if _refill(base, short) == full:
+        if merged(base, short) == full:
             drive = short.pop("drive", {})
             if drive.get("model"):
                 drive = full["drive"]
@@ -198,7 +198,7 @@ def _shorten_line(line: Line) -> Document:
         base = preset_document("lines", line.preset)
         base = Line.model_validate(base).model_dump(mode="json", exclude_none=True)
         short = _difference(full, base)
-        if _refill(base, short) == full:
+        if merged(base, short) == full:
             return short
     return _dump(line.model_copy(update={"preset": None}))
 
@@ -213,7 +213,3 @@ def _difference(full: Document, base: Document) -> Document:
             both_tables = isinstance(value, dict) and isinstance(base[key], dict)
             result[key] = _difference(value, base[key]) if both_tables else value
     return result
-
-
-def _refill(base: Document, short: Document) -> Document:
-    return merged(base, short)

@@ -64,17 +64,6 @@ def is_known(task: Task) -> bool:
     return task.course.data.drive_kind in DRIVES
 
 
-def solve_with_ipopt(task: Task) -> IpoptRun:
-    """Return IPOPT's optimum of a task.
-
-    Raises
-    ------
-    SolverError
-        If CasADi is not installed, or the drive is none that it takes.
-    """
-    return IpoptProblem(task).solve()
-
-
 class IpoptProblem:
     """A task as a nonlinear program, built once and solved as often as wanted.
 
@@ -83,9 +72,9 @@ class IpoptProblem:
     task : Task
         Must have slack in its timetable.
     textbook : bool
-        Whether it is written down as anybody would: braking efforts as variables, all limits, and one speed all the
-        way as a start. Else IPOPT gets what our own method has found out: braking eliminated, limits that no run
-        reaches left out, and a start near the timetable, which saves it a third of its time.
+        Whether it is written down as anybody would: braking efforts as variables, all limits, and one speed everywhere
+        as a start. Else IPOPT gets what our own method has found out: braking eliminated, limits that no run
+        reaches left out, and a start close to the timetable, which saves it a third of its time.
 
     Raises
     ------
@@ -98,14 +87,14 @@ class IpoptProblem:
             raise SolverError("IPOPT needs CasADi: pip install casadi.")
         if not is_known(task):
             raise SolverError("this drive has no symbolic formula for IPOPT, because it searches for its flux.")
-        data, near = task.course.data, _speeds_near_timetable(task)
-        reachable = np.full_like(near, np.inf) if textbook else task.greatest_speed2
-        first = _one_speed(task) if textbook else near
+        data, timetable_start = task.course.data, _start_of_own_method(task)
+        reachable = np.full_like(timetable_start, np.inf) if textbook else task.greatest_speed2
+        first = _one_speed(task) if textbook else timetable_start
         program = Program(data, task.running_time_s, reachable, own_braking=textbook)
         self._task, self._free = task, program.free
         self._solver = program.solver(OPTIONS)
         # the floor of our own method, so that crests taken at walking pace mean the same
-        self._arguments = program.bounds(np.minimum(SLOWEST_SPEED2, 0.25 * near))
+        self._arguments = program.bounds(np.minimum(SLOWEST_SPEED2, 0.25 * timetable_start))
         self._arguments["x0"] = program.start(first, task.course.net_force_n(first))
 
     def solve(self) -> IpoptRun:
@@ -126,7 +115,7 @@ class IpoptProblem:
         )
 
 
-def _speeds_near_timetable(task: Task) -> FloatArray:
+def _start_of_own_method(task: Task) -> FloatArray:
     """Return the start of our own method: squares of speed [m2/s2], shape (n + 1,)."""
     speed2 = np.empty(len(task.greatest_speed2))
     start_speeds(task.course.data, task.greatest_speed2, task.shortest_time_s, task.running_time_s, speed2)
