@@ -15,10 +15,10 @@ from railjoule.core.units import N_PER_KN, W_PER_KW
 
 ROUNDED_SPEED = 1e-9
 """A solver tells speeds to this share: over a short cell that is much force."""
-OFF = 1e-6
+OFF_SHARE = 1e-6
 """Efforts below this share of the largest one may be rounding, and then the drive is off."""
 SMALL_LOSS_SHARE = 0.1
-"""Losses below this share of the largest are told no better than those."""
+"""Losses below this share of the largest are known no better than those."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,14 +87,14 @@ class Case:
         return 0.5 * change / self.record.length_m
 
     @cached_property
-    def needed_n(self) -> FloatArray:
+    def required_effort_n(self) -> FloatArray:
         """Force at the wheels that the motion needs [N]."""
         inertia: FloatArray = self.train.inertia_kg * self.acceleration_ms2
         return inertia + self.resistance_n + self.gradient_n + self.curve_n
 
     @cached_property
     def rounding_ms2(self) -> FloatArray:
-        """What a change of the speeds in their last told digit makes of the acceleration [m/s2]."""
+        """What a change of the speeds in their last stated digit makes of the acceleration [m/s2]."""
         greatest: FloatArray = np.maximum(self.record.entering_speed2, self.record.leaving_speed2)
         return ROUNDED_SPEED * greatest / self.record.length_m
 
@@ -119,19 +119,19 @@ class Case:
         return share
 
     @cached_property
-    def large_effort_n(self) -> float:
+    def effort_scale_n(self) -> float:
         """The largest effort of the run or, where it is less, a hundredth of the weight [N]: a scale for efforts."""
         effort = self.record.effort_n
         largest = float(np.max(np.abs(effort), initial=0.0)) if effort is not None else 0.0
         return max(largest, 10.0 * self.train.weight_kn)
 
     @cached_property
-    def moved_j(self) -> float:
+    def energy_scale_j(self) -> float:
         """The work at the wheels or at the line with either sign, whichever is more [J]: a scale for energies."""
         record = self.record
-        wheels = float(np.sum(np.abs(self.needed_n) * record.length_m))
-        told = record.line_power_w
-        line = 0.0 if told is None else float(np.sum(np.abs(told) * np.diff(record.time_s)))
+        wheels = float(np.sum(np.abs(self.required_effort_n) * record.length_m))
+        reported = record.line_power_w
+        line = 0.0 if reported is None else float(np.sum(np.abs(reported) * np.diff(record.time_s)))
         return max(wheels, line, 1.0)
 
     @cached_property
@@ -152,7 +152,7 @@ class Case:
     @cached_property
     def off(self) -> BoolArray:
         """Where the drive is off: without effort, or with one that the run itself takes for rounding."""
-        rounding = np.abs(self.electric_n) <= OFF * self.large_effort_n
+        rounding = np.abs(self.electric_n) <= OFF_SHARE * self.effort_scale_n
         off: BoolArray = (self.electric_n == 0) | (rounding & (self.drive_power_w == 0))
         return off
 
@@ -170,7 +170,7 @@ class Case:
         return power
 
     @cached_property
-    def unsure_w(self) -> FloatArray:
+    def loss_uncertainty_w(self) -> FloatArray:
         """By how much a right power may differ, as the drive's losses are tabulated [W]."""
         losses = np.nan_to_num(sum(self.losses_w.values(), np.zeros(len(self.electric_n))))
         unsure: FloatArray = self.model.accuracy * (losses + SMALL_LOSS_SHARE * np.max(losses, initial=0.0))
@@ -187,14 +187,14 @@ class Case:
             limit = np.minimum(limit, braking.max_power_kw * W_PER_KW / np.maximum(speed, 1e-9))
         return limit
 
-    def at_line_w(self, terminal_power_w: FloatArray) -> FloatArray:
+    def line_power_of_terminal_w(self, terminal_power_w: FloatArray) -> FloatArray:
         """Return what the line gives for a power of the drive [W]: it takes back a share of what is generated."""
         return np.where(terminal_power_w < 0, self.recuperation_factor * terminal_power_w, terminal_power_w)
 
-    def line_power_at_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
+    def line_power_of_effort_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
         """Return the line power of the drive for electric efforts at speeds [W]; off without effort; NaN as there."""
         losses = sum(self.model.losses_w(effort_n, speed_ms).values(), np.zeros(len(speed_ms)))
-        return self.at_line_w(np.where(effort_n == 0, 0.0, effort_n * speed_ms + losses))
+        return self.line_power_of_terminal_w(np.where(effort_n == 0, 0.0, effort_n * speed_ms + losses))
 
     @property
     def auxiliary_power_w(self) -> float:

@@ -43,8 +43,8 @@ class InductionLosses:
     accuracy = EXACT
 
     @cached_property
-    def lever_per_m(self) -> float:
-        """Angle of a motor over the way of the train [1/m]."""
+    def turns_per_metre(self) -> float:
+        """Angle of a motor over the distance of the train [1/m]."""
         return self.parameters.gear_ratio / (0.5 * self.parameters.wheel_diameter_m)
 
     @cached_property
@@ -56,7 +56,9 @@ class InductionLosses:
         """Return the electromagnetic torque of each machine that an effort asks for [N m]."""
         drive = self.parameters
         by_gear = np.where(effort_n > 0, 1 / drive.gear_efficiency, drive.gear_efficiency)
-        torque: FloatArray = drive.mechanical_loss_torque_nm + effort_n * by_gear / (drive.motors * self.lever_per_m)
+        torque: FloatArray = drive.mechanical_loss_torque_nm + effort_n * by_gear / (
+            drive.motors * self.turns_per_metre
+        )
         return torque
 
     def losses_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> Losses:
@@ -65,7 +67,7 @@ class InductionLosses:
         Where a train has a standstill brake, this does what the machines could only do with power of the line.
         """
         drive, work = self.parameters, effort_n * speed_ms
-        torque, speed = self.torque_nm(effort_n), self.lever_per_m * speed_ms
+        torque, speed = self.torque_nm(effort_n), self.turns_per_metre * speed_ms
         copper, iron, _ = self.machine.least_losses(torque, speed)
         losses = {
             "copper": drive.motors * copper,
@@ -82,9 +84,9 @@ class InductionLosses:
 
     def largest_effort_n(self, speed_ms: FloatArray, braking: bool) -> FloatArray:
         """Return the largest effort within current, voltage and rated flux [N]."""
-        drive, lever = self.parameters, self.parameters.motors * self.lever_per_m
+        drive, lever = self.parameters, self.parameters.motors * self.turns_per_metre
         current = drive.braking_current_a if braking else drive.starting_current_a
-        torque = self.machine.greatest_torque(self.lever_per_m * speed_ms, current, braking)
+        torque = self.machine.greatest_torque(self.turns_per_metre * speed_ms, current, braking)
         if braking:
             return lever * (torque + drive.mechanical_loss_torque_nm) / drive.gear_efficiency
         return lever * np.maximum(torque - drive.mechanical_loss_torque_nm, 0.0) * drive.gear_efficiency
@@ -93,7 +95,7 @@ class InductionLosses:
         """Return the current of a machine that is on, negative where it generates [A]."""
         losses = self.losses_w(effort_n, speed_ms)
         torque = self.torque_nm(effort_n)
-        current = self.machine.least_losses(torque, self.lever_per_m * speed_ms)[2]
+        current = self.machine.least_losses(torque, self.turns_per_metre * speed_ms)[2]
         return np.where(losses["standstill_brake"] > 0, 0.0, np.copysign(current, torque))
 
 

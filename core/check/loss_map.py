@@ -1,10 +1,11 @@
 """Losses of a motor with its inverter from a map of efficiencies, as the scenario format defines them.
 
-At the points: driving, loss = M w (1 / eta - 1); braking, M w (1 - eta). Where efficiency is mute - without torque or
-speed, and in braking where it is 0 - the format lets the loss go on, first to smaller torques, then to smaller speeds,
-as the parabola through the next three points, between 0 and the nearest of them. Between the points the loss is a cubic
-in each direction with the slopes of Fritsch and Carlson along each line, SIAM Journal on Numerical Analysis 17, 1980;
-the slope across is itself interpolated so along the other line. It is never below 0. The map ends at its last torque.
+At the points: driving, loss = M w (1 / eta - 1); braking, M w (1 - eta). Where an efficiency tells nothing - without
+torque or speed, and in braking where it is 0 - the format extrapolates the loss, first to smaller torques, then to
+smaller speeds, as the parabola through the next three points, between 0 and the nearest of them. Between the points the
+loss is a cubic in each direction with the slopes of Fritsch and Carlson along each line, SIAM Journal on Numerical
+Analysis 17, 1980; the slope across is itself interpolated so along the other line. It is never below 0. The map ends at
+its last torque.
 """
 
 from dataclasses import dataclass
@@ -102,13 +103,13 @@ def _surface(points: FloatArray, braking: bool) -> LossSurface:
         loss = shaft * ((1 - efficiency) if braking else (1 / efficiency - 1))
     loss[(shaft == 0) | (efficiency == 0)] = np.nan
     for j in range(1, len(speeds)):
-        loss[:, j] = _continued(torques, loss[:, j])
+        loss[:, j] = _extrapolated(torques, loss[:, j])
     for i in range(len(torques)):
-        loss[i] = _continued(speeds, loss[i])
+        loss[i] = _extrapolated(speeds, loss[i])
     return LossSurface(torques, speeds, loss)
 
 
-def _continued(places: FloatArray, loss: FloatArray) -> FloatArray:
+def _extrapolated(places: FloatArray, loss: FloatArray) -> FloatArray:
     """Return the losses along a line, those before the first known one continued."""
     known = np.flatnonzero(np.isfinite(loss))
     if not len(known) or known[0] == 0:

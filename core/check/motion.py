@@ -17,9 +17,9 @@ ROUNDING, ROUNDED_GRADIENT, ROUNDED_FORCE = 1e-7, 1e-10, 1e-5
 ROUNDED_SPEED, ROUNDED_ACCELERATION = 1e-6, 1e-5
 LATE_S, LATE_SHARE = 1e-6, 2e-9
 """A timetable is kept to a millionth of a second, or to the rounding of a long sum of times."""
-PRICED = 1e-5
+EARLY_ARRIVAL_COST = 1e-5
 """An early arrival may cost what five digits of the energy do not tell."""
-STATED_FORCE = 1e-6
+FORCE_SCALE_SHARE = 1e-6
 
 
 def motion_findings(case: Case) -> Iterator[Finding]:
@@ -121,9 +121,9 @@ def _stops(case: Case) -> Iterator[Check]:
 def _speed_at(case: Case, position_m: float) -> float:
     """Return the least speed at a place [m/s]: that of its node, or between two."""
     record = case.record
-    near = np.abs(record.position_m - position_m) < SAME_PLACE_M
-    if near.any():
-        return float(record.speed_ms[near].min())
+    here = np.abs(record.position_m - position_m) < SAME_PLACE_M
+    if here.any():
+        return float(record.speed_ms[here].min())
     return float(np.sqrt(np.interp(position_m, record.position_m, record.speed_ms**2)))
 
 
@@ -143,7 +143,9 @@ def _arrival(case: Case) -> Iterator[Finding]:
         yield Unchecked("early arrival", "no price of time is known, so it may cost nothing")
     else:
         lost = max(early, 0.0) * record.price_of_time_w
-        yield largest_of("early arrival", "the energy moved, by the price of time", PRICED, lost / case.moved_j)
+        yield largest_of(
+            "early arrival", "the energy moved, by the price of time", EARLY_ARRIVAL_COST, lost / case.energy_scale_j
+        )
 
 
 def _untimed(case: Case) -> str:
@@ -184,10 +186,10 @@ def _accelerations(case: Case) -> Iterator[Check]:
 
 
 def _gradient(case: Case) -> Finding:
-    told = case.record.gradient_permille
-    if told is None:
+    reported = case.record.gradient_permille
+    if reported is None:
         return Unchecked("gradient", "the table has no column gradient_permille")
-    misses = np.maximum(np.abs(case.record.moving(told) - case.gradient_permille) - case.rounding_permille, 0.0)
+    misses = np.maximum(np.abs(case.record.moving(reported) - case.gradient_permille) - case.rounding_permille, 0.0)
     return largest_of("gradient", "the weight", ROUNDED_GRADIENT, 1e-3 * misses, case.record.middle_m)
 
 
@@ -195,8 +197,11 @@ def _forces(case: Case) -> Finding:
     """Inertia, running resistance, gradient and curve against the efforts."""
     if case.record.effort_n is None:
         return Unchecked("balance of forces", "the table has no column effort_kn")
-    told = case.record.moving(case.record.effort_n)
-    scale = np.maximum(np.abs(told), np.abs(case.needed_n)) + STATED_FORCE * N_PER_KN * case.train.weight_kn
+    reported = case.record.moving(case.record.effort_n)
+    scale = (
+        np.maximum(np.abs(reported), np.abs(case.required_effort_n))
+        + FORCE_SCALE_SHARE * N_PER_KN * case.train.weight_kn
+    )
     rounding = 1e-3 * case.rounding_n + case.train.weight_kn * case.rounding_permille
-    misses = np.maximum(np.abs(told - case.needed_n) - rounding, 0.0) / scale
+    misses = np.maximum(np.abs(reported - case.required_effort_n) - rounding, 0.0) / scale
     return largest_of("balance of forces", "the force", ROUNDED_FORCE, misses, case.record.middle_m)

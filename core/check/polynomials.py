@@ -4,7 +4,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 
-REAL = 1e-6
+SPLIT_ROOT = 1e-6
 """Imaginary over real part up to which a root is one of two equal ones that rounding has split."""
 
 
@@ -36,5 +36,5 @@ def real_roots(polynomial: FloatArray) -> FloatArray:
         companion[:, :, -1] = -polynomial[:, :-1] / polynomial[:, -1:]
     known = np.isfinite(companion.sum(axis=(1, 2)))
     roots = np.linalg.eigvals(np.where(known[:, None, None], companion, 0.0))
-    real = known[:, None] & (np.abs(roots.imag) <= REAL * np.abs(roots.real))
+    real = known[:, None] & (np.abs(roots.imag) <= SPLIT_ROOT * np.abs(roots.real))
     return np.where(real, roots.real, np.nan)

@@ -5,7 +5,7 @@ In the frame of the magnets, amplitudes per phase, w the electrical speed, y = p
     torque   T = 3/2 p iq y          ud = R id - w Lq iq          uq = R iq + w (psi + Ld id)
 
 The current along the magnets is that of least current, id y^3 + (Lq - Ld) (2 T / 3 p)^2 = 0; where that asks for more
-voltage than there is, it goes on against the magnets until the voltage is just full, a root of the quartic
+voltage than there is, it is increased against the magnets until the voltage is just full, a root of the quartic
 (R id y - w Lq c)^2 + (R c + w (psi + Ld id) y)^2 = Um^2 y^2, c = 2 T / (3 p). Losses of a motor with its inverter:
 
     copper      3/2 R(w) i^2, R by Dowell's formula for layers of conductors in a slot
@@ -88,9 +88,9 @@ class Machine:
         self.quadrature_h = parameters.quadrature_inductance_mh * H_PER_MH
         self.saliency_h = self.quadrature_h - self.direct_h
         self.harmonic_h = math.sqrt(2 / (self.direct_h**-2 + self.quadrature_h**-2))
-        self.vectors_v = parameters.link_voltage_v / math.sqrt(3)
+        self.space_vector_voltage_v = parameters.link_voltage_v / math.sqrt(3)
         six_steps = parameters.modulation == "six_step"
-        self.most_v = parameters.link_voltage_v * 2 / math.pi if six_steps else self.vectors_v
+        self.largest_voltage_v = parameters.link_voltage_v * 2 / math.pi if six_steps else self.space_vector_voltage_v
 
     def loss_w(self, torque: FloatArray, speed: FloatArray) -> FloatArray:
         """Return the loss at torques of the shaft, negative in braking [W]; NaN beyond current or voltage."""
@@ -108,12 +108,12 @@ class Machine:
             / p.rated_flux_vs**2
         )
         copper = 1.5 * self._resistance(rads) * current**2
-        blocks = voltage > self.vectors_v
+        blocks = voltage > self.space_vector_voltage_v
         mean = 2 / math.pi * current
         conduction = 3 * (p.device_threshold_v * mean + 0.5 * p.device_resistance_ohm * current**2)
         frequency = np.where(blocks, rads / (2 * math.pi), p.switching_frequency_hz)
         energy = p.switching_energy_j * mean / p.switching_current_a * p.link_voltage_v / p.switching_voltage_v
-        harmonics = np.where(blocks, self._six_steps(rads, voltage), self._space_vectors(rads, voltage))
+        harmonics = np.where(blocks, self._six_step_loss_w(rads, voltage), self._space_vector_loss_w(rads, voltage))
         loss: FloatArray = copper + iron + drag * speed + harmonics + conduction + 3 * frequency * energy
         return loss
 
@@ -127,7 +127,7 @@ class Machine:
             flux = p.magnet_flux_vs + self.direct_h * along
             a = p.stator_resistance_ohm**2 + (rads * self.quadrature_h) ** 2
             b = sign * p.stator_resistance_ohm * rads * (flux - self.quadrature_h * along)
-            c = (p.stator_resistance_ohm * along) ** 2 + (rads * flux) ** 2 - self.most_v**2
+            c = (p.stator_resistance_ohm * along) ** 2 + (rads * flux) ** 2 - self.largest_voltage_v**2
             with np.errstate(invalid="ignore"):
                 by_voltage = (-b + np.sqrt(b * b - a * c)) / a
             across = np.where(np.isnan(by_voltage), -np.inf, np.minimum(by_current, by_voltage))
@@ -160,7 +160,7 @@ class Machine:
         direct = resistance * product(along, y) - (rads * self.quadrature_h * c)[:, None] * constant
         quadrature = rads[:, None] * product(flux, y) + (resistance * c)[:, None] * constant
         square = product(direct, direct) + product(quadrature, quadrature)
-        square[:, :3] -= self.most_v**2 * product(y, y)
+        square[:, :3] -= self.largest_voltage_v**2 * product(y, y)
         at_first = sum(square[:, power] * first**power for power in range(5))
         with np.errstate(all="ignore"):
             ends = real_roots(square)
@@ -168,8 +168,8 @@ class Machine:
         chosen = np.where(at_first > 0, full, first)
         with np.errstate(invalid="ignore"):
             across = c / (p.magnet_flux_vs - self.saliency_h * chosen)
-            fits = np.isfinite(chosen) & (np.hypot(chosen, across) <= most * (1 + EDGE))
-        return np.where(fits, chosen, np.nan), np.where(fits, across, np.nan)
+            feasible = np.isfinite(chosen) & (np.hypot(chosen, across) <= most * (1 + EDGE))
+        return np.where(feasible, chosen, np.nan), np.where(feasible, across, np.nan)
 
     def _resistance(self, rads: FloatArray) -> FloatArray:
         """Return the resistance of a phase at angular frequencies, by Dowell's formula [ohm]."""
@@ -177,18 +177,18 @@ class Machine:
         depth = np.sqrt(2 * COPPER_OHM_M / (np.maximum(rads, 1e-6) * VACUUM_H_PER_M))
         x = np.clip(p.conductor_height_mm * M_PER_MM / depth, 1e-2, 50.0)
         skin = x * (np.sinh(2 * x) + np.sin(2 * x)) / (np.cosh(2 * x) - np.cos(2 * x))
-        near = 2 * x * (np.sinh(x) - np.sin(x)) / (np.cosh(x) + np.cos(x))
-        resistance: FloatArray = p.stator_resistance_ohm * (skin + (p.conductor_layers**2 - 1) / 3 * near)
+        proximity = 2 * x * (np.sinh(x) - np.sin(x)) / (np.cosh(x) + np.cos(x))
+        resistance: FloatArray = p.stator_resistance_ohm * (skin + (p.conductor_layers**2 - 1) / 3 * proximity)
         return resistance
 
-    def _six_steps(self, rads: FloatArray, voltage: FloatArray) -> FloatArray:
+    def _six_step_loss_w(self, rads: FloatArray, voltage: FloatArray) -> FloatArray:
         orders = np.array([6 * k + side for k in range(1, STEPS + 1) for side in (-1, 1)])
         frequency = np.maximum(rads, 1e-6)[:, None] * orders
         current = voltage[:, None] / orders / (frequency * self.harmonic_h)
         loss: FloatArray = np.sum(1.5 * self._resistance(frequency) * current**2, axis=1)
         return loss
 
-    def _space_vectors(self, rads: FloatArray, voltage: FloatArray) -> FloatArray:
+    def _space_vector_loss_w(self, rads: FloatArray, voltage: FloatArray) -> FloatArray:
         half = 0.5 * self.parameters.link_voltage_v
         depth, table = side_bands()
         at = np.clip(np.nan_to_num(voltage) / half, 0.0, depth[-1]) / depth[1]

@@ -9,7 +9,7 @@ All from a scenario's own keys, in the conventions that its file format states:
 
 tau is the factor of tunnels. In a cell v and v^2 are the means of both ends, and the line's values are means over the
 cell and over the train behind its front: at its front for a train without length, over its length, or at the centres
-of its cars. Before the start the first value goes on.
+of its cars. Before the start the first value continues.
 """
 
 from collections.abc import Callable
@@ -51,7 +51,7 @@ class Route:
     sections : tuple of Section
         In running order; `gradient_sign` turns their gradients.
     gradient_sign : float
-        -1 on the way back.
+        -1 on a line that is driven from its end.
     limits : tuple of (float, float, float)
         Further limits: from [m], to [m], speed [m/s].
     stops : tuple of Stop
@@ -101,8 +101,8 @@ class Route:
         return means
 
     def _integral(self, values: FloatArray) -> Callable[[FloatArray], FloatArray]:
-        """Return the integral over the way of the front of a mean under the train."""
-        # the first section goes on before the start for as long as the train is
+        """Return the integral over the position of the front of a mean under the train."""
+        # the first section continues before the start for the length of the train
         borders = np.append(-1.0 - (self.train_m or 0.0), self.borders_m)
         once = np.append(0.0, np.cumsum(np.append(values[0], values) * np.diff(borders)))
 
