@@ -34,7 +34,7 @@ class DetuningTable:
     scenario : Scenario
         What was simulated, but for the factor.
     rotor_resistance_factors : tuple of float
-        Rotor resistance that the control believes in, over the true one.
+        Rotor resistance that the control assumes, over the true one.
     energy_kwh, magnetising_loss_kwh : array of shape (k,)
         Energy that the machines take, and what of it the flux's current loses in the stator [kWh].
     max_current_a, max_phase_voltage_v : array of shape (k,)
@@ -73,14 +73,14 @@ class DetuningTable:
 
 
 def detuning(scenario: Scenario, factors: Sequence[float] = FACTORS, plan: Trajectory | None = None) -> DetuningTable:
-    """Return energy, current, voltage and tracking over the rotor resistance that the control believes in.
+    """Return energy, current, voltage and tracking over the rotor resistance that the control assumes.
 
     Parameters
     ----------
     scenario : Scenario
         What is simulated, but for the factor.
     factors : sequence of float
-        Believed over true rotor resistance.
+        Assumed over true rotor resistance.
     plan : Trajectory, optional
         What to follow; the scenario's own strategy where absent.
 
@@ -106,7 +106,7 @@ def detuning_steps(
     yield table
     for k, variant in enumerate(variants):
         with suppress(InfeasibleLineError, SolverError):
-            values[:, k] = _told(simulate_field_oriented(variant, planned))
+            values[:, k] = _figures(simulate_field_oriented(variant, planned))
         yield _filled(table, values, k + 1)
 
 
@@ -124,7 +124,7 @@ def _filled(table: DetuningTable, values: FloatArray, done: int) -> DetuningTabl
     )
 
 
-def _told(run: FieldOrientedRun) -> tuple[float, float, float, float, float]:
+def _figures(run: FieldOrientedRun) -> tuple[float, float, float, float, float]:
     return (
         float(run.energy_by_input_power_j[-1]) / J_PER_KWH,
         run.magnetising_loss_kwh,

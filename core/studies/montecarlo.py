@@ -42,7 +42,7 @@ class MonteCarloTable:
         Energy of the plan [kWh].
     drawn : dict
         What was drawn, by `QUANTITIES`: arrays of shape (runs,).
-    knowing_kwh : array of shape (runs,)
+    replanned_kwh : array of shape (runs,)
         Energy of the plan of a train that knows its load [kWh].
     energy_kwh, delay_s, stop_error_m : array of shape (done,)
         Energy as driven [kWh], delay at the end [s], last stopping error [m] of the runs done so far.
@@ -51,7 +51,7 @@ class MonteCarloTable:
     scenario: Scenario
     planned_kwh: float
     drawn: dict[str, FloatArray]
-    knowing_kwh: FloatArray
+    replanned_kwh: FloatArray
     energy_kwh: FloatArray
     delay_s: FloatArray
     stop_error_m: FloatArray
@@ -64,7 +64,7 @@ class MonteCarloTable:
     @property
     def runs(self) -> int:
         """How many runs are asked for."""
-        return len(self.knowing_kwh)
+        return len(self.replanned_kwh)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -80,7 +80,7 @@ class MonteCarloTable:
     @property
     def over_replanned(self) -> FloatArray:
         """Energy over that of the plan of a train that knows its load, less 1; shape (done,)."""
-        return share_above(self.energy_kwh, self.knowing_kwh[: self.done])
+        return share_above(self.energy_kwh, self.replanned_kwh[: self.done])
 
     def to_dataset(self) -> "xarray.Dataset":
         """Return the runs done so far with labels and units."""
@@ -134,7 +134,7 @@ def monte_carlo_steps(scenario: Scenario) -> Iterator[MonteCarloTable]:
         scenario,
         planned.energy_kwh,
         drawn,
-        frozen_array(_energies_knowing(scenario, drawn["load_factor"])),
+        frozen_array(_replanned_energies(scenario, drawn["load_factor"])),
         *(frozen_array([]),) * RESULTS,
     )
     yield table
@@ -168,11 +168,11 @@ def draw(scenario: Scenario) -> dict[str, FloatArray]:
         If a distribution has nothing within the bounds.
     """
     options = scenario.montecarlo
-    shares = np.random.default_rng(options.seed).random((options.runs, len(QUANTITIES)))
-    way = float(min(np.diff([0.0, *stops_of(scenario)])))
+    probabilities = np.random.default_rng(options.seed).random((options.runs, len(QUANTITIES)))
+    shortest_distance_m = float(min(np.diff([0.0, *stops_of(scenario)])))
     bounds = {
         "load_factor": (0.0, _largest_load(scenario)),
-        "coordinate_error_m": (np.nextafter(-way, 0), np.nextafter(way, 0)),
+        "coordinate_error_m": (np.nextafter(-shortest_distance_m, 0), np.nextafter(shortest_distance_m, 0)),
         "resistance_factor": FACTOR_BOUNDS,
         "line_voltage_factor": FACTOR_BOUNDS,
         "departure_delay_s": (0.0, LONGEST_DELAY_S),
@@ -182,7 +182,7 @@ def draw(scenario: Scenario) -> dict[str, FloatArray]:
         name: getattr(disturbance, name) for name in QUANTITIES if name != "load_factor"
     }
     return {
-        name: frozen_array(_cut_off(name, getattr(options, name), planned[name], bounds[name], shares[:, k]))
+        name: frozen_array(_truncated(name, getattr(options, name), planned[name], bounds[name], probabilities[:, k]))
         for k, name in enumerate(QUANTITIES)
     }
 
@@ -195,25 +195,25 @@ def _largest_load(scenario: Scenario) -> float:
     return scenario.vehicle.crush_load_factor if beyond else 1.0
 
 
-def _cut_off(
-    name: str, distribution: Distribution, planned: float, bounds: tuple[float, float], shares: FloatArray
+def _truncated(
+    name: str, distribution: Distribution, planned: float, bounds: tuple[float, float], probabilities: FloatArray
 ) -> FloatArray:
-    """Return the quantiles at `shares` of what a distribution has within the bounds."""
+    """Return the quantiles at `probabilities` of what a distribution has within the bounds."""
     low, high = bounds
     if isinstance(distribution, Fixed):
         if not low <= distribution.value <= high:
             value = distribution.value
             raise ScenarioError(f"montecarlo.{name}.value = {value:g} must lie within {low:g} to {high:g}.")
-        return np.full(len(shares), distribution.value)
-    frozen = _frozen(distribution, planned)
-    first, last = frozen.cdf([low, high])
-    values: FloatArray = frozen.ppf(first + (last - first) * shares)
+        return np.full(len(probabilities), distribution.value)
+    known = _scipy_distribution(distribution, planned)
+    first, last = known.cdf([low, high])
+    values: FloatArray = known.ppf(first + (last - first) * probabilities)
     if not (last > first and np.all(np.isfinite(values))):
         raise ScenarioError(f"montecarlo.{name}: the distribution has no values within {low:g} to {high:g}.")
     return np.clip(values, low, high)
 
 
-def _frozen(distribution: Distribution, planned: float) -> Any:
+def _scipy_distribution(distribution: Distribution, planned: float) -> Any:
     """Return a distribution as SciPy knows it."""
     from scipy import stats  # noqa: PLC0415  (slow to import, and seldom needed)
 
@@ -230,7 +230,7 @@ def _frozen(distribution: Distribution, planned: float) -> Any:
     return stats.expon(scale=distribution.mean)  # type: ignore[union-attr]
 
 
-def _energies_knowing(scenario: Scenario, load_factors: FloatArray) -> FloatArray:
+def _replanned_energies(scenario: Scenario, load_factors: FloatArray) -> FloatArray:
     """Return the energy [kWh] of plans that know their load; NaN beyond the loads that can be planned for."""
     loads = (_largest_load(scenario) * PLANNED_LOADS).tolist()
     planned = {load: plan_knowing_load(scenario, load) for load in loads}

@@ -94,7 +94,7 @@ def operating_points(run: Trajectory) -> OperatingPoints:
     speed = np.divide(length, duration, out=np.zeros_like(duration), where=duration > 0)
     effort = run.tractive_effort_n - run.electric_braking_n
     on = (effort != 0) & (speed > 0)
-    torque = effort[on] * _shaft_share(drive, effort[on]) / _newtons_per_nm(drive)
+    torque = effort[on] * _shaft_over_wheel_power(drive, effort[on]) / _newtons_per_nm(drive)
     return OperatingPoints(frozen_array(torque), frozen_array(speed[on] * _turns_per_metre(drive)))
 
 
@@ -112,12 +112,12 @@ def _map_of_losses(scenario: Scenario, parameters: GearedMotors, speed_rads: Flo
     """Return the map of a drive that knows the losses of all motors, within the limits of the vehicle's effort."""
     drive, course = make_drive(parameters), build_course(scenario).data
     speed_ms = speed_rads / _turns_per_metre(parameters)
-    asked_ms = np.maximum(speed_ms, SLOWEST_SHARE * speed_ms[-1])
-    driving, braking = course.traction.effort_n(asked_ms), course.braking.effort_n(asked_ms)
+    limit_speed_ms = np.maximum(speed_ms, SLOWEST_SHARE * speed_ms[-1])
+    driving, braking = course.traction.effort_n(limit_speed_ms), course.braking.effort_n(limit_speed_ms)
     ends = np.array([-braking.max(), driving.max()])
-    least, most = (ends * _shaft_share(parameters, ends) / _newtons_per_nm(parameters)).tolist()
+    least, most = (ends * _shaft_over_wheel_power(parameters, ends) / _newtons_per_nm(parameters)).tolist()
     torque = np.linspace(least, most, TORQUES)
-    effort = (torque * _newtons_per_nm(parameters) / _shaft_share(parameters, torque))[:, None]
+    effort = (torque * _newtons_per_nm(parameters) / _shaft_over_wheel_power(parameters, torque))[:, None]
     possible = (effort <= driving * (1 + ROUNDING)) & (effort >= -braking * (1 + ROUNDING))
     power = drive.electrical_power_w(np.where(possible, effort, 0.0), np.broadcast_to(speed_ms, possible.shape))
     shaft = torque[:, None] * speed_rads[None, :]
@@ -135,6 +135,6 @@ def _newtons_per_nm(drive: GearedMotors) -> float:
     return drive.motors * _turns_per_metre(drive)
 
 
-def _shaft_share(drive: GearedMotors, sign: FloatArray) -> FloatArray:
+def _shaft_over_wheel_power(drive: GearedMotors, sign: FloatArray) -> FloatArray:
     """Return power of the shafts over power at the wheels; negative signs brake."""
     return np.where(np.asarray(sign) < 0, 1 - drive.gear_loss_share, 1 + drive.gear_loss_share)
