@@ -14,7 +14,7 @@ ON_TIME_S = 1e-3
 """A run that arrives later than this after a time is not within it: searches for a time end this close to it."""
 
 
-def measured(runs: Sequence[Trajectory]) -> list[Trajectory]:
+def with_best_known(runs: Sequence[Trajectory]) -> list[Trajectory]:
     """Return runs over one scenario, each with its bound, or the first that covers it, and the best known run."""
     bounds = [run.bound for run in runs if run.bound is not None]
     return [

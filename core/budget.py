@@ -19,8 +19,8 @@ class Budget:
 
     Parameters
     ----------
-    taker : str
-        Who takes no more, as the sentences say.
+    name : str
+        Who sets it, as the sentences of refusal call it.
     row_count : int
         Rows of any list in a scenario.
     cell_count : int
@@ -35,7 +35,7 @@ class Budget:
         Steps of time of such a run.
     """
 
-    taker: str
+    name: str
     row_count: int
     cell_count: int
     strategy_cells: Mapping[StrategyName, int] = field(hash=False)
@@ -45,7 +45,7 @@ class Budget:
 
 
 LIBRARY = Budget(
-    taker="railjoule",
+    name="railjoule",
     row_count=100_000,
     cell_count=200_000,
     strategy_cells={"bellman": 20_000, "speed_limits": 20_000},
@@ -54,7 +54,7 @@ LIBRARY = Budget(
     loop_steps=20_000_000,
 )
 PAGE = Budget(
-    taker="the page",
+    name="the page",
     row_count=5_000,
     cell_count=20_000,
     strategy_cells={"bellman": 5_000, "speed_limits": 5_000},
