@@ -1,4 +1,4 @@
-"""Where a run's energy goes on its way: from the line through the drive to the wheels, and back."""
+"""Where a run's energy goes: from the line through the drive to the wheels, and back."""
 
 from dataclasses import dataclass
 

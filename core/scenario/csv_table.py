@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from railjoule.core.errors import ScenarioError
-from railjoule.core.scenario._sentences import nearest, show
+from railjoule.core.scenario._sentences import show, suggestion
 from railjoule.core.scenario.text_file import read_text
 
 
@@ -40,7 +40,7 @@ def read_rows(key: str, name: str, folder: Path | None, columns: Iterable[str]) 
     header = [column.strip() for column in rows[0]]
     for column in header:
         if column not in known:
-            hint = nearest(column, known)
+            hint = suggestion(column, known)
             end = "" if hint.endswith("?") else "."
             raise ScenarioError(f"{key} {name!r}: unknown column {show(column)}, {hint}{end}")
     if len(set(header)) < len(header):

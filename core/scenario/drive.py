@@ -113,11 +113,11 @@ class Induction(DriveParameters):
                     f"mutual_inductance_mh = {self.mutual_inductance_mh:g} must be below "
                     f"{side}_inductance_mh = {own:g}, which includes it"
                 )
-        for way in ("starting", "braking"):
-            current = getattr(self, f"{way}_current_a")
+        for regime in ("starting", "braking"):
+            current = getattr(self, f"{regime}_current_a")
             if current <= self.rated_magnetising_current_a:
                 raise ValueError(
-                    f"{way}_current_a = {current:g} must be above "
+                    f"{regime}_current_a = {current:g} must be above "
                     f"rated_magnetising_current_a = {self.rated_magnetising_current_a:g}"
                 )
         return self

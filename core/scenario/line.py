@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from railjoule.core.scenario._base import Number, Part
 
 SHORTEST_DISTANCE_M = 1.0
-"""Neither a line nor the way between two stations is shorter."""
+"""Neither a line nor the distance between two stations is shorter."""
 
 
 class Section(Part):

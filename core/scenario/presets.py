@@ -7,7 +7,7 @@ from importlib.resources.abc import Traversable
 from typing import Any, Literal
 
 from railjoule.core.errors import ScenarioError
-from railjoule.core.scenario._sentences import nearest, show
+from railjoule.core.scenario._sentences import show, suggestion
 
 PresetKind = Literal["vehicles", "lines", "scenarios"]
 
@@ -28,7 +28,7 @@ def preset_text(kind: PresetKind, name: str) -> str:
         If there is no such preset.
     """
     if name not in preset_names(kind):
-        hint = nearest(name, preset_names(kind))
+        hint = suggestion(name, preset_names(kind))
         end = "" if hint.endswith("?") else "."
         raise ScenarioError(f"there is no preset {show(name)} among the {kind}, {hint}{end}")
     return (_folder(kind) / f"{name}.toml").read_text(encoding="utf-8")

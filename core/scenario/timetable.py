@@ -15,7 +15,7 @@ class Timetable(Part):
     average_speed_kmh: Number | None = Field(None, gt=0, le=600, description="Length over travel time [km/h].")
 
     @model_validator(mode="after")
-    def _one_way(self) -> Self:
+    def _one_definition(self) -> Self:
         if (self.travel_time_s is None) == (self.average_speed_kmh is None):
             raise ValueError("needs exactly one of travel_time_s and average_speed_kmh")
         return self

@@ -106,7 +106,7 @@ class Program:
         speed = self.casadi.sqrt(w)
         v = mean_speed(speed[:-1], speed[1:])
         cells = cells_of(data)
-        rise = cells.inertia / self.scale * (w[1:] - w[:-1])
+        acceleration_force = cells.inertia / self.scale * (w[1:] - w[:-1])
         force = needed_force(cells, w[:-1], w[1:], v) / self.scale
         braking = self.braking if self.has_braking else self.traction - force
         top_speed = 0.5 * (reachable_speed[1:] + reachable_speed[:-1])
@@ -118,7 +118,7 @@ class Program:
             self._keep(braking, 0.0, data.braking.constant_n / self.scale)
         if np.isfinite([data.max_acceleration_ms2, data.max_deceleration_ms2]).any():
             inertia = 2 * data.half_inertia_kg / self.scale
-            self._keep(rise, -inertia * data.max_deceleration_ms2, inertia * data.max_acceleration_ms2)
+            self._keep(acceleration_force, -inertia * data.max_deceleration_ms2, inertia * data.max_acceleration_ms2)
         time = sum_of(duration(h, v))
         self._keep(time, -np.inf, running_time_s)
         return sum_of(h * self._energy_per_metre(v, braking)) + data.auxiliary_power_w / self.scale * time

@@ -44,11 +44,11 @@ def sample_trapezoid(line: PlainLine, travel_time_s: float, acceleration_time_s:
         T_m and T_e [s]; T_e is at most half of T_m.
     """
     peak = line.distance_m / (travel_time_s - acceleration_time_s)
-    rise = peak / acceleration_time_s
+    ramp_ms2 = peak / acceleration_time_s
     parts = (
-        (acceleration_time_s, 0.0, rise),
+        (acceleration_time_s, 0.0, ramp_ms2),
         (travel_time_s - 2 * acceleration_time_s, peak, 0.0),
-        (acceleration_time_s, peak, -rise),
+        (acceleration_time_s, peak, -ramp_ms2),
     )
     efforts, energies = [], []
     energy, shaft = 0.0, 0.0

@@ -117,7 +117,7 @@ def planned_phases(vehicle: Vehicle, paper: Printed) -> Table:
 
 
 def replanned() -> Table:
-    """Return the ride with the stop as driver and computer replan it on the way; the paper prints the driver's."""
+    """Return the ride with the stop as driver and computer replan it during the run; the paper prints the driver's."""
     rows = []
     for recuperation in (0.0, 1.0):
         scenario = load_scenario("tram-950m-stop").with_(**{"drive.recuperation_factor": recuperation})
@@ -259,7 +259,7 @@ def _printed_part_two(figure: Printed, paper: Printed) -> float:
 def _part_one(planner: PhasePlanner, paper: Printed) -> float:
     """Return the energy of part I [kWh], whose phases the driver chose: driven between their printed speeds."""
     start, cruise, _ = _phases_of_part(paper, "part I")
-    speed, way = float(start["end_ms"]), float(cruise["distance_m"])
+    speed, cruise_m = float(start["end_ms"]), float(cruise["distance_m"])
     plan = planner.plan(float(paper["part_ii_length_m"]), _part_two_time_s(paper))
-    driven = replace(plan, cruise_speed_ms=speed, brake_speed_ms=speed, cruise_m=way)
+    driven = replace(plan, cruise_speed_ms=speed, brake_speed_ms=speed, cruise_m=cruise_m)
     return float(np.sum([phase.energy_j for phase in planner.phases_of(driven)])) / J_PER_KWH

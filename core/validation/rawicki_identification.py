@@ -25,7 +25,7 @@ from railjoule.core.scenario.options import PhasesOptions
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH, W_PER_KW
 
 NAMEPLATE_WEIGHT = 0.5
-EXACT = {"ftol": 1e-13, "xtol": 1e-13, "gtol": 1e-13, "jac": "3-point", "diff_step": 1e-4}
+LEAST_SQUARES_OPTIONS = {"ftol": 1e-13, "xtol": 1e-13, "gtol": 1e-13, "jac": "3-point", "diff_step": 1e-4}
 """One direction is all but flat: steps must be far above rounding, and derivatives of second order."""
 FIRST_GUESS = {
     "rotating_mass_factor": 0.15,
@@ -88,17 +88,19 @@ def identify(base: Vehicle, paper: Printed) -> Identification:
     """
     names, guess = tuple(FIRST_GUESS), np.array(list(FIRST_GUESS.values()))
     phases, plate = paper["phase"], paper["nameplate"]
-    aims = np.concatenate([printed_values(phases), nameplate_values(plate)])
-    weights = np.where(np.arange(len(aims)) < len(aims) - 4, 1.0, NAMEPLATE_WEIGHT)
+    printed = np.concatenate([printed_values(phases), nameplate_values(plate)])
+    weights = np.where(np.arange(len(printed)) < len(printed) - 4, 1.0, NAMEPLATE_WEIGHT)
 
     def differences(factors: FloatArray) -> FloatArray:
         vehicle = with_numbers(base, dict(zip(names, (factors * guess).tolist(), strict=True)))
         ours = np.concatenate([driven_values(vehicle, phases), machine_values(vehicle, plate)])
-        percent: FloatArray = 100 * (ours / aims - 1)
+        percent: FloatArray = 100 * (ours / printed - 1)
         return percent
 
-    fit = least_squares(lambda factors: weights * differences(factors), np.ones(len(guess)), x_scale=0.05, **EXACT)
-    freedom = len(aims) - len(guess)
+    fit = least_squares(
+        lambda factors: weights * differences(factors), np.ones(len(guess)), x_scale=0.05, **LEAST_SQUARES_OPTIONS
+    )
+    freedom = len(printed) - len(guess)
     covariance = np.linalg.inv(fit.jac.T @ fit.jac) * (2 * fit.cost / freedom)
     return Identification(
         names=names,
@@ -122,7 +124,7 @@ def with_numbers(base: Vehicle, numbers: dict[str, float]) -> Vehicle:
 
 
 def printed_values(phases: list[Printed]) -> FloatArray:
-    """Return what is printed of phases, in the order of `driven_values`; a cruise's way is that of its time."""
+    """Return what is printed of phases, in the order of `driven_values`; a cruise's distance is that of its time."""
     return np.array([phase[name] for phase in phases for name in value_names(phase)])
 
 
