@@ -8,6 +8,8 @@ from pydantic import BaseModel, ValidationError
 
 from railjoule.core.scenario.options import MonteCarloOptions
 
+# pydantic's own sentences name neither the key as the file has it nor always the value, so each of its kinds of error
+# has words here; those without fall through to its own at the end of `_finding`.
 BOUNDS = {
     "greater_than": ("gt", "must be above"),
     "greater_than_equal": ("ge", "must be at least"),
@@ -27,14 +29,18 @@ KINDS = {
     "model_attributes_type": "must be a table",
     "dict_type": "must be a table",
 }
+# in a file the drive is a table of its own, in the model a part of the vehicle
 ALIASES = {"vehicle.drive": "drive"}
 TAG_KEYS = ("model", "distribution")
 """Keys that tell the kind of a table."""
 TAGGED_TABLES = {"drive", *MonteCarloOptions.model_fields}
 """Tables of which a key tells the kind."""
 LONGEST_SHOWN = 60
+# Larger, and every misspelling would have two proposals; smaller, and of two keys that differ in their unit alone only
+# one would be named.
 SECOND_MATCH_MARGIN = 0.18
 """A second name is proposed where its likeness is less than this below that of the first."""
+# Python refuses to print integers of more than 4300 digits, some 14,000 bits; a file may hold one all the same.
 LONGEST_INTEGER_BITS = 4096
 
 
@@ -44,6 +50,7 @@ def sentence_of(error: ValidationError, model: type[BaseModel], source: str) -> 
     findings = [finding for finding in everything if not _is_consequence(finding, everything)]
     # a misspelt key is told before the key that is therefore missing
     first = next((finding for finding in findings if finding["type"] == "extra_forbidden"), findings[0])
+    # the others are counted and not listed: one mistake is mended at a time, and most of the others follow from it
     text = f"{source}: {_finding(first, model)}"
     others = len(findings) - 1
     return text + (f" (and {others} more)." if others else "" if text.endswith("?") else ".")
@@ -59,6 +66,7 @@ def _is_consequence(finding: Mapping[str, Any], findings: Sequence[Mapping[str, 
 
 def suggestion(name: str, known: Iterable[str]) -> str:
     """Return 'did you mean ...?' or a list of what is known, for an unknown `name`."""
+    # sorted, so that equal likenesses come in the same order each time
     names = sorted(known)
     close = difflib.get_close_matches(name, names, n=2, cutoff=0.6)
     likeness = [difflib.SequenceMatcher(None, name, match).ratio() for match in close]
@@ -82,6 +90,7 @@ def shorten(text: str) -> str:
 
 def _finding(finding: Mapping[str, Any], model: type[BaseModel]) -> str:
     place = finding["loc"]
+    # pydantic puts the tag of a union into the place, "drive.induction.motors", where the file has "drive.motors"
     location = _without_tags(place)
     path = _dotted(location)
     kind, value, context = finding["type"], finding["input"], finding.get("ctx", {})
@@ -150,6 +159,7 @@ def _keys_at(model: type[BaseModel], location: Sequence[str | int]) -> set[str]:
                 if part in outer.model_fields
                 for inner in _models_in(outer.model_fields[part].annotation)
             ]
+            # a part that is no field is the tag of a union: it chooses among the models found so far
             models = inside or [one for one in models if _is_tagged(one, part)]
     return {name for known in models for name in known.model_fields}
 

@@ -46,9 +46,12 @@ def preset_document(kind: PresetKind, name: str) -> dict[str, Any]:
 
 
 def _folder(kind: PresetKind) -> Traversable:
+    # importlib.resources: the assets may lie in a wheel or in a checkout, and only this finds both
     return files("railjoule.assets") / kind
 
 
+# The text is kept, and not the dictionary: a page asks at every change, and callers change what they get. 64 is more
+# than there are files.
 @lru_cache(maxsize=64)
 def _cached_text(kind: PresetKind, name: str) -> str:
     return preset_text(kind, name)
