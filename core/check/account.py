@@ -19,11 +19,18 @@ from railjoule.core.check.case import Case
 from railjoule.core.check.result import Check, Finding, Unchecked, largest_of
 from railjoule.core.units import MS_PER_KMH
 
+# Sums over some 1e5 cells in another order than that of the product differ by 1e-11 of their parts. 1e-7 leaves room
+# for what a solver leaves of the balance of forces, and is a thousandth of the last digit that is printed.
 SUM_TOLERANCE = 1e-7
+# A proven optimum equals its bound but for the gap up to which it counts as proven, `trajectory.PROVEN_GAP`: the same
+# number.
 BOUND_TOLERANCE = 1e-6
 """How far below a bound rounding may put an energy, as a share of the bound."""
+# The statement of the product, written down again: what is compared with it must not come from the same line. On a
+# line downhill the net energy crosses zero, where a share of it would mean nothing.
 SMALL_ENERGY_SHARE = 0.1
 """A bound near zero counts as this share of the kinetic energy at the mean speed."""
+# again a statement of the product: its solver has a floor of the speed there, so that times stay finite
 LEAST_COVERED_MS = 0.1
 """A bound covers runs that go nowhere slower between their stops, 0.36 km/h."""
 FLOWS = ("traction_j", "recuperated_j", "auxiliary_j")
@@ -41,6 +48,7 @@ def _so_far(case: Case) -> Finding:
     record = case.record
     if record.line_energy_j is None or record.line_power_w is None:
         return Unchecked("energy so far", "the table has not both columns line_power_kw and line_energy_kwh")
+    # auxiliaries included, and cells without length too: a standing train takes their power
     energy = np.append(0.0, np.cumsum(record.line_power_w * np.diff(record.time_s)))
     misses = np.abs(record.line_energy_j - energy) / case.energy_scale_j
     return largest_of("energy so far", "the energy moved", SUM_TOLERANCE, misses, record.position_m)
@@ -52,6 +60,7 @@ def _account(case: Case) -> Iterator[Finding]:
     if reported is None or losses is None or record.line_power_w is None:
         yield Unchecked("account", "a table of nodes has none")
         return
+    # the account has the auxiliaries apart, so they are taken off before driving and recuperating are told by the sign
     power, seconds = record.line_power_w - case.auxiliary_power_w, np.diff(record.time_s)
     sums = {
         "traction_j": np.sum(np.maximum(power, 0.0) * seconds),
@@ -64,7 +73,9 @@ def _account(case: Case) -> Iterator[Finding]:
     }
     for name, joules in sums.items():
         yield _energy(case, f"account: {name.removesuffix('_j').replace('_', ' ')}", reported[name] - joules)
+    # a copy, as the kinds that are compared are taken out of it one by one
     yield from _losses(case, dict(losses))
+    # That each entry is right and that they add up are two rules: an entry that one side lacks breaks this one alone.
     parts = sum(losses.values()) + sum(joules for name, joules in reported.items() if name not in FLOWS)
     miss = parts - reported["traction_j"] + reported["recuperated_j"]
     yield _energy(case, "account: closes", miss, SUM_TOLERANCE + _rounded_effort_work_j(case) / case.energy_scale_j)
@@ -84,8 +95,10 @@ def _losses(case: Case, reported_j: dict[str, float]) -> Iterator[Finding]:
         yield Unchecked("account: losses of the drive", "its motors cannot do what the run asks of them")
         return
     losses = dict(case.losses_w)
+    # what is generated and not taken back; a draw in braking is no loss of theirs, hence the minimum with 0
     losses["brake_resistors"] = -(1 - case.recuperation_factor) * np.minimum(case.terminal_power_w, 0.0)
     sums = {kind: float(np.sum(watts * record.duration_s)) for kind, watts in losses.items()}
+    # a product that tabulates its losses may be off by that much in each cell, all in the same direction at worst
     uncertain_j = float(np.sum(case.loss_uncertainty_w * record.duration_s)) + _rounded_effort_work_j(case)
     allowed = SUM_TOLERANCE + uncertain_j / case.energy_scale_j
     for kind in sorted(sums.keys() & reported_j.keys()):
@@ -118,6 +131,7 @@ def _bound(case: Case) -> Iterator[Finding]:
     mean_speed = (record.position_m[-1] - record.position_m[0]) / (record.time_s[-1] - record.time_s[0])
     kinetic = 0.5 * case.train.inertia_kg * mean_speed**2
     gap = (net - record.bound_j) / max(abs(record.bound_j), SMALL_ENERGY_SHARE * kinetic)
+    # above 1 relative, below absolute: the gap of a proven optimum is itself nothing but rounding
     yield largest_of("gap", "the gap, at least 1", SUM_TOLERANCE, abs(gap - record.gap) / max(abs(gap), 1.0))
     slowest = _slowest_between_stops(record.speed_ms)
     if slowest < LEAST_COVERED_MS:
@@ -132,5 +146,6 @@ def _bound(case: Case) -> Iterator[Finding]:
 def _slowest_between_stops(speed_ms: FloatArray) -> float:
     """Return the least speed to which a run slows down without stopping [m/s], infinite where it never does."""
     before, here, after = speed_ms[:-2], speed_ms[1:-1], speed_ms[2:]
+    # beside a stop the speed only rises or only falls, so no node there is at most as fast as both of its neighbours
     dips = here[(here > 0) & (here <= before) & (here <= after)]
     return float(np.min(dips, initial=np.inf))

@@ -13,10 +13,15 @@ from railjoule.core.check.case import Case
 from railjoule.core.check.result import Check, Finding, Unchecked, largest_of
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, W_PER_KW
 
+# Interior points stop just inside a limit, exact coasting and joined runs put some efforts just beyond it. 2e-6 of the
+# largest effort is below a newton for trains of up to 500 kN.
 ROUNDED_LIMIT = 2e-6
 """A vehicle without an electric brake may have a billionth of its tractive effort, and solvers stop near a limit."""
+# Where two limits cross, the smaller of both has a kink that a cubic per piece of speed cannot follow. Larger, and a
+# limit that is wrong by half a per cent would pass; smaller, and a run along a rounded corner would be called a fault.
 ROUNDED_CORNERS = 2e-3
 """The product rounds the corners of limits that vary with speed, those of motors and curves; here they are exact."""
+# the pull-out torque of machines without voltage to spare falls towards nothing at high speed
 LEAST_SHARE = 0.01
 """Of the largest effort; limits below it count as this much, or a deviation would be a share of nothing."""
 
@@ -44,6 +49,8 @@ def _traction(case: Case, effort_n: FloatArray) -> Iterator[Check]:
     if traction.max_power_kw is not None:
         yield _power(case, "tractive power", effort_n, traction.max_power_kw * W_PER_KW)
     if traction.curve is not None:
+        # linear between the points, as the file format states; the product tabulates the same curve with rounded
+        # corners
         kmh, kn = np.array(traction.curve).T
         limit = np.interp(speed, kmh * MS_PER_KMH, kn * N_PER_KN)
         yield _effort(case, "curve of tractive effort", effort_n, limit, ROUNDED_CORNERS)
@@ -65,6 +72,7 @@ def _brakes(case: Case, electric_n: FloatArray, friction_n: FloatArray) -> Itera
 def _all_brakes(case: Case, braking_n: FloatArray) -> Iterator[Finding]:
     """Compare the sum of the brakes alone, where nothing tells how they share."""
     friction = case.scenario.vehicle.braking.friction_effort_kn * N_PER_KN
+    # the weakest true statement: whatever the sharing, both brakes together do not do more than both can
     excess = (braking_n - case.electric_limit_n - friction - case.rounding_n) / case.effort_scale_n
     yield largest_of("effort of all brakes", "the largest effort", ROUNDED_CORNERS, excess, case.record.middle_m)
     for name in ("electric braking effort", "friction braking effort", "sharing of the brakes"):
@@ -77,6 +85,7 @@ def _effort(case: Case, name: str, effort_n: FloatArray, limit_n: FloatArray, al
 
 
 def _power(case: Case, name: str, effort_n: FloatArray, limit_w: float) -> Check:
+    # power at the wheels, at the mean speed: effort times distance over time is then exactly the work over the time
     excess = (effort_n - case.rounding_n) * case.record.mean_speed_ms / limit_w - 1
     return largest_of(name, "the limit", ROUNDED_LIMIT, excess, case.record.middle_m)
 
@@ -87,6 +96,7 @@ def _motors(case: Case, name: str, effort_n: FloatArray, braking: bool) -> Itera
     limit = case.model.largest_effort_n(case.record.mean_speed_ms[used], braking)
     if np.isinf(limit).all():
         return
+    # the rounding of a limit of its own comes on top of that of the corners, hence it is taken off here
     scale = np.maximum(limit, LEAST_SHARE * case.effort_scale_n)
     excess = (effort_n[used] - limit - case.rounding_n[used]) / scale - ROUNDED_LIMIT
     yield largest_of(name, "the motors' largest effort", ROUNDED_CORNERS, excess, case.record.middle_m[used])
@@ -108,9 +118,12 @@ def _sharing(case: Case, electric_n: FloatArray, friction_n: FloatArray) -> Chec
     """Compare with a full electric brake: friction may only do what it cannot, or what would cost line power."""
     used = friction_n > ROUNDED_LIMIT * case.effort_scale_n
     electric, speed = electric_n[used], case.record.mean_speed_ms[used]
+    # What the electric brake could have done of the whole braking. That friction helps is no fault where the full
+    # electric brake would have drawn power: so the line power of both sharings is compared, not the efforts.
     full = np.minimum(electric + friction_n[used], np.maximum(case.electric_limit_n[used], electric))
     lost = case.line_power_of_effort_w(-electric, speed) - case.line_power_of_effort_w(-full, speed)
     if case.record.line_power_w is not None:
+        # twice, as both powers of the difference are uncertain
         lost = lost - 2 * case.loss_uncertainty_w[used]
     scale = np.maximum(full * speed, 1e-3 * case.effort_scale_n * np.max(speed, initial=1.0))
     share = np.nan_to_num(lost / scale)

@@ -31,6 +31,8 @@ from railjoule.core.check.polynomials import product, real_roots, values
 from railjoule.core.scenario.drive import Induction
 from railjoule.core.units import H_PER_MH
 
+# Efforts along the rounded corners of the product's limits exceed the exact pull-out by this share,
+# `efforts.ROUNDED_CORNERS`. Without it such a cell would have no losses to compare with.
 OVERLOAD = 2e-3
 """A torque so little beyond the greatest takes the power that it has at the ratio of the pull-out."""
 
@@ -55,6 +57,7 @@ class InductionLosses:
     def torque_nm(self, effort_n: FloatArray) -> FloatArray:
         """Return the electromagnetic torque of each machine that an effort asks for [N m]."""
         drive = self.parameters
+        # driving, the motor must also bring what the gear loses; in braking the gear has taken its part before
         by_gear = np.where(effort_n > 0, 1 / drive.gear_efficiency, drive.gear_efficiency)
         torque: FloatArray = drive.mechanical_loss_torque_nm + effort_n * by_gear / (
             drive.motors * self.turns_per_metre
@@ -78,6 +81,8 @@ class InductionLosses:
         }
         if not drive.standstill_brake:
             return losses
+        # the brake is decided for the train as a whole, by the power at the terminals: above 0, braking would cost
+        # power
         draws = (effort_n < 0) & (work + sum(losses.values()) > 0)
         losses = {kind: np.where(draws, 0.0, watts) for kind, watts in losses.items()}
         return losses | {"standstill_brake": np.where(draws, -work, 0.0)}
@@ -89,6 +94,7 @@ class InductionLosses:
         torque = self.machine.greatest_torque(self.turns_per_metre * speed_ms, current, braking)
         if braking:
             return lever * (torque + drive.mechanical_loss_torque_nm) / drive.gear_efficiency
+        # friction of the motor helps to brake and hinders in driving, in which it may leave nothing for the wheel
         return lever * np.maximum(torque - drive.mechanical_loss_torque_nm, 0.0) * drive.gear_efficiency
 
     def current_a(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:

@@ -8,6 +8,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario.drive import GearedMotors
 
 EXACT = 0.0
+# far above the rounding of a torque from an effort, far below what any limit is known to
 EDGE = 1e-9
 """What rounding may put beyond the end of a map, or of what a current or a voltage allows, as a share."""
 
@@ -41,6 +42,7 @@ def turns_per_metre(parameters: GearedMotors) -> float:
 
 def shaft_torque_nm(parameters: GearedMotors, effort_n: FloatArray) -> FloatArray:
     """Return the torque of each shaft, braking negative [N m]: the gear loses its share in both directions."""
+    # the gear loses g |F v|: on top of the power at the wheels when driving, out of it when braking
     shaft_over_wheel = np.where(effort_n > 0, 1 + parameters.gear_loss_share, 1 - parameters.gear_loss_share)
     torque: FloatArray = effort_n * shaft_over_wheel / (parameters.motors * turns_per_metre(parameters))
     return torque

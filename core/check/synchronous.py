@@ -42,13 +42,20 @@ from railjoule.core.check.polynomials import product, real_roots
 from railjoule.core.scenario.drive import Synchronous
 from railjoule.core.units import H_PER_MH, M_PER_MM
 
+# It is this large for the jump of the losses where six steps take over within one cell of the table; in the median the
+# table is good to 1e-5. A bound by kind of cell would need the product's own table, which the check must not know.
 TABLE_ACCURACY = 0.12
 """The largest difference between table and formulas that 40 random machines had in 640,000 points was 0.102."""
+# 1.68e-8 ohm m at 20 degrees, 0.39 % more for each further one; a number of the model and not of a machine, in the
+# product as well
 COPPER_OHM_M, VACUUM_H_PER_M = 2.2e-8, 4e-7 * math.pi
 """Resistivity of the windings at 100 degrees Celsius, and permeability."""
 CARRIERS, BANDS, STEPS = 4, 16, 8
 """Multiples of the carrier, side bands on either side of each, and pairs of harmonics of six steps that count."""
+# The integral over an angle of a periodic function converges faster than any power of the step, so 240 angles are
+# exact to rounding but for the kinks of the middle phase; depths are interpolated linearly, to second order.
 DEPTHS, ANGLES = 193, 240
+# each zoom leaves four of 48 intervals: six of them end at 3e-7 of the largest current
 ZOOMS, POINTS = 6, 49
 
 
@@ -108,7 +115,9 @@ class Machine:
             / p.rated_flux_vs**2
         )
         copper = 1.5 * self._resistance(rads) * current**2
+        # beyond the inscribed circle of the hexagon no space vector reaches, and the inverter goes over to blocks
         blocks = voltage > self.space_vector_voltage_v
+        # the mean of a rectified sine: conduction at a threshold and switching losses go with it
         mean = 2 / math.pi * current
         conduction = 3 * (p.device_threshold_v * mean + 0.5 * p.device_resistance_ohm * current**2)
         frequency = np.where(blocks, rads / (2 * math.pi), p.switching_frequency_hz)
@@ -156,6 +165,7 @@ class Machine:
         least = product(along, product(y, product(y, y))) + self.saliency_h * c[:, None] ** 2 * np.eye(5)[0]
         roots = real_roots(least)
         first = np.nanmax(np.where(roots <= 0, roots, -most), axis=1)
+        # without torque the root is 0 itself, which rounding may put on the wrong side of 0
         first = np.where(c == 0, 0.0, first)
         direct = resistance * product(along, y) - (rads * self.quadrature_h * c)[:, None] * constant
         quadrature = rads[:, None] * product(flux, y) + (resistance * c)[:, None] * constant

@@ -93,6 +93,8 @@ class Route:
 
     def _under_train(self, value: Callable[[Section], float], start_m: FloatArray, end_m: FloatArray) -> FloatArray:
         """Return the mean of a value of the sections over each cell and over the train; shape (k,)."""
+        # A mean over a stretch is a difference of integrals over its length. So one function serves points, cars and
+        # trains with a length, and the product's own profile of the line is not needed.
         values = np.array([value(section) for section in self.sections])
         if not np.ptp(values):
             return np.full(len(start_m), values[0])
@@ -103,6 +105,7 @@ class Route:
     def _integral(self, values: FloatArray) -> Callable[[FloatArray], FloatArray]:
         """Return the integral over the position of the front of a mean under the train."""
         # the first section continues before the start for the length of the train
+        # one metre more, as the train's end is then never outside, whatever rounding does
         borders = np.append(-1.0 - (self.train_m or 0.0), self.borders_m)
         once = np.append(0.0, np.cumsum(np.append(values[0], values) * np.diff(borders)))
 
@@ -190,6 +193,7 @@ def train_of(vehicle: Vehicle) -> Train:
     load = vehicle.load_factor * vehicle.capacity_passengers * vehicle.passenger_mass_kg
     mass = vehicle.tare_kg + load
     if vehicle.inertial_mass_kg is None:
+        # passengers do not turn, but a factor is one of the whole mass: the convention of the file format
         inertia = (1 + (vehicle.rotating_mass_factor or 0.0)) * mass
     else:
         inertia = vehicle.inertial_mass_kg + load
