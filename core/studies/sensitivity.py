@@ -162,8 +162,10 @@ def sensitivity_steps(
         *(frozen_array(values[0]),) * 3,
     )
     yield table
+    # load by load: all errors of one load share its plans, which cost more than the runs that follow them
     for k, load in enumerate(load_factors):
         own = [plan for plan in (plan_knowing_load(direction, load) for direction in directions) if plan is not None]
+        # (12) is over both directions: with one of them infeasible the sum would be that of half a journey
         complete = len(own) == len(directions)
         replanned[k] = sum(plan.energy_kwh for plan in own) if complete else np.nan
         followed = plans if knows in {"nothing", "place"} else own if complete else None
@@ -199,4 +201,5 @@ def _followed(plans: list[Trajectory], directions: list[Scenario]) -> tuple[floa
     except InfeasibleLineError:
         return np.nan, np.nan, np.nan
     errors = [error for one in driven for error in one.stop_errors_m]
+    # (12) adds energies; delays and stopping errors do not add, so the worse direction stands for both
     return sum(one.actual.energy_kwh for one in driven), max(one.delay_s for one in driven), max(errors, key=abs)

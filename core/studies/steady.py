@@ -26,6 +26,7 @@ from railjoule.core.scenario import Scenario, Vehicle
 from railjoule.core.scenario.drive import ConstantEfficiency
 from railjoule.core.units import MS_PER_KMH
 
+# price over speed grows without bound towards rest, where the curves are drawn no further
 SLOWEST_MS = 0.1
 POINTS = 120
 PhaseOfSpeed = Literal["full_power", "coast", "brake"]
@@ -95,6 +96,7 @@ def steady_speeds(scenario: Scenario, price_of_time_w: float, highest_ms: float 
     """
     drive = constant_efficiency_of(scenario)
     driving = 1.0 / drive.traction_efficiency
+    # k of the text: what of a joule at the wheels comes back to the line
     braking = drive.recuperation_factor * (drive.braking_efficiency or drive.traction_efficiency)
     vehicle = scenario.vehicle
     _, linear, quadratic = resistance_coefficients(vehicle)
@@ -103,8 +105,10 @@ def steady_speeds(scenario: Scenario, price_of_time_w: float, highest_ms: float 
     def hold_excess_w(speed: float) -> float:
         return driving * speed**2 * resistance_slope(linear, quadratic, speed) - price_of_time_w
 
+    # V^2 R'(V) rises from 0 with V, so there is one root, or none below the top speed, which is then held
     hold = float(brentq(hold_excess_w, 0.0, top)) if hold_excess_w(top) > 0 else top
     highest = hold if highest_ms is None else min(highest_ms, hold)
+    # the constant of the first integral, taken where coasting begins: f = 0, P = 0 and p = 1 / e there
     level = float(driving * _resistance_n(vehicle, highest)) + price_of_time_w / highest
 
     def brake_excess(speed: float) -> float:
@@ -131,11 +135,13 @@ def phase_plane(scenario: Scenario, steady: SteadySpeeds) -> tuple[PhaseCurve, .
     level = steady.driving_adjoint * _resistance_n(vehicle, steady.highest_ms) + price / steady.highest_ms
     up = np.linspace(SLOWEST_MS, steady.highest_ms, POINTS)
     effort = vehicle_limit_n(vehicle, up)
+    # p from the first integral, p (f - R) = P / v + m / v - level, with P = f v / e
     full = (steady.driving_adjoint * effort + price / up - level) / (effort - _resistance_n(vehicle, up))
     down = np.linspace(steady.highest_ms, steady.brake_ms, POINTS)
     coast = (level - price / down) / _resistance_n(vehicle, down)
     last = np.linspace(steady.brake_ms, SLOWEST_MS, POINTS)
     brakes = vehicle_limit_n(vehicle, last, braking=True)
+    # the same with f = -B, of which the line gets k B v
     brake = (level + steady.braking_adjoint * brakes - price / last) / (brakes + _resistance_n(vehicle, last))
     return PhaseCurve("full_power", up, full), PhaseCurve("coast", down, coast), PhaseCurve("brake", last, brake)
 

@@ -20,8 +20,8 @@ from railjoule.core.errors import ScenarioError
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH, W_PER_KW
 
-# Shtompel and Khvorost print no efficiency. Assumed: a storage with its converter keeps about 0.9 of what goes in and out
-# again, lost in equal parts. A saving is at most the product of both efficiencies times what braking generates.
+# Shtompel and Khvorost print no efficiency. Assumed: a storage with its converter keeps about 0.9 of what goes in and
+# out again, lost in equal parts. A saving is at most the product of both efficiencies times what braking generates.
 ASSUMED_EFFICIENCY = 0.95
 """What a storage keeps of what it takes, and gives of what it keeps, where nothing else is stated."""
 # Assumed: a metro's service from 5:30 to 23:30, and the least standing time at a terminus. Only the cycles per day
@@ -130,6 +130,7 @@ def link_power_w(run: Trajectory) -> tuple[FloatArray, FloatArray]:
     """
     vehicle = run.scenario.vehicle
     duration, length = np.diff(run.time_s), np.diff(run.position_m)
+    # a dwell has no length: at speed 0 only the auxiliaries take power
     speed = np.divide(length, duration, out=np.zeros_like(duration), where=duration > 0)
     effort = run.tractive_effort_n - run.electric_braking_n
     power = make_drive(vehicle.drive).electrical_power_w(effort, speed) + vehicle.auxiliary_power_kw * W_PER_KW
@@ -160,6 +161,8 @@ def storage_need(
             raise ScenarioError(f"{name} = {value:g} must be from 0 to {most:g}.")
     power, duration = link_power_w(run)
     energy = np.append(0.0, np.cumsum(power * duration))
+    # the largest fall from any height to any later point, not from the end: what is between them must be stored at
+    # once
     drop = float(np.max(np.maximum.accumulate(energy) - energy))
     generated = float(-np.sum(np.minimum(power, 0.0) * duration))
     cycles = generated / drop if drop > 0 else 0.0
@@ -265,6 +268,7 @@ def _one_run(
     for i in range(power.shape[0]):
         energy, limit = power[i] * duration[i], most * duration[i]
         if energy < 0.0:
+            # energies at the link: what goes in shrinks by the efficiency before it counts against the size
             into = min(-energy, limit, (size - charge) / charging)
             charge += into * charging
             taken += into

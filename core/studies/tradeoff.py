@@ -25,8 +25,11 @@ if TYPE_CHECKING:
 
 TOLERANCE = 1e-6
 """Relative gap of each point, far below what a figure can show."""
+# Forty optima over 350 cells take some 20 ms. Measured on the suburban preset, 1006 cells: coarsening moves the
+# energies by 2e-5; the figures show a thousandth.
 MOST_CELLS = 350
 """A course with more cells is meshed anew with longer ones: the frontier is redrawn while a slider moves."""
+# at the shortest time itself the slope is infinite and the solver has no inside
 FIRST_SLACK = 0.004
 """The first travel time of `frontier_times` exceeds the shortest one by this share."""
 
@@ -86,6 +89,7 @@ class Frontier:
         times = self.travel_time_s[known]
         if len(times) < 2 or not times[0] <= travel_time_s <= times[-1]:
             return float("nan")
+        # its slopes are known without further runs: each optimum tells the price of time
         cubic = CubicHermiteSpline(times, self.energy_kwh[known], -self.price_of_time_w[known] / J_PER_KWH)
         return float(cubic(travel_time_s))
 
@@ -171,6 +175,7 @@ def strategy_frontier(
 
 def enoc_frontier(task: Task, travel_times_s: FloatArray, most_cells: int = MOST_CELLS) -> Frontier:
     """Return the energy of ENOC with the best acceleration time for each travel time; arguments as above."""
+    # without the acceleration time of the scenario, which is the best one for no other travel time
     free = task.scenario.model_copy(update={"enoc": EnocOptions()})
     return strategy_frontier(replace(task, scenario=free), travel_times_s, "enoc", most_cells)
 
@@ -180,6 +185,7 @@ def coarsened(task: Task, most_cells: int) -> Task:
     count = task.course.cell_count
     if count <= most_cells:
         return task
+    # nodes at borders stay, so the count falls a little less than the length of the cells grows
     longer = task.scenario.with_(**{"solver.mesh_m": task.scenario.solver.mesh_m * count / most_cells})
     return prepare_task(longer, *task.end_speeds_ms)
 
@@ -205,6 +211,7 @@ def _frontier(
     values = np.full((3, len(times)), np.nan)
     refused = []
     for index, time in enumerate(times.tolist()):
+        # the course and its fastest run do not depend on the time: they are made once for all points
         timed = replace(task, running_time_s=time - task.dwell_s)
         try:
             if not timed.running_time_s > task.shortest_time_s * (1 + LEAST_SLACK):

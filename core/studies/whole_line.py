@@ -151,6 +151,7 @@ def shared_line(task: Task, sharing: Sharing, arrivals_s: Mapping[int, float] | 
 def stop_nodes(task: Task) -> list[int]:
     """Return the nodes at which the train stands: the start, the stations, the end."""
     places = [station.position_m for station in task.scenario.line.in_running_order().inner_stations]
+    # the mesh has a node at each station, but for the rounding of its sums
     inner = [int(np.argmin(np.abs(task.course.position_m - place))) for place in places]
     return [0, *inner, task.course.cell_count]
 
@@ -188,9 +189,11 @@ def _parts_between_fixed_arrivals(
         )
     dwell, shortest = task.course.dwell_s[stops], np.append(shortest_times_s(task, stops), 0.0)
     parts, first, departed_s = [], 0, 0.0
+    # the end of the line is the last fixed arrival: the timetable fixes it
     for number, arrival in [*sorted((n + 1, s) for n, s in arrivals_s.items()), (len(stops) - 1, task.travel_time_s)]:
         running = arrival - departed_s - float(dwell[first + 1 : number].sum())
         least = float(shortest[first:number].sum())
+        # as `task.LEAST_SLACK`: at the shortest time itself the optimum has no inside to search
         if running <= least * (1 + 1e-9):
             where = _name(stations[number - 1].name, number) if number <= len(stations) else "the end"
             earliest = departed_s + least + float(dwell[first + 1 : number].sum())
@@ -207,6 +210,7 @@ def _shared(
     first, last, running = part_of_line
     inside = [stop for stop in stops if first <= stop <= last]
     shortest = shortest_times_s(task, inside)
+    # the two rules of practice beside which the optimum is shown: so many per cent, or so many seconds a leg
     if sharing == "proportional":
         times = shortest * (running / shortest.sum())
     else:
@@ -221,6 +225,7 @@ def _joined(task: Task, runs: list[Trajectory], sharing: Sharing) -> Trajectory:
     bounds = [run.bound for run in runs if run.bound is not None]
     bound = None
     if len(bounds) == len(runs):
+        # dwells between two parts belong to neither, so their time and their auxiliaries are added here
         standing_s = task.dwell_s - sum(_standing_s(run) for run in runs)
         standing_j = task.course.data.auxiliary_power_w * standing_s
         statement = f"No run with the same times from stop to stop uses less energy; of each: {bounds[0].statement}"
@@ -231,6 +236,7 @@ def _joined(task: Task, runs: list[Trajectory], sharing: Sharing) -> Trajectory:
         task.scenario,
         task.course,
         "optimal",
+        # the last node of a part is the first of the next, a stop: it counts once
         np.concatenate([speed2[0], *(values[1:] for values in speed2[1:])]),
         bound=bound,
         iterations=sum(run.iterations for run in runs),
@@ -250,6 +256,7 @@ def _legs(
     arrives = np.searchsorted(run.position_m, places - 1e-6)
     leaves = np.searchsorted(run.position_m, places + 1e-6) - 1
     stations = task.scenario.line.in_running_order().stations
+    # to a millimetre, as places of the mesh are sums
     named = {round(station.position_m, 3): station.name for station in stations}
     names = [_name(named.get(round(float(place), 3), ""), number) for number, place in enumerate(places)]
     prices = np.full(len(stops) - 1, np.nan)
