@@ -25,6 +25,7 @@ BRAKING_RESERVE_MS = HOLD_TOLERANCE_MS
 """A brake is begun so early that it still suffices for a train that is faster by this: it reads the same speed."""
 SWING_KMH = 2 * HOLD_TOLERANCE_MS / MS_PER_KMH
 """How far an alternating hold swings to each side of its speed, or less far up and farther down below a limit."""
+# rounding of sums of cells; far enough from a node to lie in its neighbour; what counts as standing
 SAME_PLACE_M, BESIDE_M, AT_REST_MS = 1e-6, 1e-3, 1e-3
 POWERED: tuple[PhaseName, ...] = ("full_power", "part_power")
 
@@ -72,6 +73,8 @@ def advise(run: "Trajectory") -> tuple[Instruction, ...]:
     phases, data = run.phases, run.run_data
     begins = [_begin_m(phase, data) for phase in phases]
     # a brake's reserve ends where the phase before it begins
+    # a brake may be moved before the start of the phase that it ends, and an instruction cannot begin before its
+    # predecessor
     begins = [begins[0], *(max(place, before) for before, place in pairwise(begins))]
     ends = [*begins[1:], phases[-1].end_m]
     return tuple(_instruction(phase, begin, end, data) for phase, begin, end in zip(phases, begins, ends, strict=True))
@@ -85,6 +88,7 @@ def _begin_m(phase: Phase, data: RunData) -> float:
         start, end = (phase.start_m, phase.start_ms), (phase.end_m, phase.end_ms)
         return float(math.floor(brake_place_m(data, start, end, BRAKING_RESERVE_MS) + SAME_PLACE_M))
     if phase.phase in POWERED:
+        # power late and brakes early: rounding the other way could break a limit by up to a metre
         return float(math.ceil(phase.start_m - SAME_PLACE_M))
     return float(round(phase.start_m))
 
@@ -124,6 +128,7 @@ def _limit_kmh(data: RunData, start_m: float, end_m: float) -> float:
 
 
 def _printed_kmh(speed_ms: float, limit_kmh: float) -> float:
+    # rounded up, a speed could exceed a limit that is no tenth; the limit is rounded down for the same reason
     return min(round(speed_ms / MS_PER_KMH, 1), limit_kmh)
 
 
@@ -144,6 +149,9 @@ def brake_place_m(run: RunData, start: tuple[float, float], end: tuple[float, fl
     reserve_ms : float
         By how much the train is faster than in the run where it begins to brake [m/s].
     """
+    # Backwards from the end, in v^2: the full brakes gain on the run's own brake until they take the surplus of a
+    # train that is faster by the reserve. Beyond the start of the brake the faster train still follows the phase
+    # before.
     i = int(np.searchsorted(run.position_m, end[0] - 1e-9)) - 1
     # the square of speed from which full braking ends as the run does, backwards from there
     place, speed, reached2 = end[0], end[1], end[1] ** 2
@@ -157,6 +165,7 @@ def brake_place_m(run: RunData, start: tuple[float, float], end: tuple[float, fl
         if braking and left < start[0]:
             left, entering = start
         slope = (speed**2 - entering**2) / (place - left)
+        # d(v^2)/dx = 2 F / m, of what the brakes have beyond what the run uses
         more = 2.0 * spare_braking_n(run, i, slope - whole) / run.inertia_kg
         entering_reached2 = reached2 + (more - slope) * (place - left)
         missing, surplus = (speed + reserve_ms) ** 2 - reached2, entering_reached2 - (entering + reserve_ms) ** 2

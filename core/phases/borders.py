@@ -11,14 +11,18 @@ from railjoule.core.phases.phase import BRAKE, COAST, FULL_POWER, HOLD, PART_POW
 from railjoule.core.phases.run_data import RunData
 from railjoule.core.phases.segments import COLUMNS, FIRST, KIND, LAST, PLACE, SHARE, SPEED, STEADY, TIME, duration_s
 
+# A driver has a few notches and cannot tell nine tenths from all of it. Lower, and the advised brake would stop short.
 FULL_BRAKING_SHARE = 0.9
 """From this share of what the brakes have on, in each cell, the train brakes fully."""
+# within 2 per cent of the next cell it is the same braking; with less, the train coasted for a part of the cell
 WHOLE_CELL_SHARE = 0.98
 """A brake's first cell with less than this share of the next one's effort is braked in part."""
+# the efforts of the neighbours are taken at their own mean speeds, so the cell between them may be a little outside
 EFFORT_SLACK = 0.05
 """A cell passes on from one segment to the next if its effort lies between theirs, or beside them by this share."""
 TIMING_TOLERANCE_S = 0.25
 """A straight piece takes as long as the run does there, but for so much: what counts at walking pace."""
+# no kind of segment has this number
 DROPPED = -1.0
 
 
@@ -31,6 +35,7 @@ def with_boundaries_in_cells(run: RunData, rows: FloatArray) -> FloatArray:
     between coasting is full power for a part of it.
     """
     rows = rows.copy()
+    # In order from the front, as a boundary that has moved is the start of the next segment.
     for k in range(rows.shape[0]):
         kind, first, last = rows[k, KIND], int(rows[k, FIRST]), int(rows[k, LAST])
         before = rows[k - 1, KIND] if k > 0 else STAND
@@ -81,6 +86,9 @@ def _move_boundary(run: RunData, row: FloatArray, first: int, last: int, before:
     """
     length = run.position_m[last] - run.position_m[first]
     speed2, leaving2 = run.speed_ms[first] ** 2, run.speed_ms[last] ** 2
+    # With one effort before the boundary and another after it, both constant, v^2 is linear on either side. Work and
+    # end speeds stay those of the cells, so the boundary is where the two efforts have the mean effort as their
+    # average.
     slope = (leaving2 - speed2) / length
     effort = largest = 0.0
     for i in range(first, last):
@@ -103,9 +111,11 @@ def _move_boundary(run: RunData, row: FloatArray, first: int, last: int, before:
     speed = math.sqrt(border2)
     if last - first > 1 and abs(speed - math.sqrt(chord2)) > 2.0 * HOLD_TOLERANCE_MS:
         return False
+    # the corner of the two lines may lie above both ends, and thus above a limit that the cell itself keeps
     if speed > max(np.min(run.limit_ms[first:last]), run.speed_ms[first], run.speed_ms[last]):
         return False
     row[PLACE], row[SPEED] = run.position_m[first] + part * length, speed
+    # length over mean speed, as v^2 is linear; the bound is for starts, where both speeds are 0
     duration = 2.0 * part * length / max(run.speed_ms[first] + speed, 1e-9)
     row[TIME] = min(run.time_s[first] + duration, run.time_s[last])
     return True
@@ -198,6 +208,7 @@ def spare_braking_n(run: RunData, cell: int, gain_ms2: float = 0.0) -> float:
     spare = max(run.largest_braking_n[cell] + run.effort_n[cell] + half * gain_ms2, 0.0)
     if run.max_deceleration_ms2 < math.inf:
         change = run.speed_ms[cell + 1] ** 2 - run.speed_ms[cell] ** 2
+        # d(v^2)/dx = 2 a: the deceleration that is left is the limit less what the run has
         slope = change / (run.position_m[cell + 1] - run.position_m[cell]) + gain_ms2
         spare = min(spare, max(half * (2.0 * run.max_deceleration_ms2 + slope), 0.0))
     return float(spare)
@@ -261,6 +272,8 @@ def _steady_end(run: RunData, nodes: FloatArray, coasts: BoolArray, begin: int) 
     interval, which each further node narrows.
     """
     place, speed2 = nodes[begin, 0], nodes[begin, 2] ** 2
+    # One pass instead of a fit for each end: a line from `begin` passes near a node if its slope lies in an interval
+    # of that node, so the intersection of all intervals so far tells whether any line does.
     least, most, best = -np.inf, np.inf, begin + 1
     for k in range(begin + 1, nodes.shape[0]):
         distance, speed = nodes[k, 0] - place, nodes[k, 2]

@@ -53,6 +53,8 @@ def find_phases(run: RunData) -> tuple[Phase, ...]:
 def _segments(run: RunData) -> tuple[FloatArray, FloatArray]:
     """Return the segments of a run and their energies [J]."""
     labels, begins_hold, negligible = label_cells(run)
+    # The order matters: short segments are joined first, or they would count as pulses; pulses become holds before the
+    # boundaries within cells move, as a boundary belongs to what is left; straight pieces come last, over final ends.
     rows = with_pulses(run, joined(run, segments_of(run, labels, begins_hold)))
     rows = with_steady_pieces(run, with_boundaries_in_cells(run, rows))
     return rows, _energies(run, rows, negligible)
@@ -66,6 +68,8 @@ def _energies(run: RunData, rows: FloatArray, negligible: BoolArray) -> FloatArr
     for k in range(count):
         for i in range(int(rows[k, FIRST]), int(rows[k, LAST])):
             taken = run.energy_j[i + 1] - run.energy_j[i]
+            # the labels call such a cell coasting, and no coasting may draw energy: the sum over all phases must stay
+            # that of the run
             receiver = _receiver_of(rows, k) if negligible[i] and rows[k, KIND] == COAST else k
             energy[receiver] += taken
     return energy

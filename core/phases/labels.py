@@ -10,16 +10,20 @@ from railjoule.core.phases.phase import BRAKE, COAST, FULL_POWER, HOLD, PART_POW
 from railjoule.core.phases.run_data import RunData
 from railjoule.core.units import MS_PER_KMH
 
+# optima follow the limit of effort to rounding, but a cell across a kink of it has the mean of both sides
 FULL_SHARE = 0.97
 """From this share of the largest effort on, power counts as full."""
+# of 200 kN these are 20 N; coasting that is made exact has 0, an interior point leaves residues of some 1e-7
 NO_EFFORT_SHARE = 1e-4
 """Up to this share of the largest effort the train coasts: a kilometre of it changes speed by less than 0.1 km/h."""
 NEGLIGIBLE_MS = 0.05 * MS_PER_KMH
 """Less than the advice's rounding to 0.1 km/h: an effort beside coasting that changes the speed by less is none."""
 HOLD_TOLERANCE_MS = 0.5 * MS_PER_KMH
 """A speed that stays within this of another reads the same on a speedometer of whole km/h: it is held."""
+# as HOLD_TOLERANCE_MS over ten seconds: what a hold of that length may change in all
 STEADY_MS2 = 0.05 * MS_PER_KMH
 """A speed that changes by less than half a km/h in ten seconds is steady [m/s2]."""
+# Shorter, and the advice names pulses that nobody can follow; longer, and holds below short limits vanish.
 SHORTEST_S = 5.0
 """An instruction that lasts less is read, begun and over before the next is read; assumed."""
 PULSE_S = 2 * SHORTEST_S
@@ -43,6 +47,7 @@ def label_cells(run: RunData) -> tuple[IntArray, BoolArray, BoolArray]:
     labels = np.empty(effort_n.shape[0], np.int64)
     idle = NO_EFFORT_SHARE * np.max(largest_n)
     for i in range(effort_n.shape[0]):
+        # standing first: a start has full effort too, at a speed that is still next to none
         if position_m[i + 1] <= position_m[i] or max(speed_ms[i], speed_ms[i + 1]) < NEGLIGIBLE_MS:
             labels[i] = STAND
         elif abs(effort_n[i]) <= idle:
@@ -53,6 +58,7 @@ def label_cells(run: RunData) -> tuple[IntArray, BoolArray, BoolArray]:
             labels[i] = FULL_POWER
         else:
             labels[i] = PART_POWER
+    # before the holds, as a hold may lie across coasting but not across its noise
     negligible = _coast_through_negligible(run, labels)
     return labels, _mark_holds(run, labels), negligible
 
@@ -80,6 +86,7 @@ def _coast_through_negligible(run: RunData, labels: IntArray) -> BoolArray:
             for i in range(first, last):
                 work += run.effort_n[i] * (run.position_m[i + 1] - run.position_m[i])
             mean_speed = 0.5 * (run.speed_ms[first] + run.speed_ms[last])
+            # work = m v dv: the change of speed that the effort makes is compared, whatever its length
             if abs(work) < NEGLIGIBLE_MS * run.inertia_kg * mean_speed:
                 labels[first:last] = COAST
                 negligible[first:last] = True
@@ -134,6 +141,7 @@ def _hold_end(speed_ms: FloatArray, limit_ms: FloatArray, may_hold: BoolArray, s
     for i in range(first, may_hold.shape[0]):
         low, high = min(low, speed_ms[i + 1]), max(high, speed_ms[i + 1])
         limit = min(limit, limit_ms[i])
+        # twice the tolerance, as it is one to each side of the speed that is held
         if not may_hold[i] or high - low > 2.0 * HOLD_TOLERANCE_MS or high > limit + NEGLIGIBLE_MS:
             break
         if steady[i]:

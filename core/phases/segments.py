@@ -12,12 +12,15 @@ from railjoule.core.phases.labels import HOLD_TOLERANCE_MS, NEGLIGIBLE_MS, PULSE
 from railjoule.core.phases.phase import COAST, FULL_POWER, HOLD, PART_POWER, STAND
 from railjoule.core.phases.run_data import RunData
 
+# an array and no tuple, as compiled code changes rows in place and cuts them out
 KIND, FIRST, LAST, PLACE, TIME, SPEED, SHARE, STEADY = range(8)
 COLUMNS = 8
+# a notch that is taken back for seconds, and no choice of another speed; below, the train would get far too fast
 REDUCED_POWER_SHARE = 0.5
 """Power that is briefly less than full, but not below this share of it, counts as full."""
 PULSE_TOLERANCE_MS = 2.0 * HOLD_TOLERANCE_MS
 """The mean speeds of pulses stay within this of one another's middle; so far up and down a driver lets it swing."""
+# twice is what a limit or a gradient may cause; three times is a pattern
 LEAST_PULSES = 3
 """So many times power is taken off and on before a driver is told to hold by turns."""
 
@@ -98,6 +101,7 @@ def _is_reduced_power(run: RunData, part: FloatArray, full: FloatArray) -> bool:
     if used < REDUCED_POWER_SHARE * full_work:
         return False
     # what full power adds is kept until the speed of the advice is reached
+    # the surplus of v^2, by work = m d(v^2) / 2
     more = 2.0 * (full_work - used) / run.inertia_kg
     for i in range(first, end):
         speed2 = min(run.speed_ms[i + 1] ** 2 + more, run.speed_ms[end] ** 2)
@@ -138,6 +142,7 @@ def with_pulses(run: RunData, rows: FloatArray) -> FloatArray:
         while end < rows.shape[0] and _is_pulse(run, rows[end]):
             end += 1
         first, last = k, end
+        # coasting at the ends is no pulse: it leads away from the speed that the pulses keep
         while last > first and rows[last - 1, KIND] == COAST:
             last -= 1
         powered = k > 0 and rows[k - 1, KIND] in (FULL_POWER, PART_POWER, HOLD)
@@ -176,6 +181,7 @@ def _level_group(run: RunData, rows: FloatArray, first: int, last: int) -> int:
         if rows[k, KIND] != COAST:
             end = k + 1
             continue
+        # of the coasting, half-way down: the pulses of one hold share it, those of a changing speed do not
         middle = 0.5 * (run.speed_ms[int(rows[k, FIRST])] + run.speed_ms[int(rows[k, LAST])])
         low, high = min(low, middle), max(high, middle)
         if high - low > 2.0 * PULSE_TOLERANCE_MS:
@@ -206,6 +212,7 @@ def _write_alternating_hold(run: RunData, group: FloatArray, out: FloatArray, co
     """
     last = int(group[-1, LAST])
     row = group.shape[0] - 1
+    # the last pulse, and so many before it that the rest is long enough for an instruction
     while row > 0 and (group[row, KIND] != COAST or run.time_s[last] - run.time_s[int(group[row, FIRST])] < SHORTEST_S):
         row -= 1
     if row > 0:
