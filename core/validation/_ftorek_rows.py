@@ -6,6 +6,7 @@ from railjoule.core.validation.table import Row
 
 Printed = dict[str, Any]
 
+# the symbols and units of Tables 1 and 2, by the keys of assets/papers/ftorek-2025.toml
 QUANTITIES = {
     "acceleration_time_s": ("T_e", "s"),
     "max_speed_kmh": ("v_max", "km/h"),

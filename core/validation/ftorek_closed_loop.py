@@ -23,6 +23,7 @@ FINE_MESH_M = 0.5
 HEAVIER = "Low alike in every shaft energy, by what g = 9.832 m/s2 for the weight would add."
 FOLLOWS = "It includes W_sh, so it is low as well."
 FILTERED = "The median over half a second: short switching transients are filtered, as in the paper."
+# the paper tells that it filtered and not how; half a second removes the switching of the plan and keeps its peaks
 FILTER_S = 0.5
 SOURCES = {"eoc": ("EOC as printed", "Table 1, Figure 4"), "enoc": ("ENOC", "Table 2, Figure 5")}
 MAGNETISING = (
@@ -67,6 +68,7 @@ def _in_the_papers_account(scenario: Scenario, strategy: str, printed: list[Prin
     rows: list[Row] = []
     for entry in printed:
         run = _run(scenario, entry, strategy)
+        # at every sample and not at the end alone, as the largest energy on the way is printed too
         energy = run.energy_by_input_power_j - run.magnetising_so_far_j
         current = _without_spikes(run)
         row = partial(printed_row, entry)
@@ -85,6 +87,7 @@ def _in_the_papers_account(scenario: Scenario, strategy: str, printed: list[Prin
 def _without_spikes(run: FieldOrientedRun) -> FloatArray:
     """Return the torque current at the samples of a run, short transients filtered [A]."""
     step = float(np.median(np.diff(run.time_s)))
+    # odd, so that the median is centred; a mean would smear a jump instead of removing a spike
     filtered: FloatArray = median_filter(run.torque_current_a, size=2 * round(FILTER_S / step / 2) + 1)
     return filtered
 

@@ -17,6 +17,7 @@ from railjoule.core.interior_point.start import SLOWEST_SPEED2, start_speeds
 from railjoule.core.task import Task
 from railjoule.core.validation._program import DRIVES, Program
 
+# quiet, and with a tolerance below the 1e-7 to which energies of two solvers are compared
 OPTIONS: dict[str, Any] = {
     "print_time": False,
     "ipopt.print_level": 0,
@@ -90,6 +91,7 @@ class IpoptProblem:
         data, timetable_start = task.course.data, _start_of_own_method(task)
         reachable = np.full_like(timetable_start, np.inf) if textbook else task.greatest_speed2
         first = _one_speed(task) if textbook else timetable_start
+        # infinite reachable speeds leave all limits over speed in, as a textbook would have them
         program = Program(data, task.running_time_s, reachable, own_braking=textbook)
         self._task, self._free = task, program.free
         self._solver = program.solver(OPTIONS)
@@ -103,9 +105,11 @@ class IpoptProblem:
         solution = self._solver(**self._arguments)
         solve_time = time.perf_counter() - started
         stats, data = self._solver.stats(), self._task.course.data
+        # the program has the free speeds alone; the others are as prescribed
         speed2 = data.fixed_speed2.copy()
         speed2[self._free] = np.array(solution["x"]).ravel()[: self._free.sum()]
         return IpoptRun(
+            # the program is scaled by the largest effort, and knows no dwells
             energy_j=float(solution["f"]) * data.traction.constant_n + self._task.dwell_energy_j,
             speed2=frozen_array(speed2),
             iterations=int(stats["iter_count"]),

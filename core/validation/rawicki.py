@@ -31,6 +31,7 @@ from railjoule.core.validation.rawicki_identification import (
 )
 from railjoule.core.validation.table import Comparison, Row, Table, Validation
 
+# what the identification leaves open is said at each number that depends on it, not once in a footnote
 NOT_UNIQUE = (
     "The printed numbers leave the tram open: gear efficiencies of 0.95 to 0.99 and core losses of 300 to 1200 W fit "
     "almost as well and move this by half a percent."
@@ -62,6 +63,7 @@ def rawicki_comparison() -> Comparison:
     return Comparison(
         paper="rawicki",
         citation=citation(paper),
+        # each is computed when it is asked for: the identification takes seconds, the figures do not
         tables=(
             partial(figures, vehicle, paper, distance, time),
             partial(planned_phases, vehicle, paper),
@@ -84,6 +86,7 @@ def figures(vehicle: Vehicle, paper: Printed, distance_m: float, running_time_s:
         place, recuperation, printed = entry["place"], float(entry["recuperation_factor"]), entry["energy_kwh"]
         planner = printed_planner(vehicle, recuperation)
         case = f"{place}, kr = {recuperation:g}"
+        # the figures without a stop come first in the file; those with one are measured against them
         if "penalty_percent" not in entry:
             alone[recuperation] = _kwh(planner.plan(distance_m, running_time_s))
             rows.append(Row(case, "En", "kWh", printed, alone[recuperation], NOT_UNIQUE))
@@ -138,8 +141,10 @@ def free_current(vehicle: Vehicle, paper: Printed, distance_m: float, running_ti
         recuperation = float(entry["recuperation_factor"])
         case = f"950 m in 95 s, kr = {recuperation:g}"
         if entry["place"] == BEST_LAW:
+            # this reference is of other solvers without phases, over the same task
             rows += _best_force_law(load_scenario(paper["scenario"]), case, entry)
             continue
+        # his law has one current for all starts; what a free choice of it would save shows how much that law costs
         free = printed_planner(vehicle, recuperation, free_starting_current=True).plan(distance_m, running_time_s)
         steady = printed_planner(vehicle, recuperation, coast=False).plan(distance_m, running_time_s)
         assert free.starting_current_a is not None
@@ -155,6 +160,7 @@ def _best_force_law(scenario: Scenario, case: str, entry: Printed) -> list[Row]:
     """Return the best of all force laws beside what other solvers found, without and with free switching."""
     task = prepare_task(scenario.with_(**{"drive.recuperation_factor": float(entry["recuperation_factor"])}))
     run = run_strategy(task, "optimal")
+    # the relaxed optimum: machines that switch on and off at will, which bounds all force laws from below
     switched = minimise(task).energy_j
     assert run.lower_bound_kwh is not None
     return [
@@ -199,6 +205,8 @@ def parameters(vehicle: Vehicle, identification: Identification) -> Table:
         note = DETERMINED.format(identification.uncertainty_percent(key))
         if key in FLUX or key == "drive.stator_inductance_mh":
             note += " " + TOGETHER.format(identification.uncertainty_percent(*FLUX))
+        # the shipped file holds the result of an earlier identification: the two must agree, which no printed number
+        # could show
         rows.append(Row("assets/vehicles/tram-105n.toml", key, "", table[last], float(value), note))
     return Table("Parameters that the paper does not print, identified again", tuple(rows), reference="shipped")
 
@@ -252,6 +260,7 @@ def _part_two(planner: PhasePlanner, paper: Printed) -> PhasePlan:
 def _printed_part_two(figure: Printed, paper: Printed) -> float:
     """Return the printed energy of a ride with the stop, less that of part I [kWh]."""
     share, energies = figure["recuperation_factor"], [phase["energy_kwh"] for phase in _phases_of_part(paper, "part I")]
+    # printed with kr = 1; braking energies are negative there and count by the share that is recuperated
     part_one = sum(energy if energy > 0 else share * energy for energy in energies)
     return float(round(figure["energy_kwh"] - part_one, 3))
 
@@ -259,6 +268,7 @@ def _printed_part_two(figure: Printed, paper: Printed) -> float:
 def _part_one(planner: PhasePlanner, paper: Printed) -> float:
     """Return the energy of part I [kWh], whose phases the driver chose: driven between their printed speeds."""
     start, cruise, _ = _phases_of_part(paper, "part I")
+    # The phases of part I are what the driver chose, so they are data and no result of a plan.
     speed, cruise_m = float(start["end_ms"]), float(cruise["distance_m"])
     plan = planner.plan(float(paper["part_ii_length_m"]), _part_two_time_s(paper))
     driven = replace(plan, cruise_speed_ms=speed, brake_speed_ms=speed, cruise_m=cruise_m)
