@@ -44,6 +44,8 @@ class Budget:
     loop_steps: int
 
 
+# One person waits for one answer, who can be told to wait half a minute. What limits is memory and the patience of a
+# terminal, see the times above.
 LIBRARY = Budget(
     name="railjoule",
     row_count=100_000,
@@ -53,6 +55,7 @@ LIBRARY = Budget(
     loop_time_s=10_000.0,
     loop_steps=20_000_000,
 )
+# what all visitors of a server can ask for at the same time without stopping it for the others
 PAGE = Budget(
     name="the page",
     row_count=5_000,
@@ -63,6 +66,7 @@ PAGE = Budget(
     loop_steps=5_000_000,
 )
 """Smaller, as all pages of a server share its threads, and rows are checked anew at each move of a slider."""
+# a context variable and no argument: the bounds belong to who asks, and dozens of functions lie between
 _CURRENT: ContextVar[Budget] = ContextVar("budget", default=LIBRARY)
 
 
@@ -83,5 +87,6 @@ def within(budget: Budget) -> Iterator[None]:
 
 def rounded_up(value: float) -> float:
     """Return a number of two digits to recommend that is not below a value above 0."""
+    # two digits are enough for a recommendation, and upwards, as the recommended mesh must be accepted
     unit = 10.0 ** (math.floor(math.log10(value)) - 1)
     return float(f"{math.ceil(value / unit) * unit:.3g}")

@@ -21,5 +21,6 @@ H_PER_MH = 1e-3
 M_PER_MM = 1e-3
 """Metres in one millimetre."""
 
+# not 9.80665, so that results can be compared with the papers: 0.03 per cent of the weight
 STANDARD_GRAVITY_MS2 = 9.81
 """Acceleration of gravity [m/s2], the value that all four papers use."""
