@@ -44,7 +44,7 @@ class Budget:
     loop_steps: int
 
 
-# One person waits for one answer, who can be told to wait half a minute. What limits is memory and the patience of a
+# One person waits for one answer, who can wait half a minute. What limits is memory and the patience of a
 # terminal, see the times above.
 LIBRARY = Budget(
     name="railjoule",
@@ -65,7 +65,7 @@ PAGE = Budget(
     loop_time_s=2_500.0,
     loop_steps=5_000_000,
 )
-"""Smaller, as all pages of a server share its threads, and rows are checked anew at each move of a slider."""
+"""Smaller, as all pages of a server share its threads, and rows are checked again at each move of a slider."""
 # a context variable and no argument: the bounds belong to who asks, and dozens of functions lie between
 _CURRENT: ContextVar[Budget] = ContextVar("budget", default=LIBRARY)
 

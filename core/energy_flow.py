@@ -41,12 +41,12 @@ class EnergyFlow:
 
     @property
     def brake_resistors_j(self) -> float:
-        """Burnt in resistors [J]."""
+        """Dissipated in resistors [J]."""
         return self.energy.losses_j.get("brake_resistors", 0.0)
 
     @property
     def friction_brakes_j(self) -> float:
-        """Burnt in friction brakes [J]."""
+        """Dissipated in friction brakes [J]."""
         return self.energy.losses_j.get("friction_brakes", 0.0)
 
     @property

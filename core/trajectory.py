@@ -254,7 +254,7 @@ class Trajectory:
 
     @cached_property
     def advice(self) -> tuple[Instruction, ...]:
-        """What a driver is told so that he drives this run, an instruction for each phase."""
+        """The driving advice for this run, an instruction for each phase."""
         return advise(self)
 
     def to_dataframe(self) -> "pandas.DataFrame":

@@ -60,7 +60,7 @@ def _account(case: Case) -> Iterator[Finding]:
     if reported is None or losses is None or record.line_power_w is None:
         yield Unchecked("account", "a table of nodes has none")
         return
-    # the account has the auxiliaries apart, so they are taken off before driving and recuperating are told by the sign
+    # the account has the auxiliaries apart, so they are taken off before the sign tells driving from recuperating
     power, seconds = record.line_power_w - case.auxiliary_power_w, np.diff(record.time_s)
     sums = {
         "traction_j": np.sum(np.maximum(power, 0.0) * seconds),

@@ -22,7 +22,7 @@ PULSE_TOLERANCE_MS = 2.0 * HOLD_TOLERANCE_MS
 """The mean speeds of pulses stay within this of one another's middle; so far up and down a driver lets it swing."""
 # twice is what a limit or a gradient may cause; three times is a pattern
 LEAST_PULSES = 3
-"""So many times power is taken off and on before a driver is told to hold by turns."""
+"""So many times power is taken off and on before the advice is to hold by turns."""
 
 
 @njit(cache=True, error_model="numpy", nogil=True)

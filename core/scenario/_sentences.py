@@ -48,7 +48,7 @@ def sentence_of(error: ValidationError, model: type[BaseModel], source: str) -> 
     """Return one sentence for the first finding of `error`, with the number of the others."""
     everything = error.errors(include_url=False)
     findings = [finding for finding in everything if not _is_consequence(finding, everything)]
-    # a misspelt key is told before the key that is therefore missing
+    # a misspelt key is reported before the key that is therefore missing
     first = next((finding for finding in findings if finding["type"] == "extra_forbidden"), findings[0])
     # the others are counted and not listed: one mistake is mended at a time, and most of the others follow from it
     text = f"{source}: {_finding(first, model)}"

@@ -131,7 +131,7 @@ class Induction(DriveParameters):
 
 
 class GearedMotors(DriveParameters):
-    """What drives have whose losses are told for each motor with its inverter."""
+    """What drives have whose losses are known for each motor with its inverter."""
 
     motors: Count = Field(ge=1, le=200, description="Number of traction motors of the train.")
     gear_ratio: Number = Field(gt=0, le=50, description="Turns of the motor in one turn of the wheel.")

@@ -9,7 +9,7 @@ from typing import Any
 
 from railjoule.core.errors import ScenarioError
 
-# two more than needed, so that a wrong key of ordinary depth is told as unknown, with a proposal, by the model
+# two more than needed, so that a wrong key of ordinary depth is reported as unknown, with a proposal, by the model
 MOST_KEY_PARTS = 6
 """The deepest key of a scenario has 4."""
 NESTED_TOO_DEEPLY = "not a valid scenario: its tables or lists are nested too deeply."

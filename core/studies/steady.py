@@ -1,4 +1,4 @@
-"""At which speeds the optimum holds, coasts and brakes on level track, told by the price of a second alone.
+"""At which speeds the optimum holds, coasts and brakes on level track, from the price of a second alone.
 
 On level track a train of constant efficiency has a first integral. With p, the adjoint variable of the kinetic energy,
 which is what a joule of motion is worth in joules at the line, e and k what the line gives for a joule at the wheels

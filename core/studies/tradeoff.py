@@ -28,7 +28,7 @@ TOLERANCE = 1e-6
 # Forty optima over 350 cells take some 20 ms. Measured on the suburban preset, 1006 cells: coarsening moves the
 # energies by 2e-5; the figures show a thousandth.
 MOST_CELLS = 350
-"""A course with more cells is meshed anew with longer ones: the frontier is redrawn while a slider moves."""
+"""A course with more cells gets a mesh of longer ones: the frontier is redrawn while a slider moves."""
 # at the shortest time itself the slope is infinite and the solver has no inside
 FIRST_SLACK = 0.004
 """The first travel time of `frontier_times` exceeds the shortest one by this share."""
@@ -134,7 +134,7 @@ def energy_time_frontier(
     travel_times_s : array of shape (m,)
         Times of the whole run, dwells included [s].
     with_bounds : bool
-        Whether each point shall be proven, which may take as long again.
+        Whether each point is to be proven, which may take as long again.
     most_cells : int
         A finer mesh is replaced by one with about this many cells.
     """

@@ -79,7 +79,7 @@ def rawicki_comparison() -> Comparison:
 
 
 def figures(vehicle: Vehicle, paper: Printed, distance_m: float, running_time_s: float) -> Table:
-    """Return the energies of Figures 1 to 4 beside ours; the ride with the stop as two plans."""
+    """Return the energies of Figures 1 to 4 beside ours; the run with the stop as two plans."""
     rows: list[Row] = []
     alone: dict[float, float] = {}
     for entry in paper["figure"]:
@@ -120,16 +120,16 @@ def planned_phases(vehicle: Vehicle, paper: Printed) -> Table:
 
 
 def replanned() -> Table:
-    """Return the ride with the stop as driver and computer replan it during the run; the paper prints the driver's."""
+    """Return the run with the stop as driver and computer replan it during the run; the paper prints the driver's."""
     rows = []
     for recuperation in (0.0, 1.0):
         scenario = load_scenario("tram-950m-stop").with_(**{"drive.recuperation_factor": recuperation})
         for reaction in get_args(Reaction):
-            ride = simulate_disturbances(scenario, reaction)
+            replanned_run = simulate_disturbances(scenario, reaction)
             case = f"kr = {recuperation:g}, {reaction}"
             rows += [
-                Row(case, "En", "kWh", None, ride.actual.energy_kwh),
-                Row(case, "late", "s", None, ride.delay_s),
+                Row(case, "En", "kWh", None, replanned_run.actual.energy_kwh),
+                Row(case, "late", "s", None, replanned_run.delay_s),
             ]
     return Table("The run replanned on the way, only ours", tuple(rows))
 
@@ -194,7 +194,7 @@ def nameplate(vehicle: Vehicle, plate: Printed) -> Table:
 
 
 def parameters(vehicle: Vehicle, identification: Identification) -> Table:
-    """Return the numbers of the shipped tram beside those identified anew, and how well they are determined."""
+    """Return the numbers of the shipped tram beside those identified again, and how well they are determined."""
     shipped = vehicle.model_dump()
     rows = []
     for key, value in zip(identification.names, identification.values, strict=True):
@@ -258,7 +258,7 @@ def _part_two(planner: PhasePlanner, paper: Printed) -> PhasePlan:
 
 
 def _printed_part_two(figure: Printed, paper: Printed) -> float:
-    """Return the printed energy of a ride with the stop, less that of part I [kWh]."""
+    """Return the printed energy of a run with the stop, less that of part I [kWh]."""
     share, energies = figure["recuperation_factor"], [phase["energy_kwh"] for phase in _phases_of_part(paper, "part I")]
     # printed with kr = 1; braking energies are negative there and count by the share that is recuperated
     part_one = sum(energy if energy > 0 else share * energy for energy in energies)
