@@ -27,7 +27,7 @@ DROPPED = -1.0
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def with_boundaries_in_cells(run: RunData, rows: FloatArray) -> FloatArray:
+def with_borders_in_cells(run: RunData, rows: FloatArray) -> FloatArray:
     """Return segments without the cells within which the effort changes: the border of their neighbours lies in them.
 
     With one effort in each cell, one of part power stands where the best run would end full power within the cell; so
@@ -35,12 +35,12 @@ def with_boundaries_in_cells(run: RunData, rows: FloatArray) -> FloatArray:
     between coasting is full power for a part of it.
     """
     rows = rows.copy()
-    # In order from the front, as a boundary that has moved is the start of the next segment.
+    # In order from the front, as a border that has moved is the start of the next segment.
     for k in range(rows.shape[0]):
         kind, first, last = rows[k, KIND], int(rows[k, FIRST]), int(rows[k, LAST])
         before = rows[k - 1, KIND] if k > 0 else STAND
         if _is_short_power(run, rows, k) and before in (COAST, STAND):
-            if _move_boundary(run, rows[k + 1], first, last, FULL_POWER):
+            if _move_border(run, rows[k + 1], first, last, FULL_POWER):
                 rows[k, KIND] = FULL_POWER
             continue
         if before not in (FULL_POWER, COAST, HOLD):
@@ -48,7 +48,7 @@ def with_boundaries_in_cells(run: RunData, rows: FloatArray) -> FloatArray:
         if kind == BRAKE:
             in_part = abs(run.effort_n[first]) < WHOLE_CELL_SHARE * abs(run.effort_n[min(first + 1, last - 1)])
             if in_part and rows[k, PLACE] == run.position_m[first]:
-                _move_boundary(run, rows[k], first, first + 1, before)
+                _move_border(run, rows[k], first, first + 1, before)
             continue
         if kind != PART_POWER or rows[k, STEADY] > 0.0 or duration_s(run, rows[k]) >= SHORTEST_S:
             continue
@@ -58,7 +58,7 @@ def with_boundaries_in_cells(run: RunData, rows: FloatArray) -> FloatArray:
         # no cell of power may lie in coasting as a whole
         single = last == first + 1 or COAST not in (before, after)
         passes_on = after in (FULL_POWER, COAST, HOLD, BRAKE)
-        if single and passes_on and after != before and _move_boundary(run, rows[k + 1], first, last, before):
+        if single and passes_on and after != before and _move_border(run, rows[k + 1], first, last, before):
             rows[k, KIND] = DROPPED
             if before == COAST:
                 rows[k + 1, FIRST] = first
@@ -79,15 +79,15 @@ def _is_short_power(run: RunData, rows: FloatArray, row: int) -> bool:
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _move_boundary(run: RunData, row: FloatArray, first: int, last: int, before: float) -> bool:
+def _move_border(run: RunData, row: FloatArray, first: int, last: int, before: float) -> bool:
     """Let a segment begin within cells at the end of which another would begin; return False where that is too far.
 
     The work of the cells and the speeds at their ends stay as they are.
     """
     length = run.position_m[last] - run.position_m[first]
     speed2, leaving2 = run.speed_ms[first] ** 2, run.speed_ms[last] ** 2
-    # With one effort before the boundary and another after it, both constant, v^2 is linear on either side. Work and
-    # end speeds stay those of the cells, so the boundary is where the two efforts have the mean effort as their
+    # With one effort before the border and another after it, both constant, v^2 is linear on either side. Work and
+    # end speeds stay those of the cells, so the border is where the two efforts have the mean effort as their
     # average.
     slope = (leaving2 - speed2) / length
     effort = largest = 0.0

@@ -6,7 +6,7 @@ import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.phases.borders import with_boundaries_in_cells, with_steady_pieces
+from railjoule.core.phases.borders import with_borders_in_cells, with_steady_pieces
 from railjoule.core.phases.labels import label_cells
 from railjoule.core.phases.phase import COAST, NAMES, STAND, Phase
 from railjoule.core.phases.run_data import RunData
@@ -54,9 +54,9 @@ def _segments(run: RunData) -> tuple[FloatArray, FloatArray]:
     """Return the segments of a run and their energies [J]."""
     labels, begins_hold, negligible = label_cells(run)
     # The order matters: short segments are joined first, or they would count as pulses; pulses become holds before the
-    # boundaries within cells move, as a boundary belongs to what is left; straight pieces come last, over final ends.
+    # borders within cells move, as a border belongs to what is left; straight pieces come last, over final ends.
     rows = with_pulses(run, joined(run, segments_of(run, labels, begins_hold)))
-    rows = with_steady_pieces(run, with_boundaries_in_cells(run, rows))
+    rows = with_steady_pieces(run, with_borders_in_cells(run, rows))
     return rows, _energies(run, rows, negligible)
 
 

@@ -24,8 +24,8 @@ from railjoule.core.units import J_PER_KWH, W_PER_KW
 # out again, lost in equal parts. A saving is at most the product of both efficiencies times what braking generates.
 ASSUMED_EFFICIENCY = 0.95
 """What a storage keeps of what it takes, and gives of what it keeps, where nothing else is stated."""
-# Assumed: a metro's service from 5:30 to 23:30, and the least standing time at a terminus. Only the cycles per day
-# depend on these two, in proportion to the first.
+# Assumed: 18 hours of service, and half a minute at a terminus. Only the cycles per day depend on these two, in
+# proportion to the first.
 ASSUMED_SERVICE_S, ASSUMED_TURNAROUND_S = 64_800.0, 30.0
 """Service in a day, and standing time between two runs [s], where nothing else is stated."""
 DAY_S = 86_400.0
