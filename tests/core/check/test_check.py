@@ -154,7 +154,7 @@ SPOILT: list[tuple[str, Callable[[Trajectory], Trajectory]]] = [
     ("finite numbers", lambda run: changed(run, "speed_ms", 5, np.nan)),
     ("finite numbers", lambda run: changed(run, "line_power_w", 5, np.inf)),
     ("finite numbers", lambda run: with_energy(run, kinetic_j=np.nan)),
-    ("finite numbers", lambda run: replace(run, bound=Bound(np.nan, ""))),
+    ("finite numbers", lambda run: replace(run, bound=Bound(np.nan, "", run.nodes_m, run.travel_time_s))),
     ("places, times and speeds rise from zero", lambda run: moved_on(run, "position_m", 5, -50.0)),
     ("places, times and speeds rise from zero", lambda run: moved_on(run, "time_s", 5, -50.0)),
     ("places, times and speeds rise from zero", lambda run: changed(run, "speed_ms", 5, -1.0)),
@@ -209,7 +209,10 @@ SPOILT: list[tuple[str, Callable[[Trajectory], Trajectory]]] = [
     ("account: closes", lambda run: with_loss(run, "copper", 1.0001)),
     ("account: no negative loss", lambda run: with_loss(run, "copper", -1.0)),
     ("account: net energy", lambda run: with_energy(run, auxiliary_j=0.0)),
-    ("bound below the energy", lambda run: replace(run, bound=Bound(1.00001 * run.energy.net_j, ""))),
+    (
+        "bound below the energy",
+        lambda run: replace(run, bound=Bound(1.00001 * run.energy.net_j, "", run.nodes_m, run.travel_time_s)),
+    ),
 ]
 
 
