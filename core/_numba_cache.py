@@ -17,6 +17,7 @@ def source_hash(folder: Path) -> str:
     """Return 16 hexadecimal digits that change with any Python file below `folder`."""
     digest = hashlib.sha256()
     for path in sorted(folder.rglob("*.py")):
+        # the name too: a file that moves changes which module a cached kernel belongs to
         digest.update(path.relative_to(folder).as_posix().encode())
         digest.update(path.read_bytes())
     return digest.hexdigest()[:16]
@@ -45,6 +46,7 @@ def select_cache_folder() -> str:
     if not folder:
         folder = str(cache_root() / f"numba-{source_hash(Path(__file__).parent)}")
         os.environ[VARIABLE] = folder
+    # numba reads the variable at its import alone, so where that came first its own setting is changed
     if "numba" in sys.modules:
         sys.modules["numba"].config.CACHE_DIR = folder
     return folder

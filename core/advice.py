@@ -1,4 +1,4 @@
-"""What a driver is told: the phases of a run as instructions, with the numbers that are printed and no others.
+"""Driving advice: the phases of a run as instructions, with the numbers that are printed and no others.
 
 Whoever does what they say keeps the timetable, the limits and the energy of the run: speeds to a tenth of a km/h, as
 half a km/h at the end of full power would change a run's energy by percents; places to a metre, brakes early and power
@@ -15,16 +15,17 @@ import numpy as np
 from railjoule.core.compiled import njit
 from railjoule.core.phases import Phase, PhaseName, RunData
 from railjoule.core.phases.borders import FULL_BRAKING_SHARE, spare_braking_n
-from railjoule.core.phases.labels import FULL_SHARE, HELD_WITHIN_MS
+from railjoule.core.phases.labels import FULL_SHARE, HOLD_TOLERANCE_MS
 from railjoule.core.units import MS_PER_KMH
 
 if TYPE_CHECKING:
     from railjoule.core.trajectory import Trajectory
 
-BRAKING_RESERVE_MS = HELD_WITHIN_MS
+BRAKING_RESERVE_MS = HOLD_TOLERANCE_MS
 """A brake is begun so early that it still suffices for a train that is faster by this: it reads the same speed."""
-SWING_KMH = 2 * HELD_WITHIN_MS / MS_PER_KMH
-"""So far a hold by turns swings to each side, or less far up and farther down below a limit."""
+SWING_KMH = 2 * HOLD_TOLERANCE_MS / MS_PER_KMH
+"""How far an alternating hold swings to each side of its speed, or less far up and farther down below a limit."""
+# rounding of sums of cells; far enough from a node to lie in its neighbour; what counts as standing
 SAME_PLACE_M, BESIDE_M, AT_REST_MS = 1e-6, 1e-3, 1e-3
 POWERED: tuple[PhaseName, ...] = ("full_power", "part_power")
 
@@ -72,6 +73,8 @@ def advise(run: "Trajectory") -> tuple[Instruction, ...]:
     phases, data = run.phases, run.run_data
     begins = [_begin_m(phase, data) for phase in phases]
     # a brake's reserve ends where the phase before it begins
+    # a brake may be moved before the start of the phase that it ends, and an instruction cannot begin before its
+    # predecessor
     begins = [begins[0], *(max(place, before) for before, place in pairwise(begins))]
     ends = [*begins[1:], phases[-1].end_m]
     return tuple(_instruction(phase, begin, end, data) for phase, begin, end in zip(phases, begins, ends, strict=True))
@@ -85,6 +88,7 @@ def _begin_m(phase: Phase, data: RunData) -> float:
         start, end = (phase.start_m, phase.start_ms), (phase.end_m, phase.end_ms)
         return float(math.floor(brake_place_m(data, start, end, BRAKING_RESERVE_MS) + SAME_PLACE_M))
     if phase.phase in POWERED:
+        # power late and brakes early: rounding the other way could break a limit by up to a metre
         return float(math.ceil(phase.start_m - SAME_PLACE_M))
     return float(round(phase.start_m))
 
@@ -124,6 +128,7 @@ def _limit_kmh(data: RunData, start_m: float, end_m: float) -> float:
 
 
 def _printed_kmh(speed_ms: float, limit_kmh: float) -> float:
+    # rounded up, a speed could exceed a limit that is no tenth; the limit is rounded down for the same reason
     return min(round(speed_ms / MS_PER_KMH, 1), limit_kmh)
 
 
@@ -144,25 +149,29 @@ def brake_place_m(run: RunData, start: tuple[float, float], end: tuple[float, fl
     reserve_ms : float
         By how much the train is faster than in the run where it begins to brake [m/s].
     """
+    # Backwards from the end, in v^2: the full brakes gain on the run's own brake until they take the surplus of a
+    # train that is faster by the reserve. Beyond the start of the brake the faster train still follows the phase
+    # before.
     i = int(np.searchsorted(run.position_m, end[0] - 1e-9)) - 1
     # the square of speed from which full braking ends as the run does, backwards from there
-    place, speed, reached = end[0], end[1], end[1] ** 2
+    place, speed, reached2 = end[0], end[1], end[1] ** 2
     braking = True
     while i >= 0 and run.position_m[i + 1] > run.position_m[i]:
         braking = braking and place > start[0]
-        if not braking and reached >= (speed + reserve_ms) ** 2:
+        if not braking and reached2 >= (speed + reserve_ms) ** 2:
             return float(place)
         left, entering = run.position_m[i], run.speed_ms[i]
         whole = (run.speed_ms[i + 1] ** 2 - entering**2) / (run.position_m[i + 1] - left)
         if braking and left < start[0]:
             left, entering = start
         slope = (speed**2 - entering**2) / (place - left)
+        # d(v^2)/dx = 2 F / m, of what the brakes have beyond what the run uses
         more = 2.0 * spare_braking_n(run, i, slope - whole) / run.inertia_kg
-        entered = reached + (more - slope) * (place - left)
-        missing, beyond = (speed + reserve_ms) ** 2 - reached, entered - (entering + reserve_ms) ** 2
-        if not braking and beyond >= 0.0:
-            return float(place - (place - left) * missing / (missing + beyond))
-        place, speed, reached = left, entering, entered
+        entering_reached2 = reached2 + (more - slope) * (place - left)
+        missing, surplus = (speed + reserve_ms) ** 2 - reached2, entering_reached2 - (entering + reserve_ms) ** 2
+        if not braking and surplus >= 0.0:
+            return float(place - (place - left) * missing / (missing + surplus))
+        place, speed, reached2 = left, entering, entering_reached2
         if place == run.position_m[i]:
             i -= 1
     return float(place)

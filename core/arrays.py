@@ -12,6 +12,7 @@ BoolArray = NDArray[np.bool_]
 
 def frozen_array(values: Iterable[float] | FloatArray) -> FloatArray:
     """Return a contiguous array of floats that cannot be written to; `values` is copied if it can."""
+    # a copy, and only then locked: the caller may go on writing to what it has
     array = np.array(values, dtype=np.float64)
     array.setflags(write=False)
     return array

@@ -19,8 +19,8 @@ class Budget:
 
     Parameters
     ----------
-    taker : str
-        Who takes no more, as the sentences say.
+    name : str
+        Who sets it, as the sentences of refusal call it.
     row_count : int
         Rows of any list in a scenario.
     cell_count : int
@@ -35,7 +35,7 @@ class Budget:
         Steps of time of such a run.
     """
 
-    taker: str
+    name: str
     row_count: int
     cell_count: int
     strategy_cells: Mapping[StrategyName, int] = field(hash=False)
@@ -44,8 +44,10 @@ class Budget:
     loop_steps: int
 
 
+# One person waits for one answer, who can wait half a minute. What limits is memory and the patience of a
+# terminal, see the times above.
 LIBRARY = Budget(
-    taker="railjoule",
+    name="railjoule",
     row_count=100_000,
     cell_count=200_000,
     strategy_cells={"bellman": 20_000, "speed_limits": 20_000},
@@ -53,8 +55,9 @@ LIBRARY = Budget(
     loop_time_s=10_000.0,
     loop_steps=20_000_000,
 )
+# what all visitors of a server can ask for at the same time without stopping it for the others
 PAGE = Budget(
-    taker="the page",
+    name="the page",
     row_count=5_000,
     cell_count=20_000,
     strategy_cells={"bellman": 5_000, "speed_limits": 5_000},
@@ -62,7 +65,8 @@ PAGE = Budget(
     loop_time_s=2_500.0,
     loop_steps=5_000_000,
 )
-"""Smaller, as all pages of a server share its threads, and rows are checked anew at each move of a slider."""
+"""Smaller, as all pages of a server share its threads, and rows are checked again at each move of a slider."""
+# a context variable and no argument: the bounds belong to who asks, and dozens of functions lie between
 _CURRENT: ContextVar[Budget] = ContextVar("budget", default=LIBRARY)
 
 
@@ -83,5 +87,6 @@ def within(budget: Budget) -> Iterator[None]:
 
 def rounded_up(value: float) -> float:
     """Return a number of two digits to recommend that is not below a value above 0."""
+    # two digits are enough for a recommendation, and upwards, as the recommended mesh must be accepted
     unit = 10.0 ** (math.floor(math.log10(value)) - 1)
     return float(f"{math.ceil(value / unit) * unit:.3g}")

@@ -17,6 +17,7 @@ Numbers = Any
 
 def njit(**options: Any) -> Callable[[Kernel], Kernel]:
     """Return numba's decorator with these options; the annotations of a kernel are for readers and checkers only."""
+    # numba types a kernel as Any, which would switch the type checker off in all that calls it
     return cast("Callable[[Kernel], Kernel]", numba.njit(**options))
 
 
@@ -26,5 +27,6 @@ def formula(function: Kernel) -> Kernel:
     So a rule of physics is written once for kernels, for arrays and for CasADi. It is compiled into its callers,
     without liberties of floating point: all of them get the same digits.
     """
+    # no fastmath and error_model="numpy": the same order of operations and the same division by zero as in Python
     shared: Kernel = register_jitable(error_model="numpy")(function)
     return shared

@@ -10,8 +10,10 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.units import J_PER_KWH
 
+# rounding to two decimals hides up to a per mille of 5 kWh, and strategies often differ by less
 SMALL_ENERGY_KWH = 5.0
 """Energies below this are printed with a third decimal."""
+# beyond a hundredfold a share says no more than that the reference is next to nothing
 SMALL_REFERENCE = 0.01
 """A reference below this share of the energy is no measure of it."""
 
@@ -48,6 +50,7 @@ class Energy:
     potential_j: float
 
     def __post_init__(self) -> None:
+        # frozen dataclasses freeze the field and not what it holds: a dictionary could still be written to
         object.__setattr__(self, "losses_j", MappingProxyType(dict(self.losses_j)))
 
     @property
@@ -65,17 +68,8 @@ class Energy:
         """Sum of all parts less what the line gave, over the energy that moved; 0 if the account closes."""
         parts = self.running_resistance_j + self.curve_resistance_j + sum(self.losses_j.values())
         parts += self.kinetic_j + self.potential_j
+        # the energy that moved, as the net energy may be zero; at least 1 J for a run that does not move at all
         return (parts - self.traction_j + self.recuperated_j) / max(self.traction_j + self.recuperated_j, 1.0)
-
-    def in_kwh(self) -> dict[str, float | dict[str, float]]:
-        """Return all parts in kWh, keys without their unit; the losses as a dictionary of their own."""
-        values: dict[str, float | dict[str, float]] = {
-            field.name.removesuffix("_j"): getattr(self, field.name) / J_PER_KWH
-            for field in fields(self)
-            if field.name != "losses_j"
-        }
-        values["losses"] = {kind: joules / J_PER_KWH for kind, joules in self.losses_j.items()}
-        return values
 
 
 @overload
@@ -95,6 +89,7 @@ def share_above(energy: FloatArray | float, reference: FloatArray | float) -> Fl
     """
     energies, references = np.asarray(energy, dtype=float), np.asarray(reference, dtype=float)
     measured = references > SMALL_REFERENCE * np.abs(energies)
+    # 1.0 stands in where nothing is measured, so that no division warns before its result is dropped
     share = np.where(measured, energies / np.where(measured, references, 1.0) - 1, np.nan)
     return share if share.ndim else float(share)
 

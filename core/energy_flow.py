@@ -1,4 +1,4 @@
-"""Where a run's energy goes on its way: from the line through the drive to the wheels, and back."""
+"""Where a run's energy goes: from the line through the drive to the wheels, and back."""
 
 from dataclasses import dataclass
 
@@ -41,17 +41,18 @@ class EnergyFlow:
 
     @property
     def brake_resistors_j(self) -> float:
-        """Burnt in resistors [J]."""
+        """Dissipated in resistors [J]."""
         return self.energy.losses_j.get("brake_resistors", 0.0)
 
     @property
     def friction_brakes_j(self) -> float:
-        """Burnt in friction brakes [J]."""
+        """Dissipated in friction brakes [J]."""
         return self.energy.losses_j.get("friction_brakes", 0.0)
 
     @property
     def imbalance(self) -> float:
         """Losses of the drive both ways less those of the account, over the energy that moved; 0 if it closes."""
+        # from both ends: what goes in less what comes out of the drive must be the losses that its formulas tell
         drive_j = sum(joules for kind, joules in self.energy.losses_j.items() if kind not in BRAKES)
         moved_j = max(self.energy.traction_j + self.energy.recuperated_j, 1.0)
         return (self.driving_loss_j + self.braking_loss_j - drive_j) / moved_j
@@ -59,6 +60,7 @@ class EnergyFlow:
 
 def energy_flow(run: Trajectory) -> EnergyFlow:
     """Return a run's account with what passes the wheels."""
+    # 0 where the train stands, so that dwells do no work at the wheels
     length = np.diff(run.position_m)
     return EnergyFlow(
         energy=run.energy,

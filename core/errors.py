@@ -38,6 +38,7 @@ class TimetableError(RailjouleError):
     @property
     def least_tenth_s(self) -> float:
         """The least time in whole tenths of a second that can be kept [s]."""
+        # always above the shortest time, never equal to it: at that time itself there is no run to choose
         return (math.floor(self.shortest_time_s * 10) + 1) / 10
 
 

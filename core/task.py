@@ -13,6 +13,7 @@ from railjoule.core.motion.passes import MOVED
 from railjoule.core.scenario import Scenario, StrategyName
 from railjoule.core.units import N_PER_KN, plain_number
 
+# the barrier of an interior point needs room: a time that only rounding keeps above the shortest has none
 LEAST_SLACK = 1e-9
 """A timetable must exceed the shortest time by this share, or the optimum has no inside to search."""
 
@@ -47,11 +48,13 @@ class Task:
     @property
     def dwell_energy_j(self) -> float:
         """What the auxiliaries take while the train stands [J]."""
+        # apart from the rest, as no strategy can change it: the solver never sees a dwell
         return self.course.data.auxiliary_power_w * self.dwell_s
 
     @property
     def end_speeds_ms(self) -> tuple[float, float]:
         """Speeds at both ends [m/s]; 0 where an end is free."""
+        # -1 marks a free speed, which has no root; an end that is free begins a run like any other node
         initial, final = np.sqrt(np.maximum(self.course.data.fixed_speed2[[0, -1]], 0.0)).tolist()
         return initial, final
 
@@ -77,9 +80,11 @@ class Task:
 
     def require_few_cells(self, most_cells: int) -> None:
         """Raise StrategyRefusedError if the mesh has more than `most_cells` cells."""
+        # a sentence with the mesh that would do, as the count also depends on sections and cars
         if self.course.cell_count <= most_cells:
             return
         line, mesh = self.scenario.line.in_running_order(), self.scenario.solver.mesh_m
+        # each car adds a node where it passes a border, which no longer mesh removes: so many the message must leave
         crossings = (len(line.sections) - 1) * (self.scenario.vehicle.car_count or 0)
         raise StrategyRefusedError(
             f"takes at most {most_cells:,} cells, and solver.mesh_m = {mesh:g} makes {self.course.cell_count:,}"
@@ -121,6 +126,7 @@ def prepare_task(
 
 def task_over(scenario: Scenario, course: Course) -> Task:
     """Return the task of a scenario over a course of its own; errors as `prepare_task`."""
+    # the fastest run first: it shows whether there is any run at all, and bounds the speeds of all others
     speed2, obstacle, braking = greatest_speeds(course.data)
     if obstacle != MOVED:
         raise InfeasibleLineError(_obstacle_sentence(course, obstacle, braking))

@@ -22,6 +22,7 @@ from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN, W_PER_KW
 if TYPE_CHECKING:
     import pandas
 
+# well above the tolerance of the solver and the rounding of its certificate, below any printed digit
 PROVEN_GAP = 1e-6
 """A run this close to its bound, relatively, counts as proven optimal."""
 LATE_SHARE = 1e-6
@@ -51,6 +52,7 @@ class Bound:
 
     def covers(self, run: "Trajectory") -> bool:
         """Return whether a run is over the same mesh and no later."""
+        # a later run may need less, and a run over other nodes may switch where the bound's runs cannot
         in_time = run.travel_time_s <= self.travel_time_s * (1 + LATE_SHARE)
         return in_time and np.array_equal(run.nodes_m, self.position_m)
 
@@ -159,6 +161,7 @@ class Trajectory:
     @property
     def nodes_m(self) -> FloatArray:
         """Nodes of the mesh [m], each once, also where the train stands; shape (m,)."""
+        # where a train stands, two nodes share a place: a bound knows the mesh without them
         nodes: FloatArray = self.position_m[np.append(True, np.diff(self.position_m) > 0)]
         return nodes
 
@@ -197,6 +200,7 @@ class Trajectory:
             return None
         vehicle = self.scenario.vehicle
         kinetic = 0.5 * vehicle.total_inertia_kg * (self.distance_m / self.travel_time_s) ** 2
+        # the sign of the bound must not turn the sign of the gap, nor a bound near zero make it infinite
         scale = max(abs(self.bound.energy_j), SMALL_ENERGY_SHARE * kinetic)
         return (self.energy.net_j - self.bound.energy_j) / scale
 
@@ -222,7 +226,9 @@ class Trajectory:
     def run_data(self) -> RunData:
         """The run's arrays as its phases and its advice take them."""
         line, vehicle = self.scenario.line.in_running_order(), self.scenario.vehicle
+        # at the middle of each cell: at a node the limits of both sides meet
         limit_kmh = speed_limit_at(line, 0.5 * (self.position_m[1:] + self.position_m[:-1]))
+        # constant over the whole run, so the mean is the power itself, dwells included
         auxiliary_w = self.energy.auxiliary_j / self.travel_time_s
         return RunData(
             position_m=self.position_m,
@@ -248,7 +254,7 @@ class Trajectory:
 
     @cached_property
     def advice(self) -> tuple[Instruction, ...]:
-        """What a driver is told so that he drives this run, an instruction for each phase."""
+        """The driving advice for this run, an instruction for each phase."""
         return advise(self)
 
     def to_dataframe(self) -> "pandas.DataFrame":
@@ -273,6 +279,7 @@ class Trajectory:
 
 def _at_nodes(values: FloatArray) -> FloatArray:
     """Give each node the value of the cell that begins there, the last node that of the last cell."""
+    # a table has one row a node, and no cell begins at the last one
     return np.append(values, values[-1])
 
 
@@ -296,10 +303,13 @@ def make_trajectory(
     """
     data, cells = course.data, account_of_run(course.data, speed2)
     stops = np.flatnonzero(course.dwell_s > 0)
+    # Efforts and powers are of cells, and standing is one with time and without length: so all sums over cells hold,
+    # and a chart over time shows the stop.
     with_dwell = _DwellInserter(stops)
     durations = with_dwell.cells(cells.duration_s, course.dwell_s[stops])
     power = with_dwell.cells(cells.line_power_w) + data.auxiliary_power_w
     current = course.drive.current_a(cells.tractive_effort_n - cells.electric_braking_n, cells.mean_speed_ms)
+    # friction is the same at all speeds, and adds to what the electric brake has
     largest_braking = data.braking.effort_n(cells.mean_speed_ms) + data.friction_effort_n
     return Trajectory(
         scenario=scenario,
@@ -331,6 +341,7 @@ def _energy(course: Course, speed2: FloatArray, cells: RunAccount) -> Energy:
             cells.tractive_effort_n - cells.electric_braking_n, cells.mean_speed_ms
         ).items()
     }
+    # force times distance is exact in a cell, as the force is constant there
     losses["friction_brakes"] = float(cells.friction_braking_n @ length)
     return Energy(
         traction_j=float(np.maximum(cells.line_power_w, 0.0) @ duration),

@@ -24,11 +24,12 @@ M_PER_MM = 1e-3
 MOST_DIGITS = 12
 """By which two numbers that rounding has not made equal can be told apart."""
 
+# not 9.80665, so that results can be compared with the papers: 0.03 per cent of the weight
 STANDARD_GRAVITY_MS2 = 9.81
 """Acceleration of gravity [m/s2], the value that all four papers use."""
 
 
-def told_apart(one: float, other: float, digits: int = 4) -> tuple[str, str]:
+def distinct_numbers(one: float, other: float, digits: int = 4) -> tuple[str, str]:
     """Return two numbers in words, with as many digits as it takes to tell them apart, but no fewer than asked for."""
     for count in range(digits, MOST_DIGITS):
         words = plain_number(one, count), plain_number(other, count)

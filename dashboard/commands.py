@@ -166,6 +166,7 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None
         task = prepare_task(scenario)
         frontier = energy_time_frontier(task, frontier_times(task), with_bounds=True)
         table = frontier.to_dataframe().set_index("travel_time_s").to_xarray()
+        table.attrs["notes"] = " ".join(frontier.notes)
     if path.suffix.lower() == ".nc":
         with failures_named(path):
             table.to_netcdf(path, engine="scipy")

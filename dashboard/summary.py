@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from railjoule.core import CheckResult, Phase, Trajectory
 from railjoule.core.trajectory import Reference
-from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.core.units import J_PER_KWH, J_PER_WH, MS_PER_KMH
 
 if TYPE_CHECKING:
     from railjoule.core.simulate.actual_run import ActualRun
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from railjoule.core.simulate.following import Following
     from railjoule.core.validation.benchmark import Timing
     from railjoule.core.validation.table import Row, Table, Validation
-
-J_PER_WH = J_PER_KWH / 1e3
 
 Summary = dict[str, Any]
 

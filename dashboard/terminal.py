@@ -9,9 +9,9 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from railjoule.core.advice import Instruction
 from railjoule.core.trajectory import Reference
-from railjoule.core.units import J_PER_KWH
+from railjoule.core.units import J_PER_KWH, J_PER_WH
 from railjoule.dashboard.look import comparisons, words
-from railjoule.dashboard.look.words import CAUSE_WORDS, J_PER_WH, STRATEGY_WORDS, advice_in_words, decimals
+from railjoule.dashboard.look.words import CAUSE_WORDS, STRATEGY_WORDS, advice_in_words, decimals
 from railjoule.dashboard.summary import Summary
 
 WIDEST = 110

@@ -89,6 +89,8 @@ def _check(scenario: Scenario, record: Record, initial_ms: float | None, final_m
 
 def _findings(case: Case) -> Iterator[Finding]:
     finite = _finite(case.record)
+    # Later rules compare and integrate: with a NaN every comparison is false and a broken rule would look kept, and
+    # with places that fall back the cells have no length to divide by. So each of the two ends the check.
     yield finite
     if not finite.ok:
         yield Unchecked("all other rules", "the run has numbers that are not finite")
@@ -106,6 +108,7 @@ def _findings(case: Case) -> Iterator[Finding]:
 
 def _finite(record: Record) -> Check:
     """Count the numbers that are not finite."""
+    # one number a node: an array of cells counts at the node where its cell begins
     nodes = np.zeros(len(record.position_m))
     whole = 0
     for values in record.numbers():

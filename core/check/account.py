@@ -2,7 +2,7 @@
 
     traction, recuperated     sums of the line power above and below 0 over time, auxiliaries apart
     auxiliaries               their power times the whole time
-    running, curve resistance, friction brakes, potential    forces times way
+    running, curve resistance, friction brakes, potential    forces times distance
     kinetic                   inertia (v_end^2 - v_start^2) / 2
     losses of the drive       its formulas, over time; brake resistors: what is generated and not taken back
     traction - recuperated    = resistances + losses + kinetic + potential
@@ -17,12 +17,20 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.check.case import Case
 from railjoule.core.check.result import Check, Finding, Unchecked, largest_of
+from railjoule.core.units import MS_PER_KMH
 
-ROUNDED_SUM = 1e-7
-BOUND = 1e-6
+# Sums over some 1e5 cells in another order than that of the product differ by 1e-11 of their parts. 1e-7 leaves room
+# for what a solver leaves of the balance of forces, and is a thousandth of the last digit that is printed.
+SUM_TOLERANCE = 1e-7
+# A proven optimum equals its bound but for the gap up to which it counts as proven, `trajectory.PROVEN_GAP`: the same
+# number.
+BOUND_TOLERANCE = 1e-6
 """How far below a bound rounding may put an energy, as a share of the bound."""
+# The statement of the product, written down again: what is compared with it must not come from the same line. On a
+# line downhill the net energy crosses zero, where a share of it would mean nothing.
 SMALL_ENERGY_SHARE = 0.1
 """A bound near zero counts as this share of the kinetic energy at the mean speed."""
+# again a statement of the product: its solver has a floor of the speed there, so that times stay finite
 LEAST_COVERED_MS = 0.1
 """A bound covers runs that go nowhere slower between their stops, 0.36 km/h."""
 FLOWS = ("traction_j", "recuperated_j", "auxiliary_j")
@@ -40,17 +48,19 @@ def _so_far(case: Case) -> Finding:
     record = case.record
     if record.line_energy_j is None or record.line_power_w is None:
         return Unchecked("energy so far", "the table has not both columns line_power_kw and line_energy_kwh")
+    # auxiliaries included, and cells without length too: a standing train takes their power
     energy = np.append(0.0, np.cumsum(record.line_power_w * np.diff(record.time_s)))
-    misses = np.abs(record.line_energy_j - energy) / case.moved_j
-    return largest_of("energy so far", "the energy moved", ROUNDED_SUM, misses, record.position_m)
+    misses = np.abs(record.line_energy_j - energy) / case.energy_scale_j
+    return largest_of("energy so far", "the energy moved", SUM_TOLERANCE, misses, record.position_m)
 
 
 def _account(case: Case) -> Iterator[Finding]:
     record = case.record
-    told, losses = record.energies_j, record.losses_j
-    if told is None or losses is None or record.line_power_w is None:
+    reported, losses = record.energies_j, record.losses_j
+    if reported is None or losses is None or record.line_power_w is None:
         yield Unchecked("account", "a table of nodes has none")
         return
+    # the account has the auxiliaries apart, so they are taken off before the sign tells driving from recuperating
     power, seconds = record.line_power_w - case.auxiliary_power_w, np.diff(record.time_s)
     sums = {
         "traction_j": np.sum(np.maximum(power, 0.0) * seconds),
@@ -62,49 +72,54 @@ def _account(case: Case) -> Iterator[Finding]:
         "potential_j": np.sum(case.gradient_n * record.length_m),
     }
     for name, joules in sums.items():
-        yield _energy(case, f"account: {name.removesuffix('_j').replace('_', ' ')}", told[name] - joules)
+        yield _energy(case, f"account: {name.removesuffix('_j').replace('_', ' ')}", reported[name] - joules)
+    # a copy, as the kinds that are compared are taken out of it one by one
     yield from _losses(case, dict(losses))
-    parts = sum(losses.values()) + sum(joules for name, joules in told.items() if name not in FLOWS)
-    miss = parts - told["traction_j"] + told["recuperated_j"]
-    yield _energy(case, "account: closes", miss, ROUNDED_SUM + _off_j(case) / case.moved_j)
+    # That each entry is right and that they add up are two rules: an entry that one side lacks breaks this one alone.
+    parts = sum(losses.values()) + sum(joules for name, joules in reported.items() if name not in FLOWS)
+    miss = parts - reported["traction_j"] + reported["recuperated_j"]
+    yield _energy(case, "account: closes", miss, SUM_TOLERANCE + _rounded_effort_work_j(case) / case.energy_scale_j)
     yield _energy(case, "account: no negative loss", -min(losses.values(), default=0.0), signed=True)
     if record.line_energy_j is not None:
-        yield _energy(case, "account: net energy", record.line_energy_j[-1] - _net_j(told))
+        yield _energy(case, "account: net energy", record.line_energy_j[-1] - _net_j(reported))
 
 
-def _losses(case: Case, told_j: dict[str, float]) -> Iterator[Finding]:
+def _losses(case: Case, reported_j: dict[str, float]) -> Iterator[Finding]:
     """Compare each kind of loss; kinds that only one side knows are compared in their sum."""
     record = case.record
     assert record.line_power_w is not None
     assert record.friction_braking_n is not None
     friction = np.sum(record.moving(record.friction_braking_n) * record.length_m)
-    yield _energy(case, "account: friction brakes", told_j.pop("friction_brakes", 0.0) - friction)
+    yield _energy(case, "account: friction brakes", reported_j.pop("friction_brakes", 0.0) - friction)
     if not np.isfinite(case.terminal_power_w).all():
         yield Unchecked("account: losses of the drive", "its motors cannot do what the run asks of them")
         return
     losses = dict(case.losses_w)
+    # what is generated and not taken back; a draw in braking is no loss of theirs, hence the minimum with 0
     losses["brake_resistors"] = -(1 - case.recuperation_factor) * np.minimum(case.terminal_power_w, 0.0)
     sums = {kind: float(np.sum(watts * record.duration_s)) for kind, watts in losses.items()}
-    allowed = ROUNDED_SUM + (float(np.sum(case.unsure_w * record.duration_s)) + _off_j(case)) / case.moved_j
-    for kind in sorted(sums.keys() & told_j.keys()):
-        miss = told_j.pop(kind) - sums.pop(kind)
+    # a product that tabulates its losses may be off by that much in each cell, all in the same direction at worst
+    uncertain_j = float(np.sum(case.loss_uncertainty_w * record.duration_s)) + _rounded_effort_work_j(case)
+    allowed = SUM_TOLERANCE + uncertain_j / case.energy_scale_j
+    for kind in sorted(sums.keys() & reported_j.keys()):
+        miss = reported_j.pop(kind) - sums.pop(kind)
         yield _energy(case, f"account: {kind.replace('_', ' ')}", miss, allowed)
-    if told_j or sums:
-        yield _energy(case, "account: other losses", sum(told_j.values()) - sum(sums.values()), allowed)
+    if reported_j or sums:
+        yield _energy(case, "account: other losses", sum(reported_j.values()) - sum(sums.values()), allowed)
 
 
-def _off_j(case: Case) -> float:
-    """Return the work of efforts that are rounding while the drive is off [J], which is a loss of no told kind."""
+def _rounded_effort_work_j(case: Case) -> float:
+    """Return the work of efforts that are rounding while the drive is off [J], which is a loss of no reported kind."""
     return float(np.sum(np.where(case.off, np.abs(case.electric_n) * case.record.length_m, 0.0)))
 
 
-def _energy(case: Case, name: str, miss_j: float, allowed: float = ROUNDED_SUM, signed: bool = False) -> Check:
-    return largest_of(name, "the energy moved", allowed, (miss_j if signed else abs(miss_j)) / case.moved_j)
+def _energy(case: Case, name: str, miss_j: float, allowed: float = SUM_TOLERANCE, signed: bool = False) -> Check:
+    return largest_of(name, "the energy moved", allowed, (miss_j if signed else abs(miss_j)) / case.energy_scale_j)
 
 
-def _net_j(told_j: Mapping[str, float]) -> float:
+def _net_j(reported_j: Mapping[str, float]) -> float:
     """Return traction less recuperated, with auxiliaries [J]."""
-    return told_j["traction_j"] - told_j["recuperated_j"] + told_j["auxiliary_j"]
+    return reported_j["traction_j"] - reported_j["recuperated_j"] + reported_j["auxiliary_j"]
 
 
 def _bound(case: Case) -> Iterator[Finding]:
@@ -116,19 +131,21 @@ def _bound(case: Case) -> Iterator[Finding]:
     mean_speed = (record.position_m[-1] - record.position_m[0]) / (record.time_s[-1] - record.time_s[0])
     kinetic = 0.5 * case.train.inertia_kg * mean_speed**2
     gap = (net - record.bound_j) / max(abs(record.bound_j), SMALL_ENERGY_SHARE * kinetic)
-    yield largest_of("gap", "the gap, at least 1", ROUNDED_SUM, abs(gap - record.gap) / max(abs(gap), 1.0))
+    # above 1 relative, below absolute: the gap of a proven optimum is itself nothing but rounding
+    yield largest_of("gap", "the gap, at least 1", SUM_TOLERANCE, abs(gap - record.gap) / max(abs(gap), 1.0))
     slowest = _slowest_between_stops(record.speed_ms)
     if slowest < LEAST_COVERED_MS:
         yield Unchecked(
             "bound below the energy",
-            f"the run goes as slow as {3.6 * slowest:.2g} km/h, and bounds cover none below 0.36",
+            f"the run goes as slow as {slowest / MS_PER_KMH:.2g} km/h, and bounds cover none below 0.36",
         )
         return
-    yield largest_of("bound below the energy", "the bound", BOUND, -gap)
+    yield largest_of("bound below the energy", "the bound", BOUND_TOLERANCE, -gap)
 
 
 def _slowest_between_stops(speed_ms: FloatArray) -> float:
     """Return the least speed to which a run slows down without stopping [m/s], infinite where it never does."""
     before, here, after = speed_ms[:-2], speed_ms[1:-1], speed_ms[2:]
+    # beside a stop the speed only rises or only falls, so no node there is at most as fast as both of its neighbours
     dips = here[(here > 0) & (here <= before) & (here <= after)]
     return float(np.min(dips, initial=np.inf))

@@ -11,13 +11,19 @@ from railjoule.core.check.loss_model import Losses, LossModel
 from railjoule.core.check.record import Record
 from railjoule.core.check.train import Route, Train, route_of, train_of
 from railjoule.core.scenario import Scenario
+from railjoule.core.units import N_PER_KN, W_PER_KW
 
+# The acceleration divides a difference of squares by the length of a cell: a relative error d of the speed becomes d
+# v^2 / h. At 1e-9, 30 m/s and a cell of 1 mm that is 1e-3 m/s2, which no limit of a scenario can tell from noise.
 ROUNDED_SPEED = 1e-9
 """A solver tells speeds to this share: over a short cell that is much force."""
-OFF = 1e-6
+# Without this a residue of the solver would be charged idle losses of a whole train. The run itself must agree: only a
+# cell for which it takes no power counts as off, see `off`.
+OFF_SHARE = 1e-6
 """Efforts below this share of the largest one may be rounding, and then the drive is off."""
+# a table's error is one of its scale, so towards no loss a share of the loss itself would be stricter than any table
 SMALL_LOSS_SHARE = 0.1
-"""Losses below this share of the largest are told no better than those."""
+"""Losses below this share of the largest are known no better than those."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +73,7 @@ class Case:
     @cached_property
     def curve_n(self) -> FloatArray:
         """Curve resistance [N]."""
+        # 1 / radius is averaged and not the radius, which is infinite, written 0, on straight track
         curvature = self.route.curvature_per_m(*self._ends_m)
         return self.train.weight_kn * self.train.curve_constant_m_n_per_kn * curvature
 
@@ -74,6 +81,8 @@ class Case:
     def resistance_n(self) -> FloatArray:
         """Running resistance [N]."""
         train, record = self.train, self.record
+        # The mean of v^2 over the distance, as v^2 is linear there, and beside it length over time for v: the
+        # conventions of the file format. The square of the mean speed would be less, most of all in cells from rest.
         mean_speed2 = 0.5 * (record.entering_speed2 + record.leaving_speed2)
         quadratic = train.quadratic * self.route.tunnel_factor(*self._ends_m)
         resistance: FloatArray = train.constant_n + train.linear * record.mean_speed_ms + quadratic * mean_speed2
@@ -86,14 +95,15 @@ class Case:
         return 0.5 * change / self.record.length_m
 
     @cached_property
-    def needed_n(self) -> FloatArray:
+    def required_effort_n(self) -> FloatArray:
         """Force at the wheels that the motion needs [N]."""
+        # Newton's second law for the cell, from the speeds alone; the efforts that the run states are compared with it
         inertia: FloatArray = self.train.inertia_kg * self.acceleration_ms2
         return inertia + self.resistance_n + self.gradient_n + self.curve_n
 
     @cached_property
     def rounding_ms2(self) -> FloatArray:
-        """What a change of the speeds in their last told digit makes of the acceleration [m/s2]."""
+        """What a change of the speeds in their last stated digit makes of the acceleration [m/s2]."""
         greatest: FloatArray = np.maximum(self.record.entering_speed2, self.record.leaving_speed2)
         return ROUNDED_SPEED * greatest / self.record.length_m
 
@@ -109,6 +119,7 @@ class Case:
         steepest = max(abs(section.gradient_permille) for section in route.sections)
         # over a train's length it is a difference of integrals of integrals
         spread = max(route.length_m / route.train_m, 1.0) if route.train_m is not None and route.cars is None else 1.0
+        # 10 last digits: the two ends and the borders of the sections between them are rounded each on its own
         return 10 * steepest * spread * self.rounding_share
 
     @cached_property
@@ -118,19 +129,21 @@ class Case:
         return share
 
     @cached_property
-    def large_effort_n(self) -> float:
+    def effort_scale_n(self) -> float:
         """The largest effort of the run or, where it is less, a hundredth of the weight [N]: a scale for efforts."""
         effort = self.record.effort_n
         largest = float(np.max(np.abs(effort), initial=0.0)) if effort is not None else 0.0
+        # weight in kN times 10 is a hundredth of the weight in N: a coasting run has no effort to be a share of
         return max(largest, 10.0 * self.train.weight_kn)
 
     @cached_property
-    def moved_j(self) -> float:
+    def energy_scale_j(self) -> float:
         """The work at the wheels or at the line with either sign, whichever is more [J]: a scale for energies."""
         record = self.record
-        wheels = float(np.sum(np.abs(self.needed_n) * record.length_m))
-        told = record.line_power_w
-        line = 0.0 if told is None else float(np.sum(np.abs(told) * np.diff(record.time_s)))
+        # The net energy can be zero with much energy moved either way, so it is no scale for an error.
+        wheels = float(np.sum(np.abs(self.required_effort_n) * record.length_m))
+        reported = record.line_power_w
+        line = 0.0 if reported is None else float(np.sum(np.abs(reported) * np.diff(record.time_s)))
         return max(wheels, line, 1.0)
 
     @cached_property
@@ -151,7 +164,9 @@ class Case:
     @cached_property
     def off(self) -> BoolArray:
         """Where the drive is off: without effort, or with one that the run itself takes for rounding."""
-        rounding = np.abs(self.electric_n) <= OFF * self.large_effort_n
+        # An effort of exactly 0 is off. A tiny one is either: an induction machine that holds its flux takes idle
+        # power for it. What the run charged decides, so that neither reading is called an error.
+        rounding = np.abs(self.electric_n) <= OFF_SHARE * self.effort_scale_n
         off: BoolArray = (self.electric_n == 0) | (rounding & (self.drive_power_w == 0))
         return off
 
@@ -169,8 +184,9 @@ class Case:
         return power
 
     @cached_property
-    def unsure_w(self) -> FloatArray:
+    def loss_uncertainty_w(self) -> FloatArray:
         """By how much a right power may differ, as the drive's losses are tabulated [W]."""
+        # NaN, where the motors cannot do it, is no uncertainty: the limits of effort judge it
         losses = np.nan_to_num(sum(self.losses_w.values(), np.zeros(len(self.electric_n))))
         unsure: FloatArray = self.model.accuracy * (losses + SMALL_LOSS_SHARE * np.max(losses, initial=0.0))
         return unsure
@@ -181,24 +197,25 @@ class Case:
         braking, speed = self.scenario.vehicle.braking, self.record.mean_speed_ms
         limit = self.model.largest_effort_n(speed, True)
         if braking.max_effort_kn is not None:
-            limit = np.minimum(limit, braking.max_effort_kn * 1e3)
+            limit = np.minimum(limit, braking.max_effort_kn * N_PER_KN)
         if braking.max_power_kw is not None:
-            limit = np.minimum(limit, braking.max_power_kw * 1e3 / np.maximum(speed, 1e-9))
+            # at standstill power limits nothing; 1e-9 only avoids the division by zero
+            limit = np.minimum(limit, braking.max_power_kw * W_PER_KW / np.maximum(speed, 1e-9))
         return limit
 
-    def at_line_w(self, terminal_power_w: FloatArray) -> FloatArray:
+    def line_power_of_terminal_w(self, terminal_power_w: FloatArray) -> FloatArray:
         """Return what the line gives for a power of the drive [W]: it takes back a share of what is generated."""
         return np.where(terminal_power_w < 0, self.recuperation_factor * terminal_power_w, terminal_power_w)
 
-    def line_power_at_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
+    def line_power_of_effort_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
         """Return the line power of the drive for electric efforts at speeds [W]; off without effort; NaN as there."""
         losses = sum(self.model.losses_w(effort_n, speed_ms).values(), np.zeros(len(speed_ms)))
-        return self.at_line_w(np.where(effort_n == 0, 0.0, effort_n * speed_ms + losses))
+        return self.line_power_of_terminal_w(np.where(effort_n == 0, 0.0, effort_n * speed_ms + losses))
 
     @property
     def auxiliary_power_w(self) -> float:
         """Power of the auxiliaries [W]."""
-        return self.scenario.vehicle.auxiliary_power_kw * 1e3
+        return self.scenario.vehicle.auxiliary_power_kw * W_PER_KW
 
     @property
     def recuperation_factor(self) -> float:

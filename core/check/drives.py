@@ -39,6 +39,8 @@ from railjoule.core.scenario.drive import (
 )
 
 
+# Written from the formulas with numpy alone. The kernels of `core/drive` would be quicker and would repeat their own
+# errors: a wrong sign there could never be found here.
 class _WithoutMotorLimit:
     """A model that sets no limit of its own."""
 
@@ -62,6 +64,8 @@ class ConstantEfficiencyLosses(_WithoutMotorLimit):
         driving = self.parameters.traction_efficiency
         braking = self.parameters.braking_efficiency or driving
         work = effort_n * speed_ms
+        # eta stands on the side of the line when driving, P = F v / eta, and on that of the wheel when braking, P = F
+        # v eta
         return {"drive": np.where(work > 0, work * (1 / driving - 1), -work * (1 - braking))}
 
 
@@ -80,6 +84,7 @@ class CopperLosses(_WithoutMotorLimit):
     def current_a(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
         """Return the current of a motor [A], negative in braking."""
         drive = self.parameters
+        # torque of all motors over effort of the train: no loss in the gear in this model, as its source has none
         lever = drive.gear_ratio / (0.5 * drive.wheel_diameter_m)
         return effort_n / (drive.motors * drive.torque_per_amp_nm * lever)
 
@@ -111,5 +116,6 @@ def loss_model(parameters: DriveParameters) -> LossModel:
         return MapLosses(parameters)
     if isinstance(parameters, Induction):
         return InductionLosses(parameters)
+    # a new kind of drive ends here and must bring a formula of its own
     assert isinstance(parameters, Synchronous)
     return SynchronousLosses(parameters)

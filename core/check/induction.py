@@ -29,8 +29,10 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.check.loss_model import EDGE, EXACT, Losses
 from railjoule.core.check.polynomials import product, real_roots, values
 from railjoule.core.scenario.drive import Induction
+from railjoule.core.units import H_PER_MH
 
-H_PER_MH = 1e-3
+# Efforts along the rounded corners of the product's limits exceed the exact pull-out by this share,
+# `efforts.ROUNDED_CORNERS`. Without it such a cell would have no losses to compare with.
 OVERLOAD = 2e-3
 """A torque so little beyond the greatest takes the power that it has at the ratio of the pull-out."""
 
@@ -43,8 +45,8 @@ class InductionLosses:
     accuracy = EXACT
 
     @cached_property
-    def lever_per_m(self) -> float:
-        """Angle of a motor over the way of the train [1/m]."""
+    def turns_per_metre(self) -> float:
+        """Angle of a motor over the distance of the train [1/m]."""
         return self.parameters.gear_ratio / (0.5 * self.parameters.wheel_diameter_m)
 
     @cached_property
@@ -55,8 +57,11 @@ class InductionLosses:
     def torque_nm(self, effort_n: FloatArray) -> FloatArray:
         """Return the electromagnetic torque of each machine that an effort asks for [N m]."""
         drive = self.parameters
+        # driving, the motor must also bring what the gear loses; in braking the gear has taken its part before
         by_gear = np.where(effort_n > 0, 1 / drive.gear_efficiency, drive.gear_efficiency)
-        torque: FloatArray = drive.mechanical_loss_torque_nm + effort_n * by_gear / (drive.motors * self.lever_per_m)
+        torque: FloatArray = drive.mechanical_loss_torque_nm + effort_n * by_gear / (
+            drive.motors * self.turns_per_metre
+        )
         return torque
 
     def losses_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> Losses:
@@ -65,7 +70,7 @@ class InductionLosses:
         Where a train has a standstill brake, this does what the machines could only do with power of the line.
         """
         drive, work = self.parameters, effort_n * speed_ms
-        torque, speed = self.torque_nm(effort_n), self.lever_per_m * speed_ms
+        torque, speed = self.torque_nm(effort_n), self.turns_per_metre * speed_ms
         copper, iron, _ = self.machine.least_losses(torque, speed)
         losses = {
             "copper": drive.motors * copper,
@@ -76,24 +81,27 @@ class InductionLosses:
         }
         if not drive.standstill_brake:
             return losses
+        # the brake is decided for the train as a whole, by the power at the terminals: above 0, braking would cost
+        # power
         draws = (effort_n < 0) & (work + sum(losses.values()) > 0)
         losses = {kind: np.where(draws, 0.0, watts) for kind, watts in losses.items()}
         return losses | {"standstill_brake": np.where(draws, -work, 0.0)}
 
     def largest_effort_n(self, speed_ms: FloatArray, braking: bool) -> FloatArray:
         """Return the largest effort within current, voltage and rated flux [N]."""
-        drive, lever = self.parameters, self.parameters.motors * self.lever_per_m
+        drive, lever = self.parameters, self.parameters.motors * self.turns_per_metre
         current = drive.braking_current_a if braking else drive.starting_current_a
-        torque = self.machine.greatest_torque(self.lever_per_m * speed_ms, current, braking)
+        torque = self.machine.greatest_torque(self.turns_per_metre * speed_ms, current, braking)
         if braking:
             return lever * (torque + drive.mechanical_loss_torque_nm) / drive.gear_efficiency
+        # friction of the motor helps to brake and hinders in driving, in which it may leave nothing for the wheel
         return lever * np.maximum(torque - drive.mechanical_loss_torque_nm, 0.0) * drive.gear_efficiency
 
     def current_a(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
         """Return the current of a machine that is on, negative where it generates [A]."""
         losses = self.losses_w(effort_n, speed_ms)
         torque = self.torque_nm(effort_n)
-        current = self.machine.least_losses(torque, self.lever_per_m * speed_ms)[2]
+        current = self.machine.least_losses(torque, self.turns_per_metre * speed_ms)[2]
         return np.where(losses["standstill_brake"] > 0, 0.0, np.copysign(current, torque))
 
 

@@ -1,10 +1,11 @@
 """Losses of a motor with its inverter from a map of efficiencies, as the scenario format defines them.
 
-At the points: driving, loss = M w (1 / eta - 1); braking, M w (1 - eta). Where efficiency is mute - without torque or
-speed, and in braking where it is 0 - the format lets the loss go on, first to smaller torques, then to smaller speeds,
-as the parabola through the next three points, between 0 and the nearest of them. Between the points the loss is a cubic
-in each direction with the slopes of Fritsch and Carlson along each line, SIAM Journal on Numerical Analysis 17, 1980;
-the slope across is itself interpolated so along the other line. It is never below 0. The map ends at its last torque.
+At the points: driving, loss = M w (1 / eta - 1); braking, M w (1 - eta). Where an efficiency tells nothing - without
+torque or speed, and in braking where it is 0 - the format extrapolates the loss, first to smaller torques, then to
+smaller speeds, as the parabola through the next three points, between 0 and the nearest of them. Between the points the
+loss is a cubic in each direction with the slopes of Fritsch and Carlson along each line, SIAM Journal on Numerical
+Analysis 17, 1980; the slope across is itself interpolated so along the other line. It is never below 0. The map ends at
+its last torque.
 """
 
 from dataclasses import dataclass
@@ -47,6 +48,8 @@ class LossSurface:
     def at(self, torque_nm: FloatArray, speed_rads: FloatArray) -> FloatArray:
         """Return the loss at torques and speeds within the grid [W]; NaN beyond it; all of shape (k,)."""
         torques, speeds = self.torque_nm, self.speed_rads
+        # The interpolant of the format, written with SciPy: first the values along torque with their slopes across,
+        # then a cubic along speed. The product evaluates one table of coefficients; the two share no line.
         along_torque = PchipInterpolator(torques, self.loss_w, axis=0).derivative()(torques)
         along_speed = PchipInterpolator(speeds, self.loss_w, axis=1).derivative()(speeds)
         across = PchipInterpolator(speeds, along_torque, axis=1).derivative()(speeds)
@@ -58,7 +61,11 @@ class LossSurface:
         # the cubic through both values with both slopes
         loss = value[k, j] * (1 + 2 * s) * (1 - s) ** 2 + value[k, j + 1] * s**2 * (3 - 2 * s)
         loss += step * (slope[k, j] * s * (1 - s) ** 2 - slope[k, j + 1] * s**2 * (1 - s))
+        # beyond its last torque or speed a map knows nothing, so a run there breaks a rule instead of following a
+        # guess
         inside = (torque_nm <= torques[-1] * (1 + EDGE)) & (speed_rads <= speeds[-1] * (1 + EDGE))
+        # a cubic keeps between its data along one direction; across both it may dip below 0, and a loss must not
+        # generate
         known: FloatArray = np.where(inside, np.maximum(loss, 0.0), np.nan)
         return known
 
@@ -75,6 +82,8 @@ class MapLosses:
         """Driving and braking; braking mirrors driving where the map has no negative torque."""
         points = np.array(self.parameters.points)
         driving, braking = points[points[:, 0] >= 0], points[points[:, 0] <= 0] * [-1.0, 1.0, 1.0]
+        # a map of driving alone stands for both directions, as the format says: the same efficiency for the same
+        # torque
         return _surface(driving, False), _surface(braking if braking[:, 0].max() > 0 else driving, True)
 
     def losses_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> Losses:
@@ -100,20 +109,25 @@ def _surface(points: FloatArray, braking: bool) -> LossSurface:
     shaft = np.outer(torques, speeds)
     with np.errstate(divide="ignore", invalid="ignore"):
         loss = shaft * ((1 - efficiency) if braking else (1 / efficiency - 1))
+    # 0 / 0: without torque or speed there is no output to be a share of, and the loss is extrapolated below
     loss[(shaft == 0) | (efficiency == 0)] = np.nan
+    # torque first, and from the second speed on: at standstill the whole line is unknown until the other direction
+    # fills it
     for j in range(1, len(speeds)):
-        loss[:, j] = _continued(torques, loss[:, j])
+        loss[:, j] = _extrapolated(torques, loss[:, j])
     for i in range(len(torques)):
-        loss[i] = _continued(speeds, loss[i])
+        loss[i] = _extrapolated(speeds, loss[i])
     return LossSurface(torques, speeds, loss)
 
 
-def _continued(places: FloatArray, loss: FloatArray) -> FloatArray:
+def _extrapolated(places: FloatArray, loss: FloatArray) -> FloatArray:
     """Return the losses along a line, those before the first known one continued."""
     known = np.flatnonzero(np.isfinite(loss))
     if not len(known) or known[0] == 0:
         return loss
     first, nearest = known[0], known[:3]
+    # about the first known place, so that the fit has small numbers; through fewer points where there are only one or
+    # two
     parabola = np.polyfit(places[nearest] - places[first], loss[nearest], len(nearest) - 1)
     before = np.clip(np.polyval(parabola, places[:first] - places[first]), 0.0, loss[first])
     return np.concatenate([before, loss[first:]])

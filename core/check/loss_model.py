@@ -8,6 +8,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario.drive import GearedMotors
 
 EXACT = 0.0
+# far above the rounding of a torque from an effort, far below what any limit is known to
 EDGE = 1e-9
 """What rounding may put beyond the end of a map, or of what a current or a voltage allows, as a share."""
 
@@ -35,21 +36,22 @@ class LossModel(Protocol):
 
 
 def turns_per_metre(parameters: GearedMotors) -> float:
-    """Return the angle of a motor over the way of the train [1/m]."""
+    """Return the angle of a motor over the distance of the train [1/m]."""
     return parameters.gear_ratio / (0.5 * parameters.wheel_diameter_m)
 
 
 def shaft_torque_nm(parameters: GearedMotors, effort_n: FloatArray) -> FloatArray:
-    """Return the torque of each shaft, braking negative [N m]: the gear takes its share on either way."""
-    share = np.where(effort_n > 0, 1 + parameters.gear_loss_share, 1 - parameters.gear_loss_share)
-    torque: FloatArray = effort_n * share / (parameters.motors * turns_per_metre(parameters))
+    """Return the torque of each shaft, braking negative [N m]: the gear loses its share in both directions."""
+    # the gear loses g |F v|: on top of the power at the wheels when driving, out of it when braking
+    shaft_over_wheel = np.where(effort_n > 0, 1 + parameters.gear_loss_share, 1 - parameters.gear_loss_share)
+    torque: FloatArray = effort_n * shaft_over_wheel / (parameters.motors * turns_per_metre(parameters))
     return torque
 
 
 def effort_of_torque_n(parameters: GearedMotors, torque_nm: FloatArray, braking: bool) -> FloatArray:
     """Return the effort of the train [N] for a torque of each shaft [N m], both without sign."""
-    share = 1 - parameters.gear_loss_share if braking else 1 + parameters.gear_loss_share
-    return parameters.motors * turns_per_metre(parameters) * torque_nm / share
+    shaft_over_wheel = 1 - parameters.gear_loss_share if braking else 1 + parameters.gear_loss_share
+    return parameters.motors * turns_per_metre(parameters) * torque_nm / shaft_over_wheel
 
 
 def geared_losses_w(

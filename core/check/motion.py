@@ -10,16 +10,23 @@ import numpy as np
 
 from railjoule.core.check.case import Case
 from railjoule.core.check.result import Check, Finding, Unchecked, largest_of
-from railjoule.core.units import MS_PER_KMH
+from railjoule.core.units import MS_PER_KMH, N_PER_KN
 
+# places of a table are read from text: stations are found again within a hundredth of a millimetre
 SAME_PLACE_M = 1e-5
+# Places and times are sums of a few thousand terms in double precision, good to 1e-12: 1e-7 is met by a right run with
+# ease and missed by any run that skips a second or a metre. Forces carry the rounding of v^2, hence 1e-5.
 ROUNDING, ROUNDED_GRADIENT, ROUNDED_FORCE = 1e-7, 1e-10, 1e-5
+# 1e-6 of a limit of 80 km/h is 0.1 m/h: above the tolerances of the solvers, far below what anybody means by speeding
 ROUNDED_SPEED, ROUNDED_ACCELERATION = 1e-6, 1e-5
 LATE_S, LATE_SHARE = 1e-6, 2e-9
 """A timetable is kept to a millionth of a second, or to the rounding of a long sum of times."""
-PRICED = 1e-5
+# With a price of time every second before the arrival costs energy, so an optimum is never early, but for its own
+# tolerance. An early arrival is judged by that cost, as seconds alone mean little on a flat optimum.
+EARLY_ARRIVAL_COST = 1e-5
 """An early arrival may cost what five digits of the energy do not tell."""
-STATED_FORCE = 1e-6
+# of the weight: where a train coasts at its steady speed both forces are nearly 0, and their ratio says nothing
+FORCE_SCALE_SHARE = 1e-6
 
 
 def motion_findings(case: Case) -> Iterator[Finding]:
@@ -39,6 +46,8 @@ def motion_findings(case: Case) -> Iterator[Finding]:
 def order_finding(case: Case) -> Check:
     """Return whether places and times rise, and no speed is negative."""
     record, most = case.record, float(np.max(np.abs(case.record.speed_ms)))
+    # with an allowance of 0: rounding does not turn the order of places, and all later rules divide by their
+    # differences
     back = np.maximum.reduce(
         [
             -np.diff(record.position_m) / max(case.route.length_m, 1.0),
@@ -94,6 +103,7 @@ def _stops(case: Case) -> Iterator[Check]:
     record, stops = case.record, case.route.stops
     waits = np.where(record.moves, 0.0, np.diff(record.time_s))
     places = record.position_m[:-1]
+    # standing before the start is a late departure and no stop
     waits[places <= places[0]] = 0.0
     most = case.scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH
     passing, misses = [], []
@@ -101,10 +111,12 @@ def _stops(case: Case) -> Iterator[Check]:
         passing.append(_speed_at(case, stop.position_m) / most)
         here = np.abs(places - stop.position_m) < SAME_PLACE_M
         misses.append(abs(float(waits[here].sum()) - stop.dwell_s) / max(stop.dwell_s, 1.0))
+        # taken off, so that what is left in the end is standing where no station is
         waits[here] = 0.0
     at = np.array([stop.position_m for stop in stops])
     still = ~record.moves
     before, after = record.speed_ms[:-1][still], record.speed_ms[1:][still]
+    # A cell without length is a dwell, at speed 0, or with no time either a node that is written twice, at one speed.
     rolling = np.where(np.diff(record.time_s)[still] > 0, np.maximum(before, after), np.abs(after - before)) / most
     yield largest_of("stands still where it stands", "the vehicle's top speed", ROUNDING, rolling, places[still])
     if stops:
@@ -121,9 +133,10 @@ def _stops(case: Case) -> Iterator[Check]:
 def _speed_at(case: Case, position_m: float) -> float:
     """Return the least speed at a place [m/s]: that of its node, or between two."""
     record = case.record
-    near = np.abs(record.position_m - position_m) < SAME_PLACE_M
-    if near.any():
-        return float(record.speed_ms[near].min())
+    here = np.abs(record.position_m - position_m) < SAME_PLACE_M
+    if here.any():
+        return float(record.speed_ms[here].min())
+    # a mesh of somebody else need not have a node at the station: v^2 is linear between two
     return float(np.sqrt(np.interp(position_m, record.position_m, record.speed_ms**2)))
 
 
@@ -135,6 +148,7 @@ def _arrival(case: Case) -> Iterator[Finding]:
     if reason:
         yield Unchecked("late arrival", reason)
     else:
+        # only this strategy may be late, by a share of the running time: dwells are not driven
         window = scenario.search.time_window if record.strategy == "speed_limits" else 0.0
         latest = due + window * (due - sum(stop.dwell_s for stop in case.route.stops))
         yield largest_of("late arrival", "the timetable's time", allowed, (taken - latest) / due)
@@ -143,7 +157,9 @@ def _arrival(case: Case) -> Iterator[Finding]:
         yield Unchecked("early arrival", "no price of time is known, so it may cost nothing")
     else:
         lost = max(early, 0.0) * record.price_of_time_w
-        yield largest_of("early arrival", "the energy moved, by the price of time", PRICED, lost / case.moved_j)
+        yield largest_of(
+            "early arrival", "the energy moved, by the price of time", EARLY_ARRIVAL_COST, lost / case.energy_scale_j
+        )
 
 
 def _untimed(case: Case) -> str:
@@ -161,6 +177,8 @@ def _untimed(case: Case) -> str:
 def _speed_limit(case: Case) -> Check:
     """Compare speeds within cells: between two nodes v^2 is linear, so the greatest is at a border of a limit."""
     record, route = case.record, case.route
+    # At the nodes alone a limit that begins inside of a cell would be missed: a run with nodes of its own need not
+    # have one at every border.
     places = np.unique(np.concatenate([record.position_m, route.limit_borders_m]))
     places = places[(places >= record.position_m[0]) & (places <= record.position_m[-1])]
     speed2 = np.interp(places, record.position_m, record.speed_ms**2)
@@ -179,15 +197,16 @@ def _accelerations(case: Case) -> Iterator[Check]:
         ("deceleration", -case.acceleration_ms2, vehicle.braking.max_deceleration_ms2),
     ):
         if limit is not None:
+            # the rounding is taken off as an acceleration of its own, as it grows without bound in short cells
             excess = (change - case.rounding_ms2) / limit - 1
             yield largest_of(name, "the limit", ROUNDED_ACCELERATION, excess, middle)
 
 
 def _gradient(case: Case) -> Finding:
-    told = case.record.gradient_permille
-    if told is None:
+    reported = case.record.gradient_permille
+    if reported is None:
         return Unchecked("gradient", "the table has no column gradient_permille")
-    misses = np.maximum(np.abs(case.record.moving(told) - case.gradient_permille) - case.rounding_permille, 0.0)
+    misses = np.maximum(np.abs(case.record.moving(reported) - case.gradient_permille) - case.rounding_permille, 0.0)
     return largest_of("gradient", "the weight", ROUNDED_GRADIENT, 1e-3 * misses, case.record.middle_m)
 
 
@@ -195,8 +214,13 @@ def _forces(case: Case) -> Finding:
     """Inertia, running resistance, gradient and curve against the efforts."""
     if case.record.effort_n is None:
         return Unchecked("balance of forces", "the table has no column effort_kn")
-    told = case.record.moving(case.record.effort_n)
-    scale = np.maximum(np.abs(told), np.abs(case.needed_n)) + STATED_FORCE * 1e3 * case.train.weight_kn
+    reported = case.record.moving(case.record.effort_n)
+    scale = (
+        np.maximum(np.abs(reported), np.abs(case.required_effort_n))
+        + FORCE_SCALE_SHARE * N_PER_KN * case.train.weight_kn
+    )
+    # Of the rounding of the speeds only a thousandth: the whole would excuse any force in cells of a millimetre. The
+    # efforts of a run are computed from its speeds, so both agree better than either is exact.
     rounding = 1e-3 * case.rounding_n + case.train.weight_kn * case.rounding_permille
-    misses = np.maximum(np.abs(told - case.needed_n) - rounding, 0.0) / scale
+    misses = np.maximum(np.abs(reported - case.required_effort_n) - rounding, 0.0) / scale
     return largest_of("balance of forces", "the force", ROUNDED_FORCE, misses, case.record.middle_m)

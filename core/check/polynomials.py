@@ -4,7 +4,8 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 
-REAL = 1e-6
+# two equal roots move apart by the square root of the rounding, 1e-8, into the complex plane; 1e-6 keeps them
+SPLIT_ROOT = 1e-6
 """Imaginary over real part up to which a root is one of two equal ones that rounding has split."""
 
 
@@ -34,7 +35,8 @@ def real_roots(polynomial: FloatArray) -> FloatArray:
     companion[:, 1:, :-1] = np.eye(degree - 1)
     with np.errstate(divide="ignore", invalid="ignore"):
         companion[:, :, -1] = -polynomial[:, :-1] / polynomial[:, -1:]
+    # eigvals refuses a whole stack for one NaN, so polynomials of lower degree are replaced and their roots dropped
     known = np.isfinite(companion.sum(axis=(1, 2)))
     roots = np.linalg.eigvals(np.where(known[:, None, None], companion, 0.0))
-    real = known[:, None] & (np.abs(roots.imag) <= REAL * np.abs(roots.real))
+    real = known[:, None] & (np.abs(roots.imag) <= SPLIT_ROOT * np.abs(roots.real))
     return np.where(real, roots.real, np.nan)

@@ -8,13 +8,17 @@ from collections.abc import Iterator
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.check.case import OFF, Case
-from railjoule.core.check.efforts import TABULATED
+from railjoule.core.check.case import OFF_SHARE, Case
+from railjoule.core.check.efforts import ROUNDED_CORNERS
 from railjoule.core.check.result import Finding, Unchecked, largest_of
+from railjoule.core.units import N_PER_KN
 
 ROUNDED_POWER, ROUNDED_CURRENT = 1e-7, 1e-6
-SEARCHED = 1e-4
+# A smooth power has its least at the middle of a bracket to second order: three zooms by 12 leave 6e-4 of the
+# interval, and of the power the square of that. The rest is for kinks and for jumps at no effort.
+SEARCH_TOLERANCE = 1e-4
 """How well a search over ways to share the brakes finds the least power."""
+# a grid and not a descent, as drives that jump at no effort have a least power at the jump besides that of the slope
 SHARES, SEARCHES = 25, 3
 """How many such ways are looked at, and how often around the best."""
 
@@ -26,33 +30,37 @@ def power_findings(case: Case) -> Iterator[Finding]:
         missing = "effort_kn" if record.effort_n is None else "line_power_kw"
         yield Unchecked("line power", f"the table has no column {missing}")
         return
-    effort, told = record.moving(record.effort_n), case.drive_power_w
+    effort, reported = record.moving(record.effort_n), case.drive_power_w
     work = np.where(case.off, 0.0, effort * record.mean_speed_ms)
     large = float(np.max(np.abs(record.line_power_w))) + float(np.max(np.abs(work), initial=0.0)) + 1.0
-    scale = np.maximum(np.abs(told), np.abs(work)) + OFF * large
+    scale = np.maximum(np.abs(reported), np.abs(work)) + OFF_SHARE * large
     if record.electric_braking_n is not None:
-        allowed, misses = ROUNDED_POWER, np.abs(told - case.at_line_w(case.terminal_power_w))
+        allowed, misses = ROUNDED_POWER, np.abs(reported - case.line_power_of_terminal_w(case.terminal_power_w))
     else:
-        allowed, misses = SEARCHED, _outside_sharing(case)
+        # A table of nodes tells one effort for both brakes. Any way to share them is then allowed, and only a power
+        # that none of them has is an error.
+        allowed, misses = SEARCH_TOLERANCE, _outside_sharing(case)
         yield Unchecked("line power of each brake", "the table tells one effort for both, so only what is possible")
     # where motors cannot give an effort there is no power to compare with: the limits of efforts judge it
-    misses = np.nan_to_num(np.maximum(misses - case.unsure_w, 0.0)) / scale
+    misses = np.nan_to_num(np.maximum(misses - case.loss_uncertainty_w, 0.0)) / scale
     standing = np.abs(record.line_power_w[~record.moves] - case.auxiliary_power_w) / large
     places = np.append(record.middle_m, record.position_m[:-1][~record.moves])
     yield largest_of("line power", "the power", allowed, np.append(misses, standing), places)
     # no drive gives more than it gets, whatever its losses
+    # The one rule that needs no loss model: a train that drives takes at least F v, and of what it brakes the line
+    # gets at most its share. It holds for runs whose losses cannot be checked.
     least = np.where(work > 0, work, case.recuperation_factor * work)
-    yield largest_of("no power from nothing", "the power", ROUNDED_POWER, (least - told) / scale, record.middle_m)
+    yield largest_of("no power from nothing", "the power", ROUNDED_POWER, (least - reported) / scale, record.middle_m)
     yield from _current(case)
 
 
 def _outside_sharing(case: Case) -> FloatArray:
     """Return how far powers lie beside those of all ways to share the brakes [W]."""
-    told, brakes = case.drive_power_w, ~case.off & (case.electric_n < 0)
-    misses = np.abs(told - case.at_line_w(case.terminal_power_w))
+    reported, brakes = case.drive_power_w, ~case.off & (case.electric_n < 0)
+    misses = np.abs(reported - case.line_power_of_terminal_w(case.terminal_power_w))
     braking, limit = -case.electric_n[brakes], case.electric_limit_n[brakes]
     low, high = _powers_of_sharing(case, braking, limit, case.record.mean_speed_ms[brakes])
-    beside = np.maximum(np.maximum(low - told[brakes], told[brakes] - high), 0.0)
+    beside = np.maximum(np.maximum(low - reported[brakes], reported[brakes] - high), 0.0)
     misses[brakes] = np.where(np.isfinite(beside), beside, np.nan)
     return misses
 
@@ -61,14 +69,14 @@ def _powers_of_sharing(
     case: Case, braking_n: FloatArray, limit_n: FloatArray, speed_ms: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return the least and the greatest line power that a sharing of the brakes can have [W]."""
-    friction = case.scenario.vehicle.braking.friction_effort_kn * 1e3
-    most = np.minimum(braking_n, limit_n * (1 + TABULATED))
+    friction = case.scenario.vehicle.braking.friction_effort_kn * N_PER_KN
+    most = np.minimum(braking_n, limit_n * (1 + ROUNDED_CORNERS))
     least = np.minimum(np.maximum(braking_n - friction, 0.0), most)
     # right at its limit a motor has losses, and beyond it perhaps none are known
-    low = high = case.line_power_at_w(-np.clip(limit_n, least, most), speed_ms)
+    low = high = case.line_power_of_effort_w(-np.clip(limit_n, least, most), speed_ms)
     for _ in range(SEARCHES):
         shared = [least + share * (most - least) for share in np.linspace(0, 1, SHARES)]
-        powers = np.array([case.line_power_at_w(-electric, speed_ms) for electric in shared])
+        powers = np.array([case.line_power_of_effort_w(-electric, speed_ms) for electric in shared])
         low, high = np.fmin(low, np.fmin.reduce(powers)), np.fmax(high, np.fmax.reduce(powers))
         # the least power lies between the neighbours of the least found, the greatest at an end or a jump
         best = np.argmin(np.nan_to_num(powers, nan=np.inf), axis=0)
@@ -86,6 +94,7 @@ def _current(case: Case) -> Iterator[Finding]:
         reason = "has no column current_a" if record.current_a is None else "tells one effort for both brakes"
         yield Unchecked("motor current", f"the table {reason}")
         return
+    # a drive that is off has no current, though its formula would tell that of its flux
     current = np.where(case.off, 0.0, current)
     large = float(np.nanmax(np.abs(current), initial=1e-9))
     misses = np.nan_to_num(np.abs(record.moving(record.current_a) - current)) / large

@@ -10,10 +10,11 @@ import numpy as np
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario import Vehicle
-from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN, W_PER_KW
 
 NEEDED_COLUMNS = ("position_m", "time_s", "speed_kmh")
 FEWEST_NODES = 2
+# by name and not by the fields of `Energy`: importing that class would tie the check to what it checks
 ENERGIES = (
     *("traction_j", "recuperated_j", "auxiliary_j", "running_resistance_j", "curve_resistance_j"),
     *("kinetic_j", "potential_j"),
@@ -163,9 +164,11 @@ def record_of_table(table: Mapping[str, Any], vehicle: Vehicle, strategy: str) -
     position, time, speed = (_column(table, name) for name in NEEDED_COLUMNS)
     if len(position) < FEWEST_NODES:
         raise ScenarioError(f"has {len(position)} of at least {FEWEST_NODES} rows that a run needs.")
-    effort = _cells(table, "effort_kn", 1e3)
+    # the last row of a table is a node at which no cell begins, and repeats the values of the cell before
+    effort = _cells(table, "effort_kn", N_PER_KN)
     electric = friction = None
     if effort is not None and vehicle.braking.friction_effort_kn == 0:
+        # one column is enough where a train has one kind of brake
         electric, friction = np.maximum(-effort, 0.0), np.zeros(len(effort))
     return Record(
         strategy=strategy,
@@ -176,7 +179,7 @@ def record_of_table(table: Mapping[str, Any], vehicle: Vehicle, strategy: str) -
         tractive_effort_n=None if effort is None else np.maximum(effort, 0.0),
         electric_braking_n=electric,
         friction_braking_n=friction,
-        line_power_w=_cells(table, "line_power_kw", 1e3),
+        line_power_w=_cells(table, "line_power_kw", W_PER_KW),
         line_energy_j=_column(table, "line_energy_kwh") * J_PER_KWH if "line_energy_kwh" in table else None,
         gradient_permille=_cells(table, "gradient_permille", 1.0),
         current_a=_cells(table, "current_a", 1.0),

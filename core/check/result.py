@@ -81,6 +81,8 @@ class CheckResult:
     @property
     def broken(self) -> tuple[Check, ...]:
         """The rules that the run breaks, the worst first, measured by what is allowed."""
+        # by what is allowed, or exact rules with small shares would stand behind coarse ones; 1e-12 is for rules that
+        # allow 0
         found = [check for check in self.checks if not check.ok]
         return tuple(sorted(found, key=lambda check: -check.largest / max(check.allowed, 1e-12)))
 
@@ -119,6 +121,7 @@ def largest_of(
     position_m : array of shape (n,), optional
         Where they are [m].
     """
+    # a NaN counts as the worst deviation: what cannot be computed is not kept
     shares = np.nan_to_num(np.atleast_1d(np.asarray(deviation, dtype=float)), nan=np.inf)
     if not len(shares):
         return Check(name, 0.0, allowed, None, share_of)

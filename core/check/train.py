@@ -9,7 +9,7 @@ All from a scenario's own keys, in the conventions that its file format states:
 
 tau is the factor of tunnels. In a cell v and v^2 are the means of both ends, and the line's values are means over the
 cell and over the train behind its front: at its front for a train without length, over its length, or at the centres
-of its cars. Before the start the first value goes on.
+of its cars. Before the start the first value continues.
 """
 
 from collections.abc import Callable
@@ -20,7 +20,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import Scenario, Section, Vehicle
-from railjoule.core.units import MS_PER_KMH, STANDARD_GRAVITY_MS2
+from railjoule.core.units import MS_PER_KMH, N_PER_KN, STANDARD_GRAVITY_MS2
 
 END_M = 1e-6
 """A station this close to an end of the line is that end."""
@@ -51,7 +51,7 @@ class Route:
     sections : tuple of Section
         In running order; `gradient_sign` turns their gradients.
     gradient_sign : float
-        -1 on the way back.
+        -1 on a line that is driven from its end.
     limits : tuple of (float, float, float)
         Further limits: from [m], to [m], speed [m/s].
     stops : tuple of Stop
@@ -93,6 +93,8 @@ class Route:
 
     def _under_train(self, value: Callable[[Section], float], start_m: FloatArray, end_m: FloatArray) -> FloatArray:
         """Return the mean of a value of the sections over each cell and over the train; shape (k,)."""
+        # A mean over a stretch is a difference of integrals over its length. So one function serves points, cars and
+        # trains with a length, and the product's own profile of the line is not needed.
         values = np.array([value(section) for section in self.sections])
         if not np.ptp(values):
             return np.full(len(start_m), values[0])
@@ -101,8 +103,9 @@ class Route:
         return means
 
     def _integral(self, values: FloatArray) -> Callable[[FloatArray], FloatArray]:
-        """Return the integral over the way of the front of a mean under the train."""
-        # the first section goes on before the start for as long as the train is
+        """Return the integral over the position of the front of a mean under the train."""
+        # the first section continues before the start for the length of the train
+        # one metre more, as the train's end is then never outside, whatever rounding does
         borders = np.append(-1.0 - (self.train_m or 0.0), self.borders_m)
         once = np.append(0.0, np.cumsum(np.append(values[0], values) * np.diff(borders)))
 
@@ -190,10 +193,11 @@ def train_of(vehicle: Vehicle) -> Train:
     load = vehicle.load_factor * vehicle.capacity_passengers * vehicle.passenger_mass_kg
     mass = vehicle.tare_kg + load
     if vehicle.inertial_mass_kg is None:
+        # passengers do not turn, but a factor is one of the whole mass: the convention of the file format
         inertia = (1 + (vehicle.rotating_mass_factor or 0.0)) * mass
     else:
         inertia = vehicle.inertial_mass_kg + load
-    weight = mass * STANDARD_GRAVITY_MS2 / 1e3
+    weight = mass * STANDARD_GRAVITY_MS2 / N_PER_KN
     resistance = vehicle.resistance
     cars = vehicle.car_count or 1
 

@@ -173,7 +173,7 @@ def _require_few_rows(scenario: Scenario) -> None:
         ("drive.points", getattr(scenario.vehicle.drive, "points", ())),
     ):
         if len(rows) > budget.row_count:
-            raise ScenarioError(f"{key} has {len(rows):,} entries; {budget.taker} takes at most {budget.row_count:,}.")
+            raise ScenarioError(f"{key} has {len(rows):,} entries; {budget.name} takes at most {budget.row_count:,}.")
 
 
 def _course_data(

@@ -67,7 +67,7 @@ def require_budget(line: Line, mesh_m: float, cell_count: int, crossings: int = 
     budget = current_budget()
     if cell_count > budget.cell_count:
         raise ScenarioError(
-            f"solver.mesh_m = {mesh_m:g} makes {cell_count:,} cells; {budget.taker} takes at most "
+            f"solver.mesh_m = {mesh_m:g} makes {cell_count:,} cells; {budget.name} takes at most "
             f"{budget.cell_count:,}{enough_words(line, budget.cell_count, crossings)}"
         )
 

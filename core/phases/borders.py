@@ -6,20 +6,24 @@ import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.phases.labels import HELD_WITHIN_MS, SHORTEST_S, STEADY_MS2
+from railjoule.core.phases.labels import HOLD_TOLERANCE_MS, SHORTEST_S, STEADY_MS2
 from railjoule.core.phases.phase import BRAKE, COAST, FULL_POWER, HOLD, PART_POWER, STAND
 from railjoule.core.phases.run_data import RunData
-from railjoule.core.phases.segments import COLUMNS, FIRST, KIND, LAST, PLACE, SHARE, SPEED, STRAIGHT, TIME, lasting
+from railjoule.core.phases.segments import COLUMNS, FIRST, KIND, LAST, PLACE, SHARE, SPEED, STEADY, TIME, duration_s
 
+# A driver has a few notches and cannot tell nine tenths from all of it. Lower, and the advised brake would stop short.
 FULL_BRAKING_SHARE = 0.9
 """From this share of what the brakes have on, in each cell, the train brakes fully."""
-WHOLE_CELL = 0.98
+# within 2 per cent of the next cell it is the same braking; with less, the train coasted for a part of the cell
+WHOLE_CELL_SHARE = 0.98
 """A brake's first cell with less than this share of the next one's effort is braked in part."""
-BETWEEN = 0.05
-"""A cell passes on from one segment to the next if its effort lies between theirs; so little it may lie beside them."""
-TIMED_WITHIN_S = 0.25
+# the efforts of the neighbours are taken at their own mean speeds, so the cell between them may be a little outside
+EFFORT_SLACK = 0.05
+"""A cell passes on from one segment to the next if its effort lies between theirs, or beside them by this share."""
+TIMING_TOLERANCE_S = 0.25
 """A straight piece takes as long as the run does there, but for so much: what counts at walking pace."""
-GONE = -1.0
+# no kind of segment has this number
+DROPPED = -1.0
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -31,6 +35,7 @@ def with_borders_in_cells(run: RunData, rows: FloatArray) -> FloatArray:
     between coasting is full power for a part of it.
     """
     rows = rows.copy()
+    # In order from the front, as a border that has moved is the start of the next segment.
     for k in range(rows.shape[0]):
         kind, first, last = rows[k, KIND], int(rows[k, FIRST]), int(rows[k, LAST])
         before = rows[k - 1, KIND] if k > 0 else STAND
@@ -41,34 +46,34 @@ def with_borders_in_cells(run: RunData, rows: FloatArray) -> FloatArray:
         if before not in (FULL_POWER, COAST, HOLD):
             continue
         if kind == BRAKE:
-            in_part = abs(run.effort_n[first]) < WHOLE_CELL * abs(run.effort_n[min(first + 1, last - 1)])
+            in_part = abs(run.effort_n[first]) < WHOLE_CELL_SHARE * abs(run.effort_n[min(first + 1, last - 1)])
             if in_part and rows[k, PLACE] == run.position_m[first]:
                 _move_border(run, rows[k], first, first + 1, before)
             continue
-        if kind != PART_POWER or rows[k, STRAIGHT] > 0.0 or lasting(run, rows[k]) >= SHORTEST_S:
+        if kind != PART_POWER or rows[k, STEADY] > 0.0 or duration_s(run, rows[k]) >= SHORTEST_S:
             continue
         if k + 1 == rows.shape[0]:
             continue
         after = rows[k + 1, KIND]
         # no cell of power may lie in coasting as a whole
-        one = last == first + 1 or COAST not in (before, after)
+        single = last == first + 1 or COAST not in (before, after)
         passes_on = after in (FULL_POWER, COAST, HOLD, BRAKE)
-        if one and passes_on and after != before and _move_border(run, rows[k + 1], first, last, before):
-            rows[k, KIND] = GONE
+        if single and passes_on and after != before and _move_border(run, rows[k + 1], first, last, before):
+            rows[k, KIND] = DROPPED
             if before == COAST:
                 rows[k + 1, FIRST] = first
             else:
                 rows[k - 1, LAST] = last
-    kept: FloatArray = rows[rows[:, KIND] != GONE]
-    return kept
+    remaining: FloatArray = rows[rows[:, KIND] != DROPPED]
+    return remaining
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def _is_short_power(run: RunData, rows: FloatArray, row: int) -> bool:
     """Return whether a segment is a cell of part power that quickens the train, before coasting."""
-    if rows[row, KIND] != PART_POWER or rows[row, STRAIGHT] > 0.0 or rows[row, LAST] > rows[row, FIRST] + 1:
+    if rows[row, KIND] != PART_POWER or rows[row, STEADY] > 0.0 or rows[row, LAST] > rows[row, FIRST] + 1:
         return False
-    if lasting(run, rows[row]) >= SHORTEST_S or row + 1 == rows.shape[0] or rows[row + 1, KIND] != COAST:
+    if duration_s(run, rows[row]) >= SHORTEST_S or row + 1 == rows.shape[0] or rows[row + 1, KIND] != COAST:
         return False
     return bool(run.speed_ms[int(rows[row, LAST])] > run.speed_ms[int(rows[row, FIRST])])
 
@@ -81,6 +86,9 @@ def _move_border(run: RunData, row: FloatArray, first: int, last: int, before: f
     """
     length = run.position_m[last] - run.position_m[first]
     speed2, leaving2 = run.speed_ms[first] ** 2, run.speed_ms[last] ** 2
+    # With one effort before the border and another after it, both constant, v^2 is linear on either side. Work and
+    # end speeds stay those of the cells, so the border is where the two efforts have the mean effort as their
+    # average.
     slope = (leaving2 - speed2) / length
     effort = largest = 0.0
     for i in range(first, last):
@@ -89,35 +97,37 @@ def _move_border(run: RunData, row: FloatArray, first: int, last: int, before: f
         largest += share * run.largest_effort_n[i]
     half = 0.5 * run.inertia_kg
     # the effort with which the speed would stay
-    held = effort - slope * half
-    one = _effort_of(before, largest, held, 0.0)
-    other = _effort_of(row[KIND], largest, held, run.effort_n[min(last, run.effort_n.shape[0] - 1)])
-    if abs(one - other) <= 1e-9 * abs(largest):
+    holding_n = effort - slope * half
+    before_n = _effort_of(before, largest, holding_n, 0.0)
+    after_n = _effort_of(row[KIND], largest, holding_n, run.effort_n[min(last, run.effort_n.shape[0] - 1)])
+    if abs(before_n - after_n) <= 1e-9 * abs(largest):
         return False
-    part = (effort - other) / (one - other)
-    if not -BETWEEN < part < 1.0 + BETWEEN:
+    part = (effort - after_n) / (before_n - after_n)
+    if not -EFFORT_SLACK < part < 1.0 + EFFORT_SLACK:
         return False
     part = min(max(part, 0.0), 1.0)
-    border2 = max(speed2 + (slope + (one - effort) / half) * part * length, 0.0)
+    border2 = max(speed2 + (slope + (before_n - effort) / half) * part * length, 0.0)
     chord2 = speed2 + slope * part * length
     speed = math.sqrt(border2)
-    if last - first > 1 and abs(speed - math.sqrt(chord2)) > 2.0 * HELD_WITHIN_MS:
+    if last - first > 1 and abs(speed - math.sqrt(chord2)) > 2.0 * HOLD_TOLERANCE_MS:
         return False
+    # the corner of the two lines may lie above both ends, and thus above a limit that the cell itself keeps
     if speed > max(np.min(run.limit_ms[first:last]), run.speed_ms[first], run.speed_ms[last]):
         return False
     row[PLACE], row[SPEED] = run.position_m[first] + part * length, speed
-    spent = 2.0 * part * length / max(run.speed_ms[first] + speed, 1e-9)
-    row[TIME] = min(run.time_s[first] + spent, run.time_s[last])
+    # length over mean speed, as v^2 is linear; the bound is for starts, where both speeds are 0
+    duration = 2.0 * part * length / max(run.speed_ms[first] + speed, 1e-9)
+    row[TIME] = min(run.time_s[first] + duration, run.time_s[last])
     return True
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _effort_of(kind: float, largest: float, held: float, braking: float) -> float:
+def _effort_of(kind: float, largest: float, holding_n: float, braking: float) -> float:
     """Return the effort [N] that a kind of segment has where it could be full power, a hold or a brake."""
     if kind == FULL_POWER:
         return largest
     if kind == HOLD:
-        return held
+        return holding_n
     return braking if kind == BRAKE else 0.0
 
 
@@ -125,20 +135,20 @@ def _effort_of(kind: float, largest: float, held: float, braking: float) -> floa
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def with_straight_pieces(run: RunData, rows: FloatArray) -> FloatArray:
+def with_steady_pieces(run: RunData, rows: FloatArray) -> FloatArray:
     """Return segments with part power and braking cut into pieces over which the speed squared changes steadily."""
     out = np.empty((run.effort_n.shape[0] + rows.shape[0], COLUMNS))
     count = k = 0
     while k < rows.shape[0]:
         end = k + 1
         kind = rows[k, KIND]
-        if kind == PART_POWER and rows[k, STRAIGHT] == 0.0:
+        if kind == PART_POWER and rows[k, STEADY] == 0.0:
             # short coasting between or after part power is but less of it
-            while end < rows.shape[0] and _goes_on(run, rows[end]):
+            while end < rows.shape[0] and _continues_part_power(run, rows[end]):
                 end += 1
-            count = _put_pieces(run, rows, k, end, out, count)
+            count = _write_pieces(run, rows, k, end, out, count)
         elif kind == BRAKE and not _is_full_brake(run, rows[k]):
-            count = _put_pieces(run, rows, k, end, out, count)
+            count = _write_pieces(run, rows, k, end, out, count)
         else:
             out[count] = rows[k]
             if kind == BRAKE:
@@ -149,11 +159,11 @@ def with_straight_pieces(run: RunData, rows: FloatArray) -> FloatArray:
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _goes_on(run: RunData, row: FloatArray) -> bool:
+def _continues_part_power(run: RunData, row: FloatArray) -> bool:
     """Return whether a segment after part power may be a part of it."""
     if row[KIND] == PART_POWER:
-        return bool(row[STRAIGHT] == 0.0)
-    return bool(row[KIND] == COAST and lasting(run, row) < SHORTEST_S)
+        return bool(row[STEADY] == 0.0)
+    return bool(row[KIND] == COAST and duration_s(run, row) < SHORTEST_S)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -198,13 +208,14 @@ def spare_braking_n(run: RunData, cell: int, gain_ms2: float = 0.0) -> float:
     spare = max(run.largest_braking_n[cell] + run.effort_n[cell] + half * gain_ms2, 0.0)
     if run.max_deceleration_ms2 < math.inf:
         change = run.speed_ms[cell + 1] ** 2 - run.speed_ms[cell] ** 2
+        # d(v^2)/dx = 2 a: the deceleration that is left is the limit less what the run has
         slope = change / (run.position_m[cell + 1] - run.position_m[cell]) + gain_ms2
         spare = min(spare, max(half * (2.0 * run.max_deceleration_ms2 + slope), 0.0))
     return float(spare)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _put_pieces(run: RunData, rows: FloatArray, first_row: int, end_row: int, out: FloatArray, count: int) -> int:
+def _write_pieces(run: RunData, rows: FloatArray, first_row: int, end_row: int, out: FloatArray, count: int) -> int:
     """Write the straight pieces of rows that follow one another; return how many segments there are then."""
     nodes, coasts = _nodes_of(run, rows, first_row, end_row)
     begin, end = 0, nodes.shape[0] - 1
@@ -215,14 +226,14 @@ def _put_pieces(run: RunData, rows: FloatArray, first_row: int, end_row: int, ou
             while until < end and coasts[until]:
                 until += 1
         else:
-            until = _straight_end(run, nodes, coasts, begin)
+            until = _steady_end(run, nodes, coasts, begin)
             change = abs(nodes[until, 2] - nodes[begin, 2])
-            if change <= min(STEADY_MS2 * (nodes[until, 1] - nodes[begin, 1]), 2.0 * HELD_WITHIN_MS):
+            if change <= min(STEADY_MS2 * (nodes[until, 1] - nodes[begin, 1]), 2.0 * HOLD_TOLERANCE_MS):
                 kind = HOLD
         row = out[count]
         row[KIND], row[FIRST], row[LAST] = kind, nodes[begin, 3], nodes[until, 3]
         row[PLACE], row[TIME], row[SPEED] = nodes[begin, 0], nodes[begin, 1], nodes[begin, 2]
-        row[SHARE], row[STRAIGHT] = np.nan, 1.0
+        row[SHARE], row[STEADY] = np.nan, 1.0
         if kind == BRAKE:
             row[SHARE] = _braking_share(run, row)
         count += 1
@@ -254,25 +265,27 @@ def _nodes_of(run: RunData, rows: FloatArray, first_row: int, end_row: int) -> t
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _straight_end(run: RunData, nodes: FloatArray, coasts: BoolArray, begin: int) -> int:
+def _steady_end(run: RunData, nodes: FloatArray, coasts: BoolArray, begin: int) -> int:
     """Return the farthest node to which a straight line of speed squared stays near the run, and below limits.
 
     It ends within part power, or where coasting ends or begins. The slopes that pass near all nodes so far are an
     interval, which each further node narrows.
     """
     place, speed2 = nodes[begin, 0], nodes[begin, 2] ** 2
+    # One pass instead of a fit for each end: a line from `begin` passes near a node if its slope lies in an interval
+    # of that node, so the intersection of all intervals so far tells whether any line does.
     least, most, best = -np.inf, np.inf, begin + 1
     for k in range(begin + 1, nodes.shape[0]):
-        way, speed = nodes[k, 0] - place, nodes[k, 2]
-        slope = (speed**2 - speed2) / way
-        late = 2.0 * way / (nodes[begin, 2] + speed) - (nodes[k, 1] - nodes[begin, 1])
-        if least <= slope <= most and abs(late) <= TIMED_WITHIN_S and not (coasts[k] and coasts[k - 1]):
+        distance, speed = nodes[k, 0] - place, nodes[k, 2]
+        slope = (speed**2 - speed2) / distance
+        delay_s = 2.0 * distance / (nodes[begin, 2] + speed) - (nodes[k, 1] - nodes[begin, 1])
+        if least <= slope <= most and abs(delay_s) <= TIMING_TOLERANCE_S and not (coasts[k] and coasts[k - 1]):
             best = k
         i = int(nodes[k, 3])
         limit = min(run.limit_ms[i - 1], run.limit_ms[min(i, run.limit_ms.shape[0] - 1)])
-        low = max(speed - HELD_WITHIN_MS, 0.0)
-        high = min(speed + HELD_WITHIN_MS, max(limit, speed))
-        least, most = max(least, (low**2 - speed2) / way), min(most, (high**2 - speed2) / way)
+        low = max(speed - HOLD_TOLERANCE_MS, 0.0)
+        high = min(speed + HOLD_TOLERANCE_MS, max(limit, speed))
+        least, most = max(least, (low**2 - speed2) / distance), min(most, (high**2 - speed2) / distance)
         if least > most:
             break
     return best

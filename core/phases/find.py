@@ -6,7 +6,7 @@ import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.phases.borders import with_borders_in_cells, with_straight_pieces
+from railjoule.core.phases.borders import with_borders_in_cells, with_steady_pieces
 from railjoule.core.phases.labels import label_cells
 from railjoule.core.phases.phase import COAST, NAMES, STAND, Phase
 from railjoule.core.phases.run_data import RunData
@@ -37,13 +37,13 @@ def find_phases(run: RunData) -> tuple[Phase, ...]:
     return tuple(
         Phase(
             NAMES[int(kind)],
-            *(place, beyond),
+            *(place, end_place),
             *(start, end),
             *(entering, leaving),
             energy,
             None if math.isnan(share) else share,
         )
-        for kind, share, energy, (place, start, entering), (beyond, end, leaving) in zip(
+        for kind, share, energy, (place, start, entering), (end_place, end, leaving) in zip(
             rows[:, KIND].tolist(), rows[:, SHARE].tolist(), energy_j.tolist(), starts[:-1], starts[1:], strict=True
         )
     )
@@ -52,27 +52,31 @@ def find_phases(run: RunData) -> tuple[Phase, ...]:
 @njit(cache=True, error_model="numpy", nogil=True)
 def _segments(run: RunData) -> tuple[FloatArray, FloatArray]:
     """Return the segments of a run and their energies [J]."""
-    labels, begins_hold, untold = label_cells(run)
+    labels, begins_hold, negligible = label_cells(run)
+    # The order matters: short segments are joined first, or they would count as pulses; pulses become holds before the
+    # borders within cells move, as a border belongs to what is left; straight pieces come last, over final ends.
     rows = with_pulses(run, joined(run, segments_of(run, labels, begins_hold)))
-    rows = with_straight_pieces(run, with_borders_in_cells(run, rows))
-    return rows, _energies(run, rows, untold)
+    rows = with_steady_pieces(run, with_borders_in_cells(run, rows))
+    return rows, _energies(run, rows, negligible)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _energies(run: RunData, rows: FloatArray, untold: BoolArray) -> FloatArray:
-    """Return the energy of each segment [J]; what an untold effort takes counts where the driver last had one."""
+def _energies(run: RunData, rows: FloatArray, negligible: BoolArray) -> FloatArray:
+    """Return the energy of each segment [J]; what a negligible effort takes counts where the driver last had one."""
     count = rows.shape[0]
     energy = np.zeros(count)
     for k in range(count):
         for i in range(int(rows[k, FIRST]), int(rows[k, LAST])):
             taken = run.energy_j[i + 1] - run.energy_j[i]
-            receiver = _with_effort(rows, k) if untold[i] and rows[k, KIND] == COAST else k
+            # the labels call such a cell coasting, and no coasting may draw energy: the sum over all phases must stay
+            # that of the run
+            receiver = _receiver_of(rows, k) if negligible[i] and rows[k, KIND] == COAST else k
             energy[receiver] += taken
     return energy
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _with_effort(rows: FloatArray, coast: int) -> int:
+def _receiver_of(rows: FloatArray, coast: int) -> int:
     """Return the last segment with an effort before a coasting one, else the next one after it, else itself."""
     for k in range(coast - 1, -1, -1):
         if rows[k, KIND] != COAST and rows[k, KIND] != STAND:

@@ -10,16 +10,20 @@ from railjoule.core.phases.phase import BRAKE, COAST, FULL_POWER, HOLD, PART_POW
 from railjoule.core.phases.run_data import RunData
 from railjoule.core.units import MS_PER_KMH
 
+# optima follow the limit of effort to rounding, but a cell across a kink of it has the mean of both sides
 FULL_SHARE = 0.97
 """From this share of the largest effort on, power counts as full."""
+# of 200 kN these are 20 N; coasting that is made exact has 0, an interior point leaves residues of some 1e-7
 NO_EFFORT_SHARE = 1e-4
 """Up to this share of the largest effort the train coasts: a kilometre of it changes speed by less than 0.1 km/h."""
-UNTOLD_MS = 0.05 * MS_PER_KMH
+NEGLIGIBLE_MS = 0.05 * MS_PER_KMH
 """Less than the advice's rounding to 0.1 km/h: an effort beside coasting that changes the speed by less is none."""
-HELD_WITHIN_MS = 0.5 * MS_PER_KMH
+HOLD_TOLERANCE_MS = 0.5 * MS_PER_KMH
 """A speed that stays within this of another reads the same on a speedometer of whole km/h: it is held."""
+# as HOLD_TOLERANCE_MS over ten seconds: what a hold of that length may change in all
 STEADY_MS2 = 0.05 * MS_PER_KMH
 """A speed that changes by less than half a km/h in ten seconds is steady [m/s2]."""
+# Shorter, and the advice names pulses that nobody can follow; longer, and holds below short limits vanish.
 SHORTEST_S = 5.0
 """An instruction that lasts less is read, begun and over before the next is read; assumed."""
 PULSE_S = 2 * SHORTEST_S
@@ -36,14 +40,15 @@ def label_cells(run: RunData) -> tuple[IntArray, BoolArray, BoolArray]:
         Full or part power, hold, coast, brake, stand, by number.
     begins_hold : array of shape (n,)
         Whether a hold begins there: two may follow one another.
-    untold : array of shape (n,)
+    negligible : array of shape (n,)
         Whether the cell counts as coasting though it has an effort: one too small to tell.
     """
     position_m, speed_ms, effort_n, largest_n = run.position_m, run.speed_ms, run.effort_n, run.largest_effort_n
     labels = np.empty(effort_n.shape[0], np.int64)
     idle = NO_EFFORT_SHARE * np.max(largest_n)
     for i in range(effort_n.shape[0]):
-        if position_m[i + 1] <= position_m[i] or max(speed_ms[i], speed_ms[i + 1]) < UNTOLD_MS:
+        # standing first: a start has full effort too, at a speed that is still next to none
+        if position_m[i + 1] <= position_m[i] or max(speed_ms[i], speed_ms[i + 1]) < NEGLIGIBLE_MS:
             labels[i] = STAND
         elif abs(effort_n[i]) <= idle:
             labels[i] = COAST
@@ -53,8 +58,9 @@ def label_cells(run: RunData) -> tuple[IntArray, BoolArray, BoolArray]:
             labels[i] = FULL_POWER
         else:
             labels[i] = PART_POWER
-    untold = _quieten(run, labels)
-    return labels, _mark_holds(run, labels), untold
+    # before the holds, as a hold may lie across coasting but not across its noise
+    negligible = _coast_through_negligible(run, labels)
+    return labels, _mark_holds(run, labels), negligible
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -67,10 +73,10 @@ def _end_of_run(labels: IntArray, first: int) -> int:
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _quieten(run: RunData, labels: IntArray) -> BoolArray:
+def _coast_through_negligible(run: RunData, labels: IntArray) -> BoolArray:
     """Let runs of cells beside coasting coast too if their effort is too small to tell; return which they are."""
     n = labels.shape[0]
-    untold = np.zeros(n, np.bool_)
+    negligible = np.zeros(n, np.bool_)
     first, before = 0, -1
     while first < n:
         last = _end_of_run(labels, first)
@@ -80,12 +86,13 @@ def _quieten(run: RunData, labels: IntArray) -> BoolArray:
             for i in range(first, last):
                 work += run.effort_n[i] * (run.position_m[i + 1] - run.position_m[i])
             mean_speed = 0.5 * (run.speed_ms[first] + run.speed_ms[last])
-            if abs(work) < UNTOLD_MS * run.inertia_kg * mean_speed:
+            # work = m v dv: the change of speed that the effort makes is compared, whatever its length
+            if abs(work) < NEGLIGIBLE_MS * run.inertia_kg * mean_speed:
                 labels[first:last] = COAST
-                untold[first:last] = True
+                negligible[first:last] = True
         before = labels[first]
         first = last
-    return untold
+    return negligible
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -93,7 +100,7 @@ def _mark_holds(run: RunData, labels: IntArray) -> BoolArray:
     """Mark the stretches over which the speed is held, by power, brakes or short coasting; return where they begin."""
     n = labels.shape[0]
     begins = np.zeros(n, np.bool_)
-    may_hold, steady = _fit_for_holds(run, labels)
+    may_hold, steady = _hold_candidates(run, labels)
     i = 0
     while i < n:
         # holds begin and end with cells whose speed power or brakes keep
@@ -108,7 +115,7 @@ def _mark_holds(run: RunData, labels: IntArray) -> BoolArray:
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _fit_for_holds(run: RunData, labels: IntArray) -> tuple[BoolArray, BoolArray]:
+def _hold_candidates(run: RunData, labels: IntArray) -> tuple[BoolArray, BoolArray]:
     """Return which cells may lie in a hold, and in which of them power or brakes keep the speed; of shape (n,)."""
     time_s, speed_ms = run.time_s, run.speed_ms
     may_hold, steady = np.zeros(labels.shape[0], np.bool_), np.zeros(labels.shape[0], np.bool_)
@@ -134,7 +141,8 @@ def _hold_end(speed_ms: FloatArray, limit_ms: FloatArray, may_hold: BoolArray, s
     for i in range(first, may_hold.shape[0]):
         low, high = min(low, speed_ms[i + 1]), max(high, speed_ms[i + 1])
         limit = min(limit, limit_ms[i])
-        if not may_hold[i] or high - low > 2.0 * HELD_WITHIN_MS or high > limit + UNTOLD_MS:
+        # twice the tolerance, as it is one to each side of the speed that is held
+        if not may_hold[i] or high - low > 2.0 * HOLD_TOLERANCE_MS or high > limit + NEGLIGIBLE_MS:
             break
         if steady[i]:
             end = i + 1

@@ -8,6 +8,8 @@ from pydantic import BaseModel, ValidationError
 
 from railjoule.core.scenario.options import MonteCarloOptions
 
+# pydantic's own sentences name neither the key as the file has it nor always the value, so each of its kinds of error
+# has words here; those without fall through to its own at the end of `_finding`.
 BOUNDS = {
     "greater_than": ("gt", "must be above"),
     "greater_than_equal": ("ge", "must be at least"),
@@ -27,29 +29,34 @@ KINDS = {
     "model_attributes_type": "must be a table",
     "dict_type": "must be a table",
 }
+# in a file the drive is a table of its own, in the model a part of the vehicle
 ALIASES = {"vehicle.drive": "drive"}
-KIND_KEYS = ("model", "distribution")
+TAG_KEYS = ("model", "distribution")
 """Keys that tell the kind of a table."""
-OF_MANY_KINDS = {"drive", *MonteCarloOptions.model_fields}
+TAGGED_TABLES = {"drive", *MonteCarloOptions.model_fields}
 """Tables of which a key tells the kind."""
 LONGEST_SHOWN = 60
-CLOSE_SECOND = 0.18
+# Larger, and every misspelling would have two proposals; smaller, and of two keys that differ in their unit alone only
+# one would be named.
+SECOND_MATCH_MARGIN = 0.18
 """A second name is proposed where its likeness is less than this below that of the first."""
+# Python refuses to print integers of more than 4300 digits, some 14,000 bits; a file may hold one all the same.
 LONGEST_INTEGER_BITS = 4096
 
 
 def sentence_of(error: ValidationError, model: type[BaseModel], source: str) -> str:
     """Return one sentence for the first finding of `error`, with the number of the others."""
     everything = error.errors(include_url=False)
-    findings = [finding for finding in everything if not _follows(finding, everything)]
-    # a misspelt key is told before the key that is therefore missing
+    findings = [finding for finding in everything if not _is_consequence(finding, everything)]
+    # a misspelt key is reported before the key that is therefore missing
     first = next((finding for finding in findings if finding["type"] == "extra_forbidden"), findings[0])
+    # the others are counted and not listed: one mistake is mended at a time, and most of the others follow from it
     text = f"{source}: {_finding(first, model)}"
     others = len(findings) - 1
     return text + (f" (and {others} more)." if others else "" if text.endswith("?") else ".")
 
 
-def _follows(finding: Mapping[str, Any], findings: Sequence[Mapping[str, Any]]) -> bool:
+def _is_consequence(finding: Mapping[str, Any], findings: Sequence[Mapping[str, Any]]) -> bool:
     """Return whether a list is only found too short because its entries are wrong."""
     place = finding["loc"]
     return finding["type"] == "too_short" and any(
@@ -57,12 +64,13 @@ def _follows(finding: Mapping[str, Any], findings: Sequence[Mapping[str, Any]]) 
     )
 
 
-def nearest(name: str, known: Iterable[str]) -> str:
+def suggestion(name: str, known: Iterable[str]) -> str:
     """Return 'did you mean ...?' or a list of what is known, for an unknown `name`."""
+    # sorted, so that equal likenesses come in the same order each time
     names = sorted(known)
     close = difflib.get_close_matches(name, names, n=2, cutoff=0.6)
     likeness = [difflib.SequenceMatcher(None, name, match).ratio() for match in close]
-    close = [match for match, ratio in zip(close, likeness, strict=True) if ratio > likeness[0] - CLOSE_SECOND]
+    close = [match for match, ratio in zip(close, likeness, strict=True) if ratio > likeness[0] - SECOND_MATCH_MARGIN]
     if close:
         return "did you mean " + " or ".join(repr(match) for match in close) + "?"
     return "choose one of " + ", ".join(names)
@@ -82,13 +90,14 @@ def shorten(text: str) -> str:
 
 def _finding(finding: Mapping[str, Any], model: type[BaseModel]) -> str:
     place = finding["loc"]
+    # pydantic puts the tag of a union into the place, "drive.induction.motors", where the file has "drive.motors"
     location = _without_tags(place)
     path = _dotted(location)
     kind, value, context = finding["type"], finding["input"], finding.get("ctx", {})
     if kind == "missing":
         return f"{path} is missing"
     if kind == "extra_forbidden":
-        return f"unknown key {path}, {nearest(str(location[-1]), _keys_at(model, place[:-1]))}"
+        return f"unknown key {path}, {suggestion(str(location[-1]), _keys_at(model, place[:-1]))}"
     if kind in BOUNDS:
         key, words = BOUNDS[kind]
         return f"{path} = {show(value)} {words} {context[key]:g}"
@@ -125,7 +134,7 @@ def _own_finding(path: str, words: str, keys: set[str]) -> str:
 
 def _without_tags(location: Sequence[str | int]) -> list[str | int]:
     """Drop the names of drive models and distributions, which are no keys of the file."""
-    return [part for index, part in enumerate(location) if not (index and location[index - 1] in OF_MANY_KINDS)]
+    return [part for index, part in enumerate(location) if not (index and location[index - 1] in TAGGED_TABLES)]
 
 
 def _dotted(location: Sequence[str | int]) -> str:
@@ -150,13 +159,14 @@ def _keys_at(model: type[BaseModel], location: Sequence[str | int]) -> set[str]:
                 if part in outer.model_fields
                 for inner in _models_in(outer.model_fields[part].annotation)
             ]
+            # a part that is no field is the tag of a union: it chooses among the models found so far
             models = inside or [one for one in models if _is_tagged(one, part)]
     return {name for known in models for name in known.model_fields}
 
 
 def _is_tagged(model: type[BaseModel], tag: str) -> bool:
     """Tell the drive model or distribution of a name from the others."""
-    fields = [model.model_fields[name] for name in KIND_KEYS if name in model.model_fields]
+    fields = [model.model_fields[name] for name in TAG_KEYS if name in model.model_fields]
     return any(tag in get_args(field.annotation) for field in fields)
 
 

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from railjoule.core.errors import ScenarioError
-from railjoule.core.scenario._sentences import nearest, show
+from railjoule.core.scenario._sentences import show, suggestion
 from railjoule.core.scenario.text_file import read_text
 
 
@@ -29,6 +29,7 @@ def read_rows(key: str, name: str, folder: Path | None, columns: Iterable[str]) 
         If the file cannot be read, a column is unknown, or a cell is not a number.
     """
     known = tuple(columns)
+    # a scenario that came as a text, as on the page, may not name files: they would be the server's
     if folder is None:
         raise ScenarioError(f"{key} = {name!r} can only be read from a scenario file on disk.")
     try:
@@ -40,11 +41,13 @@ def read_rows(key: str, name: str, folder: Path | None, columns: Iterable[str]) 
     header = [column.strip() for column in rows[0]]
     for column in header:
         if column not in known:
-            hint = nearest(column, known)
+            hint = suggestion(column, known)
             end = "" if hint.endswith("?") else "."
             raise ScenarioError(f"{key} {name!r}: unknown column {show(column)}, {hint}{end}")
+    # a row becomes a dictionary, in which the second of two columns of a name would replace the first without a word
     if len(set(header)) < len(header):
         raise ScenarioError(f"{key} {name!r}: a column appears twice.")
+    # numbered from 2, as an editor counts the lines of a file with a header; a blank line is an empty row
     return [_row(header, row, f"{key} {name!r}, row {number}") for number, row in enumerate(rows[1:], 2) if row]
 
 

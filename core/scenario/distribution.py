@@ -59,6 +59,7 @@ class LogNormal(Part):
 
     distribution: Literal["log_normal"]
     median: Number = Field(gt=0, le=1e6, description="The median.")
+    # at 10 one standard deviation is a factor of 22,000: any more is a slip of units
     log_standard_deviation: Number = Field(gt=0, le=10, description="The standard deviation of the logarithm.")
 
 

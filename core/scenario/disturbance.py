@@ -14,6 +14,7 @@ Reaction = Literal["driver", "computer", "known"]
 class Event(Part):
     """Something that is not in the timetable; by default the train learns of it at its start."""
 
+    # None is the start: what is known by then can be planned for as a whole
     noticed_at_m: Number | None = Field(None, ge=0, le=1e7, description="Where the train learns of it [m].")
     noticed_at_s: Number | None = Field(None, ge=0, le=86400, description="When the train learns of it [s].")
     reaction: Reaction = Field("computer", description="Reaction (computer: replanning; known: in advance).")
@@ -33,6 +34,8 @@ class UnplannedStop(Event):
 
     @model_validator(mode="after")
     def _noticed_before(self) -> Self:
+        # A train learns of a stop before it stands there. How far before is not checked here: whether it can still
+        # brake depends on its speed, and the simulation tells a stop that was missed.
         if self.noticed_at_m is not None and self.noticed_at_m > self.position_m:
             raise ValueError(
                 f"noticed_at_m = {self.noticed_at_m:g} is after position_m = {self.position_m:g}, "
@@ -46,6 +49,7 @@ class UnplannedLimit(Event, SpeedLimit):
 
     @model_validator(mode="after")
     def _noticed_before(self) -> Self:
+        # the end of the limit and not its start, as a train may learn of a limit while it is inside
         if self.noticed_at_m is not None and self.noticed_at_m > self.to_m:
             raise ValueError(f"noticed_at_m = {self.noticed_at_m:g} is after to_m = {self.to_m:g}, where it ends")
         return self

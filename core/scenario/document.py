@@ -19,6 +19,8 @@ from railjoule.core.scenario.vehicle import Vehicle
 
 Document = dict[str, Any]
 
+# A document is often laid over a preset that says the same thing by the other key. Without this, setting one would
+# leave both in force, which the model refuses.
 EXCLUSIVE_KEYS = (
     {"rotating_mass_factor", "inertial_mass_kg"},
     {"travel_time_s", "average_speed_kmh"},
@@ -45,6 +47,7 @@ def scenario_from_document(
     ScenarioError
         If a key is unknown or missing, or a value of a wrong type or out of bounds.
     """
+    # presets are filled in in place, and the document is the caller's
     filled = deepcopy(dict(document))
     try:
         _fill_vehicle(filled, folder)
@@ -78,6 +81,7 @@ def change_document(document: Document, changes: Mapping[str, Any]) -> Document:
     """
     changed = deepcopy(document)
     for path, value in changes.items():
+        # before any table is made: a path of a million parts would nest as many dictionaries
         if path.count(".") >= MOST_KEY_PARTS:
             raise ScenarioError(f"{shorten(path)}: a key has at most {MOST_KEY_PARTS} parts with dots between them.")
         *parents, key = (
@@ -91,6 +95,7 @@ def change_document(document: Document, changes: Mapping[str, Any]) -> Document:
         if value is None:
             table.pop(key, None)
             continue
+        # None above takes the key away, so that a default or a preset holds again
         _drop_alternatives(table, key)
         table[key] = deepcopy(value)
     return changed
@@ -110,6 +115,8 @@ def merged(base: Mapping[str, Any], changes: Mapping[str, Any]) -> Document:
 
 def _merged_drive(base: Mapping[str, Any], changes: Mapping[str, Any]) -> Document:
     """Lay a drive over another; of a drive of another kind only the recuperation factor stays."""
+    # Keys of another kind of drive would be unknown ones; the recuperation factor says what the line takes back,
+    # whatever the drive is.
     if "model" in changes and changes["model"] != base.get("model"):
         base = {key: value for key, value in base.items() if key == "recuperation_factor"}
     return merged(base, changes)
@@ -126,6 +133,8 @@ def _fill_vehicle(document: Document, folder: Path | None) -> None:
     vehicle = document.get("vehicle")
     if not isinstance(vehicle, dict):
         return
+    # The order matters: first the preset, then the drive of the document over that of the preset, then the map's file,
+    # as either of the two may name it.
     vehicle = _filled("vehicles", vehicle)
     drive = document.pop("drive", None)
     if isinstance(drive, dict):
@@ -146,6 +155,7 @@ def _fill_map(drive: Document, folder: Path | None) -> None:
         raise ScenarioError(f"drive.file = {show(name)} must be the name of a CSV file.")
     if "points" in drive:
         raise ScenarioError("drive needs only one of file and points.")
+    # from here on nothing knows the file: a scenario is one value that can be saved, sent and compared
     drive["points"] = read_map(name, folder)
 
 
@@ -157,6 +167,7 @@ def _fill_line(document: Document, folder: Path | None) -> None:
     if name is not None and not isinstance(name, str):
         raise ScenarioError(f"line.file = {show(name)} must be the name of a CSV file.")
     if name is not None:
+        # two of them would contradict each other, and no rule says which one counts
         if "sections" in line or "preset" in line:
             raise ScenarioError("line needs only one of preset, file and sections.")
         line["sections"] = read_sections(name, folder)
@@ -184,7 +195,7 @@ def _shorten_vehicle(vehicle: Vehicle) -> tuple[Document, Document]:
         base = preset_document("vehicles", vehicle.preset)
         base = Vehicle.model_validate(base).model_dump(mode="json", exclude_none=True)
         short = _difference(full, base)
-        if _refill(base, short) == full:
+        if merged(base, short) == full:
             drive = short.pop("drive", {})
             if drive.get("model"):
                 drive = full["drive"]
@@ -198,7 +209,7 @@ def _shorten_line(line: Line) -> Document:
         base = preset_document("lines", line.preset)
         base = Line.model_validate(base).model_dump(mode="json", exclude_none=True)
         short = _difference(full, base)
-        if _refill(base, short) == full:
+        if merged(base, short) == full:
             return short
     return _dump(line.model_copy(update={"preset": None}))
 
@@ -213,7 +224,3 @@ def _difference(full: Document, base: Document) -> Document:
             both_tables = isinstance(value, dict) and isinstance(base[key], dict)
             result[key] = _difference(value, base[key]) if both_tables else value
     return result
-
-
-def _refill(base: Document, short: Document) -> Document:
-    return merged(base, short)

@@ -17,6 +17,8 @@ MapPoint = tuple[
     Annotated[Number, Field(ge=0, le=1e5)],
     Annotated[Number, Field(ge=0, le=1)],
 ]
+# Losses are extrapolated to no torque and no speed by a parabola through the next three points, and a torque or speed
+# of 0 is one of the values.
 LEAST_MAP_POINTS = 3
 """Torques and speeds that an efficiency map has at least."""
 
@@ -82,6 +84,8 @@ class Induction(DriveParameters):
     rotor_resistance_ohm: Resistance = Field(description="Resistance of a rotor phase, seen from the stator [ohm].")
     stator_inductance_mh: Inductance = Field(description="Self inductance of a stator phase [mH].")
     rotor_inductance_mh: Inductance = Field(description="Self inductance of a rotor phase [mH].")
+    # Bounds of numbers in this file are wide: they stop slips of units, as of ohm for milliohm or watt for kilowatt,
+    # and numbers whose squares would overflow, not unusual machines.
     mutual_inductance_mh: Inductance = Field(description="Inductance between stator and rotor [mH].")
     rated_magnetising_current_a: Current = Field(description="Current that produces the rated flux [A].")
     rated_frequency_hz: Number = Field(gt=0, le=1000, description="Frequency at which the iron losses are given [Hz].")
@@ -108,27 +112,31 @@ class Induction(DriveParameters):
     def _is_a_machine(self) -> Self:
         for side in ("stator", "rotor"):
             own = getattr(self, f"{side}_inductance_mh")
+            # the leakage Ls - M is what limits the voltage and thus the pull-out torque: at 0 there would be no limit
+            # at all
             if self.mutual_inductance_mh >= own:
                 raise ValueError(
                     f"mutual_inductance_mh = {self.mutual_inductance_mh:g} must be below "
                     f"{side}_inductance_mh = {own:g}, which includes it"
                 )
-        for way in ("starting", "braking"):
-            current = getattr(self, f"{way}_current_a")
+        for regime in ("starting", "braking"):
+            current = getattr(self, f"{regime}_current_a")
+            # torque needs sqrt(I^2 - Imu^2) beside the rated flux: below this no start would have any torque
             if current <= self.rated_magnetising_current_a:
                 raise ValueError(
-                    f"{way}_current_a = {current:g} must be above "
+                    f"{regime}_current_a = {current:g} must be above "
                     f"rated_magnetising_current_a = {self.rated_magnetising_current_a:g}"
                 )
         return self
 
 
 class GearedMotors(DriveParameters):
-    """What drives have whose losses are told for each motor with its inverter."""
+    """What drives have whose losses are known for each motor with its inverter."""
 
     motors: Count = Field(ge=1, le=200, description="Number of traction motors of the train.")
     gear_ratio: Number = Field(gt=0, le=50, description="Turns of the motor in one turn of the wheel.")
     wheel_diameter_m: Number = Field(gt=0, le=5, description="Mean diameter of the driving wheels [m].")
+    # below 1, as braking passes F v (1 - g) on to the shaft: at 1 the electric brake would have nothing to work with
     gear_loss_share: Number = Field(0.0, ge=0, lt=1, description="Gear loss over the power at the wheels.")
 
 
@@ -153,6 +161,8 @@ class EfficiencyMap(GearedMotors):
 
     @model_validator(mode="after")
     def _has_no_holes(self) -> Self:
+        # Each test relies on those before it: with rising points, none of them twice, a point for each pair of values
+        # is a full grid; only then do its first values and its efficiencies mean something.
         places = [(torque, speed) for torque, speed, _ in self.points]
         if places != sorted(places) and places != sorted(places, key=lambda place: place[::-1]):
             raise ValueError("points must rise in torque_nm and then in speed_rads, or the other way round")
@@ -170,6 +180,8 @@ class EfficiencyMap(GearedMotors):
             if len(least) < LEAST_MAP_POINTS:
                 raise ValueError(f"points need {LEAST_MAP_POINTS} values of {first} from 0 on")
         for torque, speed, efficiency in self.points:
+            # driving loss is M w (1 / eta - 1); in braking an efficiency of 0 is a machine that generates nothing,
+            # which exists
             if efficiency <= 0 < torque * speed:
                 raise ValueError(
                     f"points has efficiency = {efficiency:g} at torque_nm = {torque:g}, speed_rads = {speed:g}; "
@@ -201,6 +213,7 @@ class Synchronous(GearedMotors):
         "six_step", description="Space vectors only, or block operation where they do not give enough voltage."
     )
     link_voltage_v: Number = Field(gt=0, le=1e5, description="Voltage of the direct-current link [V].")
+    # from 50 Hz on: far below, side bands of the carrier fall on the fundamental and are no harmonics any more
     switching_frequency_hz: Number = Field(ge=50, le=1e5, description="Carrier of the modulation [Hz].")
     device_threshold_v: Number = Field(ge=0, le=100, description="Voltage of a conducting device at no current [V].")
     device_resistance_ohm: Number = Field(ge=0, le=1, description="Rise of that voltage with current [ohm].")
@@ -219,6 +232,8 @@ class Synchronous(GearedMotors):
 
     @model_validator(mode="after")
     def _is_a_machine(self) -> Self:
+        # The formulas take the reluctance torque -(Lq - Ld) id iq with id <= 0. Without saliency, or with one of the
+        # other sign, the current of least loss lies elsewhere.
         if self.quadrature_inductance_mh <= self.direct_inductance_mh:
             raise ValueError(
                 f"quadrature_inductance_mh = {self.quadrature_inductance_mh:g} must be above "

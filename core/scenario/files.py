@@ -30,7 +30,9 @@ def load_scenario(path: str | Path, changes: Mapping[str, Any] | None = None) ->
         If the file cannot be read or anything in it is wrong.
     """
     path = Path(path)
+    # a user's own file of the same name wins, or a file on disk could not be read
     shipped = str(path) in preset_names("scenarios") and not path.exists()
+    # a shipped scenario names no files, so it needs no folder; one on disk may name others beside it
     text = preset_text("scenarios", str(path)) if shipped else read_text(path)
     return parse_scenario(text, path.name, None if shipped else path.parent, changes)
 
@@ -56,10 +58,12 @@ def parse_scenario(
     ScenarioError
         If the text is no TOML, larger than 10 MB, or anything in it is wrong.
     """
+    # also for texts that never were a file, as those pasted into the page
     if len(text) > LARGEST_FILE_BYTES:
         raise ScenarioError(f"{source}: more than the {LARGEST_FILE_BYTES / 1e6:g} MB allowed.")
     document = read_toml(text, source)
     try:
+        # the changes come before the checks: keys that only fit together can be changed together
         return scenario_from_document(change_document(document, changes or {}), source, folder)
     except RecursionError:
         raise ScenarioError(f"{source}: {NESTED_TOO_DEEPLY}") from None

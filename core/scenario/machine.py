@@ -28,6 +28,7 @@ class InductionMachine(Part):
 
     @model_validator(mode="after")
     def _carries_its_flux(self) -> Self:
+        # torque needs sqrt(I^2 - Imu^2) beside the flux; the control weakens the flux for the voltage, never to start
         if self.max_current_a <= self.magnetising_current_a:
             raise ValueError(
                 f"max_current_a = {self.max_current_a:g} must be above rotor_flux_vs / mutual_inductance_mh = "
@@ -38,4 +39,5 @@ class InductionMachine(Part):
     @property
     def magnetising_current_a(self) -> float:
         """Current that makes the rated flux [A]."""
+        # in steady state the rotor has no current along its flux, so flux = M i: the leakage plays no part
         return self.rotor_flux_vs / (self.mutual_inductance_mh * H_PER_MH)

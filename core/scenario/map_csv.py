@@ -6,6 +6,7 @@ from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario.csv_table import read_rows
 
 COLUMNS = ("torque_nm", "speed_rads", "efficiency")
+# the same bound as of the model, asked here first, as here the sentence can name the file
 LEAST_POINTS = 9
 """Three torques at three speeds."""
 

@@ -16,7 +16,11 @@ class SolverOptions(Part):
 
 
 class SearchOptions(Part):
-    """How the strategy `speed_limits` searches."""
+    """How the strategy `speed_limits` searches.
+
+    `boundaries_m` are the borders between the sections of a trip [m], and `limits_kmh` the limits of these sections
+    [km/h]: given, there is no search.
+    """
 
     regulator: Literal["literal", "brake", "coast"] = Field("coast", description="Regulator under the limits.")
     boundaries_m: tuple[Annotated[Number, Field(gt=0, le=1e7)], ...] = Field((), max_length=50)

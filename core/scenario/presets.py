@@ -7,7 +7,7 @@ from importlib.resources.abc import Traversable
 from typing import Any, Literal
 
 from railjoule.core.errors import ScenarioError
-from railjoule.core.scenario._sentences import nearest, show
+from railjoule.core.scenario._sentences import show, suggestion
 
 PresetKind = Literal["vehicles", "lines", "scenarios"]
 
@@ -28,7 +28,7 @@ def preset_text(kind: PresetKind, name: str) -> str:
         If there is no such preset.
     """
     if name not in preset_names(kind):
-        hint = nearest(name, preset_names(kind))
+        hint = suggestion(name, preset_names(kind))
         end = "" if hint.endswith("?") else "."
         raise ScenarioError(f"there is no preset {show(name)} among the {kind}, {hint}{end}")
     return (_folder(kind) / f"{name}.toml").read_text(encoding="utf-8")
@@ -46,9 +46,12 @@ def preset_document(kind: PresetKind, name: str) -> dict[str, Any]:
 
 
 def _folder(kind: PresetKind) -> Traversable:
+    # importlib.resources: the assets may lie in a wheel or in a checkout, and only this finds both
     return files("railjoule.assets") / kind
 
 
+# The text is kept, and not the dictionary: a page asks at every change, and callers change what they get. 64 is more
+# than there are files.
 @lru_cache(maxsize=64)
 def _cached_text(kind: PresetKind, name: str) -> str:
     return preset_text(kind, name)

@@ -49,6 +49,7 @@ class Scenario(Part):
     @model_validator(mode="after")
     def _sections_cover_the_line(self) -> Self:
         length = self.line.length_m
+        # checks that need two tables stand here, as a table knows nothing of those beside it
         for index, border in enumerate(self.search.boundaries_m):
             if border >= length:
                 raise ValueError(
@@ -58,6 +59,7 @@ class Scenario(Part):
 
     @model_validator(mode="after")
     def _real_load_can_be_carried(self) -> Self:
+        # against the crush load and not 1: what a train really carries may exceed its nominal capacity
         load, most = self.disturbance.actual_load_factor, self.vehicle.crush_load_factor
         if load is not None and load > most:
             raise ValueError(
@@ -88,6 +90,8 @@ class Scenario(Part):
         )
 
         try:
+            # Through the document and not `model_copy`, which checks nothing: so a change can name a preset, drop a
+            # key by None and replace its alternative, as in a file.
             return scenario_from_document(change_document(document_of(self), changes))
         except RecursionError:
             raise ScenarioError(f"scenario: {NESTED_TOO_DEEPLY}") from None

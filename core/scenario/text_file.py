@@ -4,6 +4,7 @@ from pathlib import Path
 
 from railjoule.core.errors import ScenarioError
 
+# the 100,000 sections that a line may have, in lines of 100 characters
 LARGEST_FILE_BYTES = 10_000_000
 LONGEST_SHOWN_PATH = 200
 
@@ -21,6 +22,7 @@ def read_text(path: Path) -> str:
             content = file.read(LARGEST_FILE_BYTES + 1)  # never all of it: a device has no end
         if len(content) > LARGEST_FILE_BYTES:
             raise ScenarioError(f"{path.name}: larger than the {LARGEST_FILE_BYTES / 1e6:g} MB allowed.")
+        # -sig: spreadsheet programs put a byte order mark first, which would become a part of the first key or column
         return content.decode("utf-8-sig")
     except FileNotFoundError:
         raise ScenarioError(f"{_shown(path)}: there is no such file.") from None

@@ -11,11 +11,13 @@ from railjoule.core.units import MS_PER_KMH
 class Timetable(Part):
     """The time for the whole run, dwells included: given itself or as an average speed."""
 
+    # a day at most: a run that takes longer is a timetable in minutes or milliseconds
     travel_time_s: Number | None = Field(None, gt=0, le=86400, description="Time for the whole run [s].")
     average_speed_kmh: Number | None = Field(None, gt=0, le=600, description="Length over travel time [km/h].")
 
     @model_validator(mode="after")
-    def _one_way(self) -> Self:
+    def _one_definition(self) -> Self:
+        # both would contradict each other as soon as the line changes, and none leaves the time open
         if (self.travel_time_s is None) == (self.average_speed_kmh is None):
             raise ValueError("needs exactly one of travel_time_s and average_speed_kmh")
         return self

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 from railjoule.core.scenario._base import Count, Number, Part
 from railjoule.core.scenario.drive import Drive
 
+# standing passengers may be twice the seats of a metro car; more than three times is a number of passengers
 MOST_LOAD_FACTOR = 3.0
 """Of any vehicle: a capacity that counts seats alone, and standing passengers wherever there is room."""
 CurvePoint = tuple[Annotated[Number, Field(ge=0, le=600)], Annotated[Number, Field(ge=0, le=1e4)]]
@@ -16,6 +17,8 @@ CurvePoint = tuple[Annotated[Number, Field(ge=0, le=600)], Annotated[Number, Fie
 class SpecificResistance(Part):
     """Running resistance over weight, speed in km/h."""
 
+    # Bounds of numbers in this file stop slips of units - tonnes for kilograms, metres for millimetres - and not
+    # unusual trains: each is above what the heaviest and fastest trains have.
     constant_n_per_kn: Number = Field(0.0, ge=0, le=100, description="Specific, constant [N per kN of weight].")
     linear_n_per_kn_per_kmh: Number = Field(0.0, ge=0, le=10, description="Specific, linear in speed.")
     quadratic_n_per_kn_per_kmh2: Number = Field(0.0, ge=0, le=1, description="Specific, quadratic in speed.")
@@ -47,6 +50,7 @@ class Traction(Part):
     max_effort_kn: Number | None = Field(None, gt=0, le=1e4, description="Largest tractive effort [kN].")
     max_power_kw: Number | None = Field(None, gt=0, le=1e5, description="Largest power at the wheel [kW].")
     max_speed_kmh: Number = Field(gt=0, le=600, description="Largest speed of the vehicle [km/h].")
+    # None is no limit of its own: effort, adhesion and passengers are then all in max_effort_kn
     max_acceleration_ms2: Number | None = Field(None, gt=0, le=20, description="Largest dv/dt [m/s2].")
     curve: tuple[CurvePoint, ...] | None = Field(
         None,
@@ -58,8 +62,10 @@ class Traction(Part):
     @model_validator(mode="after")
     def _curve_can_be_followed(self) -> Self:
         speeds = [speed for speed, _ in self.curve or ()]
+        # interpolation needs rising speeds, and a jump of the effort would leave its value there open
         if any(later <= earlier for earlier, later in pairwise(speeds)):
             raise ValueError("curve must have rising speeds")
+        # a curve of zeros is a train that cannot start, which would only show as an infeasible line
         if self.curve is not None and not any(effort > 0 for _, effort in self.curve):
             raise ValueError("curve must have an effort above 0")
         return self
@@ -68,6 +74,7 @@ class Traction(Part):
 class Braking(Part):
     """Limits while braking; effort and power are those of the electric brake."""
 
+    # 0 is a train without an electric brake; None leaves the limit to the drive, which may have one
     max_effort_kn: Number | None = Field(None, ge=0, le=1e4, description="Largest electric braking effort [kN].")
     max_power_kw: Number | None = Field(None, gt=0, le=1e5, description="Largest electric braking power [kW].")
     friction_effort_kn: Number = Field(0.0, ge=0, le=1e4, description="Largest effort of the friction brakes [kN].")
@@ -86,6 +93,7 @@ class Vehicle(Part):
     crush_load_factor: Number = Field(
         1.0, ge=1, le=MOST_LOAD_FACTOR, description="Largest load factor: above 1, crush load."
     )
+    # two ways to say one thing, so exactly one of them: data sheets have either
     rotating_mass_factor: Number | None = Field(
         None, ge=0, le=5, description="Inertia of the rotating parts, as a share of the total mass."
     )
@@ -125,6 +133,8 @@ class Vehicle(Part):
     def _cars_make_the_train(self) -> Self:
         if self.car_count is not None and self.length_m is None:
             raise ValueError("car_count needs length_m")
+        # Kinds share the specific terms of the train in proportion to their cars, so they must make up all of it; a
+        # train without kinds needs no number of cars.
         cars = sum(kind.cars for kind in self.resistance.car_kinds)
         if cars and cars != self.car_count:
             raise ValueError(f"resistance.car_kinds have {cars} cars, but car_count is {self.car_count or 'not given'}")

@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-from railjoule.core.best_known import measured
+from railjoule.core.best_known import with_best_known
 from railjoule.core.bounds import bounded
 from railjoule.core.check import check_run
 from railjoule.core.errors import (
@@ -78,7 +78,7 @@ def solve(
     if trajectory.reference is None and task.has_slack:
         best = known_optimum(task)
         trajectory = bounded(task, trajectory, best.bound if best is not None else None)
-        *_, trajectory = measured([trajectory] if best is None else [best, trajectory])
+        *_, trajectory = with_best_known([trajectory] if best is None else [best, trajectory])
     if not check:
         return trajectory
     result = check_run(scenario, trajectory, initial_speed_ms=initial_speed_ms, final_speed_ms=final_speed_ms)
@@ -134,7 +134,7 @@ def compare(scenario: Scenario) -> tuple[list[Trajectory], dict[StrategyName, st
         except RailjouleError as refusal:
             refused[name] = str(refusal)
     known = next((run.bound for run in runs if run.bound is not None), None)
-    return measured([bounded(task, run, known) for run in runs]), refused
+    return with_best_known([bounded(task, run, known) for run in runs]), refused
 
 
 __all__ = ["STRATEGIES", "Task", "compare", "prepare_task", "run_strategy", "solve"]

@@ -11,7 +11,7 @@ from railjoule.core.motion import Course
 from railjoule.core.physics.cell import mean_speed
 from railjoule.core.physics.resistance import running_resistance
 from railjoule.core.task import Task
-from railjoule.core.units import MS_PER_KMH, N_PER_KN, told_apart
+from railjoule.core.units import MS_PER_KMH, N_PER_KN, distinct_numbers
 
 ALLOWED_EXCESS = 1e-6
 """By which share a run may pass a limit: of the limit itself, of an effort as a share of the greatest tractive one."""
@@ -106,7 +106,7 @@ def check_feasible(course: Course, speed2: FloatArray) -> None:
     over = np.flatnonzero(speed2 > data.largest_speed2 * (1 + ALLOWED_EXCESS))
     if len(over):
         asked, limit = (float(np.sqrt(of[over[0]])) / MS_PER_KMH for of in (speed2, data.largest_speed2))
-        needed, allowed = told_apart(asked, limit)
+        needed, allowed = distinct_numbers(asked, limit)
         raise StrategyRefusedError(f"needs {needed} km/h, but only {allowed} km/h is allowed.")
     speed = np.sqrt(speed2)
     mean = mean_speed(speed[:-1], speed[1:])
@@ -121,7 +121,7 @@ def check_feasible(course: Course, speed2: FloatArray) -> None:
             asked, available = abs(force[cell]), abs(force[cell]) - excess[cell]
             # what stands for a missing brake is none
             available = 0.0 if available < ALLOWED_EXCESS * data.traction.constant_n else available
-            needed, most = told_apart(asked / N_PER_KN, available / N_PER_KN, EFFORT_DIGITS)
+            needed, most = distinct_numbers(asked / N_PER_KN, available / N_PER_KN, EFFORT_DIGITS)
             raise StrategyRefusedError(
                 f"{words} with {needed} kN at {course.position_m[cell]:.0f} m, where at most {most} kN are available."
             )
@@ -139,5 +139,5 @@ def check_accelerations(course: Course, speed2: FloatArray) -> None:
         over = np.flatnonzero(reached > limit * (1 + ALLOWED_EXCESS))
         if len(over):
             place = course.position_m[over[0]]
-            by, allowed = told_apart(float(reached[over[0]]), limit, EFFORT_DIGITS)
+            by, allowed = distinct_numbers(float(reached[over[0]]), limit, EFFORT_DIGITS)
             raise StrategyRefusedError(f"{words} by {by} m/s2 at {place:.0f} m, but only {allowed} m/s2 is allowed.")

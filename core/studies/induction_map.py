@@ -21,10 +21,13 @@ def induction_map(scenario: Scenario) -> MotorMap:
     ScenarioError
         If its drive has no induction machine.
     """
+    # with the line voltage of the disturbance, which limits what the machines can do
     vehicle = as_it_is(scenario).vehicle
     machines = traction_machines(vehicle.drive)
     speed = np.linspace(0.0, vehicle.traction.max_speed_kmh * MS_PER_KMH * machines.turns_per_metre, SPEEDS)
     most = float(machines.greatest_torque_nm(speed).max())
+    # at full voltage a machine generates with more torque than it drives with, as the drop across its stator then
+    # helps
     least = -float(machines.greatest_torque_nm(speed, braking=True).max())
     torque = np.linspace(least, most, TORQUES)
     efficiency = machines.efficiency(torque, speed, scenario.simulation.flux == "least_loss")
@@ -35,5 +38,6 @@ def machine_points(run: FieldOrientedRun) -> OperatingPoints:
     """Return torque of the shaft and speed of one machine at the samples of a run at which the train moves."""
     machines = run.machines
     moving = run.speed_ms > 0
+    # the map is over the torque of the shaft, so the friction of the motor comes off the electromagnetic one
     torque = run.torque_nm[moving] - machines.machine.mechanical_loss_torque_nm
     return OperatingPoints(frozen_array(torque), frozen_array(run.speed_ms[moving] * machines.turns_per_metre))

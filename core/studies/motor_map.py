@@ -20,8 +20,10 @@ from railjoule.core.scenario.drive import GearedMotors, Synchronous
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import MS_PER_KMH
 
+# odd, so that a map with equal ends has a line at no torque; finer ones look the same on a screen
 TORQUES, SPEEDS = 121, 96
 """Of a map, braking and driving together."""
+# power over speed is infinite at standstill, where the limits of effort and not of power hold
 SLOWEST_SHARE = 1e-3
 """Where efforts are limited by power, the slowest speed at which they are asked for, over the greatest."""
 ROUNDING = 1e-9
@@ -93,8 +95,9 @@ def operating_points(run: Trajectory) -> OperatingPoints:
     duration, length = np.diff(run.time_s), np.diff(run.position_m)
     speed = np.divide(length, duration, out=np.zeros_like(duration), where=duration > 0)
     effort = run.tractive_effort_n - run.electric_braking_n
+    # a drive that is off and a train at a station have no point in the map
     on = (effort != 0) & (speed > 0)
-    torque = effort[on] * _shaft_share(drive, effort[on]) / _newtons_per_nm(drive)
+    torque = effort[on] * _shaft_over_wheel_power(drive, effort[on]) / _newtons_per_nm(drive)
     return OperatingPoints(frozen_array(torque), frozen_array(speed[on] * _turns_per_metre(drive)))
 
 
@@ -112,13 +115,16 @@ def _map_of_losses(scenario: Scenario, parameters: GearedMotors, speed_rads: Flo
     """Return the map of a drive that knows the losses of all motors, within the limits of the vehicle's effort."""
     drive, course = make_drive(parameters), build_course(scenario).data
     speed_ms = speed_rads / _turns_per_metre(parameters)
-    asked_ms = np.maximum(speed_ms, SLOWEST_SHARE * speed_ms[-1])
-    driving, braking = course.traction.effort_n(asked_ms), course.braking.effort_n(asked_ms)
+    limit_speed_ms = np.maximum(speed_ms, SLOWEST_SHARE * speed_ms[-1])
+    driving, braking = course.traction.effort_n(limit_speed_ms), course.braking.effort_n(limit_speed_ms)
     ends = np.array([-braking.max(), driving.max()])
-    least, most = (ends * _shaft_share(parameters, ends) / _newtons_per_nm(parameters)).tolist()
+    least, most = (ends * _shaft_over_wheel_power(parameters, ends) / _newtons_per_nm(parameters)).tolist()
     torque = np.linspace(least, most, TORQUES)
-    effort = (torque * _newtons_per_nm(parameters) / _shaft_share(parameters, torque))[:, None]
+    effort = (torque * _newtons_per_nm(parameters) / _shaft_over_wheel_power(parameters, torque))[:, None]
+    # at the ends of the map the effort is its own limit, which rounding may put on either side
     possible = (effort <= driving * (1 + ROUNDING)) & (effort >= -braking * (1 + ROUNDING))
+    # the formulas of some drives have no value beyond their limits: those points are computed at no effort and left
+    # out
     power = drive.electrical_power_w(np.where(possible, effort, 0.0), np.broadcast_to(speed_ms, possible.shape))
     shaft = torque[:, None] * speed_rads[None, :]
     loss = np.where(possible, power / parameters.motors - shaft, np.nan)
@@ -135,6 +141,6 @@ def _newtons_per_nm(drive: GearedMotors) -> float:
     return drive.motors * _turns_per_metre(drive)
 
 
-def _shaft_share(drive: GearedMotors, sign: FloatArray) -> FloatArray:
+def _shaft_over_wheel_power(drive: GearedMotors, sign: FloatArray) -> FloatArray:
     """Return power of the shafts over power at the wheels; negative signs brake."""
     return np.where(np.asarray(sign) < 0, 1 - drive.gear_loss_share, 1 + drive.gear_loss_share)

@@ -7,7 +7,9 @@ from railjoule.core.strategies import prepare_task
 from railjoule.core.strategies.fastest import fastest
 from railjoule.core.trajectory import Trajectory
 
+# of the speed: the time then differs by less than the check of a run allows
 TIME_TOLERANCE = 1e-9
+# a bracket must begin with a run that is late, and at walking pace every run of a real timetable is
 SLOWEST_KMH = 1.0
 
 
@@ -31,6 +33,7 @@ def one_speed_run(scenario: Scenario) -> Trajectory:
     def late_s(speed_kmh: float) -> float:
         return prepare_task(_limited(scenario, speed_kmh)).shortest_time_s - task.running_time_s
 
+    # the shortest time falls steadily with the highest speed, so there is one root
     speed = brentq(late_s, min(SLOWEST_KMH, top / 2), top, rtol=TIME_TOLERANCE)
     return fastest(prepare_task(_limited(scenario, float(speed))))
 

@@ -24,7 +24,7 @@ COORDINATE_ERRORS_M = (-25.0, -20.0, -10.0, 0.0, 10.0, 20.0, 25.0)
 """Those of the paper."""
 
 Knows = Literal["nothing", "load", "place", "both"]
-"""What the train learns before its start, so that it plans anew in each cell."""
+"""What the train learns before its start, so that it replans in each cell."""
 DIMENSIONS = ("load_factor", "coordinate_error_m")
 
 
@@ -46,7 +46,7 @@ class SensitivityTable:
         Loads, of length k, and errors [m], of length m.
     planned_kwh : float
         Energy of the plan [kWh].
-    knowing_kwh : array of shape (k,)
+    replanned_kwh : array of shape (k,)
         Energy of the plans of a train that knows its load [kWh].
     energy_kwh, delay_s, stop_error_m : array of shape (k, m)
         Energy as driven [kWh], the later arrival [s], the stopping error that is larger in size [m].
@@ -60,7 +60,7 @@ class SensitivityTable:
     load_factors: tuple[float, ...]
     coordinate_errors_m: tuple[float, ...]
     planned_kwh: float
-    knowing_kwh: FloatArray
+    replanned_kwh: FloatArray
     energy_kwh: FloatArray
     delay_s: FloatArray
     stop_error_m: FloatArray
@@ -74,7 +74,7 @@ class SensitivityTable:
     @property
     def over_replanned(self) -> FloatArray:
         """Energy over that of the plan of a train that knows its load, less 1; shape (k, m)."""
-        return share_above(self.energy_kwh, self.knowing_kwh[:, None])
+        return share_above(self.energy_kwh, self.replanned_kwh[:, None])
 
     def to_dataset(self) -> "xarray.Dataset":
         """Return the table with its labels and units."""
@@ -121,13 +121,13 @@ def sensitivity(
     both_directions : bool
         Whether the line is driven there and back, as in (12).
     knows : str
-        What the train learns before its start, so that it plans anew: its load, its place, both or nothing.
+        What the train learns before its start, so that it replans: its load, its place, both or nothing.
 
     Raises
     ------
     ScenarioError
-        If a load factor lies outside 0 to the vehicle's crush load, or an error of the place beyond the way from one
-        stop to the next.
+        If a load factor lies outside 0 to the vehicle's crush load, or an error of the place beyond the distance
+        between two stops.
     RailjouleError
         As `railjoule.core.solve` for the plan.
     """
@@ -147,10 +147,10 @@ def sensitivity_steps(
     wrong = next((load for load in load_factors if not 0 <= load <= most), None)
     if wrong is not None:
         raise ScenarioError(f"a load factor of the table = {wrong:g} must lie between 0 and {most:g}.")
-    ways = [scenario, _turned(scenario)] if both_directions else [scenario]
-    plans = [plan_for(way) for way in ways]
+    directions = [scenario, _reversed(scenario)] if both_directions else [scenario]
+    plans = [plan_for(direction) for direction in directions]
     shape = len(load_factors), len(coordinate_errors_m)
-    knowing, values = np.full(shape[0], np.nan), np.full((3, *shape), np.nan)
+    replanned, values = np.full(shape[0], np.nan), np.full((3, *shape), np.nan)
     table = SensitivityTable(
         scenario,
         both_directions,
@@ -158,22 +158,26 @@ def sensitivity_steps(
         tuple(load_factors),
         tuple(coordinate_errors_m),
         sum(plan.energy_kwh for plan in plans),
-        frozen_array(knowing),
+        frozen_array(replanned),
         *(frozen_array(values[0]),) * 3,
     )
     yield table
+    # load by load: all errors of one load share its plans, which cost more than the runs that follow them
     for k, load in enumerate(load_factors):
-        own = [plan for plan in (plan_knowing_load(way, load) for way in ways) if plan is not None]
-        complete = len(own) == len(ways)
-        knowing[k] = sum(plan.energy_kwh for plan in own) if complete else np.nan
+        own = [plan for plan in (plan_knowing_load(direction, load) for direction in directions) if plan is not None]
+        # (12) is over both directions: with one of them infeasible the sum would be that of half a journey
+        complete = len(own) == len(directions)
+        replanned[k] = sum(plan.energy_kwh for plan in own) if complete else np.nan
         followed = plans if knows in {"nothing", "place"} else own if complete else None
         for m, error in enumerate(coordinate_errors_m):
             if followed is not None:
-                believed = 0.0 if knows in {"place", "both"} else error
-                values[:, k, m] = _followed(followed, [_disturbed(way, load, believed) for way in ways])
+                assumed_m = 0.0 if knows in {"place", "both"} else error
+                values[:, k, m] = _followed(
+                    followed, [_disturbed(direction, load, assumed_m) for direction in directions]
+                )
             yield replace(
                 table,
-                knowing_kwh=frozen_array(knowing),
+                replanned_kwh=frozen_array(replanned),
                 energy_kwh=frozen_array(values[0]),
                 delay_s=frozen_array(values[1]),
                 stop_error_m=frozen_array(values[2]),
@@ -181,20 +185,21 @@ def sensitivity_steps(
             )
 
 
-def _disturbed(way: Scenario, load_factor: float, error_m: float) -> Scenario:
+def _disturbed(direction: Scenario, load_factor: float, error_m: float) -> Scenario:
     update = {"actual_load_factor": load_factor, "coordinate_error_m": error_m}
-    return way.model_copy(update={"disturbance": way.disturbance.model_copy(update=update)})
+    return direction.model_copy(update={"disturbance": direction.disturbance.model_copy(update=update)})
 
 
-def _turned(scenario: Scenario) -> Scenario:
+def _reversed(scenario: Scenario) -> Scenario:
     return scenario.with_(**{"line.reverse": not scenario.line.reverse})
 
 
-def _followed(plans: list[Trajectory], ways: list[Scenario]) -> tuple[float, float, float]:
-    """Return energy [kWh], delay [s] and stopping error [m] of all ways together; NaN if one cannot be driven."""
+def _followed(plans: list[Trajectory], directions: list[Scenario]) -> tuple[float, float, float]:
+    """Return energy [kWh], delay [s] and stopping error [m] of all directions together; NaN if one cannot be driven."""
     try:
-        driven = [follow(plan, way) for plan, way in zip(plans, ways, strict=True)]
+        driven = [follow(plan, direction) for plan, direction in zip(plans, directions, strict=True)]
     except InfeasibleLineError:
         return np.nan, np.nan, np.nan
     errors = [error for one in driven for error in one.stop_errors_m]
+    # (12) adds energies; delays and stopping errors do not add, so the worse direction stands for both
     return sum(one.actual.energy_kwh for one in driven), max(one.delay_s for one in driven), max(errors, key=abs)

@@ -1,12 +1,12 @@
-"""At which speeds the optimum holds, coasts and brakes on level track, told by the price of a second alone.
+"""At which speeds the optimum holds, coasts and brakes on level track, from the price of a second alone.
 
-On level track a train of constant efficiency has a first integral. With p, what a joule of motion is worth in joules
-at the line, e and k what the line gives for a joule at the wheels and gets back for one, R(v) the running resistance
-and m the price of a second, p f - P / v - p R - m / v is the same all along the run. So each speed tells p:
-full power where p > 1 / e, holding where p = 1 / e, coasting between k and 1 / e, braking with recuperation at k,
-braking beyond that below it. The speed held, V, balances V^2 R'(V) = e m, and braking begins at U where
-k R(U) + m / U = R(V) / e + m / V. A run that is too short for V coasts from its highest speed, which stands for V in
-that balance.
+On level track a train of constant efficiency has a first integral. With p, the adjoint variable of the kinetic energy,
+which is what a joule of motion is worth in joules at the line, e and k what the line gives for a joule at the wheels
+and gets back for one, R(v) the running resistance and m the price of a second, p f - P / v - p R - m / v is the same
+all along the run. So each speed tells p: full power where p > 1 / e, holding where p = 1 / e, coasting between k and 1
+/ e, braking with recuperation at k, braking beyond that below it. The speed held, V, balances V^2 R'(V) = e m, and
+braking begins at U where k R(U) + m / U = R(V) / e + m / V. A run that is too short for V coasts from its highest
+speed, which stands for V in that balance.
 
 References: Howlett, Pudney: Energy-Efficient Train Control, 1995, chapters 3 and 5; with recuperation as in Albrecht,
 Howlett, Pudney, Vu, Zhou: The key principles of optimal train control, Transportation Research B 94, 2016.
@@ -26,6 +26,7 @@ from railjoule.core.scenario import Scenario, Vehicle
 from railjoule.core.scenario.drive import ConstantEfficiency
 from railjoule.core.units import MS_PER_KMH
 
+# price over speed grows without bound towards rest, where the curves are drawn no further
 SLOWEST_MS = 0.1
 POINTS = 120
 PhaseOfSpeed = Literal["full_power", "coast", "brake"]
@@ -45,16 +46,17 @@ class SteadySpeeds:
         The speed from which it coasts: that one, or the highest of a run too short for it [m/s].
     brake_ms : float
         The speed to which it coasts before it brakes [m/s].
-    driving_worth, braking_worth : float
-        Joules at the line for one joule at the wheels: taken in driving, given back in braking.
+    driving_adjoint, braking_adjoint : float
+        The adjoint while the speed is held by power and by the recuperating brake: joules at the line for one joule at
+        the wheels, taken in driving, given back in braking.
     """
 
     price_of_time_w: float
     hold_ms: float
     highest_ms: float
     brake_ms: float
-    driving_worth: float
-    braking_worth: float
+    driving_adjoint: float
+    braking_adjoint: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,13 +68,13 @@ class PhaseCurve:
     phase : str
     speed_ms : array
         Speeds [m/s].
-    motion_worth : array
-        What a joule of motion is worth there, in joules at the line.
+    adjoint : array
+        The adjoint variable there: what a joule of motion is worth, in joules at the line.
     """
 
     phase: PhaseOfSpeed
     speed_ms: FloatArray
-    motion_worth: FloatArray
+    adjoint: FloatArray
 
 
 def steady_speeds(scenario: Scenario, price_of_time_w: float, highest_ms: float | None = None) -> SteadySpeeds:
@@ -94,29 +96,33 @@ def steady_speeds(scenario: Scenario, price_of_time_w: float, highest_ms: float 
     """
     drive = constant_efficiency_of(scenario)
     driving = 1.0 / drive.traction_efficiency
+    # k of the text: what of a joule at the wheels comes back to the line
     braking = drive.recuperation_factor * (drive.braking_efficiency or drive.traction_efficiency)
     vehicle = scenario.vehicle
     _, linear, quadratic = resistance_coefficients(vehicle)
     top = vehicle.traction.max_speed_kmh * MS_PER_KMH
 
-    def lack(speed: float) -> float:
+    def hold_excess_w(speed: float) -> float:
         return driving * speed**2 * resistance_slope(linear, quadratic, speed) - price_of_time_w
 
-    hold = float(brentq(lack, 0.0, top)) if lack(top) > 0 else top
+    # V^2 R'(V) rises from 0 with V, so there is one root, or none below the top speed, which is then held
+    hold = float(brentq(hold_excess_w, 0.0, top)) if hold_excess_w(top) > 0 else top
     highest = hold if highest_ms is None else min(highest_ms, hold)
+    # the constant of the first integral, taken where coasting begins: f = 0, P = 0 and p = 1 / e there
     level = float(driving * _resistance_n(vehicle, highest)) + price_of_time_w / highest
 
-    def excess(speed: float) -> float:
+    def brake_excess(speed: float) -> float:
         return float(braking * _resistance_n(vehicle, speed)) + price_of_time_w / speed - level
 
-    # at the highest speed the excess is negative, as braking is worth less than driving costs; near rest it is positive
+    # at the highest speed this is negative, as braking_adjoint < driving_adjoint; towards rest price / speed makes it
+    # positive, unless the price is next to nothing: then the train coasts to walking pace
     slow = min(SLOWEST_MS, 0.5 * highest)
-    brake = float(brentq(excess, slow, highest)) if excess(slow) > 0 else slow
+    brake = float(brentq(brake_excess, slow, highest)) if brake_excess(slow) > 0 else slow
     return SteadySpeeds(price_of_time_w, hold, highest, brake, driving, braking)
 
 
 def phase_plane(scenario: Scenario, steady: SteadySpeeds) -> tuple[PhaseCurve, ...]:
-    """Return a run on level track as worth of motion over speed: full power, coasting, braking.
+    """Return a run on level track as its adjoint variable over speed: full power, coasting, braking.
 
     Parameters
     ----------
@@ -126,15 +132,17 @@ def phase_plane(scenario: Scenario, steady: SteadySpeeds) -> tuple[PhaseCurve, .
         Of `steady_speeds`.
     """
     vehicle, price = scenario.vehicle, steady.price_of_time_w
-    level = steady.driving_worth * _resistance_n(vehicle, steady.highest_ms) + price / steady.highest_ms
+    level = steady.driving_adjoint * _resistance_n(vehicle, steady.highest_ms) + price / steady.highest_ms
     up = np.linspace(SLOWEST_MS, steady.highest_ms, POINTS)
     effort = vehicle_limit_n(vehicle, up)
-    full = (steady.driving_worth * effort + price / up - level) / (effort - _resistance_n(vehicle, up))
+    # p from the first integral, p (f - R) = P / v + m / v - level, with P = f v / e
+    full = (steady.driving_adjoint * effort + price / up - level) / (effort - _resistance_n(vehicle, up))
     down = np.linspace(steady.highest_ms, steady.brake_ms, POINTS)
     coast = (level - price / down) / _resistance_n(vehicle, down)
     last = np.linspace(steady.brake_ms, SLOWEST_MS, POINTS)
     brakes = vehicle_limit_n(vehicle, last, braking=True)
-    brake = (level + steady.braking_worth * brakes - price / last) / (brakes + _resistance_n(vehicle, last))
+    # the same with f = -B, of which the line gets k B v
+    brake = (level + steady.braking_adjoint * brakes - price / last) / (brakes + _resistance_n(vehicle, last))
     return PhaseCurve("full_power", up, full), PhaseCurve("coast", down, coast), PhaseCurve("brake", last, brake)
 
 

@@ -2,13 +2,13 @@
 
 The drop of the cumulative energy at the link, (13), from one of its heights to the lowest point after it is what a
 storage without losses would have to hold. A storage charges with what braking generates, as far as its size and power
-reach, and gives it back to the next driving and to the auxiliaries; what it cannot take is burnt in resistors. A run
-counts as one of many alike: it begins with the charge with which it ends.
+reach, and gives it back to the next driving and to the auxiliaries; what it cannot take is dissipated in resistors. A
+run counts as one of many alike: it begins with the charge with which it ends.
 
 Source: Shtompel, Khvorost 2025, (13) and conclusion 2; the storage with losses is ours.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,8 +20,18 @@ from railjoule.core.errors import ScenarioError
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH, W_PER_KW
 
+# Shtompel and Khvorost print no efficiency. Assumed: a storage with its converter keeps about 0.9 of what goes in and
+# out again, lost in equal parts. A saving is at most the product of both efficiencies times what braking generates.
+ASSUMED_EFFICIENCY = 0.95
+"""What a storage keeps of what it takes, and gives of what it keeps, where nothing else is stated."""
+# Assumed: 18 hours of service, and half a minute at a terminus. Only the cycles per day depend on these two, in
+# proportion to the first.
+ASSUMED_SERVICE_S, ASSUMED_TURNAROUND_S = 64_800.0, 30.0
+"""Service in a day, and standing time between two runs [s], where nothing else is stated."""
 DAY_S = 86_400.0
-MOST_REPEATS, SAME_CHARGE = 200, 1e-9
+# far below the last printed digit of a saving, far above the rounding of sums over thousands of cells
+SAME_CHARGE_SHARE = 1e-9
+"""Charges that differ by less than this share of a storage's size are the same."""
 
 
 @dataclass(frozen=True)
@@ -40,8 +50,8 @@ class Storage:
 
     size_kwh: float
     power_kw: float
-    charging_efficiency: float = 0.95
-    discharging_efficiency: float = 0.95
+    charging_efficiency: float = ASSUMED_EFFICIENCY
+    discharging_efficiency: float = ASSUMED_EFFICIENCY
 
     def __post_init__(self) -> None:
         for name in ("size_kwh", "power_kw"):
@@ -90,11 +100,11 @@ class StorageRun:
     energy_kwh : float
         Taken from the line [kWh]; nothing goes back.
     with_resistors_kwh : float
-        The same without storage, all that comes back burnt [kWh].
+        The same without storage, all that comes back dissipated [kWh].
     with_receptive_line_kwh : float
         The same where the line takes all that comes back [kWh].
-    storage_loss_kwh, burnt_kwh : float
-        Lost in the storage, and in the resistors beside it [kWh].
+    storage_loss_kwh, dissipated_kwh : float
+        Lost in the storage, and dissipated in the resistors beside it [kWh].
     cycles : float
         Full cycles of the storage in a run.
     """
@@ -104,19 +114,13 @@ class StorageRun:
     with_resistors_kwh: float
     with_receptive_line_kwh: float
     storage_loss_kwh: float
-    burnt_kwh: float
+    dissipated_kwh: float
     cycles: float
 
     @property
     def saved_kwh(self) -> float:
         """Less from the line than with resistors [kWh]."""
         return self.with_resistors_kwh - self.energy_kwh
-
-    @property
-    def share_of_receptive_line(self) -> float:
-        """What it saves over what a line would save that takes everything."""
-        most = self.with_resistors_kwh - self.with_receptive_line_kwh
-        return self.saved_kwh / most if most > 0 else 0.0
 
 
 def link_power_w(run: Trajectory) -> tuple[FloatArray, FloatArray]:
@@ -126,13 +130,16 @@ def link_power_w(run: Trajectory) -> tuple[FloatArray, FloatArray]:
     """
     vehicle = run.scenario.vehicle
     duration, length = np.diff(run.time_s), np.diff(run.position_m)
+    # a dwell has no length: at speed 0 only the auxiliaries take power
     speed = np.divide(length, duration, out=np.zeros_like(duration), where=duration > 0)
     effort = run.tractive_effort_n - run.electric_braking_n
     power = make_drive(vehicle.drive).electrical_power_w(effort, speed) + vehicle.auxiliary_power_kw * W_PER_KW
     return power, duration
 
 
-def storage_need(run: Trajectory, service_time_s: float = 64_800.0, turnaround_s: float = 30.0) -> StorageNeed:
+def storage_need(
+    run: Trajectory, service_time_s: float = ASSUMED_SERVICE_S, turnaround_s: float = ASSUMED_TURNAROUND_S
+) -> StorageNeed:
     """Return what a run asks of a storage.
 
     Parameters
@@ -154,6 +161,8 @@ def storage_need(run: Trajectory, service_time_s: float = 64_800.0, turnaround_s
             raise ScenarioError(f"{name} = {value:g} must be from 0 to {most:g}.")
     power, duration = link_power_w(run)
     energy = np.append(0.0, np.cumsum(power * duration))
+    # the largest fall from any height to any later point, not from the end: what is between them must be stored at
+    # once
     drop = float(np.max(np.maximum.accumulate(energy) - energy))
     generated = float(-np.sum(np.minimum(power, 0.0) * duration))
     cycles = generated / drop if drop > 0 else 0.0
@@ -177,8 +186,8 @@ def saving_over_size(
     run: Trajectory,
     sizes_kwh: Sequence[float] | FloatArray,
     power_kw: float,
-    charging_efficiency: float = 0.95,
-    discharging_efficiency: float = 0.95,
+    charging_efficiency: float = ASSUMED_EFFICIENCY,
+    discharging_efficiency: float = ASSUMED_EFFICIENCY,
 ) -> FloatArray:
     """Return what storages of one power save against resistors [kWh]; shape as that of the sizes.
 
@@ -205,14 +214,12 @@ def saving_over_size(
 
 def _stored(power_w: FloatArray, duration_s: FloatArray, storage: Storage) -> StorageRun:
     size, most = storage.size_kwh * J_PER_KWH, storage.power_kw * W_PER_KW
-    charge = 0.0
-    for _ in range(MOST_REPEATS):
-        drawn, burnt, taken, given, after = _one_run(
-            power_w, duration_s, size, most, storage.charging_efficiency, storage.discharging_efficiency, charge
-        )
-        if abs(after - charge) <= SAME_CHARGE * max(size, 1.0):
-            break
-        charge = after
+
+    def one_run(charge_j: float) -> tuple[float, float, float, float, float]:
+        efficiencies = storage.charging_efficiency, storage.discharging_efficiency
+        return _one_run(power_w, duration_s, size, most, *efficiencies, charge_j)
+
+    drawn, dissipated, taken, given, _ = one_run(_lasting_charge_j(lambda charge_j: one_run(charge_j)[-1], size))
     demand = float(np.sum(np.maximum(power_w, 0.0) * duration_s))
     offered = float(-np.sum(np.minimum(power_w, 0.0) * duration_s))
     return StorageRun(
@@ -221,9 +228,29 @@ def _stored(power_w: FloatArray, duration_s: FloatArray, storage: Storage) -> St
         with_resistors_kwh=demand / J_PER_KWH,
         with_receptive_line_kwh=(demand - offered) / J_PER_KWH,
         storage_loss_kwh=(taken - given) / J_PER_KWH,
-        burnt_kwh=burnt / J_PER_KWH,
+        dissipated_kwh=dissipated / J_PER_KWH,
         cycles=taken * storage.charging_efficiency / size if size > 0 else 0.0,
     )
+
+
+def _lasting_charge_j(charge_after: Callable[[float], float], size_j: float) -> float:
+    """Return the charge with which a run of many alike begins and ends [J].
+
+    Parameters
+    ----------
+    charge_after : callable
+        The charge at the end of a run over that at its start [J].
+    size_j : float
+        The full charge [J].
+    """
+    # Each cell either raises the charge by an amount of its own, at most to full, or lowers it so, at most to empty.
+    # So a whole run makes min(max(c + a, low), high) of a charge c. Repeated from empty, that stays at `low` from the
+    # first run on unless a > 0; then it rises by a each time to `high`, however many runs that takes, and one run from
+    # full ends there as well.
+    first = charge_after(0.0)
+    second = charge_after(first)
+    settled = abs(second - first) <= SAME_CHARGE_SHARE * max(size_j, 1.0)
+    return first if settled else charge_after(size_j)
 
 
 @njit(cache=True, nogil=True)
@@ -236,18 +263,19 @@ def _one_run(
     discharging: float,
     charge: float,
 ) -> tuple[float, float, float, float, float]:
-    """Return energies drawn, burnt, taken and given by a storage [J], and its charge at the end [J]."""
-    drawn = burnt = taken = given = 0.0
+    """Return energies drawn, dissipated, taken and given by a storage [J], and its charge at the end [J]."""
+    drawn = dissipated = taken = given = 0.0
     for i in range(power.shape[0]):
         energy, limit = power[i] * duration[i], most * duration[i]
         if energy < 0.0:
+            # energies at the link: what goes in shrinks by the efficiency before it counts against the size
             into = min(-energy, limit, (size - charge) / charging)
             charge += into * charging
             taken += into
-            burnt += -energy - into
+            dissipated += -energy - into
         else:
             out = min(energy, limit, charge * discharging)
             charge -= out / discharging
             given += out
             drawn += energy - out
-    return drawn, burnt, taken, given, charge
+    return drawn, dissipated, taken, given, charge

@@ -30,7 +30,7 @@ Sharing = Literal["optimum", "proportional", "equal"]
 
 @dataclass(frozen=True)
 class Leg:
-    """The way from one station to the next.
+    """The section from one station to the next.
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class Leg:
 
     @property
     def running_time_s(self) -> float:
-        """Time on the way [s]."""
+        """Time between the stations [s]."""
         return self.arrival_s - self.departure_s
 
     @property
@@ -140,17 +140,18 @@ def shared_line(task: Task, sharing: Sharing, arrivals_s: Mapping[int, float] | 
     """Return as `whole_line` the run of a task that is prepared already."""
     task.require_timetable()
     stops = stop_nodes(task)
-    blocks = _blocks(task, stops, arrivals_s or {})
+    parts = _parts_between_fixed_arrivals(task, stops, arrivals_s or {})
     if sharing != "optimum":
-        blocks = [leg for block in blocks for leg in _shared(task, stops, block, sharing)]
-    runs = [optimal(part_of(task, first, last, time)) for first, last, time in blocks]
+        parts = [leg for part_of_line in parts for leg in _shared(task, stops, part_of_line, sharing)]
+    runs = [optimal(part_of(task, first, last, time)) for first, last, time in parts]
     run = runs[0] if len(runs) == 1 else _joined(task, runs, sharing)
-    return WholeLine(sharing, run, _legs(task, stops, run, blocks, runs))
+    return WholeLine(sharing, run, _legs(task, stops, run, parts, runs))
 
 
 def stop_nodes(task: Task) -> list[int]:
     """Return the nodes at which the train stands: the start, the stations, the end."""
     places = [station.position_m for station in task.scenario.line.in_running_order().inner_stations]
+    # the mesh has a node at each station, but for the rounding of its sums
     inner = [int(np.argmin(np.abs(task.course.position_m - place))) for place in places]
     return [0, *inner, task.course.cell_count]
 
@@ -176,8 +177,10 @@ def part_of(task: Task, first: int, last: int, running_time_s: float) -> Task:
     return Task(task.scenario, part, speed2, running_time(part.data.cell_length_m, speed2), running_time_s)
 
 
-def _blocks(task: Task, stops: list[int], arrivals_s: Mapping[int, float]) -> list[tuple[int, int, float]]:
-    """Return first node, last node and running time [s] of each part between fixed arrivals."""
+def _parts_between_fixed_arrivals(
+    task: Task, stops: list[int], arrivals_s: Mapping[int, float]
+) -> list[tuple[int, int, float]]:
+    """Return first node, last node and running time [s] of each part of the line."""
     stations = task.scenario.line.in_running_order().inner_stations
     unknown = [number for number in arrivals_s if not 0 <= number < len(stations)]
     if unknown:
@@ -185,26 +188,29 @@ def _blocks(task: Task, stops: list[int], arrivals_s: Mapping[int, float]) -> li
             f"There is no station {unknown[0]} between the ends of a line with {len(stations)} stations there."
         )
     dwell, shortest = task.course.dwell_s[stops], np.append(shortest_times_s(task, stops), 0.0)
-    blocks, first, left_s = [], 0, 0.0
+    parts, first, departed_s = [], 0, 0.0
+    # the end of the line is the last fixed arrival: the timetable fixes it
     for number, arrival in [*sorted((n + 1, s) for n, s in arrivals_s.items()), (len(stops) - 1, task.travel_time_s)]:
-        running = arrival - left_s - float(dwell[first + 1 : number].sum())
+        running = arrival - departed_s - float(dwell[first + 1 : number].sum())
         least = float(shortest[first:number].sum())
+        # as `task.LEAST_SLACK`: at the shortest time itself the optimum has no inside to search
         if running <= least * (1 + 1e-9):
             where = _name(stations[number - 1].name, number) if number <= len(stations) else "the end"
-            earliest = left_s + least + float(dwell[first + 1 : number].sum())
+            earliest = departed_s + least + float(dwell[first + 1 : number].sum())
             raise ScenarioError(f"The arrival at {where} after {arrival:.1f} s must be later than {earliest:.1f} s.")
-        blocks.append((stops[first], stops[number], running))
-        first, left_s = number, arrival + float(dwell[number])
-    return blocks
+        parts.append((stops[first], stops[number], running))
+        first, departed_s = number, arrival + float(dwell[number])
+    return parts
 
 
 def _shared(
-    task: Task, stops: list[int], block: tuple[int, int, float], sharing: Sharing
+    task: Task, stops: list[int], part_of_line: tuple[int, int, float], sharing: Sharing
 ) -> list[tuple[int, int, float]]:
     """Share the running time of a part of the line among its legs."""
-    first, last, running = block
+    first, last, running = part_of_line
     inside = [stop for stop in stops if first <= stop <= last]
     shortest = shortest_times_s(task, inside)
+    # the two rules of practice beside which the optimum is shown: so many per cent, or so many seconds a leg
     if sharing == "proportional":
         times = shortest * (running / shortest.sum())
     else:
@@ -219,6 +225,7 @@ def _joined(task: Task, runs: list[Trajectory], sharing: Sharing) -> Trajectory:
     bounds = [run.bound for run in runs if run.bound is not None]
     bound = None
     if len(bounds) == len(runs):
+        # dwells between two parts belong to neither, so their time and their auxiliaries are added here
         standing_s = task.dwell_s - sum(_standing_s(run) for run in runs)
         standing_j = task.course.data.auxiliary_power_w * standing_s
         statement = f"No run with the same times from stop to stop uses less energy; of each: {bounds[0].statement}"
@@ -229,6 +236,7 @@ def _joined(task: Task, runs: list[Trajectory], sharing: Sharing) -> Trajectory:
         task.scenario,
         task.course,
         "optimal",
+        # the last node of a part is the first of the next, a stop: it counts once
         np.concatenate([speed2[0], *(values[1:] for values in speed2[1:])]),
         bound=bound,
         iterations=sum(run.iterations for run in runs),
@@ -241,17 +249,18 @@ def _standing_s(run: Trajectory) -> float:
 
 
 def _legs(
-    task: Task, stops: list[int], run: Trajectory, blocks: list[tuple[int, int, float]], runs: list[Trajectory]
+    task: Task, stops: list[int], run: Trajectory, parts: list[tuple[int, int, float]], runs: list[Trajectory]
 ) -> tuple[Leg, ...]:
     places, shortest = task.course.position_m[stops], shortest_times_s(task, stops)
     # a station has two nodes where the train stands for a while: it arrives at the first and leaves from the second
     arrives = np.searchsorted(run.position_m, places - 1e-6)
     leaves = np.searchsorted(run.position_m, places + 1e-6) - 1
     stations = task.scenario.line.in_running_order().stations
+    # to a millimetre, as places of the mesh are sums
     named = {round(station.position_m, 3): station.name for station in stations}
     names = [_name(named.get(round(float(place), 3), ""), number) for number, place in enumerate(places)]
     prices = np.full(len(stops) - 1, np.nan)
-    for (first, last, _), part in zip(blocks, runs, strict=True):
+    for (first, last, _), part in zip(parts, runs, strict=True):
         inside = [first <= a and b <= last for a, b in pairwise(stops)]
         prices[inside] = np.nan if part.price_of_time_w is None else part.price_of_time_w
     return tuple(

@@ -2,15 +2,13 @@
 
 from typing import Any
 
-from railjoule.core.units import J_PER_KWH, STANDARD_GRAVITY_MS2
+from railjoule.core.units import STANDARD_GRAVITY_MS2
 from railjoule.core.validation.table import Row
-
-J_PER_WH = J_PER_KWH / 1e3
 
 Printed = dict[str, Any]
 
 FOLLOWS = "It includes W_sh, and with it the same difference."
-
+# the symbols and units of Tables 1 and 2, by the keys of assets/papers/ftorek-2025.toml
 QUANTITIES = {
     "acceleration_time_s": ("T_e", "s"),
     "max_speed_kmh": ("v_max", "km/h"),

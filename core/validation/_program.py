@@ -18,6 +18,8 @@ from railjoule.core.physics.cell import duration, mean_speed, needed_force
 from railjoule.core.physics.course_data import CourseData, cells_of
 from railjoule.core.physics.effort_limit import EffortLimit
 
+# Formulas that are plain arithmetic take symbols as they are. Induction and map drives search or look up, which CasADi
+# cannot trace: they have no outside oracle here.
 DRIVES = {CONSTANT_EFFICIENCY: constant_efficiency, COPPER_LOSS: copper_loss}
 
 
@@ -41,6 +43,7 @@ class Program:
     ) -> None:
         self.casadi: Any = importlib.import_module("casadi")
         self.data, self.scale = data, data.traction.constant_n
+        # prescribed speeds are numbers in the program and no variables with equal bounds, which have no inside
         self.free: BoolArray = data.fixed_speed2 < 0
         self.has_braking = own_braking or data.friction_effort_n > 0
         self.may_draw = bool(may_draw_while_braking(data.drive_kind)) and data.recuperation_factor < 1
@@ -61,6 +64,7 @@ class Program:
             "g": self.casadi.vertcat(*[expression for expression, _, _ in self._constraints]),
         }
         # a table is looked up at an index that the point decides, which CasADi cannot expand into scalars
+        # expanded programs are evaluated faster, so they are where that is possible
         tables = len(self.data.traction.table) + len(self.data.braking.table)
         return self.casadi.nlpsol("optimum", "ipopt", program, {**options, "expand": tables == 0})
 
@@ -78,6 +82,7 @@ class Program:
             high.append(cells * (data.braking.constant_n / self.scale))
         if self.may_draw:
             high.append(cells * np.inf)
+        # efforts and drawn power are positive, and all but the speeds begin at 0
         others = np.zeros(sum(len(part) for part in high[1:]))
         counts = [expression.numel() for expression, _, _ in self._constraints]
         return {
@@ -91,11 +96,14 @@ class Program:
         """Return a start near squares of speed at the nodes and the net forces of the cells that they need [N]."""
         force = force_n / self.scale
         driving = np.maximum(force, 0.0)
+        # IPOPT moves a start inside of its bounds anyway; a little effort everywhere keeps driving and braking off
+        # their corners
         traction = driving + 0.1 * np.maximum(1 - driving, 0.0)
         parts = [speed2[self.free], np.minimum(traction, 1.0)]
         if self.has_braking:
             parts.append(np.maximum(traction - force, 0.0) / 2)
         if self.may_draw:
+            # above 0, as it is a slack of the draw in braking and must not begin at its bound
             parts.append(np.full(len(force), 1e-2))
         return np.concatenate(parts)
 
@@ -106,8 +114,10 @@ class Program:
         speed = self.casadi.sqrt(w)
         v = mean_speed(speed[:-1], speed[1:])
         cells = cells_of(data)
-        rise = cells.inertia / self.scale * (w[1:] - w[:-1])
+        acceleration_force = cells.inertia / self.scale * (w[1:] - w[:-1])
         force = needed_force(cells, w[:-1], w[1:], v) / self.scale
+        # without friction brakes the balance of forces gives the braking effort: one variable and one equation fewer a
+        # cell
         braking = self.braking if self.has_braking else self.traction - force
         top_speed = 0.5 * (reachable_speed[1:] + reachable_speed[:-1])
         self._limit_over_speed(self.traction, data.traction, v, top_speed)
@@ -118,7 +128,8 @@ class Program:
             self._keep(braking, 0.0, data.braking.constant_n / self.scale)
         if np.isfinite([data.max_acceleration_ms2, data.max_deceleration_ms2]).any():
             inertia = 2 * data.half_inertia_kg / self.scale
-            self._keep(rise, -inertia * data.max_deceleration_ms2, inertia * data.max_acceleration_ms2)
+            self._keep(acceleration_force, -inertia * data.max_deceleration_ms2, inertia * data.max_acceleration_ms2)
+        # an inequality and no equation, as in our own formulation: an optimum that is early would show in both
         time = sum_of(duration(h, v))
         self._keep(time, -np.inf, running_time_s)
         return sum_of(h * self._energy_per_metre(v, braking)) + data.auxiliary_power_w / self.scale * time
@@ -150,6 +161,7 @@ class Program:
         if len(limit.table):
             self._keep(self._tabulated(limit, v) / self.scale - effort, 0.0, np.inf)
             return
+        # v appears in the denominator: where the limit cannot bind, leaving it out spares IPOPT a nonlinear row
         binding = np.flatnonzero(limit.power_w < limit.constant_n * top_speed).tolist()
         if binding:
             self._keep(limit.power_w / self.scale / v[binding] - effort[binding], 0.0, np.inf)
@@ -165,5 +177,6 @@ class Program:
 
 def _formula(kernel: Callable[..., Any]) -> Callable[..., Any]:
     """Return the Python function behind a compiled one: arithmetic, which takes symbols as well."""
+    # numba keeps the Python function; of a plain one there is only itself
     formula: Callable[..., Any] = getattr(kernel, "py_func", kernel)
     return formula

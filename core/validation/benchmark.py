@@ -16,8 +16,10 @@ from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strate
 from railjoule.core.units import J_PER_KWH
 from railjoule.core.validation.ipopt import IpoptProblem, is_installed, is_known
 
+# longer is steadier; with some ten scenarios and ten solvers on each, a tenth of a second more takes ten seconds
 BUDGET_S = 0.3
 """How long one call is repeated."""
+# odd, so that a median is one of the times; slow strategies are timed at least five times whatever the budget
 FEWEST_CALLS, MOST_CALLS = 5, 201
 ALONE, TEXTBOOK, TUNED = "interior point alone", "IPOPT, textbook", "IPOPT, tuned"
 """What the solvers are called that are no strategies."""
@@ -54,6 +56,7 @@ class Timing:
 def warm_median_s(call: Callable[[], object], budget_s: float = BUDGET_S) -> float:
     """Return the median time of a call [s], repeated for about `budget_s` after one that does not count."""
     call()
+    # what compiles, loads or fills caches is in the call that does not count: it happens once in a session
     times: list[float] = []
     until = time.perf_counter() + budget_s
     while len(times) < FEWEST_CALLS or (len(times) < MOST_CALLS and time.perf_counter() < until):
@@ -75,6 +78,7 @@ def benchmark(budget_s: float = BUDGET_S) -> Iterator[Timing]:
         task = prepare_task(load_scenario(name))
         yield from _time_strategies(name, task, budget_s)
         yield time_solver_alone(name, task, budget_s)
+        # CasADi is no dependency: without it the table has no lines of IPOPT
         if is_installed() and is_known(task):
             yield from time_ipopt(name, task, budget_s)
 

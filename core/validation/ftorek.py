@@ -21,15 +21,18 @@ from railjoule.core.strategies.enoc import (
 from railjoule.core.strategies.eoc import solve_eoc
 from railjoule.core.strategies.plain_line import PlainLine, plain_line
 from railjoule.core.trajectory import Trajectory
-from railjoule.core.units import MS_PER_KMH
-from railjoule.core.validation._ftorek_rows import FOLLOWS, J_PER_WH, Printed, as_if_heavier, printed_row
+from railjoule.core.units import J_PER_WH, MS_PER_KMH
+from railjoule.core.validation._ftorek_rows import FOLLOWS, Printed, as_if_heavier, printed_row
 from railjoule.core.validation._trapezoid import sample_trapezoid
 from railjoule.core.validation.ftorek_closed_loop import closed_loop_tables
 from railjoule.core.validation.papers import citation, errata, printed_numbers
 from railjoule.core.validation.table import Comparison, Row, Table, Validation
 
+# Found by matching the minimum of the surface; no number of the paper gives it. It is shown beside 1 so that nobody
+# takes the match for a confirmation.
 TABLE_3_COPPER_WEIGHT = 3.087
 """With the copper loss times this, the energy surface has its minimum where Table 3 prints it."""
+# far beyond the printed minimum, so that the bracket does not choose it
 LONGEST_TIME_S = 20_000.0
 
 FILTERED = "The current starts with its maximum, a jump, and the paper filtered short transients."
@@ -53,6 +56,7 @@ def ftorek_comparison() -> Comparison:
     task = prepare_task(scenario)
     line = plain_line(task)
     amperes = task.course.drive.amperes_per_newton
+    # a drive with copper loss, which the scenario of the paper has, always knows its current
     assert amperes is not None
     return Comparison(
         paper="ftorek",
@@ -152,8 +156,10 @@ def enoc_at_its_best(line: PlainLine, printed: list[Printed]) -> Table:
 
 def surface_points(line: PlainLine, printed: list[Printed], copper_weight: float) -> Table:
     """Return Table 3 beside ENOC's energy surface, with the copper loss times `copper_weight`."""
+    # two tables from one function: that with the own copper loss explains in each row why it differs
     own = copper_weight == 1.0
     note, energy_note = (OTHER_WEIGHT, OTHER_WEIGHT) if own else ("", FOLLOWS)
+    # the weight acts on (12) alone: a vehicle with more resistance would change its closed loop as well
     coefficients = enoc_coefficients(replace(line, loss_coefficient=copper_weight * line.loss_coefficient))
 
     def best_ramp(time_s: float) -> float:
@@ -162,6 +168,7 @@ def surface_points(line: PlainLine, printed: list[Printed], copper_weight: float
     def least_energy(time_s: float) -> float:
         return float(enoc_energy(coefficients, time_s, best_ramp(time_s)))
 
+    # nested, as the best ramp for a time has a search of its own
     longest = minimize_scalar(least_energy, bounds=(1.0, LONGEST_TIME_S), method="bounded", options={"xatol": 1e-6}).x
     minimum, case = printed[0], "the minimum"
     rows = [

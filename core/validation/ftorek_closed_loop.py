@@ -14,13 +14,14 @@ from scipy.ndimage import median_filter
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.field_oriented import FieldOrientedRun, simulate_field_oriented
-from railjoule.core.units import MS_PER_KMH
-from railjoule.core.validation._ftorek_rows import FOLLOWS, J_PER_WH, Printed, as_if_heavier, printed_row
+from railjoule.core.units import J_PER_WH, MS_PER_KMH
+from railjoule.core.validation._ftorek_rows import FOLLOWS, Printed, as_if_heavier, printed_row
 from railjoule.core.validation.table import Row, Table
 
 FINE_MESH_M = 0.5
 """EOC brakes hardest in its last metres, of which a cell of 5 m takes the mean."""
 FILTERED = "The median over half a second: short switching transients are filtered, as in the paper."
+# the paper tells that it filtered and not how; half a second removes the switching of the plan and keeps its peaks
 FILTER_S = 0.5
 SOURCES = {"eoc": ("EOC as printed", "Table 1, Figure 4"), "enoc": ("ENOC", "Table 2, Figure 5")}
 MAGNETISING = (
@@ -65,6 +66,7 @@ def _in_the_papers_account(scenario: Scenario, strategy: str, printed: list[Prin
     rows: list[Row] = []
     for entry in printed:
         run = _run(scenario, entry, strategy)
+        # at every sample and not at the end alone, as the largest energy on the way is printed too
         energy = run.energy_by_input_power_j - run.magnetising_so_far_j
         current = _without_spikes(run)
         row, shaft = partial(printed_row, entry), run.parts_j["shaft"] / J_PER_WH
@@ -83,6 +85,7 @@ def _in_the_papers_account(scenario: Scenario, strategy: str, printed: list[Prin
 def _without_spikes(run: FieldOrientedRun) -> FloatArray:
     """Return the torque current at the samples of a run, short transients filtered [A]."""
     step = float(np.median(np.diff(run.time_s)))
+    # odd, so that the median is centred; a mean would smear a jump instead of removing a spike
     filtered: FloatArray = median_filter(run.torque_current_a, size=2 * round(FILTER_S / step / 2) + 1)
     return filtered
 

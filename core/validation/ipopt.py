@@ -17,6 +17,7 @@ from railjoule.core.interior_point.start import SLOWEST_SPEED2, start_speeds
 from railjoule.core.task import Task
 from railjoule.core.validation._program import DRIVES, Program
 
+# quiet, and with a tolerance below the 1e-7 to which energies of two solvers are compared
 OPTIONS: dict[str, Any] = {
     "print_time": False,
     "ipopt.print_level": 0,
@@ -64,17 +65,6 @@ def is_known(task: Task) -> bool:
     return task.course.data.drive_kind in DRIVES
 
 
-def solve_with_ipopt(task: Task) -> IpoptRun:
-    """Return IPOPT's optimum of a task.
-
-    Raises
-    ------
-    SolverError
-        If CasADi is not installed, or the drive is none that it takes.
-    """
-    return IpoptProblem(task).solve()
-
-
 class IpoptProblem:
     """A task as a nonlinear program, built once and solved as often as wanted.
 
@@ -83,9 +73,9 @@ class IpoptProblem:
     task : Task
         Must have slack in its timetable.
     textbook : bool
-        Whether it is written down as anybody would: braking efforts as variables, all limits, and one speed all the
-        way as a start. Else IPOPT gets what our own method has found out: braking eliminated, limits that no run
-        reaches left out, and a start near the timetable, which saves it a third of its time.
+        Whether it is written down as anybody would: braking efforts as variables, all limits, and one speed everywhere
+        as a start. Else IPOPT gets what our own method has found out: braking eliminated, limits that no run
+        reaches left out, and a start close to the timetable, which saves it a third of its time.
 
     Raises
     ------
@@ -98,14 +88,15 @@ class IpoptProblem:
             raise SolverError("IPOPT needs CasADi: pip install casadi.")
         if not is_known(task):
             raise SolverError("this drive has no symbolic formula for IPOPT, because it searches for its flux.")
-        data, near = task.course.data, _speeds_near_timetable(task)
-        reachable = np.full_like(near, np.inf) if textbook else task.greatest_speed2
-        first = _one_speed(task) if textbook else near
+        data, timetable_start = task.course.data, _start_of_own_method(task)
+        reachable = np.full_like(timetable_start, np.inf) if textbook else task.greatest_speed2
+        first = _one_speed(task) if textbook else timetable_start
+        # infinite reachable speeds leave all limits over speed in, as a textbook would have them
         program = Program(data, task.running_time_s, reachable, own_braking=textbook)
         self._task, self._free = task, program.free
         self._solver = program.solver(OPTIONS)
         # the floor of our own method, so that crests taken at walking pace mean the same
-        self._arguments = program.bounds(np.minimum(SLOWEST_SPEED2, 0.25 * near))
+        self._arguments = program.bounds(np.minimum(SLOWEST_SPEED2, 0.25 * timetable_start))
         self._arguments["x0"] = program.start(first, task.course.net_force_n(first))
 
     def solve(self) -> IpoptRun:
@@ -114,9 +105,11 @@ class IpoptProblem:
         solution = self._solver(**self._arguments)
         solve_time = time.perf_counter() - started
         stats, data = self._solver.stats(), self._task.course.data
+        # the program has the free speeds alone; the others are as prescribed
         speed2 = data.fixed_speed2.copy()
         speed2[self._free] = np.array(solution["x"]).ravel()[: self._free.sum()]
         return IpoptRun(
+            # the program is scaled by the largest effort, and knows no dwells
             energy_j=float(solution["f"]) * data.traction.constant_n + self._task.dwell_energy_j,
             speed2=frozen_array(speed2),
             iterations=int(stats["iter_count"]),
@@ -126,7 +119,7 @@ class IpoptProblem:
         )
 
 
-def _speeds_near_timetable(task: Task) -> FloatArray:
+def _start_of_own_method(task: Task) -> FloatArray:
     """Return the start of our own method: squares of speed [m2/s2], shape (n + 1,)."""
     speed2 = np.empty(len(task.greatest_speed2))
     start_speeds(task.course.data, task.greatest_speed2, task.shortest_time_s, task.running_time_s, speed2)

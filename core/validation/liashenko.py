@@ -14,6 +14,7 @@ CONTROLLER = (
     "neither its controller nor the vehicle's effort and resistance, which are assumed here; nothing is tuned to it."
 )
 LOAD_EFFECT = "None of the controllers tried reproduces the paper's growth with the load."
+# from this load on the printed values grow as none of our controllers does, and the note says so
 HEAVY = 0.75
 
 Printed = dict[str, Any]
@@ -32,6 +33,7 @@ def liashenko_comparison() -> Comparison:
         citation=citation(paper),
         tables=(
             *(partial(overconsumption, entry, paper) for entry in paper["table"]),
+            # lazily, as all tables here: each is shown as soon as it is computed
             lambda: Table("Examples of followed plans; no numbers are printed", tuple(examples(paper["figure"]))),
         ),
         errata=errata(paper),
@@ -40,8 +42,11 @@ def liashenko_comparison() -> Comparison:
 
 def overconsumption(entry: Printed, paper: Printed) -> Table:
     """Return one table of (12) beside ours, both directions together."""
+    # the grid of the paper and not that of the study, which may change
     loads, errors = paper["load_factors"], paper["coordinate_errors_m"]
     ours = sensitivity(load_scenario(entry["scenario"]), loads, [float(error) for error in errors])
+    # over the plan for the real load, not over that for the assumed one: the printed values at load 0 are never
+    # negative
     percent = 100 * ours.over_replanned
     rows = [
         Row(

@@ -9,6 +9,7 @@ from railjoule.core.validation.table import Erratum
 
 def printed_numbers(name: str) -> dict[str, Any]:
     """Return a fresh copy of what a paper prints, as its file `assets/papers/<name>.toml` has it."""
+    # printed numbers are data of the assets, with their place in the paper, and never constants of the code
     return tomllib.loads((files("railjoule.assets") / "papers" / f"{name}.toml").read_text(encoding="utf-8"))
 
 

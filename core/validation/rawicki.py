@@ -31,6 +31,7 @@ from railjoule.core.validation.rawicki_identification import (
 )
 from railjoule.core.validation.table import Comparison, Row, Table, Validation
 
+# what the identification leaves open is said at each number that depends on it, not once in a footnote
 NOT_UNIQUE = (
     "The printed numbers leave the tram open: other gear efficiencies and core losses than the assumed ones fit almost "
     "as well."
@@ -62,6 +63,7 @@ def rawicki_comparison() -> Comparison:
     return Comparison(
         paper="rawicki",
         citation=citation(paper),
+        # each is computed when it is asked for: the identification takes seconds, the figures do not
         tables=(
             partial(figures, vehicle, paper, distance, time),
             partial(planned_phases, vehicle, paper),
@@ -77,13 +79,14 @@ def rawicki_comparison() -> Comparison:
 
 
 def figures(vehicle: Vehicle, paper: Printed, distance_m: float, running_time_s: float) -> Table:
-    """Return the energies of Figures 1 to 4 beside ours; the ride with the stop as two plans."""
+    """Return the energies of Figures 1 to 4 beside ours; the run with the stop as two plans."""
     rows: list[Row] = []
     alone: dict[float, float] = {}
     for entry in paper["figure"]:
         place, recuperation, printed = entry["place"], float(entry["recuperation_factor"]), entry["energy_kwh"]
         planner = printed_planner(vehicle, recuperation)
         case = f"{place}, kr = {recuperation:g}"
+        # the figures without a stop come first in the file; those with one are measured against them
         if "penalty_percent" not in entry:
             alone[recuperation] = _kwh(planner.plan(distance_m, running_time_s))
             rows.append(Row(case, "En", "kWh", printed, alone[recuperation], NOT_UNIQUE))
@@ -118,16 +121,16 @@ def planned_phases(vehicle: Vehicle, paper: Printed) -> Table:
 
 
 def replanned() -> Table:
-    """Return the ride with the stop as driver and computer replan it on the way; the paper prints the driver's."""
+    """Return the run with the stop as driver and computer replan it during the run; the paper prints the driver's."""
     rows = []
     for recuperation in (0.0, 1.0):
         scenario = load_scenario("tram-950m-stop").with_(**{"drive.recuperation_factor": recuperation})
         for reaction in get_args(Reaction):
-            ride = simulate_disturbances(scenario, reaction)
+            replanned_run = simulate_disturbances(scenario, reaction)
             case = f"kr = {recuperation:g}, {reaction}"
             rows += [
-                Row(case, "En", "kWh", None, ride.actual.energy_kwh),
-                Row(case, "late", "s", None, ride.delay_s),
+                Row(case, "En", "kWh", None, replanned_run.actual.energy_kwh),
+                Row(case, "late", "s", None, replanned_run.delay_s),
             ]
     return Table("The run replanned on the way, only ours", tuple(rows))
 
@@ -140,8 +143,10 @@ def free_current(vehicle: Vehicle, paper: Printed, distance_m: float, running_ti
         recuperation = float(entry["recuperation_factor"])
         case = f"{ride}, kr = {recuperation:g}"
         if entry["place"] == BEST_LAW:
+            # this reference is of other solvers without phases, over the same task
             rows += _best_force_law(load_scenario(paper["scenario"]), case, entry)
             continue
+        # his law has one current for all starts; what a free choice of it would save shows how much that law costs
         free = printed_planner(vehicle, recuperation, free_starting_current=True).plan(distance_m, running_time_s)
         steady = printed_planner(vehicle, recuperation, coast=False).plan(distance_m, running_time_s)
         assert free.starting_current_a is not None
@@ -157,6 +162,7 @@ def _best_force_law(scenario: Scenario, case: str, entry: Printed) -> list[Row]:
     """Return the best of all force laws beside what other solvers found, without and with free switching."""
     task = prepare_task(scenario.with_(**{"drive.recuperation_factor": float(entry["recuperation_factor"])}))
     run = run_strategy(task, "optimal")
+    # the relaxed optimum: machines that switch on and off at will, which bounds all force laws from below
     switched = minimise(task).energy_j
     assert run.lower_bound_kwh is not None
     return [
@@ -191,7 +197,7 @@ def nameplate(vehicle: Vehicle, plate: Printed) -> Table:
 
 
 def parameters(vehicle: Vehicle, identification: Identification) -> Table:
-    """Return the numbers of the shipped tram beside those identified anew, and how well they are determined."""
+    """Return the numbers of the shipped tram beside those identified again, and how well they are determined."""
     shipped = vehicle.model_dump()
     rows = []
     for key, value in zip(identification.names, identification.values, strict=True):
@@ -202,6 +208,8 @@ def parameters(vehicle: Vehicle, identification: Identification) -> Table:
         note = DETERMINED.format(identification.uncertainty_percent(key))
         if key in FLUX or key == "drive.stator_inductance_mh":
             note += " " + TOGETHER.format(identification.uncertainty_percent(*FLUX))
+        # the shipped file holds the result of an earlier identification: the two must agree, which no printed number
+        # could show
         rows.append(Row("assets/vehicles/tram-105n.toml", key, "", table[last], float(value), note))
     return Table("Parameters that the paper does not print, identified again", tuple(rows), reference="shipped")
 
@@ -253,8 +261,9 @@ def _part_two(planner: PhasePlanner, paper: Printed) -> PhasePlan:
 
 
 def _printed_part_two(figure: Printed, paper: Printed) -> float:
-    """Return the printed energy of a ride with the stop, less that of part I [kWh]."""
+    """Return the printed energy of a run with the stop, less that of part I [kWh]."""
     share, energies = figure["recuperation_factor"], [phase["energy_kwh"] for phase in _phases_of_part(paper, "part I")]
+    # printed with kr = 1; braking energies are negative there and count by the share that is recuperated
     part_one = sum(energy if energy > 0 else share * energy for energy in energies)
     return float(round(figure["energy_kwh"] - part_one, 3))
 
@@ -262,7 +271,8 @@ def _printed_part_two(figure: Printed, paper: Printed) -> float:
 def _part_one(planner: PhasePlanner, paper: Printed) -> float:
     """Return the energy of part I [kWh], whose phases the driver chose: driven between their printed speeds."""
     start, cruise, _ = _phases_of_part(paper, "part I")
-    speed, way = float(start["end_ms"]), float(cruise["distance_m"])
+    # The phases of part I are what the driver chose, so they are data and no result of a plan.
+    speed, cruise_m = float(start["end_ms"]), float(cruise["distance_m"])
     plan = planner.plan(float(paper["part_ii_length_m"]), _part_two_time_s(paper))
-    driven = replace(plan, cruise_speed_ms=speed, brake_speed_ms=speed, cruise_m=way)
+    driven = replace(plan, cruise_speed_ms=speed, brake_speed_ms=speed, cruise_m=cruise_m)
     return float(np.sum([phase.energy_j for phase in planner.phases_of(driven)])) / J_PER_KWH

@@ -22,11 +22,14 @@ from railjoule.core.phase_planning.search import between
 from railjoule.core.phase_planning.tables import PhaseModel
 from railjoule.core.scenario import Vehicle
 from railjoule.core.scenario.options import PhasesOptions
-from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH, W_PER_KW
 
+# The nameplate contradicts itself by a per cent, the phases only by their last digits: it must not pull them off what
+# is printed, and without it the inductances would be free.
 NAMEPLATE_WEIGHT = 0.5
-EXACT = {"ftol": 1e-13, "xtol": 1e-13, "gtol": 1e-13, "jac": "3-point", "diff_step": 1e-4}
+LEAST_SQUARES_OPTIONS = {"ftol": 1e-13, "xtol": 1e-13, "gtol": 1e-13, "jac": "3-point", "diff_step": 1e-4}
 """One direction is all but flat: steps must be far above rounding, and derivatives of second order."""
+# round numbers of a tram of that size, so that nothing of the result is put in by hand
 FIRST_GUESS = {
     "rotating_mass_factor": 0.15,
     "resistance.constant_n": 1500.0,
@@ -88,17 +91,22 @@ def identify(base: Vehicle, paper: Printed) -> Identification:
     """
     names, guess = tuple(FIRST_GUESS), np.array(list(FIRST_GUESS.values()))
     phases, plate = paper["phase"], paper["nameplate"]
-    aims = np.concatenate([printed_values(phases), nameplate_values(plate)])
-    weights = np.where(np.arange(len(aims)) < len(aims) - 4, 1.0, NAMEPLATE_WEIGHT)
+    printed = np.concatenate([printed_values(phases), nameplate_values(plate)])
+    # the last four are those of the nameplate
+    weights = np.where(np.arange(len(printed)) < len(printed) - 4, 1.0, NAMEPLATE_WEIGHT)
 
     def differences(factors: FloatArray) -> FloatArray:
         vehicle = with_numbers(base, dict(zip(names, (factors * guess).tolist(), strict=True)))
         ours = np.concatenate([driven_values(vehicle, phases), machine_values(vehicle, plate)])
-        percent: FloatArray = 100 * (ours / aims - 1)
+        percent: FloatArray = 100 * (ours / printed - 1)
         return percent
 
-    fit = least_squares(lambda factors: weights * differences(factors), np.ones(len(guess)), x_scale=0.05, **EXACT)
-    freedom = len(aims) - len(guess)
+    # in factors of the first guess, as the parameters span from 0.1 ohm to 1500 N; x_scale is the size of a first step
+    fit = least_squares(
+        lambda factors: weights * differences(factors), np.ones(len(guess)), x_scale=0.05, **LEAST_SQUARES_OPTIONS
+    )
+    freedom = len(printed) - len(guess)
+    # s^2 (J^T J)^-1 with s^2 = 2 cost / freedom, of the factors; divided by them on return, that of relative errors
     covariance = np.linalg.inv(fit.jac.T @ fit.jac) * (2 * fit.cost / freedom)
     return Identification(
         names=names,
@@ -117,12 +125,13 @@ def with_numbers(base: Vehicle, numbers: dict[str, float]) -> Vehicle:
         for name in tables:
             table = table[name]
         table[last] = value
+    # at the terminals only M^2 / Lr and Rr / Lr show, so with both free the fit would have no single minimum
     document["drive"]["rotor_inductance_mh"] = document["drive"]["stator_inductance_mh"]
     return Vehicle.model_validate(document)
 
 
 def printed_values(phases: list[Printed]) -> FloatArray:
-    """Return what is printed of phases, in the order of `driven_values`; a cruise's way is that of its time."""
+    """Return what is printed of phases, in the order of `driven_values`; a cruise's distance is that of its time."""
     return np.array([phase[name] for phase in phases for name in value_names(phase)])
 
 
@@ -153,6 +162,7 @@ def driven_values(vehicle: Vehicle, phases: list[Printed]) -> FloatArray:
 def printed_planner(vehicle: Vehicle, recuperation_factor: float, **options: Any) -> PhasePlanner:
     """Return the planner of a vehicle on level track whose starts hold their current, as printed."""
     drive = vehicle.drive.model_copy(update={"recuperation_factor": recuperation_factor})
+    # not validated again: the values come from a vehicle and a factor of 0 or 1
     changed = vehicle.model_copy(update={"drive": drive})
     top_speed = vehicle.traction.max_speed_kmh * MS_PER_KMH
     return PhasePlanner(PhaseModel(changed, make_drive(drive), 0.0, top_speed, True), PhasesOptions(**options))
@@ -164,7 +174,7 @@ def nameplate_values(plate: Printed) -> FloatArray:
         [
             plate["voltage_v"] * math.sqrt(2 / 3),
             plate["current_a"] * math.sqrt(2),
-            1e3 * plate["power_kw"],
+            W_PER_KW * plate["power_kw"],
             plate["power_factor"],
         ]
     )

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
+# printed numbers have three digits, and papers round their inputs as well: below a per cent a difference tells nothing
 CLOSE_PERCENT = 1.0
 """A number of ours is close that differs by at most this: in percent, a percentage in percentage points."""
 
@@ -37,6 +38,7 @@ class Row:
     @property
     def difference_percent(self) -> float | None:
         """Our number over the printed one less 1, in percent; None where nothing or zero is printed."""
+        # a share of zero means nothing: such rows show both numbers and no difference
         if self.printed is None or self.printed == 0:
             return None
         return 100 * (self.ours / self.printed - 1)

@@ -13,7 +13,7 @@ from railjoule.core.advice import Instruction
 from railjoule.core.energy import energy_decimals
 from railjoule.core.phases import PhaseName
 from railjoule.core.scenario import StrategyName
-from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.core.units import J_PER_WH, MS_PER_KMH
 
 if TYPE_CHECKING:
     from railjoule.core.simulate.actual_run import CauseName
@@ -49,7 +49,6 @@ CAUSE_WORDS: "dict[CauseName, str]" = {
     "stops": "Unplanned stops",
     "events": "Limits, changes",
 }
-J_PER_WH = J_PER_KWH / 1000
 LEAST_ENERGY_KWH = 5e-4
 """An energy below this reads as zero."""
 SMALL_PRICE_WH_PER_S = 100.0

@@ -31,12 +31,12 @@ class Reality:
     ----------
     following : Following
         The plan and the run.
-    knowing_kwh : float or None
+    replanned_kwh : float or None
         Energy of the plan for the load that is really carried [kWh]; None if there is none.
     """
 
     following: Following
-    knowing_kwh: float | None
+    replanned_kwh: float | None
 
 
 def compute_reality(wish: RealityWish) -> Reality:

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from railjoule.core import RailjouleError, Scenario, StrategyRefusedError, Trajectory
-from railjoule.core.best_known import measured
+from railjoule.core.best_known import with_best_known
 from railjoule.core.bounds import bounded
 from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.drive import ConstantEfficiency, CopperLoss
@@ -147,7 +147,7 @@ def beside_each_other(
         scenario=task.scenario,
         shortest_time_s=task.shortest_travel_time_s,
         cell_count=task.course.cell_count,
-        runs=dict(zip(runs, measured([*runs.values()]), strict=True)),
+        runs=dict(zip(runs, with_best_known([*runs.values()]), strict=True)),
         refused=dict(refused),
         law=law,
     )

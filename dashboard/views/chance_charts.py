@@ -169,7 +169,7 @@ class LoadScatter(Chart):
             return
         self.points.data = xy(load[:MOST_POINTS], energy[:MOST_POINTS])
         order = np.argsort(load)[:: max(1, len(load) // 60)]
-        knowing = table.knowing_kwh[: table.done][done][order]
+        knowing = table.replanned_kwh[: table.done][done][order]
         self.line.data = xy(load[order], knowing)
         self.x_range.update(start=0, end=100)
         low, high = nice_range(float(min(knowing.min(), energy.min())), float(np.quantile(energy, SHOWN[1])))

@@ -73,7 +73,7 @@ MEASURES = {
         "Above a plan for this load, %",
         lambda table: 100 * table.over_replanned,
         percent_difference,
-        lambda table: table.knowing_kwh[:, None],
+        lambda table: table.replanned_kwh[:, None],
     ),
     "overconsumption": Measure(
         "Extra energy against the plan, %",

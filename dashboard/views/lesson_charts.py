@@ -162,20 +162,20 @@ class PhasePlaneChart(Chart):
         if steady is None:
             return
         speed = np.concatenate([curve.speed_ms for curve in result.plane]) / MS_PER_KMH
-        worth = np.concatenate([curve.motion_worth for curve in result.plane])
+        worth = np.concatenate([curve.adjoint for curve in result.plane])
         self.run.data = xy(speed, np.clip(worth, WORTH_ENDS[0] - 1, WORTH_ENDS[1] + 1))
-        self.driving.location, self.braking.location = steady.driving_worth, steady.braking_worth
+        self.driving.location, self.braking.location = steady.driving_adjoint, steady.braking_adjoint
         self._draw_regions(steady)
         self._mark(steady)
 
     def _draw_regions(self, steady: SteadySpeeds) -> None:
         tokens, (low, high) = self.palette.tokens, WORTH_ENDS
-        ends = (low - 1, steady.braking_worth, steady.driving_worth, high + 1)
+        ends = (low - 1, steady.braking_adjoint, steady.driving_adjoint, high + 1)
         self.bands.data = {
             **columns(bottom=np.array(ends[:-1]), top=np.array(ends[1:])),
             "fill": [tokens[name] for name in ("brake", "coast", "part_power")],
         }
-        middles = (0.5 * (low + steady.braking_worth), 0.5 * sum(ends[1:3]), 0.5 * (high + steady.driving_worth))
+        middles = (0.5 * (low + steady.braking_adjoint), 0.5 * sum(ends[1:3]), 0.5 * (high + steady.driving_adjoint))
         self.names.data = {
             "y": list(middles),
             "text": ["brake", "coast", "full power"],
@@ -186,8 +186,8 @@ class PhasePlaneChart(Chart):
         reaches = steady.highest_ms >= 0.999 * steady.hold_ms
         word = "hold" if reaches else "motors off at"
         points = [
-            (steady.highest_ms / MS_PER_KMH, steady.driving_worth),
-            (steady.brake_ms / MS_PER_KMH, steady.braking_worth),
+            (steady.highest_ms / MS_PER_KMH, steady.driving_adjoint),
+            (steady.brake_ms / MS_PER_KMH, steady.braking_adjoint),
         ]
         texts = (
             f"{word} {words.speed(steady.highest_ms, 1)} km/h",
@@ -199,8 +199,8 @@ class PhasePlaneChart(Chart):
         frame = self.frame_over((0.0, float(self.x_range.end)), WORTH_ENDS)
         lines = {
             "run": (np.asarray(self.run.data["x"]), np.asarray(self.run.data["y"])),
-            "driving": (ends, np.full(2, steady.driving_worth)),
-            "braking": (ends, np.full(2, steady.braking_worth)),
+            "driving": (ends, np.full(2, steady.driving_adjoint)),
+            "braking": (ends, np.full(2, steady.braking_adjoint)),
         }
         regions = [
             frame.box(ends[1] - 1, y, text, align="right", lift_px=-7)

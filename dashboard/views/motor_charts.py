@@ -181,7 +181,7 @@ def storage_table(storage: StorageCurve) -> str:
     note = (
         f"Braking generates {words.energy(need.generated_kwh)} kWh at up to {words.number(need.charging_peak_kw, 0)} "
         f"kW; driving takes up to {words.number(need.discharging_peak_kw, 0)} kW. The storage loses "
-        f"{words.energy(chosen.storage_loss_kwh)} kWh, resistors burn {words.energy(chosen.burnt_kwh)} kWh; "
+        f"{words.energy(chosen.storage_loss_kwh)} kWh, resistors dissipate {words.energy(chosen.dissipated_kwh)} kWh; "
         f"{words.number(need.cycles_per_day, 0)} full cycles of the size needed in an 18-hour day."
     )
     table = parts.table("Recovered braking energy, kWh", ("Absorbed by", "from the supply", "saved", "%"), rows)

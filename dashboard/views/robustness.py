@@ -209,8 +209,8 @@ class RobustnessView(PageView):
         following = reality.following
         energy, planned = following.actual.energy_kwh, following.planned.energy_kwh
         disturbance = following.actual.scenario.disturbance
-        reference = planned if reality.knowing_kwh is None else reality.knowing_kwh
-        against = "planned" if reality.knowing_kwh is None else "for the actual load"
+        reference = planned if reality.replanned_kwh is None else reality.replanned_kwh
+        against = "planned" if reality.replanned_kwh is None else "for the actual load"
         cells = [
             parts.figure(
                 reality_words(disturbance.actual_load_factor or 0.0, disturbance.coordinate_error_m).capitalize(),

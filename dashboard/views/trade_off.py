@@ -62,7 +62,7 @@ class TradeOffView(PageView):
     def make(self) -> Viewable:
         """Make the pieces of the page, and return them laid out."""
         state, palette = self.state, self.palette
-        self.table, self.refusal = (parts.html_pane() for _ in range(2))
+        self.table, self.notes = (parts.html_pane() for _ in range(2))
         self.frontier = FrontierChart(HEIGHTS["frontier"][0], state, palette)
         self.share = ShareChart(HEIGHTS["share"][0], self.frontier.x_range, palette)
         self.surface = SurfacePane(HEIGHTS["surface"][0], palette)
@@ -84,7 +84,7 @@ class TradeOffView(PageView):
         state.param.watch(self._follow_map, ["wide_map", "copper_weight"])
         self.shows(self._show_failure, (state, ["failure", "runs"]))
         self.shows(self._show, (state, ["trade_off", "runs"]))
-        return parts.stack(self.heading, self.message, self.figures, self.refusal, self.body)
+        return parts.stack(self.heading, self.message, self.figures, self.notes, self.body)
 
     def _choose_map(self, event: Any) -> None:
         wide, weight = event.new
@@ -140,7 +140,8 @@ class TradeOffView(PageView):
         )
         self.figures.object = parts.figures(self._cells(trade_off, run, now))
         refusal = enoc_refusal(trade_off, run.travel_time_s)
-        self.refusal.object = f'<p class="note" style="margin:8px 20px 0">{refusal}</p>' if refusal else ""
+        sentences = [parts.escaped(note) for note in frontier.notes] + ([refusal] if refusal else [])
+        self.notes.object = "".join(f'<p class="note" style="margin:8px 20px 0">{text}</p>' for text in sentences)
         self.table.object = self._table(trade_off, run, now)
 
     def _cells(self, trade_off: TradeOff, run: Trajectory, now: tuple[float, float, float] | None) -> list[str]:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from railjoule.core import SolverError, compare, load_scenario, solve
-from railjoule.core.best_known import measured
+from railjoule.core.best_known import with_best_known
 from railjoule.core.bounds import certified
 from railjoule.core.strategies import prepare_task, run_strategy
 
@@ -21,7 +21,7 @@ def task():
 @pytest.fixture(scope="module")
 def runs(task):
     names = ("optimal", "bellman", "speed_limits", "fastest")
-    return dict(zip(names, measured([run_strategy(task, name) for name in names]), strict=True))
+    return dict(zip(names, with_best_known([run_strategy(task, name) for name in names]), strict=True))
 
 
 def test_a_proven_optimum_is_what_others_are_measured_against():
@@ -64,7 +64,7 @@ def test_a_run_that_may_be_late_is_measured_against_the_best_of_its_own_time(tas
 
 def test_a_late_run_is_measured_against_an_earlier_one_that_needs_less(runs):
     cheap = replace(runs["bellman"], energy=replace(runs["bellman"].energy, traction_j=1e6))
-    late, _ = measured([runs["speed_limits"], cheap])
+    late, _ = with_best_known([runs["speed_limits"], cheap])
     assert late.reference.strategy == "bellman"
 
 
@@ -73,7 +73,7 @@ def test_what_is_proven_within_less_time_is_not_the_optimum_of_more() -> None:
     runs, _ = compare(load_scenario("liashenko-fig-4"))
     best, late = (next(run for run in runs if run.strategy == name) for name in ("optimal", "speed_limits"))
     open_end = replace(late, reference=replace(late.reference, proven=False))
-    _, found = measured([best, open_end])
+    _, found = with_best_known([best, open_end])
     assert best.is_proven
     assert best.energy.net_j > late.reference.energy_j
     assert found.reference == open_end.reference
@@ -81,7 +81,7 @@ def test_what_is_proven_within_less_time_is_not_the_optimum_of_more() -> None:
 
 def test_no_late_run_is_what_a_timely_one_is_measured_against(runs):
     cheap = replace(runs["speed_limits"], energy=replace(runs["speed_limits"].energy, traction_j=1e6))
-    optimal, _ = measured([replace(runs["optimal"], reference=None), cheap])
+    optimal, _ = with_best_known([replace(runs["optimal"], reference=None), cheap])
     assert optimal.reference.strategy == "optimal"
 
 

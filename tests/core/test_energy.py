@@ -40,19 +40,6 @@ def test_a_missing_loss_shows_too():
     assert replace(ACCOUNT, losses_j={"drive": 5e6}).imbalance == pytest.approx(-1.8 / 43.2)
 
 
-def test_parts_in_kwh():
-    assert ACCOUNT.in_kwh() == {
-        "traction": pytest.approx(10),
-        "recuperated": pytest.approx(2),
-        "auxiliary": pytest.approx(1),
-        "running_resistance": pytest.approx(10 / 3.6),
-        "curve_resistance": pytest.approx(2 / 3.6),
-        "kinetic": pytest.approx(4 / 3.6),
-        "potential": pytest.approx(6 / 3.6),
-        "losses": {"drive": pytest.approx(5 / 3.6), "friction_brakes": pytest.approx(0.5)},
-    }
-
-
 def test_losses_are_a_frozen_copy():
     losses = {"drive": 1.0}
     energy = replace(ACCOUNT, losses_j=losses)

@@ -1,167 +1,110 @@
-"""core/NOMENCLATURE.md names every public argument and field of the core, and nothing else."""
+"""core/NOMENCLATURE.md tells the papers' symbols of quantities; docstrings tell all other arguments and fields."""
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
-from typing import NamedTuple
 
 import pytest
+from name_units import WITHOUT_UNIT, unit_of
 
 CORE = Path(__file__).parents[2] / "core"
+DASH = "\u2014"
+"""Stands where a paper has no symbol."""
 
-UNITS = {
-    "_a": "A",
-    "_h": "H",
-    "_hz": "Hz",
-    "_j": "J",
-    "_kg": "kg",
-    "_km": "km",
-    "_kmh": "km/h",
-    "_kn": "kN",
-    "_kw": "kW",
-    "_kwh": "kWh",
-    "_m": "m",
-    "_m_n_per_kn": "N m/kN",
-    "_mh": "mH",
-    "_mm": "mm",
-    "_ms": "m/s",
-    "_ms2": "m/s2",
-    "_ms3": "m/s3",
-    "_n": "N",
-    "_n_per_kmh": "N/(km/h)",
-    "_n_per_kmh2": "N/(km/h)2",
-    "_n_per_kn": "N/kN",
-    "_n_per_kn_per_kmh": "N/kN/(km/h)",
-    "_n_per_kn_per_kmh2": "N/kN/(km/h)2",
-    "_nm": "N m",
-    "_ohm": "ohm",
-    "_per_m": "1/m",
-    "_per_metre": "1/m",
-    "_per_newton": "A/N",
-    "_permille": "per mille",
-    "_rads": "rad/s",
-    "_s": "s",
-    "_v": "V",
-    "_vs": "V s",
-    "_w": "W",
-    "_w_per_nm": "W/(N m)",
-    "_w_per_nm2": "W/(N m)2",
-    "_w_per_rads": "W/(rad/s)",
-    "_w_per_rads2": "W/(rad/s)2",
-    "_w_per_rads3": "W/(rad/s)3",
-    "_ws": "W s",
-    "_ws2": "W s2",
-    "speed2": "m2/s2",
-    "torque_per_amp_nm": "N m/A",
-}
-"""How the end of a name tells its unit; the longest that fits counts."""
+Owner = ast.ClassDef | ast.FunctionDef
 
 
-WITHOUT_UNIT = {
-    *("k1", "k3", "k5", "k6", "ka", "ks"),  # coefficients of a paper keep its names
-    *("effort", "power", "speed"),  # compiled code of drives
-    *("inertia", "linear", "quadratic", "resistance_linear", "resistance_quadratic", "loss_coefficient"),
-    "curve",  # pairs of two units
-}
-"""Names whose unit only the file tells."""
-
-
-class Use(NamedTuple):
-    """A name, and the file and class or function that has it."""
-
-    name: str
-    place: str
-
-
-def uses() -> list[Use]:
-    """Return every argument of public functions and methods, and every declared field of public classes."""
+def owners() -> list[tuple[str, Owner]]:
+    """Return every public class and function of the core with its file, those inside of public classes included."""
     return [
-        Use(name, f"{path.relative_to(CORE).as_posix()}: {owner}")
+        (path.relative_to(CORE).as_posix(), owner)
         for path in sorted(CORE.rglob("*.py"))
-        for name, owner in _names(ast.parse(path.read_text(encoding="utf-8")).body)
-        if not name.startswith("_")
+        for owner in _owners(ast.parse(path.read_text(encoding="utf-8")).body)
     ]
 
 
-def _names(body: list[ast.stmt], inside: str = "") -> Iterator[tuple[str, str]]:
+def _owners(body: list[ast.stmt]) -> Iterator[Owner]:
     for node in body:
-        if isinstance(node, ast.FunctionDef) and (not node.name.startswith("_") or node.name == "__init__"):
-            arguments = node.args
-            for argument in (*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs):
-                if not (inside and argument.arg in ("self", "cls")):
-                    yield argument.arg, inside + node.name
-        elif isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
-            yield from _names(node.body, f"{node.name}.")
-        elif inside and isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-            yield node.target.id, inside.removesuffix(".")
+        if isinstance(node, Owner) and not node.name.startswith("_"):
+            yield node
+            if isinstance(node, ast.ClassDef):
+                yield from _owners(node.body)
 
 
-def tables() -> dict[str, dict[str, list[str]]]:
-    """Return the rows of each table of the file by heading and name."""
-    found: dict[str, dict[str, list[str]]] = {}
-    heading = ""
+def names_of(owner: Owner) -> list[str]:
+    """Return the public arguments of a function, the declared fields of a class, or else those of its __init__."""
+    if isinstance(owner, ast.FunctionDef):
+        arguments = owner.args
+        every = (*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs)
+        names = [argument.arg for argument in every if argument.arg not in ("self", "cls")]
+    else:
+        fields = [node.target for node in owner.body if isinstance(node, ast.AnnAssign)]
+        names = [field.id for field in fields if isinstance(field, ast.Name)]
+        starts = [node for node in owner.body if isinstance(node, ast.FunctionDef) and node.name == "__init__"]
+        names = names or [name for start in starts for name in names_of(start)]
+    return [name for name in names if not name.startswith("_")]
+
+
+def listed_parameters(owner: Owner) -> list[str]:
+    """Return the names that the section of parameters in a docstring lists; none where it has no such section."""
+    section = re.search(r"Parameters\n-+\n(.*?)(?=\n\w+\n---|\Z)", ast.get_docstring(owner) or "", re.DOTALL)
+    heads = [line.split(":")[0] for line in section[1].splitlines() if line[:1].strip()] if section else []
+    return [name for head in heads for name in re.findall(r"(?<!\*)\b\w+", head)]
+
+
+def rows() -> dict[str, list[str]]:
+    """Return the cells of each row of the file by name."""
+    found: dict[str, list[str]] = {}
     for line in (CORE / "NOMENCLATURE.md").read_text(encoding="utf-8").splitlines():
-        if line.startswith("## "):
-            heading = line.removeprefix("## ")
-            found[heading] = {}
-        elif line.startswith("| `"):
+        if line.startswith("| `"):
             name, *cells = (cell.strip() for cell in line.strip("|").split("|"))
-            assert name.strip("`") not in found[heading], f"{name} stands twice under {heading!r}"
-            found[heading][name.strip("`")] = cells
+            assert name.strip("`") not in found, f"{name} stands twice"
+            found[name.strip("`")] = cells
     return found
 
 
-USES = uses()
-TABLES = tables()
-QUANTITIES, OTHERS, *_ = TABLES.values()
-INSIDE = {
-    "drive": TABLES["Inside the drives"],
-    "physics": TABLES["Inside the physics"],
-    "interior_point": TABLES["Inside the interior-point method"],
-    "dynamic_programming": TABLES["Inside the dynamic programming"],
-    "check": TABLES["Inside the check"],
-}
-"""The names that one package alone uses."""
-
-
-def test_every_name_is_in_the_file():
-    unknown = {
-        use.name: use.place
-        for use in USES
-        if use.name not in QUANTITIES
-        and use.name not in OTHERS
-        and use.name not in INSIDE.get(use.place.split("/")[0], ())
-    }
-    assert not unknown, f"not in core/NOMENCLATURE.md: {unknown}"
+OWNERS = owners()
+ROWS = rows()
 
 
 def test_every_row_is_used():
-    names = {use.name for use in USES}
-    unused = sorted({*QUANTITIES, *OTHERS} - names)
-    for package, rows in INSIDE.items():
-        unused += sorted(rows.keys() - {use.name for use in USES if use.place.startswith(f"{package}/")})
+    used = {name for _, owner in OWNERS for name in names_of(owner)}
+    unused = sorted(ROWS.keys() - used)
     assert not unused, f"no code uses these rows of core/NOMENCLATURE.md: {unused}"
 
 
-def test_a_quantity_is_not_listed_as_none():
-    assert not QUANTITIES.keys() & OTHERS.keys()
-
-
-@pytest.mark.parametrize("heading", TABLES)
-def test_rows_are_sorted_and_complete(heading):
-    rows = TABLES[heading]
-    assert list(rows) == sorted(rows)
-    assert {len(cells) for cells in rows.values()} == {len(next(iter(rows.values())))}
-    assert all(cell for cells in rows.values() for cell in cells)
+def test_rows_are_sorted_and_complete():
+    assert list(ROWS) == sorted(ROWS)
+    for name, cells in ROWS.items():
+        *symbols, _unit, _meaning = cells
+        assert len(symbols) == 4, f"{name} does not have a cell for each paper"
+        assert all(cells), f"{name} has an empty cell"
+        assert any(symbol != DASH for symbol in symbols), f"{name} has no symbol in any paper"
 
 
 def test_names_tell_their_units():
-    for name, (*_, unit, _meaning) in QUANTITIES.items():
-        endings = [ending for ending in UNITS if name.endswith(ending)]
-        told = UNITS[max(endings, key=len)] if endings else "1"
-        assert (unit == told) != (name in WITHOUT_UNIT), f"{name} is in {unit}"
+    for name, (*_, unit, _meaning) in ROWS.items():
+        assert (unit == unit_of(name)) != (name in WITHOUT_UNIT), f"{name} is in {unit}"
 
 
-def test_a_new_name_would_be_found():
-    body = ast.parse("class Train:\n    mass_t: float\n    def pull(self, effort_kN, *, _hidden=0): ...\n").body
-    assert [name for name, _ in _names(body)] == ["mass_t", "effort_kN", "_hidden"]
+@pytest.mark.parametrize("folder", sorted({place.split("/")[0] for place, _ in OWNERS}))
+def test_a_docstring_that_lists_parameters_lists_them_all(folder):
+    differing = {
+        f"{place}: {owner.name}": sorted(set(names_of(owner)) ^ set(listed))
+        for place, owner in OWNERS
+        if place.split("/")[0] == folder
+        and (listed := listed_parameters(owner))
+        and set(listed) != set(names_of(owner))
+    }
+    assert not differing, f"these docstrings and signatures differ: {differing}"
+
+
+def test_a_parameter_that_is_left_out_would_be_found():
+    (owner,) = ast.parse(
+        'def pull(train, effort_n, **details):\n    """Pull.\n\n    Parameters\n    ----------\n    effort_n : float\n'
+        '        Effort [N].\n    **details\n        More.\n\n    Raises\n    ------\n    ValueError\n    """\n'
+    ).body
+    assert isinstance(owner, ast.FunctionDef)
+    assert names_of(owner) == ["train", "effort_n"]
+    assert listed_parameters(owner) == ["effort_n"]

@@ -2,7 +2,7 @@ import pytest
 from builders import plain_scenario
 
 from railjoule.core.motion import build_course
-from railjoule.core.units import J_PER_KWH, MS_PER_KMH, told_apart
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH, distinct_numbers
 
 
 def test_factors_by_their_definitions():
@@ -28,5 +28,5 @@ def test_weight_is_that_of_all_four_papers():
         (2.0, 2.0, ("2", "2")),
     ],
 )
-def test_two_numbers_are_told_apart(one, other, words):
-    assert told_apart(one, other) == words
+def test_two_numbers_are_distinct_numbers(one, other, words):
+    assert distinct_numbers(one, other) == words

@@ -11,7 +11,7 @@ from railjoule.core.drive.kinds import LOSS_MAP
 from railjoule.core.drive.loss_map.loss import DRIVING_TABLE
 from railjoule.core.drive.loss_map.table import loss_table
 from railjoule.core.errors import DriveRangeError
-from railjoule.core.units import N_PER_KN, told_apart
+from railjoule.core.units import N_PER_KN, distinct_numbers
 
 ROUNDING = 1e-9
 
@@ -66,7 +66,7 @@ class MapDrive(GearedDrive):
         for sign, limit, way in ((1, self.driving_n, "drive"), (-1, self.braking_n, "brake")):
             most, largest = float(np.max(sign * np.asarray(effort_n), initial=0.0)), float(limit.max())
             if most > largest * (1 + 1e-6):
-                end, asked = told_apart(largest / N_PER_KN, most / N_PER_KN)
+                end, asked = distinct_numbers(largest / N_PER_KN, most / N_PER_KN)
                 raise DriveRangeError(f"the map of the drive ends at {end} kN to {way} with, below {asked} kN.")
         return super().electrical_power_w(effort_n, speed_ms)
 

@@ -109,12 +109,12 @@ def _require_few_steps(scenario: Scenario, duration_s: float) -> None:
     budget, step = current_budget(), scenario.simulation.time_step_s
     if duration_s > budget.loop_time_s:
         raise ScenarioError(
-            f"A plan of {duration_s:,.0f} s is too long for the closed loop: {budget.taker} takes at most "
+            f"A plan of {duration_s:,.0f} s is too long for the closed loop: {budget.name} takes at most "
             f"{budget.loop_time_s:,.0f} s."
         )
     if duration_s > budget.loop_steps * step:
         raise ScenarioError(
-            f"simulation.time_step_s = {step:g} makes {duration_s / step:,.0f} steps; {budget.taker} takes at most "
+            f"simulation.time_step_s = {step:g} makes {duration_s / step:,.0f} steps; {budget.name} takes at most "
             f"{budget.loop_steps:,}. Use {rounded_up(duration_s / budget.loop_steps):g} s or more."
         )
 

@@ -167,7 +167,7 @@ def test_the_greatest_torque_of_a_synchronous_motor_is_that_of_a_search(speed, b
 
     def fits(torque):
         current, voltage = synchronous_grid(sign * torque + drag, RELUCTANCE.pole_pairs * speed)
-        return ((current <= RELUCTANCE.max_current_a) & (voltage <= machine.most_v)).any()
+        return ((current <= RELUCTANCE.max_current_a) & (voltage <= machine.largest_voltage_v)).any()
 
     low, high = 1.0, 20_000.0
     for _ in range(40):
@@ -180,7 +180,7 @@ def test_the_greatest_torque_of_a_synchronous_motor_is_that_of_a_search(speed, b
 def test_currents_of_a_synchronous_motor_are_the_least_within_its_voltage(torque, speed):
     machine, rads = SynchronousMachine(RELUCTANCE), RELUCTANCE.pole_pairs * speed
     current, voltage = synchronous_grid(torque, rads)
-    least = current[voltage <= machine.most_v].min()
+    least = current[voltage <= machine.largest_voltage_v].min()
     along, across = machine._currents(np.array([torque]), np.array([rads]))
     assert math.hypot(along[0], across[0]) == pytest.approx(least, rel=1e-4)
 

@@ -10,7 +10,7 @@ from random_scenarios import random_run
 
 from railjoule.core import load_scenario, solve
 from railjoule.core.phases import find_phases
-from railjoule.core.phases.labels import UNTOLD_MS
+from railjoule.core.phases.labels import NEGLIGIBLE_MS
 from railjoule.core.strategies import run_strategy
 from railjoule.core.units import J_PER_KWH
 
@@ -34,13 +34,13 @@ def test_a_stand_parts_phases_however_short_they_are():
     assert phases[1].end_s - phases[1].start_s == 30
 
 
-def test_what_an_untold_effort_takes_counts_where_power_is():
-    """2 kN over 20 m change the speed of 100 t at 10 m/s by 0.04 m/s: more than untold; over 5 m by 0.01: less."""
+def test_what_a_negligible_effort_takes_counts_where_power_is():
+    """2 kN over 20 m change the speed of 100 t at 10 m/s by 0.04 m/s: more than negligible; over 5 m by 0.01: less."""
     told = find_phases(run_of((100, 14, 1.0), (500, 13, 0.0), (20, 12.8, 0.02), (500, 12, 0.0), cell_m=5.0))
     assert [phase.phase for phase in told] == ["full_power", "coast", "part_power", "coast"]
-    untold = find_phases(run_of((100, 14, 1.0), (500, 13, 0.0), (5, 13, 0.02), (500, 12, 0.0), cell_m=5.0))
-    assert in_short(untold) == [("full_power", 0, 100), ("coast", 100, 1105)]
-    assert [phase.energy_j for phase in untold] == [pytest.approx(100 * LARGEST_N + 5 * 0.02 * LARGEST_N), 0]
+    negligible = find_phases(run_of((100, 14, 1.0), (500, 13, 0.0), (5, 13, 0.02), (500, 12, 0.0), cell_m=5.0))
+    assert in_short(negligible) == [("full_power", 0, 100), ("coast", 100, 1105)]
+    assert [phase.energy_j for phase in negligible] == [pytest.approx(100 * LARGEST_N + 5 * 0.02 * LARGEST_N), 0]
 
 
 def test_the_first_scenario_brakes_for_its_limit_and_holds_it():
@@ -81,7 +81,7 @@ def test_coasting_hides_neither_power_nor_brakes(seed, strategy):
         inside = (run.position_m[:-1] >= phase.start_m) & (run.position_m[1:] <= phase.end_m)
         assert np.all((middle[inside] > phase.start_m) & (middle[inside] < phase.end_m))
         told = np.abs(work[inside]) / (run.run_data.inertia_kg * mean_speed[inside])
-        assert np.all(told < UNTOLD_MS)
+        assert np.all(told < NEGLIGIBLE_MS)
 
 
 @given(st.integers(0, 10**6))
@@ -90,7 +90,7 @@ def test_no_brake_is_lost(seed):
     run = run_strategy(random_run(seed, stops=False).task, "fastest")
     work = -run.effort_n * np.diff(run.position_m)
     slowed = work / (run.run_data.inertia_kg * 0.5 * (run.speed_ms[1:] + run.speed_ms[:-1]))
-    for place in run.position_m[1:][slowed > UNTOLD_MS]:
+    for place in run.position_m[1:][slowed > NEGLIGIBLE_MS]:
         phase = next(phase for phase in run.phases if phase.start_m < place <= phase.end_m)
         assert phase.phase in {"brake", "hold"}
 

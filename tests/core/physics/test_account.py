@@ -77,13 +77,13 @@ class TestOneCell:
         cell = one_cell(train(drive, friction_kn, factor), 5.0, *SPEEDS_MS[direction])
         data, account = cell.course.data, account_of_run(cell.course.data, cell.speed2)
         energy = by_dynamic_programming(data, cell.speed2)[0]
-        if jumps_at_no_effort(data.drive_kind) and not is_told_apart(data, account):
+        if jumps_at_no_effort(data.drive_kind) and not is_distinct_numbers(data, account):
             assert by_the_solver(cell) <= energy + 1e-4 * largest_term(cell)
             return
         assert by_the_solver(cell) == pytest.approx(energy, abs=AGREEMENT * largest_term(cell))
 
 
-def is_told_apart(data, account):
+def is_distinct_numbers(data, account):
     """Return whether the solver's power of a drive that jumps is the exact one: no hull and no rounded corner there.
 
     Its hull lies below where it would switch the drive within the cell.
@@ -104,7 +104,7 @@ def test_each_drive_is_held_to_the_solver_in_both_directions(drive):
         direction
         for direction, ends in SPEEDS_MS.items()
         for cell in [one_cell(train(drive), 5.0, *ends)]
-        if is_told_apart(cell.course.data, account_of_run(cell.course.data, cell.speed2))
+        if is_distinct_numbers(cell.course.data, account_of_run(cell.course.data, cell.speed2))
     }
     assert any("driving" in direction for direction in told)
     assert any("braking" in direction for direction in told)

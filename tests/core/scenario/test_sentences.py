@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from railjoule.core.errors import RailjouleError, ScenarioError
 from railjoule.core.scenario import Line, Scenario, Vehicle, scenario_from_document
-from railjoule.core.scenario._sentences import nearest, show
+from railjoule.core.scenario._sentences import show, suggestion
 
 CASES = {
     "not a number": ({"vehicle.tare_kg": math.nan}, "vehicle.tare_kg = nan must be a finite number."),
@@ -183,8 +183,10 @@ def test_junk_makes_a_scenario_or_one_sentence(path, value):
 
 
 def test_nearest_names_come_first():
-    assert nearest("max_efort_kn", ["max_effort_kn", "max_power_kw", "name"]).startswith("did you mean 'max_effort_kn'")
-    assert nearest("zzz", ["b", "a"]) == "choose one of a, b"
+    assert suggestion("max_efort_kn", ["max_effort_kn", "max_power_kw", "name"]).startswith(
+        "did you mean 'max_effort_kn'"
+    )
+    assert suggestion("zzz", ["b", "a"]) == "choose one of a, b"
 
 
 def test_values_are_shown_short():

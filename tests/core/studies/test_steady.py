@@ -41,11 +41,11 @@ def test_the_phase_plane_meets_its_lines_at_the_switches():
     steady = steady_speeds(scenario, 2.5e5)
     full, coast, brake = phase_plane(scenario, steady)
     # 0.85 of efficiency in driving, half of 0.85 back in braking
-    assert full.motion_worth[-1] == coast.motion_worth[0] == pytest.approx(1 / 0.85)
-    assert coast.motion_worth[-1] == pytest.approx(0.425)
-    assert brake.motion_worth[0] == pytest.approx(0.425)
-    assert full.motion_worth.min() >= 1 / 0.85 - 1e-9
-    assert brake.motion_worth.max() <= 0.425 + 1e-9
+    assert full.adjoint[-1] == coast.adjoint[0] == pytest.approx(1 / 0.85)
+    assert coast.adjoint[-1] == pytest.approx(0.425)
+    assert brake.adjoint[0] == pytest.approx(0.425)
+    assert full.adjoint.min() >= 1 / 0.85 - 1e-9
+    assert brake.adjoint.max() <= 0.425 + 1e-9
 
 
 def test_other_drives_are_refused():

@@ -9,7 +9,7 @@ from railjoule.core import SolverError, load_scenario
 from railjoule.core.bounds import certify, minimise
 from railjoule.core.strategies import Task, prepare_task
 from railjoule.core.validation import ipopt
-from railjoule.core.validation.ipopt import IpoptProblem, solve_with_ipopt
+from railjoule.core.validation.ipopt import IpoptProblem
 
 needs_casadi = pytest.mark.skipif(
     importlib.util.find_spec("casadi") is None, reason="CasADi is not installed, so there is no IPOPT to compare with"
@@ -58,7 +58,7 @@ def ours(task):
 
 def assert_agreement(task):
     energy, bound = ours(task)
-    theirs = solve_with_ipopt(task)
+    theirs = IpoptProblem(task).solve()
     scale = reference_energy_j(task, energy)
     assert theirs.converged, theirs.status
     assert energy == pytest.approx(theirs.energy_j, abs=AGREEMENT * scale)
@@ -101,4 +101,4 @@ def test_a_problem_is_solved_alike_each_time():
 def test_without_casadi_the_error_says_what_to_install(monkeypatch):
     monkeypatch.setattr(ipopt, "is_installed", lambda: False)
     with pytest.raises(SolverError, match="pip install casadi"):
-        solve_with_ipopt(prepare_task(load_scenario("liashenko-0")))
+        IpoptProblem(prepare_task(load_scenario("liashenko-0")))

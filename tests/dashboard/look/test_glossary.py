@@ -65,7 +65,7 @@ def test_an_entry_is_short_and_plain(term: Term) -> None:
     assert not re.search(r"[<>&]", term.name + term.text + "".join(term.labels))
 
 
-def test_names_and_labels_are_told_apart() -> None:
+def test_names_and_labels_are_distinct_numbers() -> None:
     labels = [label for term in TERMS for label in (term.name, *term.labels)]
     assert len(labels) == len(set(labels))
     assert len(texts()) == len(TERMS)

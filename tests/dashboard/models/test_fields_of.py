@@ -1,16 +1,11 @@
 import re
-from pathlib import Path
 
 import pytest
+from name_units import WITHOUT_UNIT, unit_of
 
 from railjoule.core.scenario import Scenario
 from railjoule.dashboard.models.editor import GROUPS
 from railjoule.dashboard.models.fields_of import Field, Table, models_of, parts_of, split_unit
-
-NOMENCLATURE = Path(__file__).parents[3] / "core" / "NOMENCLATURE.md"
-
-OTHERS_CELLS = 4
-"""Of a row that names no quantity, its ends included."""
 
 
 def all_fields() -> list[Field]:
@@ -20,16 +15,14 @@ def all_fields() -> list[Field]:
     return [field for part in parts for field in (part.columns if isinstance(part, Table) else [part])]
 
 
-def test_units_are_those_of_the_nomenclature() -> None:
-    rows = [line.split("|") for line in NOMENCLATURE.read_text(encoding="utf-8").splitlines() if line.startswith("| `")]
-    units = {row[1].strip(" `"): row[-3].strip() for row in rows if len(row) > OTHERS_CELLS}
+def test_units_are_those_that_the_keys_tell() -> None:
     shown = str.maketrans({"\u00b2": "2", "\u00b3": "3"})
     differing = {
-        field.name: (field.unit, units[field.name])
+        field.name: (field.unit, unit_of(field.name))
         for field in all_fields()
         if field.kind in {"number", "whole", "numbers"}
-        and field.name in units
-        and (field.unit.translate(shown).replace("\u2030", "per mille") or "1") != units[field.name]
+        and field.name not in WITHOUT_UNIT
+        and (field.unit.translate(shown).replace("\u2030", "per mille") or "1") != unit_of(field.name)
     }
     assert differing == {}
 

@@ -12,7 +12,7 @@ def test_reality_is_measured_against_a_plan_that_knows_the_load() -> None:
     scenario = load_scenario("liashenko-ii")
     reality = compute_reality(RealityWish(scenario, HEAVY))
     known = plan_for(scenario.with_(**{"vehicle.load_factor": 1.0}))
-    assert reality.knowing_kwh == pytest.approx(known.energy_kwh, rel=1e-9)
+    assert reality.replanned_kwh == pytest.approx(known.energy_kwh, rel=1e-9)
     assert reality.following.actual.energy_kwh > known.energy_kwh
 
 
