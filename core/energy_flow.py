@@ -54,6 +54,8 @@ class EnergyFlow:
         """Losses of the drive both ways less those of the account, over the energy that moved; 0 if it closes."""
         drive_j = sum(joules for kind, joules in self.energy.losses_j.items() if kind not in BRAKES)
         moved_j = max(self.energy.traction_j + self.energy.recuperated_j, 1.0)
+        # the fields of the motors lie between the supply and the wheels, too
+        drive_j += self.energy.magnetic_field_j
         return (self.driving_loss_j + self.braking_loss_j - drive_j) / moved_j
 
 

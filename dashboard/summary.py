@@ -29,7 +29,7 @@ def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = Non
     """Return one run as plain values.
 
     The losses hold everything that the line's energy is lost to, so that traction - recuperated =
-    the sum of all losses + kinetic + potential.
+    the sum of all losses + kinetic + potential + magnetic field.
 
     Parameters
     ----------
@@ -55,6 +55,7 @@ def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = Non
         "losses_kwh": {kind: joules / J_PER_KWH for kind, joules in losses.items()},
         "kinetic_kwh": energy.kinetic_j / J_PER_KWH,
         "potential_kwh": energy.potential_j / J_PER_KWH,
+        "magnetic_field_kwh": energy.magnetic_field_j / J_PER_KWH,
         "travel_time_s": trajectory.travel_time_s,
         "allowed_time_s": trajectory.scenario.travel_time_s,
         "shortest_time_s": shortest_travel_time_s,

@@ -16,7 +16,7 @@ NEEDED_COLUMNS = ("position_m", "time_s", "speed_kmh")
 FEWEST_NODES = 2
 ENERGIES = (
     *("traction_j", "recuperated_j", "auxiliary_j", "running_resistance_j", "curve_resistance_j"),
-    *("kinetic_j", "potential_j"),
+    *("kinetic_j", "potential_j", "magnetic_field_j"),
 )
 """The entries of an energy account but its losses by kind."""
 

@@ -33,11 +33,11 @@ from railjoule.core.scenario.disturbance import (
     VoltageChange,
 )
 from railjoule.core.scenario.line import Station
-from railjoule.core.simulate.as_it_is import as_it_is, notes_on, voltage_notes
+from railjoule.core.simulate.actual_vehicle import actual_vehicle, notes_on, voltage_notes
 from railjoule.core.simulate.driver import STANDING_SPEED2, braking_envelope, fully_braked, held
 from railjoule.core.simulate.following import follow_cells
 from railjoule.core.simulate.leg import SAME_PLACE_M, Leg, joined, leg_of
-from railjoule.core.simulate.train_on_its_way import (
+from railjoule.core.simulate.train_state import (
     State,
     event_words,
     is_foreseeable,
@@ -128,7 +128,7 @@ def simulate_disturbances(
 
 def _unknowing(scenario: Scenario) -> Scenario:
     """Return a scenario in running order with the train as it is, nothing known of its events."""
-    return as_it_is(replace_line(scenario, scenario.line.in_running_order()))
+    return actual_vehicle(replace_line(scenario, scenario.line.in_running_order()))
 
 
 class _Simulation:

@@ -34,7 +34,7 @@ class DetuningTable:
     scenario : Scenario
         What was simulated, but for the factor.
     rotor_resistance_factors : tuple of float
-        Rotor resistance that the control believes in, over the true one.
+        Rotor resistance that the control assumes, over the true one.
     energy_kwh, magnetising_loss_kwh : array of shape (k,)
         Energy that the machines take, and what of it the flux's current loses in the stator [kWh].
     max_current_a, max_phase_voltage_v : array of shape (k,)
@@ -73,7 +73,7 @@ class DetuningTable:
 
 
 def detuning(scenario: Scenario, factors: Sequence[float] = FACTORS, plan: Trajectory | None = None) -> DetuningTable:
-    """Return energy, current, voltage and tracking over the rotor resistance that the control believes in.
+    """Return energy, current, voltage and tracking over the rotor resistance that the control assumes.
 
     Parameters
     ----------

@@ -49,6 +49,7 @@ def test_parts_in_kwh():
         "curve_resistance": pytest.approx(2 / 3.6),
         "kinetic": pytest.approx(4 / 3.6),
         "potential": pytest.approx(6 / 3.6),
+        "magnetic_field": 0,
         "losses": {"drive": pytest.approx(5 / 3.6), "friction_brakes": pytest.approx(0.5)},
     }
 

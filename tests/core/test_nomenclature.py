@@ -120,6 +120,7 @@ INSIDE = {
     "interior_point": TABLES["Inside the interior-point method"],
     "dynamic_programming": TABLES["Inside the dynamic programming"],
     "check": TABLES["Inside the check"],
+    "simulate": TABLES["Inside the simulations"],
 }
 """The names that one package alone uses."""
 

@@ -19,7 +19,7 @@ from railjoule.core.scenario.disturbance import (
 )
 from railjoule.core.scenario.line import SHORTEST_DISTANCE_M, SpeedLimit, Station
 from railjoule.core.scenario.timetable import Timetable
-from railjoule.core.simulate.as_it_is import at_voltage, changed
+from railjoule.core.simulate.actual_vehicle import at_voltage, changed
 from railjoule.core.simulate.leg import SAME_PLACE_M
 
 

@@ -8,7 +8,7 @@ SPECIFIC_TERMS = tuple(SpecificResistance.model_fields)
 RESISTANCE_TERMS = (*SPECIFIC_TERMS, "constant_n", "linear_n_per_kmh", "quadratic_n_per_kmh2")
 
 
-def as_it_is(scenario: Scenario) -> Scenario:
+def actual_vehicle(scenario: Scenario) -> Scenario:
     """Return a scenario whose vehicle is as its disturbance says.
 
     At a lower line voltage the largest efforts stay, but are left at a lower speed: the power falls by the same
