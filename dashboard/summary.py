@@ -14,7 +14,7 @@ from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
 if TYPE_CHECKING:
     from railjoule.core.simulate.actual_run import ActualRun
-    from railjoule.core.simulate.disturbances import Ride
+    from railjoule.core.simulate.disturbances import DisturbedRun
     from railjoule.core.simulate.field_oriented import FieldOrientedRun
     from railjoule.core.simulate.following import Following
     from railjoule.core.validation.benchmark import Timing
@@ -116,7 +116,7 @@ def summarise_following(following: "Following") -> Summary:
     }
 
 
-def summarise_ride(ride: "Ride") -> Summary:
+def summarise_ride(ride: "DisturbedRun") -> Summary:
     """Return a plan and a ride with events as plain values."""
     return {
         "planned": summarise(ride.planned),
@@ -131,10 +131,10 @@ def summarise_ride(ride: "Ride") -> Summary:
 
 def summarise_actual(run: "ActualRun") -> Summary:
     """Return a plan and a ride with events as plain values, and what each cause adds to the plan."""
-    assert run.ride is not None
+    assert run.disturbed is not None
     causes = {cause.name: cause.energy_kwh for cause in run.causes}
-    notes = list(dict.fromkeys((*run.ride.notes, *run.notes)))
-    return {**summarise_ride(run.ride), "delay_s": run.delay_s, "causes_kwh": causes, "notes": notes}
+    notes = list(dict.fromkeys((*run.disturbed.notes, *run.notes)))
+    return {**summarise_ride(run.disturbed), "delay_s": run.delay_s, "causes_kwh": causes, "notes": notes}
 
 
 def summarise_field_oriented(run: "FieldOrientedRun") -> Summary:
