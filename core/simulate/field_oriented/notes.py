@@ -130,11 +130,12 @@ def _motion_notes(record: Record, end_m: float) -> Iterator[str]:
     beyond = record.final(column.POSITION) - end_m
     if beyond > ARRIVAL_M:
         yield f"The train overshoots its end by {beyond:.1f} m: its machines do not brake as planned."
-    back = np.maximum.accumulate(record.position_m) - record.position_m
+    farthest = np.maximum.accumulate(record.position_m)
+    back = farthest - record.position_m
     deepest = int(np.argmax(back))
     if back[deepest] > ROLLED_BACK_M:
         yield (
-            f"The train rolls back by up to {back[deepest]:.2f} m near {record.position_m[deepest]:.0f} m, "
+            f"The train rolls back by up to {back[deepest]:.2f} m from {farthest[deepest]:.0f} m, "
             f"{record.time_s[deepest]:.1f} s: curves over distance show it standing there; its energy counts."
         )
 
