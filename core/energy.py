@@ -22,7 +22,8 @@ SMALL_REFERENCE = 0.01
 class Energy:
     """One run's energies [J].
 
-    The account closes: traction - recuperated = running and curve resistance + losses + kinetic + potential.
+    The account closes: traction - recuperated = running and curve resistance + losses + kinetic + potential + magnetic
+    field.
 
     Parameters
     ----------
@@ -38,6 +39,8 @@ class Energy:
         Lost in the drive, in brake resistors and in friction brakes, by kind.
     kinetic_j, potential_j : float
         What the train has more at the end than at the start.
+    magnetic_field_j : float
+        What the magnetic fields of its motors hold more at the end than at the start; only where they are simulated.
     """
 
     traction_j: float
@@ -48,6 +51,7 @@ class Energy:
     losses_j: Mapping[str, float]
     kinetic_j: float
     potential_j: float
+    magnetic_field_j: float = 0.0
 
     def __post_init__(self) -> None:
         # frozen dataclasses freeze the field and not what it holds: a dictionary could still be written to
@@ -67,7 +71,7 @@ class Energy:
     def imbalance(self) -> float:
         """Sum of all parts less what the line gave, over the energy that moved; 0 if the account closes."""
         parts = self.running_resistance_j + self.curve_resistance_j + sum(self.losses_j.values())
-        parts += self.kinetic_j + self.potential_j
+        parts += self.kinetic_j + self.potential_j + self.magnetic_field_j
         # the energy that moved, as the net energy may be zero; at least 1 J for a run that does not move at all
         return (parts - self.traction_j + self.recuperated_j) / max(self.traction_j + self.recuperated_j, 1.0)
 

@@ -55,6 +55,8 @@ class EnergyFlow:
         # from both ends: what goes in less what comes out of the drive must be the losses that its formulas tell
         drive_j = sum(joules for kind, joules in self.energy.losses_j.items() if kind not in BRAKES)
         moved_j = max(self.energy.traction_j + self.energy.recuperated_j, 1.0)
+        # the fields of the motors lie between the supply and the wheels, too
+        drive_j += self.energy.magnetic_field_j
         return (self.driving_loss_j + self.braking_loss_j - drive_j) / moved_j
 
 

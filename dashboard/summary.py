@@ -14,7 +14,7 @@ from railjoule.core.units import J_PER_KWH, J_PER_WH, MS_PER_KMH
 
 if TYPE_CHECKING:
     from railjoule.core.simulate.actual_run import ActualRun
-    from railjoule.core.simulate.disturbances import Ride
+    from railjoule.core.simulate.disturbances import DisturbedRun
     from railjoule.core.simulate.field_oriented import FieldOrientedRun
     from railjoule.core.simulate.following import Following
     from railjoule.core.validation.benchmark import Timing
@@ -27,7 +27,7 @@ def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = Non
     """Return one run as plain values.
 
     The losses hold everything that the line's energy is lost to, so that traction - recuperated =
-    the sum of all losses + kinetic + potential.
+    the sum of all losses + kinetic + potential + magnetic field.
 
     Parameters
     ----------
@@ -53,6 +53,7 @@ def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = Non
         "losses_kwh": {kind: joules / J_PER_KWH for kind, joules in losses.items()},
         "kinetic_kwh": energy.kinetic_j / J_PER_KWH,
         "potential_kwh": energy.potential_j / J_PER_KWH,
+        "magnetic_field_kwh": energy.magnetic_field_j / J_PER_KWH,
         "travel_time_s": trajectory.travel_time_s,
         "allowed_time_s": trajectory.scenario.travel_time_s,
         "shortest_time_s": shortest_travel_time_s,
@@ -113,7 +114,7 @@ def summarise_following(following: "Following") -> Summary:
     }
 
 
-def summarise_ride(ride: "Ride") -> Summary:
+def summarise_ride(ride: "DisturbedRun") -> Summary:
     """Return a plan and a ride with events as plain values."""
     return {
         "planned": summarise(ride.planned),
@@ -128,10 +129,10 @@ def summarise_ride(ride: "Ride") -> Summary:
 
 def summarise_actual(run: "ActualRun") -> Summary:
     """Return a plan and a ride with events as plain values, and what each cause adds to the plan."""
-    assert run.ride is not None
+    assert run.disturbed is not None
     causes = {cause.name: cause.energy_kwh for cause in run.causes}
-    notes = list(dict.fromkeys((*run.ride.notes, *run.notes)))
-    return {**summarise_ride(run.ride), "delay_s": run.delay_s, "causes_kwh": causes, "notes": notes}
+    notes = list(dict.fromkeys((*run.disturbed.notes, *run.notes)))
+    return {**summarise_ride(run.disturbed), "delay_s": run.delay_s, "causes_kwh": causes, "notes": notes}
 
 
 def summarise_field_oriented(run: "FieldOrientedRun") -> Summary:

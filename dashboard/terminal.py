@@ -394,6 +394,7 @@ def _account_lines(summary: Summary) -> list[str]:
     spent += [
         ("kinetic, end minus start", summary["kinetic_kwh"]),
         ("potential, end minus start", summary["potential_kwh"]),
+        ("magnetic field, end minus start", summary["magnetic_field_kwh"]),
     ]
     width = max(len(name) for name, _ in taken + spent)
 

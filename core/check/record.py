@@ -17,7 +17,7 @@ FEWEST_NODES = 2
 # by name and not by the fields of `Energy`: importing that class would tie the check to what it checks
 ENERGIES = (
     *("traction_j", "recuperated_j", "auxiliary_j", "running_resistance_j", "curve_resistance_j"),
-    *("kinetic_j", "potential_j"),
+    *("kinetic_j", "potential_j", "magnetic_field_j"),
 )
 """The entries of an energy account but its losses by kind."""
 

@@ -1,6 +1,6 @@
-"""The run of a day: a plan that meets another load, a wrong place and events, and what each of them costs.
+"""The actual run: a plan that meets another load, a position error and events, and what each of them costs.
 
-The train follows its plan with the load that it has and the place where it believes to be, as in `following`. From the
+The train follows its plan with the load that it has and its own estimate of its position, as in `following`. From the
 notice of its first event on it knows both, and goes on as in `disturbances`. The causes are added one after another in
 the order of CAUSES; each has the energy by which the run changes when it comes to those before it, so that they sum to
 the whole.
@@ -13,7 +13,7 @@ from typing import Literal, get_args
 from railjoule.core.energy import share_above
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.disturbance import Disturbance, Reaction
-from railjoule.core.simulate.disturbances import LATE_S, Ride, simulate_disturbances, undisturbed_plan
+from railjoule.core.simulate.disturbances import LATE_S, DisturbedRun, simulate_disturbances, undisturbed_plan
 from railjoule.core.simulate.following import Following, follow, plan_for
 from railjoule.core.simulate.leg import leg_of
 from railjoule.core.trajectory import Trajectory
@@ -60,7 +60,7 @@ class ActualRun:
         Where the energy beyond the plan comes from, in the order of CAUSES; only what differs from the plan.
     following : Following or None
         The run with its load and place before any event; None where nothing is followed.
-    ride : Ride or None
+    disturbed : DisturbedRun or None
         The run with its events; None where there are none.
     delay_s : float
         Later arrival: than planned, or with events than the timetable says [s].
@@ -73,7 +73,7 @@ class ActualRun:
     actual: Trajectory
     causes: tuple[Cause, ...]
     following: Following | None
-    ride: Ride | None
+    disturbed: DisturbedRun | None
     delay_s: float
     notes: tuple[str, ...]
 
@@ -100,7 +100,7 @@ class ActualRun:
     @property
     def stop_error_m(self) -> float:
         """How far beyond its last stop the train came to stand [m]."""
-        if self.ride is not None or self.following is None:
+        if self.disturbed is not None or self.following is None:
             return float(self.actual.position_m[-1] - self.planned.position_m[-1])
         return self.following.stop_error_m
 
@@ -125,13 +125,15 @@ def actual_run(scenario: Scenario, reaction: Reaction | None = None, planned: Tr
         As `railjoule.core.solve` for the plan; InfeasibleLineError if the train comes to a stand on its way.
     """
     plan = planned or plan_of(scenario)
-    run, following, ride = plan, None, None
+    run, following, disturbed = plan, None, None
     causes = []
     for name, stage in _stages(scenario):
+        # differences of whole runs, each with one cause more: they sum to the whole by construction, but depend on
+        # the order, as the causes work on one another
         before = run.energy.net_j
         if name in {"stops", "events"}:
-            ride = _ride(stage, run if following is None else following.actual, following, reaction)
-            run = ride.actual
+            disturbed = _disturbed(stage, run if following is None else following.actual, following, reaction)
+            run = disturbed.actual
         else:
             following = follow(plan, stage)
             run = following.actual
@@ -142,9 +144,9 @@ def actual_run(scenario: Scenario, reaction: Reaction | None = None, planned: Tr
         actual=run,
         causes=tuple(causes),
         following=following,
-        ride=None if ride is None else replace(ride, planned=plan),
-        delay_s=_delay_s(scenario, plan, run, ride),
-        notes=_notes(scenario, following, ride),
+        disturbed=None if disturbed is None else replace(disturbed, planned=plan),
+        delay_s=_delay_s(scenario, plan, run, disturbed),
+        notes=_notes(scenario, following, disturbed),
     )
 
 
@@ -161,6 +163,7 @@ def plan_of(scenario: Scenario) -> Trajectory:
 def _stages(scenario: Scenario) -> Iterator[tuple[CauseName, Scenario]]:
     """Yield each cause that differs from the plan with the scenario that has it and those before it."""
     real, options = scenario.disturbance, scenario.simulation
+    # the load comes first, with a position measured well: what it costs is then the same with any odometer
     load = real.actual_load_factor
     if load is not None and load != scenario.vehicle.load_factor:
         measured_well = {"speed_error": 0.0, "sensor_errors_m": (0.0, 0.0, 0.0)}
@@ -185,8 +188,10 @@ def _with(scenario: Scenario, disturbance: Disturbance) -> Scenario:
     return scenario.model_copy(update={"disturbance": disturbance})
 
 
-def _ride(scenario: Scenario, driven: Trajectory, following: Following | None, reaction: Reaction | None) -> Ride:
-    """Return the ride whose train drives a run until it learns of its events."""
+def _disturbed(
+    scenario: Scenario, driven: Trajectory, following: Following | None, reaction: Reaction | None
+) -> DisturbedRun:
+    """Return the run whose train drives another one until it learns of its events."""
     if following is not None:
         scenario = _with_stops_made(scenario, driven, following)
     return simulate_disturbances(scenario, reaction, driven)
@@ -215,15 +220,17 @@ def _with_stops_made(scenario: Scenario, driven: Trajectory, following: Followin
     return scenario.model_copy(update={"line": line.model_copy(update={"stations": stations})})
 
 
-def _delay_s(scenario: Scenario, plan: Trajectory, run: Trajectory, ride: Ride | None) -> float:
+def _delay_s(scenario: Scenario, plan: Trajectory, run: Trajectory, disturbed: DisturbedRun | None) -> float:
+    # nothing in a run depends on the time of day, so a later departure shifts all of it
     late = scenario.disturbance.departure_delay_s
-    return late + (ride.delay_s if ride is not None else run.travel_time_s - plan.travel_time_s)
+    return late + (disturbed.delay_s if disturbed is not None else run.travel_time_s - plan.travel_time_s)
 
 
-def _notes(scenario: Scenario, following: Following | None, ride: Ride | None) -> tuple[str, ...]:
+def _notes(scenario: Scenario, following: Following | None, disturbed: DisturbedRun | None) -> tuple[str, ...]:
     """Return what could not be kept; the delay is a number of its own."""
-    if ride is None:
+    if disturbed is None:
         return ()
-    late = f"The train arrives {ride.delay_s:.1f} s late."
-    kept = tuple(note for note in ride.notes if ride.delay_s <= LATE_S or note != late)
+    # against the timetable of the disturbed run; `delay_s` of this one counts the departure too, and is shown as such
+    late = f"The train arrives {disturbed.delay_s:.1f} s late."
+    kept = tuple(note for note in disturbed.notes if disturbed.delay_s <= LATE_S or note != late)
     return (*kept, FREE_REST) if following is not None and scenario.simulation.target_braking else kept

@@ -10,8 +10,8 @@ he comes to a speed at a place. He knows nothing of the run: all numbers are tho
   upper speed, then coasting down to the lower one.
 - Coast: neither power nor brakes; to a stop that coasting leads to, the last seconds are driven as part power is. He
   lets no train come to a stand elsewhere: slower than creeping he holds his speed.
-- Brake: a steady change of speed squared, as with part power. Fully: nearly all that the brakes have, one share of it
-  set once where it begins, so that the speed is reached at the place.
+- Brake: a steady change of speed squared, as with part power. Fully: nearly all that the brakes have, one fraction of
+  it set once where it begins, so that the speed is reached at the place.
 - Stand: as long as it says.
 """
 
@@ -39,13 +39,18 @@ from railjoule.core.scenario import Scenario
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
 
+# A driver reacts within a metre or so; towards a stop cells are halved four times, to 6 cm, as a train that
+# brakes at 0.5 m/s2 still has 1 m/s a metre before it stands.
 CELL_M, HALVINGS_AT_STOPS = 1.0, 4
 ADJUSTED_WITHIN_M = 20.0
 """Over this length a difference from a speed to hold falls to 1/e; assumed."""
 CREEPING_MS = 3.0 * MS_PER_KMH
 """Slower than this a driver does not wait whether coasting brings him to a stand; assumed."""
+# Halvings of an interval of 1: the last digits of the braking fraction.
 BISECTIONS = 50
+# Pieces of cells below this are rounding, and driving them would never end.
 SHORTEST_M = 1e-9
+# A train that passes a stop with less stands there for its passengers.
 STANDING_MS = 1e-3
 
 
@@ -68,14 +73,14 @@ class Orders(NamedTuple):
 def drive_advice(
     scenario: Scenario, advice: Sequence[Instruction], strategy: str = "advised", initial_speed_ms: float = 0.0
 ) -> Trajectory:
-    """Return the run of a driver who does what he is told.
+    """Return the run of a driver who follows the advice.
 
     Parameters
     ----------
     scenario : Scenario
         The train and its line; its timetable does not bind the run.
     advice : sequence of Instruction
-        What he is told, in order.
+        The advice, in order.
     strategy : str
         Whose advice it is.
     initial_speed_ms : float
@@ -107,7 +112,7 @@ def _mesh(scenario: Scenario, advice: Sequence[Instruction]) -> FloatArray:
     """Return nodes [m] a metre apart, at all places of line and advice, and closer at the stops."""
     line = scenario.line.in_running_order()
     stops = [0.0, *(station.position_m for station in line.inner_stations), line.length_m]
-    named = [place for told in advice for place in (told.from_m, told.at_m) if place is not None]
+    named = [place for order in advice for place in (order.from_m, order.at_m) if place is not None]
     fixed = np.unique([*line_borders(line), *named, *stops])
     nodes = np.append(np.arange(0.0, line.length_m, CELL_M), line.length_m)
     nodes = with_nodes_at(nodes, fixed[(fixed > 0) & (fixed < line.length_m)])
@@ -116,23 +121,27 @@ def _mesh(scenario: Scenario, advice: Sequence[Instruction]) -> FloatArray:
 
 def _orders(moving: Sequence[Instruction]) -> Orders:
     """Return instructions as arrays."""
-    begins = [told.from_m for told in moving]
+    # coasting after full power begins when the speed is reached, wherever that is: the printed position is rounded
+    begins = [order.from_m for order in moving]
     for k in range(1, len(moving)):
         if moving[k].action == "coast" and moving[k - 1].action == "full_power":
             begins[k] = np.inf
     speeds = np.array(
-        [(np.nan if told.to_kmh is None else told.to_kmh, *(told.between_kmh or (np.nan, np.nan))) for told in moving]
+        [
+            (np.nan if order.to_kmh is None else order.to_kmh, *(order.between_kmh or (np.nan, np.nan)))
+            for order in moving
+        ]
     )
     speeds *= MS_PER_KMH
     return Orders(
-        action=np.array([NAMES.index(told.action) for told in moving]),
+        action=np.array([NAMES.index(order.action) for order in moving]),
         begins_m=np.array(begins),
         speed_ms=speeds[:, 0].copy(),
-        at_m=np.array([np.nan if told.at_m is None else told.at_m for told in moving]),
+        at_m=np.array([np.nan if order.at_m is None else order.at_m for order in moving]),
         low_ms=speeds[:, 1].copy(),
         high_ms=speeds[:, 2].copy(),
-        power_share=np.array([np.nan if told.power_share is None else told.power_share for told in moving]),
-        fully=np.array([told.fully for told in moving]),
+        power_share=np.array([np.nan if order.power_share is None else order.power_share for order in moving]),
+        fully=np.array([order.fully for order in moving]),
     )
 
 
@@ -149,7 +158,7 @@ def drive_cells(
     position_m : array of shape (n + 1,)
         Nodes of the course [m], all places of the orders among them.
     orders : Orders
-        What the driver is told.
+        The advice to the driver.
     initial_speed2 : float
         Square of speed at the first node [m2/s2].
 
@@ -170,8 +179,9 @@ def drive_cells(
             if following != k:
                 k, switched = following, orders.action[following] == HOLD and w >= orders.high_ms[following] ** 2
             if orders.fully[k] and x == orders.begins_m[k]:
-                braking = _braking_share(course, position_m, (i, orders.at_m[k]), w, orders.speed_ms[k] ** 2)
+                braking = _braking_fraction(course, position_m, (i, orders.at_m[k]), w, orders.speed_ms[k] ** 2)
             after, part, switched = _driven(course, part_of_cell(whole, left), (orders, k), (x, w), switched, braking)
+            # the speed is reached within the cell: coasting takes over in the rest of it
             if switched and orders.action[k] == FULL_POWER and k < last and orders.begins_m[k + 1] == math.inf:
                 k, switched = k + 1, False
             if part * left <= SHORTEST_M:
@@ -237,28 +247,29 @@ def _driven(
             return top, 1.0, False
         return max(speed2, aim2), _part_until(speed2, top, aim2), True
     if action == HOLD and orders.power_share[k] > 0.0:
-        wish = free if switched else free + orders.power_share[k] * (top - free)
+        request = free if switched else free + orders.power_share[k] * (top - free)
         limit2 = orders.low_ms[k] ** 2 if switched else orders.high_ms[k] ** 2
-        if (wish > limit2) if switched else (wish < limit2):
-            return wish, 1.0, switched
-        return limit2, _part_until(speed2, wish, limit2), not switched
+        if (request > limit2) if switched else (request < limit2):
+            return request, 1.0, switched
+        return limit2, _part_until(speed2, request, limit2), not switched
     if orders.fully[k] and braking >= 0.0 and place < orders.at_m[k] - SHORTEST_M:
         return free + braking * (low - free), 1.0, False
     if action == HOLD:
-        wish = aim2 + (speed2 - aim2) * math.exp(-cell.length_m / ADJUSTED_WITHIN_M)
+        request = aim2 + (speed2 - aim2) * math.exp(-cell.length_m / ADJUSTED_WITHIN_M)
     elif action == FULL_POWER:
-        wish = aim2
+        request = aim2
     else:
-        wish = speed2 + (aim2 - speed2) * min(cell.length_m / max(orders.at_m[k] - place, SHORTEST_M), 1.0)
-    return min(max(wish, low), top), 1.0, switched
+        # constant acceleration is v^2 linear over distance; the rest of the course shrinks with each cell
+        request = speed2 + (aim2 - speed2) * min(cell.length_m / max(orders.at_m[k] - place, SHORTEST_M), 1.0)
+    return min(max(request, low), top), 1.0, switched
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _comes_to_stand(way_m: float, speed2: float, was_faster: bool) -> bool:
-    """Return whether coasting to a stop is in its last seconds or too slow; its way is not a number if it has none."""
-    if math.isnan(way_m):
+def _comes_to_stand(distance_m: float, speed2: float, was_faster: bool) -> bool:
+    """Return whether coasting to a stop is in its last seconds or too slow; without a stop it is not a number."""
+    if math.isnan(distance_m):
         return False
-    return (was_faster and speed2 <= CREEPING_MS**2) or 2.0 * way_m <= SHORTEST_S * math.sqrt(speed2)
+    return (was_faster and speed2 <= CREEPING_MS**2) or 2.0 * distance_m <= SHORTEST_S * math.sqrt(speed2)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -270,11 +281,11 @@ def _part_until(entering2: float, leaving2: float, wanted2: float) -> float:
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _braking_share(
-    course: CourseData, position_m: FloatArray, way: tuple[int, float], speed2: float, aim2: float
+def _braking_fraction(
+    course: CourseData, position_m: FloatArray, section: tuple[int, float], speed2: float, aim2: float
 ) -> float:
-    """Return which share of what the brakes have leads to a speed at a place; negative where none is needed."""
-    first, at_m = way
+    """Return which fraction of full braking leads to a speed at a position; negative where none is needed."""
+    first, at_m = section
     last = int(np.searchsorted(position_m, at_m - SHORTEST_M))
     if _braked(course, first, last, speed2, 0.0) <= aim2:
         return -1.0
@@ -285,15 +296,17 @@ def _braking_share(
             low = middle
         else:
             high = middle
+    # the weaker side: too much braking would end in a stand before the place
     return low
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _braked(course: CourseData, first: int, last: int, speed2: float, share: float) -> float:
-    """Return the square of speed after cells under a share of full braking; negative where the train stands before."""
+def _braked(course: CourseData, first: int, last: int, speed2: float, fraction: float) -> float:
+    """Return the square of speed after cells under part of full braking; negative where it stands before."""
     for i in range(first, last):
         low, free, _ = _reach(course, cell_of(course, i), speed2)
-        speed2 = free + share * (low - free)
+        speed2 = free + fraction * (low - free)
         if speed2 <= 0.0:
+            # further below zero the earlier it stands, so that bisection sees which of two fractions is larger
             return speed2 - (last - 1 - i)
     return speed2

@@ -1,13 +1,13 @@
-"""A ride whose train learns on its way of stops, limits, another line voltage or another recuperation.
+"""A run whose train learns under way of stops, limits, another line voltage or another recuperation.
 
 Reactions, as defined for Rawicki's unplanned stops:
 
 driver
     He holds his speed, or coasts on if he was coasting, and brakes fully to stop where he must; before a limit he
-    keeps to the plan. After that the rest is planned anew. Another voltage or recuperation he does not know of: he
+    keeps to the plan. After that the rest is planned again. Another voltage or recuperation he does not know of: he
     keeps to the plan as far as the train can.
 computer
-    From the notice on, all of the rest is planned anew, the division of time between its parts included.
+    From the notice on, all of the rest is planned again, the division of time between its parts included.
 known
     The event is planned for before the start; another voltage or recuperation from its notice on, as by a computer.
 
@@ -33,11 +33,11 @@ from railjoule.core.scenario.disturbance import (
     VoltageChange,
 )
 from railjoule.core.scenario.line import Station
-from railjoule.core.simulate.as_it_is import as_it_is, notes_on, voltage_notes
-from railjoule.core.simulate.driver import STANDING_SPEED2, braking_envelope, fully_braked, held
+from railjoule.core.simulate.actual_vehicle import actual_vehicle, notes_on, voltage_notes
+from railjoule.core.simulate.driver import STANDING_SPEED2, braking_envelope, fully_braked, held_speed
 from railjoule.core.simulate.following import follow_cells
 from railjoule.core.simulate.leg import SAME_PLACE_M, Leg, joined, leg_of
-from railjoule.core.simulate.train_on_its_way import (
+from railjoule.core.simulate.train_state import (
     State,
     event_words,
     is_foreseeable,
@@ -52,15 +52,19 @@ from railjoule.core.task import prepare_task
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import MS_PER_KMH
 
+# A later arrival than this is mentioned; less is what the solvers leave of a timetable.
 LATE_S = 0.05
-"""A later arrival than this is told."""
-ROUNDING_M, ROUNDING_SHARE = 0.5, 1e-2
-"""By how much another mesh may miss a stop [m] or a square of speed that the train was just able to brake for."""
+# A train that learns of something while it brakes fully continues on another mesh, which may miss a stop by some
+# decimetres, or a square of speed by some tenths of a percent, though it was just able to brake for them. So much
+# does not count as noticed too late; larger values would hide a notice that did come too late.
+ROUNDING_M, ROUNDING_RATIO = 0.5, 1e-2
+# An overshoot below a centimetre is not mentioned.
+NOTICEABLE_M = 0.01
 
 
 @dataclass(frozen=True, eq=False)
-class Ride:
-    """A ride with its undisturbed plan.
+class DisturbedRun:
+    """A run with events, and its undisturbed plan.
 
     Parameters
     ----------
@@ -104,7 +108,7 @@ def undisturbed_plan(scenario: Scenario) -> Trajectory:
 
 def simulate_disturbances(
     scenario: Scenario, reaction: Reaction | None = None, planned: Trajectory | None = None
-) -> Ride:
+) -> DisturbedRun:
     """Drive a scenario whose train learns of its disturbances on the way.
 
     Parameters
@@ -128,11 +132,11 @@ def simulate_disturbances(
 
 def _unknowing(scenario: Scenario) -> Scenario:
     """Return a scenario in running order with the train as it is, nothing known of its events."""
-    return as_it_is(replace_line(scenario, scenario.line.in_running_order()))
+    return actual_vehicle(replace_line(scenario, scenario.line.in_running_order()))
 
 
 class _Simulation:
-    """One ride while it is driven: what is known, what has been driven, what could not be kept."""
+    """One run while it is driven: what is known, what has been driven, what could not be kept."""
 
     def __init__(self, scenario: Scenario, reaction: Reaction | None) -> None:
         require_events_on_the_line(scenario)
@@ -144,9 +148,10 @@ class _Simulation:
         self.notes = [*(voltage_notes(scenario.vehicle) if voltages else notes_on(scenario))]
         self.driven: list[Leg] = []
 
-    def run(self, planned: Trajectory) -> Ride:
+    def run(self, planned: Trajectory) -> DisturbedRun:
         """Drive it, with the plan of a train that knows of nothing."""
         before = [event for event in self.events if event.reaction == "known" and is_foreseeable(event)]
+        # by identity: two events may be equal in all their numbers
         ahead = [event for event in self.events if not any(event is other for other in before)]
         state = State(0.0, 0.0, 0.0, _unknowing(self.scenario))
         for event in before:
@@ -171,7 +176,7 @@ class _Simulation:
         delay = actual.travel_time_s - allowed
         if delay > self.scenario.disturbance.accepted_delay_s + LATE_S:
             self.notes.append(f"The train arrives {delay:.1f} s late.")
-        return Ride(planned, actual, allowed, tuple(self.notices), tuple(self.notes))
+        return DisturbedRun(planned, actual, allowed, tuple(self.notices), tuple(self.notes))
 
     def _drive(self, leg: Leg) -> None:
         if len(leg.position_m) > 1:
@@ -215,17 +220,20 @@ class _Simulation:
         nodes = nodes_ahead(state, stop.position_m)
         course = build_course(state.scenario, state.speed_ms, 0.0, nodes)
         envelope = braking_envelope(course)
+        # too fast even for full braking: the replanning knows what to do then
         if state.speed2 > envelope[0] * (1 + 1e-9):
             return self._plan_rest(state)
+        # a train that brakes already has no speed to hold: it keeps to its plan until it must brake for the stop
         effort = rest.effort_at(state.position_m) if len(rest.position_m) > 1 else 0.0
         moves_steadily = state.speed2 > STANDING_SPEED2 and effort >= -1e-6 * course.data.traction.constant_n
         if moves_steadily:
-            wanted = held(course.data, state.speed2, abs(effort) <= 1e-6 * course.data.traction.constant_n)
+            target2 = held_speed(course.data, state.speed2, abs(effort) <= 1e-6 * course.data.traction.constant_n)
         else:
-            wanted = np.interp(nodes, rest.position_m, rest.speed2)
-        speed2 = np.minimum(wanted, envelope)
+            target2 = np.interp(nodes, rest.position_m, rest.speed2)
+        # only the braking before the stop cuts it: full braking, as a driver who is surprised does
+        speed2 = np.minimum(target2, envelope)
         speed2[0] = state.speed2
-        # one who coasted too slowly to arrive drives on
+        # one who coasts too slowly to arrive drives on
         if np.any(speed2[1:-1] <= STANDING_SPEED2):
             return self._plan_rest(state)
         leg = Leg(state.scenario, nodes, speed2, _dwell_at_end(nodes, stop.duration_s))
@@ -233,6 +241,7 @@ class _Simulation:
 
     def _slow_by_hand(self, rest: Leg, state: State, limit: UnplannedLimit) -> Leg:
         """Keep to the plan, but under the limit and what braking before it takes; then plan the rest."""
+        # a leg ends at its first stop, as its course has no dwell within
         end = min(limit.to_m, float(rest.position_m[-1]))
         stops = rest.position_m[rest.dwell_s > 0]
         beyond = stops[(stops > state.position_m + SAME_PLACE_M) & (stops < end)]
@@ -244,8 +253,8 @@ class _Simulation:
         envelope = braking_envelope(course)
         if state.speed2 > envelope[0] * (1 + 1e-9):
             return self._plan_rest(state)
-        wanted = np.minimum(np.interp(nodes, rest.position_m, rest.speed2), envelope)
-        speed2, _ = follow_cells(course.data, wanted, 0.0, state.speed2)
+        target2 = np.minimum(np.interp(nodes, rest.position_m, rest.speed2), envelope)
+        speed2, _ = follow_cells(course.data, target2, 0.0, state.speed2)
         stands = float(rest.dwell_s[np.abs(rest.position_m - end) <= SAME_PLACE_M].sum())
         return self._and_the_rest(Leg(state.scenario, nodes, speed2, _dwell_at_end(nodes, stands)), state)
 
@@ -265,6 +274,7 @@ class _Simulation:
         try:
             task = prepare_task(rest, state.speed_ms, 0.0, nodes)
         except InfeasibleLineError:
+            # a standing train has nothing to brake for: its line is infeasible for good
             if state.speed2 <= STANDING_SPEED2:
                 raise
             return self._brake_at_once(state, nodes)
@@ -276,14 +286,12 @@ class _Simulation:
     def _brake_at_once(self, state: State, nodes: FloatArray) -> Leg:
         """Brake fully until all that lies ahead can be kept again, or to a stand beyond a stop."""
         course = build_course(state.scenario, state.speed_ms, 0.0, nodes)
-        run, way = fully_braked(course.data, state.speed2)
-        stands = np.inf if np.isnan(way) else state.position_m + way
+        run, distance = fully_braked(course.data, state.speed2)
+        stands = np.inf if np.isnan(distance) else state.position_m + distance
         stations = state.scenario.line.inner_stations
         missed = [station for station in stations if state.position_m < station.position_m < stands]
         if not missed:
             return self._and_the_rest(self._slowed(state, nodes, run, braking_envelope(course)), state)
-        if stands - missed[0].position_m <= ROUNDING_M:
-            return self._and_the_rest(_shortened(state.scenario, nodes, run, missed[0]), state)
         if not np.isfinite(stands):
             raise InfeasibleLineError(
                 f"From {state.position_m:.0f} m on, the brakes do not stop the train before the end of the line."
@@ -292,34 +300,34 @@ class _Simulation:
 
     def _slowed(self, state: State, nodes: FloatArray, run: FloatArray, envelope: FloatArray) -> Leg:
         """Return full braking until the limits ahead can be kept."""
+        # the tolerance is that of comparing two sums of the same cells, one from each end
         slow = np.flatnonzero((run <= envelope * (1 + 1e-9)) & (run > 0))
         if not len(slow):
             raise InfeasibleLineError(
                 f"From {state.position_m:.0f} m on, the brakes cannot keep the limits and stops ahead."
             )
         end = int(slow[0])
-        if run[0] > envelope[0] * (1 + ROUNDING_SHARE):
+        if run[0] > envelope[0] * (1 + ROUNDING_RATIO):
             self.notes.append(f"A limit becomes known too late: the train is slow enough only at {nodes[end]:.0f} m.")
         return Leg(state.scenario, nodes[: end + 1], run[: end + 1], np.zeros(end + 1))
 
     def _beyond(self, state: State, places: FloatArray, run: FloatArray, missed: list[Station]) -> Leg:
         """Return full braking to a stand beyond stops, which are made there, and the rest."""
-        names = ", ".join(f"{station.position_m:.0f} m" for station in missed)
-        self.notes.append(f"The stop at {names} becomes known too late: the train stands at {places[-1]:.1f} m.")
+        overshoot = float(places[-1]) - missed[0].position_m
+        if overshoot > ROUNDING_M:
+            names = ", ".join(f"{station.position_m:.0f} m" for station in missed)
+            self.notes.append(f"The stop at {names} becomes known too late: the train stands at {places[-1]:.1f} m.")
+        elif overshoot > NOTICEABLE_M:
+            self.notes.append(
+                f"The train overshoots its stop at {missed[0].position_m:.0f} m by {overshoot:.2f} m: its brakes "
+                "cannot do more."
+            )
         line = state.scenario.line
         kept = tuple(station for station in line.stations if station not in missed)
         scenario = replace_line(state.scenario, line.model_copy(update={"stations": kept}))
         dwell = _dwell_at_end(places, sum(station.dwell_s for station in missed))
         leg = Leg(scenario, places, np.append(run[: len(places) - 1], 0.0), dwell)
         return self._and_the_rest(leg, replace(state, scenario=scenario))
-
-
-def _shortened(scenario: Scenario, nodes: FloatArray, run: FloatArray, station: Station) -> Leg:
-    """Return full braking that would end just beyond a stop, ended there."""
-    places = np.append(nodes[nodes < station.position_m - SAME_PLACE_M], station.position_m)
-    speed2 = np.interp(places, nodes, run)
-    speed2 -= speed2[-1] * (places - places[0]) / (places[-1] - places[0])
-    return Leg(scenario, places, speed2, _dwell_at_end(places, station.dwell_s))
 
 
 def _kept(rest: Leg, state: State) -> Leg:

@@ -11,11 +11,13 @@ from railjoule.core.motion.cell_step import COAST, FULL_BRAKE, FULL_TRACTION, ex
 from railjoule.core.motion.course import FREE
 from railjoule.core.physics.course_data import CourseData, cell_of, train_of
 
+# Square of a speed that counts as standing: 0.03 mm/s, rounding of the last braking cell.
 STANDING_SPEED2 = 1e-9
 
 
 def braking_envelope(course: Course) -> FloatArray:
     """Return the greatest squares of speed from which full braking keeps all limits and stops ahead; shape (n + 1,)."""
+    # the start is left free: whether the train is slow enough there is the question
     fixed = course.data.fixed_speed2.copy()
     fixed[0] = FREE
     speed2, _, _ = greatest_speeds(course.data._replace(fixed_speed2=fixed))
@@ -23,7 +25,7 @@ def braking_envelope(course: Course) -> FloatArray:
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def held(course: CourseData, speed2: float, coasting: bool) -> FloatArray:
+def held_speed(course: CourseData, speed2: float, coasting: bool) -> FloatArray:
     """Return squares of speed of a train that holds its speed as far as its effort reaches, or coasts.
 
     Parameters
@@ -49,6 +51,7 @@ def held(course: CourseData, speed2: float, coasting: bool) -> FloatArray:
         if coasting:
             after = exit_speed2(cell, train, traction, braking, run[i], COAST)
         else:
+            # never faster than held, though downhill the train would need its brakes for that
             after = min(speed2, exit_speed2(cell, train, traction, braking, run[i], FULL_TRACTION))
         if after <= 0.0:
             break
@@ -71,19 +74,20 @@ def fully_braked(course: CourseData, speed2: float) -> tuple[FloatArray, float]:
     -------
     run : array of shape (n + 1,)
         Squares of speed [m2/s2]; 0 from where it stands.
-    way_m : float
+    distance_m : float
         From the first node to where it stands [m].
     """
     n = course.cell_length_m.shape[0]
     train, traction, braking = train_of(course), course.traction, course.braking
     run = np.zeros(n + 1)
     run[0] = speed2
-    way = 0.0
+    distance = 0.0
     for i in range(n):
         cell = cell_of(course, i)
         after = exit_speed2(cell, train, traction, braking, run[i], FULL_BRAKE)
         if after <= 0.0:
-            return run, way + cell.length_m * run[i] / (run[i] - after)
+            # constant force within a cell: v^2 falls linearly, so its zero is found by proportion
+            return run, distance + cell.length_m * run[i] / (run[i] - after)
         run[i + 1] = after
-        way += cell.length_m
+        distance += cell.length_m
     return run, math.nan

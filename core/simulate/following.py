@@ -1,11 +1,11 @@
-"""A train that follows a planned speed with the load that it really carries, at the place where it believes to be.
+"""A train that follows a planned speed with the load that it really carries, at its own estimate of its position.
 
 Source: Liashenko, Yatsko 2025, (10)-(11) and Figure 2. The plan is a speed over distance. The controller's law is
-Delta(s + h) = Delta(s) exp(-h / L): Delta is the square of the measured speed less that of the plan at the believed
-place, L the response length. On the plan it stays there, beside it it comes back without swinging, and it asks for
+Delta(s + h) = Delta(s) exp(-h / L): Delta is the square of the measured speed less that of the plan at the estimated
+position, L the response length. On the plan it stays there, beside it it comes back without overshoot, and requests
 the effort that this needs as long as the real train has it. Within the launch, until the plan's first acceleration
-ends, it follows the faster of the plan at the believed place and the plan at its own way, as a train that believes
-to stand before its station would else never start.
+ends, it follows the faster of the plan at the estimated position and the plan at the distance covered, as a train
+that estimates to stand before its station would otherwise never start.
 """
 
 import math
@@ -22,13 +22,16 @@ from railjoule.core.motion.cell_step import FULL_BRAKE, FULL_TRACTION, exit_spee
 from railjoule.core.motion.mesh import line_borders, with_nodes_at
 from railjoule.core.physics.course_data import CourseData, cell_of, train_of
 from railjoule.core.scenario import Scenario
-from railjoule.core.simulate.as_it_is import as_it_is, changed, notes_on
-from railjoule.core.simulate.odometer import Stretch, believed_places, stopping_place, stretches
+from railjoule.core.simulate.actual_vehicle import actual_vehicle, changed, notes_on
+from railjoule.core.simulate.odometer import Stretch, estimated_positions, stopping_position, stretches
 from railjoule.core.strategies import Task, run_strategy
 from railjoule.core.task import task_over
 from railjoule.core.trajectory import Trajectory, make_trajectory
 
+# Cells beyond a stop that the brakes did not reach, and how many: 10 km, more than any brake that works needs. A
+# shorter cell only refines where it stands, which is found within the last one anyway.
 OVERRUN_CELL_M, LONGEST_OVERRUN_CELLS = 5.0, 2000
+# Square of a speed that counts as standing: 0.03 mm/s, rounding of the last braking cell.
 STANDING_SPEED2 = 1e-9
 
 
@@ -42,8 +45,8 @@ class Following:
         The run as planned, and as driven.
     stop_errors_m : tuple of float
         How far beyond each stop the train came to stand [m].
-    ways : tuple of list of Stretch
-        Where the train believed to be on its way to each stop.
+    courses : tuple of list of Stretch
+        Where the train estimated to be between one stop and the next.
     departure_delay_s : float
         How much later than planned it left [s].
     """
@@ -51,7 +54,7 @@ class Following:
     planned: Trajectory
     actual: Trajectory
     stop_errors_m: tuple[float, ...]
-    ways: tuple[list[Stretch], ...]
+    courses: tuple[list[Stretch], ...]
     departure_delay_s: float
 
     @property
@@ -76,7 +79,7 @@ def simulate_following(scenario: Scenario) -> Following:
     Raises
     ------
     RailjouleError
-        As `railjoule.core.solve` for the plan; InfeasibleLineError if the real train comes to a stand on its way.
+        As `railjoule.core.solve` for the plan; InfeasibleLineError if the real train comes to a stand before a stop.
     """
     return follow(plan_for(scenario), scenario)
 
@@ -101,6 +104,7 @@ def plannable_task(scenario: Scenario) -> Task:
     if not options.target_braking:
         return task_over(scenario, course)
     largest = course.data.largest_speed2
+    # the target curve begins at D1, where the train learns its position; without that sensor it holds all along
     zone = options.reset_sensor_m or course.length_m
     for stop in stops_of(scenario):
         before = stop - course.position_m
@@ -123,26 +127,26 @@ def follow(planned: Trajectory, scenario: Scenario) -> Following:
     planned : Trajectory
         The plan over the scenario's line.
     scenario : Scenario
-        With its disturbance: the load really carried, the error of the place, the sensors.
+        With its disturbance: the load really carried, the position error, the sensors.
 
     Raises
     ------
     ScenarioError
-        If the error of the place or a sensor lies beyond the way from one stop to the next.
+        If the position error or a sensor lies beyond the distance from one stop to the next.
     InfeasibleLineError
-        If the train comes to a stand on its way.
+        If the train comes to a stand before a stop.
     """
-    _require_places_on_the_way(scenario)
-    real = as_it_is(scenario)
-    nodes, speeds, stop_nodes, errors, ways = [np.zeros(1)], [np.zeros(1)], [], [], []
+    _require_errors_within_a_section(scenario)
+    real = actual_vehicle(scenario)
+    nodes, speeds, stop_nodes, errors, courses = [np.zeros(1)], [np.zeros(1)], [], [], []
     start, planned_start = 0.0, 0.0
     for stop in stops_of(scenario):
-        way = stretches(start, stop, scenario.disturbance.coordinate_error_m, scenario.simulation)
-        leg, speed2 = _drive_leg(planned, real, way, (start, planned_start, stop))
+        stretched = stretches(start, stop, scenario.disturbance.coordinate_error_m, scenario.simulation)
+        leg, speed2 = _drive_leg(planned, real, stretched, (start, planned_start, stop))
         nodes.append(leg[1:])
         speeds.append(speed2[1:])
         errors.append(float(leg[-1] - stop))
-        ways.append(way)
+        courses.append(stretched)
         stop_nodes.append(sum(map(len, nodes)) - 1)
         start, planned_start = float(leg[-1]), stop
     course = build_course(real, position_m=np.concatenate(nodes))
@@ -150,11 +154,11 @@ def follow(planned: Trajectory, scenario: Scenario) -> Following:
     dwell[stop_nodes[:-1]] = [station.dwell_s for station in real.line.in_running_order().inner_stations]
     course = replace(course, dwell_s=dwell)
     actual = make_trajectory(real, course, planned.strategy, np.concatenate(speeds), notes=notes_on(scenario))
-    return Following(planned, actual, tuple(errors), tuple(ways), scenario.disturbance.departure_delay_s)
+    return Following(planned, actual, tuple(errors), tuple(courses), scenario.disturbance.departure_delay_s)
 
 
-def _require_places_on_the_way(scenario: Scenario) -> None:
-    """Raise ScenarioError where an error of the place or a sensor lies beyond the way from one stop to the next."""
+def _require_errors_within_a_section(scenario: Scenario) -> None:
+    """Raise ScenarioError where a position error or a sensor lies beyond the distance between two stops."""
     shortest = min(np.diff([0.0, *stops_of(scenario)]))
     error, options = scenario.disturbance.coordinate_error_m, scenario.simulation
     if abs(error) >= shortest:
@@ -172,22 +176,22 @@ def _require_places_on_the_way(scenario: Scenario) -> None:
 
 
 def _drive_leg(
-    planned: Trajectory, real: Scenario, way: list[Stretch], places: tuple[float, float, float]
+    planned: Trajectory, real: Scenario, stretched: list[Stretch], places: tuple[float, float, float]
 ) -> tuple[FloatArray, FloatArray]:
-    """Return nodes [m] and squares of speed of the way from one stop to the next."""
+    """Return nodes [m] and squares of speed from one stop to the next."""
     start, planned_start, stop = places
     inside = (planned.position_m >= planned_start - 1e-6) & (planned.position_m <= stop + 1e-6)
     plan_m, plan2 = planned.position_m[inside], planned.speed_ms[inside] ** 2
-    place = stopping_place(way, stop)
-    nodes = _leg_mesh(plan_m, real, way, start, place)
-    believed, scale = believed_places(way, nodes)
-    wanted = np.interp(believed, plan_m, plan2) / scale**2
+    nodes = _leg_mesh(plan_m, real, stretched, start, stopping_position(stretched, stop))
+    estimated, scale = estimated_positions(stretched, nodes)
+    # it is the measured speed that is held to the plan
+    target2 = np.interp(estimated, plan_m, plan2) / scale**2
     launch = _launch_end(planned, plan_m, plan2)
-    own_way = np.minimum(nodes - start + planned_start, plan_m[launch])
-    wanted = np.where(believed < plan_m[launch], np.maximum(wanted, np.interp(own_way, plan_m, plan2)), wanted)
-    wanted[[0, -1]] = 0.0
+    covered = np.minimum(nodes - start + planned_start, plan_m[launch])
+    target2 = np.where(estimated < plan_m[launch], np.maximum(target2, np.interp(covered, plan_m, plan2)), target2)
+    target2[[0, -1]] = 0.0
     course = build_course(real, position_m=nodes)
-    speed2, stand = follow_cells(course.data, wanted, real.simulation.response_length_m)
+    speed2, stand = follow_cells(course.data, target2, real.simulation.response_length_m)
     if stand >= 0:
         raise InfeasibleLineError(
             f"At {nodes[stand]:.0f} m the train with its actual load comes to a stand: its effort is not enough."
@@ -195,18 +199,18 @@ def _drive_leg(
     return (nodes, speed2) if speed2[-1] <= STANDING_SPEED2 else _overrun(nodes, speed2, real)
 
 
-def _leg_mesh(plan_m: FloatArray, real: Scenario, way: list[Stretch], start: float, end: float) -> FloatArray:
+def _leg_mesh(plan_m: FloatArray, real: Scenario, stretched: list[Stretch], start: float, end: float) -> FloatArray:
     """Return nodes [m]: where the train passes the plan's nodes, where the line changes, where the sensors stand."""
     passed = []
-    for stretch, until in zip(way, [*(after.from_m for after in way[1:]), end], strict=True):
-        places = stretch.true(plan_m)
-        passed.append(places[(places > stretch.from_m) & (places < until)])
+    for stretch, until in zip(stretched, [*(after.from_m for after in stretched[1:]), end], strict=True):
+        positions = stretch.true(plan_m)
+        passed.append(positions[(positions > stretch.from_m) & (positions < until)])
     own = np.unique(np.concatenate([[start], *passed, [end]]))
     own = own[(own >= start) & (own <= end)]
-    fixed = [*line_borders(real.line.in_running_order()), *(stretch.from_m for stretch in way[1:])]
-    # a believed start behind the station leaves the plan's first nodes out
+    fixed = [*line_borders(real.line.in_running_order()), *(stretch.from_m for stretch in stretched[1:])]
+    # a start that is estimated beyond the station leaves the plan's first nodes out
     fixed += list(np.arange(start, end, real.solver.mesh_m))
-    return with_nodes_at(own, [place for place in fixed if start + 1e-3 < place < end - 1e-3])
+    return with_nodes_at(own, [position for position in fixed if start + 1e-3 < position < end - 1e-3])
 
 
 def _launch_end(planned: Trajectory, plan_m: FloatArray, plan2: FloatArray) -> int:
@@ -223,6 +227,7 @@ def _overrun(nodes: FloatArray, speed2: FloatArray, real: Scenario) -> tuple[Flo
     """Go on braking beyond a stop that the brakes did not reach."""
     beyond = nodes[-1] + OVERRUN_CELL_M * np.arange(1, LONGEST_OVERRUN_CELLS)
     further = build_course(real, position_m=np.concatenate([nodes[-2:], beyond]))
+    # the first cell is the last one of the leg, so that gradients and limits go on from there
     data, speeds = further.data, [float(speed2[-1])]
     for cell in range(1, len(beyond)):
         after = exit_speed2(cell_of(data, cell), train_of(data), data.traction, data.braking, speeds[-1], FULL_BRAKE)
@@ -236,7 +241,7 @@ def _overrun(nodes: FloatArray, speed2: FloatArray, real: Scenario) -> tuple[Flo
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def follow_cells(
-    course: CourseData, wanted_speed2: FloatArray, response_length_m: float, initial_speed2: float = 0.0
+    course: CourseData, target_speed2: FloatArray, response_length_m: float, initial_speed2: float = 0.0
 ) -> tuple[FloatArray, int]:
     """Return the squares of speed of a train that follows others, and the node where it comes to a stand.
 
@@ -244,7 +249,7 @@ def follow_cells(
     ----------
     course : CourseData
         What the real train obeys.
-    wanted_speed2 : array of shape (n + 1,)
+    target_speed2 : array of shape (n + 1,)
         Squares of speed to follow [m2/s2].
     response_length_m : float
         Over this length an error falls to 1/e [m].
@@ -264,11 +269,12 @@ def follow_cells(
     speed2[0] = initial_speed2
     for i in range(n):
         cell = cell_of(course, i)
-        left = math.exp(-cell.length_m / response_length_m) if response_length_m > 0.0 else 0.0
-        wish = wanted_speed2[i + 1] + (speed2[i] - wanted_speed2[i]) * left if i < n - 1 else wanted_speed2[n]
+        # without a response length the error is gone at the next node
+        remaining = math.exp(-cell.length_m / response_length_m) if response_length_m > 0.0 else 0.0
+        request = target_speed2[i + 1] + (speed2[i] - target_speed2[i]) * remaining if i < n - 1 else target_speed2[n]
         top = exit_speed2(cell, train, traction, braking, speed2[i], FULL_TRACTION)
         low = exit_speed2(cell, train, traction, braking, speed2[i], FULL_BRAKE)
-        speed2[i + 1] = min(max(wish, low, 0.0), top)
+        speed2[i + 1] = min(max(request, low, 0.0), top)
         if speed2[i + 1] <= 0.0 and i < n - 1:
             return speed2, i + 1
     return speed2, -1

@@ -12,6 +12,8 @@ from railjoule.core.motion import build_course
 from railjoule.core.scenario import Scenario
 from railjoule.core.trajectory import Trajectory, make_trajectory
 
+# Nodes closer than this are one: positions of events and stations come through several sums, and a cell so short would
+# be all rounding.
 SAME_PLACE_M = 1e-6
 
 
@@ -53,11 +55,13 @@ class Leg:
         node = int(np.searchsorted(arrival, time_s, side="right")) - 1
         if node >= len(arrival) - 1:
             return float(self.position_m[-1])
+        # arrival is before the dwell, so a time within it gives a negative remainder
         since = time_s - arrival[node] - self.dwell_s[node]
         if since <= 0:
             return float(self.position_m[node])
         length = self.position_m[node + 1] - self.position_m[node]
         before, after = np.sqrt(self.speed2[node]), np.sqrt(self.speed2[node + 1])
+        # constant force within a cell: the course of v^2 is linear, that of position a parabola in time
         acceleration = (after**2 - before**2) / (2 * length)
         return float(
             min(self.position_m[node] + (before + 0.5 * acceleration * since) * since, self.position_m[node + 1])
@@ -93,6 +97,7 @@ class Leg:
 
     def then(self, other: "Leg") -> "Leg":
         """Return this leg and one of the same vehicle that begins where this one ends."""
+        # a dwell at the joint may be known to either leg
         return Leg(
             other.scenario,
             np.append(self.position_m, other.position_m[1:]),
@@ -116,6 +121,7 @@ class Leg:
 
 def leg_of(run: Trajectory) -> Leg:
     """Return the leg of a trajectory."""
+    # a trajectory has a dwell as a cell without length, a leg as a time at its node
     standing = np.diff(run.position_m) == 0
     kept = np.append(True, ~standing)
     dwell = np.zeros(len(run.position_m))
@@ -135,6 +141,7 @@ def _two_joined(one: Trajectory, other: Trajectory) -> Trajectory:
     def cells(name: str) -> FloatArray:
         return frozen_array(np.append(getattr(one, name), getattr(other, name)))
 
+    # a drive without a current on one side leaves none for the whole: half a curve would look like zero
     has_current = one.current_a is not None and other.current_a is not None
     has_line_current = one.line_current_a is not None and other.line_current_a is not None
     return replace(

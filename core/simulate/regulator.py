@@ -75,6 +75,7 @@ def literal_spread(
     time_steps_s : sequence of float
         Steps of time [s].
     """
+    # the printed rule looks ahead by its step, so each step makes another run, and no step is the true one
     runs = []
     for step in time_steps_s:
         search = scenario.search.model_copy(update={"time_step_s": float(step)})

@@ -24,14 +24,14 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
     Of a drive that takes power without effort it is the best run found that is not switched within a cell. Its bound
     and the energy in its notes are those of runs with free switching.
 
+    Where the interior point does not converge it is the best run of dynamic programming, without a bound, and says so.
+
     Parameters
     ----------
     task : Task
         What is asked for.
     proof_budget : int
         Boxes of speed that the proof may look at beyond one a cell.
-
-    Where the interior point does not converge it is the best run of dynamic programming, without a bound, and says so.
 
     Raises
     ------

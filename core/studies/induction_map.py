@@ -5,7 +5,7 @@ import numpy as np
 from railjoule.core.arrays import frozen_array
 from railjoule.core.drive.induction.traction import traction_machines
 from railjoule.core.scenario import Scenario
-from railjoule.core.simulate.as_it_is import as_it_is
+from railjoule.core.simulate.actual_vehicle import actual_vehicle
 from railjoule.core.simulate.field_oriented import FieldOrientedRun
 from railjoule.core.studies.motor_map import SPEEDS, TORQUES, MotorMap, OperatingPoints
 from railjoule.core.units import MS_PER_KMH
@@ -22,7 +22,7 @@ def induction_map(scenario: Scenario) -> MotorMap:
         If its drive has no induction machine.
     """
     # with the line voltage of the disturbance, which limits what the machines can do
-    vehicle = as_it_is(scenario).vehicle
+    vehicle = actual_vehicle(scenario).vehicle
     machines = traction_machines(vehicle.drive)
     speed = np.linspace(0.0, vehicle.traction.max_speed_kmh * MS_PER_KMH * machines.turns_per_metre, SPEEDS)
     most = float(machines.greatest_torque_nm(speed).max())

@@ -11,7 +11,7 @@ from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError, ScenarioError
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.distribution import Distribution, Fixed, LogNormal, Normal, Triangular, Uniform
-from railjoule.core.simulate.as_it_is import voltage_notes
+from railjoule.core.simulate.actual_vehicle import voltage_notes
 from railjoule.core.simulate.following import follow, plan_for, plan_knowing_load, stops_of
 
 if TYPE_CHECKING:

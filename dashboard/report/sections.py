@@ -10,7 +10,7 @@ import numpy as np
 
 from railjoule.core import Trajectory
 from railjoule.core.scenario import format_scenario
-from railjoule.core.simulate.disturbances import Ride
+from railjoule.core.simulate.disturbances import DisturbedRun
 from railjoule.core.simulate.field_oriented import FieldOrientedRun
 from railjoule.core.studies.sensitivity import SensitivityTable
 from railjoule.core.units import J_PER_KWH
@@ -223,7 +223,7 @@ def reality(findings: Findings, figures: Figures) -> str:
     late, beyond = words.delay(found.delay_s), words.stop_error(found.stop_error_m)
     text = f"{more} energy, {late} s, stopped {beyond} m of stopping error."
     events = ""
-    if isinstance(found, Ride):
+    if isinstance(found, DisturbedRun):
         learned = [
             f"At {words.number(place, 0)} m, after {words.time(time)} s: {notice}."
             for place, time, notice in found.notices

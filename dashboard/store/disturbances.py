@@ -10,7 +10,7 @@ from railjoule.core import RailjouleError, Scenario, Trajectory
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.scenario.disturbance import Reaction
 from railjoule.core.simulate.actual_run import actual_run, plan_of
-from railjoule.core.simulate.disturbances import Ride
+from railjoule.core.simulate.disturbances import DisturbedRun
 from railjoule.dashboard.store.refusals import named_refusals
 
 REACTIONS: tuple[Reaction, ...] = get_args(Reaction)
@@ -39,7 +39,7 @@ class Rides:
         By reaction.
     """
 
-    rides: Mapping[Reaction, Ride]
+    rides: Mapping[Reaction, DisturbedRun]
 
     @property
     def undisturbed(self) -> Any:
@@ -58,13 +58,13 @@ def compute_rides(wish: RidesWish) -> Rides:
     scenario = wish.disturbed()
     with named_refusals(scenario):
         planned = plan_of(scenario)
-        return Rides({reaction: ride_of(scenario, reaction, planned) for reaction in REACTIONS})
+        return Rides({reaction: disturbed_run_of(scenario, reaction, planned) for reaction in REACTIONS})
 
 
-def ride_of(scenario: Scenario, reaction: Reaction, planned: Trajectory) -> Ride:
+def disturbed_run_of(scenario: Scenario, reaction: Reaction, planned: Trajectory) -> DisturbedRun:
     """Return the ride of a reaction; without events the run that has its load and place; errors as `compute_rides`."""
     run = actual_run(scenario, reaction, planned)
-    return run.ride or Ride(planned, run.actual, scenario.travel_time_s, (), ())
+    return run.disturbed or DisturbedRun(planned, run.actual, scenario.travel_time_s, (), ())
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +95,7 @@ def compute_late_arrivals(wish: RidesWish) -> Iterator[LateArrivals]:
         relaxed = scenario.disturbance.model_copy(update={"accepted_delay_s": accepted})
         for reaction in REACTIONS:
             try:
-                ride = ride_of(scenario.model_copy(update={"disturbance": relaxed}), reaction, planned)
+                ride = disturbed_run_of(scenario.model_copy(update={"disturbance": relaxed}), reaction, planned)
             except RailjouleError:
                 continue
             delays[reaction][k], energies[reaction][k] = ride.delay_s, ride.actual.energy_kwh

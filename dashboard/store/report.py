@@ -10,7 +10,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.simulate.actual_run import actual_run
-from railjoule.core.simulate.disturbances import Ride
+from railjoule.core.simulate.disturbances import DisturbedRun
 from railjoule.core.simulate.field_oriented import FieldOrientedRun, simulate_field_oriented
 from railjoule.core.simulate.following import Following, simulate_following
 from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
@@ -23,7 +23,7 @@ from railjoule.dashboard.store.trade_off import EnocMap, compute_enoc_map
 OPTIMA_COUNT = 40
 MOST_CELLS = 500
 """Optima over more cells are meshed anew with longer ones: all of them lie in the report's file."""
-Reality = Ride | Following | FieldOrientedRun
+Reality = DisturbedRun | Following | FieldOrientedRun
 RUNS_SHARE, OPTIMA_SHARE, REALITY_SHARE = 0.2, 0.7, 0.75
 """How much of the work is done after each step, about."""
 
@@ -48,7 +48,7 @@ class Findings:
         Of all strategies that take the scenario.
     optima : tuple of Trajectory
         Optima over rising travel times, that of the timetable among them; empty where there is none.
-    reality : Ride or Following or FieldOrientedRun or None
+    reality : DisturbedRun or Following or FieldOrientedRun or None
         What becomes of the plan under the scenario's disturbance, if it has one, or in closed loop, if it asks so.
     reality_refusal : str
         Why it could not be computed; empty where it could or was not asked for.
@@ -143,5 +143,5 @@ def _reality(scenario: Scenario) -> Reality | None:
         if in_closed_loop:
             return simulate_field_oriented(scenario)
         if scenario.disturbance.events:
-            return actual_run(scenario).ride
+            return actual_run(scenario).disturbed
         return simulate_following(scenario)

@@ -9,7 +9,7 @@ from panel.viewable import Viewable
 
 from railjoule.core import Trajectory
 from railjoule.core.scenario.disturbance import Reaction
-from railjoule.core.simulate.disturbances import Ride
+from railjoule.core.simulate.disturbances import DisturbedRun
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.store import Rides
 from railjoule.dashboard.views import parts
@@ -187,7 +187,7 @@ class DisturbancesView(PageView):
         ]
 
     @staticmethod
-    def _arrival(label: str, ride: Ride) -> str:
+    def _arrival(label: str, ride: DisturbedRun) -> str:
         late = ride.delay_s
         return parts.figure(
             label,

@@ -1,4 +1,4 @@
-"""The plan and what was driven: speed, effort, the last metres before the stop, the place believed."""
+"""The plan and what was driven: speed, effort, the last metres before the stop, the estimated position."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -128,7 +128,7 @@ class BrakingChart(Chart):
 
     def draw(self, following: Following) -> None:
         """Draw both runs near the last stop."""
-        scenario, way = following.actual.scenario, following.ways[-1]
+        scenario, way = following.actual.scenario, following.courses[-1]
         stop = following.planned.position_m[-1]
         options = scenario.simulation
         zone = max([options.reset_sensor_m or 0.0, *(stop - stretch.from_m for stretch in way[1:])])
@@ -170,11 +170,11 @@ class PlaceErrorChart(Chart):
         """Draw the error of the place; at a sensor it jumps."""
         run, places, errors, marks = following.actual, [], [], []
         ends = np.add(stops_of(run.scenario), following.stop_errors_m)
-        for way, end in zip(following.ways, ends, strict=True):
+        for way, end in zip(following.courses, ends, strict=True):
             borders = [stretch.from_m for stretch in way[1:]]
             for stretch, until in zip(way, [*borders, float(end)], strict=True):
                 places += [stretch.from_m, until]
-                errors += [stretch.believed_m - stretch.from_m, stretch.believed(until) - until]
+                errors += [stretch.estimated_m - stretch.from_m, stretch.estimated(until) - until]
             marks += [(stretch.from_m, stretch.sensor) for stretch in way[1:]]
         time = np.interp(places, run.position_m, run.time_s)
         self.source.data = xy(time, np.array(errors))

@@ -322,7 +322,7 @@ class RippleChart(Chart):
 
 
 class DetuningChart(Chart):
-    """What a rotor resistance costs that is not the one that the controller believes."""
+    """What a rotor resistance costs that is not the one that the controller assumes."""
 
     def __init__(self, height: int, palette: Palette) -> None:
         words = "Extra energy, %, over assumed / true rotor resistance"
@@ -352,7 +352,7 @@ class DetuningChart(Chart):
         self.content = captioned(self.words, f)
 
     def draw(self, table: DetuningTable) -> None:
-        """Draw what is known so far, against the controller that believes the true resistance."""
+        """Draw what is known so far, against the controller that assumes the true resistance."""
         factors, more = detuning_cost(table)
         self.curve.data = xy(factors, more)
         ends = table.rotor_resistance_factors

@@ -30,7 +30,6 @@ LOSS_WORDS = {
     "drive": "Powertrain losses",
     "copper": "Copper loss",
     "magnetising": "Magnetising loss",
-    "magnetic_field": "Left in the magnetic field",
     "brake_resistors": "Brake resistors",
     "friction_brakes": "Friction brakes",
 }
@@ -248,7 +247,11 @@ def _leg(run: Trajectory, ends_m: tuple[float, float], items: Sequence[str]) -> 
 def account(run: Trajectory) -> str:
     """Return where the energy goes, as bars that follow one another."""
     energy = run.energy
-    gains = [("From height lost", -energy.potential_j), ("From speed lost", -energy.kinetic_j)]
+    gains = [
+        ("From height lost", -energy.potential_j),
+        ("From speed lost", -energy.kinetic_j),
+        ("From the magnetic field", -energy.magnetic_field_j),
+    ]
     uses = [
         ("Auxiliaries", energy.auxiliary_j),
         ("Running resistance", energy.running_resistance_j),
@@ -256,6 +259,7 @@ def account(run: Trajectory) -> str:
         *((LOSS_WORDS.get(kind, kind), joules) for kind, joules in energy.losses_j.items()),
         ("Height gained", energy.potential_j),
         ("Speed gained", energy.kinetic_j),
+        ("Stored in the magnetic field", energy.magnetic_field_j),
     ]
     small = 1e-4 * max(energy.traction_j, 1.0)
     gains = [(word, joules) for word, joules in gains if joules > small]

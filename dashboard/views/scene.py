@@ -81,7 +81,7 @@ class Scene:
     @property
     def stops(self) -> list[tuple[float, float]]:
         """Where the actual run makes unplanned stops on the axis, and how long it stands there [s]."""
-        if self.actual is None or self.actual.ride is None:
+        if self.actual is None or self.actual.disturbed is None:
             return []
         run = self.actual.actual
         events = self.actual.scenario.disturbance.stops

@@ -1,4 +1,4 @@
-"""The flux that the motor control asks for along a reference: it takes a second to build up, so it looks ahead."""
+"""The flux requested of the motor control along a reference: it takes a second to build up, so it looks ahead."""
 
 from dataclasses import dataclass
 
@@ -12,14 +12,18 @@ from railjoule.core.motion import Course
 from railjoule.core.physics.resistance import running_resistance
 from railjoule.core.simulate.field_oriented.reference import Reference
 
+# Fraction of the voltage that steady state leaves to the control: Ls di/dt of a changing torque needs some. More
+# weakens the flux sooner, with more current for the same torque; without any, the control is at its limit all along.
 VOLTAGE_RESERVE = 0.02
-"""Share of the voltage that is kept for the control."""
-LEAST_FLUX_SHARE = 0.2
-"""Of the rated flux, so that the machine is ready."""
+# Least flux over the rated one. With less, a coasting train would lose still less, and wait longer for its torque.
+LOWEST_FLUX_FRACTION = 0.2
+# Samples of the reference from one flux to the next, 20 ms: the flux changes over tenths of a second.
 COARSE = 10
-"""Samples of the reference from one flux to the next."""
+# Time over which a change of the flux is spread; assumed. A change by D then has a rate of at most D over half of it,
+# and takes D / (Rr 0.6 s) of current: beside the D / Lm that keeps the flux it counts as the rotor's time constant over
+# 0.6 s, 0.9 for Ftorek's machine and 0.4 for the tram's. A shorter window takes more current, which torque then lacks;
+# a longer one keeps a higher or weaker flux than needed, and its loss, for longer.
 WINDOW_S = 1.2
-"""Over how long a change of the flux is spread."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,13 +34,13 @@ class FluxPlan:
     ----------
     flux_vs, rate_v : array
         Flux and its derivative [V s, V].
-    weakest_share : float
-        Least flux that the voltage allows over the rated one; 1 where it carries the rated flux all the way.
+    lowest_fraction : float
+        Least flux that the voltage allows over the rated one; 1 where it allows the rated flux all along.
     """
 
     flux_vs: FloatArray
     rate_v: FloatArray
-    weakest_share: float
+    lowest_fraction: float
 
 
 def plan_flux(reference: Reference, course: Course, machines: TractionMachines, least_loss: bool) -> FluxPlan:
@@ -51,7 +55,7 @@ def plan_flux(reference: Reference, course: Course, machines: TractionMachines, 
     machines : TractionMachines
         The machines, with the voltage that they find.
     least_loss : bool
-        Whether the flux is that of least loss; else the rated one as long as the voltage carries it.
+        Whether the flux is that of least loss; else the rated one as long as the voltage allows it.
     """
     speed, rated = reference.speed_ms[::COARSE], machines.machine.magnetising_current_a
     torque = _torque_nm(reference, course, machines)
@@ -61,19 +65,21 @@ def plan_flux(reference: Reference, course: Course, machines: TractionMachines, 
     found = np.empty_like(speed)
     fill_flux_currents(machine, False, torque, rotor_rads, found)
     half = max(round(0.5 * WINDOW_S / (COARSE * reference.step_s)), 1)
+    # Each of the averaged values is the least of a window that reaches the instant itself, so their average exceeds
+    # nowhere what the voltage allows: the flux goes down ahead. With the largest it goes up ahead of the torque.
     within = _spread(minimum_filter1d(found, 2 * half + 1, mode="nearest"), half)
     current = within
     if least_loss:
         fill_flux_currents(machine, True, torque, rotor_rads, found)
-        wanted = np.maximum(found, LEAST_FLUX_SHARE * rated)
-        current = np.minimum(_spread(maximum_filter1d(wanted, 2 * half + 1, mode="nearest"), half), within)
+        requested = np.maximum(found, LOWEST_FLUX_FRACTION * rated)
+        current = np.minimum(_spread(maximum_filter1d(requested, 2 * half + 1, mode="nearest"), half), within)
     flux = machines.circuit.magnetising_inductance_h * current
     time, coarse = reference.time_s, reference.time_s[::COARSE]
     rate = np.gradient(flux, coarse)
     return FluxPlan(
         flux_vs=frozen_array(np.interp(time, coarse, flux)),
         rate_v=frozen_array(np.interp(time, coarse, rate)),
-        weakest_share=float(within.min() / rated),
+        lowest_fraction=float(within.min() / rated),
     )
 
 
@@ -81,21 +87,26 @@ def _torque_nm(reference: Reference, course: Course, machines: TractionMachines)
     """Return the electromagnetic torque of each machine along a reference [N m]."""
     data = course.data
     speed = np.maximum(reference.speed_ms[::COARSE], 0.0)
-    places = reference.position_m[::COARSE]
-    cell = np.clip(np.searchsorted(course.position_m, places, side="right") - 1, 0, course.cell_count - 1)
+    positions = reference.position_m[::COARSE]
+    cell = np.clip(np.searchsorted(course.position_m, positions, side="right") - 1, 0, course.cell_count - 1)
     running = running_resistance(
         data.resistance_constant_n, data.resistance_linear, data.resistance_quadratic[cell], speed, speed * speed
     )
-    moving = np.where(speed > 0, running + course.curve_force_n[cell], 0.0)
+    # at a stand friction holds, it does not push back
+    against = np.where(speed > 0, running + course.curve_force_n[cell], 0.0)
     inertia = 2 * data.half_inertia_kg * reference.acceleration_ms2[::COARSE]
-    force = inertia + moving + course.gradient_force_n[cell]
+    force = inertia + against + course.gradient_force_n[cell]
     gear = np.where(force > 0, 1 / machines.gear_efficiency, machines.gear_efficiency)
     shaft: FloatArray = force * gear / (machines.motors * machines.turns_per_metre)
     return shaft + machines.machine.mechanical_loss_torque_nm
 
 
 def _spread(values: FloatArray, half: int) -> FloatArray:
-    """Return a twofold moving average, which changes no value by more than the extremes near by."""
+    """Return a twofold moving average, which stays within the extremes of its window.
+
+    Twice, so that the rate of the flux, and with it the current that makes it, has no jumps.
+    """
+    # the filters need odd lengths to be centred
     once = uniform_filter1d(values, half | 1, mode="nearest")
     spread: FloatArray = uniform_filter1d(once, half | 1, mode="nearest")
     return spread

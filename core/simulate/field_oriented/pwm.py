@@ -1,7 +1,7 @@
-"""A moment of a run with an inverter that switches: two levels, space vectors, sampled once a period of the carrier.
+"""A short window of a run with an inverter that switches: two levels, space vectors, sampled once a carrier period.
 
-The machine is that of the inverse-gamma circuit in the frame of the stator. Speed, flux and the wanted voltage are
-those of the run at that moment; the voltage turns with the flux. Both halves of the zero vector are alike, which is
+The machine is that of the inverse-gamma circuit in the frame of the stator. Speed, flux and the requested voltage
+are those of the run at its start; the voltage turns with the flux. Both halves of the zero vector are alike, which is
 what a triangular carrier makes of three duties with their extremes centred.
 
 Source: Holmes, Lipo 2003, "Pulse width modulation for power converters", chapter 6.
@@ -9,6 +9,7 @@ Source: Holmes, Lipo 2003, "Pulse width modulation for power converters", chapte
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,13 +18,16 @@ from railjoule.core.compiled import njit
 from railjoule.core.errors import ScenarioError
 from railjoule.core.simulate.field_oriented.run import FieldOrientedRun
 
+# Assumed: what traction inverters of this size reach. The ripple of the current is proportional to its period, as the
+# leakage inductance integrates the difference of the voltages: at 500 Hz it would be twice as large.
 CARRIER_HZ = 1000.0
-"""Assumed: what traction inverters of this size reach."""
-SAMPLES_A_PERIOD = 100
+# Samples of the current in a period: pulses are counted in parts of a sample, so they set the resolution alone.
+SAMPLES_PER_PERIOD = 100
+# The state of the run is taken to be constant over the window; over a second its speed changes by some km/h already.
 LONGEST_WINDOW_S = 1.0
+# So many periods of the carrier before the window, in which the direct current of switching on dies away: 0.3 s are
+# eight time constants Ls / (Rs + Rr) of Ftorek's machine, 37 ms, and more of the tram's.
 LEAD_IN_PERIODS = 300
-"""So many periods of the carrier before the window, the direct current of switching on dies away."""
-THIRD = 2.0 * math.pi / 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,33 +80,44 @@ def current_ripple(run: FieldOrientedRun, at_s: float, window_s: float = 0.01) -
     )
     psi = flux * circuit.magnetising_inductance_h / machine.mutual_inductance_h
     rotor_rads = machine.pole_pairs * machines.turns_per_metre * speed
-    steps = max(round(window_s * CARRIER_HZ * SAMPLES_A_PERIOD), 2)
-    found = np.empty((3, steps))
+    samples = max(round(window_s * CARRIER_HZ * SAMPLES_PER_PERIOD), 2)
+    step_s = 1.0 / (CARRIER_HZ * SAMPLES_PER_PERIOD)
+    filled = np.empty((3, samples))
     _fill_ripple(
-        np.array(
-            [
-                circuit.stator_resistance_ohm,
-                circuit.rotor_resistance_ohm,
-                circuit.magnetising_inductance_h,
-                circuit.leakage_inductance_h,
-            ]
+        _Circuit(
+            stator_resistance_ohm=circuit.stator_resistance_ohm,
+            rotor_resistance_ohm=circuit.rotor_resistance_ohm,
+            magnetising_inductance_h=circuit.magnetising_inductance_h,
+            leakage_inductance_h=circuit.leakage_inductance_h,
+            rotor_rads=rotor_rads,
         ),
+        # space vectors reach a phase amplitude of the link voltage over the root of three
         math.sqrt(3.0) * machine.max_phase_voltage_v,
-        rotor_rads,
-        i_d,
-        i_q,
+        complex(i_d, i_q),
         psi,
-        1.0 / (CARRIER_HZ * SAMPLES_A_PERIOD),
-        found,
+        step_s,
+        filled,
     )
-    time = at_s + np.arange(steps) / (CARRIER_HZ * SAMPLES_A_PERIOD)
-    return Ripple(frozen_array(time), frozen_array(found[0]), frozen_array(found[1]), frozen_array(found[2]))
+    time = at_s + np.arange(samples) / (CARRIER_HZ * SAMPLES_PER_PERIOD)
+    return Ripple(frozen_array(time), *(frozen_array(row) for row in filled))
+
+
+class _Circuit(NamedTuple):
+    """The inverse-gamma circuit of a machine whose rotor turns at a constant speed."""
+
+    stator_resistance_ohm: float
+    rotor_resistance_ohm: float
+    magnetising_inductance_h: float
+    leakage_inductance_h: float
+    rotor_rads: float
 
 
 @njit(cache=True)
 def _leg_duties(link_v: float, alpha_v: float, beta_v: float) -> tuple[float, float, float]:
-    """Return how much of a period each leg lies at the upper rail, the extremes centred."""
+    """Return the duty of each leg, the fraction of a period at the upper rail, with the extremes centred."""
     root = 0.5 * math.sqrt(3.0)
+    # A shift of all legs alike does not reach the star point. Centred, the largest difference between two legs is all
+    # that has to fit in the link: 15 % more voltage than sine waves around its middle.
     a, b, c = alpha_v, -0.5 * alpha_v + root * beta_v, -0.5 * alpha_v - root * beta_v
     shift = -0.5 * (max(a, b, c) + min(a, b, c))
     return (
@@ -113,82 +128,106 @@ def _leg_duties(link_v: float, alpha_v: float, beta_v: float) -> tuple[float, fl
 
 
 @njit(cache=True)
+def _turned(amount: complex, angle: float) -> complex:
+    """Return a space vector turned by an angle [rad]."""
+    return amount * complex(math.cos(angle), math.sin(angle))
+
+
+@njit(cache=True)
+def _steady_voltage(circuit: _Circuit, current: complex, flux_vs: float, frame_rads: float) -> complex:
+    """Return the voltage [V] that keeps a current [A] and a rotor flux in a frame that turns with it.
+
+    The voltage across the rotor's resistance is missing: in this frame the flux is constant, so none is across it.
+    """
+    r_s, l_s = circuit.stator_resistance_ohm, circuit.leakage_inductance_h
+    return complex(
+        r_s * current.real - frame_rads * l_s * current.imag,
+        r_s * current.imag + frame_rads * (l_s * current.real + flux_vs),
+    )
+
+
+@njit(cache=True)
+def _midpoint_step(
+    circuit: _Circuit, current: complex, flux: complex, voltage: complex, step_s: float
+) -> tuple[complex, complex]:
+    """Return current and rotor flux after a step under a constant voltage, by the midpoint rule.
+
+    In the frame of the stator a rotor flux that turns induces (a - j w) psi in its circuit. Second order suffices: a
+    step is a hundredth of the carrier's period, and at most some thousandths of the circuit's time constants.
+    """
+    r_s, r_r, l_s = circuit.stator_resistance_ohm, circuit.rotor_resistance_ohm, circuit.leakage_inductance_h
+    resistance = complex(-(r_s + r_r), 0.0)
+    coupling = complex(r_r / circuit.magnetising_inductance_h, -circuit.rotor_rads)
+    turning = complex(-r_r / circuit.magnetising_inductance_h, circuit.rotor_rads)
+    half_current = current + 0.5 * step_s * (voltage + resistance * current + coupling * flux) / l_s
+    half_flux = flux + 0.5 * step_s * (r_r * current + turning * flux)
+    return (
+        current + step_s * (voltage + resistance * half_current + coupling * half_flux) / l_s,
+        flux + step_s * (r_r * half_current + turning * half_flux),
+    )
+
+
+@njit(cache=True)
+def _switched_voltage(link_v: float, duties: tuple[float, float, float], sample: int) -> complex:
+    """Return the voltage of the machine over one sample of a period [V], against its star point."""
+    # a leg is up where the triangle lies below its duty; within a sample the part of it counts
+    a = _part_up(duties[0], sample)
+    b = _part_up(duties[1], sample)
+    c = _part_up(duties[2], sample)
+    return complex(link_v * (2.0 * a - b - c) / 3.0, link_v * (b - c) / math.sqrt(3.0))
+
+
+@njit(cache=True)
 def _fill_ripple(
-    circuit: FloatArray,
-    link_v: float,
-    rotor_rads: float,
-    flux_current_a: float,
-    torque_current_a: float,
-    flux_vs: float,
-    step_s: float,
-    found: FloatArray,
+    circuit: _Circuit, link_v: float, current: complex, flux_vs: float, step_s: float, filled: FloatArray
 ) -> None:
     """Fill current and voltage of phase a with switching, and its average current; shape (3, n).
 
     Parameters
     ----------
-    circuit : array of shape (4,)
-        Resistances of stator and rotor [ohm], magnetising and leakage inductance [H] of the inverse-gamma circuit.
+    circuit : _Circuit
+        The machine.
     link_v : float
         Voltage of the direct-current link [V].
-    rotor_rads : float
-        Electrical angular frequency of the rotor [rad/s].
-    flux_current_a, torque_current_a, flux_vs : float
-        Currents and rotor flux at the start [A, V s].
+    current : complex
+        Currents along and across the rotor flux at the start [A].
+    flux_vs : float
+        Rotor flux at the start [V s].
     step_s : float
         From one sample to the next [s].
-    found : array of shape (3, n)
+    filled : array of shape (3, n)
         Filled.
     """
-    r_s, r_r, l_m, l_s = circuit
-    slip = r_r * torque_current_a / flux_vs if flux_vs > 0.0 else 0.0
-    frame = rotor_rads + slip
-    u_d = r_s * flux_current_a - frame * l_s * torque_current_a
-    u_q = r_s * torque_current_a + frame * (l_s * flux_current_a + flux_vs)
-    lead = LEAD_IN_PERIODS * SAMPLES_A_PERIOD
+    slip = circuit.rotor_resistance_ohm * current.imag / flux_vs if flux_vs > 0.0 else 0.0
+    frame = circuit.rotor_rads + slip
+    steady = _steady_voltage(circuit, current, flux_vs, frame)
+    lead = LEAD_IN_PERIODS * SAMPLES_PER_PERIOD
+    # turned back by the lead-in, so that the flux lies along phase a where the window begins
     back = complex(math.cos(frame * lead * step_s), -math.sin(frame * lead * step_s))
-    switched_i, switched_psi = complex(flux_current_a, torque_current_a) * back, flux_vs * back
-    average_i, average_psi = switched_i, switched_psi
-    duty_a = duty_b = duty_c = 0.5
-    reach = 0.5 * SAMPLES_A_PERIOD
-    # a voltage that stands still for a period is worth less than one that turns with the flux
-    half_turn = frame * reach * step_s
+    switched_current, switched_flux = current * back, flux_vs * back
+    average_current, average_flux = switched_current, switched_flux
+    duties = (0.5, 0.5, 0.5)
+    half_period = 0.5 * SAMPLES_PER_PERIOD
+    # A voltage that stands still for a period while the flux turns by 2 b is worth sin(b) / b of one that turns along:
+    # the mean of cos over -b to b.
+    half_turn = frame * half_period * step_s
     raised = half_turn / math.sin(half_turn) if abs(half_turn) > 1e-6 else 1.0
-    decay = complex(-(r_s + r_r), 0.0)
-    pull = complex(r_r / l_m, -rotor_rads)
-    turn = complex(-r_r / l_m, rotor_rads)
-    for i in range(-lead, found.shape[1]):
-        inside = i % SAMPLES_A_PERIOD
-        if inside == 0:
-            # the voltage wanted in the middle of the period, at its two levels on average over it
-            angle = frame * (i + reach) * step_s
-            wanted = raised * complex(u_d, u_q) * complex(math.cos(angle), math.sin(angle))
-            duty_a, duty_b, duty_c = _leg_duties(link_v, wanted.real, wanted.imag)
-        # a leg is up where the triangle lies below its duty; within a sample the share of it counts
-        a = _share_up(duty_a, inside)
-        b = _share_up(duty_b, inside)
-        c = _share_up(duty_c, inside)
-        voltage = complex(link_v * (2.0 * a - b - c) / 3.0, link_v * (b - c) / math.sqrt(3.0))
-        angle = frame * (i + 0.5) * step_s
-        smooth = complex(u_d, u_q) * complex(math.cos(angle), math.sin(angle))
+    for i in range(-lead, filled.shape[1]):
+        sample = i % SAMPLES_PER_PERIOD
+        if sample == 0:
+            # the voltage requested in the middle of the period, at its two levels on average over it
+            requested = _turned(raised * steady, frame * (i + half_period) * step_s)
+            duties = _leg_duties(link_v, requested.real, requested.imag)
+        voltage = _switched_voltage(link_v, duties, sample)
+        smooth = _turned(steady, frame * (i + 0.5) * step_s)
         if i >= 0:
-            found[0, i], found[1, i], found[2, i] = switched_i.real, voltage.real, average_i.real
-        for part in range(2):
-            current = switched_i if part == 0 else average_i
-            psi = switched_psi if part == 0 else average_psi
-            u = voltage if part == 0 else smooth
-            half_i = current + 0.5 * step_s * (u + decay * current + pull * psi) / l_s
-            half_psi = psi + 0.5 * step_s * (r_r * current + turn * psi)
-            current = current + step_s * (u + decay * half_i + pull * half_psi) / l_s
-            psi = psi + step_s * (r_r * half_i + turn * half_psi)
-            if part == 0:
-                switched_i, switched_psi = current, psi
-            else:
-                average_i, average_psi = current, psi
+            filled[0, i], filled[1, i], filled[2, i] = switched_current.real, voltage.real, average_current.real
+        switched_current, switched_flux = _midpoint_step(circuit, switched_current, switched_flux, voltage, step_s)
+        average_current, average_flux = _midpoint_step(circuit, average_current, average_flux, smooth, step_s)
 
 
 @njit(cache=True)
-def _share_up(duty: float, inside: int) -> float:
-    """Return how much of a sample a leg lies at the upper rail, its pulse in the middle of the period."""
-    first, last = 0.5 * SAMPLES_A_PERIOD * (1.0 - duty), 0.5 * SAMPLES_A_PERIOD * (1.0 + duty)
-    return min(max(min(last, inside + 1.0) - max(first, float(inside)), 0.0), 1.0)
+def _part_up(duty: float, sample: int) -> float:
+    """Return for which part of a sample a leg lies at the upper rail, its pulse in the middle of the period."""
+    first, last = 0.5 * SAMPLES_PER_PERIOD * (1.0 - duty), 0.5 * SAMPLES_PER_PERIOD * (1.0 + duty)
+    return min(max(min(last, sample + 1.0) - max(first, float(sample)), 0.0), 1.0)

@@ -1,4 +1,4 @@
-"""What a closed loop follows: place, speed, acceleration and jerk of any planned run, its corners rounded.
+"""What a closed loop follows: position, speed, acceleration and jerk of any planned run, its corners rounded.
 
 Within a cell of a plan the acceleration is constant, so its speed is a polygon over time. Two moving averages, each
 over half of a window that lies evenly around its instant, make acceleration continuous and jerk finite. They are
@@ -13,10 +13,12 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.trajectory import Trajectory
 
+# Time between two samples; within it the kernel goes on with the jerk. Much shorter than any window over which corners
+# are rounded (0.02 s at least), so that the jerk is resolved; shorter still only takes more memory.
 STEP_S = 0.002
-"""Between two samples; within it the kernel goes on with the jerk."""
+# So many seconds are rounded on a clock of their own. Second differences of double integrals lose digits with the
+# square of the clock's reading over the window: 10 s over 0.01 s leave ten of sixteen digits, an hour would leave five.
 BLOCK_S = 10.0
-"""So many seconds are rounded on a clock of their own."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +30,7 @@ class Reference:
     start_s, step_s : float
         Time of the first sample on the plan's clock, and between two [s].
     position_m, speed_ms, acceleration_ms2, jerk_ms3 : array
-        Place and its derivatives [m, m/s, m/s2, m/s3].
+        Position and its derivatives [m, m/s, m/s2, m/s3].
     """
 
     start_s: float
@@ -62,11 +64,11 @@ def make_reference(planned: Trajectory, window_s: float, step_s: float = STEP_S)
     time = planned.time_s[0] - half + step_s * np.arange(int(np.ceil(duration / step_s)) + 1)
     count = max(int(BLOCK_S / step_s), 1)
     parts = [_rounded(plan, time[first : first + count], half) for first in range(0, len(time), count)]
-    place, speed, acceleration, jerk = np.concatenate(parts, axis=1)
+    position, speed, acceleration, jerk = np.concatenate(parts, axis=1)
     return Reference(
         start_s=float(time[0]),
         step_s=step_s,
-        position_m=frozen_array(place),
+        position_m=frozen_array(position),
         speed_ms=frozen_array(speed),
         acceleration_ms2=frozen_array(acceleration),
         jerk_ms3=frozen_array(jerk),
@@ -93,45 +95,51 @@ class PlannedMotion:
         corner = np.append(True, np.diff(planned.time_s) > 0)
         return cls(planned.time_s[corner], planned.speed_ms[corner], planned.position_m[corner])
 
-    def near(self, from_s: float, to_s: float) -> "PlannedMotion":
-        """Return the part that covers an interval of time, with clock and place counted from its first corner."""
+    def between(self, from_s: float, to_s: float) -> "PlannedMotion":
+        """Return the part that covers an interval of time, with clock and position counted from its first corner."""
         first = max(int(np.searchsorted(self.time_s, from_s, side="right")) - 1, 0)
         last = int(np.searchsorted(self.time_s, to_s)) + 1
-        time, place = self.time_s[first:last], self.position_m[first:last]
-        return PlannedMotion(time - time[0], self.speed_ms[first:last], place - place[0])
+        time, position = self.time_s[first:last], self.position_m[first:last]
+        return PlannedMotion(time - time[0], self.speed_ms[first:last], position - position[0])
 
     def integrals_at(self, time_s: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-        """Return double and single integral of place [m s2, m s], place [m] and speed [m/s]; shapes as the times'."""
+        """Return double and single integral of position [m s2, m s], position [m] and speed [m/s]; as many as times."""
         step = np.diff(self.time_s)
-        speed, place = self.speed_ms, self.position_m
-        rise = np.append(np.diff(speed) / step, 0.0)
-        once = np.append(0.0, np.cumsum((place[:-1] + (speed[:-1] / 2 + rise[:-1] * step / 6) * step) * step))
-        twice_step = once[:-1] + (place[:-1] / 2 + (speed[:-1] / 6 + rise[:-1] * step / 24) * step) * step
+        speed, position = self.speed_ms, self.position_m
+        # constant acceleration in each cell, so all four are its polynomials; beyond the last corner the train stands
+        acceleration = np.append(np.diff(speed) / step, 0.0)
+        once = np.append(
+            0.0, np.cumsum((position[:-1] + (speed[:-1] / 2 + acceleration[:-1] * step / 6) * step) * step)
+        )
+        twice_step = once[:-1] + (position[:-1] / 2 + (speed[:-1] / 6 + acceleration[:-1] * step / 24) * step) * step
         twice = np.append(0.0, np.cumsum(twice_step * step))
         cell = np.clip(np.searchsorted(self.time_s, time_s, side="right") - 1, 0, len(self.time_s) - 1)
         since, before = time_s - self.time_s[cell], time_s < self.time_s[0]
-        v, a = np.where(before, 0.0, speed[cell]), np.where(before, 0.0, rise[cell])
+        v, a = np.where(before, 0.0, speed[cell]), np.where(before, 0.0, acceleration[cell])
         return (
-            twice[cell] + (once[cell] + (place[cell] / 2 + (v / 6 + a * since / 24) * since) * since) * since,
-            once[cell] + (place[cell] + (v / 2 + a * since / 6) * since) * since,
-            place[cell] + (v + a * since / 2) * since,
+            twice[cell] + (once[cell] + (position[cell] / 2 + (v / 6 + a * since / 24) * since) * since) * since,
+            once[cell] + (position[cell] + (v / 2 + a * since / 6) * since) * since,
+            position[cell] + (v + a * since / 2) * since,
             v + a * since,
         )
 
     def position_at(self, time_s: FloatArray) -> FloatArray:
-        """Return the planned place [m]; shape as the times'."""
+        """Return the planned position [m]; shape as the times'."""
         return self.integrals_at(time_s)[2]
 
 
 def _rounded(plan: PlannedMotion, time_s: FloatArray, half_s: float) -> FloatArray:
-    """Return place, speed, acceleration and jerk of the rounded plan; shape (4, n).
+    """Return position, speed, acceleration and jerk of the rounded plan; shape (4, n).
 
-    The clock begins anew near by: integrals over hours would leave nothing of a difference over tenths of a second.
+    The clock starts at zero shortly before: integrals over hours would leave nothing of a difference over tenths of a
+    second.
     """
     first = max(int(np.searchsorted(plan.time_s, time_s[0] - half_s, side="right")) - 1, 0)
-    here = plan.near(time_s[0] - half_s, time_s[-1] + half_s)
+    here = plan.between(time_s[0] - half_s, time_s[-1] + half_s)
     local = time_s - plan.time_s[first]
     before, at, after = (here.integrals_at(local + shift) for shift in (-half_s, 0.0, half_s))
+    # Two moving averages over half of the window each are the second difference of the double integral over half_s^2.
+    # Of the four integrals it gives the rounded position and its first three derivatives, the speed's being the jerk.
     rounded = np.array([(after[k] - 2 * at[k] + before[k]) / half_s**2 for k in range(4)])
     rounded[0] += plan.position_m[first]
     return rounded

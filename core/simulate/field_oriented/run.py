@@ -1,4 +1,4 @@
-"""What a run in closed loop tells."""
+"""A run in closed loop: its samples, extremes, energies and notes."""
 
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
@@ -35,7 +35,7 @@ class FieldOrientedRun:
     """A plan and how the machines drove it; arrays of shape (n,), on the plan's clock.
 
     The clock begins half of `reference_window_s` before the plan. Currents, flux, voltage and torque are those of one
-    machine, currents along the flux that its control believes in; powers and energies those of all.
+    machine, currents along and across the flux that its control assumes; powers and energies those of all.
 
     Parameters
     ----------
@@ -46,9 +46,9 @@ class FieldOrientedRun:
     machines : TractionMachines
         As they really are.
     time_s, position_m, speed_ms : array
-        Time, true place and speed [s, m, m/s].
+        Time, true position and speed [s, m, m/s].
     reference_position_m, tracking_error_m : array
-        The planned place at that time, and how far the train is behind it [m].
+        The planned position at that time, and how far the train is behind it [m].
     flux_current_a, torque_current_a : array
         Currents i_d and i_q, amplitudes per phase [A].
     rotor_flux_vs : array
@@ -66,11 +66,12 @@ class FieldOrientedRun:
     energy_by_parts_j : array
         The same as the sum of its parts [J].
     magnetising_so_far_j : array
-        What of it the magnetising current has lost in the stator so far; the paper's account leaves that out [J].
+        Copper loss of the magnetising current in the stator so far; the paper's account leaves that out [J].
     parts_j : dict of str to float
-        Those parts at the end: shaft, stator_copper, rotor_copper, magnetising, iron, stored [J].
+        Those parts at the end: shaft, stator_copper, rotor_copper, magnetising, iron, and what is stored in the
+        magnetic fields, which is no loss [J].
     max_tracking_error_m, final_error_m : float
-        Largest distance from the planned place, and how far beyond its end the train stands [m].
+        Largest distance from the planned position, and how far beyond its end the train stands [m].
     max_current_a : float
         Largest current of a phase [A].
     max_torque_current_a, min_torque_current_a : float
@@ -78,7 +79,7 @@ class FieldOrientedRun:
     max_phase_voltage_v : float
         Largest amplitude of the voltage [V].
     delay_s : float
-        How much later than planned it passes the place a tenth of a metre before its end [s]; where it overruns its
+        How much later than planned it passes the point a tenth of a metre before its end [s]; where it overruns its
         end, how much later it stands.
     saturated : tuple of Saturation
         When limits held the machines back.
@@ -148,5 +149,5 @@ class FieldOrientedRun:
 
     @property
     def overconsumption(self) -> float:
-        """Share by which the energy lies above that of the plan; NaN where that is no measure."""
+        """Fraction by which the energy lies above that of the plan; NaN where that is no measure."""
         return share_above(self.actual.energy.net_j, self.planned.energy.net_j)

@@ -1,50 +1,45 @@
-"""Drive a plan in closed loop: reference, flux, plant, and what the run tells.
+"""Drive a plan in closed loop: reference, flux, plant, and what the run shows.
 
 Source: Ftorek et al. 2025, section 2 and Figure 1.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from railjoule.core.arrays import BoolArray, FloatArray, frozen_array
+from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.budget import current_budget, rounded_up
 from railjoule.core.drive.induction.traction import TractionMachines, traction_machines
-from railjoule.core.drive.line_power import line_power, resistor_power
-from railjoule.core.energy import Energy
 from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError
-from railjoule.core.line_current import line_current_a
 from railjoule.core.motion import Course, build_course
 from railjoule.core.scenario import Scenario
-from railjoule.core.simulate.as_it_is import as_it_is
-from railjoule.core.simulate.field_oriented import plant as p
+from railjoule.core.simulate.actual_vehicle import actual_vehicle
+from railjoule.core.simulate.field_oriented import states as column
+from railjoule.core.simulate.field_oriented.control import ReferenceSamples
+from railjoule.core.simulate.field_oriented.driven import driven_trajectory
 from railjoule.core.simulate.field_oriented.flux import FluxPlan, plan_flux
+from railjoule.core.simulate.field_oriented.integration import (
+    TOO_LONG,
+    UNSTABLE,
+    Outcome,
+    RunSettings,
+    run_plant,
+)
+from railjoule.core.simulate.field_oriented.notes import ARRIVAL_M, accounts_note, run_notes, saturations
+from railjoule.core.simulate.field_oriented.plant import Plant, Track
+from railjoule.core.simulate.field_oriented.record import Record
 from railjoule.core.simulate.field_oriented.reference import PlannedMotion, Reference, make_reference
-from railjoule.core.simulate.field_oriented.run import FieldOrientedRun, Saturation
+from railjoule.core.simulate.field_oriented.run import FieldOrientedRun
 from railjoule.core.strategies import solve
 from railjoule.core.trajectory import Trajectory
 
+# How many samples of a run are kept: a chart is about as many pixels wide, and energies come from all steps anyway.
 SAMPLES = 3000
-"""How many samples of a run in time are kept."""
-OVERTIME_S, OVERTIME_SHARE = 60.0, 1.0
-"""How much later than planned a train may arrive before it counts as stranded."""
-ARRIVAL_M = 0.1
-"""So far before its end a train's delay is measured."""
+# How much later than planned a train may arrive before it counts as stranded: a minute for short runs, and twice the
+# time. More only makes a refusal take longer.
+OVERTIME_S, OVERTIME_RATIO = 60.0, 1.0
+# Errors of the measured speed are drawn once and repeated: 2^18 of them last 262 s, longer than the loop remembers.
 NOISE_SAMPLES = 1 << 18
+# Currents that follow noise never come to rest between two steps, so with steps above this the two accounts differ.
 LARGEST_NOISY_STEP_S = 0.0005
-"""Currents that follow noise never come to rest between two steps."""
-GAP_S, SHORT_S = 1.0, 0.1
-"""Limits at work less than the first apart are one event; alone, less than the second they are none."""
-NOTICEABLE_LAG_M = 0.05
-ALLOWED_DIFFERENCE = 5e-4
-ACCOUNTS_APART = (
-    "The energy of the input power and the sum of its parts differ by {:.2f} %: simulation.time_step_s is too long for "
-    "the currents."
-)
-OVERSHOOT = 1.02
-"""A current beyond its limit by more than this factor is told."""
-SLOWEST_MS = 1e-3
-WEAKENED_SHARE = 1 - 1e-6
 
 
 def simulate_field_oriented(scenario: Scenario, plan: Trajectory | None = None) -> FieldOrientedRun:
@@ -73,24 +68,14 @@ def simulate_field_oriented(scenario: Scenario, plan: Trajectory | None = None) 
     _refuse_what_is_not_simulated(scenario)
     planned = plan if plan is not None else solve(scenario)
     _require_few_steps(scenario, planned.travel_time_s)
-    options, real = scenario.simulation, as_it_is(scenario)
+    options, real = scenario.simulation, actual_vehicle(scenario)
     machines, course = traction_machines(real.vehicle.drive), build_course(real)
     reference = make_reference(planned, options.reference_window_s)
+    # the flux is planned for the train that the control assumes, on the voltage that the machines find
     flux = plan_flux(reference, build_course(scenario), machines, options.flux == "least_loss")
     record = _run(scenario, machines, course, reference, flux, PlannedMotion.of(planned))
-    return _told(scenario, real, planned, machines, course, flux, record)
-
-
-@dataclass(frozen=True, eq=False)
-class _Record:
-    """What the kernel filled, on the plan's clock."""
-
-    time_s: FloatArray
-    states: FloatArray
-    extras: FloatArray
-    peaks: FloatArray
-    planned_m: FloatArray
-    delay_s: float
+    actual = driven_trajectory(real, planned.strategy, course, machines, record)
+    return _described(scenario, planned, actual, machines, course, flux, record)
 
 
 def _refuse_what_is_not_simulated(scenario: Scenario) -> None:
@@ -126,76 +111,111 @@ def _run(
     reference: Reference,
     flux: FluxPlan,
     plan: PlannedMotion,
-) -> _Record:
-    options, step = scenario.simulation, scenario.simulation.time_step_s
-    if options.speed_noise_rads > 0:
+) -> Record:
+    """Return the samples of a run, or raise where it has no end."""
+    step = scenario.simulation.time_step_s
+    if scenario.simulation.speed_noise_rads > 0:
         step = min(step, LARGEST_NOISY_STEP_S)
-    planned = plan.position_at(reference.time_s)
-    way = p.Way(
+    nominal_s = reference.step_s * (len(reference.position_m) - 1)
+    longest_s = nominal_s * (1 + OVERTIME_RATIO) + OVERTIME_S
+    end = float(plan.position_m[-1])
+    settings = RunSettings(
+        time_step_s=step,
+        end_m=end,
+        arrival_m=max(end - ARRIVAL_M, 0.5 * end),
+        steps_per_sample=max(int(np.ceil(nominal_s / step / SAMPLES)), 1),
+    )
+    # the memory is what ends a run that does not arrive: the loop stops where it is full
+    size = int(longest_s / step / settings.steps_per_sample) + 2
+    states, outputs = np.zeros((size, column.STATES)), np.zeros((size, column.OUTPUTS))
+    samples = _reference_samples(reference, flux, plan)
+    outcome = run_plant(
+        _plant(scenario, machines, course),
+        _track(course),
+        samples,
+        _noise_ms(scenario, machines),
+        _start(samples, course, machines),
+        settings,
+        states,
+        outputs,
+    )
+    kept = outcome.sample_count
+    _require_arrival(scenario, machines, outcome, settings, longest_s, float(states[kept - 1, column.POSITION]))
+    time: FloatArray = reference.start_s + step * settings.steps_per_sample * np.arange(kept, dtype=np.float64)
+    # the last sample is that of the stop, and lies between two others
+    time[-1] = max(reference.start_s + states[kept - 1, column.ELAPSED], time[-2] + step)
+    delay = _delay_s(reference, plan, samples.planned_m, settings, outcome, states[kept - 1], float(time[-1]))
+    return Record(time, states[:kept], outputs[:kept], outcome.extremes, plan.position_at(time), delay)
+
+
+def _require_arrival(
+    scenario: Scenario,
+    machines: TractionMachines,
+    outcome: Outcome,
+    settings: RunSettings,
+    longest_s: float,
+    position_m: float,
+) -> None:
+    """Raise where the loop was unstable, or the train did not come to its end."""
+    options = scenario.simulation
+    if outcome.ending == UNSTABLE:
+        raise SolverError(
+            f"the closed loop does not stay stable with simulation.bandwidth_rads = {options.bandwidth_rads:g}, "
+            f"rotor_resistance_factor = {options.rotor_resistance_factor:g} and "
+            f"time_step_s = {settings.time_step_s:g}."
+        )
+    if outcome.ending == TOO_LONG:
+        raise InfeasibleLineError(
+            f"after {longest_s:.0f} s the train stands or creeps at {position_m:.0f} m of {settings.end_m:.0f} m: "
+            f"with {machines.driving_current_a:g} A and {machines.machine.max_phase_voltage_v:g} V its machines "
+            "cannot move it on."
+        )
+
+
+def _delay_s(
+    reference: Reference,
+    plan: PlannedMotion,
+    planned_m: FloatArray,
+    settings: RunSettings,
+    outcome: Outcome,
+    final_state: FloatArray,
+    stop_s: float,
+) -> float:
+    """Return how much later than planned the train arrives [s]; where it overruns its end, how much later it stands."""
+    if final_state[column.POSITION] > settings.end_m + ARRIVAL_M:
+        return stop_s - float(plan.time_s[-1])
+    planned_s = float(np.interp(settings.arrival_m, planned_m, reference.time_s))
+    return reference.start_s + outcome.arrival_s - planned_s
+
+
+def _reference_samples(reference: Reference, flux: FluxPlan, plan: PlannedMotion) -> ReferenceSamples:
+    """Return the reference as the kernel reads it; the columns stand in the order of their names in `states`."""
+    columns = {
+        column.REFERENCE_POSITION: reference.position_m,
+        column.REFERENCE_SPEED: reference.speed_ms,
+        column.REFERENCE_ACCELERATION: reference.acceleration_ms2,
+        column.REFERENCE_JERK: reference.jerk_ms3,
+        column.REFERENCE_FLUX: flux.flux_vs,
+        column.REFERENCE_FLUX_RATE: flux.rate_v,
+    }
+    # samples in rows, as the kernel reads all six numbers of one instant
+    samples = np.ascontiguousarray(np.stack([columns[name] for name in sorted(columns)], axis=1))
+    return ReferenceSamples(samples, plan.position_at(reference.time_s), reference.step_s)
+
+
+def _track(course: Course) -> Track:
+    # copies, as the course's arrays are read-only, for which numba would compile another kernel
+    return Track(
         border_m=np.array(course.position_m),
         gradient_force_n=np.array(course.gradient_force_n),
         curve_force_n=np.array(course.curve_force_n),
         resistance_quadratic=np.array(course.data.resistance_quadratic),
-        reference=np.ascontiguousarray(
-            np.stack(
-                [
-                    reference.position_m,
-                    reference.speed_ms,
-                    reference.acceleration_ms2,
-                    reference.jerk_ms3,
-                    flux.flux_vs,
-                    flux.rate_v,
-                ],
-                axis=1,
-            )
-        ),
-        planned_m=planned,
-        step_s=reference.step_s,
     )
-    nominal_s = reference.step_s * (len(planned) - 1)
-    keep_every = max(int(np.ceil(nominal_s / step / SAMPLES)), 1)
-    longest_s = nominal_s * (1 + OVERTIME_SHARE) + OVERTIME_S
-    size = int(longest_s / step / keep_every) + 2
-    states, extras, peaks = np.zeros((size, p.STATES)), np.zeros((size, p.EXTRAS)), np.zeros(p.PEAKS)
-    end = float(plan.position_m[-1])
-    arrival = max(end - ARRIVAL_M, 0.5 * end)
-    outcome, kept = p.run_plant(
-        _plant(scenario, machines, course),
-        way,
-        _noise_ms(scenario, machines),
-        _start(way, machines),
-        step,
-        end,
-        arrival,
-        keep_every,
-        states,
-        extras,
-        peaks,
-    )
-    if outcome == p.UNSTABLE:
-        raise SolverError(
-            f"the closed loop does not stay stable with simulation.bandwidth_rads = {options.bandwidth_rads:g}, "
-            f"rotor_resistance_factor = {options.rotor_resistance_factor:g} and time_step_s = {step:g}."
-        )
-    if outcome == p.TOO_LONG:
-        raise InfeasibleLineError(
-            f"after {longest_s:.0f} s the train stands or creeps at {states[kept - 1, p.X]:.0f} m of {end:.0f} m: "
-            f"with {machines.driving_current_a:g} A and {machines.machine.max_phase_voltage_v:g} V its machines "
-            "cannot move it on."
-        )
-    time: FloatArray = reference.start_s + step * keep_every * np.arange(kept, dtype=np.float64)
-    # the last sample is that of the stop, and lies between two others
-    time[-1] = max(reference.start_s + states[kept - 1, p.ELAPSED], time[-2] + step)
-    if states[kept - 1, p.X] > end + ARRIVAL_M:
-        delay = float(time[-1] - plan.time_s[-1])
-    else:
-        delay = reference.start_s + float(peaks[p.ARRIVAL]) - float(np.interp(arrival, planned, reference.time_s))
-    return _Record(time, states[:kept], extras[:kept], peaks, plan.position_at(time), delay)
 
 
-def _plant(scenario: Scenario, machines: TractionMachines, course: Course) -> p.Plant:
+def _plant(scenario: Scenario, machines: TractionMachines, course: Course) -> Plant:
     machine, circuit, options, data = machines.machine, machines.circuit, scenario.simulation, course.data
-    return p.Plant(
+    return Plant(
         stator_resistance_ohm=circuit.stator_resistance_ohm,
         rotor_resistance_ohm=circuit.rotor_resistance_ohm,
         magnetising_inductance_h=circuit.magnetising_inductance_h,
@@ -213,7 +233,7 @@ def _plant(scenario: Scenario, machines: TractionMachines, course: Course) -> p.
         max_phase_voltage_v=machine.max_phase_voltage_v,
         recuperation_factor=data.recuperation_factor,
         inertia_kg=2 * data.half_inertia_kg,
-        believed_inertia_kg=scenario.vehicle.total_inertia_kg,
+        assumed_inertia_kg=scenario.vehicle.total_inertia_kg,
         resistance_constant_n=data.resistance_constant_n,
         resistance_linear=data.resistance_linear,
         bandwidth_rads=options.bandwidth_rads,
@@ -230,214 +250,79 @@ def _noise_ms(scenario: Scenario, machines: TractionMachines) -> FloatArray:
     return drawn * options.speed_noise_rads / machines.turns_per_metre
 
 
-def _start(way: p.Way, machines: TractionMachines) -> FloatArray:
-    """Return a train that stands, with its machines magnetised and held against the gradient."""
-    state = np.zeros(p.STATES)
-    state[p.X] = way.reference[0, 0]
-    state[p.PSI_D] = state[p.BELIEVED_PSI] = way.reference[0, 4]
-    state[p.ID] = way.reference[0, 4] / machines.circuit.magnetising_inductance_h
-    state[p.SEEN_LOAD] = way.gradient_force_n[0]
+def _start(reference: ReferenceSamples, course: Course, machines: TractionMachines) -> FloatArray:
+    """Return a train that stands, with its machines magnetised and held against the gradient.
+
+    The observer already knows the gradient, as that of a train that has been held there does; else it would
+    roll back until the observer has found it.
+    """
+    state = np.zeros(column.STATES)
+    first = reference.samples[0]
+    state[column.POSITION] = first[column.REFERENCE_POSITION]
+    state[column.FLUX_D] = state[column.ASSUMED_FLUX] = first[column.REFERENCE_FLUX]
+    state[column.CURRENT_D] = first[column.REFERENCE_FLUX] / machines.circuit.magnetising_inductance_h
+    state[column.OBSERVED_LOAD] = course.gradient_force_n[0]
     return state
 
 
-def _told(
+def _described(
     scenario: Scenario,
-    real: Scenario,
     planned: Trajectory,
+    actual: Trajectory,
     machines: TractionMachines,
     course: Course,
     flux: FluxPlan,
-    record: _Record,
+    record: Record,
 ) -> FieldOrientedRun:
-    states, extras, peaks = record.states, record.extras, record.peaks
-    stored = _stored_j(machines, states)
-    losses = sum(states[:, k] for k in (p.STATOR, p.ROTOR, p.MAGNETISING, p.IRON))
-    by_parts = states[:, p.SHAFT] + losses + stored
-    error = record.planned_m - states[:, p.X]
-    saturated = _saturations(record, error)
-    moved = states[-1, p.DRAWN] + states[-1, p.RETURNED]
-    apart = abs(float(by_parts[-1] - states[-1, p.INPUT])) / max(float(moved), 1.0)
-    circuit, machine = machines.circuit, machines.machine
-    flux_ratio = circuit.magnetising_inductance_h / machine.mutual_inductance_h
-    actual = _trajectory(real, planned, course, machines, record, float(stored[-1]))
+    """Return all that a run shows."""
+    stored, extremes, saturated = record.field_energy_j(machines), record.extremes, saturations(record)
+    by_parts = record.state(column.SHAFT) + record.losses_j + stored
+    end_m = float(planned.position_m[-1])
+    # the flux of the T circuit, in which data sheets and papers state it
+    flux_ratio = machines.circuit.magnetising_inductance_h / machines.machine.mutual_inductance_h
     return FieldOrientedRun(
         scenario=scenario,
         planned=planned,
         actual=actual,
         machines=machines,
         time_s=frozen_array(record.time_s),
-        position_m=frozen_array(states[:, p.X]),
-        speed_ms=frozen_array(states[:, p.V]),
+        position_m=frozen_array(record.position_m),
+        speed_ms=frozen_array(record.state(column.SPEED)),
         reference_position_m=frozen_array(record.planned_m),
-        tracking_error_m=frozen_array(error),
-        flux_current_a=frozen_array(states[:, p.ID]),
-        torque_current_a=frozen_array(states[:, p.IQ]),
-        rotor_flux_vs=frozen_array(np.hypot(states[:, p.PSI_D], states[:, p.PSI_Q]) / flux_ratio),
-        phase_voltage_v=frozen_array(extras[:, p.VOLTAGE]),
-        voltage_limit_v=machine.max_phase_voltage_v,
-        torque_nm=frozen_array(extras[:, p.TORQUE]),
-        line_power_w=frozen_array(extras[:, p.LINE_POWER] + course.data.auxiliary_power_w),
-        energy_by_input_power_j=frozen_array(states[:, p.INPUT]),
+        tracking_error_m=frozen_array(record.tracking_error_m),
+        flux_current_a=frozen_array(record.state(column.CURRENT_D)),
+        torque_current_a=frozen_array(record.state(column.CURRENT_Q)),
+        rotor_flux_vs=frozen_array(record.rotor_flux_vs / flux_ratio),
+        phase_voltage_v=frozen_array(record.outputs[:, column.VOLTAGE]),
+        voltage_limit_v=machines.machine.max_phase_voltage_v,
+        torque_nm=frozen_array(record.outputs[:, column.TORQUE]),
+        line_power_w=frozen_array(record.outputs[:, column.LINE_POWER] + course.data.auxiliary_power_w),
+        energy_by_input_power_j=frozen_array(record.state(column.INPUT)),
         energy_by_parts_j=frozen_array(by_parts),
-        magnetising_so_far_j=frozen_array(states[:, p.MAGNETISING]),
-        parts_j={
-            "shaft": float(states[-1, p.SHAFT]),
-            "stator_copper": float(states[-1, p.STATOR]),
-            "rotor_copper": float(states[-1, p.ROTOR]),
-            "magnetising": float(states[-1, p.MAGNETISING]),
-            "iron": float(states[-1, p.IRON]),
-            "stored": float(stored[-1]),
-        },
-        max_tracking_error_m=float(max(peaks[p.MAX_LAG], -peaks[p.MIN_LAG])),
-        final_error_m=float(states[-1, p.X] - planned.position_m[-1]),
-        max_current_a=float(peaks[p.MAX_CURRENT]),
-        max_torque_current_a=float(peaks[p.MAX_TORQUE_CURRENT]),
-        min_torque_current_a=float(peaks[p.MIN_TORQUE_CURRENT]),
-        max_phase_voltage_v=float(peaks[p.MAX_VOLTAGE]),
+        magnetising_so_far_j=frozen_array(record.state(column.MAGNETISING)),
+        parts_j=_parts_j(record, float(stored[-1])),
+        max_tracking_error_m=max(extremes.max_lag_m, -extremes.min_lag_m),
+        final_error_m=record.final(column.POSITION) - end_m,
+        max_current_a=extremes.current_a,
+        max_torque_current_a=extremes.max_torque_current_a,
+        min_torque_current_a=extremes.min_torque_current_a,
+        max_phase_voltage_v=extremes.voltage_v,
         delay_s=record.delay_s,
         saturated=saturated,
         notes=(
-            *_notes(scenario, machines, flux, record, saturated, float(planned.position_m[-1])),
-            *([ACCOUNTS_APART.format(100 * apart)] if apart > ALLOWED_DIFFERENCE else []),
+            *run_notes(scenario, machines, flux, record, saturated, end_m),
+            *accounts_note(record, by_parts),
         ),
     )
 
 
-def _stored_j(machines: TractionMachines, states: FloatArray) -> FloatArray:
-    """Return what the fields of all machines hold more than at the start [J]."""
-    circuit = machines.circuit
-    current2 = states[:, p.ID] ** 2 + states[:, p.IQ] ** 2
-    flux2 = states[:, p.PSI_D] ** 2 + states[:, p.PSI_Q] ** 2
-    held = circuit.leakage_inductance_h * current2 + flux2 / circuit.magnetising_inductance_h
-    stored: FloatArray = 0.75 * machines.motors * (held - held[0])
-    return stored
-
-
-def _saturations(record: _Record, error_m: FloatArray) -> tuple[Saturation, ...]:
-    spans: list[Saturation] = []
-    for what, column in (("current", p.CURRENT_HELD), ("voltage", p.VOLTAGE_HELD)):
-        for first, last in _stretches(record.time_s, record.extras[:, column] > 0):
-            # a flag tells of the steps since the sample before
-            start, end = float(record.time_s[max(first - 1, 0)]), float(record.time_s[last])
-            lag = float(np.max(error_m[first : last + 1]))
-            if end - start >= SHORT_S or lag >= NOTICEABLE_LAG_M:
-                spans.append(Saturation(start, end, what, lag))  # type: ignore[arg-type]
-    return tuple(sorted(spans))
-
-
-def _stretches(time_s: FloatArray, held: BoolArray) -> list[tuple[int, int]]:
-    """Return first and last samples of stretches in which a limit is at work, short gaps bridged."""
-    at = np.flatnonzero(held)
-    if not len(at):
-        return []
-    apart = np.flatnonzero(np.diff(time_s[at]) > GAP_S)
-    return list(zip(at[np.append(0, apart + 1)].tolist(), at[np.append(apart, len(at) - 1)].tolist(), strict=True))
-
-
-def _notes(
-    scenario: Scenario,
-    machines: TractionMachines,
-    flux: FluxPlan,
-    record: _Record,
-    saturated: tuple[Saturation, ...],
-    end_m: float,
-) -> tuple[str, ...]:
-    notes = ["The machines are magnetised before the departure; the account begins with it."]
-    if scenario.vehicle.braking.friction_effort_kn > 0:
-        notes.append("The machines do all the braking: friction brakes are not part of the loop.")
-    machine = machines.machine
-    if flux.weakest_share < WEAKENED_SHARE:
-        notes.append(
-            f"The limit of {machine.max_phase_voltage_v:.0f} V per phase weakens the flux to "
-            f"{100 * flux.weakest_share:.0f} % of its rated value."
-        )
-    limits = {
-        "current": f"{machines.driving_current_a:g} A driving or {machines.braking_current_a:g} A braking",
-        "voltage": f"{machine.max_phase_voltage_v:.0f} V per phase",
+def _parts_j(record: Record, stored_j: float) -> dict[str, float]:
+    """Return the parts of the input energy at the end [J]; their keys are those of the JSON."""
+    return {
+        "shaft": record.final(column.SHAFT),
+        "stator_copper": record.final(column.STATOR),
+        "rotor_copper": record.final(column.ROTOR),
+        "magnetising": record.final(column.MAGNETISING),
+        "iron": record.final(column.IRON),
+        "stored": stored_j,
     }
-    for span in saturated:
-        if abs(span.lag_m) < NOTICEABLE_LAG_M:
-            continue
-        behind = "behind" if span.lag_m > 0 else "ahead of"
-        place = float(np.interp(span.start_s, record.time_s, record.states[:, p.X]))
-        notes.append(
-            f"From {place:.0f} m, {span.start_s:.1f} s to {span.end_s:.1f} s, the {span.what} limit of "
-            f"{limits[span.what]} holds the machines back; the train is up to {abs(span.lag_m):.2f} m {behind} "
-            "the plan."
-        )
-    current, largest = float(record.peaks[p.MAX_CURRENT]), max(machines.driving_current_a, machines.braking_current_a)
-    if current > OVERSHOOT * largest:
-        notes.append(
-            f"The current reaches {current:.0f} A, above the limit of {largest:g} A, where the voltage limit or "
-            "the speed noise prevents its control."
-        )
-    beyond = float(record.states[-1, p.X]) - end_m
-    if beyond > ARRIVAL_M:
-        notes.append(f"The train overshoots its end by {beyond:.1f} m: its machines do not brake as planned.")
-    factor = scenario.simulation.rotor_resistance_factor
-    if factor != 1:
-        notes.append(f"The controller assumes {factor:g} times the true rotor resistance, so its flux axis is wrong.")
-    return tuple(notes)
-
-
-def _trajectory(
-    real: Scenario,
-    planned: Trajectory,
-    course: Course,
-    machines: TractionMachines,
-    record: _Record,
-    stored_j: float,
-) -> Trajectory:
-    """Return the run as a trajectory; its cells lie between the samples."""
-    states, data, motors = record.states, course.data, machines
-    time = record.time_s - record.time_s[0]
-    place = np.maximum.accumulate(states[:, p.X])
-    speed = np.maximum(states[:, p.V], 0.0)
-    middle, duration = 0.5 * (place[1:] + place[:-1]), np.diff(time)
-    mean_speed = np.maximum(np.diff(place) / duration, SLOWEST_MS)
-    moving = np.clip(states[:, p.V] / p.CREEP_MS, -1, 1)
-    torque = record.extras[:, p.TORQUE] - motors.machine.mechanical_loss_torque_nm * moving
-    gear = np.where(torque > 0, motors.gear_efficiency, 1 / motors.gear_efficiency)
-    force = motors.motors * motors.turns_per_metre * torque * gear
-    effort = 0.5 * (force[1:] + force[:-1])
-    returned = -line_power(-states[:, p.RETURNED], data.recuperation_factor)
-    line = states[:, p.DRAWN] - returned + data.auxiliary_power_w * time
-    cell = np.clip(np.searchsorted(course.position_m, middle, side="right") - 1, 0, course.cell_count - 1)
-    ends = states[-1]
-    energy = Energy(
-        traction_j=float(ends[p.DRAWN]),
-        recuperated_j=float(returned[-1]),
-        auxiliary_j=data.auxiliary_power_w * float(time[-1]),
-        running_resistance_j=float(ends[p.RUNNING]),
-        curve_resistance_j=float(ends[p.CURVE]),
-        losses_j={
-            "copper": float(ends[p.STATOR] + ends[p.ROTOR]),
-            "magnetising": float(ends[p.MAGNETISING]),
-            "iron": float(ends[p.IRON]),
-            "mechanical": float(ends[p.MECHANICAL]),
-            "gear": float(ends[p.GEAR]),
-            "magnetic_field": stored_j,
-            "brake_resistors": float(resistor_power(-ends[p.RETURNED], data.recuperation_factor)),
-        },
-        kinetic_j=float(data.half_inertia_kg * (states[-1, p.V] ** 2 - states[0, p.V] ** 2)),
-        potential_j=float(ends[p.CLIMB]),
-    )
-    power_w = np.diff(line) / duration
-    return Trajectory(
-        scenario=real,
-        strategy=planned.strategy,
-        position_m=frozen_array(place),
-        speed_ms=frozen_array(speed),
-        time_s=frozen_array(time),
-        line_energy_j=frozen_array(line),
-        tractive_effort_n=frozen_array(np.maximum(effort, 0.0)),
-        electric_braking_n=frozen_array(np.maximum(-effort, 0.0)),
-        friction_braking_n=frozen_array(np.zeros_like(effort)),
-        largest_effort_n=frozen_array(data.traction.effort_n(mean_speed)),
-        largest_braking_n=frozen_array(data.braking.effort_n(mean_speed) + data.friction_effort_n),
-        line_power_w=frozen_array(power_w),
-        current_a=frozen_array(0.5 * (states[1:, p.IQ] + states[:-1, p.IQ])),
-        gradient_permille=frozen_array(course.gradient_permille[cell]),
-        energy=energy,
-        line_current_a=line_current_a(power_w, real.vehicle.line_voltage_v),
-    )

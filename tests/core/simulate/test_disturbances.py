@@ -110,6 +110,19 @@ def test_a_stop_noticed_too_late_is_made_as_soon_as_the_brakes_can():
     assert 820 < stands[0] < 1400
 
 
+def test_a_stop_that_the_brakes_just_miss_is_overshot_and_not_braked_for_harder_than_they_can():
+    late = {"duration_s": 10.0, "noticed_at_m": 795.0}
+    first = simulate_disturbances(metro(stops=[{"position_m": 800.0, **late}])).actual
+    stands = float(first.position_m[1:][np.diff(first.position_m) == 0][0])
+    missed = simulate_disturbances(metro(stops=[{"position_m": stands - 0.3, **late}]))
+    assert missed.notes[0] == (
+        f"The train overshoots its stop at {stands - 0.3:.0f} m by 0.30 m: its brakes cannot do more."
+    )
+    run = missed.actual
+    assert run.position_m[1:][np.diff(run.position_m) == 0] == pytest.approx([stands], abs=1e-3)
+    assert np.all(run.electric_braking_n + run.friction_braking_n <= run.largest_braking_n * (1 + 1e-6))
+
+
 def test_a_limit_slows_the_train_and_the_time_is_caught_up():
     limit = {"from_m": 800.0, "to_m": 1000.0, "limit_kmh": 30.0, "noticed_at_m": 300.0}
     for reaction in ("driver", "computer", "known"):

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from railjoule.core import TimetableError, load_scenario, solve
-from railjoule.core.simulate.disturbances import Ride
+from railjoule.core.simulate.disturbances import DisturbedRun
 from railjoule.core.simulate.following import Following
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.store.report import OPTIMA_COUNT, Findings, ReportWish, compute_findings
@@ -47,7 +47,7 @@ def test_reality_is_asked_for_by_a_disturbance(steps: list[Findings]) -> None:
     assert steps[-1].reality is None
     assert isinstance(found("liashenko-0", {"disturbance.coordinate_error_m": 10.0}).reality, Following)
     stop = [{"position_m": 400.0, "duration_s": 5.0}]
-    assert isinstance(found("liashenko-0", {"disturbance.stops": stop}).reality, Ride)
+    assert isinstance(found("liashenko-0", {"disturbance.stops": stop}).reality, DisturbedRun)
 
 
 def test_a_timetable_that_cannot_be_kept_is_refused() -> None:

@@ -9,6 +9,9 @@ from builders import INDUCTION, plain_scenario
 
 from railjoule.core import InfeasibleLineError, ScenarioError, SolverError, load_scenario, solve
 from railjoule.core.simulate.field_oriented import current_ripple, simulate_field_oriented
+from railjoule.core.simulate.field_oriented import states as column
+from railjoule.core.simulate.field_oriented.notes import _motion_notes
+from railjoule.core.simulate.field_oriented.record import Record
 
 ENOC = {"strategy": "enoc", "enoc.acceleration_time_s": 62.713}
 
@@ -32,6 +35,22 @@ def test_both_accounts_agree_all_the_way(run):
     assert run.energy_by_parts_j == pytest.approx(run.energy_by_input_power_j, abs=1e-9 * run.actual.energy.traction_j)
     assert sum(run.parts_j.values()) == pytest.approx(run.energy_by_parts_j[-1], rel=1e-12)
     assert abs(run.actual.energy.imbalance) < 1e-9
+
+
+def test_what_the_magnetic_field_holds_is_stored_and_no_loss():
+    less = driven(simulation__rotor_resistance_factor=1.5)
+    energy = less.actual.energy
+    assert "magnetic_field" not in energy.losses_j
+    assert energy.magnetic_field_j == less.parts_j["stored"] != 0
+    assert abs(energy.imbalance) < 1e-6
+
+
+def test_a_train_that_rolls_back_is_said_to_be_drawn_as_standing():
+    states = np.zeros((4, column.STATES))
+    states[:, column.POSITION] = [0.0, -0.25, 5.0, 10.0]
+    record = Record(np.arange(4.0), states, np.zeros((4, column.OUTPUTS)), None, states[:, column.POSITION], 0.0)
+    [note] = _motion_notes(record, 10.0)
+    assert note.startswith("The train rolls back by up to 0.25 m from 0 m, 1.0 s: ")
 
 
 def test_energy_is_that_of_the_prototype(run):

@@ -1,14 +1,15 @@
-"""The train as it really is: its load, its running resistance and the line voltage that it finds."""
+"""The vehicle of the day: its actual load, its running resistance and the line voltage that it finds."""
 
 from railjoule.core.scenario import Scenario, Vehicle
 from railjoule.core.scenario.drive import DriveParameters
 from railjoule.core.scenario.vehicle import Braking, Resistance, SpecificResistance, Traction
 
+# Terms of the weight and absolute ones; the curves' constant is a matter of the track and is not among them.
 SPECIFIC_TERMS = tuple(SpecificResistance.model_fields)
 RESISTANCE_TERMS = (*SPECIFIC_TERMS, "constant_n", "linear_n_per_kmh", "quadratic_n_per_kmh2")
 
 
-def as_it_is(scenario: Scenario) -> Scenario:
+def actual_vehicle(scenario: Scenario) -> Scenario:
     """Return a scenario whose vehicle is as its disturbance says.
 
     At a lower line voltage the largest efforts stay, but are left at a lower speed: the power falls by the same
@@ -47,6 +48,8 @@ def changed(vehicle: Vehicle, **fields: float | Resistance | Traction | Braking 
 def at_voltage(vehicle: Vehicle, factor: float) -> Vehicle:
     """Return a vehicle with the limits that it has at a line voltage, as a share of the nominal one."""
     traction, braking = vehicle.traction, vehicle.braking
+    # The motor's voltage limits its speed at a given effort, so at a lower one the knees of all curves come at a
+    # proportionally lower speed: power over speed falls by the same factor.
     power, curve = traction.max_power_kw, traction.curve
     less_traction = {
         "max_power_kw": None if power is None else factor * power,
@@ -68,6 +71,7 @@ def voltage_notes(vehicle: Vehicle) -> tuple[str, ...]:
     if vehicle.drive.knows_voltage:
         return ()
     traction, braking = vehicle.traction, vehicle.braking
+    # what such a drive has instead of a voltage: a power or a curve that can be scaled
     untouched = []
     if traction.max_power_kw is None and traction.curve is None:
         untouched.append("tractive effort, as vehicle.traction has neither max_power_kw nor curve")

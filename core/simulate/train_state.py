@@ -1,4 +1,4 @@
-"""A train on its way: where it is, how fast, what it knows, and what is left of its line and its time."""
+"""The state of a moving train: where it is, how fast, what it knows, and what is left of its line and its time."""
 
 import math
 from dataclasses import dataclass, replace
@@ -19,13 +19,13 @@ from railjoule.core.scenario.disturbance import (
 )
 from railjoule.core.scenario.line import SHORTEST_DISTANCE_M, SpeedLimit, Station
 from railjoule.core.scenario.timetable import Timetable
-from railjoule.core.simulate.as_it_is import at_voltage, changed
+from railjoule.core.simulate.actual_vehicle import at_voltage, changed
 from railjoule.core.simulate.leg import SAME_PLACE_M
 
 
 @dataclass(frozen=True)
 class State:
-    """A train on its way: place [m], square of speed [m2/s2], time [s], its scenario with all that is known."""
+    """A moving train: position [m], square of speed [m2/s2], time [s], its scenario with all that is known."""
 
     position_m: float
     speed2: float
@@ -67,6 +67,7 @@ def knowing(state: State, event: Event) -> State:
         added = Station(position_m=event.position_m, dwell_s=event.duration_s)
         stations = tuple(sorted((*line.stations, added), key=lambda station: station.position_m))
         return replace(state, scenario=replace_line(scenario, line.model_copy(update={"stations": stations})))
+    # limits may overlap: the lowest holds, so one more does no harm
     if isinstance(event, UnplannedLimit):
         limit = SpeedLimit(from_m=event.from_m, to_m=event.to_m, limit_kmh=event.limit_kmh)
         limits = (*line.speed_limits, limit)
@@ -84,6 +85,7 @@ def rest_scenario(state: State, allowed_time_s: float) -> Scenario:
     """Return the scenario of what is left: the stations ahead, and the time that remains."""
     line = state.scenario.line
     ahead = tuple(station for station in line.stations if station.position_m > state.position_m + SAME_PLACE_M)
+    # where no time is left, a timetable that nobody can keep: the caller then drives the fastest
     left = max(allowed_time_s - state.time_s, 1e-3)
     return state.scenario.model_copy(
         update={
@@ -96,6 +98,7 @@ def rest_scenario(state: State, allowed_time_s: float) -> Scenario:
 def nodes_ahead(state: State, end_m: float) -> FloatArray:
     """Return the nodes of what is left up to a place [m], finer where the train starts or stops."""
     mesh = line_mesh(state.scenario.line, state.scenario.solver.mesh_m)
+    # no cell of less than a millimetre at either end, whose force would be rounding over rounding
     inside = mesh[(mesh > state.position_m + 1e-3) & (mesh < end_m - 1e-3)]
     return np.concatenate([[state.position_m], inside, [end_m]])
 
@@ -122,6 +125,7 @@ def require_events_on_the_line(scenario: Scenario) -> None:
                 f"disturbance.speed_limits[{index}].from_m = {limit.from_m:g} must lie before the end of the line "
                 f"at {length:g} m."
             )
+    # closer than this, two stops would leave no course between them
     places = [stop.position_m for stop in disturbance.stops]
     places += [station.position_m for station in scenario.line.in_running_order().inner_stations]
     if any(later - earlier < SHORTEST_DISTANCE_M for earlier, later in pairwise(sorted(places))):

@@ -4,19 +4,19 @@ from builders import COPPER_LOSS, INDUCTION, LOSS_POLYNOMIAL, plain_scenario
 
 from railjoule.core import load_scenario
 from railjoule.core.motion import build_course
-from railjoule.core.simulate.as_it_is import as_it_is, notes_on, voltage_notes
+from railjoule.core.simulate.actual_vehicle import actual_vehicle, notes_on, voltage_notes
 from railjoule.core.simulate.following import simulate_following
 from railjoule.core.studies.montecarlo import monte_carlo
 
 
 def courses(**disturbance):
     scenario = load_scenario("liashenko-i").with_(**{f"disturbance.{key}": it for key, it in disturbance.items()})
-    return build_course(scenario).data, build_course(as_it_is(scenario)).data
+    return build_course(scenario).data, build_course(actual_vehicle(scenario)).data
 
 
 def test_nothing_disturbed_nothing_changed():
     scenario = load_scenario("liashenko-i")
-    assert as_it_is(scenario) == scenario
+    assert actual_vehicle(scenario) == scenario
 
 
 def test_resistance_changes_by_its_factor_alone():
@@ -37,7 +37,7 @@ def test_a_curve_of_effort_is_pressed_together_along_the_speed():
     scenario = load_scenario("liashenko-i").with_(
         **{"vehicle.traction.curve": curve, "disturbance.line_voltage_factor": 0.5}
     )
-    assert as_it_is(scenario).vehicle.traction.curve == ((0.0, 200.0), (15.0, 200.0), (30.0, 100.0), (40.0, 60.0))
+    assert actual_vehicle(scenario).vehicle.traction.curve == ((0.0, 200.0), (15.0, 200.0), (30.0, 100.0), (40.0, 60.0))
 
 
 def test_head_wind_costs_energy_and_less_voltage_costs_time():
@@ -60,7 +60,7 @@ def test_kinds_of_cars_and_a_synchronous_drive_are_disturbed_as_well():
             "disturbance.line_voltage_factor": 0.9,
         }
     )
-    real = as_it_is(scenario).vehicle
+    real = actual_vehicle(scenario).vehicle
     assert real.drive.link_voltage_v == pytest.approx(0.9 * scenario.vehicle.drive.link_voltage_v)
     wanted = 1.5 * scenario.vehicle.specific_resistance.constant_n_per_kn
     assert real.specific_resistance.constant_n_per_kn == pytest.approx(wanted)
@@ -124,6 +124,6 @@ def test_at_a_lower_voltage_power_falls_up_to_the_top_speed():
         **VOLTAGE,
     }
     scenario = plain_scenario(changes)
-    full, less = build_course(scenario).data.traction, build_course(as_it_is(scenario)).data.traction
+    full, less = build_course(scenario).data.traction, build_course(actual_vehicle(scenario)).data.traction
     fast = np.array([65.0, 80.0, 95.0]) / 3.6
     assert less.effort_n(fast) == pytest.approx(0.8 * full.effort_n(fast), rel=1e-5)
