@@ -20,12 +20,12 @@ import traceback
 import warnings
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from railjoule.core import InfeasibleLineError, RailjouleError, Trajectory, check_run
+from railjoule.core.bounds import bounded
 from railjoule.core.scenario import scenario_from_document
 from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
 from tests.any_scenarios import MODELS, any_document, any_time
@@ -95,7 +95,7 @@ def calls(seed: int, done: Iterable[str], generator: ModuleType | None, referenc
             run = run_strategy(task, name)
             seconds = time.perf_counter() - started
             bound = run.bound if name == "optimal" else bound
-            run = run if run.bound is not None or not task.has_slack else replace(run, bound=bound)
+            run = bounded(task, run, bound)
             found = checked(run)
             if reference is not None:
                 found["reference"] = [[kind, amount] for kind, amount, _ in reference.check(document, run, name)]
