@@ -61,10 +61,10 @@ def test_an_event_that_cannot_be_is_told(user: User) -> None:
     user.choose("Metro, profile I")
     user.page.get_by_role("button", name="Add a stop", exact=True).click()
     user.type("1 Stop: at, m", "5000")
-    (alert,) = user.alerts()
+    alert = user.alert()
     assert "must lie before the end of the line" in alert
     user.type("1 Stop: at, m", "400")
-    assert user.alerts() == []
+    user.see_no_alert()
 
 
 def test_nothing_grave(user: User) -> None:
