@@ -14,6 +14,7 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import THEMES
 from railjoule.dashboard.report.frontier import TimeChart
+from railjoule.dashboard.report.surfaces import surfaces_of
 from railjoule.dashboard.store.report import Findings
 from railjoule.dashboard.views.charts import Axis, DistanceChart
 from railjoule.dashboard.views.drive_charts import (
@@ -52,6 +53,7 @@ class Figures:
     def __init__(self, findings: Findings) -> None:
         self.findings = findings
         self.palette = Palette(dark=False)
+        self.surfaces = surfaces_of(findings)
         self.groups: dict[str, list[DistanceChart]] = {
             "runs": self._run_charts(),
             "frontier": self._frontier(),

@@ -103,15 +103,12 @@ def compute_trade_off(wish: TradeOffWish) -> TradeOff:
     except StrategyRefusedError as refusal:
         return TradeOff(wish.scenario, frontier, None, None, None, str(refusal))
     weighted = replace(line, loss_coefficient=line.loss_coefficient * wish.copper_weight)
-    (first, last), ramps = WIDE_MAP_S if wish.wide_map else NARROW_MAP_S
-    unit = 1.0 if wish.wide_map else task.shortest_time_s
-    times = np.linspace(first * unit, last * unit, MAP_SIZE)
     return TradeOff(
         scenario=wish.scenario,
         frontier=frontier,
         enoc=enoc_frontier(task, frontier.travel_time_s),
         coefficients=enoc_coefficients(line),
-        enoc_map=_enoc_map(enoc_coefficients(weighted), times, ramps),
+        enoc_map=_enoc_map(enoc_coefficients(weighted), None if wish.wide_map else task.shortest_time_s),
         refusal="",
     )
 
@@ -123,13 +120,14 @@ def compute_enoc_map(scenario: Scenario) -> EnocMap | None:
         line = plain_line(task)
     except StrategyRefusedError:
         return None
-    (first, last), ramps = NARROW_MAP_S
-    times = np.linspace(first * task.shortest_time_s, last * task.shortest_time_s, MAP_SIZE)
-    return _enoc_map(enoc_coefficients(line), times, ramps)
+    return _enoc_map(enoc_coefficients(line), task.shortest_time_s)
 
 
-def _enoc_map(coefficients: EnocCoefficients, times: FloatArray, ends: tuple[float, float]) -> EnocMap:
-    ramps = np.linspace(*ends, MAP_SIZE)
+def _enoc_map(coefficients: EnocCoefficients, shortest_time_s: float | None) -> EnocMap:
+    """Return the map around a shortest time, or that of the paper's figure."""
+    (first, last), ends = WIDE_MAP_S if shortest_time_s is None else NARROW_MAP_S
+    unit = 1.0 if shortest_time_s is None else shortest_time_s
+    times, ramps = np.linspace(first * unit, last * unit, MAP_SIZE), np.linspace(*ends, MAP_SIZE)
     best = np.array([best_acceleration_time(coefficients, time) for time in times])
     energies = enoc_energy(coefficients, times, best) / J_PER_KWH
     return EnocMap(times, ramps, enoc_surface(coefficients, times, ramps) / J_PER_KWH, best, energies)

@@ -64,6 +64,8 @@ class Lateness:
         """Take note that a result has come, perhaps with more asked for meanwhile."""
         self._asked_s = time.monotonic() if more else 0.0
         self._tell(False)
+        if more:
+            self._time()
 
     def _time(self) -> None:
         if self._document is not None and not self._timed:
