@@ -37,7 +37,7 @@ def test_an_event_with_other_numbers_is_driven_anew(state: Workbench) -> None:
     assert model.rides is not before
     assert model.rides is not None
     standing = np.diff(model.rides.rides["known"].actual.time_s)
-    assert standing.max() == pytest.approx(20.0)
+    assert standing.max() == pytest.approx(35.0)
 
 
 def test_an_event_that_cannot_be_is_told_and_the_last_rides_stay(state: Workbench) -> None:
