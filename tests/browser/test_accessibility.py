@@ -1,4 +1,4 @@
-"""What the tests of the pages have in common: each page is held to axe-core, and its colours are those wished for."""
+"""Each page is held to axe-core, and its colours are those that the system prefers."""
 
 import re
 from pathlib import Path
