@@ -11,13 +11,13 @@ from railjoule.dashboard.views.ride_charts import LateChart, RideSpeedChart, sav
 
 
 @pytest.fixture(scope="module")
-def request() -> RidesRequest:
+def asked() -> RidesRequest:
     model = DisturbancesModel()
     model.take(load_scenario("tram-950m-stop"))
     return RidesRequest(load_scenario("tram-950m-stop"), model.changes)
 
 
-def test_a_press_drops_an_event_on_the_distance_alone(request: RidesRequest) -> None:
+def test_a_press_drops_an_event_on_the_distance_alone(asked: RidesRequest) -> None:
     dropped: list[float] = []
     palette = Palette(dark=False)
     chart = RideSpeedChart(300, Axis(palette), palette, dropped.append)
@@ -25,7 +25,7 @@ def test_a_press_drops_an_event_on_the_distance_alone(request: RidesRequest) -> 
     chart.build()
     model = DisturbancesModel()
     model.take(load_scenario("tram-950m-stop"))
-    runs = drawn(compute_rides(request))
+    runs = drawn(compute_rides(asked))
 
     class Press:
         x, y = 512.3, 20.0
@@ -39,8 +39,8 @@ def test_a_press_drops_an_event_on_the_distance_alone(request: RidesRequest) -> 
     assert dropped == [512.3]
 
 
-def test_later_arrivals_save_and_the_price_falls(request: RidesRequest) -> None:
-    *_, late = compute_late_arrivals(request)
+def test_later_arrivals_save_and_the_price_falls(asked: RidesRequest) -> None:
+    *_, late = compute_late_arrivals(asked)
     chart = LateChart(240, Palette(dark=False))
     chart.build()
     chart.draw(late, [(0.0, 2.2)])
