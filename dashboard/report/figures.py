@@ -61,11 +61,13 @@ class Figures:
         }
         charts = [chart for group in self.groups.values() for chart in group]
         self.document = Document()
-        for chart in charts:
-            if chart.figure is not None:
-                chart.figure.html_attributes = {"role": "img", "aria-label": self.alternative(chart)}
-            assert chart.content is not None
-            self.document.add_root(chart.content.object)
+        # the library searches the document at each root; frozen, it does so once
+        with self.document.models.freeze():
+            for chart in charts:
+                if chart.figure is not None:
+                    chart.figure.html_attributes = {"role": "img", "aria-label": self.alternative(chart)}
+                assert chart.content is not None
+                self.document.add_root(chart.content.object)
         self.docs, (self.item,) = standalone_docs_json_and_render_items(self.document)
         self.places = dict(zip(charts, self.item.to_json()["roots"].values(), strict=True))
 
