@@ -8,7 +8,7 @@ from railjoule.dashboard.models.actual import actual_changes
 from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.robustness import FOLLOWER, REALITY
-from railjoule.dashboard.store import ActualWish, Worker, compute_actual, is_slow
+from railjoule.dashboard.store import ActualRequest, Worker, compute_actual, is_slow
 
 PAGE = "Drive"
 
@@ -23,9 +23,9 @@ class Actual:
             self._take,
             self._take_failure,
             state.marks(PAGE),
-            is_slow=lambda wish: is_slow(wish.scenario, wish.scenario.strategy),
+            is_slow=lambda request: is_slow(request.scenario, request.scenario.strategy),
         )
-        self._asked: ActualWish | None = None
+        self._asked: ActualRequest | None = None
         state.scenario.follow(lambda scenario: scenario.disturbance, self.model.take)
         self.model.take(state.scenario.edited)
         state.scenario.param.watch(self._ask, list(PLAN_FIELDS))
@@ -37,12 +37,12 @@ class Actual:
     def _ask(self, *_: Any) -> None:
         if self.state.page != PAGE or not self.model.on:
             return
-        wish = ActualWish(
+        request = ActualRequest(
             self.state.scenario.scenario(), {"strategy": self.state.chosen_now, **actual_changes(self.state)}
         )
-        if wish != self._asked:
-            self._asked = wish
-            self.worker.ask(wish)
+        if request != self._asked:
+            self._asked = request
+            self.worker.ask(request)
 
     def _take(self, run: ActualRun) -> None:
         self.model.param.update(run=run, failure=None)

@@ -32,9 +32,9 @@ from railjoule.dashboard.speed_limits import SpeedLimits
 from railjoule.dashboard.start import Start
 from railjoule.dashboard.store import (
     Runs,
-    RunsWish,
+    RunsRequest,
     TradeOff,
-    TradeOffWish,
+    TradeOffRequest,
     Worker,
     compute_runs,
     compute_trade_off,
@@ -95,7 +95,7 @@ class Session:
             self._take_runs,
             self._take_failure,
             self.state.marks("Start", "Drive", "Compare", "Trade-off"),
-            is_slow=lambda wish: wish.is_slow,
+            is_slow=lambda request: request.is_slow,
         )
         self.trade_off = Worker(
             compute_trade_off, self._take_trade_off, self._take_failure, self.state.marks("Trade-off")
@@ -133,10 +133,10 @@ class Session:
         pn.state.on_session_destroyed(lambda _: self._end())
         self.shell.open()
         self._ask_trade_off()
-        wish = self._wish()
-        if warmup().ready.is_set() and self.state.scenario.is_shipped and wish.is_short:
+        request = self._request()
+        if warmup().ready.is_set() and self.state.scenario.is_shipped and request.is_short:
             # a page that is sent with its first run is there a second earlier than one that asks for it
-            self.runs.do(wish)
+            self.runs.do(request)
         self.reporting = Reporting(self.state)
         self.shell.add(*ReportButton(self.reporting.model, self.browser).parts)
         pn.state.onload(self._load)
@@ -193,11 +193,11 @@ class Session:
         self.state.param.trigger("page")
 
     def _ask_runs(self, *_: Any) -> None:
-        self.runs.ask(self._wish())
+        self.runs.ask(self._request())
 
-    def _wish(self) -> RunsWish:
+    def _request(self) -> RunsRequest:
         with_law = self.state.chosen == "bellman"
-        return RunsWish(self.state.scenario.scenario(), self.state.drawn, with_law)
+        return RunsRequest(self.state.scenario.scenario(), self.state.drawn, with_law)
 
     def _ask_trade_off(self, *_: Any) -> None:
         """Ask for the frontier, but only while its page is in sight."""
@@ -205,7 +205,7 @@ class Session:
             return
         scenario = self.state.scenario
         longest = scenario.travel_time_range_s[1]
-        self.trade_off.ask(TradeOffWish(scenario.scenario(), longest, self.state.wide_map, self.state.copper_weight))
+        self.trade_off.ask(TradeOffRequest(scenario.scenario(), longest, self.state.wide_map, self.state.copper_weight))
 
     def _take_runs(self, runs: Runs) -> None:
         self.state.param.update(runs=runs, failure=None)

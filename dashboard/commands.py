@@ -188,11 +188,11 @@ def report(file: str, changes: Mapping[str, Any], strategy: str | None, target: 
     scenario = load(file, changes if strategy is None else {**changes, "strategy": strategy})
     try:
         from railjoule.dashboard.report.document import report_html  # noqa: PLC0415
-        from railjoule.dashboard.store.report import ReportWish, compute_findings  # noqa: PLC0415
+        from railjoule.dashboard.store.report import ReportRequest, compute_findings  # noqa: PLC0415
     except ModuleNotFoundError as error:
         raise CommandError(f"a report needs {error.name}, which is not installed.") from None
     announce_compilation()
-    *_, findings = compute_findings(ReportWish(scenario))
+    *_, findings = compute_findings(ReportRequest(scenario))
     text = report_html(findings, datetime.now().astimezone())
     with failures_named(path):
         path.write_text(text, encoding="utf-8")

@@ -13,7 +13,7 @@ from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
-from railjoule.dashboard.store import Runs, RunsWish, Study, compute_runs_in_steps
+from railjoule.dashboard.store import Runs, RunsRequest, Study, compute_runs_in_steps
 
 PAGE = "Compare"
 SLOW: tuple[StrategyName, ...] = ("bellman", "speed_limits")
@@ -50,7 +50,7 @@ class Compare:
     def _begin(self, document: Document | None, asked: int) -> None:
         if asked == self._asked:
             with set_curdoc(document) if document is not None else nullcontext():
-                self.runs.ask(RunsWish(self.state.scenario.scenario(), IN_TURN))
+                self.runs.ask(RunsRequest(self.state.scenario.scenario(), IN_TURN))
 
     def _take(self, runs: Runs, last: bool) -> None:
         if last:

@@ -12,7 +12,7 @@ from railjoule.dashboard.robustness import FOLLOWER, REALITY
 from railjoule.dashboard.store import (
     LateArrivals,
     Rides,
-    RidesWish,
+    RidesRequest,
     Study,
     Worker,
     compute_late_arrivals,
@@ -33,11 +33,11 @@ class Disturbances:
             self._take_rides,
             self._take_failure,
             state.marks("Disturbances"),
-            is_slow=lambda wish: is_slow(wish.scenario, wish.scenario.strategy),
+            is_slow=lambda request: is_slow(request.scenario, request.scenario.strategy),
         )
         self.late = Study(compute_late_arrivals, self._take_late, self._take_failure)
-        self._asked: RidesWish | None = None
-        self._drawn: RidesWish | None = None
+        self._asked: RidesRequest | None = None
+        self._drawn: RidesRequest | None = None
         self._watched: list[EventModel] = []
         state.scenario.follow(lambda scenario: scenario.disturbance, self.model.take)
         state.scenario.param.watch(self._ask, list(PLAN_FIELDS))
@@ -63,15 +63,17 @@ class Disturbances:
     def _ask(self, *_: Any) -> None:
         if self.state.page != "Disturbances":
             return
-        wish = RidesWish(self.state.scenario.scenario(), {"strategy": self.state.chosen, **event_changes(self.state)})
-        if wish != self._asked:
-            self._asked = wish
+        request = RidesRequest(
+            self.state.scenario.scenario(), {"strategy": self.state.chosen, **event_changes(self.state)}
+        )
+        if request != self._asked:
+            self._asked = request
             if self._curve() != self._drawn:
                 self.late.stop()
-            self.rides.ask(wish)
+            self.rides.ask(request)
 
-    def _curve(self) -> RidesWish | None:
-        """Return the wish on which energy over delay depends: all but the delay that is accepted."""
+    def _curve(self) -> RidesRequest | None:
+        """Return the request on which energy over delay depends: all but the delay that is accepted."""
         if self._asked is None:
             return None
         return replace(self._asked, changes={**self._asked.changes, "disturbance.accepted_delay_s": 0.0})

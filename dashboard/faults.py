@@ -3,16 +3,15 @@
 import logging
 import traceback
 from collections.abc import Callable
-from typing import Any
 from weakref import WeakKeyDictionary
 
 import panel as pn
 from bokeh.document import Document
 
-from railjoule.dashboard.messages import thaw, unfrozen
+from railjoule.dashboard.messages import thaw
 
 LOG = logging.getLogger(__name__)
-SENTENCE = "That did not work: a program error, which the server\u2019s log describes. The rest works on."
+SENTENCE = "That did not work: a program error, which the server\u2019s log describes. Everything else still works."
 
 
 class Faults:
@@ -37,18 +36,6 @@ class Faults:
         """Log an error, and say above the page that something did not work."""
         self.note(error, what)
         self._tell(SENTENCE)
-
-    def guarded(self, callback: Callable[..., None], what: str) -> Callable[..., None]:
-        """Return a callback whose errors are noted and told, and reach nobody else."""
-
-        def call(*arguments: Any) -> None:
-            try:
-                with unfrozen():
-                    callback(*arguments)
-            except Exception as error:
-                self.tell(error, what)
-
-        return call
 
 
 FAULTS: WeakKeyDictionary[Document, Faults] = WeakKeyDictionary()

@@ -6,7 +6,7 @@ from typing import Any
 from railjoule.core import RailjouleError
 from railjoule.dashboard.models.learn import LESSONS
 from railjoule.dashboard.models.workbench import Workbench
-from railjoule.dashboard.store import LessonResult, LessonWish, Worker, compute_lesson
+from railjoule.dashboard.store import LessonRequest, LessonResult, Worker, compute_lesson
 
 PAGE = "Learn"
 
@@ -28,10 +28,10 @@ class Learn:
 
     def _ask(self, name: str, *_: Any) -> None:
         if self.state.page == PAGE:
-            self.workers[name].ask(LessonWish(name, float(getattr(self.model, name))))
+            self.workers[name].ask(LessonRequest(name, float(getattr(self.model, name))))
 
     def _take(self, result: LessonResult) -> None:
-        self.model.param.update(shown={**self.model.shown, result.wish.lesson: result}, failure=None)
+        self.model.param.update(shown={**self.model.shown, result.request.lesson: result}, failure=None)
 
     def _take_failure(self, failure: RailjouleError) -> None:
         self.model.failure = failure

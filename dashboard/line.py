@@ -6,7 +6,7 @@ from railjoule.core import RailjouleError
 from railjoule.dashboard.models.line import StationModel
 from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
-from railjoule.dashboard.store import LineRuns, LineWish, Worker, compute_line, is_slow
+from railjoule.dashboard.store import LineRequest, LineRuns, Worker, compute_line, is_slow
 
 PAGE = "Line"
 
@@ -17,7 +17,11 @@ class WholeLines:
     def __init__(self, state: Workbench) -> None:
         self.state, self.model = state, state.line
         self.run = Worker(
-            compute_line, self._take, self._take_failure, state.marks(PAGE), is_slow=lambda wish: is_slow(wish.scenario)
+            compute_line,
+            self._take,
+            self._take_failure,
+            state.marks(PAGE),
+            is_slow=lambda request: is_slow(request.scenario),
         )
         self._watched: list[StationModel] = []
         self._quiet = False
@@ -67,7 +71,7 @@ class WholeLines:
         if not scenario.line.in_running_order().inner_stations:
             self.model.param.update(runs=None, failure=None)
             return
-        self.run.ask(LineWish(scenario, self.model.arrivals_s))
+        self.run.ask(LineRequest(scenario, self.model.arrivals_s))
 
     def _take(self, runs: LineRuns) -> None:
         self.model.param.update(runs=runs, failure=None)

@@ -9,11 +9,11 @@ from railjoule.dashboard.models.motor import CONTROL_FIELDS
 from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import (
+    LoopRequest,
     LoopRivals,
     LoopRun,
-    LoopWish,
     MachineMap,
-    RippleWish,
+    RippleRequest,
     Study,
     Worker,
     compute_detuning,
@@ -38,13 +38,13 @@ class Motor:
             self._take_run,
             self._take_failure,
             state.marks(PAGE),
-            is_slow=lambda wish: is_slow(wish.scenario, wish.strategy),
+            is_slow=lambda request: is_slow(request.scenario, request.strategy),
         )
         self.rivals = Worker(compute_rivals, self._take_rivals, self._take_failure)
         self.map = Worker(compute_machine_map, self._take_map, self._take_failure)
         self.ripple = Worker(compute_ripple, self._take_ripple, self._take_no_ripple)
         self.detuning = Study(compute_detuning, self._take_detuning, self._take_failure)
-        self._asked: LoopWish | None = None
+        self._asked: LoopRequest | None = None
         self._quiet = False
         self._taken: Any = None
         state.scenario.param.watch(self._take_scenario, ["preset", "opened"])
@@ -81,21 +81,21 @@ class Motor:
         self._taken = scenario.vehicle.drive, scenario.simulation
         self.model.take(scenario)
 
-    def _wish(self) -> LoopWish:
-        return LoopWish(self.state.scenario.scenario(), self.state.chosen, self.model.changes)
+    def _request(self) -> LoopRequest:
+        return LoopRequest(self.state.scenario.scenario(), self.state.chosen, self.model.changes)
 
     def _ask(self, *_: Any) -> None:
         if self.state.page != PAGE or self._quiet:
             return
         self.model.no_machine = machine_refusal(self.state.scenario.scenario())
-        wish = self._wish()
-        if wish == self._asked:
+        request = self._request()
+        if request == self._asked:
             return
-        self._asked = wish
+        self._asked = request
         self._stop()
         self.model.detuning = None
         if not self.model.no_machine:
-            self.run.ask(wish)
+            self.run.ask(request)
 
     def _take_run(self, loop: LoopRun) -> None:
         """Take a run, unless its scenario has gone meanwhile, and ask for what hangs on it."""
@@ -108,12 +108,12 @@ class Motor:
 
     def _ask_ripple(self, *_: Any) -> None:
         if self.model.run is not None and not self._quiet:
-            self.ripple.ask(RippleWish(self.model.run, float(self.model.ripple_at_s)))
+            self.ripple.ask(RippleRequest(self.model.run, float(self.model.ripple_at_s)))
 
     def _study(self, *_: Any) -> None:
         if not self.model.no_machine:
             self.model.studying = True
-            self.detuning.ask(self._wish())
+            self.detuning.ask(self._request())
 
     def _stop(self, *_: Any) -> None:
         self.detuning.stop()

@@ -11,7 +11,7 @@ from railjoule.dashboard.models.reporting import ReportingModel
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.report.document import report_html
 from railjoule.dashboard.store import Study
-from railjoule.dashboard.store.report import ReportWish, compute_findings
+from railjoule.dashboard.store.report import ReportRequest, compute_findings
 
 LONGEST_NAME = 60
 FINDINGS_SHARE = 0.9
@@ -26,10 +26,10 @@ class Draft:
     text: str = ""
 
 
-def draft_report(wish: ReportWish) -> Iterator[Draft]:
+def draft_report(request: ReportRequest) -> Iterator[Draft]:
     """Yield how far a report is, and at last the report; errors as `compute_findings`."""
     findings = None
-    for findings in compute_findings(wish):
+    for findings in compute_findings(request):
         yield Draft(FINDINGS_SHARE * findings.share)
     assert findings is not None
     yield Draft(1.0, report_html(findings, datetime.now().astimezone()))
@@ -63,14 +63,14 @@ class Reporting:
     def _ask(self, *_: Any) -> None:
         try:
             scenario = self.state.scenario.scenario()
-            wish = ReportWish(scenario.with_(**self._in_sight()), self.state.chosen_now)
+            request = ReportRequest(scenario.with_(**self._in_sight()), self.state.chosen_now)
         except RailjouleError as error:
             self._fail(error)
             return
         self.model.param.update(
             busy=True, share=0.0, failure=None, name_of_file=file_name(scenario.title or self.state.scenario.preset)
         )
-        self.study.ask(wish)
+        self.study.ask(request)
 
     def _in_sight(self) -> Mapping[str, Any]:
         """Return what the page in sight lays over the scenario: events, or what is otherwise in reality."""

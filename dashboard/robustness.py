@@ -11,9 +11,9 @@ from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import (
     Reality,
-    RealityWish,
+    RealityRequest,
     Study,
-    TableWish,
+    TableRequest,
     Worker,
     compute_chance,
     compute_reality,
@@ -53,7 +53,7 @@ class Robustness:
             self._take_run,
             self._take_failure,
             state.marks(PAGE),
-            is_slow=lambda wish: is_slow(wish.scenario, wish.scenario.strategy),
+            is_slow=lambda request: is_slow(request.scenario, request.scenario.strategy),
         )
         self.table = Study(compute_table, self._take_table, self._take_failure, state.marks(PAGE))
         self.chance = Study(compute_chance, self._take_chance, self._take_failure, state.marks(PAGE))
@@ -80,9 +80,9 @@ class Robustness:
     def _with_strategy(self, changes: Mapping[str, Any]) -> Mapping[str, Any]:
         return {"strategy": self.state.chosen, **changes}
 
-    def _draws(self, scenario: Scenario, runs: int) -> RealityWish:
-        """Return the wish for what chance draws."""
-        return RealityWish(scenario, self._with_strategy({**self.model.chance_changes(runs), **NOTHING_WRONG}))
+    def _draws(self, scenario: Scenario, runs: int) -> RealityRequest:
+        """Return the request for what chance draws."""
+        return RealityRequest(scenario, self._with_strategy({**self.model.chance_changes(runs), **NOTHING_WRONG}))
 
     def _ask(self, *_: Any) -> None:
         """Ask for what the last change concerns, and only while the page is in sight.
@@ -93,10 +93,10 @@ class Robustness:
             self._rest()
             return
         scenario, changes = self.state.scenario.scenario(), self._with_strategy(self.model.changes)
-        run = RealityWish(scenario, changes)
+        run = RealityRequest(scenario, changes)
         # a table and what chance draws have loads and errors of their own
-        plan = RealityWish(scenario, {**changes, **NOTHING_WRONG})
-        table = TableWish(plan, self.model.both_directions, self.model.knows)
+        plan = RealityRequest(scenario, {**changes, **NOTHING_WRONG})
+        table = TableRequest(plan, self.model.both_directions, self.model.knows)
         draws = self._draws(scenario, PREVIEW_RUNS)
         if self._news("table", table):
             self.table.stop()
@@ -131,15 +131,15 @@ class Robustness:
         elif "chance" in self._waiting and not self.table.busy:
             self._draw(self._waiting.pop("chance"))
 
-    def _news(self, kind: str, wish: Any) -> bool:
-        """Return whether a wish differs from the last one of its kind."""
-        before, self._asked[kind] = self._asked.get(kind), wish
-        return bool(before != wish)
+    def _news(self, kind: str, request: Any) -> bool:
+        """Return whether a request differs from the last one of its kind."""
+        before, self._asked[kind] = self._asked.get(kind), request
+        return bool(before != request)
 
-    def _draw(self, wish: RealityWish, all_runs: bool = False) -> None:
+    def _draw(self, request: RealityRequest, all_runs: bool = False) -> None:
         self._all = all_runs
         self.model.drawing = True
-        self.chance.ask(wish)
+        self.chance.ask(request)
 
     def _draw_all(self, *_: Any) -> None:
         self._waiting.pop("chance", None)

@@ -9,10 +9,10 @@ from railjoule.dashboard.models.speed_limits import STORAGE_FIELDS, SectionModel
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import (
     LimitRun,
-    LimitsWish,
+    LimitsRequest,
     LimitTrip,
     StorageCurve,
-    StorageWish,
+    StorageRequest,
     Worker,
     compute_limit_run,
     compute_limit_trip,
@@ -34,12 +34,12 @@ class SpeedLimits:
             self._take_run,
             self._take_failure,
             state.marks("Speed limits"),
-            is_slow=lambda wish: is_slow(wish.scenario, "speed_limits"),
+            is_slow=lambda request: is_slow(request.scenario, "speed_limits"),
         )
         self.trip = Worker(compute_limit_trip, self._take_trip, self._take_failure)
         self.storage = Worker(compute_storage, self._take_storage, self._take_failure)
         self.motor = Worker(motor_map, self._take_map, self._take_no_map)
-        self._asked: LimitsWish | None = None
+        self._asked: LimitsRequest | None = None
         self._vehicle: Any = None
         self._watched: list[SectionModel] = []
         self._quiet = False
@@ -82,19 +82,19 @@ class SpeedLimits:
             self._quiet = False
             self._ask()
 
-    def _wish(self) -> LimitsWish:
-        return LimitsWish(self.state.scenario.scenario(), self.model.changes)
+    def _request(self) -> LimitsRequest:
+        return LimitsRequest(self.state.scenario.scenario(), self.model.changes)
 
     def _ask(self, *_: Any) -> None:
         if self.state.page != PAGE or self._quiet or self.model.moving:
             return
-        wish = self._wish()
-        if wish != self._asked:
-            self._asked = wish
-            self.run.ask(wish)
+        request = self._request()
+        if request != self._asked:
+            self._asked = request
+            self.run.ask(request)
 
     def _ask_trip(self, *_: Any) -> None:
-        self.trip.ask(self._wish())
+        self.trip.ask(self._request())
 
     def _let_go(self, *_: Any) -> None:
         self.model.trip = None
@@ -104,7 +104,7 @@ class SpeedLimits:
         model = self.model
         if model.run is not None:
             efficiencies = model.charging_percent / 100, model.discharging_percent / 100
-            self.storage.ask(StorageWish(model.run, model.storage_size_kwh, model.storage_power_kw, *efficiencies))
+            self.storage.ask(StorageRequest(model.run, model.storage_size_kwh, model.storage_power_kw, *efficiencies))
 
     def _take_run(self, run: LimitRun) -> None:
         """Take a run; a search also sets the limits, unless others were asked for meanwhile."""
@@ -113,8 +113,8 @@ class SpeedLimits:
             self._quiet = True
             self.model.set(run.limits_kmh.tolist(), run.borders_m.tolist())
             self._quiet = False
-            # where the search moves borders, those that it found are no new wish
-            self._asked = self._wish()
+            # where the search moves borders, those that it found are no new request
+            self._asked = self._request()
         self.model.param.update(run=run, failure=None, **({"path": run} if searched else {}))
         self._ask_storage()
         self._ask_map(run.run.scenario)

@@ -13,6 +13,7 @@ from railjoule.core.advice import Instruction
 from railjoule.core.energy import energy_decimals
 from railjoule.core.phases import PhaseName
 from railjoule.core.scenario import StrategyName
+from railjoule.core.scenario.disturbance import Reaction
 from railjoule.core.units import J_PER_WH, MS_PER_KMH
 
 if TYPE_CHECKING:
@@ -34,6 +35,12 @@ STRATEGY_WORDS: dict[StrategyName, str] = {
     "speed_limits": "Set speeds",
     "fastest": "Fastest",
 }
+REACTION_WORDS: dict[Reaction, str] = {
+    "driver": "Driver",
+    "computer": "Replanned",
+    "known": "With advance notice",
+}
+"""Who reacts to an event on the way."""
 PHASE_WORDS: dict[PhaseName, str] = {
     "full_power": "full power",
     "part_power": "part power",

@@ -13,14 +13,11 @@ from railjoule.core import RailjouleError, Scenario
 from railjoule.core.scenario.disturbance import Reaction
 from railjoule.core.scenario.line import SHORTEST_DISTANCE_M
 from railjoule.core.simulate.actual_run import ActualRun
-from railjoule.dashboard.models.disturbances import NOTICE_BEFORE_M, EventModel
+from railjoule.dashboard.models.disturbances import EventModel
 from railjoule.dashboard.models.numbers import TypedParameters
 
 if TYPE_CHECKING:
     from railjoule.dashboard.models.workbench import Workbench
-
-FIRST_STOP_S = 20.0
-"""How long a train stands at a stop that was just added."""
 
 
 class ActualModel(TypedParameters):
@@ -82,11 +79,7 @@ def stops_of(state: "Workbench") -> Sequence[EventModel]:
 def add_stop(state: "Workbench") -> None:
     """Add a stop in the middle of the longest stretch without one."""
     before, after = max(pairwise(occupied_m(state)), key=lambda ends: ends[1] - ends[0])
-    place = float(round(0.5 * (before + after)))
-    stop = EventModel(
-        kind="stop", position_m=place, duration_s=FIRST_STOP_S, noticed_at_m=max(place - NOTICE_BEFORE_M, 0.0)
-    )
-    state.disturbances.events = [*state.disturbances.events, stop]
+    state.disturbances.drop("stop", 0.5 * (before + after))
 
 
 def checked_place(state: "Workbench", stop: EventModel, place_m: float) -> float:

@@ -18,8 +18,8 @@ TABLES = {
     "recuperation": "recuperation_changes",
 }
 """Kinds of events, and where they stand in the file."""
-NOTICE_BEFORE_M, FIRST_LIMIT_M = 230.0, 100.0
-"""An event is noticed this far ahead; a new limit is this long [m]."""
+NOTICE_BEFORE_M, FIRST_LIMIT_M, FIRST_STOP_S = 230.0, 100.0, 20.0
+"""An event is noticed this far ahead [m]; a new limit is this long [m], a new stop takes this long [s]."""
 LONGEST_M = 1e7
 
 
@@ -78,6 +78,7 @@ class DisturbancesModel(TypedParameters):
             kind=kind,
             position_m=place,
             to_m=place + FIRST_LIMIT_M,
+            duration_s=FIRST_STOP_S,
             noticed_at_m=max(place - NOTICE_BEFORE_M, 0.0) if kind in {"stop", "limit"} else place,
         )
         self.events = [*self.events, event]

@@ -49,7 +49,7 @@ class Workbench(Kept):
     ticked = param.ListSelector(default=["optimal", "fastest"], objects=list(STRATEGIES), doc="Strategies drawn.")
     chosen = param.Selector(default="optimal", objects=list(STRATEGIES), doc="The strategy whose numbers are shown.")
     over_time = param.Boolean(default=False, doc="Draw over time instead of distance.")
-    colours = param.Selector(default="system", objects=list(COLOURS), doc="Whose wish the colours follow.")
+    colours = param.Selector(default="system", objects=list(COLOURS), doc="Whose request the colours follow.")
     dark = param.Boolean(default=False, doc="Dark colours.")
     notice = param.String(default="", doc="What is to be told of a link or a file, until it has been read.")
     runs = param.ClassSelector(class_=Runs, default=None, allow_None=True, doc="The last good runs.")

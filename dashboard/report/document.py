@@ -20,7 +20,6 @@ from railjoule.dashboard.look.theme import report_css
 from railjoule.dashboard.report import sections
 from railjoule.dashboard.report.embedded import embedded
 from railjoule.dashboard.report.figures import Figures
-from railjoule.dashboard.report.surfaces import surfaces_of
 from railjoule.dashboard.store.report import Findings
 from railjoule.dashboard.views import parts
 
@@ -79,7 +78,7 @@ def report_html(findings: Findings, made_at: datetime) -> str:
 {embedded(format_scenario(scenario))}
 {json_script("figures", figures.embedding())}
 {json_script("data", data)}
-{json_script("surfaces", {name: surface.data for name, surface in surfaces_of(findings).items()})}
+{json_script("surfaces", {name: surface.data for name, surface in figures.surfaces.items()})}
 <script>{bokeh_script()}</script>
 <script>{(SCRIPTS / "report.js").read_text(encoding="utf-8")}</script>
 <script>{(SCRIPTS / "surface.js").read_text(encoding="utf-8")}</script>

@@ -14,6 +14,7 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import THEMES
 from railjoule.dashboard.report.frontier import TimeChart
+from railjoule.dashboard.report.surfaces import surfaces_of
 from railjoule.dashboard.store.report import Findings
 from railjoule.dashboard.views.charts import Axis, DistanceChart
 from railjoule.dashboard.views.drive_charts import (
@@ -52,6 +53,7 @@ class Figures:
     def __init__(self, findings: Findings) -> None:
         self.findings = findings
         self.palette = Palette(dark=False)
+        self.surfaces = surfaces_of(findings)
         self.groups: dict[str, list[DistanceChart]] = {
             "runs": self._run_charts(),
             "frontier": self._frontier(),
@@ -59,11 +61,13 @@ class Figures:
         }
         charts = [chart for group in self.groups.values() for chart in group]
         self.document = Document()
-        for chart in charts:
-            if chart.figure is not None:
-                chart.figure.html_attributes = {"role": "img", "aria-label": self.alternative(chart)}
-            assert chart.content is not None
-            self.document.add_root(chart.content.object)
+        # the library searches the document at each root; frozen, it does so once
+        with self.document.models.freeze():
+            for chart in charts:
+                if chart.figure is not None:
+                    chart.figure.html_attributes = {"role": "img", "aria-label": self.alternative(chart)}
+                assert chart.content is not None
+                self.document.add_root(chart.content.object)
         self.docs, (self.item,) = standalone_docs_json_and_render_items(self.document)
         self.places = dict(zip(charts, self.item.to_json()["roots"].values(), strict=True))
 

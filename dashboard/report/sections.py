@@ -16,7 +16,6 @@ from railjoule.core.studies.sensitivity import SensitivityTable
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.report.figures import Figures, Plot
-from railjoule.dashboard.report.surfaces import surfaces_of
 from railjoule.dashboard.report.tables import scenario_tables
 from railjoule.dashboard.store.report import Findings
 from railjoule.dashboard.views import parts
@@ -137,12 +136,12 @@ def trade_off(findings: Findings, figures: Figures) -> str:
     cells = int(np.count_nonzero(np.diff(optima[0].position_m)))
     note = f'<p class="note">{len(optima)} optima over a mesh of {words.number(cells, 0)} cells.</p>'
     table = parts.table("Optima", head, rows)
-    return section("trade-off", "Energy and time", f"{plots}{table}{note}{surface_element(findings, 'enoc')}")
+    return section("trade-off", "Energy and time", f"{plots}{table}{note}{surface_element(figures, 'enoc')}")
 
 
-def surface_element(findings: Findings, name: str) -> str:
+def surface_element(figures: Figures, name: str) -> str:
     """Return the place of a surface; nothing where there is none."""
-    surface = surfaces_of(findings).get(name)
+    surface = figures.surfaces.get(name)
     return "" if surface is None else surface.element
 
 
@@ -220,8 +219,8 @@ def reality(findings: Findings, figures: Figures) -> str:
         for word, run in (("Planned", found.planned), ("Driven", found.actual))
     ]
     more = comparisons.above(found.actual.energy_kwh, found.planned.energy_kwh)
-    late, beyond = words.delay(found.delay_s), words.stop_error(found.stop_error_m)
-    text = f"{more} energy, {late} s, stopped {beyond} m of stopping error."
+    late, error = words.delay(found.delay_s), words.stop_error(found.stop_error_m)
+    text = f"{more} energy, {late} s, stopping error {error} m."
     events = ""
     if isinstance(found, DisturbedRun):
         learned = [
@@ -244,7 +243,7 @@ def robustness(findings: Findings, figures: Figures) -> str:
     title = "What a wrong load and a position error cost"
     if findings.table is None:
         return section("robustness", title, f'<p class="note">{html.escape(findings.table_refusal)}</p>')
-    return section("robustness", title, sensitivity_table(findings.table) + surface_element(findings, "costs"))
+    return section("robustness", title, sensitivity_table(findings.table) + surface_element(figures, "costs"))
 
 
 def sensitivity_table(found: SensitivityTable) -> str:

@@ -13,9 +13,9 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.tokens import COST_SCALES, ThemeName
 from railjoule.dashboard.store.report import Findings
 from railjoule.dashboard.store.trade_off import EnocMap
-from railjoule.dashboard.views.surface import CIVIDIS, TALLEST
+from railjoule.dashboard.views.surface import CIVIDIS, TALLEST, round_step
 
-TICKS, ROUND_STEPS, CORNER_SHARE = 5, (1.0, 2.0, 2.5, 5.0, 10.0), 0.06
+TICKS, CORNER_SHARE = 5, 0.06
 MOST_NODES = 40
 """Along an axis: a finer surface looks the same, and the file has all its numbers."""
 
@@ -82,8 +82,7 @@ class Surface:
 def _ticks(low: float, high: float, show: Callable[[float], str]) -> list[tuple[float, str]]:
     """Return where along an axis ticks lie, as shares of it, and their texts: round numbers, none at the corners."""
     height = max(high - low, 1e-12)
-    size = 10.0 ** np.floor(np.log10(height / TICKS))
-    step = next(size * round_step for round_step in ROUND_STEPS if size * round_step >= height / TICKS)
+    step = round_step(height / TICKS)
     values = step * np.arange(np.ceil(low / step), np.floor(high / step) + 1)
     shares = (values - low) / height
     inside = (shares > CORNER_SHARE) & (shares < 1 - CORNER_SHARE)

@@ -1,24 +1,24 @@
 """What the workbench computes: the only place of the dashboard that asks the core to solve."""
 
-from railjoule.dashboard.store.actual import ActualWish, compute_actual
+from railjoule.dashboard.store.actual import ActualRequest, compute_actual
 from railjoule.dashboard.store.cards import Card, card_names, compute_cards, outlines
 from railjoule.dashboard.store.disturbances import (
     LateArrivals,
     Rides,
-    RidesWish,
+    RidesRequest,
     compute_late_arrivals,
     compute_rides,
 )
-from railjoule.dashboard.store.lessons import LessonResult, LessonWish, compute_lesson
-from railjoule.dashboard.store.line import LineRuns, LineWish, compute_line
+from railjoule.dashboard.store.lessons import LessonRequest, LessonResult, compute_lesson
+from railjoule.dashboard.store.line import LineRequest, LineRuns, compute_line
 from railjoule.dashboard.store.motor import (
     MACHINE_SCENARIO,
     Limits,
+    LoopRequest,
     LoopRivals,
     LoopRun,
-    LoopWish,
     MachineMap,
-    RippleWish,
+    RippleRequest,
     compute_detuning,
     compute_loop_run,
     compute_machine_map,
@@ -32,59 +32,59 @@ from railjoule.dashboard.store.papers import PaperTables, compute_papers, shippe
 from railjoule.dashboard.store.recipes import RecipeRun, compute_recipes
 from railjoule.dashboard.store.robustness import (
     Reality,
-    RealityWish,
-    TableWish,
+    RealityRequest,
+    TableRequest,
     compute_chance,
     compute_reality,
     compute_table,
 )
-from railjoule.dashboard.store.runs import Runs, RunsWish, compute_runs, compute_runs_in_steps, is_slow
+from railjoule.dashboard.store.runs import Runs, RunsRequest, compute_runs, compute_runs_in_steps, is_slow
 from railjoule.dashboard.store.speed_limits import (
     LimitRun,
-    LimitsWish,
+    LimitsRequest,
     LimitTrip,
     StorageCurve,
-    StorageWish,
+    StorageRequest,
     compute_limit_run,
     compute_limit_trip,
     compute_storage,
 )
-from railjoule.dashboard.store.trade_off import EnocMap, TradeOff, TradeOffWish, compute_trade_off
+from railjoule.dashboard.store.trade_off import EnocMap, TradeOff, TradeOffRequest, compute_trade_off
 from railjoule.dashboard.store.worker import Study, Worker
 
 __all__ = [
     "MACHINE_SCENARIO",
-    "ActualWish",
+    "ActualRequest",
     "Card",
     "EnocMap",
     "LateArrivals",
+    "LessonRequest",
     "LessonResult",
-    "LessonWish",
     "LimitRun",
     "LimitTrip",
     "Limits",
-    "LimitsWish",
+    "LimitsRequest",
+    "LineRequest",
     "LineRuns",
-    "LineWish",
+    "LoopRequest",
     "LoopRivals",
     "LoopRun",
-    "LoopWish",
     "MachineMap",
     "PaperTables",
     "Reality",
-    "RealityWish",
+    "RealityRequest",
     "RecipeRun",
     "Rides",
-    "RidesWish",
-    "RippleWish",
+    "RidesRequest",
+    "RippleRequest",
     "Runs",
-    "RunsWish",
+    "RunsRequest",
     "StorageCurve",
-    "StorageWish",
+    "StorageRequest",
     "Study",
-    "TableWish",
+    "TableRequest",
     "TradeOff",
-    "TradeOffWish",
+    "TradeOffRequest",
     "Worker",
     "card_names",
     "compute_actual",

@@ -10,14 +10,14 @@ from railjoule.dashboard.store.refusals import named_refusals
 
 
 @dataclass(frozen=True)
-class ActualWish:
+class ActualRequest:
     """A scenario, and what differs from its plan, by the keys of the scenario's file."""
 
     scenario: Scenario
     changes: Mapping[str, Any]
 
 
-def compute_actual(wish: ActualWish) -> ActualRun:
+def compute_actual(request: ActualRequest) -> ActualRun:
     """Return the plan of a scenario and what becomes of it.
 
     Raises
@@ -25,6 +25,6 @@ def compute_actual(wish: ActualWish) -> ActualRun:
     RailjouleError
         If a value is out of its bounds, the plan cannot be kept or the line not be passed.
     """
-    scenario = wish.scenario.with_(**wish.changes)
+    scenario = request.scenario.with_(**request.changes)
     with named_refusals(scenario):
         return actual_run(scenario)

@@ -18,7 +18,7 @@ DELAYS_S = (0.0, 1.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0)
 
 
 @dataclass(frozen=True)
-class RidesWish:
+class RidesRequest:
     """A scenario, and its events by the keys of the scenario's file."""
 
     scenario: Scenario
@@ -47,7 +47,7 @@ class Rides:
         return next(iter(self.rides.values())).planned
 
 
-def compute_rides(wish: RidesWish) -> Rides:
+def compute_rides(request: RidesRequest) -> Rides:
     """Return the ride of each reaction.
 
     Raises
@@ -55,7 +55,7 @@ def compute_rides(wish: RidesWish) -> Rides:
     RailjouleError
         If a value is out of its bounds, the plan cannot be kept or the line not be passed.
     """
-    scenario = wish.disturbed()
+    scenario = request.disturbed()
     with named_refusals(scenario):
         planned = plan_of(scenario)
         return Rides({reaction: disturbed_run_of(scenario, reaction, planned) for reaction in REACTIONS})
@@ -84,9 +84,9 @@ class LateArrivals:
     energy_kwh: Mapping[Reaction, FloatArray]
 
 
-def compute_late_arrivals(wish: RidesWish) -> Iterator[LateArrivals]:
+def compute_late_arrivals(request: RidesRequest) -> Iterator[LateArrivals]:
     """Yield energy over delay as it is computed; errors as `compute_rides`."""
-    scenario = wish.disturbed()
+    scenario = request.disturbed()
     planned = plan_of(scenario)
     delays = {reaction: np.full(len(DELAYS_S), np.nan) for reaction in REACTIONS}
     energies = {reaction: np.full(len(DELAYS_S), np.nan) for reaction in REACTIONS}

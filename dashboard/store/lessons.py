@@ -20,7 +20,7 @@ PLANNED_LOAD = 0.3
 
 
 @dataclass(frozen=True)
-class LessonWish:
+class LessonRequest:
     """A lesson, and where its slider stands."""
 
     lesson: str
@@ -33,7 +33,7 @@ class LessonResult:
 
     Parameters
     ----------
-    wish : LessonWish
+    request : LessonRequest
     runs : mapping
         Runs by the names of their lines.
     frontier : Frontier or None
@@ -44,7 +44,7 @@ class LessonResult:
         The run in the phase plane.
     """
 
-    wish: LessonWish
+    request: LessonRequest
     runs: Mapping[str, Trajectory]
     frontier: Frontier | None = None
     steady: SteadySpeeds | None = None
@@ -57,36 +57,36 @@ class LessonResult:
         return -share_above(first, second)
 
 
-def compute_lesson(wish: LessonWish) -> LessonResult:
+def compute_lesson(request: LessonRequest) -> LessonResult:
     """Return what a lesson shows; raises RailjouleError if the slider asks for the impossible."""
-    return LESSONS[wish.lesson](wish)
+    return LESSONS[request.lesson](request)
 
 
 def _level(length_m: float, **changes: Any) -> Scenario:
     return load_scenario(BASE).with_(line={"sections": [{"length_m": length_m}]}, **changes)
 
 
-def _coasting(wish: LessonWish) -> LessonResult:
-    scenario = _level(SHORT_M, **{"timetable.travel_time_s": wish.value})
-    return LessonResult(wish, {"optimum": solve(scenario), "constant speed": one_speed_run(scenario)})
+def _coasting(request: LessonRequest) -> LessonResult:
+    scenario = _level(SHORT_M, **{"timetable.travel_time_s": request.value})
+    return LessonResult(request, {"optimum": solve(scenario), "constant speed": one_speed_run(scenario)})
 
 
-def _multiplier(wish: LessonWish) -> LessonResult:
-    scenario = _level(MIDDLE_M, **{"timetable.travel_time_s": wish.value})
-    later = solve(scenario.with_(**{"timetable.travel_time_s": wish.value + 1}))
+def _multiplier(request: LessonRequest) -> LessonResult:
+    scenario = _level(MIDDLE_M, **{"timetable.travel_time_s": request.value})
+    later = solve(scenario.with_(**{"timetable.travel_time_s": request.value + 1}))
     task = prepare_task(scenario)
     frontier = energy_time_frontier(task, frontier_times(task, 24))
-    return _with_plane(wish, scenario, {"optimum": solve(scenario), "a second later": later}, frontier)
+    return _with_plane(request, scenario, {"optimum": solve(scenario), "a second later": later}, frontier)
 
 
-def _recuperation(wish: LessonWish) -> LessonResult:
+def _recuperation(request: LessonRequest) -> LessonResult:
     without = _level(LONG_M, **{"timetable.travel_time_s": LONG_TIME_S})
-    scenario = without.with_(**{"drive.recuperation_factor": wish.value / 100})
-    return _with_plane(wish, scenario, {"optimum": solve(scenario), "no recuperation": solve(without)})
+    scenario = without.with_(**{"drive.recuperation_factor": request.value / 100})
+    return _with_plane(request, scenario, {"optimum": solve(scenario), "no recuperation": solve(without)})
 
 
-def _gradient(wish: LessonWish) -> LessonResult:
-    steep = wish.value
+def _gradient(request: LessonRequest) -> LessonResult:
+    steep = request.value
     sections = [
         {"length_m": 150.0},
         {"length_m": 250.0, "gradient_permille": -steep},
@@ -97,28 +97,30 @@ def _gradient(wish: LessonWish) -> LessonResult:
     without = _level(SHORT_M, **{"timetable.travel_time_s": HUMP_TIME_S})
     with_gradients = without.with_(line={"sections": sections})
     driven = follow(plan_for(without), with_gradients).actual
-    return LessonResult(wish, {"planned with gradients": plan_for(with_gradients), "planned for level track": driven})
+    return LessonResult(
+        request, {"planned with gradients": plan_for(with_gradients), "planned for level track": driven}
+    )
 
 
-def _load(wish: LessonWish) -> LessonResult:
+def _load(request: LessonRequest) -> LessonResult:
     planned = _level(SHORT_M, **{"timetable.travel_time_s": LOAD_TIME_S, "vehicle.load_factor": PLANNED_LOAD})
-    actual = wish.value / 100
+    actual = request.value / 100
     driven = follow(plan_for(planned), planned.with_(**{"disturbance.actual_load_factor": actual})).actual
     # a heavier train is late: the plan for the actual load gets the same arrival
     for_actual = planned.with_(**{"vehicle.load_factor": actual, "timetable.travel_time_s": driven.travel_time_s})
-    return LessonResult(wish, {"planned for the actual load": plan_for(for_actual), "planned for 30 %": driven})
+    return LessonResult(request, {"planned for the actual load": plan_for(for_actual), "planned for 30 %": driven})
 
 
 def _with_plane(
-    wish: LessonWish, scenario: Scenario, runs: Mapping[str, Trajectory], frontier: Frontier | None = None
+    request: LessonRequest, scenario: Scenario, runs: Mapping[str, Trajectory], frontier: Frontier | None = None
 ) -> LessonResult:
     run = runs["optimum"]
     price = run.price_of_time_w or 0.0
     steady = steady_speeds(scenario, price, float(run.speed_ms.max()))
-    return LessonResult(wish, runs, frontier, steady, phase_plane(scenario, steady))
+    return LessonResult(request, runs, frontier, steady, phase_plane(scenario, steady))
 
 
-LESSONS: Mapping[str, Callable[[LessonWish], LessonResult]] = {
+LESSONS: Mapping[str, Callable[[LessonRequest], LessonResult]] = {
     "coasting": _coasting,
     "multiplier": _multiplier,
     "recuperation": _recuperation,

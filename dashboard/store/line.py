@@ -12,7 +12,7 @@ SHARINGS: tuple[Sharing, ...] = get_args(Sharing)
 
 
 @dataclass(frozen=True)
-class LineWish:
+class LineRequest:
     """A scenario whose line has stations, and which of their arrivals are fixed [s], by their numbers from 0."""
 
     scenario: Scenario
@@ -25,7 +25,7 @@ class LineRuns:
 
     Parameters
     ----------
-    wish : LineWish
+    request : LineRequest
         What was asked for.
     runs : mapping
         The whole lines by their sharing.
@@ -33,7 +33,7 @@ class LineRuns:
         Shortest possible time, dwells included [s].
     """
 
-    wish: LineWish
+    request: LineRequest
     runs: Mapping[Sharing, WholeLine]
     shortest_time_s: float
 
@@ -43,7 +43,7 @@ class LineRuns:
         return self.runs["optimum"]
 
 
-def compute_line(wish: LineWish) -> LineRuns:
+def compute_line(request: LineRequest) -> LineRuns:
     """Return the line with its time shared in three ways.
 
     Raises
@@ -51,6 +51,6 @@ def compute_line(wish: LineWish) -> LineRuns:
     RailjouleError
         If the timetable or a fixed arrival cannot be kept, or the line not be run over.
     """
-    task = prepare_task(wish.scenario)
-    runs = {sharing: shared_line(task, sharing, dict(wish.arrivals_s)) for sharing in SHARINGS}
-    return LineRuns(wish, runs, task.shortest_travel_time_s)
+    task = prepare_task(request.scenario)
+    runs = {sharing: shared_line(task, sharing, dict(request.arrivals_s)) for sharing in SHARINGS}
+    return LineRuns(request, runs, task.shortest_travel_time_s)

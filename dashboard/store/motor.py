@@ -87,7 +87,7 @@ def limit_changes(scenario: Scenario, limits: Limits) -> Mapping[str, float]:
 
 
 @dataclass(frozen=True)
-class LoopWish:
+class LoopRequest:
     """A scenario, the strategy that plans it, and controller and limits by the keys of the scenario's file."""
 
     scenario: Scenario
@@ -111,11 +111,11 @@ class LoopWish:
 class LoopRun:
     """What was asked for, and its run."""
 
-    wish: LoopWish
+    request: LoopRequest
     run: FieldOrientedRun
 
 
-def compute_loop_run(wish: LoopWish) -> LoopRun:
+def compute_loop_run(request: LoopRequest) -> LoopRun:
     """Return a plan's run through the loop.
 
     Raises
@@ -123,7 +123,7 @@ def compute_loop_run(wish: LoopWish) -> LoopRun:
     RailjouleError
         If a value is out of its bounds, there is no such plan, or the drive has no machine.
     """
-    return LoopRun(wish, simulate_field_oriented(wish.in_loop(), wish.plan()))
+    return LoopRun(request, simulate_field_oriented(request.in_loop(), request.plan()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,17 +161,17 @@ class LoopRivals:
 
 def compute_rivals(loop: LoopRun) -> LoopRivals:
     """Return what a run is compared with; errors as `compute_loop_run`."""
-    scenario, run = loop.wish.in_loop(), loop.run
+    scenario, run = loop.request.in_loop(), loop.run
     ahead = scenario.simulation.precompensator
     other = simulate_field_oriented(scenario.with_(**{"simulation.precompensator": not ahead}), run.planned)
     strategies: dict[StrategyName, FieldOrientedRun] = {}
     refused: dict[StrategyName, str] = {}
     for name in RIVALS:
-        if name == loop.wish.strategy:
+        if name == loop.request.strategy:
             strategies[name] = run
             continue
         try:
-            strategies[name] = simulate_field_oriented(scenario, loop.wish.plan(name))
+            strategies[name] = simulate_field_oriented(scenario, loop.request.plan(name))
         except (StrategyRefusedError, SolverError, TimetableError) as refusal:
             refused[name] = str(refusal)
     with_it, without = (run, other) if ahead else (other, run)
@@ -203,18 +203,20 @@ def spread_points(points: OperatingPoints, over: MotorMap) -> OperatingPoints:
 
 
 @dataclass(frozen=True)
-class RippleWish:
+class RippleRequest:
     """A run, and the time at which its switched currents are asked for."""
 
     run: FieldOrientedRun
     at_s: float
 
 
-def compute_ripple(wish: RippleWish) -> Ripple:
+def compute_ripple(request: RippleRequest) -> Ripple:
     """Return currents under switched voltage around a time, which is kept within the run."""
-    return current_ripple(wish.run, min(max(wish.at_s, float(wish.run.time_s[0])), float(wish.run.time_s[-1])))
+    return current_ripple(
+        request.run, min(max(request.at_s, float(request.run.time_s[0])), float(request.run.time_s[-1]))
+    )
 
 
-def compute_detuning(wish: LoopWish) -> Iterator[DetuningTable]:
+def compute_detuning(request: LoopRequest) -> Iterator[DetuningTable]:
     """Yield what a wrong rotor resistance costs as it is computed; errors as `compute_loop_run`."""
-    yield from detuning_steps(wish.in_loop(), NEAREST_FIRST, wish.plan())
+    yield from detuning_steps(request.in_loop(), NEAREST_FIRST, request.plan())

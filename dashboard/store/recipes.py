@@ -5,7 +5,7 @@ from typing import Protocol
 
 from railjoule.core import Scenario, StrategyRefusedError, Trajectory
 from railjoule.core.scenario import StrategyName
-from railjoule.dashboard.store.runs import RunsWish, compute_runs
+from railjoule.dashboard.store.runs import RunsRequest, compute_runs
 
 
 class Recipe(Protocol):
@@ -39,7 +39,7 @@ def compute_recipes(recipes: tuple[Recipe, ...]) -> tuple[RecipeRun, ...]:
 
 
 def _run(scenario: Scenario, strategy: StrategyName) -> Trajectory:
-    runs = compute_runs(RunsWish(scenario, (strategy,)))
+    runs = compute_runs(RunsRequest(scenario, (strategy,)))
     if strategy not in runs.runs:
         raise StrategyRefusedError(f"{strategy} {runs.refused[strategy]}")
     return runs.runs[strategy]

@@ -17,7 +17,7 @@ from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strate
 from railjoule.core.studies.sensitivity import SensitivityTable, sensitivity_steps
 from railjoule.core.studies.tradeoff import coarsened, frontier_times
 from railjoule.dashboard.store.refusals import named_refusals
-from railjoule.dashboard.store.runs import Runs, RunsWish, compute_runs
+from railjoule.dashboard.store.runs import Runs, RunsRequest, compute_runs
 from railjoule.dashboard.store.trade_off import EnocMap, compute_enoc_map
 
 OPTIMA_COUNT = 40
@@ -29,7 +29,7 @@ RUNS_SHARE, OPTIMA_SHARE, REALITY_SHARE = 0.2, 0.7, 0.75
 
 
 @dataclass(frozen=True)
-class ReportWish:
+class ReportRequest:
     """A scenario, and the strategy whose numbers come first; the scenario's own where None."""
 
     scenario: Scenario
@@ -78,7 +78,7 @@ class Findings:
         return self.runs.runs.get(self.scenario.strategy, self.runs.best)
 
 
-def compute_findings(wish: ReportWish) -> Iterator[Findings]:
+def compute_findings(request: ReportRequest) -> Iterator[Findings]:
     """Yield what a report tells as it becomes complete; the last one has all of it.
 
     Raises
@@ -86,11 +86,11 @@ def compute_findings(wish: ReportWish) -> Iterator[Findings]:
     RailjouleError
         If the timetable cannot be kept, or the line not be run over.
     """
-    scenario = wish.scenario
-    if wish.strategy is not None and wish.strategy != scenario.strategy:
-        scenario = scenario.with_(strategy=wish.strategy)
+    scenario = request.scenario
+    if request.strategy is not None and request.strategy != scenario.strategy:
+        scenario = scenario.with_(strategy=request.strategy)
     findings = Findings(
-        scenario, compute_runs(RunsWish(scenario, tuple(STRATEGIES))), enoc_map=compute_enoc_map(scenario)
+        scenario, compute_runs(RunsRequest(scenario, tuple(STRATEGIES))), enoc_map=compute_enoc_map(scenario)
     )
     yield findings
     for optima, share in _optima(findings):

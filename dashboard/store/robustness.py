@@ -12,7 +12,7 @@ from railjoule.dashboard.store.refusals import named_refusals
 
 
 @dataclass(frozen=True)
-class RealityWish:
+class RealityRequest:
     """A scenario, and what is otherwise in reality, by the keys of the scenario's file."""
 
     scenario: Scenario
@@ -39,7 +39,7 @@ class Reality:
     replanned_kwh: float | None
 
 
-def compute_reality(wish: RealityWish) -> Reality:
+def compute_reality(request: RealityRequest) -> Reality:
     """Return what becomes of a plan.
 
     Raises
@@ -47,7 +47,7 @@ def compute_reality(wish: RealityWish) -> Reality:
     RailjouleError
         If a value is out of its bounds, the timetable cannot be kept or the line not be passed.
     """
-    scenario = wish.scenario_in_reality()
+    scenario = request.scenario_in_reality()
     with named_refusals(scenario):
         following = follow(plan_for(scenario), scenario)
     load = scenario.disturbance.actual_load_factor
@@ -56,23 +56,23 @@ def compute_reality(wish: RealityWish) -> Reality:
 
 
 @dataclass(frozen=True)
-class TableWish:
+class TableRequest:
     """For which plan the table of loads and errors is asked, whether there and back, and what the train knows."""
 
-    reality: RealityWish
+    reality: RealityRequest
     both_directions: bool
     knows: Knows
 
 
-def compute_table(wish: TableWish) -> Iterator[SensitivityTable]:
+def compute_table(request: TableRequest) -> Iterator[SensitivityTable]:
     """Yield the table of loads and errors as it fills; errors as `compute_reality`."""
-    scenario = wish.reality.scenario_in_reality()
+    scenario = request.reality.scenario_in_reality()
     with named_refusals(scenario):
-        yield from sensitivity_steps(scenario, both_directions=wish.both_directions, knows=wish.knows)
+        yield from sensitivity_steps(scenario, both_directions=request.both_directions, knows=request.knows)
 
 
-def compute_chance(wish: RealityWish) -> Iterator[MonteCarloTable]:
+def compute_chance(request: RealityRequest) -> Iterator[MonteCarloTable]:
     """Yield the runs that chance draws as they come; errors as `compute_reality`."""
-    scenario = wish.scenario_in_reality()
+    scenario = request.scenario_in_reality()
     with named_refusals(scenario):
         yield from monte_carlo_steps(scenario)

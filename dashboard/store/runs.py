@@ -83,7 +83,7 @@ def is_slow(scenario: Scenario, *strategies: StrategyName) -> bool:
 
 
 @dataclass(frozen=True)
-class RunsWish:
+class RunsRequest:
     """A scenario, the strategies to run on it, and whether the law of dynamic programming is asked for."""
 
     scenario: Scenario
@@ -101,28 +101,28 @@ class RunsWish:
         return expected_s(self.scenario, *self.strategies) < AT_ONCE_S
 
 
-def compute_runs(wish: RunsWish) -> Runs:
-    """Return the runs of the wished strategies; the optimum, which proves the bound, is always among them.
+def compute_runs(request: RunsRequest) -> Runs:
+    """Return the runs of the requested strategies; the optimum, which proves the bound, is always among them.
 
     Raises
     ------
     RailjouleError
         If the timetable cannot be kept, or the line not be run over.
     """
-    *_, runs = compute_runs_in_steps(wish)
+    *_, runs = compute_runs_in_steps(request)
     return runs
 
 
-def compute_runs_in_steps(wish: RunsWish) -> Iterator[Runs]:
-    """Yield the runs of the wished strategies as they come, the optimum first; errors as `compute_runs`."""
-    task = prepare_task(wish.scenario)
+def compute_runs_in_steps(request: RunsRequest) -> Iterator[Runs]:
+    """Yield the runs of the requested strategies as they come, the optimum first; errors as `compute_runs`."""
+    task = prepare_task(request.scenario)
     task.require_timetable()
     runs: dict[StrategyName, Trajectory] = {}
     refused: dict[StrategyName, str] = {}
     law: ControlLaw | None = None
-    for name in dict.fromkeys(("optimal", *wish.strategies)):
+    for name in dict.fromkeys(("optimal", *request.strategies)):
         try:
-            if name == "bellman" and wish.with_law:
+            if name == "bellman" and request.with_law:
                 run, law = timed_with_law(task)
             else:
                 run = run_strategy(task, name)

@@ -29,7 +29,7 @@ LARGEST_SIZE_SHARE, SIZES = 1.5, 25
 
 
 @dataclass(frozen=True)
-class LimitsWish:
+class LimitsRequest:
     """A scenario, and its sections and search by the keys of the scenario's file."""
 
     scenario: Scenario
@@ -86,7 +86,7 @@ class LimitRun:
         return self.planned_s * (1 - window), self.planned_s * (1 + window)
 
 
-def compute_limit_run(wish: LimitsWish) -> LimitRun:
+def compute_limit_run(request: LimitsRequest) -> LimitRun:
     """Return the run under limits, given or found by search.
 
     Raises
@@ -94,7 +94,7 @@ def compute_limit_run(wish: LimitsWish) -> LimitRun:
     RailjouleError
         If a limit or border is out of bounds, the timetable cannot be kept or the line not be passed.
     """
-    scenario = wish.limited()
+    scenario = request.limited()
     with named_refusals(scenario):
         run, search = speed_limits_with_search(prepare_task(scenario))
     optimum, reason = optimum_over(scenario, run.travel_time_s)
@@ -137,7 +137,7 @@ class LimitTrip:
     travel_time_s: float
 
 
-def compute_limit_trip(wish: LimitsWish) -> LimitTrip | None:
+def compute_limit_trip(request: LimitsRequest) -> LimitTrip | None:
     """Return the trip under given limits, or None where only a whole run can tell it.
 
     Raises
@@ -145,7 +145,7 @@ def compute_limit_trip(wish: LimitsWish) -> LimitTrip | None:
     RailjouleError
         If a limit or border is out of bounds or the line cannot be passed.
     """
-    scenario = wish.limited()
+    scenario = request.limited()
     limits, options = scenario.search.limits_kmh, scenario.search
     if limits is None or options.regulator == "literal":
         return None
@@ -160,7 +160,7 @@ def compute_limit_trip(wish: LimitsWish) -> LimitTrip | None:
 
 
 @dataclass(frozen=True, eq=False)
-class StorageWish:
+class StorageRequest:
     """A run, and the storage on board; what it does not name is as the run needs it."""
 
     run: LimitRun
@@ -190,16 +190,16 @@ class StorageCurve:
     need: StorageNeed
 
 
-def compute_storage(wish: StorageWish) -> StorageCurve:
+def compute_storage(request: StorageRequest) -> StorageCurve:
     """Return what storages save over a run; raises ScenarioError if a size or power is negative."""
-    need = wish.run.need
-    size = need.largest_drop_kwh if wish.size_kwh is None else wish.size_kwh
-    power = max(need.charging_peak_kw, need.discharging_peak_kw) if wish.power_kw is None else wish.power_kw
-    efficiencies = wish.charging_efficiency, wish.discharging_efficiency
+    need = request.run.need
+    size = need.largest_drop_kwh if request.size_kwh is None else request.size_kwh
+    power = max(need.charging_peak_kw, need.discharging_peak_kw) if request.power_kw is None else request.power_kw
+    efficiencies = request.charging_efficiency, request.discharging_efficiency
     sizes = np.linspace(0.0, max(LARGEST_SIZE_SHARE * need.largest_drop_kwh, 1.1 * size, 1e-3), SIZES)
     return StorageCurve(
         size_kwh=frozen_array(sizes),
-        saved_kwh=saving_over_size(wish.run.run, sizes, power, *efficiencies),
-        chosen=with_storage(wish.run.run, Storage(size, power, *efficiencies)),
+        saved_kwh=saving_over_size(request.run.run, sizes, power, *efficiencies),
+        chosen=with_storage(request.run.run, Storage(size, power, *efficiencies)),
         need=need,
     )

@@ -43,7 +43,7 @@ class EnocMap:
 
 
 @dataclass(frozen=True)
-class TradeOffWish:
+class TradeOffRequest:
     """A scenario, the longest time to look at [s], and what ENOC's map shall show."""
 
     scenario: Scenario
@@ -87,7 +87,7 @@ WIDE_MAP_S = ((600.0, 5000.0), (10.0, 250.0))
 """The same for Figure 6a of Ftorek 2025 [s]."""
 
 
-def compute_trade_off(wish: TradeOffWish) -> TradeOff:
+def compute_trade_off(request: TradeOffRequest) -> TradeOff:
     """Return the frontier of a scenario and, on plain lines, ENOC's curve and map.
 
     Raises
@@ -95,23 +95,20 @@ def compute_trade_off(wish: TradeOffWish) -> TradeOff:
     RailjouleError
         If the line cannot be run over at all.
     """
-    task = prepare_task(wish.scenario)
-    share = max(2.0, (wish.longest_time_s - task.dwell_s) / task.shortest_time_s)
+    task = prepare_task(request.scenario)
+    share = max(2.0, (request.longest_time_s - task.dwell_s) / task.shortest_time_s)
     frontier = energy_time_frontier(task, frontier_times(task, longest_share=share))
     try:
         line = plain_line(task)
     except StrategyRefusedError as refusal:
-        return TradeOff(wish.scenario, frontier, None, None, None, str(refusal))
-    weighted = replace(line, loss_coefficient=line.loss_coefficient * wish.copper_weight)
-    (first, last), ramps = WIDE_MAP_S if wish.wide_map else NARROW_MAP_S
-    unit = 1.0 if wish.wide_map else task.shortest_time_s
-    times = np.linspace(first * unit, last * unit, MAP_SIZE)
+        return TradeOff(request.scenario, frontier, None, None, None, str(refusal))
+    weighted = replace(line, loss_coefficient=line.loss_coefficient * request.copper_weight)
     return TradeOff(
-        scenario=wish.scenario,
+        scenario=request.scenario,
         frontier=frontier,
         enoc=enoc_frontier(task, frontier.travel_time_s),
         coefficients=enoc_coefficients(line),
-        enoc_map=_enoc_map(enoc_coefficients(weighted), times, ramps),
+        enoc_map=_enoc_map(enoc_coefficients(weighted), None if request.wide_map else task.shortest_time_s),
         refusal="",
     )
 
@@ -123,13 +120,14 @@ def compute_enoc_map(scenario: Scenario) -> EnocMap | None:
         line = plain_line(task)
     except StrategyRefusedError:
         return None
-    (first, last), ramps = NARROW_MAP_S
-    times = np.linspace(first * task.shortest_time_s, last * task.shortest_time_s, MAP_SIZE)
-    return _enoc_map(enoc_coefficients(line), times, ramps)
+    return _enoc_map(enoc_coefficients(line), task.shortest_time_s)
 
 
-def _enoc_map(coefficients: EnocCoefficients, times: FloatArray, ends: tuple[float, float]) -> EnocMap:
-    ramps = np.linspace(*ends, MAP_SIZE)
+def _enoc_map(coefficients: EnocCoefficients, shortest_time_s: float | None) -> EnocMap:
+    """Return the map around a shortest time, or that of the paper's figure."""
+    (first, last), ends = WIDE_MAP_S if shortest_time_s is None else NARROW_MAP_S
+    unit = 1.0 if shortest_time_s is None else shortest_time_s
+    times, ramps = np.linspace(first * unit, last * unit, MAP_SIZE), np.linspace(*ends, MAP_SIZE)
     best = np.array([best_acceleration_time(coefficients, time) for time in times])
     energies = enoc_energy(coefficients, times, best) / J_PER_KWH
     return EnocMap(times, ramps, enoc_surface(coefficients, times, ramps) / J_PER_KWH, best, energies)

@@ -30,7 +30,7 @@ PAUSE_S = 0.002
 UNKNOWN = "Something went wrong in the computation; the server's log has the details."
 NO_MEMORY = "This takes more memory than the server has; a longer solver.mesh_m needs less."
 
-Wish = TypeVar("Wish")
+Request = TypeVar("Request")
 Result = TypeVar("Result")
 
 
@@ -64,6 +64,8 @@ class Lateness:
         """Take note that a result has come, perhaps with more asked for meanwhile."""
         self._asked_s = time.monotonic() if more else 0.0
         self._tell(False)
+        if more:
+            self._time()
 
     def _time(self) -> None:
         if self._document is not None and not self._timed:
@@ -89,13 +91,13 @@ def nobody(_: bool) -> None:
     """Tell nobody: a page that is not marked as late."""
 
 
-class Worker(Generic[Wish, Result]):
-    """Does the last wish of one page in a thread, and delivers results in the order in which they were asked.
+class Worker(Generic[Request, Result]):
+    """Works on the last request of one page in a thread, and delivers results in the order in which they were asked.
 
     Parameters
     ----------
     compute : callable
-        Turns a wish into a result; runs in a thread.
+        Turns a request into a result; runs in a thread.
     deliver : callable
         Takes a result into the page; runs in the page's own turn.
     fail : callable
@@ -103,50 +105,50 @@ class Worker(Generic[Wish, Result]):
     mark : callable
         Told True when what the page shows is from before the last change, False when it no longer is.
     is_slow : callable
-        Whether a wish takes seconds: then it does not keep the short ones of other pages waiting.
+        Whether a request takes seconds: then it does not keep the short ones of other pages waiting.
     """
 
     def __init__(
         self,
-        compute: Callable[[Wish], Result],
+        compute: Callable[[Request], Result],
         deliver: Callable[[Result], None],
         fail: Callable[[RailjouleError], None],
         mark: Callable[[bool], None] = nobody,
-        is_slow: Callable[[Wish], bool] = lambda _: False,
+        is_slow: Callable[[Request], bool] = lambda _: False,
     ) -> None:
         self._compute, self._deliver, self._fail, self._is_slow = compute, deliver, fail, is_slow
         self._late = Lateness(mark)
         self._document: Document | None = None
-        self._wish: Wish | None = None
+        self._request: Request | None = None
         self._running = False
         self.last_duration_s = 0.0
 
-    def ask(self, wish: Wish) -> None:
-        """Ask for a result; a wish that waits is forgotten."""
+    def ask(self, request: Request) -> None:
+        """Ask for a result; a request that waits is forgotten."""
         self._document = pn.state.curdoc
         if self._document is None:
-            self.do(wish)
+            self.do(request)
             return
         self._late.asked(self._document)
         if self._running:
-            self._wish = wish
+            self._request = request
         else:
-            self._start(wish)
+            self._start(request)
 
-    def do(self, wish: Wish) -> None:
+    def do(self, request: Request) -> None:
         """Compute and deliver in the caller's own turn."""
-        self._settle(self._timed(wish))
+        self._settle(self._timed(request))
 
-    def _start(self, wish: Wish) -> None:
+    def _start(self, request: Request) -> None:
         self._running = True
-        threads = SLOW_THREADS if self._is_slow(wish) else THREADS
-        threads.submit(self._timed, wish).add_done_callback(self._hand_over)
+        threads = SLOW_THREADS if self._is_slow(request) else THREADS
+        threads.submit(self._timed, request).add_done_callback(self._hand_over)
 
-    def _timed(self, wish: Wish) -> Result | RailjouleError:
+    def _timed(self, request: Request) -> Result | RailjouleError:
         started = time.perf_counter()
         try:
             with within(PAGE):
-                return self._compute(wish)
+                return self._compute(request)
         except RailjouleError as error:
             return error
         except (MemoryError, RecursionError) as error:
@@ -161,11 +163,11 @@ class Worker(Generic[Wish, Result]):
     def _finish(self, future: "Future[Result | RailjouleError]") -> None:
         self._running = False
         error = future.exception()
-        self._late.answered(more=self._wish is not None)
+        self._late.answered(more=self._request is not None)
         self._settle(future.result() if error is None else told(error))
-        if self._wish is not None:
-            wish, self._wish = self._wish, None
-            self._start(wish)
+        if self._request is not None:
+            request, self._request = self._request, None
+            self._start(request)
 
     def _settle(self, outcome: Result | RailjouleError) -> None:
         settle(outcome, self._deliver, self._fail)
@@ -186,25 +188,25 @@ def settle(
             fail(RailjouleError(UNKNOWN))
 
 
-class Study(Generic[Wish, Result]):
-    """Does a long piece of work of one page step by step; each new wish, and `stop`, ends the one before.
+class Study(Generic[Request, Result]):
+    """Does a long piece of work of one page step by step; each new request, and `stop`, ends the one before.
 
     Parameters
     ----------
     steps : callable
-        Turns a wish into results that become more complete; runs in a thread.
+        Turns a request into results that become more complete; runs in a thread.
     deliver : callable
         Takes a result and whether it is the last into the page, in the page's own turn; steps that come faster than
         the page takes them are left out.
     fail : callable
         Takes an error that the user can mend.
     mark : callable
-        As for a worker; the first step of a wish is what is waited for.
+        As for a worker; the first step of a request is what is waited for.
     """
 
     def __init__(
         self,
-        steps: Callable[[Wish], Iterator[Result]],
+        steps: Callable[[Request], Iterator[Result]],
         deliver: Callable[[Result, bool], None],
         fail: Callable[[RailjouleError], None],
         mark: Callable[[bool], None] = nobody,
@@ -213,17 +215,17 @@ class Study(Generic[Wish, Result]):
         self._late = Lateness(mark)
         self._job: _Job[Result] | None = None
 
-    def ask(self, wish: Wish) -> None:
+    def ask(self, request: Request) -> None:
         """Begin anew; without a page around it, in the caller's own turn."""
         self.stop()
         document = pn.state.curdoc
         job: _Job[Result] = _Job(document)
         self._job = job
         if document is None:
-            self._work(wish, job)
+            self._work(request, job)
         else:
             self._late.asked(document)
-            LONG_THREADS.submit(self._work, wish, job)
+            LONG_THREADS.submit(self._work, request, job)
 
     @property
     def busy(self) -> bool:
@@ -237,11 +239,11 @@ class Study(Generic[Wish, Result]):
             self._job = None
             self._late.answered()
 
-    def _work(self, wish: Wish, job: "_Job[Result]") -> None:
+    def _work(self, request: Request, job: "_Job[Result]") -> None:
         result: Result | RailjouleError | None = None
         try:
             with within(PAGE):
-                for result in self._steps(wish):
+                for result in self._steps(request):
                     if job.ended.is_set():
                         return
                     job.offer(result, False, self._take)

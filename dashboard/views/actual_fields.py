@@ -5,6 +5,7 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
+from railjoule.dashboard.look.words import REACTION_WORDS
 from railjoule.dashboard.models.actual import (
     add_stop,
     as_planned,
@@ -18,7 +19,6 @@ from railjoule.dashboard.views.events import event_sign
 from railjoule.dashboard.views.fields import CrushLoad, NumberField, TypedNumber, tie
 from railjoule.dashboard.views.parts import html_pane, stack
 
-REACTIONS = {"Driver": "driver", "Computer": "computer", "Known before": "known"}
 ERROR_ENDS_M = (-25.0, 25.0)
 SLIDER_INSET_PX = 22
 """From the sidebar's edge to the end of a slider's rail."""
@@ -65,7 +65,7 @@ class ActualFields:
         )
         self.reaction = pmui.Select(
             label="Who reacts",
-            options=REACTIONS,
+            options={words: reaction for reaction, words in REACTION_WORDS.items()},
             value=self.model.reaction,
             size="small",
             margin=(8, 16, 4, 16),

@@ -130,6 +130,13 @@ class Axis:
         """Where the longest run ends: no ticks lie beyond it."""
         return self._end
 
+    def settle_over(self, time: bool) -> None:
+        """Settle an axis of times [s] or of places [m]."""
+        if time:
+            self.settle("s", 1)
+        else:
+            self.settle("m", 0)
+
     def settle(self, unit: str, digits: int) -> None:
         """Tell the cursor all charts, and the unit in which it writes its place into the first caption.
 

@@ -155,10 +155,7 @@ class CompareView(PageView):
 
     def settle(self) -> None:
         """Tell the cursor of the runs that it may meet new charts."""
-        if self.state.over_time:
-            self.axis.settle("s", 1)
-        else:
-            self.axis.settle("m", 0)
+        self.axis.settle_over(self.state.over_time)
 
     def _show_failure(self) -> None:
         run = self.state.run

@@ -1,16 +1,16 @@
 """Disturbances: events on the way, who reacts how, and what catching up costs."""
 
 from functools import partial
-from itertools import pairwise
 
 import panel as pn
 import panel_material_ui as pmui
 from panel.viewable import Viewable
 
 from railjoule.core import Trajectory
-from railjoule.core.scenario.disturbance import Reaction
 from railjoule.core.simulate.disturbances import DisturbedRun
 from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.words import REACTION_WORDS
+from railjoule.dashboard.models.actual import add_stop
 from railjoule.dashboard.store import Rides
 from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.charts import Axis, Chart
@@ -26,12 +26,6 @@ LOWER_CSS = """
 :host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: 28px; align-items: start; }
 @media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); } }
 """
-REACTION_WORDS: dict[Reaction, str] = {
-    "driver": "Driver",
-    "computer": "Replanned",
-    "known": "With advance notice",
-}
-
 WHO = (
     "Driver: holds the speed or coasts on, brakes for the event, then drives the optimal remainder. Replanned: the "
     "whole remainder is computed again when the event is noticed. With advance notice: the whole run is planned for it."
@@ -70,7 +64,7 @@ class DisturbancesView(PageView):
             size="small",
             margin=(8, 0, 0, 12),
             height=28,
-            on_click=lambda _: self._drop_stop(),
+            on_click=lambda _: add_stop(state),
         )
         self.invitation = parts.html_pane(
             f'<p role="status" style="padding:10px 20px 0;font-size:13.5px">{NO_EVENT}</p>', visible=False
@@ -95,19 +89,9 @@ class DisturbancesView(PageView):
     def _drop(self, place_m: float) -> None:
         self.model.drop(self.model.dropping, place_m)
 
-    def _drop_stop(self) -> None:
-        """Add a stop in the middle of the longest stretch without one."""
-        length = self.state.scenario.edited.line.length_m
-        places = sorted({0.0, length, *(event.position_m for event in self.model.events if event.kind == "stop")})
-        start, end = max(pairwise(places), key=lambda ends: ends[1] - ends[0])
-        self.model.drop("stop", (start + end) / 2)
-
     def settle(self) -> None:
         """Tell the cursor of the rides that it may meet new charts."""
-        if self.state.over_time:
-            self.axis.settle("s", 1)
-        else:
-            self.axis.settle("m", 0)
+        self.axis.settle_over(self.state.over_time)
 
     def _show(self) -> None:
         rides = self.model.rides

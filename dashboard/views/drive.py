@@ -138,10 +138,7 @@ class DriveView(PageView):
 
     def settle(self) -> None:
         """Tell the cursor of the runs that it may meet new charts."""
-        if self.state.over_time:
-            self.axis.settle("s", 1)
-        else:
-            self.axis.settle("m", 0)
+        self.axis.settle_over(self.state.over_time)
 
     def _repair(self, *_: Any) -> None:
         failure = self.state.failure

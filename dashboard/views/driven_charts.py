@@ -66,8 +66,8 @@ class DrivenSpeedChart(DrivenChart):
         lines = {key: (run.position_m, self.values(run)) for key, run in runs.items()}
         tokens = self.palette.tokens
         names = [
-            Name("planned", "planned", tokens["accent"], wish=0.25),
-            Name("driven", f"driven: {name}", tokens["driven"], wish=0.7),
+            Name("planned", "planned", tokens["accent"], preferred=0.25),
+            Name("driven", f"driven: {name}", tokens["driven"], preferred=0.7),
         ]
         self.place_names(lines, names)
 

@@ -28,7 +28,7 @@ BOX_GAP_PX = 2.0
 AROUND_PX = (10.0, 18.0, 30.0, 44.0)
 """How far beside a point its name may stand."""
 SIDEWAYS = 0.02
-"""What a pixel away from the wished place along the line costs, in pixels of steepness or lost distance."""
+"""What a pixel away from the preferred place along the line costs, in pixels of steepness or lost distance."""
 
 WIDTHS_EM = {
     letter: width
@@ -65,7 +65,7 @@ class Label:
     width_px, height_px : float
     at_end : bool
         Whether it stands beside the end of its line, if there is room.
-    wish : float
+    preferred : float
         Where along the frame it stands best, 0 to 1, if it is not at the end.
     point : tuple or None
         The point that it names, if it names no line [px].
@@ -75,7 +75,7 @@ class Label:
     width_px: float
     height_px: float = LINE_PX
     at_end: bool = False
-    wish: float = 0.4
+    preferred: float = 0.4
     point: tuple[float, float] | None = None
 
 
@@ -151,22 +151,22 @@ def envelopes(lines: Sequence[Polyline], width_px: float) -> tuple[FloatArray, F
     return low, high
 
 
-def spread_within(wishes: Sequence[float], gap: float, bottom: float, top: float) -> list[float]:
-    """Return places between `bottom` and `top` that lie at least `gap` apart, as near to the wishes as can be.
+def spread_within(preferred: Sequence[float], gap: float, bottom: float, top: float) -> list[float]:
+    """Return places between `bottom` and `top` that lie at least `gap` apart, as near to them as possible.
 
     The order stays, and the sum of squares of the distances is least: groups that touch stand around the mean of what
-    they wish. There must be room for all.
+    they come from. There must be room for all.
     """
-    order = np.argsort(wishes, kind="stable")
+    order = np.argsort(preferred, kind="stable")
     groups: list[tuple[float, int]] = []
     for place, k in enumerate(order):
-        groups.append((wishes[k] - place * gap, 1))
+        groups.append((preferred[k] - place * gap, 1))
         while len(groups) > 1 and groups[-2][0] >= groups[-1][0]:
             (one, n), (other, m) = groups.pop(-2), groups.pop()
             groups.append(((one * n + other * m) / (n + m), n + m))
     free = np.repeat([place for place, _ in groups], [count for _, count in groups])
-    placed = np.clip(free, bottom, top - gap * (len(wishes) - 1)) + gap * np.arange(len(wishes))
-    result = np.empty(len(wishes))
+    placed = np.clip(free, bottom, top - gap * (len(preferred) - 1)) + gap * np.arange(len(preferred))
+    result = np.empty(len(preferred))
     result[order] = placed
     return [float(place) for place in result]
 
@@ -218,7 +218,7 @@ def _along(label: Label, low: FloatArray, high: FloatArray, width_px: float, hei
     free = whole & (distance >= GAP_PX) & (bottom >= 0) & (top <= height_px)
     side, column = np.nonzero(free)
     left = np.clip(COLUMN_PX * (column + 0.5 * count) - 0.5 * label.width_px, 0.0, max(width_px - label.width_px, 0.0))
-    aside = np.abs(left + 0.5 * label.width_px - label.wish * width_px)
+    aside = np.abs(left + 0.5 * label.width_px - label.preferred * width_px)
     away = np.array([*OFFSETS_PX, *OFFSETS_PX])[side] + (own_high - own_low)[column]
     cost = away - distance[side, column] + SIDEWAYS * aside
     best = np.argsort(cost, kind="stable")

@@ -61,7 +61,7 @@ class Name:
         Whether it stands beside the end of the line if there is room.
     point : tuple or None
         The point that it names, in the units of the axes.
-    wish : float
+    preferred : float
         Where along the frame it stands best, 0 to 1.
     """
 
@@ -70,7 +70,7 @@ class Name:
     colour: str
     at_end: bool = False
     point: tuple[float, float] | None = None
-    wish: float = 0.4
+    preferred: float = 0.4
 
 
 def name_source() -> ColumnDataSource:
@@ -136,7 +136,12 @@ def placed_names(
     ]
     labels = [
         Label(
-            order.get(name.line, 0), text_width_px(name.text, size), LINE_HEIGHT * size, name.at_end, name.wish, point
+            order.get(name.line, 0),
+            text_width_px(name.text, size),
+            LINE_HEIGHT * size,
+            name.at_end,
+            name.preferred,
+            point,
         )
         for name, point in zip(names, points, strict=True)
     ]

@@ -67,7 +67,7 @@ class Quantity:
     lines : tuple of Line
         From back to front.
     ticks : int
-        Wished on the y axis.
+        Requested on the y axis.
     tick_digits : int
         Decimals of the ticks.
     """

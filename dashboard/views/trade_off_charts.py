@@ -137,10 +137,10 @@ class FrontierChart(Chart):
                 tokens["ink2"],
                 point=now,
             ),
-            Name("optimal", "optimal", tokens["optimal"], wish=0.8),
+            Name("optimal", "optimal", tokens["optimal"], preferred=0.8),
         ]
         if len(enoc[0]):
-            names.append(Name("enoc", "ENOC", tokens["enoc"], wish=0.5))
+            names.append(Name("enoc", "ENOC", tokens["enoc"], preferred=0.5))
         inside = [
             place for place in zip(times, energies, strict=True) if self.x_range.start <= place[0] <= self.x_range.end
         ]

@@ -26,7 +26,7 @@ def assert_nothing_grave(user: User) -> None:
     found = grave_findings(user.page)
     assert found == {}, found
     light = user.page.evaluate(GROUND, GROUNDS["light"])
-    user.wish_for("dark" if light else "light")
+    user.prefer("dark" if light else "light")
     deadline = time.monotonic() + SETTLED_WITHIN_S
     # the library's colours take some time to change, and no sign tells when they have
     while (found := grave_findings(user.page, colours_alone=True)) and time.monotonic() < deadline:

@@ -1,4 +1,4 @@
-"""What the tests of the pages have in common: each page is held to axe-core, and its colours are those wished for."""
+"""Each page is held to axe-core, and its colours are those that the system prefers."""
 
 import re
 from pathlib import Path
@@ -29,7 +29,7 @@ def test_colours_follow_the_system_until_they_are_chosen(server: Server, chromiu
     with User.at(chromium, server.drive_url, dark=True) as user:
         assert user.page.evaluate(GROUND, GROUNDS["dark"])
         assert user.page.evaluate(axis) == THEMES["dark"]["ink3"]
-        user.wish_for("light")
+        user.prefer("light")
         user.page.wait_for_function(f"{axis} === '{THEMES['light']['ink3']}'")
         for chosen in ("dark", "light"):
             user.page.get_by_role("button", name="Toggle theme").click()

@@ -66,11 +66,11 @@ def test_every_widget_of_the_day_moves_number_and_curve(server: Server, chromium
     expect(user.figure_value("Travel time")).not_to_have_text(time)
 
     user.type("Stop 1: at, m", "2310")
-    (alert,) = user.alerts()
+    alert = user.alert()
     assert "A stop at 2310 m lies beyond the line, 2300 m." in alert
     assert "Kept: " in alert
     user.type("Stop 1: at, m", "1800")
-    assert user.alerts() == []
+    user.see_no_alert()
     changed(user, now)
     assert_nothing_grave(user)
     same_number_on_the_deeper_pages(user)
@@ -86,7 +86,7 @@ def same_number_on_the_deeper_pages(user: User) -> None:
     expect(user.page.locator(".figure.main:visible")).to_contain_text("Extra energy, driver")
     shown = user.page.locator(".figure.main:visible").inner_text()
     assert re.search(r"\+?([\d.]+) %", cost).group(1) in shown  # type: ignore[union-attr]
-    assert seconds in user.number("Driver arrives")
+    expect(user.figure_value("Driver arrives")).to_contain_text(seconds)
     user.turn_to("Drive")
     user.page.get_by_role("button", name="Remove stop 1").click()
     user.rest(1200)

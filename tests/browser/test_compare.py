@@ -94,7 +94,7 @@ def test_a_seventh_run_is_refused_in_one_sentence(user: User) -> None:
     unpin = user.page.get_by_role("button", name="Unpin run 3", exact=True)
     unpin.click()
     expect(unpin).to_be_hidden()
-    assert user.alerts() == []
+    user.see_no_alert()
 
 
 def test_nothing_grave(user: User) -> None:

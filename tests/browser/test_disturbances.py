@@ -48,9 +48,9 @@ def test_events_are_dropped_changed_and_removed(user: User) -> None:
     assert box is not None
     user.page.mouse.click(box["x"] + 0.7 * box["width"], box["y"] + 0.5 * box["height"])
     expect(user.page.get_by_label("2 Limit: km/h, as a number")).to_have_value("30")
-    before = user.number("Extra energy, driver")
+    before = user.number("Driver arrives")
     user.type("1 Stop: stops for, s", "25")
-    expect(user.figure_value("Extra energy, driver")).not_to_have_text(before)
+    expect(user.figure_value("Driver arrives")).not_to_have_text(before)
     user.page.get_by_role("button", name="Remove 2 Limit").click()
     expect(user.page.get_by_label("2 Limit: km/h, as a number")).to_have_count(0)
     user.push("Accepted delay, s", 20)
@@ -61,10 +61,10 @@ def test_an_event_that_cannot_be_is_told(user: User) -> None:
     user.choose("Metro, profile I")
     user.page.get_by_role("button", name="Add a stop", exact=True).click()
     user.type("1 Stop: at, m", "5000")
-    (alert,) = user.alerts()
+    alert = user.alert()
     assert "must lie before the end of the line" in alert
     user.type("1 Stop: at, m", "400")
-    assert user.alerts() == []
+    user.see_no_alert()
 
 
 def test_nothing_grave(user: User) -> None:

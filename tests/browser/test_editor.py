@@ -159,7 +159,7 @@ def test_the_profile_is_dragged(user: User) -> None:
     share = (7.95 + 0.35 * relief) / (7.95 + 0.7 * relief)
     drag(user, "edit_profile", (750 / LENGTH_M, share), (900 / LENGTH_M, share - 0.2))
     expect(field(user, "Length, m, row 3")).not_to_have_value("400")
-    assert float(field(user, "Length, m, row 3").input_value()) == pytest.approx(550, abs=8)
+    user.see_number(field(user, "Length, m, row 3"), 550, within=8)
     expect(user.figure_value("Energy from the supply")).not_to_have_text(energy)
     drawer(user).get_by_role("button", name="Reset Sections").click()
     expect(user.figure_value("Energy from the supply")).to_have_text(energy)

@@ -43,8 +43,8 @@ def test_a_good_file(user: User, tmp_path: Path) -> None:
     expect(user.page.get_by_role("combobox", name="Scenario")).to_contain_text("Own line (file)")
     expect(user.page.get_by_text("Open a scenario file").first).to_be_visible()
     expect(user.page.get_by_text("Uploaded")).to_have_count(0)
-    assert "stand 20 s" in user.page.locator(".advice").inner_text()
-    assert user.alerts() == []
+    expect(user.page.locator(".advice")).to_contain_text("stand 20 s")
+    user.see_no_alert()
 
 
 BAD = {
@@ -67,11 +67,11 @@ def test_a_bad_file_says_why_and_changes_nothing(user: User, tmp_path: Path) -> 
         path.write_text(text)
         user.page.locator("input[type=file]").set_input_files(path)
         expect(alert).to_contain_text(sentence)
-        assert user.number("Energy from the supply") == energy
+        expect(user.figure_value("Energy from the supply")).to_have_text(energy)
     user.page.get_by_role("button", name="Close the message").click()
     expect(alert).to_be_hidden()
     user.push("Travel time, s", 4)
-    assert user.number("Energy from the supply") != energy
+    expect(user.figure_value("Energy from the supply")).not_to_have_text(energy)
 
 
 def test_a_file_of_another_kind_is_told_what_can_be_opened(user: User, tmp_path: Path) -> None:

@@ -58,7 +58,7 @@ def test_an_explanation_follows_its_number(user: User) -> None:
     before = told.inner_text()
     user.push("Travel time, s", 10)
     expect(told).to_contain_text(f"now {user.number('Highest speed').replace('km/h', ' km/h')}")
-    assert told.inner_text() != before
+    expect(told).not_to_have_text(before)
     user.page.keyboard.press("Escape")
 
 

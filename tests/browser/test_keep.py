@@ -65,7 +65,7 @@ def test_change_undo_redo_reload_and_share(user: User, server: Server, chromium:
     expect(page.get_by_label("Draw EOC")).to_be_checked()
     with User.at(chromium, page.url) as other:
         assert numbers(other) == changed
-        assert other.alerts() == []
+        other.see_no_alert()
 
 
 def test_a_changed_key_is_taken_back(user: User) -> None:

@@ -73,11 +73,11 @@ def test_a_limit_that_is_too_low_is_told(user: User) -> None:
     user.type("Current, A", "300")
     expect(held.first).to_be_visible()
     user.type("Current, A", "100")
-    (alert,) = user.alerts()
+    alert = user.alert()
     assert "max_current_a = 100 must be above" in alert
     user.type("Current, A", "810")
     expect(held).to_have_count(0)
-    assert user.alerts() == []
+    user.see_no_alert()
 
 
 def test_the_study_of_detuning_runs_and_shows_its_table(user: User) -> None:

@@ -15,7 +15,7 @@ from railjoule.core.scenario import parse_scenario
 from railjoule.dashboard.look.tokens import DARK, LIGHT
 from railjoule.dashboard.report.document import report_html
 from railjoule.dashboard.report.embedded import scenario_in_report
-from railjoule.dashboard.store.report import ReportWish, compute_findings
+from railjoule.dashboard.store.report import ReportRequest, compute_findings
 
 CANARY = "<img src=x onerror='window.pwned=true'></script><script>window.pwned=true</script>"
 MOST_PAGES = 8
@@ -42,7 +42,7 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "timetable.travel_time_s": 230.0,
         "disturbance.coordinate_error_m": 8.0,
     }
-    *_, findings = compute_findings(ReportWish(load_scenario("metro-with-limit", changes)))
+    *_, findings = compute_findings(ReportRequest(load_scenario("metro-with-limit", changes)))
     path = tmp_path_factory.mktemp("report") / "report.html"
     path.write_text(report_html(findings, datetime(2026, 3, 9, 14, 5, tzinfo=UTC)), encoding="utf-8")
     return path

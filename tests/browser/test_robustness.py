@@ -33,9 +33,9 @@ def test_a_press_on_a_cell_shows_its_run(user: User) -> None:
     # the lowest cell at the left: load 0, -25 m
     user.page.mouse.click(box["x"] + 0.18 * box["width"], box["y"] + 0.76 * box["height"])
     expect(user.figure_value("Load 0 %, \u221225 m")).to_be_visible()
-    user.rest()
-    assert user.picture("driven_speed") != speed
-    assert user.page.get_by_label("Position error, m, as a number").locator("visible=true").input_value() == "\u221225"
+    user.see_change("driven_speed", speed)
+    field = user.page.get_by_label("Position error, m, as a number").locator("visible=true")
+    expect(field).to_have_value("\u221225")
 
 
 def test_both_ways_stand_beside_the_printed_table(user: User) -> None:
@@ -43,7 +43,7 @@ def test_both_ways_stand_beside_the_printed_table(user: User) -> None:
     user.page.get_by_role("button", name="Both directions").click()
     table = user.page.get_by_role("table").filter(has_text="load 25 %")
     expect(user.page.get_by_text("Table 5 of Liashenko 2025")).to_be_visible()
-    assert table.count() == 1
+    expect(table).to_have_count(1)
 
 
 def test_chance_draws_and_can_be_stopped(user: User) -> None:
@@ -66,12 +66,12 @@ def test_chance_draws_and_can_be_stopped(user: User) -> None:
 
 def test_what_cannot_be_is_told_and_the_last_run_stays(user: User) -> None:
     user.type("Position error, m", "5000")
-    (alert,) = user.alerts()
+    alert = user.alert()
     assert "less than the shortest distance between two stops" in alert
     user.type("Position error, m", "0")
-    assert user.alerts() == []
+    user.see_no_alert()
     user.type("Actual load, % of capacity", "121")
-    (alert,) = user.alerts()
+    alert = user.alert()
     assert alert == "At most 120, the vehicle's crush load. Kept: 70 %."
 
 

@@ -3,7 +3,7 @@
 import time
 from pathlib import Path
 
-from playwright.sync_api import Browser
+from playwright.sync_api import Browser, expect
 
 from browser.server import Server, serving
 from browser.user import PATIENCE_MS, User
@@ -51,4 +51,4 @@ def test_many_open_pages(chromium: Browser) -> None:
 def test_a_second_start_finds_the_kernels(server: Server, chromium: Browser) -> None:
     assert server.process.poll() is None
     with serving("-m", "railjoule.dashboard", "serve") as again, User.at(chromium, again.drive_url) as user:
-        assert user.number("Energy from the supply").startswith("7.8")
+        expect(user.figure_value("Energy from the supply")).to_contain_text("7.8")

@@ -62,10 +62,10 @@ def test_a_step_and_a_border_are_dragged(user: User) -> None:
     before, limit = user.number("Extra energy of set speeds"), user.page.get_by_label(f"{LIMIT}, as a number")
     end = user.page.get_by_label("Section 1: ends at, m, as a number")
     drag(user, (600.0, 44.7), (600.0, 60.0))
-    assert float(limit.input_value()) == pytest.approx(60.0, abs=0.6)
+    user.see_number(limit, 60.0, within=0.6)
     expect(user.figure_value("Extra energy of set speeds")).not_to_have_text(before)
     drag(user, (1200.0, 43.3), (900.0, 43.3))
-    assert float(end.input_value().replace("\u202f", "")) == pytest.approx(900.0, abs=4.0)
+    user.see_number(end, 900.0, within=4.0)
     user.page.get_by_role("button", name="Search set speeds").click()
     expect(limit).not_to_have_value("60.0")
 
@@ -74,16 +74,16 @@ def test_limits_are_typed_and_bad_ones_told(user: User) -> None:
     user.type(LIMIT, "60")
     expect(user.page.get_by_text("s too early")).to_be_visible()
     user.type(LIMIT, "500")
-    (alert,) = user.alerts()
+    alert = user.alert()
     assert alert == "At most 80. Kept: 60.0 km/h."
     user.type(LIMIT, "60")
     user.type("Section 1: ends at, m", "5000")
-    (alert,) = user.alerts()
+    alert = user.alert()
     assert "must lie before the end of the line" in alert
     user.type("Section 1: ends at, m", "1200")
-    assert user.alerts() == []
+    user.see_no_alert()
     user.type("Storage, kWh", "-1")
-    (alert,) = user.alerts()
+    alert = user.alert()
     assert alert.startswith("At least 0.")
 
 

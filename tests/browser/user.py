@@ -117,7 +117,18 @@ class User:
         field.press("Enter")
         self.rest(1000)
 
-    def wish_for(self, colours: str) -> None:
+    def see_number(self, field: Locator, number: float, within: float) -> None:
+        """Wait until a field shows a number, as it does some time after the drag that sets it."""
+        shown = float("nan")
+        for _ in range(PATIENCE_MS // REST_MS):
+            text = field.input_value().replace("\u202f", "").replace("\u2212", "-")
+            shown = float(text) if text else float("nan")
+            if abs(shown - number) <= within:
+                return
+            self.rest()
+        raise AssertionError(f"{shown} is not within {within} of {number}")
+
+    def prefer(self, colours: str) -> None:
         """Let the system ask for light or for dark colours, and wait until the page has them."""
         self.page.emulate_media(color_scheme=colours)
         self.page.wait_for_function(GROUND, arg=GROUNDS[colours])
@@ -191,6 +202,24 @@ class User:
             item.press("Enter")
         expect(button).to_be_focused()
         return download.value.suggested_filename, Path(download.value.path()).read_bytes()
+
+    def see_change(self, chart: str, before: bytes) -> None:
+        """Wait until a chart looks otherwise than before."""
+        for _ in range(PATIENCE_MS // REST_MS):
+            if self.picture(chart) != before:
+                return
+            self.rest()
+        raise AssertionError(f"chart {chart} has not changed")
+
+    def alert(self) -> str:
+        """Wait for the only message in sight; return it."""
+        message = self.page.get_by_role("alert").locator("visible=true")
+        expect(message).to_have_count(1)
+        return message.inner_text()
+
+    def see_no_alert(self) -> None:
+        """Wait until no message is in sight."""
+        expect(self.page.get_by_role("alert").locator("visible=true")).to_have_count(0)
 
     def alerts(self) -> list[str]:
         """Return the messages in sight."""

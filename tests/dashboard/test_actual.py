@@ -15,7 +15,7 @@ from railjoule.dashboard.models.document import document_of, lay
 from railjoule.dashboard.models.recipes import as_command, as_python, recipe_of
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.robustness import Robustness
-from railjoule.dashboard.store import RunsWish, compute_runs
+from railjoule.dashboard.store import RunsRequest, compute_runs
 from railjoule.dashboard.views.drive import DriveView
 
 
@@ -38,7 +38,7 @@ class Pages:
 
     def draw(self):
         state = self.state
-        state.runs = compute_runs(RunsWish(state.scenario.scenario(), state.drawn))
+        state.runs = compute_runs(RunsRequest(state.scenario.scenario(), state.drawn))
         return DriveView(state, Browser(), Palette(dark=False))
 
 

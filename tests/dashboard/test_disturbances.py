@@ -33,11 +33,11 @@ def test_the_page_brings_the_rides_and_what_later_arrivals_save(state: Workbench
 def test_an_event_with_other_numbers_is_driven_anew(state: Workbench) -> None:
     model = state.disturbances
     before = model.rides
-    model.events[0].duration_s = 20.0
+    model.events[0].duration_s = 35.0
     assert model.rides is not before
     assert model.rides is not None
     standing = np.diff(model.rides.rides["known"].actual.time_s)
-    assert standing.max() == pytest.approx(20.0)
+    assert standing.max() == pytest.approx(35.0)
 
 
 def test_an_event_that_cannot_be_is_told_and_the_last_rides_stay(state: Workbench) -> None:

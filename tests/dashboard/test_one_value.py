@@ -23,7 +23,7 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.words import STRATEGY_WORDS
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.report.document import report_html
-from railjoule.dashboard.store import RunsWish, compute_runs
+from railjoule.dashboard.store import RunsRequest, compute_runs
 from railjoule.dashboard.store.cards import make_card
 from railjoule.dashboard.store.report import Findings
 from railjoule.dashboard.views.compare import CompareView
@@ -87,7 +87,7 @@ class Teller:
         self.state.scenario.choose(name)
         self.first: StrategyName = self.state.chosen
         self.state.ticked = list(STRATEGIES)
-        self.runs = compute_runs(RunsWish(self.state.scenario.scenario(), tuple(STRATEGIES)))
+        self.runs = compute_runs(RunsRequest(self.state.scenario.scenario(), tuple(STRATEGIES)))
         self.state.page = "Drive"
         self.state.runs = self.runs
 

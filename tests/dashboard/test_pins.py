@@ -5,7 +5,7 @@ from railjoule.dashboard.models.document import document_of, lay
 from railjoule.dashboard.models.link import read_link, write_link
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.pins import Pins
-from railjoule.dashboard.store import RunsWish, compute_runs
+from railjoule.dashboard.store import RunsRequest, compute_runs
 
 PATIENCE_S = 60
 
@@ -26,7 +26,7 @@ def await_(condition: Callable[[], bool]) -> None:
 
 def pin(state: Workbench, **changes: float) -> None:
     state.scenario.edit({key.replace("__", "."): value for key, value in changes.items()})
-    state.runs = compute_runs(RunsWish(state.scenario.scenario(), state.drawn))
+    state.runs = compute_runs(RunsRequest(state.scenario.scenario(), state.drawn))
     state.pin()
 
 

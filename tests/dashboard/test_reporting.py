@@ -4,7 +4,7 @@ from railjoule.core.scenario import parse_scenario
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.report.embedded import scenario_in_report
 from railjoule.dashboard.reporting import Reporting, file_name
-from railjoule.dashboard.store import RunsWish, compute_runs
+from railjoule.dashboard.store import RunsRequest, compute_runs
 
 
 @pytest.fixture
@@ -12,7 +12,7 @@ def reporting() -> Reporting:
     """The reports of a workbench without a page around it: all work is done in the test's own turn."""
     state = Workbench()
     state.scenario.choose("liashenko-0")
-    state.runs = compute_runs(RunsWish(state.scenario.scenario(), ("optimal",)))
+    state.runs = compute_runs(RunsRequest(state.scenario.scenario(), ("optimal",)))
     return Reporting(state)
 
 

@@ -11,7 +11,13 @@ from railjoule.core.simulate.field_oriented import current_ripple, simulate_fiel
 from railjoule.core.studies.induction_map import induction_map
 from railjoule.core.studies.motor_map import motor_map
 from railjoule.dashboard.store import (
-    LimitsWish, StorageWish, TradeOffWish, compute_limit_run, compute_limit_trip, compute_storage, compute_trade_off
+    LimitsRequest,
+    StorageRequest,
+    TradeOffRequest,
+    compute_limit_run,
+    compute_limit_trip,
+    compute_storage,
+    compute_trade_off,
 )
 from railjoule.dashboard.warmup import all_kernels, warmup
 
@@ -24,7 +30,7 @@ before = compiled()
 for name in preset_names("scenarios"):
     for run in compare(load_scenario(name))[0]:
         advise(run)
-    compute_trade_off(TradeOffWish(load_scenario(name), 400.0, False, 1.0))
+    compute_trade_off(TradeOffRequest(load_scenario(name), 400.0, False, 1.0))
 machine = load_scenario("ftorek-300s")
 driven = simulate_field_oriented(machine)
 advise(driven.actual)
@@ -33,9 +39,9 @@ induction_map(machine)
 metro = load_scenario("kharkiv-like-20kmh")
 motor_map(metro)
 for regulator in ("coast", "brake", "literal"):
-    wish = LimitsWish(metro, {"search.regulator": regulator, "search.limits_kmh": [40.0, 30.0]})
-    compute_limit_trip(wish)
-    compute_storage(StorageWish(compute_limit_run(wish), None, None, 0.95, 0.95))
+    request = LimitsRequest(metro, {"search.regulator": regulator, "search.limits_kmh": [40.0, 30.0]})
+    compute_limit_trip(request)
+    compute_storage(StorageRequest(compute_limit_run(request), None, None, 0.95, 0.95))
 after = compiled()
 print({name: count for name, count in after.items() if count != before.get(name)})
 """

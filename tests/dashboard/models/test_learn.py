@@ -5,7 +5,7 @@ import re
 import pytest
 
 from railjoule.dashboard.models.learn import LESSONS, LearnModel, Lesson
-from railjoule.dashboard.store import LessonWish, compute_lesson
+from railjoule.dashboard.store import LessonRequest, compute_lesson
 from railjoule.dashboard.store.lessons import LESSONS as COMPUTED
 
 MOST_WORDS = 150
@@ -30,13 +30,13 @@ def test_each_lesson_has_a_slider_and_a_figure() -> None:
 @pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.name)
 def test_both_ends_of_a_slider_can_be_driven(lesson: Lesson) -> None:
     for end in lesson.ends:
-        result = compute_lesson(LessonWish(lesson.name, end))
+        result = compute_lesson(LessonRequest(lesson.name, end))
         assert len(result.runs) == 2
 
 
 def saved(lesson: str, value: float) -> float:
     """Return what the first run saves [%]."""
-    return 100 * compute_lesson(LessonWish(lesson, value)).saved_share
+    return 100 * compute_lesson(LessonRequest(lesson, value)).saved_share
 
 
 def test_the_answers_say_what_comes_out() -> None:
@@ -44,7 +44,7 @@ def test_the_answers_say_what_comes_out() -> None:
     for time in (95, 160):
         assert f"{saved('coasting', time):.1f} % at {time} s" in answers["coasting"]
     for time in (200, 170, 160):
-        steady = compute_lesson(LessonWish("multiplier", time)).steady
+        steady = compute_lesson(LessonRequest("multiplier", time)).steady
         assert steady is not None
         assert f"{steady.price_of_time_w / 3600:.0f}" in answers["multiplier"]
     assert f"{saved('recuperation', 100):.1f} %" in answers["recuperation"]
@@ -55,5 +55,5 @@ def test_the_answers_say_what_comes_out() -> None:
         share = saved("load", load)
         assert f"{100 * share / (100 - share):.1f}" in text
         assert text in answers["load"]
-    late = compute_lesson(LessonWish("load", 100)).runs["planned for 30 %"]
+    late = compute_lesson(LessonRequest("load", 100)).runs["planned for 30 %"]
     assert f"{late.travel_time_s - 125:.1f} s late" in answers["load"]

@@ -4,12 +4,12 @@ from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.dashboard.models.contenders import contenders, reference_of
 from railjoule.dashboard.models.pins import MOST_PINS, PIN_KEYS, TOO_MANY, Pin, recipe_of
 from railjoule.dashboard.models.workbench import Workbench
-from railjoule.dashboard.store import RunsWish, compute_runs
+from railjoule.dashboard.store import RunsRequest, compute_runs
 
 
 def solved(state: Workbench) -> Workbench:
     """Compute what the page would: the runs of the scenario as it stands."""
-    state.runs = compute_runs(RunsWish(state.scenario.scenario(), state.drawn))
+    state.runs = compute_runs(RunsRequest(state.scenario.scenario(), state.drawn))
     return state
 
 
@@ -104,7 +104,7 @@ def test_the_last_pin_is_the_reference_until_another_is_chosen(state: Workbench)
 
 def test_all_strategies_are_compared_only_over_the_scenario_in_sight(state: Workbench) -> None:
     assert state.runs is not None
-    state.compared = compute_runs(RunsWish(state.runs.scenario, ("bellman",)))
+    state.compared = compute_runs(RunsRequest(state.runs.scenario, ("bellman",)))
     assert [contender.key for contender in contenders(state)] == ["optimal", "bellman", "fastest"]
     state.compare_all = False
     assert [contender.key for contender in contenders(state)] == ["optimal", "fastest"]

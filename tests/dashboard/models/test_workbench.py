@@ -1,5 +1,5 @@
 from railjoule.dashboard.models.workbench import Workbench
-from railjoule.dashboard.store import RunsWish, compute_runs
+from railjoule.dashboard.store import RunsRequest, compute_runs
 
 
 def test_the_chosen_strategy_is_drawn_even_if_not_ticked() -> None:
@@ -9,6 +9,6 @@ def test_the_chosen_strategy_is_drawn_even_if_not_ticked() -> None:
 
 def test_where_the_chosen_strategy_refuses_the_optimum_is_shown() -> None:
     state = Workbench(chosen="eoc")
-    state.runs = compute_runs(RunsWish(state.scenario.scenario(), state.drawn))
+    state.runs = compute_runs(RunsRequest(state.scenario.scenario(), state.drawn))
     assert "eoc" in state.runs.refused
     assert state.run is state.runs.runs["optimal"]

@@ -11,7 +11,7 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.report.document import report_html
 from railjoule.dashboard.report.embedded import scenario_in_report
 from railjoule.dashboard.report.sections import certificate
-from railjoule.dashboard.store.report import Findings, ReportWish, compute_findings
+from railjoule.dashboard.store.report import Findings, ReportRequest, compute_findings
 
 MADE_AT = datetime(2026, 3, 9, 14, 5, tzinfo=UTC)
 CANARY = "<img src=x onerror='window.pwned=true'></script>"
@@ -19,8 +19,8 @@ LARGEST_BYTES = 10_000_000
 """The issue's bar."""
 
 
-def wish(changes: dict[str, object] | None = None) -> ReportWish:
-    return ReportWish(load_scenario("metro-with-limit", changes))
+def request(changes: dict[str, object] | None = None) -> ReportRequest:
+    return ReportRequest(load_scenario("metro-with-limit", changes))
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +34,7 @@ def findings() -> Findings:
         "timetable.travel_time_s": 230.0,
         "disturbance.actual_load_factor": 1.0,
     }
-    *_, found = compute_findings(wish(changes))
+    *_, found = compute_findings(request(changes))
     return found
 
 
@@ -119,7 +119,7 @@ def test_the_slider_knows_every_optimum(page: str, findings: Findings) -> None:
 
 
 def test_the_certificate_says_what_is_proven() -> None:
-    sentences = certificate(next(compute_findings(wish())))
+    sentences = certificate(next(compute_findings(request())))
     best = solve(load_scenario("metro-with-limit"))
     assert sentences[0].startswith(f"The optimum needs {words.energy(best.energy_kwh)} kWh, and it is proven")
     assert best.bound is not None
@@ -127,14 +127,14 @@ def test_the_certificate_says_what_is_proven() -> None:
 
 
 def test_a_run_that_is_not_the_optimum_names_its_distance() -> None:
-    findings = next(compute_findings(wish({"strategy": "bellman"})))
+    findings = next(compute_findings(request({"strategy": "bellman"})))
     # 7.81 kWh and a share of 7e-9 more, as `railjoule compare metro-with-limit` has it
     assert certificate(findings)[1] == "Bellman needs 7.81 kWh, 0.00 % above the optimum of 7.81 kWh."
 
 
 def test_a_run_in_closed_loop_has_its_section_and_its_machine() -> None:
     scenario = load_scenario("ftorek-300s", {"strategy": "enoc", "simulation.kind": "field_oriented"})
-    *_, found = compute_findings(ReportWish(scenario))
+    *_, found = compute_findings(ReportRequest(scenario))
     shown = without_scripts(report_html(found, MADE_AT))
     assert "In closed loop" in shown
     assert "Input power, integrated" in shown

@@ -5,10 +5,10 @@ import pytest
 
 from railjoule.core import ScenarioError, StrategyRefusedError, load_scenario, solve
 from railjoule.dashboard.store import (
+    LoopRequest,
     LoopRivals,
     LoopRun,
-    LoopWish,
-    RippleWish,
+    RippleRequest,
     compute_detuning,
     compute_loop_run,
     compute_machine_map,
@@ -23,7 +23,7 @@ SUBURBAN = load_scenario("ftorek-300s").with_(**{"enoc.acceleration_time_s": 62.
 
 @pytest.fixture(scope="module")
 def loop() -> LoopRun:
-    return compute_loop_run(LoopWish(SUBURBAN, "enoc", {}))
+    return compute_loop_run(LoopRequest(SUBURBAN, "enoc", {}))
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def test_a_run_is_compared_with_its_like_and_with_the_paper_s_strategies(loop: L
 
 
 def test_a_lower_limit_holds_the_drive_but_not_its_plan() -> None:
-    weak = compute_loop_run(LoopWish(SUBURBAN, "enoc", {"drive.machine.max_phase_voltage_v": 400.0}))
+    weak = compute_loop_run(LoopRequest(SUBURBAN, "enoc", {"drive.machine.max_phase_voltage_v": 400.0}))
     assert weak.run.planned.energy_kwh == pytest.approx(solve(SUBURBAN, "enoc").energy_kwh, rel=1e-9)
     assert {span.what for span in weak.run.saturated} >= {"voltage"}
     assert weak.run.max_phase_voltage_v <= 400.0 * (1 + 1e-9)
@@ -60,10 +60,10 @@ def test_a_lower_limit_holds_the_drive_but_not_its_plan() -> None:
 def test_strategies_that_refuse_a_line_are_told() -> None:
     hilly = SUBURBAN.with_(line={"sections": [{"length_m": 5000.0, "gradient_permille": 2.0}]})
     hilly = hilly.with_(**{"line.speed_limits": [{"from_m": 1000.0, "to_m": 1500.0, "limit_kmh": 40.0}]})
-    rivals = compute_rivals(compute_loop_run(LoopWish(hilly, "optimal", {})))
+    rivals = compute_rivals(compute_loop_run(LoopRequest(hilly, "optimal", {})))
     assert set(rivals.refused) == {"eoc", "enoc"}
     with pytest.raises(StrategyRefusedError, match=r"^ENOC: "):
-        compute_loop_run(LoopWish(hilly, "enoc", {}))
+        compute_loop_run(LoopRequest(hilly, "enoc", {}))
 
 
 def test_the_map_holds_the_run(loop: LoopRun) -> None:
@@ -73,13 +73,13 @@ def test_the_map_holds_the_run(loop: LoopRun) -> None:
 
 
 def test_ripple_is_asked_for_within_the_run(loop: LoopRun) -> None:
-    ripple = compute_ripple(RippleWish(loop.run, 1e6))
+    ripple = compute_ripple(RippleRequest(loop.run, 1e6))
     assert np.all(np.isfinite(ripple.phase_current_a))
     assert ripple.time_s[0] <= loop.run.time_s[-1]
 
 
 def test_detuning_comes_step_by_step() -> None:
-    tables = list(islice(compute_detuning(LoopWish(SUBURBAN, "enoc", {})), 3))
+    tables = list(islice(compute_detuning(LoopRequest(SUBURBAN, "enoc", {})), 3))
     assert [table.done for table in tables] == [0, 1, 2]
     # the right resistance comes first, and costs least
     assert tables[0].rotor_resistance_factors[0] == 1.0
@@ -91,4 +91,4 @@ def test_scenarios_without_a_machine_say_so() -> None:
     assert machine_refusal(load_scenario("tram-950m")) == ""
     assert "simulates induction motors" in machine_refusal(load_scenario("liashenko-ii"))
     with pytest.raises(ScenarioError, match="max_phase_voltage_v"):
-        compute_loop_run(LoopWish(SUBURBAN, "enoc", {"drive.machine.max_phase_voltage_v": -1.0}))
+        compute_loop_run(LoopRequest(SUBURBAN, "enoc", {"drive.machine.max_phase_voltage_v": -1.0}))

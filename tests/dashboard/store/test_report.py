@@ -5,17 +5,17 @@ from railjoule.core import TimetableError, load_scenario, solve
 from railjoule.core.simulate.disturbances import DisturbedRun
 from railjoule.core.simulate.following import Following
 from railjoule.core.strategies import STRATEGIES
-from railjoule.dashboard.store.report import OPTIMA_COUNT, Findings, ReportWish, compute_findings
+from railjoule.dashboard.store.report import OPTIMA_COUNT, Findings, ReportRequest, compute_findings
 
 
 def found(name: str, changes: dict[str, object] | None = None) -> Findings:
-    *_, findings = compute_findings(ReportWish(load_scenario(name, changes)))
+    *_, findings = compute_findings(ReportRequest(load_scenario(name, changes)))
     return findings
 
 
 @pytest.fixture(scope="module")
 def steps() -> list[Findings]:
-    return list(compute_findings(ReportWish(load_scenario("liashenko-ii"))))
+    return list(compute_findings(ReportRequest(load_scenario("liashenko-ii"))))
 
 
 def test_the_work_goes_on_to_its_end(steps: list[Findings]) -> None:
@@ -52,10 +52,10 @@ def test_reality_is_asked_for_by_a_disturbance(steps: list[Findings]) -> None:
 
 def test_a_timetable_that_cannot_be_kept_is_refused() -> None:
     with pytest.raises(TimetableError):
-        next(compute_findings(ReportWish(load_scenario("liashenko-0", {"timetable.travel_time_s": 10.0}))))
+        next(compute_findings(ReportRequest(load_scenario("liashenko-0", {"timetable.travel_time_s": 10.0}))))
 
 
-def test_the_wished_strategy_comes_first() -> None:
-    findings = next(compute_findings(ReportWish(load_scenario("liashenko-0"), "fastest")))
+def test_the_requested_strategy_comes_first() -> None:
+    findings = next(compute_findings(ReportRequest(load_scenario("liashenko-0"), "fastest")))
     assert findings.run.strategy == "fastest"
     assert findings.scenario.strategy == "fastest"

@@ -3,11 +3,11 @@ import pytest
 
 from railjoule.core import TimetableError, load_scenario
 from railjoule.core.scenario import StrategyName
-from railjoule.dashboard.store import RunsWish, compute_runs
+from railjoule.dashboard.store import RunsRequest, compute_runs
 
 
 def test_runs_bear_the_bound_of_the_optimum() -> None:
-    runs = compute_runs(RunsWish(load_scenario("ftorek-300s"), ("eoc", "enoc")))
+    runs = compute_runs(RunsRequest(load_scenario("ftorek-300s"), ("eoc", "enoc")))
     assert list(runs.runs) == ["optimal", "eoc", "enoc"]
     assert runs.runs["eoc"].bound is runs.runs["optimal"].bound
     # over the corners of its trapezoid it has one of its own
@@ -16,14 +16,14 @@ def test_runs_bear_the_bound_of_the_optimum() -> None:
 
 def test_a_late_run_keeps_the_bound_of_its_own_time() -> None:
     """What needs less than the optimum of 144 s takes 145.44 s, in which less would do."""
-    runs = compute_runs(RunsWish(load_scenario("liashenko-fig-4"), ("speed_limits",))).runs
+    runs = compute_runs(RunsRequest(load_scenario("liashenko-fig-4"), ("speed_limits",))).runs
     assert runs["speed_limits"].energy_kwh < runs["optimal"].energy_kwh
     assert runs["speed_limits"].gap > 0
     assert runs["speed_limits"].above_share > 0
 
 
 def test_a_strategy_that_refuses_says_why_and_the_others_run() -> None:
-    runs = compute_runs(RunsWish(load_scenario("liashenko-ii"), ("eoc", "fastest")))
+    runs = compute_runs(RunsRequest(load_scenario("liashenko-ii"), ("eoc", "fastest")))
     assert list(runs.runs) == ["optimal", "fastest"]
     assert "copper loss" in runs.refused["eoc"]
 
@@ -31,13 +31,13 @@ def test_a_strategy_that_refuses_says_why_and_the_others_run() -> None:
 def test_a_timetable_that_cannot_be_kept_is_refused() -> None:
     scenario = load_scenario("ftorek-300s").with_(**{"timetable.travel_time_s": 100.0})
     with pytest.raises(TimetableError, match="shortest"):
-        compute_runs(RunsWish(scenario, ()))
+        compute_runs(RunsRequest(scenario, ()))
 
 
 def test_the_law_of_dynamic_programming_comes_if_asked_for() -> None:
     scenario = load_scenario("liashenko-i")
-    with_law = compute_runs(RunsWish(scenario, ("bellman",), with_law=True))
-    without = compute_runs(RunsWish(scenario, ("bellman",)))
+    with_law = compute_runs(RunsRequest(scenario, ("bellman",), with_law=True))
+    without = compute_runs(RunsRequest(scenario, ("bellman",)))
     assert without.law is None
     assert with_law.law is not None
     assert with_law.runs["bellman"].solve_time_s > 0
@@ -58,5 +58,5 @@ def test_the_law_of_dynamic_programming_comes_if_asked_for() -> None:
 def test_long_work_is_known_before_it_begins(
     changes: dict[str, float], strategies: tuple[StrategyName, ...], short: bool, slow: bool
 ) -> None:
-    wish = RunsWish(load_scenario("metro-with-limit", changes), strategies)
-    assert (wish.is_short, wish.is_slow) == (short, slow)
+    request = RunsRequest(load_scenario("metro-with-limit", changes), strategies)
+    assert (request.is_short, request.is_slow) == (short, slow)

@@ -2,12 +2,12 @@ import numpy as np
 import pytest
 
 from railjoule.core import StrategyRefusedError, load_scenario, solve
-from railjoule.dashboard.store import TradeOffWish, compute_trade_off
+from railjoule.dashboard.store import TradeOffRequest, compute_trade_off
 
 
 def test_the_trade_off_agrees_with_single_solutions() -> None:
     scenario = load_scenario("ftorek-300s")
-    trade_off = compute_trade_off(TradeOffWish(scenario, 400.0, wide_map=False, copper_weight=1.0))
+    trade_off = compute_trade_off(TradeOffRequest(scenario, 400.0, wide_map=False, copper_weight=1.0))
     assert trade_off.enoc is not None
     assert trade_off.enoc_map is not None
     time = trade_off.frontier.travel_time_s[30]
@@ -25,7 +25,9 @@ def test_the_trade_off_agrees_with_single_solutions() -> None:
 
 
 def test_without_enoc_there_is_a_frontier_but_no_map() -> None:
-    trade_off = compute_trade_off(TradeOffWish(load_scenario("liashenko-i"), 200.0, wide_map=False, copper_weight=1.0))
+    trade_off = compute_trade_off(
+        TradeOffRequest(load_scenario("liashenko-i"), 200.0, wide_map=False, copper_weight=1.0)
+    )
     assert trade_off.enoc_map is None
     assert "copper loss" in trade_off.refusal
     assert np.all(np.diff(trade_off.frontier.energy_kwh) < 0)

@@ -17,27 +17,27 @@ class Gate:
         self.done: list[int] = []
         self.open = threading.Event()
 
-    def __call__(self, wish: int) -> int:
+    def __call__(self, request: int) -> int:
         assert self.open.wait(PATIENCE_S)
-        self.done.append(wish)
-        if wish < 0:
-            raise RailjouleError(f"{wish} is negative")
-        if wish == 13:
+        self.done.append(request)
+        if request < 0:
+            raise RailjouleError(f"{request} is negative")
+        if request == 13:
             raise RuntimeError("a defect")
-        return 10 * wish
+        return 10 * request
 
 
-def work(*wishes: int) -> tuple[Gate, Page, list[int], list[str]]:
-    """Ask for all wishes at once, then let the page take its turns."""
+def work(*requests: int) -> tuple[Gate, Page, list[int], list[str]]:
+    """Ask for all requests at once, then let the page take its turns."""
     gate, page = Gate(), Page()
     taken: list[int] = []
     failures: list[str] = []
     worker = Worker(gate, taken.append, lambda failure: failures.append(str(failure)))
     with set_curdoc(page.document):
-        for wish in wishes:
-            worker.ask(wish)
+        for request in requests:
+            worker.ask(request)
     gate.open.set()
-    for _ in range(min(len(wishes), 2)):
+    for _ in range(min(len(requests), 2)):
         page.take_turn()
     return gate, page, taken, failures
 
@@ -71,18 +71,18 @@ def test_without_a_page_work_is_done_at_once() -> None:
 
 
 class Counting:
-    """A study that counts up to its wish, each step when the test lets it."""
+    """A study that counts up to its request, each step when the test lets it."""
 
     def __init__(self) -> None:
         self.steps = threading.Semaphore(0)
         self.ended = threading.Event()
 
-    def __call__(self, wish: int) -> Iterator[int]:
+    def __call__(self, request: int) -> Iterator[int]:
         try:
-            for number in range(wish):
+            for number in range(request):
                 assert self.steps.acquire(timeout=PATIENCE_S)
                 yield number
-            if wish > 2:
+            if request > 2:
                 raise RailjouleError("too far")
         finally:
             self.ended.set()
@@ -120,11 +120,11 @@ def test_a_stopped_study_ends_and_says_no_more() -> None:
     assert not study.busy
 
 
-def test_a_new_wish_ends_the_study_before() -> None:
+def test_a_new_request_ends_the_study_before() -> None:
     taken: list[int] = []
-    study = Study(lambda wish: iter([wish]), lambda number, _: taken.append(number), pytest.fail)
+    study = Study(lambda request: iter([request]), lambda number, _: taken.append(number), pytest.fail)
     first, page = Counting(), Page()
-    study._steps = lambda wish: first(wish) if wish == 2 else iter([wish])  # type: ignore[assignment]
+    study._steps = lambda request: first(request) if request == 2 else iter([request])  # type: ignore[assignment]
     with set_curdoc(page.document):
         study.ask(2)
         study.ask(7)
@@ -172,7 +172,7 @@ def test_slow_work_keeps_no_short_work_waiting() -> None:
     with set_curdoc(page.document):
         for worker in slow:
             worker.ask(1)
-        Worker(lambda wish: wish, taken.append, pytest.fail).ask(2)
+        Worker(lambda request: request, taken.append, pytest.fail).ask(2)
     page.take_turn()
     assert taken == [2]
     gate.open.set()

@@ -100,13 +100,13 @@ def test_what_is_taken_stays_free() -> None:
 
 
 @given(st.lists(st.floats(0, 100), min_size=1, max_size=8))
-def test_spread_keeps_order_distance_and_ends(wishes: list[float]) -> None:
-    places = spread_within(wishes, 10.0, 0.0, 100.0)
+def test_spread_keeps_order_distance_and_ends(preferred: list[float]) -> None:
+    places = spread_within(preferred, 10.0, 0.0, 100.0)
     ordered = sorted(places)
     assert min(places) >= -1e-9
     assert max(places) <= 100 + 1e-9
     assert all(after - before >= 10 - 1e-9 for before, after in pairwise(ordered))
-    assert [places[k] for k in np.argsort(wishes, kind="stable")] == ordered
+    assert [places[k] for k in np.argsort(preferred, kind="stable")] == ordered
 
 
 def test_spread_leaves_alone_what_is_apart() -> None:

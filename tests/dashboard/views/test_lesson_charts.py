@@ -2,14 +2,14 @@ import numpy as np
 import pytest
 
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.store import LessonResult, LessonWish, compute_lesson
+from railjoule.dashboard.store import LessonRequest, LessonResult, compute_lesson
 from railjoule.dashboard.views.learn import CELLS
 from railjoule.dashboard.views.lesson_charts import LessonSpeedChart, PhasePlaneChart, PriceChart
 
 
 @pytest.fixture(scope="module")
 def result() -> LessonResult:
-    return compute_lesson(LessonWish("multiplier", 200.0))
+    return compute_lesson(LessonRequest("multiplier", 200.0))
 
 
 def test_the_phase_plane_marks_the_switches(result: LessonResult) -> None:

@@ -3,7 +3,7 @@ import pytest
 from railjoule.core import load_scenario
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.store import LineRuns, LineWish, compute_line
+from railjoule.dashboard.store import LineRequest, LineRuns, compute_line
 from railjoule.dashboard.views.charts import Axis
 from railjoule.dashboard.views.line import figure_cells, legs_table
 from railjoule.dashboard.views.line_charts import LegBars, LineSpeedChart, fitting, supplement_s
@@ -17,7 +17,7 @@ def runs() -> LineRuns:
         {"name": "C", "position_m": 2300},
     ]
     scenario = load_scenario("metro-with-limit", {"line.stations": stations, "timetable.travel_time_s": 230.0})
-    return compute_line(LineWish(scenario, ()))
+    return compute_line(LineRequest(scenario, ()))
 
 
 def test_the_bars_are_the_supplements_side_by_side(runs: LineRuns) -> None:

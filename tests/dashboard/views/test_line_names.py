@@ -10,7 +10,7 @@ from railjoule.core import load_scenario
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.contenders import Contender
-from railjoule.dashboard.store import Runs, RunsWish, compute_runs
+from railjoule.dashboard.store import Runs, RunsRequest, compute_runs
 from railjoule.dashboard.views.charts import Axis, DistanceChart
 from railjoule.dashboard.views.compare_charts import (
     ComparedChart,
@@ -30,7 +30,7 @@ WIDTHS = (640.0, 940.0, 1500.0)
 
 @cache
 def runs_of(name: str) -> Runs:
-    return compute_runs(RunsWish(load_scenario(name), tuple(STRATEGIES)))
+    return compute_runs(RunsRequest(load_scenario(name), tuple(STRATEGIES)))
 
 
 def boxes(chart: DistanceChart, source: str, frame: Frame) -> dict[str, Box]:

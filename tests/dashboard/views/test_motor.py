@@ -10,7 +10,7 @@ from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.motor import Motor
-from railjoule.dashboard.store import LoopWish, compute_detuning
+from railjoule.dashboard.store import LoopRequest, compute_detuning
 from railjoule.dashboard.views.motor import HEIGHTS, MotorView
 from railjoule.dashboard.views.motor_run_charts import length
 
@@ -101,7 +101,7 @@ def test_a_scenario_without_machine_offers_one_that_has(view: MotorView) -> None
 
 def test_the_study_shows_what_came(view: MotorView) -> None:
     assert not view.detuning.place.visible
-    empty = next(compute_detuning(LoopWish(view.state.scenario.scenario(), "enoc", {})))
+    empty = next(compute_detuning(LoopRequest(view.state.scenario.scenario(), "enoc", {})))
     energy = np.full(len(empty.energy_kwh), np.nan)
     energy[:3] = 4.0, 4.4, 5.0
     view.model.detuning = replace(empty, energy_kwh=energy, done=3)

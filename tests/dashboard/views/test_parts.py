@@ -8,7 +8,7 @@ from railjoule.core.trajectory import Trajectory
 from railjoule.dashboard.look import words
 from railjoule.dashboard.models.pins import Pin, Recipe
 from railjoule.dashboard.models.workbench import Workbench
-from railjoule.dashboard.store import Runs, RunsWish, compute_runs
+from railjoule.dashboard.store import Runs, RunsRequest, compute_runs
 from railjoule.dashboard.views import parts
 
 HOSTILE = '<img src=x onerror="alert(1)">'
@@ -16,7 +16,7 @@ HOSTILE = '<img src=x onerror="alert(1)">'
 
 @pytest.fixture(scope="module")
 def runs() -> Runs:
-    return compute_runs(RunsWish(load_scenario("ftorek-300s"), ("eoc", "enoc", "fastest")))
+    return compute_runs(RunsRequest(load_scenario("ftorek-300s"), ("eoc", "enoc", "fastest")))
 
 
 def plain(markup: str) -> str:
@@ -55,7 +55,7 @@ def test_figures_of_another_strategy_name_its_distance(runs: Runs) -> None:
 
 
 def test_an_optimum_that_is_not_proven_is_told_by_its_bound() -> None:
-    runs = compute_runs(RunsWish(load_scenario("tram-950m"), ("phases",)))
+    runs = compute_runs(RunsRequest(load_scenario("tram-950m"), ("phases",)))
     best, phases = (plain(parts.proof_figure(runs.runs[name])) for name in ("optimal", "phases"))
     # bound and optimum as `railjoule compare tram-950m` has them
     assert best == "Above the bound +0.05 % \u25d0 bound 0.995 kWh"
@@ -63,7 +63,7 @@ def test_an_optimum_that_is_not_proven_is_told_by_its_bound() -> None:
 
 
 def test_a_better_run_than_the_unproven_optimum_is_the_best_known() -> None:
-    runs = compute_runs(RunsWish(load_scenario("kharkiv-like-40kmh"), ("bellman",)))
+    runs = compute_runs(RunsRequest(load_scenario("kharkiv-like-40kmh"), ("bellman",)))
     optimal, bellman = (plain(parts.proof_figure(runs.runs[name])) for name in ("optimal", "bellman"))
     assert runs.best_known.strategy == "bellman"
     # bound and energies as `railjoule compare kharkiv-like-40kmh` has them: 7.8994, 7.9126 and 7.9116 kWh
@@ -85,7 +85,7 @@ def test_another_time_than_asked_stands_beside_the_time(runs: Runs) -> None:
 def test_next_to_a_negative_optimum_runs_differ_by_kilowatt_hours() -> None:
     """At 9999 s this train rolls down to its end with 0.628 kWh given back; waiting any longer changes nothing."""
     scenario = load_scenario("metro-with-limit", {"timetable.travel_time_s": 9999.0})
-    runs = compute_runs(RunsWish(scenario, ("fastest",)))
+    runs = compute_runs(RunsRequest(scenario, ("fastest",)))
     fastest = runs.runs["fastest"]
     more = fastest.energy_kwh - runs.runs["optimal"].energy_kwh
     assert plain(parts.proof_figure(fastest)) == f"Above the optimum +{more:.2f} kWh optimum \u22120.628 kWh"

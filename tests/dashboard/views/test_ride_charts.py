@@ -4,20 +4,20 @@ import pytest
 from railjoule.core import load_scenario
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.disturbances import DisturbancesModel
-from railjoule.dashboard.store import RidesWish, compute_late_arrivals, compute_rides
+from railjoule.dashboard.store import RidesRequest, compute_late_arrivals, compute_rides
 from railjoule.dashboard.views.charts import Axis
 from railjoule.dashboard.views.disturbances import drawn
 from railjoule.dashboard.views.ride_charts import LateChart, RideSpeedChart, saved_by
 
 
 @pytest.fixture(scope="module")
-def wish() -> RidesWish:
+def asked() -> RidesRequest:
     model = DisturbancesModel()
     model.take(load_scenario("tram-950m-stop"))
-    return RidesWish(load_scenario("tram-950m-stop"), model.changes)
+    return RidesRequest(load_scenario("tram-950m-stop"), model.changes)
 
 
-def test_a_press_drops_an_event_on_the_distance_alone(wish: RidesWish) -> None:
+def test_a_press_drops_an_event_on_the_distance_alone(asked: RidesRequest) -> None:
     dropped: list[float] = []
     palette = Palette(dark=False)
     chart = RideSpeedChart(300, Axis(palette), palette, dropped.append)
@@ -25,7 +25,7 @@ def test_a_press_drops_an_event_on_the_distance_alone(wish: RidesWish) -> None:
     chart.build()
     model = DisturbancesModel()
     model.take(load_scenario("tram-950m-stop"))
-    runs = drawn(compute_rides(wish))
+    runs = drawn(compute_rides(asked))
 
     class Press:
         x, y = 512.3, 20.0
@@ -39,8 +39,8 @@ def test_a_press_drops_an_event_on_the_distance_alone(wish: RidesWish) -> None:
     assert dropped == [512.3]
 
 
-def test_later_arrivals_save_and_the_price_falls(wish: RidesWish) -> None:
-    *_, late = compute_late_arrivals(wish)
+def test_later_arrivals_save_and_the_price_falls(asked: RidesRequest) -> None:
+    *_, late = compute_late_arrivals(asked)
     chart = LateChart(240, Palette(dark=False))
     chart.build()
     chart.draw(late, [(0.0, 2.2)])

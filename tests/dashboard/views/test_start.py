@@ -5,7 +5,7 @@ import pytest
 
 from railjoule.core.scenario import preset_names
 from railjoule.dashboard.models.workbench import Workbench
-from railjoule.dashboard.store import RunsWish, card_names, compute_cards, compute_runs
+from railjoule.dashboard.store import RunsRequest, card_names, compute_cards, compute_runs
 from railjoule.dashboard.views.start import HEIGHT, WIDTH, card_html, hero, picture
 
 
@@ -36,7 +36,7 @@ def test_a_card_tells_the_run_that_drive_shows(name: str, words: str) -> None:
 
 @pytest.fixture(scope="module")
 def runs():
-    return compute_runs(RunsWish(Workbench().scenario.scenario(), ("optimal", "fastest")))
+    return compute_runs(RunsRequest(Workbench().scenario.scenario(), ("optimal", "fastest")))
 
 
 def test_the_picture_is_drawn_from_the_optimum(runs) -> None:
