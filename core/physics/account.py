@@ -15,7 +15,7 @@ from railjoule.core.drive.kernels import driving_power, generated_power
 from railjoule.core.drive.line_power import line_power
 from railjoule.core.physics.braking import electric_effort
 from railjoule.core.physics.cell import Cell, duration, mean_speed, needed_force
-from railjoule.core.physics.course_data import CourseData, Train, cell_of, train_of
+from railjoule.core.physics.course_data import CourseData, Train, cell_of, shared_by_cells
 from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
 
 
@@ -87,7 +87,7 @@ def account_of_cell(
 @njit(cache=True, error_model="numpy", nogil=True)
 def run_energy(course: CourseData, speed2: FloatArray) -> float:
     """Return the line energy of a run without auxiliaries [J], for squares of speed at the nodes of shape (n + 1,)."""
-    train, traction, braking, drive = train_of(course), course.traction, course.braking, course.drive_parameters
+    train, traction, braking, drive = shared_by_cells(course)
     total = 0.0
     for i in range(course.cell_length_m.shape[0]):
         account = account_of_cell(cell_of(course, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
@@ -112,7 +112,7 @@ def account_of_run(course: CourseData, speed2: FloatArray) -> RunAccount:
     """Return the account of a run from squares of speed at its nodes [m2/s2], of shape (n + 1,)."""
     n = course.cell_length_m.shape[0]
     rows = np.empty((7, n))
-    train, traction, braking, drive = train_of(course), course.traction, course.braking, course.drive_parameters
+    train, traction, braking, drive = shared_by_cells(course)
     for i in range(n):
         account = account_of_cell(cell_of(course, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
         rows[0, i] = account.duration_s

@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.compiled import njit
+from railjoule.core.compiled import borrowed, njit
 from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.effort_limit import EffortLimit
+from railjoule.core.physics.effort_limit import EffortLimit, borrowed_limit
 
 SWITCHED_AT_WILL = np.zeros(0)
 PER_CELL = ("cell_length_m", "line_force_n", "resistance_quadratic", "machines_on")
@@ -72,9 +72,7 @@ class CourseData(NamedTuple):
 class Train(NamedTuple):
     """The plain numbers of a course's train, named as in `CourseData`.
 
-    Loops over cells take what holds arrays - two limits of effort and the drive's parameters - as arguments of their
-    own, out of the course before the loop: numba counts references to an array that is read out of a tuple, and that
-    costs more than the physics of a cell.
+    Plain numbers alone: two limits of effort and the drive's parameters, which hold arrays, are arguments of their own.
     """
 
     drive_kind: int
@@ -94,6 +92,16 @@ def train_of(course: CourseData) -> Train:
         course.max_acceleration_ms2,
         course.max_deceleration_ms2,
     )
+
+
+@njit(cache=True)
+def shared_by_cells(course: CourseData) -> tuple[Train, EffortLimit, EffortLimit, FloatArray]:
+    """Return what the physics of any cell takes: train, limits of traction and braking, parameters of the drive.
+
+    For the loops of a compiled function that has the course as an argument: the arrays are `borrowed` from it.
+    """
+    traction, braking = borrowed_limit(course.traction), borrowed_limit(course.braking)
+    return train_of(course), traction, braking, borrowed(course.drive_parameters)
 
 
 @njit(cache=True, error_model="numpy")

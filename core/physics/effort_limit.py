@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray
-from railjoule.core.compiled import njit
+from railjoule.core.compiled import borrowed, njit
 
 TABLE_STEP_MS = 0.125
 """A piece of a table is looked up in steps of this length."""
@@ -138,6 +138,12 @@ def tabulated_limit(constant_n: float, table: FloatArray) -> EffortLimit:
 def table_speeds(top_speed_ms: float) -> FloatArray:
     """Return equal steps of speed [m/s] from 0 to just beyond `top_speed_ms`; shape (m + 1,)."""
     return np.arange(0.0, top_speed_ms + 2 * LONGEST_PIECE_MS, LONGEST_PIECE_MS)
+
+
+@njit(cache=True)
+def borrowed_limit(limit: EffortLimit) -> EffortLimit:
+    """Return a limit whose arrays are `borrowed`, for the loops of a compiled function."""
+    return EffortLimit(limit.constant_n, limit.power_w, borrowed(limit.table), borrowed(limit.first_piece))
 
 
 @njit(cache=True, error_model="numpy")
