@@ -69,6 +69,7 @@ def account_of_cell(
     """
     v = mean_speed(math.sqrt(start_speed2), math.sqrt(end_speed2))
     force = needed_force(cell, start_speed2, end_speed2, v)
+    # no force is coasting: traction of zero, so that a drive which idles when it is on is off
     kind = train.drive_kind
     if force >= 0.0:
         driven, electric, friction = force, 0.0, 0.0
@@ -79,6 +80,7 @@ def account_of_cell(
         driven, electric = 0.0, electric_effort(kind, drive, -force, v, strongest, train.friction_effort_n)
         friction = -force - electric
         power = -generated_power(kind, drive, electric, v)[0]
+        # by both brakes together: how they share does not matter to the limit
         excess = -force - strongest - train.friction_effort_n
     taken = line_power(power, train.recuperation_factor)
     return CellAccount(duration(cell.length_m, v), v, driven, electric, friction, power, taken, excess)

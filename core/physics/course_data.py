@@ -9,6 +9,7 @@ from railjoule.core.compiled import borrowed, njit
 from railjoule.core.physics.cell import Cell
 from railjoule.core.physics.effort_limit import EffortLimit, borrowed_limit
 
+# an empty array, not None: compiled code knows one type of each field
 SWITCHED_AT_WILL = np.zeros(0)
 PER_CELL = ("cell_length_m", "line_force_n", "resistance_quadratic", "machines_on")
 PER_NODE = ("largest_speed2", "fixed_speed2")
@@ -131,6 +132,7 @@ def scaled_cell_of(course: CourseData, number: int, scale: float) -> Cell:
 @njit(cache=True, error_model="numpy")
 def part_of_cell(cell: Cell, length_m: float) -> Cell:
     """Return a part of a cell [m]: as its force is constant, only its length differs, and inertia over length."""
+    # k = m / (2 h)
     inertia = cell.inertia * (cell.length_m / length_m)
     return Cell(length_m, inertia, cell.constant_n, cell.linear, cell.quadratic)
 
@@ -138,6 +140,7 @@ def part_of_cell(cell: Cell, length_m: float) -> Cell:
 def data_between(course: CourseData, first: int, last: int) -> CourseData:
     """Return the data of a course between two nodes, over the same mesh."""
     cells = {name: getattr(course, name)[first:last] for name in PER_CELL}
+    # one node more than cells; of an array that is empty, as `machines_on` may be, an empty part
     nodes = {name: getattr(course, name)[first : last + 1] for name in PER_NODE}
     return course._replace(**cells, **nodes)
 
@@ -155,6 +158,7 @@ def cells_of(course: CourseData) -> Cell:
 
 def lowered_limits(course: CourseData, share: float) -> CourseData:
     """Return a course whose limits of effort, speed and rate of change of speed are lower by a share."""
+    # a limit of speed is kept as its square: it is the square that falls by the share
     kept = 1.0 - share
     return course._replace(
         largest_speed2=kept * course.largest_speed2,
