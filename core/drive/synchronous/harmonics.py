@@ -27,7 +27,7 @@ DEPTHS = 49
 SIX_STEP_ORDERS = 8
 COPPER_RESISTIVITY_OHM_M = 2.2e-8
 """At about 100 degrees Celsius."""
-# Height of a conductor over the skin depth. Below the first Dowell's formula is 1 within 1e-8, and would soon divide
+# Height of a conductor over the skin depth. Below the first Dowell's factor is 1 within 1e-7, and would soon divide
 # rounding by rounding; the second, where it is held, no harmonic of a motor reaches: sinh overflows at 355.
 THIN, THICK = 1e-2, 50.0
 # amplitudes over half the link voltage that count as none
