@@ -8,6 +8,7 @@ from railjoule.core.arrays import frozen_array
 from railjoule.core.drive.drive import Drive
 from railjoule.core.drive.efficiency_map import make_efficiency_map_drive
 from railjoule.core.drive.geared import NEGLIGIBLE_SHARE, GearedDrive
+from railjoule.core.drive.geared_parameters import turns_per_metre
 from railjoule.core.drive.induction.drive import make_induction_drive
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS, LOSS_POLYNOMIAL
 from railjoule.core.drive.synchronous.drive import make_synchronous_drive
@@ -23,6 +24,7 @@ from railjoule.core.scenario.drive import (
 
 
 def _constant_efficiency(parameters: ConstantEfficiency) -> Drive:
+    # a vehicle of which one efficiency is known has it both ways
     driving = parameters.traction_efficiency
     braking = parameters.braking_efficiency if parameters.braking_efficiency is not None else driving
     return Drive(
@@ -36,8 +38,9 @@ def _constant_efficiency(parameters: ConstantEfficiency) -> Drive:
 
 def _copper_loss(parameters: CopperLoss) -> Drive:
     """One motor carries i = effort / (motors k x) and loses R i^2; x = gear ratio over wheel radius."""
-    turns_per_metre = parameters.gear_ratio / (0.5 * parameters.wheel_diameter_m)
-    amperes_per_newton = 1 / (parameters.motors * parameters.torque_per_amp_nm * turns_per_metre)
+    turns = turns_per_metre(parameters)
+    # F = motors k x i, and the losses of all motors are motors R i^2
+    amperes_per_newton = 1 / (parameters.motors * parameters.torque_per_amp_nm * turns)
     return Drive(
         kind=COPPER_LOSS,
         parameters=frozen_array([parameters.motors * parameters.resistance_ohm * amperes_per_newton**2]),
@@ -49,14 +52,15 @@ def _copper_loss(parameters: CopperLoss) -> Drive:
 
 def _loss_polynomial(parameters: LossPolynomial) -> GearedDrive:
     """Return a drive whose effort counts as rounding beside that of a hundred newton metres of each motor."""
-    turns_per_metre = parameters.gear_ratio / (0.5 * parameters.wheel_diameter_m)
-    large_effort_n = 100 * parameters.motors * turns_per_metre
+    turns = turns_per_metre(parameters)
+    # a polynomial of losses names no largest torque: a traction motor of 100 N m would be a small one
+    large_effort_n = 100 * parameters.motors * turns
     return GearedDrive(
         kind=LOSS_POLYNOMIAL,
         parameters=frozen_array(
             [
                 parameters.motors,
-                turns_per_metre,
+                turns,
                 parameters.gear_loss_share,
                 NEGLIGIBLE_SHARE * large_effort_n,
                 parameters.no_load_loss_w,

@@ -5,6 +5,7 @@ from railjoule.core.compiled import njit
 from railjoule.core.drive.power_terms import PowerTerms
 
 PARAMETERS = ("traction_efficiency", "braking_efficiency")
+TRACTION_EFFICIENCY, BRAKING_EFFICIENCY = range(len(PARAMETERS))
 
 
 @njit(cache=True)
@@ -13,7 +14,7 @@ def driving_power(parameters: FloatArray, effort: float, speed: float) -> PowerT
 
     Returns (p, dp/df, dp/dv, d2p/df2, d2p/dfdv, d2p/dv2).
     """
-    per_wheel_power = 1.0 / parameters[0]
+    per_wheel_power = 1.0 / parameters[TRACTION_EFFICIENCY]
     return (
         effort * speed * per_wheel_power,
         speed * per_wheel_power,
@@ -27,5 +28,11 @@ def driving_power(parameters: FloatArray, effort: float, speed: float) -> PowerT
 @njit(cache=True)
 def generated_power(parameters: FloatArray, effort: float, speed: float) -> PowerTerms:
     """Electrical power [W] generated at an electric braking effort [N] and speed [m/s], and its derivatives."""
-    share = parameters[1]
-    return share * effort * speed, share * speed, share * effort, 0.0, share, 0.0
+    efficiency = parameters[BRAKING_EFFICIENCY]
+    return efficiency * effort * speed, efficiency * speed, efficiency * effort, 0.0, efficiency, 0.0
+
+
+@njit(cache=True)
+def work_bounds(parameters: FloatArray) -> tuple[float, float]:
+    """Return the least line energy per work of traction, and the most energy generated per work of braking."""
+    return 1.0 / parameters[TRACTION_EFFICIENCY], parameters[BRAKING_EFFICIENCY]

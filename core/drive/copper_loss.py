@@ -8,6 +8,7 @@ from railjoule.core.compiled import njit
 from railjoule.core.drive.power_terms import PowerTerms
 
 PARAMETERS = ("loss_coefficient",)
+LOSS_COEFFICIENT = 0
 
 
 @njit(cache=True)
@@ -16,8 +17,9 @@ def driving_power(parameters: FloatArray, effort: float, speed: float) -> PowerT
 
     Returns (p, dp/df, dp/dv, d2p/df2, d2p/dfdv, d2p/dv2).
     """
-    loss = parameters[0] * effort
-    return effort * speed + loss * effort, speed + 2.0 * loss, effort, 2.0 * parameters[0], 1.0, 0.0
+    coefficient = parameters[LOSS_COEFFICIENT]
+    loss = coefficient * effort
+    return effort * speed + loss * effort, speed + 2.0 * loss, effort, 2.0 * coefficient, 1.0, 0.0
 
 
 @njit(cache=True)
@@ -26,5 +28,6 @@ def generated_power(parameters: FloatArray, effort: float, speed: float) -> Powe
 
     Negative near standstill, where the windings lose more than the wheels give.
     """
-    loss = parameters[0] * effort
-    return effort * speed - loss * effort, speed - 2.0 * loss, effort, -2.0 * parameters[0], 1.0, 0.0
+    coefficient = parameters[LOSS_COEFFICIENT]
+    loss = coefficient * effort
+    return effort * speed - loss * effort, speed - 2.0 * loss, effort, -2.0 * coefficient, 1.0, 0.0

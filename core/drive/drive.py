@@ -57,9 +57,10 @@ class Drive:
         return line_power(self.electrical_power_w(effort_n, speed_ms), self.recuperation_factor)
 
     def losses_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> dict[str, FloatArray]:
-        """Return the losses by kind [W]: those of the drive, and what the brake resistors burn."""
+        """Return the losses by kind [W]: those of the drive, and what the brake resistors dissipate."""
         power = self.electrical_power_w(effort_n, speed_ms)
         return {
+            # what the terminals take beyond the work at the wheels; in braking both are negative
             self.loss_kind: power - np.multiply(effort_n, speed_ms),
             "brake_resistors": resistor_power(power, self.recuperation_factor),
         }
@@ -88,5 +89,6 @@ class Drive:
 
         Infinite where the model knows no current.
         """
+        # the current of such a model does not depend on speed
         effort = np.inf if self.amperes_per_newton is None else current_a / self.amperes_per_newton
         return np.full(np.shape(speed_ms), effort)

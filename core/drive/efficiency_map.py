@@ -8,6 +8,7 @@ points as the parabola through them, kept between zero and the nearest of them: 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
+from railjoule.core.drive.geared_parameters import turns_per_metre
 from railjoule.core.drive.loss_map.drive import LossMap, MapDrive, make_map_drive
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario.drive import EfficiencyMap
@@ -23,7 +24,7 @@ def make_efficiency_map_drive(parameters: EfficiencyMap) -> MapDrive:
         driving,
         braking,
         parameters.motors,
-        parameters.gear_ratio / (0.5 * parameters.wheel_diameter_m),
+        turns_per_metre(parameters),
         parameters.gear_loss_share,
         parameters.recuperation_factor,
     )
@@ -34,9 +35,11 @@ def _loss_map(points: FloatArray, braking: bool) -> LossMap:
     efficiency = np.empty((len(torque), len(speed)))
     efficiency[np.searchsorted(torque, points[:, 0]), np.searchsorted(speed, points[:, 1])] = points[:, 2]
     shaft = torque[:, None] * speed[None, :]
+    # eta = 0 while braking may mean any loss above the shaft's power, without shaft power any loss at all
     known = (shaft > 0) & (efficiency > 0)
     share = 1 - efficiency if braking else 1 / np.where(known, efficiency, 1.0) - 1
     loss = np.where(known, shaft * share, np.nan)
+    # along the torque first: the column at rest is unknown whole, and is filled from the finished rows
     _continue_down(torque, loss[:, 1:])
     _continue_down(speed, loss.T)
     if np.isnan(loss).any():

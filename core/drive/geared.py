@@ -8,8 +8,9 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.drive.drive import Drive
 from railjoule.core.drive.line_power import resistor_power
 
+# what rounding and the solver's tolerance of 1e-8 leave of an effort where a run coasts is less than this share of a
+# large one: the motors are off, and take no idle power
 NEGLIGIBLE_SHARE = 1e-7
-"""An effort below this share of a large one is rounding, and the motors are off."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,7 +26,7 @@ class GearedDrive(Drive):
     gear_loss_share: float
 
     def losses_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> dict[str, FloatArray]:
-        """Return the losses by kind [W]: of motors with their inverters, of gears, and what brake resistors burn."""
+        """Return the losses by kind [W]: of motors with their inverters, of gears, and of brake resistors."""
         power = self.electrical_power_w(effort_n, speed_ms)
         work = np.multiply(effort_n, speed_ms)
         gear = np.where(power == 0, 0.0, self.gear_loss_share * np.abs(work))

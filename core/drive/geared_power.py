@@ -1,6 +1,6 @@
 """Line power of motors with inverters of their own whose losses are known, and with the loss of their gears.
 
-The gear loses a share g of the power at the wheels on its way from the motor or back: a shaft carries
+The gear loses a share g of the power at the wheels from the motor or back: a shaft carries
 F v (1 + g) / motors in driving and F v (1 - g) / motors in braking, and its torque likewise. Without effort the
 inverters are off: no power, no drag. With the least effort they take what `idle_power` returns, so power jumps there.
 Only the loss of a motor differs from kind to kind.
@@ -24,6 +24,7 @@ def _motor_loss(kind: int, parameters: FloatArray, braking: bool, torque: float,
         return loss_polynomial.motor_loss(parameters, torque, rads)
     if kind == LOSS_MAP:
         return loss_map.motor_loss(parameters, braking, torque, rads)
+    # a kind without a branch here would else lose nothing, silently
     raise ValueError("no kernel of drives knows this kind")
 
 
@@ -31,6 +32,7 @@ def _motor_loss(kind: int, parameters: FloatArray, braking: bool, torque: float,
 def _train_loss(kind: int, parameters: FloatArray, braking: bool, effort: float, speed: float) -> PowerTerms:
     """Return the losses of all motors and inverters that are on [W], and their derivatives by effort and speed."""
     motors, turns = parameters[MOTORS], parameters[TURNS]
+    # torque of one motor over effort of the train, and speed of the motor over that of the train: chain rule below
     by_effort = work_bounds(parameters)[1 if braking else 0] / (motors * turns)
     p, p_m, p_w, p_mm, p_mw, p_ww = _motor_loss(kind, parameters, braking, by_effort * effort, turns * speed)
     return (
@@ -73,6 +75,7 @@ def driving_power(kind: int, parameters: FloatArray, effort: float, speed: float
     Returns (p, dp/df, dp/dv, d2p/df2, d2p/dfdv, d2p/dv2). Zero at an effort that is no more than rounding.
     """
     p, p_f, p_v, p_ff, p_fv, p_vv = power_with_idle(kind, parameters, effort, speed)
+    # slopes by effort stay: a solver at no effort must still see what the first newton costs
     if effort <= parameters[NEGLIGIBLE]:
         return 0.0, p_f, 0.0, p_ff, p_fv, 0.0
     return p, p_f, p_v, p_ff, p_fv, p_vv

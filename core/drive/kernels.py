@@ -14,6 +14,9 @@ from railjoule.core.drive.induction import power as induction
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS, DRAWS, GEARED, INDUCTION, JUMPS
 from railjoule.core.drive.power_terms import PowerTerms
 
+LEAST_SIGNED_N = 1e-9
+"""Stands for no effort where its sign tells driving from braking [N]."""
+
 
 @njit(cache=True)
 def driving_power(kind: int, parameters: FloatArray, effort: float, speed: float) -> PowerTerms:
@@ -76,6 +79,7 @@ def power_when_on(kind: int, parameters: FloatArray, braking: bool, effort: floa
         p, p_f, p_v, p_ff, p_fv, p_vv = geared_power.generated_with_idle(kind, parameters, effort, speed)
     else:
         p, p_f, p_v, p_ff, p_fv, p_vv = generated_power(kind, parameters, effort, speed)
+    # taken is positive in this function, generated is positive in those that it asks
     return -p, -p_f, -p_v, -p_ff, -p_fv, -p_vv
 
 
@@ -86,7 +90,7 @@ def work_bounds(kind: int, parameters: FloatArray) -> tuple[float, float]:
     Of a kind that tells no more they are 1: no drive gives energy for nothing.
     """
     if kind == CONSTANT_EFFICIENCY:
-        return 1.0 / parameters[0], parameters[1]
+        return constant_efficiency.work_bounds(parameters)
     if kind == INDUCTION:
         return induction.work_bounds(parameters)
     if GEARED[kind]:
@@ -103,6 +107,7 @@ def shaft_force(kind: int, parameters: FloatArray, braking: bool, effort: float)
     if kind == INDUCTION:
         return induction.shaft_force(parameters, -effort if braking else effort)
     if GEARED[kind]:
+        # gears take their part of the work whatever the speed
         share = work_bounds(kind, parameters)[1 if braking else 0]
         return (-share * effort, -share) if braking else (share * effort, share)
     return (-effort, -1.0) if braking else (effort, 1.0)
@@ -115,8 +120,8 @@ def smooth_power_when_on(kind: int, parameters: FloatArray, braking: bool, effor
     Negative where it generates; for a solver that steps from derivative to derivative.
     """
     if kind == INDUCTION:
-        # at no effort the gear's loss changes its side
-        signed = max(effort, 1e-9) * (-1.0 if braking else 1.0)
+        # the gear's loss changes its side with the direction of the power, which no effort would not tell
+        signed = max(effort, LEAST_SIGNED_N) * (-1.0 if braking else 1.0)
         p, p_f, p_v, p_ff, p_fv, p_vv = induction.smooth_power_with_idle(parameters, signed, speed)
         if not braking:
             return p, p_f, p_v, p_ff, p_fv, p_vv

@@ -20,7 +20,7 @@ class Capabilities(NamedTuple):
     may_draw_while_braking : bool
         Whether it may need power of the line to brake, near standstill.
     geared : bool
-        Whether its losses are told for each of several motors behind gears, by a `motor_loss`.
+        Whether its losses are those of each of several motors behind gears, by a `motor_loss`.
     """
 
     jumps_at_no_effort: bool

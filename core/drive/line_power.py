@@ -1,8 +1,8 @@
 """What of a drive's power the line gives and takes back: the rule of recuperation.
 
 A drive that draws power P > 0 at its terminals, to drive or to brake near standstill, takes all of it from the line.
-What it generates, -P, the line takes back in part: the recuperation factor r times it; resistors burn the rest. As r
-lies between 0 and 1, the line's power is max(P, r P): kinked at zero, convex, and rising with P.
+What it generates, -P, the line takes back in part: the recuperation factor r times it; resistors dissipate the rest. As
+r lies between 0 and 1, the line's power is max(P, r P): kinked at zero, convex, and rising with P.
 """
 
 import numpy as np
@@ -31,5 +31,5 @@ def smooth_line_power(taken: Value, generated: Numbers, drawn: Numbers, recupera
 
 @formula
 def resistor_power(power: Value, recuperation_factor: float) -> Value:
-    """Return what of a power at the terminals [W] brake resistors burn [W]: generated, and not taken back."""
+    """Return what of a power at the terminals [W] brake resistors dissipate [W]: generated, and not taken back."""
     return line_power(power, recuperation_factor) - power

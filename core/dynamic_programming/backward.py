@@ -16,7 +16,7 @@ from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import njit
 from railjoule.core.motion.cell_step import COAST, FULL_BRAKE, FULL_TRACTION, cell_cost, exit_speed2
 from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.course_data import CourseData, Train, cell_of, train_of
+from railjoule.core.physics.course_data import CourseData, Train, cell_of, shared_by_cells
 from railjoule.core.physics.effort_limit import EffortLimit
 
 CONTROLS_BESIDE_GRID = 4
@@ -170,7 +170,7 @@ def grid_range(row: FloatArray, low: float, top: float) -> tuple[int, int]:
 def tabulate_steps(course: CourseData, grid: FloatArray) -> Steps:
     """Return all steps between the grid points of neighbouring nodes, and those of the controls beside them."""
     nodes, points = grid.shape
-    train, traction, braking, drive = train_of(course), course.traction, course.braking, course.drive_parameters
+    train, traction, braking, drive = shared_by_cells(course)
     first = np.zeros((nodes - 1, points + 1), dtype=np.int64)
     span = np.empty((nodes - 1, points, 2))
     total = 0

@@ -16,7 +16,7 @@ from railjoule.core.dynamic_programming.backward import (
 )
 from railjoule.core.motion.cell_step import cell_cost
 from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.course_data import CourseData, Train, cell_of, train_of
+from railjoule.core.physics.course_data import CourseData, Train, cell_of, shared_by_cells
 from railjoule.core.physics.effort_limit import EffortLimit
 
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
@@ -118,7 +118,7 @@ def roll_out(course: CourseData, grid: FloatArray, cost_j: FloatArray, price: fl
     nodes = grid.shape[0]
     speed2 = np.full(nodes, -1.0)
     speed2[0] = grid[0, 0]
-    train, traction, braking, drive = train_of(course), course.traction, course.braking, course.drive_parameters
+    train, traction, braking, drive = shared_by_cells(course)
     for i in range(nodes - 1):
         speed2[i + 1] = best_exit(
             cell_of(course, i),

@@ -1,7 +1,7 @@
 """Drives that take power without effort when they are on, and none when they are off: power jumps at zero effort.
 
 Where a drive may be switched at will within a cell, a mean effort f costs the least of share * p(f / share) over the
-share of the way on which it is on: up to the effort of least power per effort it is on for a part of the cell with
+share of the cell in which it is on: up to the effort of least power per effort it is on for a part of the cell with
 that one, a straight line through zero, and above it all the time. That is the convex hull of zero and the power p of a
 drive that is on, if p is convex in the effort. The same holds for braking and what it generates.
 """
@@ -16,22 +16,34 @@ from railjoule.core.interior_point.layout import RAY_COUNT
 from railjoule.core.physics.course_data import CourseData
 from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
 
+# Line energy over work that an effort costs where a drive is off. Marginal energies of drives are about 1 / efficiency,
+# so below ten wherever a run would use an effort: an optimum buys none, if the decision to be off leaves it a choice.
+# Where it does not, the problem stays solvable, and its run uses effort where it was to be off; a larger price would
+# only spread the problem's numbers further apart.
 FORBIDDING_PRICE = 10.0
-"""Line energy over work that an effort is said to cost where a drive is off: more than any effort is worth."""
-GREATEST_BEND = 100.0
-"""Second derivatives are cut to this many times slope over effort: at a pull-out torque they have no limit."""
-FIRST_SHARE, WIDENING = 0.1, 2.0
+# Second derivatives by effort are cut to this many times slope over effort: at a pull-out torque they have no limit.
+# A Newton step against that slope is then no shorter than a hundredth of the effort; with less it would overshoot where
+# losses are truly steep, with more it would stand still at the pull-out.
+GREATEST_CURVATURE = 100.0
+# where a search for a tangent begins, on the way from the anchor, and by what its steps widen until they bracket it
+FIRST_FRACTION, WIDENING = 0.1, 2.0
 NARROWINGS = 60
 EXACT = 1e-6
 """How close a tangent need be found: the slope of its line is stationary there."""
+# An effort below this share of the tangent point at about the same speed is taken for one on the line, without a look
+# at the power there. Right as long as the tangent point falls by less than 30 % from the one speed to the other.
 CLEARLY_LESS = 0.7
-SLOWEST = 1e-3
+# efforts below it do not lower the cut of second derivatives any further: at zero it would leave none [N]
+LEAST_EFFORT_N = 1.0
+# of one line in a table of rays
+POINT, SLOPE, SLOPE_BY_SPEED = range(3)
+SLOWEST_MS = 1e-3
 """Speed that stands for none [m/s]."""
 
 
 @njit(cache=True)
 def tangent(
-    kind: int, parameters: FloatArray, braking: bool, speed: float, anchor: float, other: float, near: float
+    kind: int, parameters: FloatArray, braking: bool, speed: float, anchor: float, end: float, guess: float
 ) -> tuple[float, PowerTerms]:
     """Return the effort [N] at which the power touches a line through zero power at an anchor, and the power there.
 
@@ -43,33 +55,35 @@ def tangent(
         Whether it brakes.
     speed : float
         Speed [m/s].
-    anchor, other : float
+    anchor, end : float
         Effort of the anchor and the end of the search [N]; from zero to the largest effort or the other way round. The
         end is returned if no tangent lies between.
-    near : float
+    guess : float
         Where to begin [N]; zero if nothing is known.
     """
-    below, beyond = anchor, other
-    y = near if near > 0.0 else anchor + FIRST_SHARE * (other - anchor)
+    # a bracket that may run either way: its inner end is the one at the anchor
+    inner, outer = anchor, end
+    y = guess if guess > 0.0 else anchor + FIRST_FRACTION * (end - anchor)
     power = smooth_power_when_on(kind, parameters, braking, y, speed)
     for _ in range(NARROWINGS):
         p, p_f, _, p_ff, _, _ = power
-        way = y - anchor
-        rest = way * p_f - p
-        if rest >= 0.0:
-            beyond = y
+        distance = y - anchor
+        # zero at the tangent point; of a convex power it rises with the distance
+        residual = distance * p_f - p
+        if residual >= 0.0:
+            outer = y
         else:
-            below = y
-        if abs(beyond - below) <= EXACT * abs(way):
+            inner = y
+        if abs(outer - inner) <= EXACT * abs(distance):
             break
-        # exact where power is a constant and a square of the way from the anchor
-        square = way * way - 2.0 * rest / p_ff if p_ff > 0.0 else -1.0
-        step = anchor + math.copysign(math.sqrt(square), way) if square > 0.0 else anchor
-        if (step - below) * (step - beyond) >= 0.0:
-            step = 0.5 * (below + beyond)
-            if beyond == other and y != other:
-                step = other if WIDENING * abs(way) > abs(other - anchor) else anchor + WIDENING * way
-        if abs(step - y) <= EXACT * abs(way):
+        # exact where power is a constant and a square of the distance
+        square = distance * distance - 2.0 * residual / p_ff if p_ff > 0.0 else -1.0
+        step = anchor + math.copysign(math.sqrt(square), distance) if square > 0.0 else anchor
+        if (step - inner) * (step - outer) >= 0.0:
+            step = 0.5 * (inner + outer)
+            if outer == end and y != end:
+                step = end if WIDENING * abs(distance) > abs(end - anchor) else anchor + WIDENING * distance
+        if abs(step - y) <= EXACT * abs(distance):
             break
         y = step
         power = smooth_power_when_on(kind, parameters, braking, y, speed)
@@ -77,26 +91,39 @@ def tangent(
 
 
 @njit(cache=True)
-def ray(power: PowerTerms, anchor: float, touch: float, end_by_speed: float, effort: float) -> PowerTerms:
+def tangent_line(
+    power: PowerTerms, anchor: float, tangent_point: float, point_by_speed: float, effort: float
+) -> PowerTerms:
     """Return the power [W] on the line from an anchor to a power at an effort, and derivatives.
 
-    `end_by_speed` is how that effort varies with speed [N s/m] where it is a limit and no tangent, else zero.
+    Parameters
+    ----------
+    power : tuple
+        Power at the tangent point and its derivatives.
+    anchor, tangent_point, effort : float
+        Efforts: where the line has no power, where it meets that one, and where it is asked for [N].
+    point_by_speed : float
+        How the tangent point varies with speed where it is a limit and no tangent, else zero [N s/m].
     """
-    p, p_f, p_v, p_ff, p_fv, p_vv = _tamed(power, touch)
-    way = touch - anchor
-    slope, slope_v, slope_vv = p / way, p_v / way, p_vv / way
-    if end_by_speed != 0.0:
-        slope_v += (p_f - slope) * end_by_speed / way
+    # The line's slope is m(v) = P(y, v) / d with d = y - a. A tangent has d P_f = P, so m does not change with y and
+    # m_v = P_v / d. Differentiating the condition by v gives the point's own change, y_v = -(P_fv - m_v) / P_ff, hence
+    #     m_vv = P_vv / d + (P_fv - m_v) y_v / d = P_vv / d - (P_fv - m_v)^2 / (d P_ff).
+    # At a limit y_v is given, and m_v = P_v / d + (P_f - m) y_v / d; m_vv, which only sizes a step, goes without y_v.
+    p, p_f, p_v, p_ff, p_fv, p_vv = _with_limited_curvature(power, tangent_point)
+    distance = tangent_point - anchor
+    slope, slope_v, slope_vv = p / distance, p_v / distance, p_vv / distance
+    if point_by_speed != 0.0:
+        slope_v += (p_f - slope) * point_by_speed / distance
     elif p_ff > 0.0:
-        apart = (p_fv - slope_v) / way
-        slope_vv -= apart * apart * way / p_ff
-    on = effort - anchor
-    return slope * on, slope, slope_v * on, 0.0, slope_v, slope_vv * on
+        mixed = (p_fv - slope_v) / distance
+        slope_vv -= mixed * mixed * distance / p_ff
+    offset = effort - anchor
+    return slope * offset, slope, slope_v * offset, 0.0, slope_v, slope_vv * offset
 
 
 @njit(cache=True)
 def hull_power(
-    kind: int, parameters: FloatArray, braking: bool, limit: EffortLimit, effort: float, speed: float, near: float
+    kind: int, parameters: FloatArray, braking: bool, limit: EffortLimit, effort: float, speed: float, guess: float
 ) -> tuple[PowerTerms, float]:
     """Return the power of a drive that is switched at will [W] with its derivatives, and the effort that it touches.
 
@@ -109,54 +136,57 @@ def hull_power(
     limit : EffortLimit
         Of the effort.
     effort : float
-        Mean effort over the way [N].
+        Mean effort over the cell [N].
     speed : float
         Speed [m/s].
-    near : float
+    guess : float
         The effort of least power per effort at about this speed [N]; zero if nothing is known.
     """
-    most, most_v = limit.constant_n, 0.0
-    if limit.table.shape[0] > 0 or limit.power_w / speed < most:
-        over, over_v, _ = limit_over_speed(limit, speed)
-        if over < most:
-            most, most_v = over, over_v
-    if effort > CLEARLY_LESS * near:
+    largest, largest_v = limit.constant_n, 0.0
+    if limit.table.shape[0] > 0 or limit.power_w / speed < largest:
+        varying, varying_v, _ = limit_over_speed(limit, speed)
+        if varying < largest:
+            largest, largest_v = varying, varying_v
+    if effort > CLEARLY_LESS * guess:
         power = smooth_power_when_on(kind, parameters, braking, effort, speed)
-        if effort >= most or effort * power[1] >= power[0]:
-            return _tamed(power, effort), near
-    touch, power = tangent(kind, parameters, braking, speed, 0.0, most, min(near, most))
-    return ray(power, 0.0, touch, most_v if touch >= most else 0.0, effort), touch
+        # beyond the tangent point the power is its own hull
+        if effort >= largest or effort * power[1] >= power[0]:
+            return _with_limited_curvature(power, effort), guess
+    point, power = tangent(kind, parameters, braking, speed, 0.0, largest, min(guess, largest))
+    return tangent_line(power, 0.0, point, largest_v if point >= largest else 0.0, effort), point
 
 
 @njit(cache=True)
 def hull_with_standstill_brake(
-    kind: int, parameters: FloatArray, limit: EffortLimit, effort: float, speed: float, near: float
+    kind: int, parameters: FloatArray, limit: EffortLimit, effort: float, speed: float, guess: float
 ) -> tuple[PowerTerms, float]:
     """Return the same for a brake that another one may replace at no power, up to the same largest effort.
 
     Near standstill, where full electric braking would draw power, that is cheaper; between the two there is a line.
     """
     off = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    power, touch = hull_power(kind, parameters, True, limit, effort, speed, near)
+    power, point = hull_power(kind, parameters, True, limit, effort, speed, guess)
+    # where more effort still generates more, or the largest draws nothing, the other brake has nothing to spare
     if power[1] < 0.0:
-        return power, touch
-    most = limit.constant_n
-    if smooth_power_when_on(kind, parameters, True, most, speed)[0] <= 0.0:
-        return power, touch
-    best, least = tangent(kind, parameters, True, speed, 0.0, most, 0.0)
+        return power, point
+    largest = limit.constant_n
+    if smooth_power_when_on(kind, parameters, True, largest, speed)[0] <= 0.0:
+        return power, point
+    best, least = tangent(kind, parameters, True, speed, 0.0, largest, 0.0)
     if least[0] >= 0.0:
-        return off, touch
-    end, least = tangent(kind, parameters, True, speed, most, best, 0.0)
+        return off, point
+    # from no power at the largest effort, the other brake's, back to what the electric one generates at most
+    end, least = tangent(kind, parameters, True, speed, largest, best, 0.0)
     if abs(effort) <= end:
-        return power, touch
-    return ray(least, most, end, 0.0, effort), touch
+        return power, point
+    return tangent_line(least, largest, end, 0.0, effort), point
 
 
 @njit(cache=True)
-def _tamed(power: PowerTerms, effort: float) -> PowerTerms:
+def _with_limited_curvature(power: PowerTerms, effort: float) -> PowerTerms:
     """Return a power whose second derivatives are no larger than an iteration can use."""
     p, p_f, p_v, p_ff, p_fv, p_vv = power
-    greatest = GREATEST_BEND * abs(p_f) / effort
+    greatest = GREATEST_CURVATURE * abs(p_f) / effort
     if abs(p_ff) <= greatest:
         return power
     cut = greatest / abs(p_ff)
@@ -182,10 +212,11 @@ def tabulate_rays(course: CourseData, rays: FloatArray) -> None:
     """
     kind, parameters, step = course.drive_kind, course.drive_parameters, ray_step(course)
     for side in range(2):
-        limit, near = course.traction if side == 0 else course.braking, 0.0
+        limit, point = course.traction if side == 0 else course.braking, 0.0
         for k in range(RAY_COUNT):
-            power, near = hull_power(kind, parameters, side == 1, limit, 0.0, max(k * step, SLOWEST), near)
-            rays[side, k, 0], rays[side, k, 1], rays[side, k, 2] = near, power[1], power[4]
+            # at no effort the hull is its line; the point at one speed is the guess at the next
+            power, point = hull_power(kind, parameters, side == 1, limit, 0.0, max(k * step, SLOWEST_MS), point)
+            rays[side, k, POINT], rays[side, k, SLOPE], rays[side, k, SLOPE_BY_SPEED] = point, power[1], power[4]
 
 
 @njit(cache=True, error_model="numpy")
@@ -202,24 +233,24 @@ def tabulated_power(
     rays : array of shape (RAY_COUNT, 3)
         Lines of that side.
     effort, speed : float
-        Mean effort over the way [N] and speed [m/s].
+        Mean effort over the cell [N] and speed [m/s].
     """
     step = ray_step(course)
     # not a number becomes a large negative integer: it must not lead out of the table
     k = max(min(int(speed / step), RAY_COUNT - 2), 0)
     x = speed / step - k
-    touch = rays[k, 0] + x * (rays[k + 1, 0] - rays[k, 0])
-    if effort >= touch:
+    point = rays[k, POINT] + x * (rays[k + 1, POINT] - rays[k, POINT])
+    if effort >= point:
         power = smooth_power_when_on(course.drive_kind, course.drive_parameters, braking, effort, speed)
-        return _tamed(power, effort), touch
-    # Hermite's cubic
-    first, second = step * rays[k, 2], step * rays[k + 1, 2]
-    rise = rays[k + 1, 1] - rays[k, 1]
-    square, cube = 3.0 * rise - 2.0 * first - second, first + second - 2.0 * rise
-    slope = ((cube * x + square) * x + first) * x + rays[k, 1]
+        return _with_limited_curvature(power, effort), point
+    # Hermite's cubic: the slope and its derivative are continuous over speed, as Newton's rule needs them
+    first, second = step * rays[k, SLOPE_BY_SPEED], step * rays[k + 1, SLOPE_BY_SPEED]
+    difference = rays[k + 1, SLOPE] - rays[k, SLOPE]
+    square, cube = 3.0 * difference - 2.0 * first - second, first + second - 2.0 * difference
+    slope = ((cube * x + square) * x + first) * x + rays[k, SLOPE]
     slope_v = ((3.0 * cube * x + 2.0 * square) * x + first) / step
     slope_vv = (6.0 * cube * x + 2.0 * square) / (step * step)
-    return (slope * effort, slope, slope_v * effort, 0.0, slope_v, slope_vv * effort), touch
+    return (slope * effort, slope, slope_v * effort, 0.0, slope_v, slope_vv * effort), point
 
 
 @njit(cache=True)
@@ -244,13 +275,15 @@ def switched_powers(
     if course.machines_on.shape[0] == 0:
         taken, _ = tabulated_power(course, False, rays[0], traction, speed)
     elif course.machines_on[cell] > 0.0:
-        taken = _tamed(smooth_power_when_on(kind, parameters, False, traction, speed), max(traction, 1.0))
+        taken = _with_limited_curvature(
+            smooth_power_when_on(kind, parameters, False, traction, speed), max(traction, LEAST_EFFORT_N)
+        )
     else:
         price = FORBIDDING_PRICE
         taken = price * traction * speed, price * speed, price * traction, 0.0, price, 0.0
-    power, touch = tabulated_power(course, True, rays[1], braking, speed)
+    power, point = tabulated_power(course, True, rays[1], braking, speed)
     if power[1] >= 0.0 and has_standstill_brake(kind, parameters):
-        power, _ = hull_with_standstill_brake(kind, parameters, course.braking, braking, speed, touch)
+        power, _ = hull_with_standstill_brake(kind, parameters, course.braking, braking, speed, point)
     p, p_f, p_v, p_ff, p_fv, p_vv = power
     return taken, (-p, -p_f, -p_v, -p_ff, -p_fv, -p_vv)
 

@@ -17,7 +17,7 @@ from railjoule.core.compiled import njit
 from railjoule.core.limit_search.regulation import Regulation, braking_curves, section_at
 from railjoule.core.motion.cell_step import COAST, FULL_TRACTION, cell_cost, exit_speed2
 from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.course_data import CourseData, Train, cell_of, part_of_cell, train_of
+from railjoule.core.physics.course_data import CourseData, Train, cell_of, part_of_cell, shared_by_cells
 from railjoule.core.physics.effort_limit import EffortLimit
 
 ROUNDING = 1e-7
@@ -151,7 +151,7 @@ def trip(
         auxiliaries [J].
     """
     curve, fall = braking_curves(course, regulation, borders_m, limits_ms)
-    train, traction, braking, drive = train_of(course), course.traction, course.braking, course.drive_parameters
+    train, traction, braking, drive = shared_by_cells(course)
     record = position_m.shape[0] > 0
     sections = limits_ms.shape[0]
     w = max(course.fixed_speed2[0], 0.0)

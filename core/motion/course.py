@@ -181,6 +181,7 @@ def _course_data(
 ) -> CourseData:
     constant, linear, quadratic = resistance_coefficients(vehicle)
     traction, braking = vehicle.traction, vehicle.braking
+    # a drive that knows no such speed says so here, before any solver asks its table beyond its end
     drive.require_speed(traction.max_speed_kmh * MS_PER_KMH)
     pulling, electric = effort_limit(vehicle, drive), effort_limit(vehicle, drive, braking=True)
     least_braking = LEAST_BRAKING_SHARE * pulling.constant_n
@@ -196,6 +197,7 @@ def _course_data(
         traction=pulling,
         braking=electric._replace(constant_n=max(electric.constant_n, least_braking)),
         friction_effort_n=braking.friction_effort_kn * N_PER_KN,
+        # infinite, not None: compiled code compares numbers
         max_acceleration_ms2=traction.max_acceleration_ms2 or np.inf,
         max_deceleration_ms2=braking.max_deceleration_ms2 or np.inf,
         auxiliary_power_w=vehicle.auxiliary_power_kw * W_PER_KW,

@@ -9,6 +9,9 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.scenario.line import Line
 
+# a node within a metre of an end would cut the shortest cells, which the mesh has at stops, once more
+LEAST_TO_END_M = 1.0
+
 
 def cell_means(line: Line, values: FloatArray, position_m: FloatArray, offsets_m: FloatArray) -> FloatArray:
     """Return the mean of a section-wise constant over each cell and over points behind the front of the train.
@@ -31,6 +34,7 @@ def cell_means(line: Line, values: FloatArray, position_m: FloatArray, offsets_m
     borders = section_borders(line)
     integral = np.append(0.0, np.cumsum(values * np.diff(borders)))
     inside = np.zeros(len(position_m))
+    # the mean over a cell is the difference of the integral at its ends, exact for any steps within
     for offset in offsets_m:  # all at once would take nodes times points of memory
         places = position_m - offset
         inside += np.interp(places, borders, integral) + np.minimum(places, 0.0) * values[0]
@@ -44,6 +48,7 @@ def mean_over_length(line: Line, values: FloatArray, position_m: FloatArray, len
     Arguments as in `cell_means`.
     """
     borders = section_borders(line)
+    # over train and cell the constant is integrated twice: quadratic between borders
     lengths = np.diff(borders)
     first = np.append(0.0, np.cumsum(values * lengths))
     second = np.append(0.0, np.cumsum(first[:-1] * lengths + 0.5 * values * lengths**2))
@@ -69,7 +74,7 @@ def car_crossings(line: Line, length_m: float, car_count: int) -> FloatArray:
     """Return where the front is when a car's centre enters another section [m], rising, ends not included."""
     borders = section_borders(line)
     places = np.unique(np.add.outer(borders[1:-1], car_offsets_m(length_m, car_count)))
-    inside: FloatArray = places[(places > 1.0) & (places < borders[-1] - 1.0)]
+    inside: FloatArray = places[(places > LEAST_TO_END_M) & (places < borders[-1] - LEAST_TO_END_M)]
     return inside
 
 

@@ -98,6 +98,7 @@ def geometry_at(line: Line, position_m: FloatArray, length_m: float | None, car_
     stops = [int(np.argmin(np.abs(position_m - station.position_m))) for station in line.inner_stations]
     dwell = np.zeros(len(position_m))
     dwell[stops] = [station.dwell_s for station in line.inner_stations]
+    # asked for at the middles of cells: borders of limits are nodes, where it would be open which of both holds
     limits = speed_limit_at(line, 0.5 * (position_m[1:] + position_m[:-1])) * MS_PER_KMH
     return LineGeometry(
         position_m=frozen_array(position_m),

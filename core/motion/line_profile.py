@@ -27,6 +27,7 @@ def speed_limit_at(line: Line, position_m: FloatArray) -> FloatArray:
     position_m : array of shape (k,)
         Places [m], none of them on a border.
     """
+    # inner borders alone: a place before or beyond the line belongs to its first or last section
     section = np.searchsorted(section_borders(line)[1:-1], position_m)
     limit = np.array([section.speed_limit_kmh or np.inf for section in line.sections])[section]
     ends = np.unique([place for stretch in line.speed_limits for place in (stretch.from_m, stretch.to_m)])

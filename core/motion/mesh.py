@@ -10,8 +10,9 @@ from railjoule.core.errors import ScenarioError
 from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.scenario.line import Line
 
+# borders closer than a micrometre are one: lengths of sections add up with rounding, and a cell's inertia is over its
+# length; the longest is the greatest `solver.mesh_m`
 SHORTEST_CELL_M, LONGEST_CELL_M = 1e-6, 1000.0
-"""The second is the greatest `solver.mesh_m`."""
 GRADING = (1.0, 0.5, 0.25, 0.125)
 """Lengths of the cells before a stop, as shares of the mesh: force and speed change fastest there."""
 
@@ -24,8 +25,9 @@ def line_borders(line: Line) -> FloatArray:
         places += [limit.from_m, limit.to_m]
     places += [station.position_m for station in line.inner_stations]
     borders = np.unique(np.clip(places, 0.0, sections[-1]))
-    apart = np.append(True, np.diff(borders) > SHORTEST_CELL_M)
-    kept: FloatArray = borders[apart]
+    distinct = np.append(True, np.diff(borders) > SHORTEST_CELL_M)
+    kept: FloatArray = borders[distinct]
+    # of a border that is all but the end, the end stays
     kept[-1] = sections[-1]
     return kept
 
@@ -40,6 +42,7 @@ def line_mesh(line: Line, mesh_m: float) -> FloatArray:
     """
     borders = line_borders(line)
     lengths = np.diff(borders)
+    # rounding of a length that is a multiple of the mesh must not add a cell
     counts = np.maximum(np.ceil(lengths / mesh_m - 1e-9), 1)
     if counts.sum() > LIBRARY.cell_count:
         require_budget(line, mesh_m, int(counts.sum()))
@@ -101,9 +104,9 @@ def with_nodes_at(position_m: FloatArray, places_m: Sequence[float] | FloatArray
         return np.unique(position_m)
     after = np.searchsorted(places, position_m)
     before, behind = places[np.maximum(after - 1, 0)], places[np.minimum(after, len(places) - 1)]
-    apart = np.minimum(np.abs(position_m - before), np.abs(position_m - behind)) > SHORTEST_CELL_M
-    apart[[0, -1]] = True
-    return np.union1d(position_m[apart], places)
+    distinct = np.minimum(np.abs(position_m - before), np.abs(position_m - behind)) > SHORTEST_CELL_M
+    distinct[[0, -1]] = True
+    return np.union1d(position_m[distinct], places)
 
 
 def finer_at_stops(position_m: FloatArray, stops_m: Sequence[float], halvings: int) -> FloatArray:

@@ -29,8 +29,11 @@ from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
 
 MOVED = -1
 """Result of a pass that met no obstacle."""
+# one pass each way settles all but limits of acceleration and deceleration that bound each other; those need a few
 MOST_PASSES = 50
+# bisection alone would be at rounding by then
 ROOT_STEPS = 80
+EXACT = 1e-13
 
 
 @njit(cache=True)
@@ -44,6 +47,7 @@ def _excess(
     """
     root = math.sqrt(x)
     v = max(mean_speed(math.sqrt(known), root), NEARLY_AT_REST_MS)
+    # infinite at rest, where the force rises with the speed squared all the same
     v_slope = mean_speed_slope(root) if root > 0.0 else 0.0
     if sign > 0.0:
         value, slope = needed_force(cell, known, x, v), force_slopes(cell, 0.0, v_slope)[1]
@@ -77,7 +81,7 @@ def _greatest_reachable(
         low = known
     for _ in range(ROOT_STEPS):
         step = x - value / slope if slope > 0.0 else low
-        if abs(step - x) <= 1e-13 * bound or high - low <= 1e-13 * bound:
+        if abs(step - x) <= EXACT * bound or high - low <= EXACT * bound:
             break
         if not low < step < high:
             step = 0.5 * (low + high)
@@ -130,8 +134,10 @@ def _forward(course: CourseData, speed2: FloatArray) -> int:
     traction = course.traction
     for i in range(course.cell_length_m.shape[0]):
         cell = cell_of(course, i)
+        # v^2 rises by 2 a h over a cell
         bound = min(speed2[i + 1], speed2[i] + 2.0 * course.max_acceleration_ms2 * cell.length_m)
         reached = _greatest_reachable(traction, 0.0, cell, speed2[i], bound, 1.0)
+        # rest is an end where a stop is prescribed, and nowhere else
         if reached < 0.0 or (reached <= 0.0 and course.fixed_speed2[i + 1] != 0.0):
             return i
         speed2[i + 1] = reached
@@ -157,6 +163,7 @@ def _backward(course: CourseData, speed2: FloatArray) -> int:
     for i in range(course.cell_length_m.shape[0] - 1, -1, -1):
         cell = cell_of(course, i)
         bound = min(speed2[i], speed2[i + 1] + 2.0 * course.max_deceleration_ms2 * cell.length_m)
+        # the same backwards in time: the known end is the leaving one
         entered = _greatest_reachable(braking, friction, cell, speed2[i + 1], bound, -1.0)
         if entered < 0.0 or (entered <= 0.0 and course.fixed_speed2[i] != 0.0):
             return i

@@ -15,7 +15,7 @@ from railjoule.core.drive.kernels import driving_power, generated_power
 from railjoule.core.drive.line_power import line_power
 from railjoule.core.physics.braking import electric_effort
 from railjoule.core.physics.cell import Cell, duration, mean_speed, needed_force
-from railjoule.core.physics.course_data import CourseData, Train, cell_of, train_of
+from railjoule.core.physics.course_data import CourseData, Train, cell_of, shared_by_cells
 from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
 
 
@@ -69,6 +69,7 @@ def account_of_cell(
     """
     v = mean_speed(math.sqrt(start_speed2), math.sqrt(end_speed2))
     force = needed_force(cell, start_speed2, end_speed2, v)
+    # no force is coasting: traction of zero, so that a drive which idles when it is on is off
     kind = train.drive_kind
     if force >= 0.0:
         driven, electric, friction = force, 0.0, 0.0
@@ -79,6 +80,7 @@ def account_of_cell(
         driven, electric = 0.0, electric_effort(kind, drive, -force, v, strongest, train.friction_effort_n)
         friction = -force - electric
         power = -generated_power(kind, drive, electric, v)[0]
+        # by both brakes together: how they share does not matter to the limit
         excess = -force - strongest - train.friction_effort_n
     taken = line_power(power, train.recuperation_factor)
     return CellAccount(duration(cell.length_m, v), v, driven, electric, friction, power, taken, excess)
@@ -87,7 +89,7 @@ def account_of_cell(
 @njit(cache=True, error_model="numpy", nogil=True)
 def run_energy(course: CourseData, speed2: FloatArray) -> float:
     """Return the line energy of a run without auxiliaries [J], for squares of speed at the nodes of shape (n + 1,)."""
-    train, traction, braking, drive = train_of(course), course.traction, course.braking, course.drive_parameters
+    train, traction, braking, drive = shared_by_cells(course)
     total = 0.0
     for i in range(course.cell_length_m.shape[0]):
         account = account_of_cell(cell_of(course, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
@@ -112,7 +114,7 @@ def account_of_run(course: CourseData, speed2: FloatArray) -> RunAccount:
     """Return the account of a run from squares of speed at its nodes [m2/s2], of shape (n + 1,)."""
     n = course.cell_length_m.shape[0]
     rows = np.empty((7, n))
-    train, traction, braking, drive = train_of(course), course.traction, course.braking, course.drive_parameters
+    train, traction, braking, drive = shared_by_cells(course)
     for i in range(n):
         account = account_of_cell(cell_of(course, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
         rows[0, i] = account.duration_s

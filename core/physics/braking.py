@@ -14,6 +14,7 @@ from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import generated_power, may_draw_while_braking
 from railjoule.core.physics.cell import NEARLY_AT_REST_MS
 
+# halved as often, any bracket of efforts is below rounding
 MOST_STEPS = 60
 EXACT = 1e-9
 """How close to its best the electric effort need be found, as a share: generated power is stationary there."""
@@ -49,17 +50,19 @@ def electric_effort(
 def _shared_effort(
     drive_kind: int, drive_parameters: FloatArray, braking: float, speed: float, strongest: float, friction: float
 ) -> float:
-    """Return the same for a train with friction brakes: apart, so that the check above costs a loop nothing."""
+    """Return the same for a train with friction brakes: its own function, so that the check above costs nothing."""
     first = min(braking, strongest)
     if not may_draw_while_braking(drive_kind):
         return first
     power = generated_power(drive_kind, drive_parameters, first, speed)
+    # concave and still rising: no smaller effort generates more
     if power[0] >= 0.0 and power[1] >= 0.0:
         return first
     least = max(braking - friction, 0.0)
     if least >= first:
         return first
     at_least = generated_power(drive_kind, drive_parameters, least, speed)
+    # power may jump where the drive turns off, at no effort: compare both ends, then look between them
     best, most = (least, at_least[0]) if at_least[0] > power[0] else (first, power[0])
     if power[1] < 0.0 <= at_least[1]:
         between = most_generating(drive_kind, drive_parameters, least, first, speed)

@@ -62,6 +62,7 @@ def mean_speed_slope(speed: float) -> float:
 @formula
 def mean_speed_curvature(slope: float, speed2: float) -> float:
     """Return the second derivative of the mean speed by the square of one of its two speeds, from the first."""
+    # 1 / (4 sqrt(w)) differentiated once more: -1 / (8 w sqrt(w))
     return -0.5 * slope / speed2
 
 
@@ -89,6 +90,7 @@ def force_slopes(cell: Cell, start_slope: float, end_slope: float) -> tuple[floa
 
     `start_slope` and `end_slope` are those of the mean speed [s/m], zero where an end is prescribed.
     """
+    # C acts on the mean of both squares of speed, so each end has half of it; B on the mean speed, by its slope
     half = 0.5 * cell.quadratic
     return cell.linear * start_slope - (cell.inertia - half), cell.linear * end_slope + (cell.inertia + half)
 
@@ -100,6 +102,7 @@ def reached_speed2(cell: Cell, start_speed2: float, mean_speed: float, force: fl
     At a mean speed that is taken for known; where B is not zero or the force varies with speed, a caller iterates.
     """
     half = 0.5 * cell.quadratic
+    # needed_force(w0, w1) = F solved for w1: w1 (k + C / 2) = w0 (k - C / 2) - A - B v + F
     left = (cell.inertia - half) * start_speed2 - cell.constant_n - cell.linear * mean_speed
     speed2: float = (left + force) / (cell.inertia + half)
     return speed2

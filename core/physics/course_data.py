@@ -5,10 +5,11 @@ from typing import NamedTuple
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.compiled import njit
+from railjoule.core.compiled import borrowed, njit
 from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.effort_limit import EffortLimit
+from railjoule.core.physics.effort_limit import EffortLimit, borrowed_limit
 
+# an empty array, not None: compiled code knows one type of each field
 SWITCHED_AT_WILL = np.zeros(0)
 PER_CELL = ("cell_length_m", "line_force_n", "resistance_quadratic", "machines_on")
 PER_NODE = ("largest_speed2", "fixed_speed2")
@@ -72,9 +73,7 @@ class CourseData(NamedTuple):
 class Train(NamedTuple):
     """The plain numbers of a course's train, named as in `CourseData`.
 
-    Loops over cells take what holds arrays - two limits of effort and the drive's parameters - as arguments of their
-    own, out of the course before the loop: numba counts references to an array that is read out of a tuple, and that
-    costs more than the physics of a cell.
+    Plain numbers alone: two limits of effort and the drive's parameters, which hold arrays, are arguments of their own.
     """
 
     drive_kind: int
@@ -94,6 +93,16 @@ def train_of(course: CourseData) -> Train:
         course.max_acceleration_ms2,
         course.max_deceleration_ms2,
     )
+
+
+@njit(cache=True)
+def shared_by_cells(course: CourseData) -> tuple[Train, EffortLimit, EffortLimit, FloatArray]:
+    """Return what the physics of any cell takes: train, limits of traction and braking, parameters of the drive.
+
+    For the loops of a compiled function that has the course as an argument: the arrays are `borrowed` from it.
+    """
+    traction, braking = borrowed_limit(course.traction), borrowed_limit(course.braking)
+    return train_of(course), traction, braking, borrowed(course.drive_parameters)
 
 
 @njit(cache=True, error_model="numpy")
@@ -123,6 +132,7 @@ def scaled_cell_of(course: CourseData, number: int, scale: float) -> Cell:
 @njit(cache=True, error_model="numpy")
 def part_of_cell(cell: Cell, length_m: float) -> Cell:
     """Return a part of a cell [m]: as its force is constant, only its length differs, and inertia over length."""
+    # k = m / (2 h)
     inertia = cell.inertia * (cell.length_m / length_m)
     return Cell(length_m, inertia, cell.constant_n, cell.linear, cell.quadratic)
 
@@ -130,6 +140,7 @@ def part_of_cell(cell: Cell, length_m: float) -> Cell:
 def data_between(course: CourseData, first: int, last: int) -> CourseData:
     """Return the data of a course between two nodes, over the same mesh."""
     cells = {name: getattr(course, name)[first:last] for name in PER_CELL}
+    # one node more than cells; of an array that is empty, as `machines_on` may be, an empty part
     nodes = {name: getattr(course, name)[first : last + 1] for name in PER_NODE}
     return course._replace(**cells, **nodes)
 
@@ -147,6 +158,7 @@ def cells_of(course: CourseData) -> Cell:
 
 def lowered_limits(course: CourseData, share: float) -> CourseData:
     """Return a course whose limits of effort, speed and rate of change of speed are lower by a share."""
+    # a limit of speed is kept as its square: it is the square that falls by the share
     kept = 1.0 - share
     return course._replace(
         largest_speed2=kept * course.largest_speed2,

@@ -2,7 +2,7 @@
 
 A table holds a cubic between each two knots of speed, with the values and the slopes that the limit has there, taken
 from inside the piece: a knot may be a corner. Pieces that miss the limit are halved until they do not, so that a corner
-that nobody told ends up in a piece of a tenth of a millimetre a second, whose cubic cuts it off from below. The table
+that nobody named ends up in a piece of a tenth of a millimetre a second, whose cubic cuts it off from below. The table
 is then lowered by what it still exceeds the limit anywhere, a few millionths: no run asks a motor for more than it has.
 """
 
@@ -12,10 +12,11 @@ from typing import NamedTuple
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray
-from railjoule.core.compiled import njit
+from railjoule.core.compiled import borrowed, njit
 
+# pieces are looked up in steps of this length: short enough to leave one or two to search, and few enough for a cache
 TABLE_STEP_MS = 0.125
-"""A piece of a table is looked up in steps of this length."""
+# where the fit begins, before pieces that miss are halved; longer ones would but take more halvings
 LONGEST_PIECE_MS = 0.5
 FIT_SHARE = 1e-6
 """How close a table comes to its limit, as a share of the largest effort."""
@@ -106,6 +107,7 @@ def fitted_limit(
         missed = np.abs(found - true).max(axis=1) > FIT_SHARE * constant_n
         split = missed & (true.min(axis=1) < constant_n) & (width > NARROWEST_MS)
         fitted.append(np.column_stack([start, cubic / width[:, None] ** np.arange(4)])[~split])
+        # above the constant limit, which caps it, a table may exceed what it stands for
         limited = true[~split] < constant_n
         over = max(over, np.max(found[~split][limited] / true[~split][limited], initial=1.0))
         width = 0.5 * width[split]
@@ -140,12 +142,19 @@ def table_speeds(top_speed_ms: float) -> FloatArray:
     return np.arange(0.0, top_speed_ms + 2 * LONGEST_PIECE_MS, LONGEST_PIECE_MS)
 
 
+@njit(cache=True)
+def borrowed_limit(limit: EffortLimit) -> EffortLimit:
+    """Return a limit whose arrays are `borrowed`, for the loops of a compiled function."""
+    return EffortLimit(limit.constant_n, limit.power_w, borrowed(limit.table), borrowed(limit.first_piece))
+
+
 @njit(cache=True, error_model="numpy")
 def piece_at(limit: EffortLimit, speed: float) -> int:
     """Return the number of the piece of a table at a speed [m/s]; the last one goes on."""
     # not a number, as where there is no run, becomes a large negative integer: it must not lead out of the table
     step = max(min(int(speed / TABLE_STEP_MS), limit.first_piece.shape[0] - 1), 0)
     piece, last = int(limit.first_piece[step]), limit.table.shape[0] - 1
+    # the step's first piece holds where the step begins; within it, the next ones may begin
     while piece < last and limit.table[piece + 1, 0] <= speed:
         piece += 1
     return piece
@@ -169,6 +178,7 @@ def limit_over_speed(limit: EffortLimit, speed: float) -> tuple[float, float, fl
 @njit(cache=True, error_model="numpy")
 def largest_effort(limit: EffortLimit, speed: float) -> float:
     """Return the largest effort [N] at a speed above zero [m/s]."""
+    # apart, as it needs no derivatives: compilers do not drop those of a call they do not inline
     if limit.table.shape[0] == 0:
         return min(limit.constant_n, limit.power_w / speed)
     return min(limit.constant_n, limit_over_speed(limit, speed)[0])

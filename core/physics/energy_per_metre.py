@@ -1,4 +1,4 @@
-"""From a power to the energy over a metre of the way, E = P(f, v) / v, with first and second derivatives."""
+"""From a power to the energy over a metre of the run, E = P(f, v) / v, with first and second derivatives."""
 
 from railjoule.core.compiled import njit
 from railjoule.core.drive.power_terms import PowerTerms

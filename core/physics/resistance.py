@@ -30,6 +30,7 @@ def resistance_coefficients(vehicle: Vehicle) -> tuple[float, float, float]:
     resistance, specific, weight_kn = vehicle.resistance, vehicle.specific_resistance, total_weight_kn(vehicle)
     return (
         weight_kn * specific.constant_n_per_kn + resistance.constant_n,
+        # each power of the speed brings one factor from km/h to m/s
         (weight_kn * specific.linear_n_per_kn_per_kmh + resistance.linear_n_per_kmh) / MS_PER_KMH,
         (weight_kn * specific.quadratic_n_per_kn_per_kmh2 + resistance.quadratic_n_per_kmh2) / MS_PER_KMH**2,
     )

@@ -22,13 +22,14 @@ def curve_effort_n(curve: Curve, speed_ms: FloatArray) -> FloatArray:
     """
     speed, points = np.asarray(speed_ms, dtype=float), np.array(curve)
     places, efforts = points[:, 0] * MS_PER_KMH, points[:, 1] * N_PER_KN
+    # 1 up to the last point, and from there its speed over the actual one: P = F v stays
     beyond = np.minimum(1.0, places[-1] / np.maximum(speed, places[-1]))
     effort: FloatArray = np.interp(speed, places, efforts) * beyond
     return effort
 
 
 def vehicle_limit_n(vehicle: Vehicle, speed_ms: FloatArray, braking: bool = False) -> FloatArray:
-    """Return the largest effort [N] that a vehicle's own limits allow, its drive's apart; shape as the speeds'.
+    """Return the largest effort [N] that a vehicle's own limits allow, not its drive's; shape as the speeds'.
 
     Infinite where it sets none.
     """
@@ -55,18 +56,21 @@ def _combined(limits: Traction | Braking, drive: Drive, top_speed_ms: float) -> 
     braking = isinstance(limits, Braking)
     steps = table_speeds(top_speed_ms)
     by_file = np.inf if limits.max_effort_kn is None else limits.max_effort_kn * N_PER_KN
+    # the highest point of a curve counts as a constant limit: the table need only be close to what lies below that
     by_curve = max((effort * N_PER_KN for _, effort in _curve_of(limits)), default=np.inf)
     constant = float(min(by_file, by_curve, np.max(drive.effort_limit_n(steps, braking))))
     if not np.isfinite(constant):
         table = "braking" if braking else "traction"
         raise ScenarioError(f"vehicle.{table}.max_effort_kn is missing: this drive sets no limit of effort.")
     by_drive = np.isfinite(drive.weakening_limit_n(steps, braking)).any()
+    # a limit of power alone is closed and exact: no table
     if not _curve_of(limits) and not by_drive:
         return untabulated_limit(constant, np.inf if limits.max_power_kw is None else limits.max_power_kw * W_PER_KW)
 
     def varying(speed: FloatArray) -> FloatArray:
         return np.minimum(drive.weakening_limit_n(speed, braking), _varying_n(limits, speed))
 
+    # a cubic across a corner of the curve would cut it off: pieces end there
     corners = np.array([speed * MS_PER_KMH for speed, _ in _curve_of(limits)])
     return fitted_limit(constant, varying, top_speed_ms, np.append(corners, drive.limit_corners_ms(braking)))
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.drive import make_drive
+from railjoule.core.drive.geared_parameters import turns_per_metre
 from railjoule.core.drive.synchronous.drive import efficiency_maps, output_over_input, torque_envelope
 from railjoule.core.errors import ScenarioError
 from railjoule.core.motion import build_course
@@ -74,7 +75,7 @@ def motor_map(scenario: Scenario) -> MotorMap:
         If its drive tells no losses over torque and speed of a motor.
     """
     drive = _geared(scenario)
-    top_rads = scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH * _turns_per_metre(drive)
+    top_rads = scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH * turns_per_metre(drive)
     if not isinstance(drive, Synchronous):
         return _map_of_losses(scenario, drive, np.linspace(0.0, top_rads, SPEEDS))
     speed = np.linspace(0.0, min(top_rads, drive.max_speed_rads), SPEEDS)
@@ -98,7 +99,7 @@ def operating_points(run: Trajectory) -> OperatingPoints:
     # a drive that is off and a train at a station have no point in the map
     on = (effort != 0) & (speed > 0)
     torque = effort[on] * _shaft_over_wheel_power(drive, effort[on]) / _newtons_per_nm(drive)
-    return OperatingPoints(frozen_array(torque), frozen_array(speed[on] * _turns_per_metre(drive)))
+    return OperatingPoints(frozen_array(torque), frozen_array(speed[on] * turns_per_metre(drive)))
 
 
 def _geared(scenario: Scenario) -> GearedMotors:
@@ -114,7 +115,7 @@ def _geared(scenario: Scenario) -> GearedMotors:
 def _map_of_losses(scenario: Scenario, parameters: GearedMotors, speed_rads: FloatArray) -> MotorMap:
     """Return the map of a drive that knows the losses of all motors, within the limits of the vehicle's effort."""
     drive, course = make_drive(parameters), build_course(scenario).data
-    speed_ms = speed_rads / _turns_per_metre(parameters)
+    speed_ms = speed_rads / turns_per_metre(parameters)
     limit_speed_ms = np.maximum(speed_ms, SLOWEST_SHARE * speed_ms[-1])
     driving, braking = course.traction.effort_n(limit_speed_ms), course.braking.effort_n(limit_speed_ms)
     ends = np.array([-braking.max(), driving.max()])
@@ -131,14 +132,9 @@ def _map_of_losses(scenario: Scenario, parameters: GearedMotors, speed_rads: Flo
     return MotorMap(frozen_array(torque), frozen_array(speed_rads), frozen_array(output_over_input(shaft, loss)), None)
 
 
-def _turns_per_metre(drive: GearedMotors) -> float:
-    """Return the angle of the motor over way of the train [1/m]."""
-    return drive.gear_ratio / (0.5 * drive.wheel_diameter_m)
-
-
 def _newtons_per_nm(drive: GearedMotors) -> float:
     """Return effort of the train over torque of one motor, without loss in the gear [N/(N m)]."""
-    return drive.motors * _turns_per_metre(drive)
+    return drive.motors * turns_per_metre(drive)
 
 
 def _shaft_over_wheel_power(drive: GearedMotors, sign: FloatArray) -> FloatArray:

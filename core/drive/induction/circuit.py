@@ -63,27 +63,8 @@ def inverse_gamma_of(circuit: TCircuit) -> InverseGammaCircuit:
         stator_resistance_ohm=circuit.stator_resistance_ohm,
         rotor_resistance_ohm=k * k * circuit.rotor_resistance_ohm,
         magnetising_inductance_h=k * mutual,
+        # L_S - k M with L_S = M + its leakage
         leakage_inductance_h=circuit.stator_leakage_h + (1 - k) * mutual,
-    )
-
-
-def t_circuit_of(circuit: InverseGammaCircuit, flux_ratio: float) -> TCircuit:
-    """Return the T circuit of an inverse-gamma circuit.
-
-    Parameters
-    ----------
-    circuit : InverseGammaCircuit
-        As seen at the terminals.
-    flux_ratio : float
-        k = M / L_W of the T circuit, which the terminals do not tell; 1 puts no leakage on the rotor's side.
-    """
-    mutual = circuit.magnetising_inductance_h / flux_ratio
-    return TCircuit(
-        stator_resistance_ohm=circuit.stator_resistance_ohm,
-        rotor_resistance_ohm=circuit.rotor_resistance_ohm / flux_ratio**2,
-        mutual_inductance_h=mutual,
-        stator_leakage_h=circuit.leakage_inductance_h - (1 - flux_ratio) * mutual,
-        rotor_leakage_h=(1 / flux_ratio - 1) * mutual,
     )
 
 

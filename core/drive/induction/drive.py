@@ -8,14 +8,15 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.compiled import njit
 from railjoule.core.drive.drive import Drive
+from railjoule.core.drive.geared import NEGLIGIBLE_SHARE
+from railjoule.core.drive.geared_parameters import turns_per_metre
 from railjoule.core.drive.induction.limits import corner_speed, fill_efforts, fill_full_current
+from railjoule.core.drive.induction.machine import MECHANICAL_LOSS, Machine, iron_loss_coefficients
 from railjoule.core.drive.induction.power import (
     GEAR,
-    MECHANICAL_LOSS,
     MOTORS,
     NEGLIGIBLE,
     TURNS,
-    idle_power,
     operating_point,
 )
 from railjoule.core.drive.kinds import INDUCTION
@@ -24,9 +25,9 @@ from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario.drive import Induction
 from railjoule.core.units import H_PER_MH
 
-NEGLIGIBLE_SHARE = 1e-7
-"""An effort below this share of the largest one is rounding, and the machines are off."""
 LOSS_KINDS = ("copper", "iron", "mechanical", "gear", "standstill_brake")
+# the rows that `_fill_losses` fills: the losses by kind, then the current
+COPPER, IRON, MECHANICAL, GEAR_LOSS, STANDSTILL, CURRENT = range(len(LOSS_KINDS) + 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +53,7 @@ class InductionDrive(Drive):
     def current_a(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
         """Return the current of one machine, amplitude per phase and negative where it generates [A]."""
         shape = np.broadcast(effort_n, speed_ms).shape
-        current: FloatArray = self._machines(effort_n, speed_ms)[len(LOSS_KINDS)].reshape(shape)
+        current: FloatArray = self._machines(effort_n, speed_ms)[CURRENT].reshape(shape)
         return current
 
     def effort_limit_n(self, speed_ms: FloatArray, braking: bool = False) -> FloatArray:
@@ -92,11 +93,6 @@ class InductionDrive(Drive):
         fill_full_current(self.parameters, current_a, speed.ravel(), effort, power)
         return effort.reshape(speed.shape), power.reshape(speed.shape)
 
-    def idle_power_w(self, speed_ms: FloatArray) -> FloatArray:
-        """Return what the machines take that are on without effort [W]; zero only when they are off."""
-        speed = np.asarray(speed_ms, dtype=float)
-        return np.array([idle_power(self.parameters, v)[0] for v in speed.ravel()]).reshape(speed.shape)
-
     def _efforts_n(self, speed_ms: FloatArray, current_a: float, braking: bool, rated_flux: bool) -> FloatArray:
         speed = np.asarray(speed_ms, dtype=float)
         effort = np.empty(speed.size)
@@ -105,7 +101,7 @@ class InductionDrive(Drive):
 
     def _machines(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
         effort, speed = np.broadcast_arrays(np.asarray(effort_n, float), np.asarray(speed_ms, float))
-        found = np.zeros((len(LOSS_KINDS) + 1, effort.size))
+        found = np.zeros((CURRENT + 1, effort.size))
         _fill_losses(self.parameters, effort.ravel(), speed.ravel(), found)
         return found
 
@@ -119,6 +115,7 @@ def make_induction_drive(parameters: Induction) -> InductionDrive:
         If the machines cannot even turn themselves.
     """
     numbers = np.array(kernel_parameters(parameters))
+    # at rest the voltage binds least: the largest effort of all
     standing, largest = np.zeros(1), np.empty(1)
     fill_efforts(numbers, False, parameters.starting_current_a, True, standing, largest)
     if largest[0] <= 0:
@@ -138,25 +135,35 @@ def make_induction_drive(parameters: Induction) -> InductionDrive:
     )
 
 
+def machine_from(parameters: Induction) -> Machine:
+    """Return the numbers of one machine that the parameters of a scenario describe."""
+    hysteresis_ws, eddy_ws2 = iron_loss_coefficients(
+        parameters.hysteresis_loss_w, parameters.eddy_loss_w, parameters.rated_frequency_hz
+    )
+    return Machine(
+        stator_resistance_ohm=parameters.stator_resistance_ohm,
+        rotor_resistance_ohm=parameters.rotor_resistance_ohm,
+        stator_inductance_h=parameters.stator_inductance_mh * H_PER_MH,
+        rotor_inductance_h=parameters.rotor_inductance_mh * H_PER_MH,
+        mutual_inductance_h=parameters.mutual_inductance_mh * H_PER_MH,
+        magnetising_current_a=parameters.rated_magnetising_current_a,
+        hysteresis_loss_ws=hysteresis_ws,
+        eddy_loss_ws2=eddy_ws2,
+        mechanical_loss_torque_nm=parameters.mechanical_loss_torque_nm,
+        max_phase_voltage_v=parameters.max_phase_voltage_v,
+        pole_pairs=float(parameters.pole_pairs),
+    )
+
+
 def kernel_parameters(parameters: Induction) -> list[float]:
     """Return the numbers in the order of `railjoule.core.drive.induction.power.PARAMETERS`."""
-    rated_rads = 2 * math.pi * parameters.rated_frequency_hz
     return [
-        parameters.stator_resistance_ohm,
-        parameters.rotor_resistance_ohm,
-        parameters.stator_inductance_mh * H_PER_MH,
-        parameters.rotor_inductance_mh * H_PER_MH,
-        parameters.mutual_inductance_mh * H_PER_MH,
-        parameters.rated_magnetising_current_a,
-        parameters.hysteresis_loss_w / rated_rads,
-        parameters.eddy_loss_w / rated_rads**2,
-        parameters.mechanical_loss_torque_nm,
-        parameters.max_phase_voltage_v,
-        float(parameters.pole_pairs),
+        *machine_from(parameters),
         float(parameters.motors),
-        parameters.gear_ratio / (0.5 * parameters.wheel_diameter_m),
+        turns_per_metre(parameters),
         parameters.gear_efficiency,
         float(parameters.standstill_brake),
+        # the negligible effort: a share of the largest one, which takes the other numbers to compute
         0.0,
     ]
 
@@ -169,10 +176,12 @@ def _fill_losses(parameters: FloatArray, effort: FloatArray, speed: FloatArray, 
         state, flux_current, torque_current, on = operating_point(parameters, effort[i], speed[i])
         work = effort[i] * speed[i]
         if not on:
-            found[4, i] = max(-work, 0.0)
+            # machines that are off take nothing of a braking effort: the standstill brake turns all of it into heat
+            found[STANDSTILL, i] = max(-work, 0.0)
             continue
-        found[0, i] = motors * (state.stator_copper_w + state.rotor_copper_w)
-        found[1, i] = motors * state.iron_w
-        found[2, i] = motors * parameters[MECHANICAL_LOSS] * parameters[TURNS] * speed[i]
-        found[3, i] = work * (1.0 / gear - 1.0) if work > 0.0 else -work * (1.0 - gear)
-        found[5, i] = math.copysign(math.hypot(flux_current, torque_current), torque_current)
+        found[COPPER, i] = motors * (state.stator_copper_w + state.rotor_copper_w)
+        found[IRON, i] = motors * state.iron_w
+        found[MECHANICAL, i] = motors * parameters[MECHANICAL_LOSS] * parameters[TURNS] * speed[i]
+        # driving, motors give work / eta; braking, they get eta times the work
+        found[GEAR_LOSS, i] = work * (1.0 / gear - 1.0) if work > 0.0 else -work * (1.0 - gear)
+        found[CURRENT, i] = math.copysign(math.hypot(flux_current, torque_current), torque_current)

@@ -9,6 +9,7 @@ from railjoule.core.compiled import njit
 from railjoule.core.drive.induction.flux import flux_current_of_least_loss, flux_current_within_voltage
 from railjoule.core.drive.induction.machine import Machine, phase_voltage_v, steady_state, torque_constant
 
+# a torque on the limit itself, which a search finds to 5e-10, counts as carried
 ALLOWED_EXCESS = 1e-6
 
 

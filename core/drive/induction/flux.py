@@ -1,6 +1,6 @@
 """Which flux a machine takes: the rated one as long as the voltage carries it, or that of least loss.
 
-Both are told by the current Ix that makes them in steady state. Without torque the voltage alone bounds it.
+Both are given by the current Ix that makes them in steady state. Without torque the voltage alone bounds it.
 """
 
 import math
@@ -11,8 +11,8 @@ from railjoule.core.drive.induction.least_loss import best_ratio
 from railjoule.core.drive.induction.machine import Machine, torque_constant
 from railjoule.core.drive.induction.voltage import pull_out_ratio, ratio_within_voltage, value, voltage_quartic
 
+# a torque below this share of that at Ix = Iy = Imu counts as none: kappa = 0 would leave the ratio, and the flux, open
 LEAST_STRENGTH_SHARE = 1e-6
-"""A torque below this share of that at Ix = Iy = Imu counts as none."""
 
 
 @njit(cache=True)
@@ -39,6 +39,7 @@ def flux_current_within_voltage(machine: Machine, torque_nm: float, rotor_rads: 
         return machine.magnetising_current_a
     bound = ratio_within_voltage(quartic, strength, voltage2, ratio)
     if bound < 0.0:
+        # U_m^2 = Ix^2 D(q)
         pull_out = pull_out_ratio(quartic)
         return min(machine.max_phase_voltage_v / math.sqrt(value(quartic, pull_out)), machine.magnetising_current_a)
     return math.sqrt(strength / bound)

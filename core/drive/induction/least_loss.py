@@ -18,10 +18,10 @@ import math
 from railjoule.core.compiled import njit
 from railjoule.core.drive.induction.machine import Machine, leakage_share, slip_rate, torque_constant
 from railjoule.core.drive.induction.voltage import (
-    bend,
     pull_out_ratio,
     quartic_by_frequency,
     ratio_within_voltage,
+    second_derivative,
     slope,
     value,
     voltage_quartic,
@@ -31,9 +31,14 @@ from railjoule.core.drive.power_terms import PowerTerms
 FREE, RATED_FLUX, FULL_VOLTAGE, BEYOND, STANDING_FIELD = range(5)
 """What decides the flux: the losses, its rated value, the voltage, nothing that the machine could do, or w1 = 0."""
 
-NO_BEND = 1e-3
-SHARPNESS, NEARNESS = 40.0, 0.8
-"""How sharp the smooth corner between two limits of the ratio is, and from which share of one the other counts."""
+# as a share of d2, half of D'' at no ratio: where D is hardly curved, the pull-out ratio changes without bound
+NO_CURVATURE = 1e-3
+# The exponent n of the norm that rounds the corner between two limits of the ratio. It lifts the greater one by a
+# factor of at most 2^(1/n), 1.8 %; a larger n lifts less, but second derivatives grow with n and Newton's steps shrink.
+SHARPNESS = 40.0
+# Below this ratio of the two limits the smaller one is left out of the norm: 0.8^40 / 40 = 3e-6 of the ratio, so little
+# that a solver does not see the step. Nearer to 1 the step would grow, further off it would only cost roots.
+NEARNESS = 0.8
 
 
 @njit(cache=True)
@@ -54,6 +59,7 @@ def best_ratio(machine: Machine, sign: float, strength: float, rotor_rads: float
     rotor_rads : float
         Electrical angular frequency of the rotor [rad/s].
     """
+    # kappa = q Ix^2, so a flux of at most the rated one is a ratio of at least kappa / Imu^2
     ratio, decider = _free_ratio(machine, sign, rotor_rads)
     least = strength / (machine.magnetising_current_a * machine.magnetising_current_a)
     if ratio < least:
@@ -86,10 +92,12 @@ def _loss_weights(machine: Machine, sign: float, rotor_rads: float, turning: flo
 @njit(cache=True)
 def _free_ratio(machine: Machine, sign: float, rotor_rads: float) -> tuple[float, int]:
     """Return the ratio of least loss without limits: where a generator's field turns backwards, or stands, too."""
+    # a / q + b q is least at q = sqrt(a / b); at the ratio w / g a generator's slip cancels the speed of its rotor
     a, b, _ = _loss_weights(machine, sign, rotor_rads, 1.0)
     ratio, still = math.sqrt(a / b), rotor_rads / slip_rate(machine)
     if sign > 0.0 or ratio <= still:
         return ratio, FREE
+    # |w1| has a kink there: unless one of its sides has a least value of its own, the least is the kink
     a, b, _ = _loss_weights(machine, sign, rotor_rads, -1.0)
     ratio = math.sqrt(max(a, 0.0) / b)
     return (ratio, FREE) if ratio > still else (still, STANDING_FIELD)
@@ -100,6 +108,10 @@ def _ratio_derivatives(
     machine: Machine, sign: float, strength: float, rotor_rads: float, ratio: float, decider: int
 ) -> PowerTerms:
     """Return the best ratio and its derivatives by strength and frequency; not those of a free one, which cancel."""
+    # The flux is rated where q = kappa / Imu^2, the field stands where q = w / g. The two others are roots of a
+    # G(q, k, w), k = kappa; differentiating G = 0 once and twice with q(k, w) in it gives, for any x and y of k and w,
+    #     q_x = -G_x / G_q        q_xy = -(G_xy + G_qx q_y + G_qy q_x + G_qq q_x q_y) / G_q,
+    # where the voltage binds with G = k D(q, w) - U_m^2 q, at the pull-out with G = D - q dD/dq, without k.
     if decider == RATED_FLUX:
         per_strength = 1.0 / (machine.magnetising_current_a * machine.magnetising_current_a)
         return ratio, per_strength, 0.0, 0.0, 0.0, 0.0
@@ -112,19 +124,21 @@ def _ratio_derivatives(
     d_ww0 = 2.0 * machine.stator_inductance_h * machine.stator_inductance_h
     d_ww2 = d_ww0 * sigma * sigma
     if decider == BEYOND:
-        if bend(d, q) <= NO_BEND * d.d2:  # a generator without a pull-out: its ratio goes on as it is
+        if second_derivative(d, q) <= NO_CURVATURE * d.d2:  # a generator without a pull-out: its ratio goes on as it is
             return q, 0.0, 0.0, 0.0, 0.0, 0.0
-        by_q = -q * bend(d, q)
+        # d(D - q D') = -q D'' dq: of the derivatives by q one term cancels each time
+        by_q = -q * second_derivative(d, q)
         by_w = value(d_w, q) - q * slope(d_w, q)
-        by_qq = -bend(d, q) - q * (24.0 * d.d4 * q + 6.0 * d.d3)
-        by_qw = -q * bend(d_w, q)
+        by_qq = -second_derivative(d, q) - q * (24.0 * d.d4 * q + 6.0 * d.d3)
+        by_qw = -q * second_derivative(d_w, q)
         by_ww = d_ww0 - d_ww2 * q * q
         q_w = -by_w / by_q
         return q, 0.0, q_w, 0.0, 0.0, -(by_ww + 2.0 * by_qw * q_w + by_qq * q_w * q_w) / by_q
+    # G is linear in k: no by_kk
     voltage2 = machine.max_phase_voltage_v * machine.max_phase_voltage_v
     by_q = strength * slope(d, q) - voltage2
     by_k, by_w = value(d, q), strength * value(d_w, q)
-    by_qq, by_qk, by_qw = strength * bend(d, q), slope(d, q), strength * slope(d_w, q)
+    by_qq, by_qk, by_qw = strength * second_derivative(d, q), slope(d, q), strength * slope(d_w, q)
     by_kw, by_ww = value(d_w, q), strength * (d_ww0 + d_ww2 * q * q)
     q_k, q_w = -by_k / by_q, -by_w / by_q
     return (
@@ -175,9 +189,10 @@ def _input_power_at(
     decider: int,
     change: tuple[float, float, float, float, float],
 ) -> PowerTerms:
-    """Return the input power at a ratio that changes by strength and frequency as told: q_k, q_w, q_kk, q_kw, q_ww."""
+    """Return the input power at a ratio that changes by strength and frequency as given: q_k, q_w, q_kk, q_kw, q_ww."""
     q, k = ratio, strength
     frequency = rotor_rads + sign * slip_rate(machine) * q
+    # the sign of w1 in the hysteresis loss; where the field is kept standing, neither side's
     turning = 1.0 if frequency > 0.0 else -1.0 if frequency < 0.0 else 0.0
     if decider == STANDING_FIELD:
         turning = 0.0
@@ -190,6 +205,7 @@ def _input_power_at(
     phi_w = shaft + a_w / q + 2.0 * sign * slip_rate(machine) * eddy
     phi_ww, phi_qw = a_ww / q, -a_w / (q * q)
     phi_q, phi_qq = b - a / (q * q), 2.0 * a / (q * q * q)
+    # at a free minimum phi_q = 0: the ratio's change counts in second derivatives only, and phi_qw + phi_qq q_w = 0
     if decider == FREE:
         q_w = -phi_qw / phi_qq
         return k * phi, phi, k * phi_w, 0.0, phi_w, k * (phi_ww + phi_qw * q_w)
@@ -216,14 +232,19 @@ def smooth_input_power(machine: Machine, sign: float, strength: float, rotor_rad
     low = NEARNESS * rated
     voltage2 = machine.max_phase_voltage_v * machine.max_phase_voltage_v
     quartic = voltage_quartic(machine, sign, rotor_rads)
-    far = free >= rated or strength * value(quartic, low) <= voltage2 * low
-    bound = -1.0 if far else ratio_within_voltage(quartic, strength, voltage2, low)
+    # no corner: least loss needs less than the rated flux, or the voltage is kept even at a ratio much smaller than
+    # that of the rated flux
+    one_limit = free >= rated or strength * value(quartic, low) <= voltage2 * low
+    bound = -1.0 if one_limit else ratio_within_voltage(quartic, strength, voltage2, low)
     if bound <= 0.0 or bound * NEARNESS > rated:
         return least_input_power(machine, sign, strength, rotor_rads)
     total = (rated**SHARPNESS + bound**SHARPNESS) ** (1.0 / SHARPNESS)
     a, b = (rated / total) ** SHARPNESS, (bound / total) ** SHARPNESS
     _, v_k, v_w, v_kk, v_kw, v_ww = _ratio_derivatives(machine, sign, strength, rotor_rads, bound, FULL_VOLTAGE)
-    # logarithms: that of the rated flux is ln k and a constant
+    # With r = ln(rated), v = ln(bound) and t = (e^(n r) + e^(n v))^(1/n), the logarithm l = ln t has
+    #     l_x = a r_x + b v_x,   a = (rated / t)^n,  b = (bound / t)^n = 1 - a,   a_x = n a b (r_x - v_x),
+    #     l_xy = a r_xy + b v_xy + n a b (r_x - v_x) (r_y - v_y),   and t_x = t l_x,  t_xy = t (l_xy + l_x l_y).
+    # r is ln k and a constant, so r_k = 1 / k, r_kk = -1 / k^2 and r_w = 0; v_xy is bound_xy / bound - v_x v_y.
     r_k, v_k, v_w = 1.0 / strength, v_k / bound, v_w / bound
     l_k, l_w = a * r_k + b * v_k, b * v_w
     both = SHARPNESS * a * b

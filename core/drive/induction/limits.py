@@ -25,8 +25,11 @@ from railjoule.core.drive.induction.machine import (
 from railjoule.core.drive.induction.power import GEAR, MOTORS, TURNS
 from railjoule.core.drive.induction.voltage import Quartic, value, voltage_quartic
 
+# Iy / Ix of the search: far beyond both ends of what machines do, in the logarithm of which the torque has one maximum
 LEAST_RATIO, GREATEST_RATIO = 1e-3, 1e3
+WIDENING = 1.02
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+# 50 cuts by 0.618 leave 5e-10 of the ratio, at a kink between two limits as much of the torque
 NARROWINGS = 50
 
 
@@ -103,6 +106,7 @@ def fill_efforts(
     for i in range(speed_ms.shape[0]):
         rotor_rads = machine.pole_pairs * parameters[TURNS] * speed_ms[i]
         torque = greatest_torque_nm(machine, -1.0 if braking else 1.0, current_a, flux_current, rotor_rads)
+        # friction of the machine helps to brake, and its torque is lost to driving; the gear stands on the other side
         if braking:
             effort_n[i] = wheel * (torque + machine.mechanical_loss_torque_nm) / parameters[GEAR]
         else:
@@ -138,6 +142,7 @@ def corner_speed(parameters: FloatArray, braking: bool, current_a: float) -> flo
     b = 2.0 * sign * q * (g * a + r * ls * (1.0 - sigma))
     c = r * r * (1.0 + q * q) + g * g * q * q * a + 2.0 * r * ls * (1.0 - sigma) * g * q * q
     voltage = machine.max_phase_voltage_v / flux_current
+    # the voltage suffices between the roots: the upper one is the corner
     discriminant = b * b - 4.0 * a * (c - voltage * voltage)
     if discriminant <= 0.0:
         return 0.0
@@ -154,12 +159,14 @@ def _full_current_ratio(machine: Machine, quartic: Quartic, current_a: float) ->
     """
     current2 = current_a * current_a
     voltage2 = machine.max_phase_voltage_v * machine.max_phase_voltage_v
+    # I^2 = Ix^2 (1 + q^2) with Ix <= Imu, and at q = 1 a current gives its most: below, less flux gives more
     q = math.sqrt(max(current2 / (machine.magnetising_current_a * machine.magnetising_current_a) - 1.0, 1.0))
     if current2 * value(quartic, q) <= voltage2 * (1.0 + q * q):
         return q
     low = q
     while current2 * value(quartic, q) > voltage2 * (1.0 + q * q):
-        low, q = q, 1.02 * q
+        # small steps: the range of ratios at which the voltage carries the current may be narrow
+        low, q = q, WIDENING * q
         if q > GREATEST_RATIO:
             return -1.0
     for _ in range(NARROWINGS):

@@ -80,24 +80,35 @@ class SteadyState(NamedTuple):
     input_power_w: float
 
 
-MACHINE_SIZE = 11
+# a drive's parameters begin with the numbers of its machine, in the order of the fields
+MACHINE_SIZE = len(Machine._fields)
+STATOR_RESISTANCE, ROTOR_RESISTANCE, STATOR_INDUCTANCE, ROTOR_INDUCTANCE, MUTUAL_INDUCTANCE = range(5)
+MAGNETISING_CURRENT, HYSTERESIS_LOSS, EDDY_LOSS, MECHANICAL_LOSS, MAX_PHASE_VOLTAGE, POLE_PAIRS = range(5, MACHINE_SIZE)
+
+
+def iron_loss_coefficients(
+    hysteresis_loss_w: float, eddy_loss_w: float, rated_frequency_hz: float
+) -> tuple[float, float]:
+    """Return Ph / w1N [W s] and Pe / w1N^2 [W s2] from iron losses at rated flux and rated frequency [W, Hz]."""
+    rated_rads = 2 * math.pi * rated_frequency_hz
+    return hysteresis_loss_w / rated_rads, eddy_loss_w / rated_rads**2
 
 
 @njit(cache=True)
 def machine_of(parameters: FloatArray) -> Machine:
     """Return the machine whose numbers are the first entries of a drive's parameters."""
     return Machine(
-        parameters[0],
-        parameters[1],
-        parameters[2],
-        parameters[3],
-        parameters[4],
-        parameters[5],
-        parameters[6],
-        parameters[7],
-        parameters[8],
-        parameters[9],
-        parameters[10],
+        parameters[STATOR_RESISTANCE],
+        parameters[ROTOR_RESISTANCE],
+        parameters[STATOR_INDUCTANCE],
+        parameters[ROTOR_INDUCTANCE],
+        parameters[MUTUAL_INDUCTANCE],
+        parameters[MAGNETISING_CURRENT],
+        parameters[HYSTERESIS_LOSS],
+        parameters[EDDY_LOSS],
+        parameters[MECHANICAL_LOSS],
+        parameters[MAX_PHASE_VOLTAGE],
+        parameters[POLE_PAIRS],
     )
 
 
@@ -123,8 +134,17 @@ def slip_rate(machine: Machine) -> float:
 
 @njit(cache=True)
 def iron_loss_w(machine: Machine, flux_current_a: float, stator_rads: float) -> float:
-    """Return hysteresis and eddy-current loss [W], (10)-(11)."""
+    """Return hysteresis and eddy-current loss [W], (10)-(11).
+
+    Parameters
+    ----------
+    machine : Machine
+        Its numbers.
+    flux_current_a, stator_rads : float
+        Ix [A] and w1, of either sign [rad/s].
+    """
     flux = flux_current_a / machine.magnetising_current_a
+    # both losses grow with the square of the flux, that is of Ix
     by_frequency = machine.hysteresis_loss_ws + machine.eddy_loss_ws2 * abs(stator_rads)
     return by_frequency * abs(stator_rads) * flux * flux
 
@@ -143,10 +163,12 @@ def steady_state(machine: Machine, flux_current_a: float, torque_current_a: floa
         Electrical angular frequency of the rotor, p times its angular speed [rad/s].
     """
     i_x, i_y = flux_current_a, torque_current_a
+    # without flux there is no torque either: machines that are off have no slip
     slip = slip_rate(machine) * i_y / i_x if i_x > 0.0 else 0.0
     frequency = rotor_rads + slip
     torque = torque_constant(machine) * i_x * i_y
     resistance, inductance = machine.stator_resistance_ohm, machine.stator_inductance_h
+    # steady state: no derivatives, so fluxes turn into voltages by the stator's frequency alone
     voltage_x = resistance * i_x - frequency * leakage_share(machine) * inductance * i_y
     voltage_y = resistance * i_y + frequency * inductance * i_x
     iron = iron_loss_w(machine, i_x, frequency)
@@ -157,6 +179,7 @@ def steady_state(machine: Machine, flux_current_a: float, torque_current_a: floa
         voltage_x,
         voltage_y,
         1.5 * resistance * (i_x * i_x + i_y * i_y),
+        # of the power that crosses the air gap, T w1 / p, the slip's part heats the rotor
         torque * slip / machine.pole_pairs,
         iron,
         1.5 * (voltage_x * i_x + voltage_y * i_y) + iron,

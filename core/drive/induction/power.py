@@ -12,19 +12,24 @@ brake: the standstill brake of the train does, where there is one. Else the draw
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.induction.least_loss import best_ratio, least_input_power, smooth_input_power
-from railjoule.core.drive.induction.machine import MACHINE_SIZE, SteadyState, machine_of, steady_state, torque_constant
+from railjoule.core.drive.induction.machine import (
+    MACHINE_SIZE,
+    MECHANICAL_LOSS,
+    Machine,
+    SteadyState,
+    machine_of,
+    steady_state,
+    torque_constant,
+)
 from railjoule.core.drive.power_terms import PowerTerms
 
 PARAMETERS = (
-    *("stator_resistance_ohm", "rotor_resistance_ohm", "stator_inductance_h", "rotor_inductance_h"),
-    *("mutual_inductance_h", "magnetising_current_a", "hysteresis_loss_ws", "eddy_loss_ws2"),
-    *("mechanical_loss_torque_nm", "max_phase_voltage_v", "pole_pairs"),
+    *Machine._fields,
     *("motors", "turns_per_metre", "gear_efficiency", "standstill_brake", "negligible_effort_n"),
 )
 """What the parameters of this kind of drive are, in order."""
 
-MECHANICAL_LOSS = 8
-MOTORS, TURNS, GEAR, STANDSTILL_BRAKE, NEGLIGIBLE = range(MACHINE_SIZE, MACHINE_SIZE + 5)
+MOTORS, TURNS, GEAR, STANDSTILL_BRAKE, NEGLIGIBLE = range(MACHINE_SIZE, len(PARAMETERS))
 
 
 @njit(cache=True)
@@ -40,6 +45,7 @@ def braking_torque(parameters: FloatArray, effort: float) -> float:
 
     Negative where the machine generates; positive where its own friction brakes more than is asked for.
     """
+    # in braking the gear stands between wheel and rotor: the rotor meets less than the wheels give
     per_motor: float = parameters[GEAR] / (parameters[MOTORS] * parameters[TURNS])
     torque: float = parameters[MECHANICAL_LOSS] - effort * per_motor
     return torque
@@ -52,6 +58,7 @@ def _train_power(
     """Return the input power of all machines [W] at a torque of each, with derivatives by effort and speed."""
     machine, motors = machine_of(parameters), parameters[MOTORS]
     per_torque = 1.0 / torque_constant(machine)
+    # kappa has no sign: torque and effort act on it through that of the torque, also in the chain rule below
     sign = 1.0 if torque >= 0.0 else -1.0
     turns = machine.pole_pairs * parameters[TURNS]
     if smooth:
@@ -80,6 +87,7 @@ def power_with_idle(parameters: FloatArray, effort: float, speed: float) -> Powe
 @njit(cache=True)
 def shaft_force(parameters: FloatArray, effort: float) -> tuple[float, float]:
     """Return the work of all rotors over distance [N] at a signed effort [N], and how it grows with its size."""
+    # torque over a distance: all motors, x radians a metre
     machines = parameters[MOTORS] * parameters[TURNS]
     if effort >= 0.0:
         return machines * driving_torque(parameters, effort), 1.0 / parameters[GEAR]
@@ -110,6 +118,7 @@ def driving_power(parameters: FloatArray, effort: float, speed: float) -> PowerT
     Returns (p, dp/df, dp/dv, d2p/df2, d2p/dfdv, d2p/dv2). Zero at an effort that is no more than rounding.
     """
     p, p_f, p_v, p_ff, p_fv, p_vv = power_with_idle(parameters, effort, speed)
+    # slopes by effort stay: a solver at no effort must still see what the first newton costs
     if effort <= parameters[NEGLIGIBLE]:
         return 0.0, p_f, 0.0, p_ff, p_fv, 0.0
     return p, p_f, p_v, p_ff, p_fv, p_vv
@@ -139,6 +148,7 @@ def generated_power(parameters: FloatArray, effort: float, speed: float) -> Powe
     """
     if effort <= parameters[NEGLIGIBLE]:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    # machines that draw to brake are better off: the standstill brake then does their part
     generated = generated_with_idle(parameters, effort, speed)
     if generated[0] < 0.0 and parameters[STANDSTILL_BRAKE] > 0.0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -173,6 +183,7 @@ def operating_point(parameters: FloatArray, effort: float, speed: float) -> tupl
     strength = sign * torque / torque_constant(machine)
     rotor_rads = machine.pole_pairs * parameters[TURNS] * speed
     ratio, _ = best_ratio(machine, sign, strength, rotor_rads)
+    # kappa = Ix |Iy| = q Ix^2
     flux_current = (strength / ratio) ** 0.5
     state = steady_state(machine, flux_current, sign * ratio * flux_current, rotor_rads)
     if effort < 0.0 and state.input_power_w > 0.0 and parameters[STANDSTILL_BRAKE] > 0.0:

@@ -1,16 +1,16 @@
 """The induction machines of a train, from whichever kind of drive has them: circuit, limits, gear."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
+from railjoule.core.drive.geared_parameters import turns_per_metre
 from railjoule.core.drive.induction.circuit import InverseGammaCircuit, inverse_gamma_of, t_circuit_of_machine
-from railjoule.core.drive.induction.drive import kernel_parameters
+from railjoule.core.drive.induction.drive import machine_from
 from railjoule.core.drive.induction.efficiency import fill_efficiency
 from railjoule.core.drive.induction.limits import greatest_torque_nm
-from railjoule.core.drive.induction.machine import Machine, machine_of
+from railjoule.core.drive.induction.machine import Machine, iron_loss_coefficients
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario.drive import CopperLoss, DriveParameters, Induction
 from railjoule.core.scenario.machine import InductionMachine
@@ -28,9 +28,9 @@ class TractionMachines:
     motors : int
         How many there are.
     turns_per_metre : float
-        Angle of a rotor over way of the train [1/m].
+        Angle of a rotor over the distance of the train [1/m].
     gear_efficiency : float
-        What the gear lets through of the power, either way.
+        What the gear lets through of the power, in driving and in braking.
     driving_current_a, braking_current_a : float
         Largest currents of one machine, amplitude per phase [A].
     """
@@ -50,6 +50,7 @@ class TractionMachines:
     @property
     def rated_flux_vs(self) -> float:
         """Return the rated flux linkage of the rotor in the T circuit [V s]."""
+        # in steady state the rotor's flux is M Ix: its current has no part along x
         return self.machine.mutual_inductance_h * self.machine.magnetising_current_a
 
     def greatest_torque_nm(self, speed_rads: FloatArray, braking: bool = False) -> FloatArray:
@@ -68,6 +69,7 @@ class TractionMachines:
             greatest_torque_nm(machine, sign, current, machine.magnetising_current_a, machine.pole_pairs * speed)
             for speed in np.asarray(speed_rads, dtype=float)
         ]
+        # friction takes from the torque that drives, and adds to the one that brakes
         return np.maximum(np.array(torque) - sign * machine.mechanical_loss_torque_nm, 0.0)
 
     def efficiency(self, torque_nm: FloatArray, speed_rads: FloatArray, least_loss: bool) -> FloatArray:
@@ -109,10 +111,11 @@ def traction_machines(drive: DriveParameters) -> TractionMachines:
     """
     if isinstance(drive, Induction):
         return TractionMachines(
-            machine=machine_of(np.array(kernel_parameters(drive))),
+            machine=machine_from(drive),
             motors=drive.motors,
-            turns_per_metre=drive.gear_ratio / (0.5 * drive.wheel_diameter_m),
+            turns_per_metre=turns_per_metre(drive),
             gear_efficiency=drive.gear_efficiency,
+            # of a tram the currents are those of starting and braking, of a bare machine one for both
             driving_current_a=drive.starting_current_a,
             braking_current_a=drive.braking_current_a,
         )
@@ -126,7 +129,7 @@ def traction_machines(drive: DriveParameters) -> TractionMachines:
     return TractionMachines(
         machine=_machine(drive.machine),
         motors=drive.motors,
-        turns_per_metre=drive.gear_ratio / (0.5 * drive.wheel_diameter_m),
+        turns_per_metre=turns_per_metre(drive),
         gear_efficiency=1.0,
         driving_current_a=drive.machine.max_current_a,
         braking_current_a=drive.machine.max_current_a,
@@ -134,7 +137,9 @@ def traction_machines(drive: DriveParameters) -> TractionMachines:
 
 
 def _machine(parameters: InductionMachine) -> Machine:
-    rated_rads = 2 * math.pi * parameters.rated_frequency_hz
+    hysteresis_ws, eddy_ws2 = iron_loss_coefficients(
+        parameters.hysteresis_loss_w, parameters.eddy_loss_w, parameters.rated_frequency_hz
+    )
     mutual = parameters.mutual_inductance_mh
     return Machine(
         stator_resistance_ohm=parameters.stator_resistance_ohm,
@@ -143,8 +148,9 @@ def _machine(parameters: InductionMachine) -> Machine:
         rotor_inductance_h=(mutual + parameters.rotor_leakage_mh) * H_PER_MH,
         mutual_inductance_h=mutual * H_PER_MH,
         magnetising_current_a=parameters.magnetising_current_a,
-        hysteresis_loss_ws=parameters.hysteresis_loss_w / rated_rads,
-        eddy_loss_ws2=parameters.eddy_loss_w / rated_rads**2,
+        hysteresis_loss_ws=hysteresis_ws,
+        eddy_loss_ws2=eddy_ws2,
+        # the model of copper losses alone knows no other loss at the shaft
         mechanical_loss_torque_nm=0.0,
         max_phase_voltage_v=parameters.max_phase_voltage_v,
         pole_pairs=float(parameters.pole_pairs),

@@ -15,8 +15,11 @@ from typing import NamedTuple
 from railjoule.core.compiled import njit
 from railjoule.core.drive.induction.machine import Machine, leakage_share, slip_rate
 
+# Newton's rule doubles its digits: it ends at rounding after some ten steps, the rest is a guard
 ROOT_STEPS = 40
 EXACT = 1e-14
+# where it ends without that, its root still counts if the voltage is met to this share
+NEARLY_EXACT = 1e-9
 
 
 class Quartic(NamedTuple):
@@ -39,6 +42,7 @@ def voltage_quartic(machine: Machine, sign: float, rotor_rads: float) -> Quartic
         leakage_share(machine),
     )
     w, both = rotor_rads, r * ls * (1.0 - sigma)
+    # with L_S and sigma multiplied out; what stator resistance and leakage have in common is R_S L_S (1 - sigma)
     leakage = ls * ls * sigma * sigma
     return Quartic(
         r * r + ls * ls * w * w,
@@ -81,7 +85,7 @@ def slope(quartic: Quartic, ratio: float) -> float:
 
 
 @njit(cache=True)
-def bend(quartic: Quartic, ratio: float) -> float:
+def second_derivative(quartic: Quartic, ratio: float) -> float:
     """Return the second derivative of a polynomial."""
     return (12.0 * quartic.d4 * ratio + 6.0 * quartic.d3) * ratio + 2.0 * quartic.d2
 
@@ -89,6 +93,7 @@ def bend(quartic: Quartic, ratio: float) -> float:
 @njit(cache=True)
 def convex_until(quartic: Quartic) -> float:
     """Return the ratio up to which a polynomial is convex: infinite unless the field of a generator can stand."""
+    # D'' = 12 d4 q^2 + 6 d3 q + 2 d2 falls below zero only between two positive roots, with d3 < 0: generating
     discriminant = 36.0 * quartic.d3 * quartic.d3 - 96.0 * quartic.d4 * quartic.d2
     if quartic.d3 >= 0.0 or discriminant <= 0.0 or quartic.d4 == 0.0:
         return math.inf
@@ -98,13 +103,15 @@ def convex_until(quartic: Quartic) -> float:
 @njit(cache=True)
 def pull_out_ratio(quartic: Quartic) -> float:
     """Return the ratio of the greatest torque under the voltage, where D = q dD/dq."""
+    # kappa = U_m^2 q / D is greatest where D = q D'; of the quadratic part of D alone the root is sqrt(d0 / d2)
     q, until = math.sqrt(quartic.d0 / quartic.d2), convex_until(quartic)
     for _ in range(ROOT_STEPS):
         excess = value(quartic, q) - q * slope(quartic, q)
-        curvature = q * bend(quartic, q)
+        curvature = q * second_derivative(quartic, q)
         if curvature <= 0.0:
             break
         step = excess / curvature
+        # never more than half of the way to zero, or to where D turns concave and the slope of the excess its sign
         q = min(max(q + step, 0.5 * q), 0.5 * (q + until))
         if abs(step) <= EXACT * q:
             break
@@ -136,6 +143,7 @@ def ratio_within_voltage(quartic: Quartic, strength: float, voltage2: float, rat
         gradient = strength * slope(quartic, q) - voltage2
         if excess <= 0.0:
             return q
+        # past the least excess without a root: no ratio keeps the voltage at this torque
         if gradient * slope_before < 0.0 or gradient == 0.0:
             return -1.0
         step = excess / gradient
@@ -145,4 +153,4 @@ def ratio_within_voltage(quartic: Quartic, strength: float, voltage2: float, rat
         if abs(step) <= EXACT * q:
             return q
         slope_before = gradient
-    return q if abs(excess) <= 1e-9 * voltage2 * q else -1.0
+    return q if abs(excess) <= NEARLY_EXACT * voltage2 * q else -1.0

@@ -6,7 +6,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.drive.geared import NEGLIGIBLE_SHARE, GearedDrive
-from railjoule.core.drive.geared_parameters import MOTORS, TURNS
+from railjoule.core.drive.geared_parameters import TURNS
 from railjoule.core.drive.kinds import LOSS_MAP
 from railjoule.core.drive.loss_map.loss import DRIVING_TABLE
 from railjoule.core.drive.loss_map.table import loss_table
@@ -14,6 +14,8 @@ from railjoule.core.errors import DriveRangeError
 from railjoule.core.units import N_PER_KN, distinct_numbers
 
 ROUNDING = 1e-9
+# runs use the largest effort to the last digit, and tabulated limits miss it by up to 1e-6
+ALLOWED_EXCESS = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,11 +65,11 @@ class MapDrive(GearedDrive):
             If an effort or a speed lies beyond the map.
         """
         self.require_speed(float(np.max(speed_ms, initial=0.0)))
-        for sign, limit, way in ((1, self.driving_n, "drive"), (-1, self.braking_n, "brake")):
+        for sign, limit, action in ((1, self.driving_n, "drive"), (-1, self.braking_n, "brake")):
             most, largest = float(np.max(sign * np.asarray(effort_n), initial=0.0)), float(limit.max())
-            if most > largest * (1 + 1e-6):
+            if most > largest * (1 + ALLOWED_EXCESS):
                 end, asked = distinct_numbers(largest / N_PER_KN, most / N_PER_KN)
-                raise DriveRangeError(f"the map of the drive ends at {end} kN to {way} with, below {asked} kN.")
+                raise DriveRangeError(f"the map of the drive ends at {end} kN to {action} with, below {asked} kN.")
         return super().electrical_power_w(effort_n, speed_ms)
 
     def effort_limit_n(self, speed_ms: FloatArray, braking: bool = False) -> FloatArray:
@@ -111,7 +113,7 @@ def make_map_drive(
         Over the size of the torque, with the same last speed.
     motors : int
     turns_per_metre : float
-        Angle of the motor over way of the train [1/m].
+        Angle of the motor over the distance of the train [1/m].
     gear_loss_share : float
         Lost in the gears, over the power at the wheels.
     recuperation_factor : float
@@ -119,17 +121,19 @@ def make_map_drive(
     envelopes_nm : tuple of arrays of shape (m,), optional
         Largest torques in driving and braking at the speeds of `driving` [N m]; the maps' last ones where absent.
     """
+    # both tables stand in one row of numbers behind the head, which says where that of braking begins
     tables = [loss_table(part.torque_nm, part.speed_rads, part.loss_w) for part in (driving, braking)]
     wheel = motors * turns_per_metre
     if envelopes_nm is None:
+        # a rectangle: its limit is the same at both ends of the speeds
         speeds = driving.speed_rads[[0, -1]]
         envelopes_nm = np.full(2, driving.torque_nm[-1]), np.full(2, braking.torque_nm[-1])
     else:
         speeds = driving.speed_rads
+    # gears take their share between motor and wheel: of what a motor gives, and from what the wheels give it
     pulling, slowing = wheel * envelopes_nm[0] / (1 + gear_loss_share), wheel * envelopes_nm[1] / (1 - gear_loss_share)
     head = np.zeros(DRIVING_TABLE)
     head[:] = motors, turns_per_metre, gear_loss_share, NEGLIGIBLE_SHARE * pulling.max(), DRIVING_TABLE + len(tables[0])
-    assert head[MOTORS] == motors
     return MapDrive(
         kind=LOSS_MAP,
         parameters=frozen_array(np.concatenate([head, *tables])),

@@ -14,6 +14,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.power_terms import PowerTerms
 
+# numbers of a row before the torques, and of a patch: 4 powers of torque times 4 of speed
 HEAD = 2
 PATCH = 16
 HERMITE = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [-3.0, 3.0, -2.0, -1.0], [2.0, -2.0, 1.0, 1.0]])
@@ -56,6 +57,7 @@ def loss_table(torque_nm: FloatArray, speed_rads: FloatArray, loss_w: FloatArray
         ]
     )
     patches = np.einsum("pa,ijab,qb->ijpq", HERMITE, data, HERMITE)
+    # from coordinates of a patch, 0 to 1, to torque and speed above its corner
     powers = np.arange(4)
     patches /= (dx[..., None, None] ** powers[:, None]) * (dy[..., None, None] ** powers[None, :])
     head = [float(len(torque_nm)), float(len(speed_rads))]
@@ -95,6 +97,7 @@ def loss_at(row: FloatArray, start: int, torque: float, speed: float) -> PowerTe
     x, y = torque - row[torque_first + i], speed - row[speed_first + j]
     patch = speed_first + speeds + PATCH * (i * (speeds - 1) + j)
     p = p_x = p_y = p_xx = p_xy = p_yy = 0.0
+    # Horner's rule in torque, whose coefficients q are cubics of speed; derivatives first: each takes the value before
     for power in range(3, -1, -1):
         c = patch + 4 * power
         q = ((row[c + 3] * y + row[c + 2]) * y + row[c + 1]) * y + row[c]
@@ -106,6 +109,7 @@ def loss_at(row: FloatArray, start: int, torque: float, speed: float) -> PowerTe
         p_xy = p_xy * x + p_y
         p_y = p_y * x + q_y
         p_yy = p_yy * x + q_yy
+    # the last piece goes on beyond the map, and there it may fall below zero: a motor never gains
     if p < 0.0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     return p, p_x, p_y, p_xx, p_xy, p_yy

@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.drive.geared_parameters import turns_per_metre
 from railjoule.core.drive.loss_map.drive import LossMap, MapDrive, make_map_drive
 from railjoule.core.drive.synchronous.harmonics import Winding, side_bands
 from railjoule.core.drive.synchronous.losses import KINDS, MOTOR_KINDS, LossNumbers, fill_envelope, fill_map
@@ -16,7 +17,10 @@ from railjoule.core.scenario.drive import Synchronous
 from railjoule.core.units import H_PER_MH, M_PER_MM
 
 LOSS_KINDS = ("copper", "iron", "mechanical", "harmonics", "conduction", "switching")
+# Of the shipped motor, a table four times as fine each way changes the power by 1e-6 in the median, by 0.4 % at worst.
 TABLE_TORQUES, TABLE_SPEEDS = 36, 41
+# just inside the envelope, where a search still finds the torque, and a little further in, for the slope of the losses
+EDGE_SHARE, INNER_SHARE = 1 - 1e-6, 0.95
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +102,7 @@ def make_synchronous_drive(parameters: Synchronous) -> MapDrive:
         driving,
         braking,
         parameters.motors,
-        parameters.gear_ratio / (0.5 * parameters.wheel_diameter_m),
+        turns_per_metre(parameters),
         parameters.gear_loss_share,
         parameters.recuperation_factor,
         envelopes,
@@ -116,12 +120,13 @@ def _loss_map(parameters: Synchronous, speed: FloatArray, envelope: FloatArray, 
     loss = losses.sum(axis=-1)
     edge, inner = np.empty((1, 1, KINDS)), np.empty((1, 1, KINDS))
     for j, most in enumerate(envelope):
-        beyond = torque > most * (1 - 1e-6)
+        beyond = torque > most * EDGE_SHARE
         if not beyond.any():
             continue
-        two = most * np.array([1 - 1e-6, 0.95])
+        two = most * np.array([EDGE_SHARE, INNER_SHARE])
         for place, values in zip(two, (edge, inner), strict=True):
             fill_map(*_numbers(parameters), sign * np.array([place]), speed[j : j + 1], values)
+        # losses rise about with the square of the current, and so of the torque
         slope = (edge.sum() - inner.sum()) / (two[0] ** 2 - two[1] ** 2)
         loss[beyond, j] = edge.sum() + max(slope, 0.0) * (torque[beyond] ** 2 - two[0] ** 2)
     return LossMap(torque, speed, loss)
@@ -147,6 +152,7 @@ def output_over_input(shaft_w: FloatArray, loss_w: FloatArray) -> FloatArray:
 def _most_nm(machine: Machine) -> float:
     """Return a torque that the current cannot exceed [N m]."""
     saliency = machine.quadrature_inductance_h - machine.direct_inductance_h
+    # each current at its largest at once, which no split of it can be
     flux = machine.magnet_flux_vs + saliency * machine.max_current_a
     return 1.5 * machine.pole_pairs * flux * machine.max_current_a
 
@@ -163,6 +169,7 @@ def _numbers(parameters: Synchronous) -> tuple[Machine, LossNumbers, Winding, Fl
         quadrature_inductance_h=quadrature,
         stator_resistance_ohm=parameters.stator_resistance_ohm,
         max_current_a=parameters.max_current_a,
+        # amplitude of the fundamental: 2 / pi of the link in whole blocks, 1 / sqrt(3) of it by space vectors
         max_phase_voltage_v=parameters.link_voltage_v * (2 / math.pi if blocks else 1 / math.sqrt(3)),
     )
     numbers = LossNumbers(
@@ -181,6 +188,7 @@ def _numbers(parameters: Synchronous) -> tuple[Machine, LossNumbers, Winding, Fl
     )
     winding = Winding(
         stator_resistance_ohm=parameters.stator_resistance_ohm,
+        # currents go as 1 / L, losses as their square: the mean of both 1 / L^2
         harmonic_inductance_h=math.sqrt(2 / (direct**-2 + quadrature**-2)),
         conductor_height_m=parameters.conductor_height_mm * M_PER_MM,
         conductor_layers=float(parameters.conductor_layers),

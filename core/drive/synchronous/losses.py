@@ -16,12 +16,28 @@ from railjoule.core.drive.synchronous.machine import Machine, currents, greatest
 
 COPPER, IRON, MECHANICAL, HARMONICS, CONDUCTION, SWITCHING = range(6)
 KINDS = 6
-MOTOR_KINDS = 4
-"""So many of them, the first, belong to the motor."""
+# the first ones belong to the motor, the rest to its inverter
+MOTOR_KINDS = HARMONICS + 1
 
 
 class LossNumbers(NamedTuple):
-    """What the losses of one machine and its inverter need beside the machine."""
+    """What the losses of one machine and its inverter need beside the machine.
+
+    Parameters
+    ----------
+    rated_rads, rated_flux_vs : float
+        Electrical angular frequency [rad/s] and flux linkage [V s] at which iron losses are given.
+    hysteresis_loss_w, eddy_loss_w : float
+        Iron losses there [W].
+    mechanical_loss_torque_nm, ventilation_loss_w_per_rads3 : float
+        Torque of friction [N m], and power of ventilation over the cube of the shaft's speed [W s3/rad3].
+    link_voltage_v, switching_frequency_hz : float
+        Of the inverter [V, Hz].
+    device_threshold_v, device_resistance_ohm : float
+        Of one device that conducts [V, ohm].
+    switching_energy_j_per_av : float
+        Lost in one period of switching over current and link voltage [J/(A V)].
+    """
 
     rated_rads: float
     rated_flux_vs: float
@@ -56,8 +72,8 @@ def fill_losses(
 
     Parameters
     ----------
-    machine, numbers, winding
-        The drive.
+    machine, numbers, winding : Machine, LossNumbers and Winding
+        Of one motor and its inverter.
     bands : array
         As `side_bands` returns.
     torque, rads : float
@@ -68,7 +84,7 @@ def fill_losses(
     stator = machine.pole_pairs * rads
     drag = shaft_drag_nm(numbers, rads)
     electromagnetic = torque + drag
-    along, across, fits = currents(machine, electromagnetic, stator)
+    along, across, feasible = currents(machine, electromagnetic, stator)
     current = math.hypot(along, across)
     direct_flux = machine.magnet_flux_vs + machine.direct_inductance_h * along
     flux = math.hypot(direct_flux, machine.quadrature_inductance_h * across)
@@ -81,6 +97,7 @@ def fill_losses(
     iron = (numbers.hysteresis_loss_w + numbers.eddy_loss_w * speed_share) * speed_share
     losses[IRON] = iron * flux_share * flux_share
     losses[MECHANICAL] = drag * rads
+    # a phase's current is a sine: its mean size meets the threshold, its mean square the resistance
     mean_current = 2.0 / math.pi * current
     by_devices = numbers.device_threshold_v * mean_current + 0.5 * numbers.device_resistance_ohm * current * current
     losses[CONDUCTION] = 3.0 * by_devices
@@ -94,7 +111,7 @@ def fill_losses(
         losses[HARMONICS] = space_vector_loss(winding, bands, numbers.link_voltage_v, carrier, stator, voltage)
     energy = numbers.switching_energy_j_per_av * mean_current * numbers.link_voltage_v
     losses[SWITCHING] = 3.0 * frequency * energy
-    return fits
+    return feasible
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -124,5 +141,6 @@ def fill_envelope(
     """Fill the greatest torques of the shaft [N m], without sign, at speeds [rad/s]; `sign` is -1 in braking."""
     for j in range(speed.shape[0]):
         drag = shaft_drag_nm(numbers, speed[j])
+        # friction takes from the torque that drives, and adds to the one that brakes
         most = greatest_torque(machine, sign, machine.pole_pairs * speed[j], most_nm)
         torque[j] = max(most - sign * drag, 0.0)

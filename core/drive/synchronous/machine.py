@@ -14,13 +14,29 @@ from typing import NamedTuple
 
 from railjoule.core.compiled import njit
 
+# 2^-40 = 1e-12 of the bracket
 HALVINGS = 40
 GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
+# 0.618^28 = 1e-6 of the bracket: at its least value the voltage is flat, so within 1e-12
 NARROWINGS = 28
 
 
 class Machine(NamedTuple):
-    """The numbers of one machine that its steady state needs; inductances [H], flux [V s]."""
+    """The numbers of one machine that its steady state needs.
+
+    Parameters
+    ----------
+    pole_pairs : float
+        p.
+    magnet_flux_vs : float
+        psi_m, amplitude of a phase's flux linkage [V s].
+    direct_inductance_h, quadrature_inductance_h : float
+        L_d and L_q [H].
+    stator_resistance_ohm : float
+        R [ohm].
+    max_current_a, max_phase_voltage_v : float
+        Limits of the amplitudes per phase [A, V].
+    """
 
     pole_pairs: float
     magnet_flux_vs: float
@@ -56,6 +72,7 @@ def least_current(machine: Machine, torque: float) -> float:
     for _ in range(HALVINGS):
         along = 0.5 * (low + high)
         across = _across(machine, torque, along)
+        # i_d at which i_d^2 + i_q^2 along a torque is least; left of it the sum is negative
         if along + across * across * saliency / (machine.magnet_flux_vs - saliency * along) > 0.0:
             high = along
         else:
@@ -77,8 +94,9 @@ def currents(machine: Machine, torque: float, stator_rads: float) -> tuple[float
     """
     along = least_current(machine, torque)
     voltage2 = machine.max_phase_voltage_v * machine.max_phase_voltage_v
-    fits = True
+    feasible = True
     if _voltage2(machine, torque, stator_rads, along) > voltage2:
+        # left of the least current the voltage falls and rises again: find its least, then the root between the two
         low, high = -machine.max_current_a, along
         left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
         at_left = _voltage2(machine, torque, stator_rads, left)
@@ -93,8 +111,8 @@ def currents(machine: Machine, torque: float, stator_rads: float) -> tuple[float
                 right = low + GOLDEN * (high - low)
                 at_right = _voltage2(machine, torque, stator_rads, right)
         low, high = 0.5 * (low + high), along
-        fits = _voltage2(machine, torque, stator_rads, low) <= voltage2
-        if fits:
+        feasible = _voltage2(machine, torque, stator_rads, low) <= voltage2
+        if feasible:
             for _ in range(HALVINGS):
                 middle = 0.5 * (low + high)
                 if _voltage2(machine, torque, stator_rads, middle) > voltage2:
@@ -103,13 +121,14 @@ def currents(machine: Machine, torque: float, stator_rads: float) -> tuple[float
                     low = middle
         along = low
     across = _across(machine, torque, along)
-    return along, across, fits and math.hypot(along, across) <= machine.max_current_a
+    return along, across, feasible and math.hypot(along, across) <= machine.max_current_a
 
 
 @njit(cache=True)
 def greatest_torque(machine: Machine, sign: float, stator_rads: float, most_nm: float) -> float:
     """Return the greatest electromagnetic torque [N m], without sign, up to `most_nm`; `sign` is -1 generating."""
     low, high = 0.0, most_nm
+    # bisection: a machine that carries a torque is taken to carry all smaller ones
     if currents(machine, sign * high, stator_rads)[2]:
         return high
     for _ in range(HALVINGS):
