@@ -9,6 +9,7 @@ from railjoule.core.interior_point.solver import CONVERGED, Optimum, minimise_en
 from railjoule.core.physics.course_data import lowered_limits
 from railjoule.core.task import Task
 
+# Relative gap asked of a smooth drive: a tenth of what a run may lie above its bound and still be called proven
 TOLERANCE = 1e-7
 SWITCHED_TOLERANCE = 1e-6
 """Relative gap asked of a drive whose power jumps: its derivatives jump too, and no step uses what lies below."""
@@ -17,6 +18,7 @@ FIRST_ITERATIONS, SECOND_ITERATIONS, LAST_ITERATIONS = 40, 60, 150
 FREE_CENTRING, STEADY_CENTRING = 1e-6, 0.2
 """The first attempt may centre as little as it likes; the second always centres, which ends the rare cycles."""
 LOOSE_GAP = 0.1
+"""A relaxation that ends with a smaller gap still tells where to drive, and its multipliers still prove a bound."""
 LIMIT_SHARE, TIME_SHARE, SLACK_SHARE = 1e-6, 1e-7, 0.01
 """The optimum of a decision leaves these shares of limits and time, or that of the slack if it is less."""
 

@@ -1,4 +1,16 @@
-"""Ways to drive a scenario, all with the same call and the same result."""
+"""The strategies: each takes a task and returns a trajectory, by a solver of its own.
+
+`solve` below is the entry: it makes a scenario a task, runs a strategy, and gives the run a bound and the best known
+run to be measured against. Read it first, then a short strategy, `fastest`, then `optimal`. A strategy decides what it
+refuses and makes the trajectory; the methods stand in folders of their own:
+
+- `optimal`: interior point, `core/bounds` and `core/interior_point`; where a drive takes power without effort,
+  `switching` decides where it is on, and dynamic programming steps in where no optimum is found
+- `bellman`: dynamic programming, `core/dynamic_programming`
+- `eoc`, `enoc`: Ftorek's two, on the line that `plain_line` makes of a task
+- `phases`: start, cruise, coast, brake, `core/phase_planning`
+- `speed_limits`: set speeds of sections, `core/limit_search`
+"""
 
 import time
 from collections.abc import Callable

@@ -14,8 +14,9 @@ from railjoule.core.task import Task
 from railjoule.core.trajectory import Reference, Trajectory, make_trajectory
 from railjoule.core.units import J_PER_KWH
 
+# By so much, as a share, the smoothed power of a drive may put its relaxed optimum above a run of the true power. Above
+# that the relaxation is no lower bound that a note could name: it has not come near its optimum, see `minimise`
 SMOOTHED = 1e-4
-"""By so much the smoothed power of a drive may put its optimum above a run, as a share."""
 
 
 def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
