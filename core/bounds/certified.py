@@ -73,11 +73,13 @@ def _covering(task: Task, run: Trajectory) -> Task:
     if not np.array_equal(run.nodes_m, task.course.position_m):
         initial, final = task.end_speeds_ms
         task = prepare_task(task.scenario, initial, final, run.nodes_m)
+    # a later run may need less: the bound has to hold for its time as well
     return replace(task, running_time_s=max(task.running_time_s, run.travel_time_s - task.dwell_s))
 
 
 def certify(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> Bound:
     """Return the lower bound that the multipliers of an optimum prove, and what it covers."""
+    # a cellwise proof needs a power that is continuous in effort; the other bounds its convex hull
     if task.course.drive.jumps_at_no_effort:
         proven = _switched_bound_j(task, optimum, proof_budget)
         statement = switched_bound_statement(task)

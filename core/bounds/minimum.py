@@ -65,6 +65,7 @@ def minimise(task: Task, tolerance: float = TOLERANCE) -> Solution:
         task.require_few_cells(current_budget().idling_cells)
         tolerance = max(tolerance, SWITCHED_TOLERANCE)
     given = task.course.data, task.greatest_speed2, task.shortest_time_s, task.running_time_s
+    # from quick to patient: nearly all tasks end in the first, whose steps are longest
     attempts = (
         (FIRST_ITERATIONS, FREE_CENTRING),
         (SECOND_ITERATIONS, STEADY_CENTRING),
@@ -94,6 +95,7 @@ def minimise_decided(task: Task, on: BoolArray) -> Optimum:
         Cells in which the drive is on.
     """
     slack = task.running_time_s - task.shortest_time_s
+    # the limits are lowered, and the time shortened, by what coasting exactly may add afterwards
     data = task.course.data._replace(machines_on=on.astype(float))
     data = lowered_limits(data, min(LIMIT_SHARE, SLACK_SHARE * slack / task.running_time_s))
     times = task.shortest_time_s, task.running_time_s - min(TIME_SHARE * task.running_time_s, SLACK_SHARE * slack)

@@ -23,8 +23,8 @@ from railjoule.core.physics.effort_limit import EffortLimit
 
 FULL_BRAKING, FULL_POWER, HOLDING, COASTING = range(4)
 CONTROLS_BESIDE_GRID = 4
-# Full braking and full traction along one steepest curve end at the same speed but for this: the fixed point of an exit
-# speed ends at 1e-13 of the entering one, and a run of some hundred cells adds their errors up
+# On the steepest braking curve full braking ends at the greatest speed of the grid but for this, as a share of the
+# square of speed: the fixed point of an exit speed ends at 1e-13 of it, where it converges fast
 ROUNDING = 1e-10
 # A speed squared this close to a grid point, relatively, is that point: beyond it there may be no run, and a cost to go
 # between the last point and an infinite one would be infinite

@@ -62,7 +62,7 @@ def solve(
     Parameters
     ----------
     scenario : Scenario
-        What is asked for.
+        The train, the line, the timetable and the options.
     strategy : str, optional
         Overrides the scenario's own.
     initial_speed_ms, final_speed_ms : float
@@ -87,6 +87,7 @@ def solve(
     name = strategy or scenario.strategy
     task = prepare_task(scenario, initial_speed_ms, final_speed_ms)
     trajectory = run_strategy(task, name)
+    # an optimum is its own reference; without slack there is nothing to save, and no optimum is looked for
     if trajectory.reference is None and task.has_slack:
         best = known_optimum(task)
         trajectory = bounded(task, trajectory, best.bound if best is not None else None)
@@ -137,6 +138,7 @@ def compare(scenario: Scenario) -> tuple[list[Trajectory], dict[StrategyName, st
         As `solve`.
     """
     task = prepare_task(scenario)
+    # a timetable that none can keep is one fault of the scenario, not a refusal of each strategy
     task.require_timetable()
     runs: list[Trajectory] = []
     refused: dict[StrategyName, str] = {}
@@ -145,6 +147,7 @@ def compare(scenario: Scenario) -> tuple[list[Trajectory], dict[StrategyName, st
             runs.append(run_strategy(task, name))
         except RailjouleError as refusal:
             refused[name] = str(refusal)
+    # one proof serves all runs over the task's mesh; `bounded` makes another only for those over nodes of their own
     known = next((run.bound for run in runs if run.bound is not None), None)
     return measured([bounded(task, run, known) for run in runs]), refused
 

@@ -59,6 +59,7 @@ def known_optimum(task: Task) -> Trajectory | None:
 
 def _by_interior_point(task: Task, proof_budget: int) -> Trajectory:
     """Return the optimum with its bound; errors as `railjoule.core.bounds.minimise`."""
+    # the bound belongs to this optimum, relaxed or not: the run below may be another, and lie above it
     solution = minimise(task)
     optimum = solution.optimum
     bound = certify(task, optimum, proof_budget)
@@ -103,6 +104,7 @@ def switching_note(task: Task, relaxed: Solution, energy_j: float) -> str:
         if task.course.data.friction_effort_n > 0
         else "the vehicle has no friction brakes to support the electric ones"
     )
+    # a relaxed energy above the run's tells nothing that free switching could save
     known = ""
     if relaxed.energy_j <= energy_j + SMOOTHED * abs(energy_j):
         needed = relaxed.energy_j / J_PER_KWH

@@ -107,6 +107,7 @@ class _Search:
     def __init__(self, task: Task, relaxed: Optimum) -> None:
         self.task, self.relaxed = task, relaxed
         self.runs: list[Unswitched] = []
+        # arrays of bool as bytes, which can be hashed
         self.tried: set[bytes] = set()
 
     @property
@@ -152,6 +153,7 @@ class _Search:
         A point that has not converged is a run as well, if it keeps them.
         """
         data = self.task.course.data
+        # the exact one first: what a barrier leaves of an effort makes a drive that is on take its power without effort
         points = coasting_exactly(data, optimum, off), optimum.speed2
         speed2 = next((point for point in points if _keeps_limits(self.task, point)), None)
         energy = np.inf if speed2 is None else _energy_j(self.task, speed2)
