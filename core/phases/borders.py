@@ -6,7 +6,7 @@ import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.phases.labels import HELD_WITHIN_MS, SHORTEST_S, STEADY_MS2
+from railjoule.core.phases.labels import HELD_WITHIN_MS, SHORTEST_S, STEADY_MS2, UNTOLD_MS
 from railjoule.core.phases.phase import BRAKE, COAST, FULL_POWER, HOLD, PART_POWER, STAND
 from railjoule.core.phases.run_data import RunData
 from railjoule.core.phases.segments import COLUMNS, FIRST, KIND, LAST, PLACE, SHARE, SPEED, STRAIGHT, TIME, lasting
@@ -119,6 +119,41 @@ def _effort_of(kind: float, largest: float, held: float, braking: float) -> floa
     if kind == HOLD:
         return held
     return braking if kind == BRAKE else 0.0
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def without_untold_power(run: RunData, rows: FloatArray, untold: BoolArray) -> FloatArray:
+    """Return segments without full power between coasting that advice cannot tell; mark its cells as untold.
+
+    Advice tells places in whole metres, power at the next one and coasting at the nearest: power that begins and ends
+    at the same would be an instruction of no length. It is coasting, if it changes the speed by less than a tenth of a
+    km/h.
+    """
+    out = np.empty_like(rows)
+    count = k = 0
+    while k < rows.shape[0]:
+        between = count > 0 and k + 1 < rows.shape[0] and rows[k, KIND] == FULL_POWER
+        if between and out[count - 1, KIND] == COAST and rows[k + 1, KIND] == COAST and _is_untold(run, rows, k):
+            untold[int(rows[k, FIRST]) : int(rows[k, LAST])] = True
+            out[count - 1, LAST] = rows[k + 1, LAST]
+            k += 2
+            continue
+        out[count] = rows[k]
+        count += 1
+        k += 1
+    return out[:count]
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _is_untold(run: RunData, rows: FloatArray, row: int) -> bool:
+    """Return whether power has no length in whole metres and hardly changes the speed."""
+    if math.ceil(rows[row, PLACE]) < round(rows[row + 1, PLACE]):
+        return False
+    work = 0.0
+    for i in range(int(rows[row, FIRST]), int(rows[row, LAST])):
+        work += run.effort_n[i] * (run.position_m[i + 1] - run.position_m[i])
+    mean_speed = 0.5 * (rows[row, SPEED] + rows[row + 1, SPEED])
+    return bool(work < 2.0 * UNTOLD_MS * run.inertia_kg * mean_speed)
 
 
 # ---- straight pieces
