@@ -1,7 +1,12 @@
 """The least energy of a task and what is proven of it: what strategies, studies and checks share.
 
-`minimise` finds the optimum, `certify` the energy that no run on the same mesh undercuts, `bound_of` both at once;
-`bounded` gives a run a bound that covers it.
+`minimum` finds the optimum: `minimise` that of a task, `minimise_decided` that with the drive on in given cells alone.
+`certified` turns the multipliers of an optimum into a bound: any multipliers prove some lower bound, those of the
+optimum the best one, so that a solver's fault makes a bound weak, never wrong. `certify` returns the energy that no run
+on the same mesh undercuts, `bound_of` optimum and bound at once, and `bounded` gives a run of any strategy a bound that
+covers its own nodes and time.
+
+Read `minimum.minimise` first, then `certified.certify`; the method itself is in `railjoule.core.interior_point`.
 """
 
 from railjoule.core.bounds.certified import PROOF_BUDGET, bound_of, bounded, certify, work_floor_j

@@ -3,6 +3,7 @@
 References: the proofs are in `railjoule.core.interior_point.certificate`, `...proof` and `...switching_bound`.
 """
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -12,6 +13,7 @@ from railjoule.core.errors import InfeasibleLineError, SolverError, StrategyRefu
 from railjoule.core.interior_point.duty import COASTED, duty
 from railjoule.core.interior_point.proof import prove
 from railjoule.core.interior_point.solver import CONVERGED, Optimum
+from railjoule.core.interior_point.start import SLOWEST_SPEED2
 from railjoule.core.interior_point.switching_bound import switched_bound
 from railjoule.core.task import Task, prepare_task
 from railjoule.core.trajectory import PROVEN_GAP, Bound, Trajectory
@@ -22,11 +24,15 @@ PROOF_SHARE = 0.8
 PROOF_BUDGET = 2_000_000
 """Boxes of speed that a proof may look at; a proof hardly ever needs more than one a cell."""
 SWITCHED_PROOF_TOLERANCE, PIECES_A_CELL = 2e-4, 44
-"""How close the bound of a drive that takes power without effort shall come to its multipliers' best, if it can."""
+"""How close the bound of a drive that takes power without effort has to come to its multipliers' best, if it can, and
+how many pieces of a cell's speeds it may look at for that."""
 MOST_REFINED = 4
 """A run over more nodes than so many times the task's gets no bound: the printed regulator makes a cell of each step of
 time, tens of thousands down to hundredths of a millimetre, over which an optimum takes a minute and does not converge.
 Strategies with nodes of their own make at most twice the task's."""
+
+# The floor of speeds between stops in the problem that is solved and in its proof: slower runs are not covered
+SLOWEST_PROVEN_MS = math.sqrt(SLOWEST_SPEED2)
 
 
 def bound_of(task: Task) -> Bound | None:
@@ -50,6 +56,7 @@ def bounded(task: Task, run: Trajectory, known: Bound | None = None) -> Trajecto
     """
     if run.bound is not None:
         return run
+    # in this order: a bound that is known costs nothing, another one a solution
     if known is not None and known.covers(run):
         return run.with_bound(known)
     if len(run.nodes_m) > MOST_REFINED * len(task.course.position_m):
@@ -66,11 +73,13 @@ def _covering(task: Task, run: Trajectory) -> Task:
     if not np.array_equal(run.nodes_m, task.course.position_m):
         initial, final = task.end_speeds_ms
         task = prepare_task(task.scenario, initial, final, run.nodes_m)
+    # a later run may need less: the bound has to hold for its time as well
     return replace(task, running_time_s=max(task.running_time_s, run.travel_time_s - task.dwell_s))
 
 
 def certify(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> Bound:
     """Return the lower bound that the multipliers of an optimum prove, and what it covers."""
+    # a cellwise proof needs a power that is continuous in effort; the other bounds its convex hull
     if task.course.drive.jumps_at_no_effort:
         proven = _switched_bound_j(task, optimum, proof_budget)
         statement = switched_bound_statement(task)
@@ -78,6 +87,7 @@ def certify(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> B
         given = task.course.data, optimum, task.greatest_speed2, task.running_time_s
         proven = prove(*given, PROOF_SHARE * PROVEN_GAP, proof_budget).bound_j
         statement = bound_statement(task)
+    # where multipliers prove little, as those that have not converged, the plain work may be the better bound
     energy = max(proven + task.dwell_energy_j, work_floor_j(task))
     return Bound(energy, statement, task.course.position_m, task.travel_time_s)
 
@@ -88,6 +98,7 @@ def _switched_bound_j(task: Task, optimum: Optimum, proof_budget: int) -> float:
     Those of an optimum that has not converged may prove next to nothing. A bound holds with any, so that those of a
     smooth problem are tried, too: with the drive on wherever the optimum drives at all.
     """
+    # weak duality: every choice of multipliers bounds from below, the greatest of their bounds counts
     points = [optimum]
     if optimum.status != CONVERGED:
         share, _ = duty(task.course.data, optimum)
@@ -104,7 +115,7 @@ def work_floor_j(task: Task) -> float:
     """
     data = task.course.data
     start, end = data.fixed_speed2[[0, -1]]
-    # an end that is free may be at rest, a start that is free as fast as can be
+    # what needs least: a free end at rest, and a free start at the greatest speed, whose kinetic energy is given
     start = task.greatest_speed2[0] if start < 0 else start
     kinetic = data.half_inertia_kg * (max(end, 0.0) - start)
     work = float(data.cell_length_m @ (data.line_force_n + data.resistance_constant_n))
@@ -126,7 +137,7 @@ def switched_bound_statement(task: Task) -> str:
 
 
 def _conditions(task: Task) -> str:
-    slowest = 0.1 / MS_PER_KMH
+    slowest = SLOWEST_PROVEN_MS / MS_PER_KMH
     return (
         f"that keeps all limits, arrives within {task.travel_time_s:.1f} s and never goes slower than "
         f"{slowest:.2f} km/h between its stops uses less energy"

@@ -9,6 +9,7 @@ from railjoule.core.interior_point.solver import CONVERGED, Optimum, minimise_en
 from railjoule.core.physics.course_data import lowered_limits
 from railjoule.core.task import Task
 
+# Relative gap asked of a smooth drive: a tenth of what a run may lie above its bound and still be called proven
 TOLERANCE = 1e-7
 SWITCHED_TOLERANCE = 1e-6
 """Relative gap asked of a drive whose power jumps: its derivatives jump too, and no step uses what lies below."""
@@ -17,6 +18,7 @@ FIRST_ITERATIONS, SECOND_ITERATIONS, LAST_ITERATIONS = 40, 60, 150
 FREE_CENTRING, STEADY_CENTRING = 1e-6, 0.2
 """The first attempt may centre as little as it likes; the second always centres, which ends the rare cycles."""
 LOOSE_GAP = 0.1
+"""A relaxation that ends with a smaller gap still tells where to drive, and its multipliers still prove a bound."""
 LIMIT_SHARE, TIME_SHARE, SLACK_SHARE = 1e-6, 1e-7, 0.01
 """The optimum of a decision leaves these shares of limits and time, or that of the slack if it is less."""
 
@@ -63,6 +65,7 @@ def minimise(task: Task, tolerance: float = TOLERANCE) -> Solution:
         task.require_few_cells(current_budget().idling_cells)
         tolerance = max(tolerance, SWITCHED_TOLERANCE)
     given = task.course.data, task.greatest_speed2, task.shortest_time_s, task.running_time_s
+    # from quick to patient: nearly all tasks end in the first, whose steps are longest
     attempts = (
         (FIRST_ITERATIONS, FREE_CENTRING),
         (SECOND_ITERATIONS, STEADY_CENTRING),
@@ -92,6 +95,7 @@ def minimise_decided(task: Task, on: BoolArray) -> Optimum:
         Cells in which the drive is on.
     """
     slack = task.running_time_s - task.shortest_time_s
+    # the limits are lowered, and the time shortened, by what coasting exactly may add afterwards
     data = task.course.data._replace(machines_on=on.astype(float))
     data = lowered_limits(data, min(LIMIT_SHARE, SLACK_SHARE * slack / task.running_time_s))
     times = task.shortest_time_s, task.running_time_s - min(TIME_SHARE * task.running_time_s, SLACK_SHARE * slack)

@@ -16,7 +16,7 @@ from railjoule.core.limit_search.regulation import Regulation, braking_curves
 from railjoule.core.limit_search.trip import comes_to_a_stand, trip
 from railjoule.core.motion.cell_step import COAST, FULL_BRAKE, FULL_TRACTION, cell_cost, exit_speed2
 from railjoule.core.physics.cell import Cell, mean_speed, needed_force
-from railjoule.core.physics.course_data import CourseData, Train, cell_of, train_of
+from railjoule.core.physics.course_data import CourseData, Train, cell_of, shared_by_cells
 from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
 
 SHORTEST_PART_M = 1e-3
@@ -95,7 +95,7 @@ def trip_over_cells(
     where the trip fails: at a stand, or faster than it may be.
     """
     curve, _ = braking_curves(course, regulation, borders_m, limits_ms)
-    train, traction, braking, drive = train_of(course), course.traction, course.braking, course.drive_parameters
+    train, traction, braking, drive = shared_by_cells(course)
     record = position_m.shape[0] > 0
     w, time, energy, section = max(course.fixed_speed2[0], 0.0), 0.0, 0.0, 0
     if record:
@@ -154,7 +154,7 @@ def followed(course: CourseData, wanted_speed2: FloatArray, coasts: BoolArray) -
     array of shape (n + 1,)
         Squares of speed [m2/s2]; negative from where the train comes to a stand.
     """
-    train, traction, braking = train_of(course), course.traction, course.braking
+    train, traction, braking, _ = shared_by_cells(course)
     speed2 = np.full(wanted_speed2.shape[0], -1.0)
     speed2[0] = wanted_speed2[0]
     last = wanted_speed2.shape[0] - 2

@@ -14,7 +14,7 @@ class PhasePlan:
     Parameters
     ----------
     distance_m, running_time_s : float
-        Way [m] and time [s] of the run.
+        Distance [m] and time [s] of the run.
     initial_speed_ms, final_speed_ms : float
         Speeds at its ends [m/s].
     first : str
@@ -25,7 +25,7 @@ class PhasePlan:
         Speed at which braking begins [m/s]; that of the cruise where it does not coast.
     cycles : int
         How often it starts; between two starts it coasts.
-    bottom_speed_ms : float
+    restart_speed_ms : float
         Speed at which it starts again [m/s].
     starting_current_a : float or None
         Current of its starts [A]; the largest one where None.
@@ -44,7 +44,7 @@ class PhasePlan:
     cruise_m: float
     brake_speed_ms: float
     cycles: int
-    bottom_speed_ms: float
+    restart_speed_ms: float
     starting_current_a: float | None
     energy_j: float
     fastest: bool = False
@@ -52,7 +52,7 @@ class PhasePlan:
 
 @dataclass(frozen=True)
 class PlannedPhase:
-    """One phase of a plan: its name, way [m], time [s], speeds at its ends [m/s] and line energy [J]."""
+    """One phase of a plan: its name, distance [m], time [s], speeds at its ends [m/s] and line energy [J]."""
 
     phase: str
     distance_m: float

@@ -13,12 +13,24 @@ from railjoule.core.errors import SolverError
 from railjoule.core.phase_planning.plan import PhasePlan
 from railjoule.core.phase_planning.tables import PhaseModel
 
+# Speed from node to node: a cell has one effort, that of its mean speed. With 0.05 energies change by up to 5 ppm, with
+# 0.2 by up to 16 ppm: the error falls as the square of the step
 SPEED_STEP_MS = 0.1
+# A cruise has one effort anyway: 5 or 40 cells change nothing. Charts and advice want to see it as more than one cell
 CRUISE_CELLS = 20
+# Nodes closer than this share of a step are one: a cell of no length has no force
+SAME_NODE = 1e-3
+# Newton's method starts close to its root and needs 3 to 4 steps; 6 give the same runs
 MOST_STEPS = 12
-EXACT = 1e-11
+# Distance and time are met this closely if rounding lets them, and to the second number in any case
+TOLERANCE, WORST_TOLERANCE = 1e-11, 1e-9
+# Step of difference quotients, over distance and speed: about the root of the rounding of time and distance
+DIFFERENCE_STEP = 1e-6
+# A cruise of less than this share of the distance may not be long enough to take up the differences: its length would
+# become negative. From 1e-6 to 1e-2 the runs tried are the same
 SHORTEST_CRUISE = 1e-4
-"""A cruise of less than this share of the way may not be long enough to take up the differences."""
+# A braking speed that is less close to that of the cruise is one of its own, and may be moved
+SAME_SPEED = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,8 +55,8 @@ def lay_out(model: PhaseModel, plan: PhasePlan) -> PhaseRun:
     SolverError
         If they cannot be met.
     """
-    exact = _adjusted(model, plan)
-    speeds, lengths = _cells(model, exact)
+    speeds, lengths = _cells(model, _adjusted(model, plan))
+    # what is left of the tolerance goes into all cells alike, so that the last node lies at the stop to the last digit
     position = np.append(0.0, np.cumsum(lengths))
     position *= plan.distance_m / position[-1]
     position[-1] = plan.distance_m
@@ -53,10 +65,10 @@ def lay_out(model: PhaseModel, plan: PhasePlan) -> PhaseRun:
 
 def _cells(model: PhaseModel, plan: PhasePlan) -> tuple[FloatArray, FloatArray]:
     """Return the speeds at the nodes and the lengths of the cells of a plan."""
-    peak, bottom = plan.cruise_speed_ms, plan.bottom_speed_ms
+    peak, restart = plan.cruise_speed_ms, plan.restart_speed_ms
     legs = [(plan.first, plan.initial_speed_ms, peak)]
     for _ in range(plan.cycles - 1):
-        legs += [("coast", peak, bottom), ("start", bottom, peak)]
+        legs += [("coast", peak, restart), ("start", restart, peak)]
     speeds, lengths = [np.array([plan.initial_speed_ms])], []
 
     def drive(phase: str, before: float, after: float) -> None:
@@ -83,14 +95,18 @@ def _speeds_between(model: PhaseModel, plan: PhasePlan, phase: str, before: floa
     inside = np.unique(np.concatenate([steps, knots]))
     inside = inside[(inside > low) & (inside < high)]
     # a node right at an end would make a cell without length
-    inside = inside[(inside - low > 1e-3 * SPEED_STEP_MS) & (high - inside > 1e-3 * SPEED_STEP_MS)]
-    inside = inside[np.append(True, np.diff(inside) > 1e-3 * SPEED_STEP_MS)] if len(inside) else inside
+    inside = inside[(inside - low > SAME_NODE * SPEED_STEP_MS) & (high - inside > SAME_NODE * SPEED_STEP_MS)]
+    inside = inside[np.append(True, np.diff(inside) > SAME_NODE * SPEED_STEP_MS)] if len(inside) else inside
     nodes = np.concatenate([[low], inside, [high]])
     return nodes if before < after else nodes[::-1]
 
 
 def _lengths(model: PhaseModel, plan: PhasePlan, phase: str, speeds: FloatArray) -> FloatArray:
-    """Return the lengths of cells [m] in which the effort at the mean speed is that of a phase."""
+    """Return the lengths of cells [m] in which the effort at the mean speed is that of a phase.
+
+    Work is the change of kinetic energy: F s = m (v1^2 - v0^2) / 2, hence s. Resistance counts with the mean of the
+    squares of speed over the distance, as everywhere in a cell with constant force.
+    """
     mean = 0.5 * (speeds[1:] + speeds[:-1])
     squares = speeds * speeds
     resistance = model.resistance_n(mean, 0.5 * (squares[1:] + squares[:-1]))
@@ -108,34 +124,35 @@ def _adjusted(model: PhaseModel, plan: PhasePlan) -> PhasePlan:
     """Return a plan whose cells add up to its distance and time."""
     names = _adjustable(plan)
     scales = np.array([plan.distance_m if name == "cruise_m" else plan.cruise_speed_ms for name in names])
-    aims = np.array([plan.distance_m, plan.running_time_s])[: len(names)]
-    share = plan.bottom_speed_ms / plan.cruise_speed_ms
+    # a fastest run has no time to keep: its time is what comes out
+    targets = np.array([plan.distance_m, plan.running_time_s])[: len(names)]
+    restart_fraction = plan.restart_speed_ms / plan.cruise_speed_ms
 
     def with_values(values: FloatArray) -> PhasePlan:
         changed = replace(plan, **dict(zip(names, values.tolist(), strict=True)))
-        changed = replace(changed, bottom_speed_ms=share * changed.cruise_speed_ms)
+        changed = replace(changed, restart_speed_ms=restart_fraction * changed.cruise_speed_ms)
         if plan.brake_speed_ms == plan.cruise_speed_ms:
             changed = replace(changed, brake_speed_ms=changed.cruise_speed_ms)
         return changed
 
-    def misses(values: FloatArray) -> FloatArray:
+    def mismatch(values: FloatArray) -> FloatArray:
         speeds, lengths = _cells(model, with_values(values))
         time = np.sum(2 * lengths / (speeds[1:] + speeds[:-1]))
-        miss: FloatArray = np.array([lengths.sum(), time])[: len(names)] - aims
-        return miss
+        difference: FloatArray = np.array([lengths.sum(), time])[: len(names)] - targets
+        return difference
 
     values = np.array([getattr(plan, name) for name in names])
     for _ in range(MOST_STEPS):
-        miss = misses(values)
-        if (np.abs(miss) <= EXACT * aims).all():
+        missing = mismatch(values)
+        if (np.abs(missing) <= TOLERANCE * targets).all():
             return with_values(values)
-        steps = 1e-6 * scales
-        slopes = np.column_stack([(misses(values + step) - miss) / step.sum() for step in np.diag(steps)])
+        steps = DIFFERENCE_STEP * scales
+        jacobian = np.column_stack([(mismatch(values + step) - missing) / step.sum() for step in np.diag(steps)])
         try:
-            values = values - np.linalg.solve(slopes, miss)
+            values = values - np.linalg.solve(jacobian, missing)
         except np.linalg.LinAlgError as error:
             raise SolverError("the phases cannot be moved to meet the distance and the time.") from error
-    if (np.abs(miss) > 1e-9 * aims).any():
+    if (np.abs(missing) > WORST_TOLERANCE * targets).any():
         raise SolverError("the phases do not add up to the distance and the time.")
     return with_values(values)
 
@@ -143,7 +160,7 @@ def _adjusted(model: PhaseModel, plan: PhasePlan) -> PhasePlan:
 def _adjustable(plan: PhasePlan) -> tuple[str, ...]:
     """Return which numbers of a plan may move: those that the search left inside their bounds."""
     cruises = plan.cruise_m > SHORTEST_CRUISE * plan.distance_m
-    coasts = plan.brake_speed_ms < plan.cruise_speed_ms * (1 - 1e-6)
+    coasts = plan.brake_speed_ms < plan.cruise_speed_ms * (1 - SAME_SPEED)
     if plan.fastest:
         return ("cruise_m",) if cruises else ("cruise_speed_ms",)
     if cruises and coasts:

@@ -1,7 +1,7 @@
 """Time, distance and energy of starting, coasting and braking, tabulated against speed.
 
 Over speed each is an integral of dv / a, of v dv / a and of P dv / a, so no time steps are needed: Gauss points between
-knots, a knot wherever a limit of effort has a corner, and cubics through the knots with their exact slopes.
+knots, a knot wherever a limit of effort has a corner, and cubics through the knots with their exact derivatives.
 """
 
 from collections.abc import Callable
@@ -20,10 +20,20 @@ from railjoule.core.physics.vehicle_limit import vehicle_limit_n
 from railjoule.core.scenario import Vehicle
 from railjoule.core.units import MS_PER_KMH, N_PER_KN
 
+# Speed from knot to knot of the cubics: half or double of it changes 2 ppm of a run's energy
 KNOT_STEP_MS = 0.25
+# A train with fewer knots than this has cubics too long for its curve of resistance
+LEAST_KNOTS = 8
+# A start goes no further than to where the train still gains this much: beyond, 1 / a grows without bound, and a train
+# that needs more than two minutes for a km/h does not use it to save energy. 1e-3 to 2e-2 give the same runs
 LEAST_ACCELERATION_MS2 = 2e-3
-"""A start goes no further than to where the train still gains this much."""
+# A brake that has less than this share of the tractive effort is none: what stands for a missing one is not quite zero
 LEAST_BRAKING_SHARE = 1e-6
+# A corner closer than this to a knot takes its place: a piece without length would divide by nothing
+SAME_KNOT_MS = 1e-3
+# leaves 2e-13 m/s of the step between two knots
+HALVINGS = 40
+# four points integrate polynomials up to the seventh degree: one step of a smooth 1 / a to twelve digits
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)
 
 
@@ -31,8 +41,8 @@ POINTS, WEIGHTS = np.polynomial.legendre.leggauss(4)
 class PhaseModel:
     """A train on a line without changes, and the tables of its phases; efforts in N, speeds in m/s.
 
-    A table has the rows speed, time, distance, line energy, and the slopes of the last three over speed. The energy has
-    no auxiliaries, which a given time fixes.
+    A table has the rows speed, time, distance, line energy, and the derivatives of the last three by speed. The
+    energy has no auxiliaries, which a given time fixes.
 
     Parameters
     ----------
@@ -45,7 +55,7 @@ class PhaseModel:
     top_speed_ms : float
         Largest speed of vehicle and line [m/s].
     holds_current : bool
-        Whether a start holds its current at all speeds, as printed by Rawicki, where less of it would pull more.
+        Whether a start holds its current at all speeds, as printed by Rawicki, where less of it would give more effort.
     """
 
     vehicle: Vehicle
@@ -66,7 +76,7 @@ class PhaseModel:
 
     @cached_property
     def coefficients(self) -> tuple[float, float, float]:
-        """Constant, linear and quadratic coefficient of all that resists."""
+        """Constant, linear and quadratic coefficient of all that resists [N, N s/m, N s2/m2]."""
         constant, linear, quadratic = resistance_coefficients(self.vehicle)
         return constant + self.line_force_n, linear, quadratic
 
@@ -77,8 +87,10 @@ class PhaseModel:
         else:
             by_drive = self.drive.effort_at_current_n(starting_current_a, speed_ms)
         effort = np.minimum(vehicle_limit_n(self.vehicle, speed_ms), by_drive)
-        most = self.vehicle.traction.max_acceleration_ms2
-        return effort if most is None else np.minimum(effort, self.resistance_n(speed_ms) + most * self.inertia_kg)
+        limit_ms2 = self.vehicle.traction.max_acceleration_ms2
+        if limit_ms2 is None:
+            return effort
+        return np.minimum(effort, self.resistance_n(speed_ms) + limit_ms2 * self.inertia_kg)
 
     def braking_effort_n(self, speed_ms: FloatArray) -> FloatArray:
         """Return the effort of the electric brake [N], or of the friction brakes where there is none."""
@@ -88,9 +100,9 @@ class PhaseModel:
             effort = np.minimum(
                 vehicle_limit_n(self.vehicle, speed_ms, braking=True), self.drive.effort_limit_n(speed_ms, braking=True)
             )
-        most = self.vehicle.braking.max_deceleration_ms2
-        if most is not None:
-            effort = np.minimum(effort, most * self.inertia_kg - self.resistance_n(speed_ms))
+        limit_ms2 = self.vehicle.braking.max_deceleration_ms2
+        if limit_ms2 is not None:
+            effort = np.minimum(effort, limit_ms2 * self.inertia_kg - self.resistance_n(speed_ms))
         at_least_none: FloatArray = np.maximum(effort, 0.0)
         return at_least_none
 
@@ -119,19 +131,26 @@ class PhaseModel:
             effort, power = self.starting_law(speed, starting_current_a)
             return (effort - self.resistance_n(speed)) / self.inertia_kg, power
 
+        # the integrands have a corner where the effort has one: between knots they must be smooth
         knots = self._knots(self._corner_ms(starting_current_a, braking=False))
-        points, gain, power, knot_gain, knot_power = _at_points(motion, knots)
-        slow = np.flatnonzero(knot_gain < LEAST_ACCELERATION_MS2)
+        points, acceleration, power, knot_acceleration, knot_power = _at_points(motion, knots)
+        slow = np.flatnonzero(knot_acceleration < LEAST_ACCELERATION_MS2)
         count = int(slow[0]) if len(slow) else len(knots)
         if count < 2:
             raise StrategyRefusedError("needs a train that its drive can start.")
         cells = slice(count - 1)
         return _integrate(
-            knots[:count], points[cells], gain[cells], power[cells], knot_gain[:count], knot_power[:count]
+            knots[:count],
+            points[cells],
+            acceleration[cells],
+            power[cells],
+            knot_acceleration[:count],
+            knot_power[:count],
         )
 
     def starting_law(self, speed_ms: FloatArray, starting_current_a: float | None) -> tuple[FloatArray, FloatArray]:
         """Return effort [N] and line power [W] of a start, full or with a current [A]."""
+        # full current is not always the most effort: beyond the pull-out the machine pulls more with less
         if self.holds_current and isinstance(self.drive, InductionDrive):
             current = self.drive.starting_current_a if starting_current_a is None else starting_current_a
             return self.drive.full_current_start(speed_ms, current)
@@ -156,15 +175,15 @@ class PhaseModel:
 
         def motion(speed: FloatArray) -> tuple[FloatArray, FloatArray]:
             effort = self.braking_effort_n(speed)
-            loss = (effort + self.resistance_n(speed)) / self.inertia_kg
-            return loss, self.braking_power_w(effort, speed)
+            deceleration = (effort + self.resistance_n(speed)) / self.inertia_kg
+            return deceleration, self.braking_power_w(effort, speed)
 
         effort = self.braking_effort_n(self._knots())
-        most = self.vehicle.braking.max_deceleration_ms2
-        if most is not None and np.min(self.resistance_n(self._knots())) >= most * self.inertia_kg:
+        limit_ms2 = self.vehicle.braking.max_deceleration_ms2
+        if limit_ms2 is not None and np.min(self.resistance_n(self._knots())) >= limit_ms2 * self.inertia_kg:
             raise StrategyRefusedError(
                 "needs a line on which a coasting train slows down by less than "
-                f"vehicle.braking.max_deceleration_ms2 = {most:g} m/s2."
+                f"vehicle.braking.max_deceleration_ms2 = {limit_ms2:g} m/s2."
             )
         if not np.isfinite(effort).all() or np.max(effort) <= LEAST_BRAKING_SHARE * self._largest_effort_n:
             raise StrategyRefusedError("needs a brake whose largest effort is given.")
@@ -176,7 +195,10 @@ class PhaseModel:
         return float(np.max(self.starting_effort_n(self._knots())))
 
     def _drawing_until_ms(self) -> float:
-        """Return the speed below which full braking gives nothing back [m/s]; 0 where there is none."""
+        """Return the speed below which full braking recuperates nothing [m/s]; 0 where there is none.
+
+        Below it resistors take all the drive generates, above it the recuperated share: the power has a corner there.
+        """
 
         def power(speed: float) -> float:
             at = np.array([speed])
@@ -187,19 +209,19 @@ class PhaseModel:
         if self.drive.recuperation_factor == 0 or not len(idle) or idle[-1] + 1 >= len(knots):
             return 0.0
         low, high = knots[idle[-1]], knots[idle[-1] + 1]
-        for _ in range(40):
+        for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
             low, high = (middle, high) if power(middle) >= 0 else (low, middle)
         return float(high)
 
     def _corner_ms(self, starting_current_a: float | None, braking: bool) -> float:
         """Return the speed at which the effort begins to fall [m/s]; 0 where it does not."""
-        own: float = 0.0
-        if isinstance(self.drive, InductionDrive):
-            full = self.drive.braking_current_a if braking else self.drive.starting_current_a
-            current = full if starting_current_a is None else min(full, starting_current_a)
-            own = self.drive.corner_speed_ms(current, braking)
-        return own
+        if not isinstance(self.drive, InductionDrive):
+            return 0.0
+        full = self.drive.braking_current_a if braking else self.drive.starting_current_a
+        current = full if starting_current_a is None else min(full, starting_current_a)
+        corner: float = self.drive.corner_speed_ms(current, braking)
+        return corner
 
     def _knots(self, *further_ms: float) -> FloatArray:
         """Return speeds from 0 to the top one, with corners of the vehicle's limits and `further_ms` among them."""
@@ -208,12 +230,12 @@ class PhaseModel:
             if limits.max_effort_kn and limits.max_power_kw:
                 corners.append(limits.max_power_kw / limits.max_effort_kn)
         corners += [speed * MS_PER_KMH for speed, _ in self.vehicle.traction.curve or ()]
-        inside = [speed for speed in corners if 1e-3 < speed < self.top_speed_ms - 1e-3]
-        count = max(int(np.ceil(self.top_speed_ms / KNOT_STEP_MS)), 8)
+        inside = [speed for speed in corners if SAME_KNOT_MS < speed < self.top_speed_ms - SAME_KNOT_MS]
+        count = max(int(np.ceil(self.top_speed_ms / KNOT_STEP_MS)), LEAST_KNOTS)
         uniform = np.linspace(0, self.top_speed_ms, count + 1)
         if inside:
-            apart = np.min(np.abs(uniform[:, None] - np.array(inside)), axis=1) > 1e-3
-            uniform = uniform[apart]
+            to_corner = np.min(np.abs(uniform[:, None] - np.array(inside)), axis=1)
+            uniform = uniform[to_corner > SAME_KNOT_MS]
         return np.union1d(uniform, inside)
 
 
@@ -254,6 +276,10 @@ def _integrate(
     knot_acceleration: FloatArray,
     knot_power: FloatArray,
 ) -> FloatArray:
+    """Return a table: speed, the integrals of 1 / a, v / a and P / a over it, and these three themselves.
+
+    They are the derivatives of time, distance and energy by speed, as dt = dv / a, ds = v dt and dE = P dt.
+    """
     half = 0.5 * np.diff(knots)[:, None]
     rows = [knots]
     for rate in (1 / acceleration, points / acceleration, power / acceleration):

@@ -6,7 +6,7 @@ import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.phases.labels import HOLD_TOLERANCE_MS, SHORTEST_S, STEADY_MS2
+from railjoule.core.phases.labels import HOLD_TOLERANCE_MS, NEGLIGIBLE_MS, SHORTEST_S, STEADY_MS2
 from railjoule.core.phases.phase import BRAKE, COAST, FULL_POWER, HOLD, PART_POWER, STAND
 from railjoule.core.phases.run_data import RunData
 from railjoule.core.phases.segments import COLUMNS, FIRST, KIND, LAST, PLACE, SHARE, SPEED, STEADY, TIME, duration_s
@@ -129,6 +129,41 @@ def _effort_of(kind: float, largest: float, holding_n: float, braking: float) ->
     if kind == HOLD:
         return holding_n
     return braking if kind == BRAKE else 0.0
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def without_negligible_power(run: RunData, rows: FloatArray, negligible: BoolArray) -> FloatArray:
+    """Return segments without full power between coasting that advice cannot tell; mark its cells as negligible.
+
+    Advice tells places in whole metres, power at the next one and coasting at the nearest: power that begins and ends
+    at the same would be an instruction of no length. It is coasting, if it changes the speed by less than a tenth of a
+    km/h.
+    """
+    out = np.empty_like(rows)
+    count = k = 0
+    while k < rows.shape[0]:
+        between = count > 0 and k + 1 < rows.shape[0] and rows[k, KIND] == FULL_POWER
+        if between and out[count - 1, KIND] == COAST and rows[k + 1, KIND] == COAST and _is_negligible(run, rows, k):
+            negligible[int(rows[k, FIRST]) : int(rows[k, LAST])] = True
+            out[count - 1, LAST] = rows[k + 1, LAST]
+            k += 2
+            continue
+        out[count] = rows[k]
+        count += 1
+        k += 1
+    return out[:count]
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _is_negligible(run: RunData, rows: FloatArray, row: int) -> bool:
+    """Return whether power has no length in whole metres and hardly changes the speed."""
+    if math.ceil(rows[row, PLACE]) < round(rows[row + 1, PLACE]):
+        return False
+    work = 0.0
+    for i in range(int(rows[row, FIRST]), int(rows[row, LAST])):
+        work += run.effort_n[i] * (run.position_m[i + 1] - run.position_m[i])
+    mean_speed = 0.5 * (rows[row, SPEED] + rows[row + 1, SPEED])
+    return bool(work < 2.0 * NEGLIGIBLE_MS * run.inertia_kg * mean_speed)
 
 
 # ---- straight pieces

@@ -6,7 +6,7 @@ import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.compiled import njit
-from railjoule.core.phases.borders import with_borders_in_cells, with_steady_pieces
+from railjoule.core.phases.borders import with_borders_in_cells, with_steady_pieces, without_negligible_power
 from railjoule.core.phases.labels import label_cells
 from railjoule.core.phases.phase import COAST, NAMES, STAND, Phase
 from railjoule.core.phases.run_data import RunData
@@ -28,8 +28,8 @@ def find_phases(run: RunData) -> tuple[Phase, ...]:
     """Return the phases of a run, in order.
 
     No brake is lost, however short, and no coasting draws energy: what is left out is but an effort that is too
-    small to tell beside coasting, and a cell within which power is switched off or on. Power by short pulses is a
-    speed that is held by turns.
+    small or too short to tell beside coasting, and a cell within which power is switched off or on. Power by short
+    pulses is a speed that is held by turns.
     """
     rows, energy_j = _segments(run)
     starts = rows[:, [PLACE, TIME, SPEED]].tolist()
@@ -56,7 +56,8 @@ def _segments(run: RunData) -> tuple[FloatArray, FloatArray]:
     # The order matters: short segments are joined first, or they would count as pulses; pulses become holds before the
     # borders within cells move, as a border belongs to what is left; straight pieces come last, over final ends.
     rows = with_pulses(run, joined(run, segments_of(run, labels, begins_hold)))
-    rows = with_steady_pieces(run, with_borders_in_cells(run, rows))
+    rows = without_negligible_power(run, with_borders_in_cells(run, rows), negligible)
+    rows = with_steady_pieces(run, rows)
     return rows, _energies(run, rows, negligible)
 
 

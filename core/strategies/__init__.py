@@ -1,4 +1,16 @@
-"""Ways to drive a scenario, all with the same call and the same result."""
+"""The strategies: each takes a task and returns a trajectory, by a solver of its own.
+
+`solve` below is the entry: it makes a scenario a task, runs a strategy, and gives the run a bound and the best known
+run to be measured against. Read it first, then a short strategy, `fastest`, then `optimal`. A strategy decides what it
+refuses and makes the trajectory; the methods stand in folders of their own:
+
+- `optimal`: interior point, `core/bounds` and `core/interior_point`; where a drive takes power without effort,
+  `switching` decides where it is on, and dynamic programming steps in where no optimum is found
+- `bellman`: dynamic programming, `core/dynamic_programming`
+- `eoc`, `enoc`: Ftorek's two, on the line that `plain_line` makes of a task
+- `phases`: start, cruise, coast, brake, `core/phase_planning`
+- `speed_limits`: set speeds of sections, `core/limit_search`
+"""
 
 import time
 from collections.abc import Callable
@@ -50,7 +62,7 @@ def solve(
     Parameters
     ----------
     scenario : Scenario
-        What is asked for.
+        The train, the line, the timetable and the options.
     strategy : str, optional
         Overrides the scenario's own.
     initial_speed_ms, final_speed_ms : float
@@ -75,6 +87,7 @@ def solve(
     name = strategy or scenario.strategy
     task = prepare_task(scenario, initial_speed_ms, final_speed_ms)
     trajectory = run_strategy(task, name)
+    # an optimum is its own reference; without slack there is nothing to save, and no optimum is looked for
     if trajectory.reference is None and task.has_slack:
         best = known_optimum(task)
         trajectory = bounded(task, trajectory, best.bound if best is not None else None)
@@ -125,6 +138,7 @@ def compare(scenario: Scenario) -> tuple[list[Trajectory], dict[StrategyName, st
         As `solve`.
     """
     task = prepare_task(scenario)
+    # a timetable that none can keep is one fault of the scenario, not a refusal of each strategy
     task.require_timetable()
     runs: list[Trajectory] = []
     refused: dict[StrategyName, str] = {}
@@ -133,6 +147,7 @@ def compare(scenario: Scenario) -> tuple[list[Trajectory], dict[StrategyName, st
             runs.append(run_strategy(task, name))
         except RailjouleError as refusal:
             refused[name] = str(refusal)
+    # one proof serves all runs over the task's mesh; `bounded` makes another only for those over nodes of their own
     known = next((run.bound for run in runs if run.bound is not None), None)
     return with_best_known([bounded(task, run, known) for run in runs]), refused
 

@@ -74,6 +74,7 @@ def bellman_with_law(task: Task) -> tuple[Trajectory, ControlLaw]:
         task.course,
         "bellman",
         found.speed2,
+        # the search prices a second with the auxiliaries that run in it; what is shown is what driving alone saves
         price_of_time_w=max(found.price_w - data.auxiliary_power_w, 0.0),
         iterations=found.sweeps,
         notes=notes,
@@ -82,12 +83,14 @@ def bellman_with_law(task: Task) -> tuple[Trajectory, ControlLaw]:
 
 
 def _control_law(task: Task, level: Level, price_w: float) -> ControlLaw:
+    """Return the law of a grid at a price of time: `best` numbers the steps, so that their exits give the efforts."""
     course, data, entering_speed2 = task.course, task.course.data, level.grid[:-1]
     cost, best = sweep_back(level.steps, level.grid, price_w)
     leaving_speed2 = np.where(best >= 0, level.steps.leaving_speed2[best], np.nan)
     # nothing moves from rest to rest, where a limit of power has no end
     speed = np.maximum(mean_speed(np.sqrt(entering_speed2), np.sqrt(leaving_speed2)), NEARLY_AT_REST_MS)
     force = course.force_between_n(entering_speed2.T, leaving_speed2.T).T
+    # braking is electric and friction together, of which the law does not tell the one from the other
     traction = data.traction.effort_n(speed)
     braking = data.braking.effort_n(speed) + data.friction_effort_n
     largest = np.where(force > 0, traction, braking)

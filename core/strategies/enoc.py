@@ -18,6 +18,9 @@ from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
 
+# The imaginary part of a real root, over the travel time: numpy's eigenvalues of a companion matrix are good to 1e-12
+NO_IMAGINARY_PART = 1e-9
+
 
 @dataclass(frozen=True)
 class EnocCoefficients:
@@ -76,6 +79,9 @@ def enoc_energy(
 def best_acceleration_time(coefficients: EnocCoefficients, travel_time_s: float) -> float:
     """Return the acceleration time of least energy [s] for a travel time [s]: a root of the corrected (13).
 
+    With E(Te) = P^2 (k1 / Te + ks (T - 4/3 Te) + ...) and the peak speed P = S / (T - Te), dE/dTe times
+    Te^2 (T - Te)^5 / S^2 is a polynomial of the fifth degree in Te, whose coefficients are collected below.
+
     Where the triangle without a cruise is best, that is half of the travel time.
     """
     k, t, s = coefficients, travel_time_s, coefficients.distance_m
@@ -88,7 +94,9 @@ def best_acceleration_time(coefficients: EnocCoefficients, travel_time_s: float)
         -k.k1 * t**3,
     ]
     roots = np.roots(quintic)
-    real = roots[np.abs(roots.imag) < 1e-9 * t].real
+    # a real root comes out with an imaginary part of its rounding
+    real = roots[np.abs(roots.imag) < NO_IMAGINARY_PART * t].real
+    # beyond half of the travel time the ramps would overlap; there the triangle is the border
     candidates = np.append(real[(real > 0) & (real < t / 2)], t / 2)
     return float(candidates[np.argmin(enoc_energy(k, t, candidates))])
 
@@ -133,6 +141,7 @@ def enoc(task: Task) -> Trajectory:
     corner = 0.5 * peak * ramp
     nodes = with_nodes_at(task.course.position_m, [corner, line.distance_m - corner])
     course = build_course(task.scenario, position_m=nodes)
+    # at constant acceleration the square of speed is linear over distance, so that corners at nodes make the run exact
     speed2 = np.minimum(2 * peak / ramp * np.minimum(nodes, line.distance_m - nodes), peak**2)
     check_feasible(course, speed2)
     note = f"ENOC accelerates and brakes for {ramp:.1f} s each, cruising at {peak / MS_PER_KMH:.1f} km/h between."

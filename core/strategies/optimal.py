@@ -14,8 +14,9 @@ from railjoule.core.task import Task
 from railjoule.core.trajectory import Reference, Trajectory, make_trajectory
 from railjoule.core.units import J_PER_KWH
 
+# By so much, as a share, the smoothed power of a drive may put its relaxed optimum above a run of the true power. Above
+# that the relaxation is no lower bound that a note could name: it has not come near its optimum, see `minimise`
 SMOOTHED = 1e-4
-"""By so much the smoothed power of a drive may put its optimum above a run, as a share."""
 
 
 def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
@@ -58,6 +59,7 @@ def known_optimum(task: Task) -> Trajectory | None:
 
 def _by_interior_point(task: Task, proof_budget: int) -> Trajectory:
     """Return the optimum with its bound; errors as `railjoule.core.bounds.minimise`."""
+    # the bound belongs to this optimum, relaxed or not: the run below may be another, and lie above it
     solution = minimise(task)
     optimum = solution.optimum
     bound = certify(task, optimum, proof_budget)
@@ -102,6 +104,7 @@ def switching_note(task: Task, relaxed: Solution, energy_j: float) -> str:
         if task.course.data.friction_effort_n > 0
         else "the vehicle has no friction brakes to support the electric ones"
     )
+    # a relaxed energy above the run's tells nothing that free switching could save
     known = ""
     if relaxed.energy_j <= energy_j + SMOOTHED * abs(energy_j):
         needed = relaxed.energy_j / J_PER_KWH

@@ -18,6 +18,8 @@ from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
 
+# Forces and limits that differ by less are the same; a force as a share of half the inertia, which is a difference of
+# acceleration of 5e-10 m/s2
 UNEVEN = 1e-9
 
 
@@ -37,6 +39,7 @@ def phases(task: Task) -> Trajectory:
     stops = [station.position_m for station in task.scenario.line.in_running_order().inner_stations]
     distances = np.diff([first, *stops, last]).tolist()
     initial, final = np.sqrt(task.course.data.fixed_speed2[[0, -1]]).tolist()
+    # the planner divides the time of parts that end at rest
     if len(distances) > 1 and final > 0:
         raise StrategyRefusedError("needs a run that ends at rest where it stops on its way.")
     plans: tuple[PhasePlan, ...]
@@ -61,7 +64,7 @@ def planner_of(task: Task) -> PhasePlanner:
     Raises
     ------
     StrategyRefusedError
-        If gradient, curve or limit change along the line, or a starting current is asked for that there is not.
+        If gradient, curve or limit change along the line, or a starting current is given that the drive does not have.
     """
     return PhasePlanner(
         phase_model(task.scenario.vehicle, _line_force_n(task.course), _top_speed_ms(task.course)), task.scenario.phases
@@ -76,8 +79,10 @@ def trajectory_of(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...
         nodes.append(nodes[-1][-1] + run.position_m[1:])
         speeds.append(run.speed_ms[1:])
     position = np.concatenate(nodes)
+    # the sum of parts may miss the end by its rounding, and a course ends where the line does
     position[-1] = task.course.position_m[-1]
     course = build_course(task.scenario, plans[0].initial_speed_ms, plans[-1].final_speed_ms, position)
+    # what a second costs is alike in all parts, as their time is divided by it: the first tells it
     price, speed2 = planner.price_of_time_w(plans[0]), np.concatenate(speeds) ** 2
     # where the line slows a coasting train down more than is allowed, no brake mends it
     check_accelerations(course, speed2)
@@ -116,7 +121,7 @@ def _sentence(plan: PhasePlan) -> str:
         first += f" with {plan.starting_current_a:.0f} A"
     words = f"{first} to {plan.cruise_speed_ms / MS_PER_KMH:.1f} km/h"
     if plan.cycles > 1:
-        words += f", {plan.cycles} times in all, coasting to {plan.bottom_speed_ms / MS_PER_KMH:.1f} km/h in between"
+        words += f", {plan.cycles} times in all, coasting to {plan.restart_speed_ms / MS_PER_KMH:.1f} km/h in between"
     if plan.cruise_m > 0:
         words += f", cruises for {plan.cruise_m:.0f} m"
     return f"{words} and brakes from {plan.brake_speed_ms / MS_PER_KMH:.1f} km/h."

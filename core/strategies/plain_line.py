@@ -15,6 +15,12 @@ from railjoule.core.units import MS_PER_KMH, N_PER_KN, distinct_numbers
 
 ALLOWED_EXCESS = 1e-6
 """By which share a run may pass a limit: of the limit itself, of an effort as a share of the greatest tractive one."""
+# It is ten times what a step of dynamic programming may: these runs come from formulas, and their forces are
+# differences of squares of speed, whose rounding grows as cells get short
+
+# Lengths and resistances that differ by less, relatively, are the same: sums over a mesh round their last digits
+SAME = 1e-9
+# Digits of an effort or an acceleration in a refusal; more where two numbers would read the same
 EFFORT_DIGITS = 3
 
 
@@ -64,15 +70,16 @@ def plain_line(task: Task) -> PlainLine:
     if data.fixed_speed2[0] > 0 or data.fixed_speed2[-1] > 0:
         raise StrategyRefusedError("needs a run that starts and ends at rest.")
     vehicle_limit = (scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH) ** 2
-    if np.min(data.largest_speed2) < vehicle_limit * (1 - 1e-9):
+    if np.min(data.largest_speed2) < vehicle_limit * (1 - SAME):
         raise StrategyRefusedError("needs a line without limits.")
     if data.drive_kind != COPPER_LOSS or data.drive_parameters[0] <= 0:
         raise StrategyRefusedError("needs a drive with copper loss.")
-    if np.ptp(data.resistance_quadratic) > 1e-9 * data.resistance_quadratic[0]:
+    if np.ptp(data.resistance_quadratic) > SAME * data.resistance_quadratic[0]:
         raise StrategyRefusedError("needs a line without tunnels, or one that lies in a tunnel from end to end.")
+    # over a closed distance the mean force does the work of the true one; what differs is where
     line_force = float(np.average(data.line_force_n, weights=data.cell_length_m))
     notes = []
-    if np.ptp(data.line_force_n) > 1e-9 * max(1.0, abs(line_force)):
+    if np.ptp(data.line_force_n) > SAME * max(1.0, abs(line_force)):
         notes.append(_note_on_the_mean(course))
     if scenario.vehicle.drive.recuperation_factor < 1:
         notes.append("The plan assumes that all the energy generated in braking is recuperated.")
@@ -105,8 +112,8 @@ def check_feasible(course: Course, speed2: FloatArray) -> None:
     data = course.data
     over = np.flatnonzero(speed2 > data.largest_speed2 * (1 + ALLOWED_EXCESS))
     if len(over):
-        asked, limit = (float(np.sqrt(of[over[0]])) / MS_PER_KMH for of in (speed2, data.largest_speed2))
-        needed, allowed = distinct_numbers(asked, limit)
+        speed_kmh, limit_kmh = (float(np.sqrt(of[over[0]])) / MS_PER_KMH for of in (speed2, data.largest_speed2))
+        needed, allowed = distinct_numbers(speed_kmh, limit_kmh)
         raise StrategyRefusedError(f"needs {needed} km/h, but only {allowed} km/h is allowed.")
     speed = np.sqrt(speed2)
     mean = mean_speed(speed[:-1], speed[1:])
@@ -118,10 +125,10 @@ def check_feasible(course: Course, speed2: FloatArray) -> None:
         over = np.flatnonzero(excess > ALLOWED_EXCESS * data.traction.constant_n)
         if len(over):
             cell = over[0]
-            asked, available = abs(force[cell]), abs(force[cell]) - excess[cell]
+            effort, available = abs(force[cell]), abs(force[cell]) - excess[cell]
             # what stands for a missing brake is none
             available = 0.0 if available < ALLOWED_EXCESS * data.traction.constant_n else available
-            needed, most = distinct_numbers(asked / N_PER_KN, available / N_PER_KN, EFFORT_DIGITS)
+            needed, most = distinct_numbers(effort / N_PER_KN, available / N_PER_KN, EFFORT_DIGITS)
             raise StrategyRefusedError(
                 f"{words} with {needed} kN at {course.position_m[cell]:.0f} m, where at most {most} kN are available."
             )
@@ -131,10 +138,11 @@ def check_feasible(course: Course, speed2: FloatArray) -> None:
 def check_accelerations(course: Course, speed2: FloatArray) -> None:
     """Refuse a run that accelerates or slows down more than is allowed; errors as `check_feasible`."""
     data = course.data
-    rise = 0.5 * np.diff(speed2) / data.cell_length_m
+    # dv/dt = v dv/dx = d(v^2 / 2)/dx, exact in a cell, over which the square of speed is linear
+    acceleration = 0.5 * np.diff(speed2) / data.cell_length_m
     for reached, limit, words in (
-        (rise, data.max_acceleration_ms2, "accelerates"),
-        (-rise, data.max_deceleration_ms2, "slows down"),
+        (acceleration, data.max_acceleration_ms2, "accelerates"),
+        (-acceleration, data.max_deceleration_ms2, "slows down"),
     ):
         over = np.flatnonzero(reached > limit * (1 + ALLOWED_EXCESS))
         if len(over):

@@ -5,7 +5,7 @@ problem that has a lower bound. Where its optimum drives for a part of the way, 
 a run to drive must decide: on in some cells, off in the others. Sum-up rounding drives in a cell as soon as half of one
 is owed; its runs approach the optimum with free switching as the mesh gets finer. With that decided the problem is
 smooth again. How much must be owed is a matter of luck, cell by cell, so that some shares of a cell are tried, and the
-best run found is decided anew by its own efforts. Where it costs much, driving wherever the optimum drives at all is
+best run found is decided again by its own efforts. Where it costs much, driving wherever the optimum drives at all is
 tried as well.
 
 Reference: Sager, Bock, Diehl 2012, "The integer approximation error in mixed-integer optimal control", Math. Program.
@@ -27,11 +27,18 @@ from railjoule.core.physics.cell import mean_speed
 from railjoule.core.physics.reference import reference_energy
 from railjoule.core.task import Task
 
+# A half keeps closest to the relaxed optimum on the whole. Where it rounds a short stretch to nothing or to all,
+# another threshold may do better, which only trying tells; each costs a solution
 OWED, OWED_AGAIN = (0.5, 0.25, 0.75, 0.4, 0.6), (0.5, 0.25, 0.75)
-"""Shares of a cell that are tried as what must be owed before it is driven, first and for decisions made anew."""
-NEAR, FAR = 1e-4, 1e-3
-"""A run this near free switching, relatively, is good enough; one this far from it is worth yet another decision."""
-MOST_MENDED, MOST_ANEW = 3, 3
+"""Shares of a cell that are tried as what must be owed before it is driven, first and for decisions made again."""
+# Free switching is a lower bound, so that no decision can save more than what a run lies above it
+GOOD_ENOUGH, WORTH_MORE = 1e-4, 1e-3
+"""A run this close to free switching, relatively, is good enough; one this far above is worth yet another decision."""
+# Each mending drives more cells; where three do not suffice, the decision leaves no run worth having
+MOST_MENDED = 3
+# How often the best run's own efforts are taken as the next decision, if they still better it
+MOST_REPEATED = 3
+# the rounding of a sum of some hundred times, as in `PhasePlanner`
 TIME_ROUNDING = 1e-9
 
 
@@ -67,7 +74,7 @@ def unswitched(task: Task, optimum: Optimum) -> Unswitched:
     Parameters
     ----------
     task : Task
-        What is asked for.
+        What is to be run.
     optimum : Optimum
         Its optimum with free switching.
 
@@ -80,13 +87,14 @@ def unswitched(task: Task, optimum: Optimum) -> Unswitched:
     share, _ = duty(task.course.data, optimum)
     search.add(optimum, share <= COASTED)
     search.decide_by(share, OWED)
-    for _ in range(MOST_ANEW):
+    for _ in range(MOST_REPEATED):
         best = search.best
         if best.driven_share is not None:
             search.decide_by(best.driven_share, OWED_AGAIN)
         if search.best is best:
             break
-    if search.apart > FAR:
+    # the safest decision: it leaves the solver every cell that the relaxed optimum drives in
+    if search.excess > WORTH_MORE:
         search.decide(share > COASTED)
     if search.best.energy_j == np.inf:
         search.runs.append(_by_recursion(task))
@@ -99,6 +107,7 @@ class _Search:
     def __init__(self, task: Task, relaxed: Optimum) -> None:
         self.task, self.relaxed = task, relaxed
         self.runs: list[Unswitched] = []
+        # arrays of bool as bytes, which can be hashed
         self.tried: set[bytes] = set()
 
     @property
@@ -106,21 +115,21 @@ class _Search:
         return min(self.runs, key=lambda run: run.energy_j)
 
     @property
-    def apart(self) -> float:
+    def excess(self) -> float:
         """How far the best run lies above the optimum with free switching, relatively."""
         least = self.relaxed.energy_j
         reference = reference_energy(self.task.course.data, least, self.task.running_time_s)
         return float((self.best.energy_j - least) / reference)
 
     @property
-    def is_near(self) -> bool:
+    def is_good_enough(self) -> bool:
         """Whether the best run is good enough; what has not converged is no measure of that."""
-        return self.relaxed.status == CONVERGED and self.apart <= NEAR
+        return self.relaxed.status == CONVERGED and self.excess <= GOOD_ENOUGH
 
     def decide_by(self, driven_share: FloatArray, owed: tuple[float, ...]) -> None:
         """Try the decisions that shares of driving lead to, until a run is good enough."""
         for least in owed:
-            if self.is_near:
+            if self.is_good_enough:
                 return
             self.decide(summed_up(driven_share, self.task.course.data.cell_length_m, least))
 
@@ -135,6 +144,7 @@ class _Search:
             needed = ~on & (found.traction_n > NEXT_TO_NOTHING * self.task.course.data.traction.constant_n)
             if not needed.any():
                 return
+            # the run drives there even so, as it needs the effort to go on: the decision has to allow it
             on = on | needed
 
     def add(self, optimum: Optimum, off: BoolArray) -> None:
@@ -143,6 +153,7 @@ class _Search:
         A point that has not converged is a run as well, if it keeps them.
         """
         data = self.task.course.data
+        # the exact one first: what a barrier leaves of an effort makes a drive that is on take its power without effort
         points = coasting_exactly(data, optimum, off), optimum.speed2
         speed2 = next((point for point in points if _keeps_limits(self.task, point)), None)
         energy = np.inf if speed2 is None else _energy_j(self.task, speed2)
@@ -164,6 +175,7 @@ def summed_up(driven_share: FloatArray, cell_length_m: FloatArray, owed_share: f
         Which share of a cell must be owed before it is driven: a half keeps closest.
     """
     on: BoolArray = driven_share >= DRIVEN
+    # sum-up rounding: what is driven so far follows the integral of the relaxed shares within a cell
     owed = 0.0
     for cell in np.flatnonzero(driven_share > COASTED):
         owed += driven_share[cell] * cell_length_m[cell]

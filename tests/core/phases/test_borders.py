@@ -51,6 +51,24 @@ def test_short_power_between_coasting_is_full_power_for_a_part_of_it():
     assert phases[1].end_ms == pytest.approx(faster)
 
 
+@pytest.mark.parametrize(
+    ("before_m", "share", "names"),
+    [
+        # 20 kJ change 10 m/s by 0.02 m/s, less than 0.1 km/h, and from 300.3 m to 300.5 m there is no whole metre
+        (300.3, 0.5, ["coast"]),
+        # the same from 299.9 m to 300.1 m would begin at 300 m and end there; 40 kJ are 0.04 m/s
+        (299.9, 0.5, ["coast"]),
+        (299.9, 1.0, ["coast", "full_power", "coast"]),
+    ],
+)
+def test_power_that_advice_cannot_tell_is_coasting(before_m, share, names):
+    faster = (100 + 2 * share * LARGEST_N * 0.4 / INERTIA_KG) ** 0.5
+    run = run_of((before_m, 10, 0.0), (0.4, faster, share), (300, faster, 0.0))
+    phases = find_phases(run)
+    assert [phase.phase for phase in phases] == names
+    assert sum(phase.energy_j for phase in phases) == pytest.approx(share * LARGEST_N * 0.4)
+
+
 def test_a_brake_begins_within_its_first_cell():
     """A quarter of the brakes in a cell of 10 m is all of them in its last 2.5 m; nothing else resists."""
     slower = (400 - 2 * 0.25 * LARGEST_N * 10 / INERTIA_KG) ** 0.5
