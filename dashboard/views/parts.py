@@ -125,6 +125,13 @@ def figures(cells: Iterable[str], stale: bool = False) -> str:
     return f'<div class="{"stale" if stale else ""}"><div class="figures" role="status">{"".join(cells)}</div></div>'
 
 
+def figures_in_place(cells: Iterable[str], former: Iterable[str]) -> str:
+    """Return a row of numbers no lower than a former one, so that what lies beneath it stays where it is."""
+    # a former row that nobody sees lies in the same cell of a grid, and keeps its height whatever the window's width
+    kept = f'<div style="grid-area: 1 / 1; visibility: hidden" aria-hidden="true">{figures(former)}</div>'
+    return f'<div style="display: grid">{kept}<div style="grid-area: 1 / 1">{figures(cells)}</div></div>'
+
+
 def change(now: float, before: float) -> str:
     """Return by how much an energy [kWh] has changed against the pinned one, as HTML."""
     amount = comparisons.above(now, before)

@@ -166,7 +166,7 @@ class SpeedLimitsView(PageView):
 
     def _show_trip(self) -> None:
         """Show the trip of a step that is being moved: its speeds, time and energy; the rest waits."""
-        trip = self.model.trip
+        trip, run = self.model.trip, self.model.run
         if trip is None:
             return
         self.speed.show(partial(self.speed.draw_trip, trip))
@@ -178,7 +178,8 @@ class SpeedLimitsView(PageView):
             self._time_figure(trip.travel_time_s),
             parts.figure("Storage needed", "\u2013", "", ""),
         ]
-        self.figures.object = parts.figures(cells)
+        # were this row lower than the one before, the chart would move away under the mouse that drags its step
+        self.figures.object = parts.figures_in_place(cells, self._cells(run) if run is not None else ())
 
     def _show_search(self) -> None:
         path = self.model.path
