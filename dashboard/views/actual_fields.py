@@ -5,7 +5,7 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
-from railjoule.dashboard.look.words import REACTION_WORDS
+from railjoule.dashboard.look import words
 from railjoule.dashboard.models.actual import (
     add_stop,
     as_planned,
@@ -65,7 +65,7 @@ class ActualFields:
         )
         self.reaction = pmui.Select(
             label="Who reacts",
-            options={words: reaction for reaction, words in REACTION_WORDS.items()},
+            options={name: reaction for reaction, name in words.REACTION_WORDS.items()},
             value=self.model.reaction,
             size="small",
             margin=(8, 16, 4, 16),

@@ -9,7 +9,6 @@ from panel.viewable import Viewable
 from railjoule.core import Trajectory
 from railjoule.core.simulate.disturbances import DisturbedRun
 from railjoule.dashboard.look import comparisons, words
-from railjoule.dashboard.look.words import REACTION_WORDS
 from railjoule.dashboard.models.actual import add_stop
 from railjoule.dashboard.store import Rides
 from railjoule.dashboard.views import parts
@@ -142,7 +141,7 @@ class DisturbancesView(PageView):
         return f"; {reality_words(reality.actual_load_percent / 100, reality.coordinate_error_m)} as on Drive"
 
     def _cells(self, rides: Rides) -> list[str]:
-        planned, driver, computer, known = rides.undisturbed, *(rides.rides[one] for one in REACTION_WORDS)
+        planned, driver, computer, known = rides.undisturbed, *(rides.rides[one] for one in words.REACTION_WORDS)
         by_driver = driver.actual.energy_kwh
         energy = f"{words.energy(by_driver)} kWh"
         spent, more = comparisons.saving(by_driver, planned.energy_kwh)
@@ -196,7 +195,7 @@ class DisturbancesView(PageView):
                 False,
             )
         ]
-        for reaction, name in REACTION_WORDS.items():
+        for reaction, name in words.REACTION_WORDS.items():
             ride = rides.rides[reaction]
             price = saved_by(late, reaction) if late is not None and reaction in late.energy_kwh else "\u2013"
             cells = (
@@ -217,7 +216,7 @@ def told(rides: Rides) -> list[str]:
     who: dict[str, list[str]] = {}
     for reaction, ride in rides.rides.items():
         for note in ride.notes:
-            who.setdefault(note, []).append(REACTION_WORDS[reaction])
+            who.setdefault(note, []).append(words.REACTION_WORDS[reaction])
     return [
         note if len(names) == len(rides.rides) else f"{' and '.join(names)}: {note[0].lower()}{note[1:]}"
         for note, names in who.items()

@@ -90,7 +90,7 @@ def test_a_seventh_run_is_refused_in_one_sentence(user: User) -> None:
         user.type("Load, % of capacity", str(load))
         user.page.get_by_role("button", name="Pin run", exact=True).click()
         user.rest()
-    assert user.alerts() == ["At most 6 runs can be pinned; unpin one first."]
+    assert user.alert() == "At most 6 runs can be pinned; unpin one first."
     unpin = user.page.get_by_role("button", name="Unpin run 3", exact=True)
     unpin.click()
     expect(unpin).to_be_hidden()

@@ -1,7 +1,8 @@
 """What a user does with the page, and what she sees."""
 
 import contextlib
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -119,14 +120,12 @@ class User:
 
     def see_number(self, field: Locator, number: float, within: float) -> None:
         """Wait until a field shows a number, as it does some time after the drag that sets it."""
-        shown = float("nan")
-        for _ in range(PATIENCE_MS // REST_MS):
-            text = field.input_value().replace("\u202f", "").replace("\u2212", "-")
-            shown = float(text) if text else float("nan")
-            if abs(shown - number) <= within:
-                return
-            self.rest()
-        raise AssertionError(f"{shown} is not within {within} of {number}")
+
+        def shown() -> float:
+            return float(field.input_value().replace("\u202f", "").replace("\u2212", "-") or "nan")
+
+        self._wait_until(lambda: abs(shown() - number) <= within)
+        assert abs(shown() - number) <= within, f"{shown()} is not within {within} of {number}"
 
     def prefer(self, colours: str) -> None:
         """Let the system ask for light or for dark colours, and wait until the page has them."""
@@ -205,25 +204,27 @@ class User:
 
     def see_change(self, chart: str, before: bytes) -> None:
         """Wait until a chart looks otherwise than before."""
-        for _ in range(PATIENCE_MS // REST_MS):
-            if self.picture(chart) != before:
-                return
+        self._wait_until(lambda: self.picture(chart) != before)
+        assert self.picture(chart) != before, f"chart {chart} has not changed"
+
+    def _wait_until(self, holds: Callable[[], bool]) -> None:
+        """Wait until something holds, but not longer than for anything else."""
+        deadline = time.monotonic() + PATIENCE_MS / 1000
+        while not holds() and time.monotonic() < deadline:
             self.rest()
-        raise AssertionError(f"chart {chart} has not changed")
 
     def alert(self) -> str:
         """Wait for the only message in sight; return it."""
-        message = self.page.get_by_role("alert").locator("visible=true")
-        expect(message).to_have_count(1)
-        return message.inner_text()
+        expect(self._alerts).to_have_count(1)
+        return self._alerts.inner_text()
 
     def see_no_alert(self) -> None:
         """Wait until no message is in sight."""
-        expect(self.page.get_by_role("alert").locator("visible=true")).to_have_count(0)
+        expect(self._alerts).to_have_count(0)
 
-    def alerts(self) -> list[str]:
-        """Return the messages in sight."""
-        return [alert.inner_text() for alert in self.page.get_by_role("alert").all() if alert.is_visible()]
+    @property
+    def _alerts(self) -> Locator:
+        return self.page.get_by_role("alert").locator("visible=true")
 
 
 def open_page(user: User, name: str) -> None:
