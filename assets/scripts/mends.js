@@ -113,6 +113,14 @@
     });
   });
 
+  // A press that rests for 0.3 s is taken for a gesture of its own, and all that is dragged after it stays where it is:
+  // who thinks before she drags, or has a busy machine, drags nothing. No figure here has anything to do with a press.
+  mend("drags", () => {
+    const {UIGestures} = Bokeh.require("core/ui_gestures");
+    if (typeof UIGestures.press_threshold !== "number") { throw new TypeError("there is no press_threshold"); }
+    UIGestures.press_threshold = 2 ** 31 - 1;  // the longest delay of a timer, ms
+  });
+
   // Each stroke of each painting asks the style sheets for thirty variables that no page of ours has.
   mend("strokes", () => {
     const {prototype: figure} = prototype_of("Plot").default_view;

@@ -144,6 +144,8 @@ def drag(user: User, chart: str, start: tuple[float, float], end: tuple[float, f
 
     user.page.mouse.move(*at(start))
     user.page.mouse.down()
+    # who thinks before she drags: longer than Bokeh waits before it takes a drag for a press
+    user.rest()
     user.page.mouse.move(*at(end), steps=6)
     user.page.mouse.up()
 

@@ -1,5 +1,8 @@
 """The first second of a page: its colours are right from the first paint, and what is pressed answers at once."""
 
+from typing import Literal
+
+import pytest
 from playwright.sync_api import Browser, expect
 
 from browser.server import Server, serving
@@ -61,6 +64,19 @@ def test_a_dark_page_is_dark_from_its_first_paint(server: Server, chromium: Brow
         assert len(seen["contrasts"]) > 0
         assert min(seen["contrasts"])[0] >= LEAST_CONTRAST, min(seen["contrasts"])
     context.close()
+
+
+@pytest.mark.parametrize("colours", ["light", "dark"])
+def test_the_ground_is_there_before_anything_in_the_body_is_read(
+    server: Server, chromium: Browser, colours: Literal["light", "dark"]
+) -> None:
+    with chromium.new_context(color_scheme=colours) as context:
+        page = context.new_page()
+        whole = page.request.get(server.drive_url).text()
+        head, _ = whole.split("<body>")
+        page.route(server.drive_url, lambda route: route.fulfill(content_type="text/html", body=f"{head}<body>"))
+        page.goto(server.drive_url)
+        assert page.evaluate("getComputedStyle(document.body).backgroundColor") == GROUNDS[colours]
 
 
 def test_a_press_is_answered_at_once(user: User) -> None:
