@@ -372,7 +372,7 @@ MOTORS = (
         "Assumed rotor resistance",
         "The controller's value of the rotor resistance over the true one. If it is wrong, "
         "field and torque are no longer separate.",
-        ("Assumed / true rotor resistance",),
+        ("Assumed / true rotor resistance", "Assumed / true resistance"),
     ),
 )
 GROUPS: dict[str, tuple[Term, ...]] = {

@@ -48,6 +48,11 @@ class Measure:
     show: Callable[[float], str]
     reference_kwh: Callable[[SensitivityTable], FloatArray] | None = None
 
+    @property
+    def unit(self) -> str:
+        """The unit alone."""
+        return self.words.rpartition(", ")[2]
+
     def texts(self, table: SensitivityTable) -> list[str]:
         """Return what each cell reads, row after row; where there is no share to tell, the difference in kWh."""
         values, energies = self.values(table), table.energy_kwh
@@ -228,10 +233,8 @@ class CostSurface(Chart):
                     "colorscale": [[k / (len(scale) - 1), colour] for k, colour in enumerate(scale)],
                     "showscale": False,
                     "lighting": LIGHTING,
-                    "text": [[measure.show(value) for value in row] for row in values.tolist()],
-                    "customdata": [[words.signed(error, 0) for error in table.coordinate_errors_m]]
-                    * len(table.load_factors),
-                    "hovertemplate": "%{customdata} m, load %{y:.0f} %: %{text}<extra></extra>",
+                    # plotly refines a small table before it draws it, and what it then points at has no text of ours
+                    "hovertemplate": f"%{{x:.0f}} m, load %{{y:.0f}} %: %{{z:.1f}} {measure.unit}<extra></extra>",
                 }
             ],
             "layout": self._layout(bottom - 0.05 * room, top + 0.05 * room),

@@ -36,7 +36,7 @@ class MotorFields:
         )
         self.control = [
             TypedNumber(model, "bandwidth_rads", "Bandwidth, rad/s", digits=1, unit="rad/s"),
-            TypedNumber(model, "rotor_resistance_factor", "Assumed / true rotor resistance", digits=2, unit=""),
+            TypedNumber(model, "rotor_resistance_factor", "Assumed / true resistance", digits=2, unit=""),
             TypedNumber(model, "speed_noise_rads", "Speed noise, rad/s", digits=2, unit="rad/s"),
             TypedNumber(model, "noise_seed", "Seed", digits=0, unit=""),
         ]
@@ -45,7 +45,7 @@ class MotorFields:
             TypedNumber(model, "max_current_a", "Current, A", digits=0, unit="A"),
         ]
         self.view = stack(
-            html_pane('<div class="section">Controller <span>\u00b7 rotor resistance \u00d7 true</span></div>'),
+            html_pane('<div class="section">Controller <span>\u00b7 with a rotor resistance of its own</span></div>'),
             self.precompensator,
             self.flux,
             *(field.view for field in self.control),
