@@ -38,6 +38,7 @@ def _copy_without_owner(_types: Any, array: Any) -> Any:
 
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         view = context.make_array(signature.args[0])(context, builder, arguments[0])
+        # null: numba counts references by the first, and the second leads back to Python's array
         view.meminfo, view.parent = view.meminfo.type(None), view.parent.type(None)
         return view._getvalue()
 

@@ -28,6 +28,7 @@ class TimetableError(RailjouleError):
     """
 
     def __init__(self, travel_time_s: float, shortest_time_s: float) -> None:
+        # kept as numbers beside the text, for whoever offers the least time instead
         self.travel_time_s = travel_time_s
         self.shortest_time_s = shortest_time_s
         super().__init__(
@@ -59,6 +60,7 @@ class CheckError(RailjouleError):
         The run, whose `check` tells all that was checked.
     """
 
+    # Any: the module of trajectories imports this one
     def __init__(self, run: Any) -> None:
         self.run = run
         super().__init__(f"{run.strategy}: {run.check.verdict}")

@@ -53,6 +53,7 @@ def next_point(bracket: Bracket) -> float:
 @njit(cache=True, error_model="numpy")
 def narrowed(bracket: Bracket, value: float) -> Bracket:
     """Return a bracket without the end beside its greater value, given the value at its next point."""
+    # the inner point that stays takes its value along: only the new one is computed
     point = next_point(bracket)
     if bracket.value_left < bracket.value_right:
         return Bracket(bracket.left, point, bracket.inner_left, bracket.inner_right, value, bracket.value_left)

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 # well above the tolerance of the solver and the rounding of its certificate, below any printed digit
 PROVEN_GAP = 1e-6
 """A run this close to its bound, relatively, counts as proven optimal."""
+# a millisecond in a quarter of an hour
 LATE_SHARE = 1e-6
 """A run that is later than a bound's time by less than this share of it is in time but for rounding."""
 
@@ -343,6 +344,7 @@ def _energy(course: Course, speed2: FloatArray, cells: RunAccount) -> Energy:
     }
     # force times distance is exact in a cell, as the force is constant there
     losses["friction_brakes"] = float(cells.friction_braking_n @ length)
+    # a cell takes or gives, never both: its power is constant
     return Energy(
         traction_j=float(np.maximum(cells.line_power_w, 0.0) @ duration),
         recuperated_j=float(np.maximum(-cells.line_power_w, 0.0) @ duration),
@@ -362,6 +364,7 @@ class _DwellInserter:
         self.stops = stops
 
     def nodes(self, values: FloatArray) -> FloatArray:
+        # the node itself once more: place and speed stay while the train stands
         return np.insert(values, self.stops, values[self.stops]) if len(self.stops) else values
 
     def cells(self, values: FloatArray, inserted: FloatArray | float = 0.0) -> FloatArray:

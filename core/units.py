@@ -40,6 +40,7 @@ def distinct_numbers(one: float, other: float, digits: int = 4) -> tuple[str, st
 
 def plain_number(value: float, digits: int) -> str:
     """Return a number with so many digits that count, never with an exponent."""
+    # fixed-point, as the format g turns to exponents below 1e-4; from there on 15 places hold 12 digits
     rounded = float(f"{value:.{digits}g}")
     return (
         f"{rounded:.15f}".rstrip("0").rstrip(".")

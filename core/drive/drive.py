@@ -67,6 +67,7 @@ class Drive:
 
     def current_a(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray | None:
         """Return the current of one motor [A], or None if the model knows no current; shape as the arguments'."""
+        # such a model takes the flux as constant, so that torque and current are in proportion
         return None if self.amperes_per_newton is None else self.amperes_per_newton * np.asarray(effort_n)
 
     def effort_limit_n(self, speed_ms: FloatArray, braking: bool = False) -> FloatArray:

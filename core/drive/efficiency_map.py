@@ -1,4 +1,4 @@
-"""From a map of efficiencies over torque and speed to a drive: losses, and what they are where efficiency is mute.
+"""From a map of efficiencies over torque and speed to a drive: losses, and what they are where efficiency says nothing.
 
 Driving, loss = M w (1 / eta - 1); braking, loss = M w (1 - eta). Without torque or speed efficiency says nothing of
 the loss, in braking neither where it is zero because the motor draws power. There the loss goes on from the next three

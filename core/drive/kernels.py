@@ -125,6 +125,7 @@ def smooth_power_when_on(kind: int, parameters: FloatArray, braking: bool, effor
         p, p_f, p_v, p_ff, p_fv, p_vv = induction.smooth_power_with_idle(parameters, signed, speed)
         if not braking:
             return p, p_f, p_v, p_ff, p_fv, p_vv
+        # by the size of the effort, whose sign comes in once with each derivative by it
         return p, -p_f, p_v, p_ff, -p_fv, p_vv
     return power_when_on(kind, parameters, braking, effort, speed)
 

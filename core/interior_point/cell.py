@@ -2,6 +2,7 @@
 
 import math
 
+from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import driving_power, generated_power, jumps_at_no_effort
 from railjoule.core.drive.line_power import smooth_line_power
@@ -31,7 +32,6 @@ from railjoule.core.interior_point.layout import (
     TRACTION_CONSTANT,
     TRACTION_OVER_SPEED,
     TRACTION_POSITIVE,
-    Rows,
     Work,
 )
 from railjoule.core.interior_point.switching import keep_larger_curvature, switched_powers
@@ -75,13 +75,11 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
         Scaled energy without auxiliaries, the sum of its sizes, time [s], largest violation of a limit.
     """
     h, w, free = course.cell_length_m, work.nodes.speed2, work.nodes.free
-    cells, rows, used = work.cells, work.rows, work.used
-    z, residual = rows.multiplier, rows.residual
+    cells, z, used = work.cells, work.rows.multiplier, work.used
     kind, parameters = course.drive_kind, course.drive_parameters
     share, jumps = course.recuperation_factor, jumps_at_no_effort(course.drive_kind)
     friction = used[FRICTION_POSITIVE] > 0.0
-    top_friction = course.friction_effort_n / scale
-    top_braking = course.braking.constant_n / scale
+    top_braking, top_friction = course.braking.constant_n / scale, course.friction_effort_n / scale
     work.nodes.time_gradient[:] = 0.0
     work.nodes.gradient[:] = 0.0
     energy = gross = total_time = 0.0
@@ -106,54 +104,27 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
         else:
             taken = driving_power(kind, parameters, max(f, 0.0) * scale, v)
             generated = generated_power(kind, parameters, max(x, 0.0) * scale, v)
-        e, e_f, e_v, e_ff, e_fv, e_vv = scaled_energy_per_metre(taken, scale, v)
-        g, g_x, g_v, g_xx, g_xv, g_vv = scaled_energy_per_metre(generated, scale, v)
-        # Of g, what braking generates, the supply takes its share; where braking draws (g < 0) all of it is paid for:
-        # cost -share g + (1 - share) psi with psi >= 0, psi >= -g. The multiplier of the latter acts on g like a share.
-        drawn_price = z[DRAWN, i] if used[DRAWN] > 0.0 else 0.0
-        returned = h[i] * share + drawn_price
+        taken, generated = scaled_energy_per_metre(taken, scale, v), scaled_energy_per_metre(generated, scale, v)
+        e, g = taken[0], generated[0]
         energy += h[i] * smooth_line_power(e, g, cells.drawn[i], share)
         gross += h[i] * abs(e)
-        residual[TRACTION_POSITIVE, i] = f
-        residual[TRACTION_CONSTANT, i] = 1.0 - f
-        residual[BRAKING_POSITIVE, i] = x
-        residual[BRAKING_CONSTANT, i] = top_braking - x
-        # derivatives of the Lagrangian, cost and priced limits together, by the cell's own variables
-        own_traction = h[i] * e_f - z[TRACTION_POSITIVE, i] + z[TRACTION_CONSTANT, i]
-        own_braking = z[BRAKING_CONSTANT, i] - z[BRAKING_POSITIVE, i] - returned * g_x
-        own_speed = h[i] * e_v - returned * g_v - time_price * t / v
-        curvature = 2.0 * time_price * t / (v * v)
-        if rows.weight[TRACTION_OVER_SPEED, i] > 0.0:
-            by_v, by_vv = _over_speed(course.traction, TRACTION_OVER_SPEED, i, f, v, scale, rows)
-            own_traction += z[TRACTION_OVER_SPEED, i]
-            own_speed -= z[TRACTION_OVER_SPEED, i] * by_v
-            curvature -= z[TRACTION_OVER_SPEED, i] * by_vv
-        if rows.weight[BRAKING_OVER_SPEED, i] > 0.0:
-            by_v, by_vv = _over_speed(course.braking, BRAKING_OVER_SPEED, i, x, v, scale, rows)
-            own_braking += z[BRAKING_OVER_SPEED, i]
-            own_speed -= z[BRAKING_OVER_SPEED, i] * by_v
-            curvature -= z[BRAKING_OVER_SPEED, i] * by_vv
+        _fill_constant_rows(work, i, (f, x, f - force - x), (top_braking, top_friction))
+        # Of g, what braking generates, the supply takes its share; where braking draws (g < 0) all of it is paid for:
+        # cost -share g + (1 - share) psi with psi >= 0, psi >= -g. The multiplier of the latter acts on g like a share.
+        returned = h[i] * share
         if used[DRAWN] > 0.0:
-            residual[DRAWN_POSITIVE, i] = cells.drawn[i]
-            residual[DRAWN, i] = cells.drawn[i] + g
-            rows.by_effort[DRAWN, i] = g_x
-            rows.by_speed[DRAWN, i] = g_v
-        # stationarity by x, or by q where friction brakes share, tells what a newton of net force is worth
-        price = own_braking
-        if friction:
-            q = f - force - x
-            residual[FRICTION_POSITIVE, i] = q
-            residual[FRICTION_CONSTANT, i] = top_friction - q
-            price = z[FRICTION_CONSTANT, i] - z[FRICTION_POSITIVE, i]
+            returned += z[DRAWN, i]
+            _fill_drawn_rows(work, i, generated)
+        _fill_derivatives(work, i, h[i], v, (taken, generated), returned, time_price * t)
+        _add_over_speed(course.traction, TRACTION_OVER_SPEED, i, (f, v), scale, work, cells.traction_gradient)
+        _add_over_speed(course.braking, BRAKING_OVER_SPEED, i, (x, v), scale, work, cells.braking_gradient)
+        # D acts through the brake that balances the cell, q = f - D - x, or x = f - D where there is no friction: the
+        # Lagrangian's derivative by D is minus that by this brake's effort
+        price = z[FRICTION_CONSTANT, i] - z[FRICTION_POSITIVE, i] if friction else cells.braking_gradient[i]
         cells.force[i], cells.force_by_start[i], cells.force_by_end[i] = force, d0, d1
         cells.speed_by_start[i], cells.speed_by_end[i], cells.inertia[i] = u0, u1, cell.inertia
-        cells.traction_gradient[i], cells.braking_gradient[i] = own_traction, own_braking
-        cells.speed_gradient[i], cells.force_price[i] = own_speed, -price
-        curve = work.curvature
-        curve[DRIVING_FF, i], curve[DRIVING_FV, i], curve[DRIVING_VV, i] = h[i] * e_ff, h[i] * e_fv, h[i] * e_vv
-        curve[BRAKING_XX, i], curve[BRAKING_XV, i] = -returned * g_xx, -returned * g_xv
-        curve[BRAKING_VV, i], curve[PRICED_VV, i] = -returned * g_vv, curvature
-        _scatter_to_nodes(work, i, t / v, own_speed - price * cell.linear)
+        cells.force_price[i] = -price
+        _scatter_to_nodes(work, i, t / v, cells.speed_gradient[i] - price * cell.linear)
         v0 = v1
     if jumps:
         keep_larger_curvature(work.curvature, work.last_curvature)
@@ -162,14 +133,107 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
-def _over_speed(
-    limit: EffortLimit, row: int, i: int, effort: float, speed: float, scale: float, rows: Rows
-) -> tuple[float, float]:
-    """Evaluate a limit of effort over speed; return its first and second derivative by the mean speed, scaled."""
-    largest, by_speed, curvature = limit_over_speed(limit, speed)
+def _fill_constant_rows(work: Work, i: int, efforts: tuple[float, float, float], largest: tuple[float, float]) -> None:
+    """Evaluate the limits of effort that no speed changes.
+
+    Parameters
+    ----------
+    efforts : tuple
+        Traction, electric and friction braking: f, x and q.
+    largest : tuple
+        The largest electric and friction braking effort; that of traction is 1.
+    """
+    residual = work.rows.residual
+    f, x, q = efforts
+    residual[TRACTION_POSITIVE, i] = f
+    residual[TRACTION_CONSTANT, i] = 1.0 - f
+    residual[BRAKING_POSITIVE, i] = x
+    residual[BRAKING_CONSTANT, i] = largest[0] - x
+    if work.used[FRICTION_POSITIVE] > 0.0:
+        residual[FRICTION_POSITIVE, i] = q
+        residual[FRICTION_CONSTANT, i] = largest[1] - q
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def _fill_drawn_rows(work: Work, i: int, generated: PowerTerms) -> None:
+    """Evaluate the two limits of psi; what braking generates is -phi."""
+    g, g_x, g_v, _, _, _ = generated
+    rows, drawn = work.rows, work.cells.drawn[i]
+    rows.residual[DRAWN_POSITIVE, i] = drawn
+    rows.residual[DRAWN, i] = drawn + g
+    rows.by_effort[DRAWN, i] = g_x
+    rows.by_speed[DRAWN, i] = g_v
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def _fill_derivatives(
+    work: Work,
+    i: int,
+    length_m: float,
+    speed: float,
+    energies: tuple[PowerTerms, PowerTerms],
+    returned: float,
+    priced_time: float,
+) -> None:
+    """Fill the derivatives of a cell's Lagrangian by f, x and v, but for the limits over speed.
+
+    Parameters
+    ----------
+    length_m : float
+        h [m].
+    speed : float
+        v [m/s].
+    energies : tuple
+        Energy per metre taken to drive, e, and generated in braking, g, with derivatives.
+    returned : float
+        What lowers the Lagrangian with g.
+    priced_time : float
+        Time of the cell times what a second costs.
+    """
+    # L = h e(f, v) - returned g(x, v) + price t(v) - the multipliers times their rows; as t = h / v, t' = -t / v and
+    # t'' = 2 t / v^2
+    _, e_f, e_v, e_ff, e_fv, e_vv = energies[0]
+    _, g_x, g_v, g_xx, g_xv, g_vv = energies[1]
+    cells, curve, z = work.cells, work.curvature, work.rows.multiplier
+    cells.traction_gradient[i] = length_m * e_f - z[TRACTION_POSITIVE, i] + z[TRACTION_CONSTANT, i]
+    cells.braking_gradient[i] = z[BRAKING_CONSTANT, i] - z[BRAKING_POSITIVE, i] - returned * g_x
+    cells.speed_gradient[i] = length_m * e_v - returned * g_v - priced_time / speed
+    curve[DRIVING_FF, i], curve[DRIVING_FV, i], curve[DRIVING_VV, i] = length_m * e_ff, length_m * e_fv, length_m * e_vv
+    curve[BRAKING_XX, i], curve[BRAKING_XV, i] = -returned * g_xx, -returned * g_xv
+    curve[BRAKING_VV, i] = -returned * g_vv
+    curve[PRICED_VV, i] = 2.0 * priced_time / (speed * speed)
+
+
+@njit(cache=True, error_model="numpy", fastmath=FAST)
+def _add_over_speed(
+    limit: EffortLimit, row: int, i: int, at: tuple[float, float], scale: float, work: Work, by_effort: FloatArray
+) -> None:
+    """Evaluate a limit of effort L(v), and add it to the derivatives of the cell's Lagrangian.
+
+    Parameters
+    ----------
+    limit : EffortLimit
+    row : int
+        Of traction or braking.
+    at : tuple
+        The effort, scaled, and the cell's mean speed [m/s].
+    scale : float
+        The effort that 1 stands for [N].
+    work : Work
+    by_effort : array of shape (n,)
+        Derivatives of the Lagrangian by that effort.
+    """
+    rows, z = work.rows, work.rows.multiplier[row, i]
+    if rows.weight[row, i] <= 0.0:
+        return
+    effort, speed = at
+    largest, slope, curvature = limit_over_speed(limit, speed)
     rows.residual[row, i] = largest / scale - effort
-    rows.by_speed[row, i] = by_speed / scale
-    return by_speed / scale, curvature / scale
+    rows.by_speed[row, i] = slope / scale
+    # -z (L(v) - effort)
+    by_effort[i] += z
+    work.cells.speed_gradient[i] -= z * (slope / scale)
+    work.curvature[PRICED_VV, i] -= z * (curvature / scale)
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)

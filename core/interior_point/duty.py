@@ -10,7 +10,7 @@ from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.interior_point.switching import hull_power
 from railjoule.core.motion.cell_step import COAST, exit_speed2
 from railjoule.core.physics.cell import mean_speed
-from railjoule.core.physics.course_data import CourseData, cell_of, train_of
+from railjoule.core.physics.course_data import CourseData, cell_of, shared_by_cells
 
 NEXT_TO_NOTHING = 1e-5
 """Efforts below this share of the largest are what a barrier leaves of none."""
@@ -60,7 +60,7 @@ def coasting_exactly(course: CourseData, optimum: Optimum, off: BoolArray) -> Fl
         Where the drive is off.
     """
     speed2, residue = optimum.speed2.copy(), NEXT_TO_NOTHING * course.traction.constant_n
-    train, traction, braking = train_of(course), course.traction, course.braking
+    train, traction, braking, _ = shared_by_cells(course)
     for i in range(off.shape[0]):
         small = optimum.traction_n[i] < residue and optimum.braking_n[i] < residue
         if off[i] and small and course.fixed_speed2[i + 1] < 0.0 and speed2[i] > 0.0:

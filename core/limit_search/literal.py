@@ -30,16 +30,18 @@ from railjoule.core.limit_search.regulation import Regulation, braking_curves, r
 from railjoule.core.motion.course import Course
 from railjoule.core.physics.cell import NEARLY_AT_REST_MS
 from railjoule.core.physics.course_data import CourseData
-from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
+from railjoule.core.physics.effort_limit import largest_effort
 from railjoule.core.physics.resistance import running_resistance
 
+# A train that is above a curve at full brakes never comes back to it, and in steps of time it always is a little. With
+# more it brakes earlier where brakes are weak; where they are not, the deceleration asked for decides, and nothing
+# changes.
 BRAKE_RESERVE = 0.1
-"""Share of the brakes' efforts and of the vehicle's largest deceleration that the curve leaves, an option of ours: a
-train that is above a curve at full brakes never comes back to it, and in steps of time it always is a little. With more
-it brakes earlier where brakes are weak; where they are not, the deceleration asked for decides, and nothing changes."""
+"""Share of the brakes' efforts and of the vehicle's largest deceleration that the curve leaves, an option of ours."""
+# one comparison at the end would not do: the train is the fastest where it begins to slow down, and may come to rest
+# before the brake is built up
 RAMP_POINTS = 8
-"""So often on its way to the full brake a train is compared with the curve: it is the fastest where it begins to slow
-down, and may come to rest before the brake is built up."""
+"""So often on its way to the full brake a train is compared with the curve."""
 GOES_ON, ARRIVED, STANDS, OVERSHOOTS = range(4)
 
 
@@ -88,15 +90,10 @@ def literal_regulation(
         top_speed2=np.maximum(np.sqrt(regulation.top_speed2) - dead_zone_ms, 0.0) ** 2,
         bound_speed2=np.maximum(np.sqrt(regulation.bound_speed2) - dead_zone_ms, 0.0) ** 2,
     )
-    weaker = data._replace(braking=_scaled(data.braking, left), friction_effort_n=left * data.friction_effort_n)
+    weaker = data._replace(braking=data.braking.lowered(BRAKE_RESERVE), friction_effort_n=left * data.friction_effort_n)
+    # no sections: for those the printed regulator does not brake ahead
     curve, _ = braking_curves(weaker, regulation, np.empty(0), np.array([np.inf]))
     return regulation, curve
-
-
-def _scaled(limit: EffortLimit, share: float) -> EffortLimit:
-    table = limit.table.copy()
-    table[:, 1:] *= share
-    return EffortLimit(share * limit.constant_n, share * limit.power_w, table, limit.first_piece)
 
 
 class Motion(NamedTuple):
@@ -151,10 +148,12 @@ def _within_limits(course: CourseData, effort: float, speed: float, resisting: f
 def _step(course: CourseData, number: int, effort: float, speed: float, step_s: float) -> tuple[float, float]:
     """Return distance [m] and speed [m/s] after a step of time at one effort, by the rule of Runge and Kutta."""
     mass = 2.0 * course.half_inertia_kg
+    # below rest the resistance would push, so it is taken at rest there; that the train stops shows in the result
     k1 = (effort - _resisting_n(course, number, speed)) / mass
     k2 = (effort - _resisting_n(course, number, max(speed + 0.5 * step_s * k1, 0.0))) / mass
     k3 = (effort - _resisting_n(course, number, max(speed + 0.5 * step_s * k2, 0.0))) / mass
     k4 = (effort - _resisting_n(course, number, max(speed + step_s * k3, 0.0))) / mass
+    # the same rule for the place, whose four slopes are the speeds v, v + h k1 / 2, v + h k2 / 2, v + h k3
     distance = step_s * (speed + step_s * (k1 + k2 + k3) / 6.0)
     return distance, speed + step_s * (k1 + 2.0 * k2 + 2.0 * k3 + k4) / 6.0
 
@@ -195,7 +194,8 @@ def _must_brake(
     acceleration = (motion.effort_n - _resisting_n(course, motion.cell, motion.speed_ms)) / mass
     place = motion.place_m + step_s * (motion.speed_ms + 0.5 * step_s * acceleration)
     speed = motion.speed_ms + step_s * acceleration
-    # effort falls evenly with time, the acceleration with it
+    # effort falls evenly with time and the acceleration with it, the resistance taken as it is now; speed and place are
+    # the integrals, v + a t - j t^2 / 2 and v t + a t^2 / 2 - j t^3 / 6
     jerk, duration = rate / mass, max(motion.effort_n + brake, 0.0) / rate
     for number in range(RAMP_POINTS + 1):
         t = duration * number / RAMP_POINTS
@@ -228,6 +228,7 @@ def _wanted(
     if reach <= 0.0:
         return asked, False
     wanted2 = _curve_at(regulation.position_m, curve_speed2, motion.cell, place + reach)
+    # dv/dt = dv^2/ds / 2: the acceleration with which the train meets the curve there
     change2 = (wanted2 - speed * speed) / (2.0 * reach)
     if motion.braking and change2 < 0.0:
         return min(asked, mass * change2 + resisting), True
@@ -241,12 +242,13 @@ def _wanted(
 def _end_of(course: CourseData, relay: Relay, motion: Motion, remaining: float) -> int:
     """Return how a trip ends whose next step passes its end or comes to rest: one effort shall lead to rest there."""
     deceleration = motion.speed_ms * motion.speed_ms / (2.0 * remaining)
+    # half of the speed is the mean one of a train that slows down evenly to rest, in 2 s / v
     resisting = _resisting_n(course, motion.cell, 0.5 * motion.speed_ms)
     effort = resisting - 2.0 * course.half_inertia_kg * deceleration
     cut = _within_limits(course, effort, 0.5 * motion.speed_ms, resisting)
     if cut > effort:
         return OVERSHOOTS
-    # no longer than the regulator takes to change its effort anyhow, or the train would creep
+    # that time no longer than the regulator takes to change its effort anyhow, or the train would creep
     creeps = 2.0 * remaining > motion.speed_ms * max(relay.full_effort_time_s, relay.time_step_s)
     return STANDS if creeps or cut < effort else ARRIVED
 

@@ -68,6 +68,7 @@ class LimitProblem:
         limits, time, energy, _ = scale_to_time(
             self.course.data, self.regulation, boundaries_m, asked_ms, self.least_ms, self.most_ms, self.running_time_s
         )
+        # the scaling meets the time to 1e-9 where any factor does; what it misses by more has none
         late = time > self.running_time_s * (1 + 1e-6)
         return Evaluation(
             stage, asked_ms, limits, boundaries_m, time, np.inf if late else self._with_auxiliaries(time, energy)

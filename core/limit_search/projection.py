@@ -12,9 +12,13 @@ from railjoule.core.physics.course_data import CourseData
 
 EXACT = 1e-9
 """How close a trip comes to its time, as a share: a millionth of a second of a quarter of an hour."""
+# as many halvings bring any bracket below rounding
 MOST_TRIPS = 60
 MOST_REPEATS = 4
 """After so many secants on one side of the time the bracket is halved."""
+# At constant speed time falls by the factor by which limits rise. A step goes this many times as far, so that it ends
+# beyond the time: two trips on either side of it make a bracket, two on the same side do not.
+OVERSHOOT = 1.2
 FIRST_WIDENING = 0.1
 """How far beyond the factor that a trip at constant speed would need, as a logarithm, the other side is looked for."""
 STANDING_WIDENING = 0.7
@@ -69,10 +73,13 @@ def scale_to_time(
         time, energy = trip_cost(course, regulation, borders_m, found)
         trips += 1
         excess = math.log(time / running_time_s)
+        # at an end of what limits may be, no other factor brings the time closer
         if abs(excess) <= EXACT or (excess > 0.0 and x >= high) or (excess < 0.0 and x <= low):
             break
         side = 1 if excess > 0.0 else -1
         repeats = repeats + 1 if side == last_side else 0
+        # Illinois' rule: an end that stays again counts half, which moves the secant towards it; else it might stay
+        # for ever while the other end creeps
         if side > 0:
             early = 0.5 * early if repeats else early
             low, late, late_known = x, excess, True
@@ -85,11 +92,10 @@ def scale_to_time(
             share = 0.5 if late == math.inf or repeats >= MOST_REPEATS else late / (late - early)
             x = low + (high - low) * share
         elif side > 0:
-            # time falls about as limits rise
-            x = min(x + (1.2 * excess + width if excess < math.inf else STANDING_WIDENING), high)
+            x = min(x + (OVERSHOOT * excess + width if excess < math.inf else STANDING_WIDENING), high)
             width *= 2.0
         else:
-            x = max(x + 1.2 * excess - width, low)
+            x = max(x + OVERSHOOT * excess - width, low)
             width *= 2.0
         if high - low <= NARROWEST:
             break

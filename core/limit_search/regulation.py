@@ -50,6 +50,7 @@ def regulation_of(course: Course, stop_deceleration_ms2: float, brakes: bool) ->
     bound = data.largest_speed2.copy()
     fixed = data.fixed_speed2 >= 0
     bound[fixed] = np.minimum(bound[fixed], data.fixed_speed2[fixed])
+    # the start's speed is given: the train does not brake for it
     bound[0] = data.largest_speed2[0]
     return Regulation(
         position_m=course.position_m,
@@ -97,10 +98,12 @@ def braking_curves(
     curve, fall = np.empty(n + 1), np.empty(n)
     curve[n] = regulation.bound_speed2[n]
     section = limits_ms.shape[0] - 1
+    # backwards, as what a place allows depends on what lies ahead alone
     if regulation.brakes:
         curve[n] = min(curve[n], limits_ms[section] * limits_ms[section])
     for i in range(n - 1, -1, -1):
         h = course.cell_length_m[i]
+        # v^2 changes by 2 a h over a cell
         steepest = curve[i + 1] + 2.0 * regulation.deceleration_ms2 * h
         reached = entering_speed2_under_brakes(course, i, curve[i + 1], steepest)
         # down a hill too steep for its brakes the train must enter a cell slower than it leaves it
@@ -109,6 +112,7 @@ def braking_curves(
         while regulation.brakes and section > 0 and borders_m[section - 1] >= regulation.position_m[i]:
             border = borders_m[section - 1]
             value = value + fall[i] * (end - border)
+            # at the border itself both sections hold
             lower = min(limits_ms[section - 1], limits_ms[section])
             value = min(value, lower * lower)
             end = border

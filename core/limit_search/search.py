@@ -24,6 +24,8 @@ REFINEMENTS_PER_DIMENSION, MOST_REFINEMENTS, STARTS = 60, 240, 2
 sections against 800 ratios of their limits."""
 RATIO_STEP, BORDER_STEP_SHARE = 0.1, 0.08
 """Sizes of the first simplex, as logarithms of ratios of limits and shares of the line: options of ours."""
+# any number that no trip needs
+INFEASIBLE_J = 1e30
 RATIO_EXACT, ENERGY_EXACT = 1e-4, 1e-6
 """Where the simplex ends, in logarithms of ratios and as a share of the energy."""
 
@@ -73,6 +75,7 @@ def search_limits(problem: LimitProblem, boundaries_m: FloatArray, free_boundari
 def weyl_points(count: int, dimensions: int) -> FloatArray:
     """Return points of Weyl's sequence in the unit cube; shape (count, dimensions)."""
     root = 1.5
+    # a fixed point whose slope x / ((k + 1) (1 + x)) is below a third: 60 steps are far more than digits
     for _ in range(60):
         root = (1 + root) ** (1 / (dimensions + 1))
     steps = root ** -np.arange(1.0, dimensions + 1)
@@ -97,6 +100,7 @@ def _borders_at(problem: LimitProblem, shares: FloatArray) -> FloatArray:
 def _refine(problem: LimitProblem, found: list[Evaluation], start: Evaluation, moved: int) -> None:
     """Let a simplex go on from the best of what was found, and add what it looks at."""
     first, last = problem.course.position_m[[0, -1]]
+    # ratios to the first: a factor that all limits share is undone when they are scaled to the time
     ratios = np.log(start.limits_ms[1:] / start.limits_ms[0])
     origin = np.concatenate([ratios, (start.boundaries_m - first) / (last - first)]) if moved else ratios
     steps = np.concatenate([np.full(len(ratios), RATIO_STEP), np.full(moved, BORDER_STEP_SHARE)])
@@ -105,7 +109,8 @@ def _refine(problem: LimitProblem, found: list[Evaluation], start: Evaluation, m
         limits = start.limits_ms[0] * np.exp(np.append(0.0, place[: len(ratios)]))
         borders = _borders_at(problem, place[len(ratios) :]) if moved else start.boundaries_m
         found.append(problem.evaluate("refine", limits, borders))
-        return min(found[-1].energy_j, 1e30)
+        # finite: the simplex subtracts energies to see whether it may end, and infinite ones have no difference
+        return min(found[-1].energy_j, INFEASIBLE_J)
 
     if not np.isfinite(start.energy_j):
         return

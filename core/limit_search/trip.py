@@ -20,12 +20,16 @@ from railjoule.core.physics.cell import Cell
 from railjoule.core.physics.course_data import CourseData, Train, cell_of, part_of_cell, shared_by_cells
 from railjoule.core.physics.effort_limit import EffortLimit
 
+# Share by which a square of speed may miss its limit and still be at it: more than what cuts and the fixed point of a
+# cell leave, or the regulator would change its effort again and again beside its mark.
 ROUNDING = 1e-7
 LEAST_SHARE = 1e-7
 """A cut this close to the end of a cell, as a share of it, is none."""
 CORRECTIONS, EXACT_CUT = 4, 1e-10
 HOLD = 3
 """A control beside those of `railjoule.core.motion.cell_step`."""
+# A regulator changes its effort two or three times within a cell at most; a trip with one that would go on for longer
+# counts as one that does not arrive.
 MOST_CUTS = 12
 SLOWEST2 = 0.1**2
 """Square of the speed of 0.1 m/s [m2/s2], below which bounds count no run between its stops."""
@@ -61,6 +65,7 @@ def _cut(
     for _ in range(CORRECTIONS):
         after = exit_speed2(part_of_cell(cell, share * cell.length_m), train, traction, braking, speed2, control)
         line2 = end2 + fall * cell.length_m * (1.0 - share)
+        # Newton's rule on the control less the line: both are all but linear in the share
         steepness = (after - speed2) / share + fall * cell.length_m
         if abs(line2 - after) <= EXACT_CUT * max(line2, 1.0) or steepness == 0.0:
             break
@@ -91,6 +96,7 @@ def _next(
     if speed2 < level2 - small:
         after = exit_speed2(cell, train, traction, braking, speed2, FULL_TRACTION)
         if after > level2:
+            # at one effort v^2 is linear over the cell: the place by proportion
             share = (level2 - speed2) / (after - speed2)
     else:
         after = exit_speed2(cell, train, traction, braking, speed2, COAST)
@@ -114,6 +120,7 @@ def _next(
     # from here on the braking curve is lower than where the control leads
     if speed2 >= start2 - small:
         return 1.0, end2
+    # the part s at which speed2 + s (after - speed2) / share meets start2 + s (end2 - start2)
     share = (start2 - speed2) / ((after - speed2) / share + start2 - end2)
     if share >= 1.0 - LEAST_SHARE:
         return 1.0, end2
@@ -178,6 +185,7 @@ def trip(
                 top2 = min(top2, limit2)
             cell = part_of_cell(whole, until - place)
             share, after = _next(cell, train, traction, braking, w, limit2, top2, until2, fall[i])
+            # only at the end of a cell may a stop ask for rest
             if comes_to_a_stand(w, after, curve[i + 1] if share == 1.0 and until == end else math.inf):
                 return nodes, math.inf, math.inf
             after = max(after, 0.0)

@@ -19,9 +19,10 @@ from railjoule.core.physics.cell import Cell, mean_speed, needed_force
 from railjoule.core.physics.course_data import CourseData, Train, cell_of, shared_by_cells
 from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
 
+# its cell would tell nothing but rounding, and a train whose regulator changes its effort a millimetre beside its mark
+# drives no other run
 SHORTEST_PART_M = 1e-3
-"""A corner of a trip this close to a node is merged with it: its cell would tell nothing but rounding, and a train
-whose regulator changes its effort a millimetre beside its mark drives no other run."""
+"""A corner of a trip this close to a node is merged with it."""
 ROUNDING = 1e-10
 """Brakes reach a square of speed where they miss it by less than this share: curve and cell find it by iteration."""
 PASSED_SHARE = 1e-9
@@ -34,8 +35,9 @@ def _is_possible(
 ) -> bool:
     """Return whether efforts and accelerations within their limits lead from one square of speed to another."""
     v = mean_speed(math.sqrt(speed2), math.sqrt(wanted2))
-    force, change2 = needed_force(cell, speed2, wanted2, v), (wanted2 - speed2) / (2.0 * cell.length_m)
-    if not -train.max_deceleration_ms2 <= change2 <= train.max_acceleration_ms2:
+    # dv/dt = dv^2/ds / 2
+    force, acceleration = needed_force(cell, speed2, wanted2, v), (wanted2 - speed2) / (2.0 * cell.length_m)
+    if not -train.max_deceleration_ms2 <= acceleration <= train.max_acceleration_ms2:
         return False
     return -largest_effort(braking, v) - train.friction_effort_n <= force <= largest_effort(traction, v)
 
@@ -59,6 +61,7 @@ def _coasting_speed2(
     full2 = exit_speed2(cell, train, traction, braking, speed2, FULL_TRACTION)
     if full2 <= limit2:
         return limit2
+    # full effort is at the limit after the part (limit2 - speed2) / (full2 - speed2); in the rest it coasts
     return limit2 + (full2 - limit2) / (full2 - speed2) * (coasting2 - speed2)
 
 
@@ -163,6 +166,7 @@ def followed(course: CourseData, wanted_speed2: FloatArray, coasts: BoolArray) -
         wanted2 = wanted_speed2[i + 1]
         if coasts[i] and speed2[i] > 0.0:
             coasting2 = exit_speed2(cell, train, traction, braking, speed2[i], COAST)
+            # not into a stand, nor past the speed that is prescribed at the end
             wanted2 = coasting2 if coasting2 > 0.0 and i < last else wanted2
         speed2[i + 1] = nearest_speed2(cell, train, traction, braking, speed2[i], wanted2)
         if speed2[i + 1] <= 0.0 and i < last:

@@ -22,14 +22,16 @@ from railjoule.core.physics.vehicle_limit import effort_limit
 from railjoule.core.scenario import Scenario, Vehicle
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, W_PER_KW
 
+# no square of a speed is negative, and compiled code wants a number
 FREE = -1.0
 """Mark of a node whose speed is not prescribed."""
 
 PER_CELL = ("gradient_permille", "tunnel_factor", "gradient_force_n", "curve_force_n", "cell_limit_ms")
 """The arrays of a course with one entry a cell, beside those of its data."""
 
+# an interior point needs an inside: between no effort and a largest one of zero there is none
 LEAST_BRAKING_SHARE = 1e-9
-"""A missing electric brake counts as this share of the tractive effort: an interior point needs an inside."""
+"""A missing electric brake counts as this share of the tractive effort."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +93,7 @@ class Course:
 
     def running_resistance_n(self, speed2: FloatArray) -> FloatArray:
         """Return the running resistance [N] of each cell for squares of speed at the nodes; shape (n,)."""
+        # at the means that `needed_force` takes, or the account of the energy would not close
         data, speed = self.data, np.sqrt(speed2)
         return running_resistance(
             data.resistance_constant_n,

@@ -37,6 +37,7 @@ def cell_means(line: Line, values: FloatArray, position_m: FloatArray, offsets_m
     # the mean over a cell is the difference of the integral at its ends, exact for any steps within
     for offset in offsets_m:  # all at once would take nodes times points of memory
         places = position_m - offset
+        # before the start interpolation stays at zero, while the integral of the first section goes on
         inside += np.interp(places, borders, integral) + np.minimum(places, 0.0) * values[0]
     means: FloatArray = np.diff(inside / len(offsets_m)) / np.diff(position_m)
     return means
@@ -54,6 +55,7 @@ def mean_over_length(line: Line, values: FloatArray, position_m: FloatArray, len
     second = np.append(0.0, np.cumsum(first[:-1] * lengths + 0.5 * values * lengths**2))
 
     def twice_integrated(places: FloatArray) -> FloatArray:
+        # the first piece serves before the start too: there both integrals begin at zero, and `beyond` is negative
         index = np.clip(np.searchsorted(borders, places, side="right") - 1, 0, len(values) - 1)
         beyond = places - borders[index]
         integral: FloatArray = second[index] + first[index] * beyond + 0.5 * values[index] * beyond**2

@@ -13,8 +13,9 @@ from railjoule.core.motion.mesh import line_mesh, require_budget, with_nodes_at
 from railjoule.core.scenario import Line, Section
 from railjoule.core.units import MS_PER_KMH
 
+# 64 of them, of 64 bytes a cell, are 80 MB at most
 MOST_KEPT_CELLS = 20_000
-"""Geometries of more cells, of 64 bytes each, are not kept for the next call."""
+"""Geometries of more cells are not kept for the next call."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,6 +101,7 @@ def geometry_at(line: Line, position_m: FloatArray, length_m: float | None, car_
     dwell[stops] = [station.dwell_s for station in line.inner_stations]
     # asked for at the middles of cells: borders of limits are nodes, where it would be open which of both holds
     limits = speed_limit_at(line, 0.5 * (position_m[1:] + position_m[:-1])) * MS_PER_KMH
+    # a node belongs to the cells on both sides, so that the lower of their limits holds there
     return LineGeometry(
         position_m=frozen_array(position_m),
         gradient_permille=over_train([section.gradient_permille for section in line.sections]),

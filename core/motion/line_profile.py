@@ -13,6 +13,7 @@ def section_borders(line: Line) -> FloatArray:
 
 def height_profile(line: Line) -> FloatArray:
     """Return the heights at the `section_borders` of a line in running order [m], above the start."""
+    # the height over the length of the track: per mille are taken for the sine, as in the force of a gradient
     climbs = [section.length_m * section.gradient_permille / 1000 for section in line.sections]
     return np.append(0.0, np.cumsum(climbs))
 

@@ -13,8 +13,9 @@ from railjoule.core.scenario.line import Line
 # borders closer than a micrometre are one: lengths of sections add up with rounding, and a cell's inertia is over its
 # length; the longest is the greatest `solver.mesh_m`
 SHORTEST_CELL_M, LONGEST_CELL_M = 1e-6, 1000.0
+# over distance, speed changes fastest beside a stop, as the square root of it
 GRADING = (1.0, 0.5, 0.25, 0.125)
-"""Lengths of the cells before a stop, as shares of the mesh: force and speed change fastest there."""
+"""Lengths of the cells towards a stop, as shares of the mesh."""
 
 
 def line_borders(line: Line) -> FloatArray:
@@ -85,6 +86,7 @@ def enough_words(line: Line, most_cells: int, crossings: int = 0) -> str:
     most_cells, crossings : int
         Cells allowed, and those that the cars of the train add.
     """
+    # each station has two sides that are graded, both ends of the line together two
     stops = len(line.inner_stations) + 1
     unavoidable = len(line_borders(line)) - 1 + 2 * stops * (len(GRADING) - 1) + crossings
     if most_cells > unavoidable:
@@ -125,6 +127,7 @@ def _graded(nodes: FloatArray, stops: FloatArray) -> FloatArray:
     """Halve the cells at the stops again and again, down to an eighth."""
     cell = np.diff(nodes)
     shares = 1 - np.asarray(GRADING[1:])
+    # a little before each stop, so that rounding does not find the node behind it
     where = np.searchsorted(nodes, stops - SHORTEST_CELL_M)
     extra = [nodes[i] + cell[i] * (1 - shares) for i in where if i < len(cell)]
     extra += [nodes[i - 1] + cell[i - 1] * shares for i in where if i > 0]

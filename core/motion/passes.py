@@ -71,6 +71,7 @@ def _greatest_reachable(
     """
     if _excess(limit, friction, cell, known, bound, sign)[0] <= 0.0:
         return bound
+    # from the known speed, which is close: a cell is short
     value, slope = _excess(limit, friction, cell, known, known, sign)
     low, high, x = 0.0, bound, known
     if value > 0.0:
@@ -202,7 +203,8 @@ def greatest_speeds(course: CourseData) -> tuple[FloatArray, int, bool]:
             return speed2, obstacle, True
         for i in range(nodes):
             fixed = course.fixed_speed2[i]
-            # an end's speed is prescribed: a run that cannot have it is none
+            # an end's speed is prescribed: a run that cannot have it is none. At the start it is braking that fails,
+            # elsewhere it counts as want of traction in the cell before.
             if fixed >= 0.0 and speed2[i] < fixed * (1.0 - 1e-9):
                 return speed2, max(i - 1, 0), i == 0
         if once or np.max(np.abs(before - speed2)) <= 1e-12 * np.max(speed2):

@@ -67,6 +67,8 @@ def account_of_cell(
     start_speed2, end_speed2 : float
         Squares of speed [m2/s2].
     """
+    # At the mean speed: the force is constant, so its work F v t = F h is exact; losses miss their mean by half of
+    # their second derivative times the variance of the speed, little in a short cell.
     v = mean_speed(math.sqrt(start_speed2), math.sqrt(end_speed2))
     force = needed_force(cell, start_speed2, end_speed2, v)
     # no force is coasting: traction of zero, so that a drive which idles when it is on is off

@@ -16,8 +16,9 @@ from railjoule.core.physics.cell import NEARLY_AT_REST_MS
 
 # halved as often, any bracket of efforts is below rounding
 MOST_STEPS = 60
+# generated power is stationary there, so that the power is exact to the square of this
 EXACT = 1e-9
-"""How close to its best the electric effort need be found, as a share: generated power is stationary there."""
+"""How close to its best the electric effort need be found, as a share."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -64,6 +65,7 @@ def _shared_effort(
     at_least = generated_power(drive_kind, drive_parameters, least, speed)
     # power may jump where the drive turns off, at no effort: compare both ends, then look between them
     best, most = (least, at_least[0]) if at_least[0] > power[0] else (first, power[0])
+    # concave: between the ends it is greatest where the slope changes its sign, and nowhere if it does not
     if power[1] < 0.0 <= at_least[1]:
         between = most_generating(drive_kind, drive_parameters, least, first, speed)
         if generated_power(drive_kind, drive_parameters, between, speed)[0] > most:
@@ -81,6 +83,7 @@ def most_generating(drive_kind: int, drive_parameters: FloatArray, low: float, h
             high = effort
         else:
             low = effort
+        # no step without curvature: the lower end fails the next test, and the bracket is halved
         step = effort - slope / curvature if curvature < 0.0 else low
         if not low < step < high:
             step = 0.5 * (low + high)

@@ -99,7 +99,8 @@ def train_of(course: CourseData) -> Train:
 def shared_by_cells(course: CourseData) -> tuple[Train, EffortLimit, EffortLimit, FloatArray]:
     """Return what the physics of any cell takes: train, limits of traction and braking, parameters of the drive.
 
-    For the loops of a compiled function that has the course as an argument: the arrays are `borrowed` from it.
+    For the loops of a compiled function that has the course as an argument: the arrays are `borrowed` from it. Python
+    must not call it: there the arrays would outlive the loan.
     """
     traction, braking = borrowed_limit(course.traction), borrowed_limit(course.braking)
     return train_of(course), traction, braking, borrowed(course.drive_parameters)
@@ -120,6 +121,7 @@ def cell_of(course: CourseData, number: int) -> Cell:
 @njit(cache=True, error_model="numpy")
 def scaled_cell_of(course: CourseData, number: int, scale: float) -> Cell:
     """Return one cell of a course whose forces come out in shares of an effort [N], as the solver wants them."""
+    # the force is linear in k, A, B and C, so that dividing these divides it, at any speeds
     return Cell(
         course.cell_length_m[number],
         course.half_inertia_kg / (course.cell_length_m[number] * scale),

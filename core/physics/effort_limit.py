@@ -18,12 +18,16 @@ from railjoule.core.compiled import borrowed, njit
 TABLE_STEP_MS = 0.125
 # where the fit begins, before pieces that miss are halved; longer ones would but take more halvings
 LONGEST_PIECE_MS = 0.5
+# With less, tables get longer, as the fourth root of it; with more, runs give away more of what the motors have, since
+# a table is lowered by what it exceeds its limit.
 FIT_SHARE = 1e-6
 """How close a table comes to its limit, as a share of the largest effort."""
+# what a piece so narrow misses at a corner is within that share, too
 NARROWEST_MS = 1e-4
-"""Pieces are not halved below that: what one so narrow misses at a corner is within that share, too."""
+"""Pieces are not halved below that."""
 INSIDE = np.arange(1, 8) / 8
 """Where a piece is compared with the limit that it stands for, as shares of its width."""
+# errors of the differences go with its square, those of rounding with its inverse
 SLOPE_SHARE = 1e-3
 """Step of the differences that give a slope, as a share of the width of a piece."""
 SLOWEST_MS = 1e-3

@@ -3,9 +3,10 @@
 from railjoule.core.compiled import njit
 from railjoule.core.physics.course_data import CourseData
 
+# downhill a run may need nothing at all, and what differs is then small beside what the train has in motion, not beside
+# zero
 SMALL_ENERGY_SHARE = 0.1
-"""Energies near zero are compared with this share of the kinetic energy at the mean speed: downhill a run may need
-nothing at all, and what differs is then small beside what the train has in motion, not beside zero."""
+"""Energies near zero are compared with this share of the kinetic energy at the mean speed."""
 
 
 @njit(cache=True)

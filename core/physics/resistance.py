@@ -46,6 +46,7 @@ def gradient_force_n(vehicle: Vehicle, gradient_permille: FloatArray) -> FloatAr
 
     At 40 per mille, steep for a railway, sine and tangent differ by 0.08 %.
     """
+    # kN times per mille is N
     return total_weight_kn(vehicle) * gradient_permille
 
 

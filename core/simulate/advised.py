@@ -34,7 +34,7 @@ from railjoule.core.phases import NAMES
 from railjoule.core.phases.labels import SHORTEST_S
 from railjoule.core.phases.phase import COAST, FULL_POWER, HOLD
 from railjoule.core.physics.cell import Cell
-from railjoule.core.physics.course_data import CourseData, cell_of, part_of_cell, train_of
+from railjoule.core.physics.course_data import CourseData, cell_of, part_of_cell, shared_by_cells
 from railjoule.core.scenario import Scenario
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
@@ -206,7 +206,7 @@ def _order_at(orders: Orders, present: int, place_m: float) -> int:
 @njit(cache=True, error_model="numpy", nogil=True)
 def _reach(course: CourseData, cell: Cell, speed2: float) -> tuple[float, float, float]:
     """Return the squares of speed that full braking, coasting and full power lead to."""
-    train, traction, braking = train_of(course), course.traction, course.braking
+    train, traction, braking, _ = shared_by_cells(course)
     return (
         exit_speed2(cell, train, traction, braking, speed2, FULL_BRAKE),
         exit_speed2(cell, train, traction, braking, speed2, NOTHING),

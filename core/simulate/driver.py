@@ -9,7 +9,7 @@ from railjoule.core.compiled import njit
 from railjoule.core.motion import Course, greatest_speeds
 from railjoule.core.motion.cell_step import COAST, FULL_BRAKE, FULL_TRACTION, exit_speed2
 from railjoule.core.motion.course import FREE
-from railjoule.core.physics.course_data import CourseData, cell_of, train_of
+from railjoule.core.physics.course_data import CourseData, cell_of, shared_by_cells
 
 # Square of a speed that counts as standing: 0.03 mm/s, rounding of the last braking cell.
 STANDING_SPEED2 = 1e-9
@@ -43,7 +43,7 @@ def held_speed(course: CourseData, speed2: float, coasting: bool) -> FloatArray:
         Squares of speed [m2/s2]; 0 from where it comes to a stand.
     """
     n = course.cell_length_m.shape[0]
-    train, traction, braking = train_of(course), course.traction, course.braking
+    train, traction, braking, _ = shared_by_cells(course)
     run = np.zeros(n + 1)
     run[0] = speed2
     for i in range(n):
@@ -78,7 +78,7 @@ def fully_braked(course: CourseData, speed2: float) -> tuple[FloatArray, float]:
         From the first node to where it stands [m].
     """
     n = course.cell_length_m.shape[0]
-    train, traction, braking = train_of(course), course.traction, course.braking
+    train, traction, braking, _ = shared_by_cells(course)
     run = np.zeros(n + 1)
     run[0] = speed2
     distance = 0.0

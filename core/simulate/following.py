@@ -20,7 +20,7 @@ from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverErro
 from railjoule.core.motion import build_course
 from railjoule.core.motion.cell_step import FULL_BRAKE, FULL_TRACTION, exit_speed2
 from railjoule.core.motion.mesh import line_borders, with_nodes_at
-from railjoule.core.physics.course_data import CourseData, cell_of, train_of
+from railjoule.core.physics.course_data import CourseData, cell_of, shared_by_cells, train_of
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.actual_vehicle import actual_vehicle, changed, notes_on
 from railjoule.core.simulate.odometer import Stretch, estimated_positions, stopping_position, stretches
@@ -264,7 +264,7 @@ def follow_cells(
         The node at which the train stands before its end; -1 if it does not.
     """
     n = course.cell_length_m.shape[0]
-    train, traction, braking = train_of(course), course.traction, course.braking
+    train, traction, braking, _ = shared_by_cells(course)
     speed2 = np.zeros(n + 1)
     speed2[0] = initial_speed2
     for i in range(n):

@@ -38,6 +38,8 @@ class EnocCoefficients:
 
 def enoc_coefficients(line: PlainLine) -> EnocCoefficients:
     """Return the constants of (12) for a plain line."""
+    # Power is h F^2 + R v + m a v with F = R + m a and R = A + B v + C v^2, here sorted by powers of v. Terms with a
+    # alone cancel between both ramps; h (m a)^2 over 2 T_e with a = P / T_e is 2 h m^2 P^2 / T_e, P the peak speed.
     h, m = line.loss_coefficient, line.inertia_kg
     a, b, c = line.constant_n, line.linear, line.quadratic
     return EnocCoefficients(
@@ -68,6 +70,7 @@ def enoc_energy(
     """
     k = coefficients
     time, ramp = np.asarray(travel_time_s, float), np.asarray(acceleration_time_s, float)
+    # a ramp to P has the integral P^n T_e / (n + 1) of v^n, so the trapezoid P^n (T_m - 2 n / (n + 1) T_e)
     peak = k.distance_m / (time - ramp)
     by_square = k.k1 / ramp + k.ks * (time - 4 / 3 * ramp)
     by_fourth = k.k3 * (time - 8 / 5 * ramp) * peak

@@ -27,10 +27,12 @@ from railjoule.core.scenario.options import SearchOptions
 from railjoule.core.task import Task
 from railjoule.core.units import MS_PER_KMH
 
+# this regulator is not searched with, and limits may be given for any time
 LONGEST_SHARE = 3.0
-"""A trip may take so many times as long as planned: it is not searched with, and limits may be given for any time."""
+"""A trip may take so many times as long as planned."""
+# over less, rounding of places and speeds would be all of the force
 SHORTEST_STEP_M = 1e-5
-"""Steps of time that hardly move are joined: over less, rounding of places and speeds would be all of the force."""
+"""Steps of time that move by less are joined."""
 PASSED_SHARE = 1e-6
 """A limit of speed counts as passed where it is exceeded by more than this share, as in the check of a run."""
 
@@ -76,6 +78,7 @@ def literal_run(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> 
     _require_few_steps(options.time_step_s, task.running_time_s)
     relay = _relay(options)
     regulation, curve = literal_regulation(task.course, options.stop_deceleration_ms2, relay.dead_zone_ms)
+    # beside the steps, the node at the start and what rounds up
     most = int(LONGEST_SHARE * task.running_time_s / options.time_step_s) + 2
     position, speed2, effort = np.empty(most), np.empty(most), np.empty(most)
     nodes, standing, switches, status = literal_trip(
@@ -88,6 +91,7 @@ def literal_run(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> 
     driven2 = followed(course.data, wanted2, coasts)
     _require_arrival(task, course, driven2)
     _require_limits(task, course, driven2)
+    # the time in which effort grows at the start has no distance: the run has it as a dwell
     dwell = course.dwell_s.copy()
     dwell[0] = standing
     return LiteralRun(replace(course, dwell_s=frozen_array(dwell)), driven2, switches)
@@ -118,10 +122,12 @@ def _joined(
 ) -> tuple[FloatArray, FloatArray, BoolArray]:
     """Return places and squares of speed without steps that hardly move, and in which cells there is no effort."""
     kept = np.append(True, np.diff(position_m) > SHORTEST_STEP_M)
+    # the end stays where it is, and its neighbour gives way
     kept[-1] = True
     if position_m[-1] - position_m[kept][-2] <= SHORTEST_STEP_M and kept.sum() > 2:
         kept[np.flatnonzero(kept)[-2]] = False
     nodes = np.flatnonzero(kept)
+    # effort k + 1 leads from place k to the next one; a joined cell coasts if all its steps do
     coasts = np.logical_and.reduceat(effort_n[1:] == 0.0, nodes[:-1])
     return position_m[nodes], speed2[nodes], coasts
 
@@ -141,6 +147,7 @@ def _failure(task: Task, status: int, place_m: float, speed2: float) -> str:
 
 def _overshoot(task: Task, place_m: float, speed2: float) -> str:
     """Return by how much a train passes the end of the line that brakes fully from a place and a square of speed."""
+    # at half of the speed, the mean one of a train that slows down evenly to rest
     data, end_m = task.course.data, task.course.position_m[-1]
     speed = np.array([0.5 * np.sqrt(speed2)])
     brake = float(data.braking.effort_n(speed)[0]) + data.friction_effort_n
@@ -170,6 +177,7 @@ def _require_limits(task: Task, course: Course, speed2: FloatArray) -> None:
     """Refuse a run that is too fast for line or vehicle: a relay passes its mark by as much as it takes to react."""
     line = task.course
     places = np.union1d(line.position_m, course.position_m)
+    # v^2 is linear within a cell: between two neighbours of these places it is greatest at one of them
     between2 = np.interp(places, course.position_m, speed2)
     middle = 0.5 * (places[1:] + places[:-1])
     limit = line.cell_limit_ms[np.searchsorted(line.position_m, middle) - 1]

@@ -28,8 +28,10 @@ from railjoule.core.units import MS_PER_KMH
 LEAST_LIMIT_KMH = 1.0
 """Below (16): the least limit of a section."""
 MOST_SECTIONS = 12
+# near its stop a train's motors begin to draw power: where, only short cells tell
 HALVINGS_AT_STOPS = 6
-"""Near its stop a train's motors begin to draw power: where, only short cells tell."""
+# A cell has one effort, that at its mean speed. Where the train speeds up or slows down faster than this, a limit of
+# power changes much from one end of a cell to the other, and cells are cut to at most that length.
 FAST_CHANGE_MS2, LONGEST_FAST_CELL_M = 0.2, 2.0
 
 
@@ -148,6 +150,7 @@ def _over_corners(
 ) -> tuple[LimitProblem, Evaluation]:
     """Return a problem with nodes at the corners of a trip too, and the trip there, scaled to its time again."""
     places, speed2 = problem.nodes_of(best.limits_ms, best.boundaries_m)
+    # the second time those cells are short already
     fast = [] if whole_cells else _within_fast_changes(places, speed2)
     nodes = _merged(problem.course.position_m, np.concatenate([places, fast]))
     finer = problem.over(build_course(task.scenario, *task.end_speeds_ms, nodes), whole_cells)
@@ -163,6 +166,7 @@ def _merged(position_m: FloatArray, places_m: FloatArray) -> FloatArray:
     inside = (after > 0) & (after < len(position_m))
     places, after = places[inside], after[inside]
     free = np.minimum(places - position_m[after - 1], position_m[after] - places) > SHORTEST_PART_M
+    # one by one: whether a place is too close depends on which of those before it stay
     kept: list[float] = []
     for place in places[free]:
         if not kept or place - kept[-1] > SHORTEST_PART_M:
@@ -193,6 +197,7 @@ def _no_limits(task: Task, problem: LimitProblem, found: LimitSearch) -> str:
 
 def _too_late(task: Task, problem: LimitProblem, running_time_s: float) -> str:
     """Return why no limits keep a time, from the shortest running time under limits [s]."""
+    # a timetable so much shorter would be kept with all of its window used
     least = (running_time_s / (1 + task.scenario.search.time_window)) + task.dwell_s
     return (
         f"needs at least {least:.1f} s with its regulator, which brakes at "
@@ -201,8 +206,9 @@ def _too_late(task: Task, problem: LimitProblem, running_time_s: float) -> str:
 
 
 def _within_fast_changes(position_m: FloatArray, speed2: FloatArray) -> list[float]:
-    """Return places [m] that cut cells in which the train speeds up or slows down fast: limits of power bend there."""
+    """Return places [m] that cut cells in which the train speeds up or slows down fast."""
     length = np.diff(position_m)
+    # v^2 changes by 2 a h over a cell
     fast = np.abs(np.diff(speed2)) > 2 * FAST_CHANGE_MS2 * length
     pieces = np.ceil(length / LONGEST_FAST_CELL_M).astype(int)
     cut = np.flatnonzero(fast & (pieces > 1))

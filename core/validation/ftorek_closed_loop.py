@@ -18,8 +18,8 @@ from railjoule.core.units import J_PER_WH, MS_PER_KMH
 from railjoule.core.validation._ftorek_rows import FOLLOWS, Printed, as_if_heavier, printed_row
 from railjoule.core.validation.table import Row, Table
 
+# EOC brakes hardest in its last metres, of which a cell of 5 m takes the mean
 FINE_MESH_M = 0.5
-"""EOC brakes hardest in its last metres, of which a cell of 5 m takes the mean."""
 FILTERED = "The median over half a second: short switching transients are filtered, as in the paper."
 # the paper tells that it filtered and not how; half a second removes the switching of the plan and keeps its peaks
 FILTER_S = 0.5

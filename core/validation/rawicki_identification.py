@@ -27,8 +27,8 @@ from railjoule.core.units import J_PER_KWH, MS_PER_KMH, W_PER_KW
 # The nameplate contradicts itself by a per cent, the phases only by their last digits: it must not pull them off what
 # is printed, and without it the inductances would be free.
 NAMEPLATE_WEIGHT = 0.5
+# one direction is all but flat: steps must be far above rounding, and derivatives of second order
 LEAST_SQUARES_OPTIONS = {"ftol": 1e-13, "xtol": 1e-13, "gtol": 1e-13, "jac": "3-point", "diff_step": 1e-4}
-"""One direction is all but flat: steps must be far above rounding, and derivatives of second order."""
 # round numbers of a tram of that size, so that nothing of the result is put in by hand
 FIRST_GUESS = {
     "rotating_mass_factor": 0.15,
@@ -142,7 +142,7 @@ def value_names(phase: Printed) -> tuple[str, ...]:
 
 
 def driven_values(vehicle: Vehicle, phases: list[Printed]) -> FloatArray:
-    """Return ways [m], times [s] and energies [kWh] of phases with a recuperation factor of 1."""
+    """Return distances [m], times [s] and energies [kWh] of phases with a recuperation factor of 1."""
     planner = printed_planner(vehicle, 1.0)
     model = planner.model
     tables = {"start": model.full_start, "coast": model.coasting, "brake": model.braking}

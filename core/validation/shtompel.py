@@ -15,7 +15,7 @@ from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.drive import make_drive
 from railjoule.core.drive.synchronous.drive import efficiency_maps, torque_envelope
 from railjoule.core.energy import share_above
-from railjoule.core.limit_search.search import LimitSearch
+from railjoule.core.limit_search.search import INFEASIBLE_J, LimitSearch
 from railjoule.core.scenario import Scenario, load_scenario
 from railjoule.core.scenario.drive import Synchronous
 from railjoule.core.simulate.regulator import literal_spread
@@ -33,10 +33,10 @@ TIGHT_KMH = 54
 MAP_POINTS = 120
 FULL_SHARE = 0.97
 MAJORITY_PERCENT = 50.0
+# two searches end in the same minimum if their energies differ by less: the share to which ours is determined
 SAME_ENERGY = 1e-3
-"""Two searches end in the same minimum if their energies differ by less: the share to which ours is determined."""
+# an efficiency that falls to zero with the torque halves with it, one that does not stays: the mean of 0.5 and 1
 SMALL_TORQUE, MOSTLY_GONE = 1e-3, 0.75
-"""An efficiency that falls to zero with the torque halves with it, one that does not stays: the mean of 0.5 and 1."""
 TIME_STEPS_S = (0.1, 0.05, 0.02, 0.01)
 FREE = {"search.boundaries_m": [800, 1600], "search.free_boundaries": True}
 ASSUMED = "Train and line are assumed."
@@ -79,6 +79,7 @@ def efficiency() -> list[Row]:
     speed = np.linspace(0.0, drive.max_speed_rads, MAP_POINTS)
     torque = np.linspace(0.0, float(torque_envelope(drive, speed).max()), MAP_POINTS)
     maps = efficiency_maps(drive, torque, speed)
+    # without torque or speed both are 0, whatever is lost
     least = float(np.nanmin((maps.motor - maps.drive)[1:, 1:]))
     little = torque[-1] * np.array([SMALL_TORQUE, 0.5 * SMALL_TORQUE])
     near = [float(np.nanmax(row)) for row in efficiency_maps(drive, little, speed).drive]
@@ -110,13 +111,15 @@ def evaluations() -> list[Row]:
         problem = limit_problem_of(task)
         samples = [one for one in search.evaluations if one.stage == "sample"]
         borders = search.best.boundaries_m
+        # as they were drawn: `evaluate` would scale them to the time
         times = np.array([problem.as_given(one.asked_ms, borders).running_time_s for one in samples])
         inside = float(np.mean(np.abs(times / task.running_time_s - 1) <= window))
 
         def cost(place: FloatArray, problem: Any = problem, borders: FloatArray = borders) -> float:
-            return float(min(problem.evaluate("sample", place, borders).energy_j, 1e30))
+            return float(min(problem.evaluate("sample", place, borders).energy_j, INFEASIBLE_J))
 
         bounds = [(problem.least_ms, problem.most_ms)] * (len(borders) + 1)
+        # the same seed each time, as its numbers are shown
         other = differential_evolution(cost, bounds, seed=1, maxiter=20, polish=False)
         case = f"{speed} km/h, two sections"
         rows += [
@@ -236,6 +239,7 @@ def literal_braking() -> list[Row]:
     wheel = run.electric_braking_n * speed
     generated = np.maximum(-drive.electrical_power_w(-run.electric_braking_n, speed), 0.0)
     useful = generated > 0
+    # (8) and (9) divide by the efficiency and add the gear's loss, as if in driving
     efficiency = generated[useful] / (wheel[useful] * (1 - share))
     printed = np.sum((wheel[useful] / efficiency + share * wheel[useful]) * duration[useful])
     case = "40 km/h, brake limits"
@@ -270,6 +274,7 @@ def _full_share(run: Trajectory) -> float:
 
 def _energy_share(run: Trajectory, cells: BoolArray) -> float:
     """Return the share of traction energy that is taken in some of the cells."""
+    # auxiliaries flow while the train coasts, brakes and stands as well, and are no traction then
     energy = np.maximum(run.line_power_w, 0.0) * np.diff(run.time_s) * (run.tractive_effort_n > 0)
     return float(np.sum(energy[cells]) / np.sum(energy))
 
@@ -282,6 +287,7 @@ def _scenario(speed_kmh: int) -> Scenario:
 
 def _late(scenario: Scenario) -> Scenario:
     """Return a scenario with the time that a search for limits may take."""
+    # what limits are judged by may take as long as they do
     time = (1 + scenario.search.time_window) * scenario.travel_time_s
     return scenario.with_(**{"timetable.travel_time_s": time})
 

@@ -140,6 +140,7 @@ class Comparison:
 
     def steps(self) -> Iterator[Validation]:
         """Yield the comparison with more tables each time, at first with none."""
+        # one by one, so that whoever waits sees each table as soon as it is there
         done: tuple[Table, ...] = ()
         yield Validation(self.paper, self.citation, done, self.errata)
         for compute in self.tables:

@@ -58,6 +58,7 @@ class InverseGammaCircuit:
 
 def inverse_gamma_of(circuit: TCircuit) -> InverseGammaCircuit:
     """Return the inverse-gamma circuit of a T circuit."""
+    # with k times the flux, the rotor has 1 / k of the current for the same torque: k^2 R_W loses the same
     k, mutual = circuit.flux_ratio, circuit.mutual_inductance_h
     return InverseGammaCircuit(
         stator_resistance_ohm=circuit.stator_resistance_ohm,

@@ -181,6 +181,7 @@ def _fill_losses(parameters: FloatArray, effort: FloatArray, speed: FloatArray, 
             continue
         found[COPPER, i] = motors * (state.stator_copper_w + state.rotor_copper_w)
         found[IRON, i] = motors * state.iron_w
+        # lost at the rotor itself: the gear has no part in it
         found[MECHANICAL, i] = motors * parameters[MECHANICAL_LOSS] * parameters[TURNS] * speed[i]
         # driving, motors give work / eta; braking, they get eta times the work
         found[GEAR_LOSS, i] = work * (1.0 / gear - 1.0) if work > 0.0 else -work * (1.0 - gear)

@@ -41,6 +41,7 @@ def fill_efficiency(
     for j in range(speed_rads.shape[0]):
         rotor_rads = machine.pole_pairs * speed_rads[j]
         for i in range(torque_nm.shape[0]):
+            # friction takes its torque whichever way the shaft's acts
             torque = torque_nm[i] + machine.mechanical_loss_torque_nm
             if least_loss:
                 flux_current = flux_current_of_least_loss(machine, torque, rotor_rads)

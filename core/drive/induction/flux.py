@@ -34,6 +34,7 @@ def flux_current_within_voltage(machine: Machine, torque_nm: float, rotor_rads: 
     rated2 = machine.magnetising_current_a * machine.magnetising_current_a
     strength = max(sign * torque_nm / torque_constant(machine), LEAST_STRENGTH_SHARE * rated2)
     quartic = voltage_quartic(machine, sign, rotor_rads)
+    # at rated flux q = kappa / Imu^2, which the voltage carries where kappa D <= U_m^2 q, as `voltage` derives
     ratio, voltage2 = strength / rated2, machine.max_phase_voltage_v * machine.max_phase_voltage_v
     if strength * value(quartic, ratio) <= voltage2 * ratio:
         return machine.magnetising_current_a

@@ -24,11 +24,11 @@ from railjoule.core.drive.induction.machine import (
 )
 from railjoule.core.drive.induction.power import GEAR, MOTORS, TURNS
 from railjoule.core.drive.induction.voltage import Quartic, value, voltage_quartic
+from railjoule.core.golden_section import Bracket, inner_points, narrowed, next_point
 
 # Iy / Ix of the search: far beyond both ends of what machines do, in the logarithm of which the torque has one maximum
 LEAST_RATIO, GREATEST_RATIO = 1e-3, 1e3
 WIDENING = 1.02
-GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 # 50 cuts by 0.618 leave 5e-10 of the ratio, at a kink between two limits as much of the torque
 NARROWINGS = 50
 
@@ -61,19 +61,15 @@ def greatest_torque_nm(
     quartic = voltage_quartic(machine, sign, rotor_rads)
     current2, flux2 = current_a * current_a, flux_current_a * flux_current_a
     low, high = math.log(LEAST_RATIO), math.log(GREATEST_RATIO)
-    left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-    at_left = _strength_at(machine, quartic, current2, flux2, math.exp(left))
-    at_right = _strength_at(machine, quartic, current2, flux2, math.exp(right))
+    left, right = inner_points(low, high)
+    # the search is for the least value, so kappa comes into it negative
+    at_left = -_strength_at(machine, quartic, current2, flux2, math.exp(left))
+    at_right = -_strength_at(machine, quartic, current2, flux2, math.exp(right))
+    bracket = Bracket(low, left, right, high, at_left, at_right)
     for _ in range(NARROWINGS):
-        if at_left > at_right:
-            high, right, at_right = right, left, at_left
-            left = high - GOLDEN * (high - low)
-            at_left = _strength_at(machine, quartic, current2, flux2, math.exp(left))
-        else:
-            low, left, at_left = left, right, at_right
-            right = low + GOLDEN * (high - low)
-            at_right = _strength_at(machine, quartic, current2, flux2, math.exp(right))
-    return torque_constant(machine) * max(at_left, at_right)
+        strength = _strength_at(machine, quartic, current2, flux2, math.exp(next_point(bracket)))
+        bracket = narrowed(bracket, -strength)
+    return -torque_constant(machine) * min(bracket.value_left, bracket.value_right)
 
 
 @njit(cache=True, nogil=True)
@@ -128,10 +124,14 @@ def corner_speed(parameters: FloatArray, braking: bool, current_a: float) -> flo
     """
     machine = machine_of(parameters)
     sign, flux_current = -1.0 if braking else 1.0, machine.magnetising_current_a
-    if current_a <= math.sqrt(2.0) * flux_current:  # so little current gives its most at less than rated flux
+    # Of a current I the torque goes as Ix Iy = I^2 q / (1 + q^2), greatest at q = 1, where Ix = I / sqrt(2): so little
+    # current gives its most at less than rated flux.
+    if current_a <= math.sqrt(2.0) * flux_current:
         return 0.0
     q = math.sqrt(current_a * current_a / (flux_current * flux_current) - 1.0)
-    # D of `voltage` is a quadratic in the frequency at a given ratio
+    # At a given ratio D of `voltage` is a quadratic in the stator's frequency w1,
+    #     R_S^2 (1 + q^2) + 2 R_S L_S (1 - sigma) s q w1 + L_S^2 (1 + sigma^2 q^2) w1^2,
+    # and with w1 = w + s g q one in that of the rotor, a w^2 + b w + c.
     r, ls, g, sigma = (
         machine.stator_resistance_ohm,
         machine.stator_inductance_h,

@@ -172,6 +172,7 @@ def steady_state(machine: Machine, flux_current_a: float, torque_current_a: floa
     voltage_x = resistance * i_x - frequency * leakage_share(machine) * inductance * i_y
     voltage_y = resistance * i_y + frequency * inductance * i_x
     iron = iron_loss_w(machine, i_x, frequency)
+    # of amplitudes, three phases have 3/2 of the product
     return SteadyState(
         slip,
         frequency,

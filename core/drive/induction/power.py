@@ -158,6 +158,7 @@ def generated_power(parameters: FloatArray, effort: float, speed: float) -> Powe
 @njit(cache=True)
 def work_bounds(parameters: FloatArray) -> tuple[float, float]:
     """Return the least line energy per work of traction, and the most energy generated per work of braking."""
+    # what the gear alone does; the machine's own losses and friction only add to that
     return 1.0 / parameters[GEAR], parameters[GEAR]
 
 

@@ -11,7 +11,7 @@ from railjoule.core.drive.kinds import LOSS_MAP
 from railjoule.core.drive.loss_map.loss import DRIVING_TABLE
 from railjoule.core.drive.loss_map.table import loss_table
 from railjoule.core.errors import DriveRangeError
-from railjoule.core.units import N_PER_KN, distinct_numbers
+from railjoule.core.units import MS_PER_KMH, N_PER_KN, distinct_numbers
 
 ROUNDING = 1e-9
 # runs use the largest effort to the last digit, and tabulated limits miss it by up to 1e-6
@@ -92,7 +92,7 @@ class MapDrive(GearedDrive):
             turns = self.parameters[TURNS]
             raise DriveRangeError(
                 f"the map of the drive ends at {self.greatest_speed_ms * turns:.4g} rad/s of the motor, below the "
-                f"{speed_ms * turns:.4g} rad/s of {3.6 * speed_ms:.4g} km/h."
+                f"{speed_ms * turns:.4g} rad/s of {speed_ms / MS_PER_KMH:.4g} km/h."
             )
 
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.synchronous.harmonics import Winding, resistance_at, six_step_loss, space_vector_loss
-from railjoule.core.drive.synchronous.machine import Machine, currents, greatest_torque
+from railjoule.core.drive.synchronous.machine import Machine, currents, greatest_torque, phase_voltages
 
 COPPER, IRON, MECHANICAL, HARMONICS, CONDUCTION, SWITCHING = range(6)
 KINDS = 6
@@ -83,15 +83,13 @@ def fill_losses(
     """
     stator = machine.pole_pairs * rads
     drag = shaft_drag_nm(numbers, rads)
+    # friction takes its torque whichever way the shaft's acts
     electromagnetic = torque + drag
     along, across, feasible = currents(machine, electromagnetic, stator)
     current = math.hypot(along, across)
     direct_flux = machine.magnet_flux_vs + machine.direct_inductance_h * along
     flux = math.hypot(direct_flux, machine.quadrature_inductance_h * across)
-    voltage = math.hypot(
-        machine.stator_resistance_ohm * along - stator * machine.quadrature_inductance_h * across,
-        machine.stator_resistance_ohm * across + stator * direct_flux,
-    )
+    voltage = math.hypot(*phase_voltages(machine, along, across, stator))
     speed_share, flux_share = stator / numbers.rated_rads, flux / numbers.rated_flux_vs
     losses[COPPER] = 1.5 * resistance_at(winding, stator) * current * current
     iron = (numbers.hysteresis_loss_w + numbers.eddy_loss_w * speed_share) * speed_share

@@ -13,10 +13,10 @@ import math
 from typing import NamedTuple
 
 from railjoule.core.compiled import njit
+from railjoule.core.golden_section import Bracket, inner_points, narrowed, next_point
 
 # 2^-40 = 1e-12 of the bracket
 HALVINGS = 40
-GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 # 0.618^28 = 1e-6 of the bracket: at its least value the voltage is flat, so within 1e-12
 NARROWINGS = 28
 
@@ -55,12 +55,18 @@ def _across(machine: Machine, torque: float, along: float) -> float:
 
 
 @njit(cache=True)
-def _voltage2(machine: Machine, torque: float, stator_rads: float, along: float) -> float:
-    """Return the square of the phase voltage's amplitude [V2] for a torque and a current along the magnets [A]."""
-    across = _across(machine, torque, along)
+def phase_voltages(machine: Machine, along: float, across: float, stator_rads: float) -> tuple[float, float]:
+    """Return the voltages along and across the magnets [V] for currents [A] at a frequency of the stator [rad/s]."""
+    # steady state: no derivatives, so each flux turns into a voltage on the other axis, by the frequency
     direct = machine.stator_resistance_ohm * along - stator_rads * machine.quadrature_inductance_h * across
     flux = machine.magnet_flux_vs + machine.direct_inductance_h * along
-    quadrature = machine.stator_resistance_ohm * across + stator_rads * flux
+    return direct, machine.stator_resistance_ohm * across + stator_rads * flux
+
+
+@njit(cache=True)
+def _voltage2(machine: Machine, torque: float, stator_rads: float, along: float) -> float:
+    """Return the square of the phase voltage's amplitude [V2] for a torque and a current along the magnets [A]."""
+    direct, quadrature = phase_voltages(machine, along, _across(machine, torque, along), stator_rads)
     return direct * direct + quadrature * quadrature
 
 
@@ -72,12 +78,28 @@ def least_current(machine: Machine, torque: float) -> float:
     for _ in range(HALVINGS):
         along = 0.5 * (low + high)
         across = _across(machine, torque, along)
-        # i_d at which i_d^2 + i_q^2 along a torque is least; left of it the sum is negative
+        # Half of the derivative of i_d^2 + i_q^2 along a torque, where i_q goes as 1 / (psi_m - (L_q - L_d) i_d) and so
+        # i_q' = i_q (L_q - L_d) / (psi_m - (L_q - L_d) i_d). It rises with i_d: negative left of the least current.
         if along + across * across * saliency / (machine.magnet_flux_vs - saliency * along) > 0.0:
             high = along
         else:
             low = along
     return 0.5 * (low + high)
+
+
+@njit(cache=True)
+def _least_voltage(machine: Machine, torque: float, stator_rads: float, below: float) -> float:
+    """Return the current along the magnets [A] below another one at which a torque needs the least voltage."""
+    lowest = -machine.max_current_a
+    left, right = inner_points(lowest, below)
+    at_left, at_right = (
+        _voltage2(machine, torque, stator_rads, left),
+        _voltage2(machine, torque, stator_rads, right),
+    )
+    bracket = Bracket(lowest, left, right, below, at_left, at_right)
+    for _ in range(NARROWINGS):
+        bracket = narrowed(bracket, _voltage2(machine, torque, stator_rads, next_point(bracket)))
+    return 0.5 * (bracket.left + bracket.right)
 
 
 @njit(cache=True)
@@ -97,20 +119,7 @@ def currents(machine: Machine, torque: float, stator_rads: float) -> tuple[float
     feasible = True
     if _voltage2(machine, torque, stator_rads, along) > voltage2:
         # left of the least current the voltage falls and rises again: find its least, then the root between the two
-        low, high = -machine.max_current_a, along
-        left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-        at_left = _voltage2(machine, torque, stator_rads, left)
-        at_right = _voltage2(machine, torque, stator_rads, right)
-        for _ in range(NARROWINGS):
-            if at_left < at_right:
-                high, right, at_right = right, left, at_left
-                left = high - GOLDEN * (high - low)
-                at_left = _voltage2(machine, torque, stator_rads, left)
-            else:
-                low, left, at_left = left, right, at_right
-                right = low + GOLDEN * (high - low)
-                at_right = _voltage2(machine, torque, stator_rads, right)
-        low, high = 0.5 * (low + high), along
+        low, high = _least_voltage(machine, torque, stator_rads, along), along
         feasible = _voltage2(machine, torque, stator_rads, low) <= voltage2
         if feasible:
             for _ in range(HALVINGS):

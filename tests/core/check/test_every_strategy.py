@@ -1,4 +1,4 @@
-"""Every strategy's runs over 300 scenarios of every drive keep every rule, but for the known faults."""
+"""Every strategy's runs over 300 scenarios of every drive keep every rule."""
 
 import importlib.util
 import warnings
@@ -11,8 +11,7 @@ import pytest
 from railjoule.core import check_run
 from railjoule.core.strategies import STRATEGIES
 from tests.any_scenarios import MODELS
-from tests.core.check.any_runs import CLEAR, SEEDS, any_runs
-from tests.core.check.known_faults import known_rules
+from tests.core.check.any_runs import SEEDS, any_runs, clear_faults
 
 BATCH = 15
 REFERENCE = Path(__file__).parents[4] / "shared" / "check" / "check.py"
@@ -22,21 +21,16 @@ seen: Counter[tuple[str, str]] = Counter()
 
 
 @pytest.mark.parametrize("first", range(0, SEEDS, BATCH))
-def test_runs_keep_every_rule_but_for_the_known_faults(first):
-    news, cured = [], []
+def test_runs_keep_every_rule(first):
+    faults = []
     for seed in range(first, first + BATCH):
         for run in any_runs(seed):
             seen[run.strategy, run.scenario.vehicle.drive.model] += 1
-            known, checks = known_rules(run.strategy, seed), check_run(run.scenario, run).checks
-            place = f"seed {seed}, {run.strategy}"
-            news += [
-                f"{place}: {check.name}, {check.largest:.2g} of {check.allowed:.2g}"
-                for check in checks
-                if check.name not in known and check.largest > CLEAR * check.allowed
+            faults += [
+                f"seed {seed}, {run.strategy}: {check.name}, {check.largest:.2g} of {check.allowed:.2g}"
+                for check in clear_faults(check_run(run.scenario, run).checks)
             ]
-            cured += [f"{place}: {check.name}" for check in checks if check.name in known and check.ok]
-    assert not news, f"new faults: {news}"
-    assert not cured, f"cured, to be taken off known_faults.py: {cured}"
+    assert not faults
 
 
 def test_every_strategy_has_driven_every_drive():
@@ -81,8 +75,7 @@ def test_what_the_reference_finds_ours_finds_too(reference):
             place = f"seed {seed}, {run.strategy}"
             if faults and not ours:
                 missed.append(f"{place}: {faults}")
-            known = known_rules(run.strategy, seed)
-            if not faults and any(check.largest > CLEAR * check.allowed and check.name not in known for check in ours):
+            if not faults and clear_faults(ours):
                 alone.append(f"{place}: {ours}")
     assert not missed
     assert not alone
