@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from railjoule.core.advice import Instruction, advise
-from railjoule.core.arrays import FloatArray, IntArray, frozen_array
+from railjoule.core.arrays import BoolArray, FloatArray, IntArray, frozen_array
 from railjoule.core.check import CheckResult
 from railjoule.core.energy import Energy, share_above
 from railjoule.core.line_current import line_current_a
@@ -44,18 +44,23 @@ class Bound:
         The nodes of the mesh over which it holds [m]: over others a run may need less.
     travel_time_s : float
         The longest time of a run that it covers, dwells included [s].
+    slowest_ms : float or array of shape (n + 1,)
+        The least speeds at the nodes of a run that it covers [m/s].
     """
 
     energy_j: float
     statement: str
     position_m: FloatArray
     travel_time_s: float
+    slowest_ms: FloatArray | float = 0.0
 
     def covers(self, run: "Trajectory") -> bool:
-        """Return whether a run is over the same mesh and no later."""
-        # a later run may need less, and a run over other nodes may switch where the bound's runs cannot
+        """Return whether a run is over the same mesh, no later and nowhere slower."""
+        # a later run may need less, as may a slower one, and one over other nodes may switch where these cannot
         in_time = run.travel_time_s <= self.travel_time_s * (1 + LATE_SHARE)
-        return in_time and np.array_equal(run.nodes_m, self.position_m)
+        if not in_time or not np.array_equal(run.nodes_m, self.position_m):
+            return False
+        return bool(np.all(run.node_speed_ms >= self.slowest_ms * (1 - LATE_SHARE)))
 
 
 @dataclass(frozen=True)
@@ -163,8 +168,18 @@ class Trajectory:
     def nodes_m(self) -> FloatArray:
         """Nodes of the mesh [m], each once, also where the train stands; shape (m,)."""
         # where a train stands, two nodes share a place: a bound knows the mesh without them
-        nodes: FloatArray = self.position_m[np.append(True, np.diff(self.position_m) > 0)]
+        nodes: FloatArray = self.position_m[self._moved]
         return nodes
+
+    @property
+    def node_speed_ms(self) -> FloatArray:
+        """Speeds at `nodes_m` [m/s]; shape (m,)."""
+        speeds: FloatArray = self.speed_ms[self._moved]
+        return speeds
+
+    @property
+    def _moved(self) -> BoolArray:
+        return np.append(True, np.diff(self.position_m) > 0)
 
     @property
     def energy_kwh(self) -> float:

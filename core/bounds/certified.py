@@ -52,7 +52,7 @@ def bounded(task: Task, run: Trajectory, known: Bound | None = None) -> Trajecto
     """Return a run with a bound that covers it: its own, else the one known, else one over its nodes and in its time.
 
     A run over other nodes than the task's, or later than it, may need less than what is proven of the task. Over very
-    many more nodes it stays without.
+    many more nodes it stays without, as does one that is slower on its way than any bound covers.
     """
     if run.bound is not None:
         return run
@@ -89,7 +89,9 @@ def certify(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> B
         statement = bound_statement(task)
     # where multipliers prove little, as those that have not converged, the plain work may be the better bound
     energy = max(proven + task.dwell_energy_j, work_floor_j(task))
-    return Bound(energy, statement, task.course.position_m, task.travel_time_s)
+    # next to a stop, where the optimum itself is slower, its proof covers runs down to its speed
+    slowest = np.minimum(SLOWEST_PROVEN_MS, np.sqrt(optimum.speed2))
+    return Bound(energy, statement, task.course.position_m, task.travel_time_s, slowest)
 
 
 def _switched_bound_j(task: Task, optimum: Optimum, proof_budget: int) -> float:

@@ -220,6 +220,8 @@ def minimise_energy(
         set_direction(course, work, response, aim, True, time_slack, time_multiplier, time_residual, aim * time_weight)
         point, multipliers = longest_steps(work, time_slack, time_multiplier, max(BOUND_SHARE, 1.0 - barrier))
         step = min(point, multipliers)
+        if not np.isfinite(step + work.time_step.sum()):
+            break  # the same: a step that overflows would leave numbers that are none
         short_steps = short_steps + 1 if step < SHORT_STEP else 0
         width = LOOSE_WIDTH if short_steps < SHORT_STEPS_BEFORE_TIGHT else TIGHT_WIDTH
         # after a short step the target was not reached: pairs are kept around the barrier that there is

@@ -71,12 +71,15 @@ def nearest_speed2(
 ) -> float:
     """Return the square of speed [m2/s2] nearest to a wanted one to which efforts within their limits lead.
 
-    Negative where full effort does not bring the train through the cell.
+    Negative where full effort does not bring the train through the cell, infinite where even that lets it slow down
+    more than is allowed: in a tunnel or up a steep hill, entered too fast.
     """
     moves = speed2 > 0.0 or wanted2 > 0.0
     if moves and _is_possible(cell, train, traction, braking, speed2, wanted2):
         return wanted2
     most = exit_speed2(cell, train, traction, braking, speed2, FULL_TRACTION)
+    if most < speed2 * (1.0 - ROUNDING) - 2.0 * train.max_deceleration_ms2 * cell.length_m:
+        return math.inf
     if wanted2 >= most:
         return most
     least = exit_speed2(cell, train, traction, braking, speed2, FULL_BRAKE)
@@ -169,6 +172,9 @@ def followed(course: CourseData, wanted_speed2: FloatArray, coasts: BoolArray) -
             # not into a stand, nor past the speed that is prescribed at the end
             wanted2 = coasting2 if coasting2 > 0.0 and i < last else wanted2
         speed2[i + 1] = nearest_speed2(cell, train, traction, braking, speed2[i], wanted2)
+        if speed2[i + 1] == math.inf:
+            # goes on even so: whoever checks the run's accelerations says what is wrong with it
+            speed2[i + 1] = exit_speed2(cell, train, traction, braking, speed2[i], FULL_TRACTION)
         if speed2[i + 1] <= 0.0 and i < last:
             speed2[i + 1] = -1.0
             break

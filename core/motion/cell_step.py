@@ -11,8 +11,8 @@ from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
 
 FULL_TRACTION, COAST, FULL_BRAKE = range(3)
 # A step of the fixed point shrinks its error by what effort and resistance change over what the change of speed takes.
-# Where that is much, near rest, twelve steps end it before rounding does.
-STEPS = 12
+# Where that is much, near rest, twelve steps left efforts up to 6e-5 above their limits; forty leave rounding.
+STEPS = 40
 EXACT = 1e-13
 # of the largest tractive effort: above what the fixed point and the solver's 1e-8 leave, too little to save any energy
 ALLOWED_EXCESS = 1e-7

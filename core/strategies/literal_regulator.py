@@ -24,6 +24,7 @@ from railjoule.core.limit_search.literal import (
 from railjoule.core.limit_search.whole_cells import followed
 from railjoule.core.motion import Course, build_course
 from railjoule.core.scenario.options import SearchOptions
+from railjoule.core.strategies.plain_line import check_accelerations
 from railjoule.core.task import Task
 from railjoule.core.units import MS_PER_KMH
 
@@ -91,6 +92,7 @@ def literal_run(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> 
     driven2 = followed(course.data, wanted2, coasts)
     _require_arrival(task, course, driven2)
     _require_limits(task, course, driven2)
+    check_accelerations(course, driven2)
     # the time in which effort grows at the start has no distance: the run has it as a dwell
     dwell = course.dwell_s.copy()
     dwell[0] = standing

@@ -5,13 +5,15 @@ two the train holds its speed, then coasts. Stops divide the line into parts who
 Source: Rawicki, (44)-(55). The searches are in `railjoule.core.phase_planning`.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from railjoule.core.errors import StrategyRefusedError, TimetableError
-from railjoule.core.motion import Course, build_course
+from railjoule.core.motion import Course, build_course, running_time
 from railjoule.core.phase_planning.plan import PhasePlan
-from railjoule.core.phase_planning.planner import PhasePlanner
-from railjoule.core.phase_planning.run import lay_out
+from railjoule.core.phase_planning.planner import ON_TIME, PhasePlanner
+from railjoule.core.phase_planning.run import PhaseRun, lay_out
 from railjoule.core.phase_planning.tables import phase_model
 from railjoule.core.strategies.plain_line import check_accelerations
 from railjoule.core.task import Task
@@ -74,8 +76,7 @@ def planner_of(task: Task) -> PhasePlanner:
 def trajectory_of(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...]) -> Trajectory:
     """Return the trajectory of plans for the parts of a task's line, in order."""
     nodes, speeds = [task.course.position_m[:1]], [np.array([plans[0].initial_speed_ms])]
-    for plan in plans:
-        run = lay_out(planner.model, plan)
+    for run in _laid_out(task, planner, plans):
         nodes.append(nodes[-1][-1] + run.position_m[1:])
         speeds.append(run.speed_ms[1:])
     position = np.concatenate(nodes)
@@ -94,6 +95,20 @@ def trajectory_of(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...
         price_of_time_w=None if price is None else price - course.data.auxiliary_power_w,
         notes=tuple(_sentence(plan) for plan in plans),
     )
+
+
+def _laid_out(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...]) -> list[PhaseRun]:
+    """Return the runs of plans, in time together.
+
+    A fastest run has no time to keep, and misses that of its tables: what it loses, the part with most time gains.
+    """
+    runs = [lay_out(planner.model, plan) for plan in plans]
+    late_s = sum(running_time(np.diff(run.position_m), run.speed_ms**2) for run in runs) - task.running_time_s
+    free = [k for k, plan in enumerate(plans) if not plan.fastest]
+    if late_s > ON_TIME * task.running_time_s and free:
+        k = max(free, key=lambda k: plans[k].running_time_s)
+        runs[k] = lay_out(planner.model, replace(plans[k], running_time_s=plans[k].running_time_s - late_s))
+    return runs
 
 
 def _line_force_n(course: Course) -> float:

@@ -23,7 +23,7 @@ from railjoule.core.strategies.literal_regulator import literal_run
 from railjoule.core.strategies.optimal import known_optimum
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
-from railjoule.core.units import MS_PER_KMH
+from railjoule.core.units import MS_PER_KMH, distinct_numbers
 
 LEAST_LIMIT_KMH = 1.0
 """Below (16): the least limit of a section."""
@@ -179,11 +179,17 @@ def _failure(problem: LimitProblem, position_m: FloatArray, speed2: FloatArray) 
     place = position_m[-1]
     if speed2[-1] <= 0.0:
         return f"comes to a stand at {place:.0f} m with these set speeds."
+    if not np.isfinite(speed2[-1]):
+        most = problem.course.data.max_deceleration_ms2
+        return (
+            f"slows down by more than the {most:g} m/s2 that are allowed before {place:.0f} m, which it approaches at "
+            f"{np.sqrt(speed2[-2]) / MS_PER_KMH:.1f} km/h, even at full effort."
+        )
     bound = problem.regulation.bound_speed2[len(speed2) - 1]
-    return (
-        f"cannot brake in time: it passes {place:.0f} m at {np.sqrt(speed2[-1]) / MS_PER_KMH:.1f} km/h, where "
-        f"{np.sqrt(bound) / MS_PER_KMH:.1f} km/h is the limit."
-    )
+    if bound == 0.0:
+        return f"cannot brake in time: it passes the stop at {place:.0f} m."
+    passed, allowed = distinct_numbers(float(np.sqrt(speed2[-1])) / MS_PER_KMH, float(np.sqrt(bound)) / MS_PER_KMH)
+    return f"cannot brake in time: it passes {place:.0f} m at {passed} km/h, where {allowed} km/h is the limit."
 
 
 def _no_limits(task: Task, problem: LimitProblem, found: LimitSearch) -> str:

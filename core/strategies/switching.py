@@ -40,6 +40,8 @@ MOST_MENDED = 3
 MOST_REPEATED = 3
 # the rounding of a sum of some hundred times, as in `PhasePlanner`
 TIME_ROUNDING = 1e-9
+# What a checker calls kept. Coasting exactly changes where brakes begin, in short cells before a stop by more than that
+RATE_ROUNDING = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -200,10 +202,14 @@ def _energy_j(task: Task, speed2: FloatArray) -> float:
 
 
 def _keeps_limits(task: Task, speed2: FloatArray) -> bool:
-    """Return whether a run is in time and needs no more effort than there is, but for rounding."""
+    """Return whether a run is in time and asks for no more effort or acceleration than is allowed, but for rounding."""
     data, force = task.course.data, task.course.net_force_n(speed2)
     speed = np.sqrt(speed2)
     v = mean_speed(speed[:-1], speed[1:])
     excess = np.maximum(force - data.traction.effort_n(v), -force - data.braking.effort_n(v) - data.friction_effort_n)
     in_time = running_time(data.cell_length_m, speed2) <= task.running_time_s * (1 + TIME_ROUNDING)
-    return bool(in_time and excess.max() <= LARGEST_VIOLATION * data.traction.constant_n)
+    change = np.diff(speed2) / (2 * data.cell_length_m)
+    gentle = change.max() <= data.max_acceleration_ms2 * (1 + RATE_ROUNDING) and (
+        change.min() >= -data.max_deceleration_ms2 * (1 + RATE_ROUNDING)
+    )
+    return bool(in_time and gentle and excess.max() <= LARGEST_VIOLATION * data.traction.constant_n)

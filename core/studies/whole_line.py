@@ -231,7 +231,9 @@ def _joined(task: Task, runs: list[Trajectory], sharing: Sharing) -> Trajectory:
         statement = f"No run with the same times from stop to stop uses less energy; of each: {bounds[0].statement}"
         energy_j = sum(part.energy_j for part in bounds) + standing_j
         time_s = sum(part.travel_time_s for part in bounds) + standing_s
-        bound = Bound(energy_j, statement, task.course.position_m, time_s)
+        floors = [np.broadcast_to(part.slowest_ms, part.position_m.shape) for part in bounds]
+        slowest = np.append(floors[0][:1], np.concatenate([floor[1:] for floor in floors]))
+        bound = Bound(energy_j, statement, task.course.position_m, time_s, slowest)
     return make_trajectory(
         task.scenario,
         task.course,
