@@ -43,7 +43,7 @@ TIME_SHARE = 1.2
 """Of the shortest time of the slowest train, the time that trains of all loads and gradients have."""
 WIDE_GAP = 1e-3
 ROUGH = 3e-5
-"""Beyond this share off the cubic a place is looked at for a jump: half of a jump shows, and claims are for 1e-4."""
+"""Beyond this share off the cubic a place is looked at for a jump; half of a jump shows, so that the least is twice."""
 ZOOMS, NO_JUMP = 6, 1e-6
 """How often such a place is zoomed in, four times each; what is less than this share is no jump, but rounding."""
 SHIPPED = {
@@ -281,7 +281,7 @@ HEAD = """\
 def row(sweep: Sweep) -> str:
     """Return a row of the table."""
     against = f"{sweep.against:.1e}" if sweep.sense else "no sense"
-    jump = f"{sweep.jump:.1e} at {sweep.jump_at:.5g}" if sweep.jump else "none"
+    jump = f"{sweep.jump:.1e} at {sweep.jump_at:.5g}" if sweep.jump else f"under {2 * ROUGH:.0e}"
     return (
         f"| {sweep.case.scenario.vehicle.drive.model} | {sweep.case.name} | {sweep.over} | {len(sweep.values)} | "
         f"{against} | {jump} | {sweep.roughness:.1e} | {len(sweep.refusals)} | {sweep.unbounded} | {sweep.wide} | "
