@@ -5,7 +5,8 @@ What physics asks of the energy that the optimum takes from the line, auxiliarie
 - Over the travel time it never rises. A run may arrive early, and its auxiliaries count until it arrives, so that every
   run of a shorter timetable is one of a longer timetable as well, at the same energy.
 - Over the gradient of a part of the line, at the same time, it never falls: the same speeds need more net force there.
-  Brakes at their limit would be an exception, as a train may have to run otherwise where it descends more.
+  Brakes at their limit are an exception, which random scenarios have: a train that must brake there for a stop has to
+  run otherwise where it descends more.
 - Over the load, at the same time, it never falls where the line ends no lower than it begins. Of a heavier train's
   efforts f and b at some speeds, of its drag D and of a ratio q < 1 of masses, a lighter train takes q f + (1 - q) D
   and q b for the same speeds. Losses that are convex in the effort make of an energy E no more than q E + (1 - q) times
@@ -16,6 +17,10 @@ What physics asks of the energy that the optimum takes from the line, auxiliarie
 Each sweep is held to that by two shares of the energy. One is how far an energy passes any earlier one against the
 sense, so that small steps add up. The other is the largest jump: wherever an energy is off the cubic through two
 neighbours on either side, which half of a jump is, the place is zoomed in. A kink vanishes; a jump stays.
+
+A jump against the sense that is less than what the energy changes from value to value is seen as a jump alone.
+
+Drives that take power as soon as they are on have runs that are the best found, not the best: their energies jump.
 """
 
 import argparse
@@ -177,7 +182,7 @@ def swept(case: Case, over: str, count: int) -> Sweep:
         try:
             runs.append((value, task, run_strategy(task, "optimal")))
         except RailjouleError as refusal:
-            refusals.append(f"{case.name}, {over} {value:.4g}: {refusal}")
+            refusals.append(f"{over} {value:.4g}: {refusal}")
     solved = np.array([value for value, _, _ in runs])
     energy = np.array([run.energy.net_j for _, _, run in runs])
     reference = np.array(
@@ -282,6 +287,8 @@ def row(sweep: Sweep) -> str:
     """Return a row of the table."""
     against = f"{sweep.against:.1e}" if sweep.sense else "no sense"
     jump = f"{sweep.jump:.1e} at {sweep.jump_at:.5g}" if sweep.jump else f"under {2 * ROUGH:.0e}"
+    # no energy has two neighbours on either side
+    jump = jump if len(sweep.values) >= 5 else "too few"
     return (
         f"| {sweep.case.scenario.vehicle.drive.model} | {sweep.case.name} | {sweep.over} | {len(sweep.values)} | "
         f"{against} | {jump} | {sweep.roughness:.1e} | {len(sweep.refusals)} | {sweep.unbounded} | {sweep.wide} | "
@@ -303,7 +310,7 @@ def main() -> None:
     for case in chosen:
         for over in asked.over:
             sweep = swept(case, over, COUNTS[over] // asked.thin)
-            refusals += sweep.refusals
+            refusals += [f"{case.name}, {refusal}" for refusal in sweep.refusals]
             print(row(sweep), flush=True)
     print("\n".join(["", *refusals]))
 
