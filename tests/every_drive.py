@@ -4,11 +4,11 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from builders import COPPER_LOSS, INDUCTION, LOSS_POLYNOMIAL, plain_scenario
 
 from railjoule.core import load_scenario
 from railjoule.core.motion import Course, build_course
 from railjoule.core.scenario import Scenario
+from tests.builders import COPPER_LOSS, INDUCTION, LOSS_POLYNOMIAL, plain_scenario
 
 MAP_TORQUES, MAP_SPEEDS = np.linspace(0, 2400, 13), np.linspace(0, 400, 11)
 
