@@ -105,8 +105,8 @@ class Motion(NamedTuple):
         Place [m], speed [m/s], and the effort that led there, braking negative [N].
     braking : bool
         Whether the regulator follows the braking curve.
-    asks : int
-        What it asks for: 1 driving, 0 none, -1 braking.
+    request : int
+        What it requests: 1 driving, 0 none, -1 braking.
     cell, section : int
         In which the train is.
     """
@@ -115,7 +115,7 @@ class Motion(NamedTuple):
     speed_ms: float
     effort_n: float
     braking: bool
-    asks: int
+    request: int
     cell: int
     section: int
 
@@ -159,7 +159,7 @@ def _step(course: CourseData, number: int, effort: float, speed: float, step_s: 
 
 
 @njit(cache=True)
-def _asked(course: CourseData, relay: Relay, limit_ms: float, speed: float) -> float:
+def _relay_request(course: CourseData, relay: Relay, limit_ms: float, speed: float) -> float:
     """Return the effort that (5) asks for [N]; braking is negative."""
     if speed < limit_ms - relay.dead_zone_ms:
         return largest_effort(course.traction, max(speed, NEARLY_AT_REST_MS))
@@ -209,7 +209,7 @@ def _must_brake(
 
 
 @njit(cache=True)
-def _wanted(
+def _request(
     course: CourseData,
     regulation: Regulation,
     curve_speed2: FloatArray,
@@ -219,23 +219,23 @@ def _wanted(
     motion: Motion,
 ) -> tuple[float, bool]:
     """Return the effort that relay and braking curve ask for [N], and whether it is the curve that does."""
-    asked = _asked(course, relay, limit_ms, motion.speed_ms)
+    requested = _relay_request(course, relay, limit_ms, motion.speed_ms)
     mass, speed, place = 2.0 * course.half_inertia_kg, motion.speed_ms, motion.place_m
     resisting = _resisting_n(course, motion.cell, speed)
     brake = min(max(mass * regulation.deceleration_ms2 - resisting, 0.0), _strongest_brake_n(course, speed))
     # the speed that the curve has after the time in which the brake can be built up or taken off again
     reach = min(speed * (brake / rate + 2.0 * relay.time_step_s), regulation.position_m[-1] - place)
     if reach <= 0.0:
-        return asked, False
+        return requested, False
     wanted2 = _curve_at(regulation.position_m, curve_speed2, motion.cell, place + reach)
     # dv/dt = dv^2/ds / 2: the acceleration with which the train meets the curve there
     change2 = (wanted2 - speed * speed) / (2.0 * reach)
     if motion.braking and change2 < 0.0:
-        return min(asked, mass * change2 + resisting), True
+        return min(requested, mass * change2 + resisting), True
     if _must_brake(course, regulation.position_m, curve_speed2, motion, brake, rate, relay.time_step_s):
         # effort takes its time to fall: it falls as fast as it can until the train is on the curve, or slow enough
-        return min(asked, -brake), change2 < 0.0
-    return asked, False
+        return min(requested, -brake), change2 < 0.0
+    return requested, False
 
 
 @njit(cache=True)
@@ -269,13 +269,13 @@ def _advance(
         cell += 1
     while section < borders_m.shape[0] and borders_m[section] <= place:
         section += 1
-    here = Motion(place, speed, motion.effort_n, motion.braking, motion.asks, cell, section)
+    here = Motion(place, speed, motion.effort_n, motion.braking, motion.request, cell, section)
     rate = largest_effort(course.traction, NEARLY_AT_REST_MS) / relay.full_effort_time_s
     limit = min(limits_ms[section], math.sqrt(regulation.top_speed2[cell]))
-    asked, braking = _wanted(course, regulation, curve_speed2, limit, relay, rate, here)
-    slow = asked > motion.effort_n >= 0.0 and speed >= relay.regulation_speed_ms
+    requested, braking = _request(course, regulation, curve_speed2, limit, relay, rate, here)
+    slow = requested > motion.effort_n >= 0.0 and speed >= relay.regulation_speed_ms
     change = rate * relay.time_step_s * (relay.effort_rate_share if slow else 1.0)
-    effort = motion.effort_n + min(max(asked - motion.effort_n, -change), change)
+    effort = motion.effort_n + min(max(requested - motion.effort_n, -change), change)
     resisting = _resisting_n(course, cell, speed)
     effort = _within_limits(course, effort, speed, resisting)
     moved, after = _step(course, cell, effort, speed, relay.time_step_s)
@@ -285,14 +285,14 @@ def _advance(
         # a limit of power or motors holds at the mean speed of the step
         effort = cut
         moved, after = _step(course, cell, effort, speed, relay.time_step_s)
-    asks = 1 if asked > 0.0 else -1 if asked < 0.0 else 0
+    request = 1 if requested > 0.0 else -1 if requested < 0.0 else 0
     remaining = regulation.position_m[-1] - place
     if speed <= 0.0 and after <= 0.0:
         # the effort grows until it moves the train, or is all there is
-        return Motion(place, 0.0, effort, braking, asks, cell, section), GOES_ON if effort < asked else STANDS
+        return Motion(place, 0.0, effort, braking, request, cell, section), GOES_ON if effort < requested else STANDS
     if moved >= remaining or after <= 0.0 or (braking and 2.0 * remaining <= speed * relay.time_step_s):
-        return Motion(place, speed, effort, braking, asks, cell, section), _end_of(course, relay, here, remaining)
-    return Motion(place + moved, after, effort, braking, asks, cell, section), GOES_ON
+        return Motion(place, speed, effort, braking, request, cell, section), _end_of(course, relay, here, remaining)
+    return Motion(place + moved, after, effort, braking, request, cell, section), GOES_ON
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -336,7 +336,7 @@ def literal_trip(
     nodes, switches, standing = 1, 0, 0.0
     while nodes < position_m.shape[0]:
         then, status = _advance(course, regulation, curve_speed2, borders_m, limits_ms, relay, motion)
-        switches += then.asks != motion.asks
+        switches += then.request != motion.request
         if status == ARRIVED:
             position_m[nodes], speed2[nodes], effort_n[nodes] = regulation.position_m[-1], 0.0, then.effort_n
             return nodes + 1, standing, switches, ARRIVED

@@ -25,7 +25,7 @@ class Evaluation:
     ----------
     stage : str
         'sample' in the first, even search, 'refine' in the second, 'given' where there is no search.
-    asked_ms, limits_ms : array of shape (k,)
+    unscaled_ms, limits_ms : array of shape (k,)
         Limits as they were drawn and as they were scaled to the time [m/s].
     boundaries_m : array of shape (k - 1,)
         Between the sections [m].
@@ -34,7 +34,7 @@ class Evaluation:
     """
 
     stage: str
-    asked_ms: FloatArray
+    unscaled_ms: FloatArray
     limits_ms: FloatArray
     boundaries_m: FloatArray
     running_time_s: float
@@ -63,15 +63,15 @@ class LimitProblem:
     most_ms: float
     running_time_s: float
 
-    def evaluate(self, stage: str, asked_ms: FloatArray, boundaries_m: FloatArray) -> Evaluation:
+    def evaluate(self, stage: str, limits_ms: FloatArray, boundaries_m: FloatArray) -> Evaluation:
         """Return what becomes of limits [m/s] and boundaries [m], scaled until the trip takes the allowed time."""
-        limits, time, energy, _ = scale_to_time(
-            self.course.data, self.regulation, boundaries_m, asked_ms, self.least_ms, self.most_ms, self.running_time_s
+        scaled, time, energy, _ = scale_to_time(
+            self.course.data, self.regulation, boundaries_m, limits_ms, self.least_ms, self.most_ms, self.running_time_s
         )
         # the scaling meets the time to 1e-9 where any factor does; what it misses by more has none
         late = time > self.running_time_s * (1 + 1e-6)
         return Evaluation(
-            stage, asked_ms, limits, boundaries_m, time, np.inf if late else self._with_auxiliaries(time, energy)
+            stage, limits_ms, scaled, boundaries_m, time, np.inf if late else self._with_auxiliaries(time, energy)
         )
 
     def as_given(self, limits_ms: FloatArray, boundaries_m: FloatArray) -> Evaluation:

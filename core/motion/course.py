@@ -30,7 +30,7 @@ PER_CELL = ("gradient_permille", "tunnel_factor", "gradient_force_n", "curve_for
 """The arrays of a course with one entry a cell, beside those of its data."""
 
 # an interior point needs an inside: between no effort and a largest one of zero there is none
-LEAST_BRAKING_SHARE = 1e-9
+MISSING_BRAKE_SHARE = 1e-9
 """A missing electric brake counts as this share of the tractive effort."""
 
 
@@ -187,7 +187,7 @@ def _course_data(
     # a drive that knows no such speed says so here, before any solver asks its table beyond its end
     drive.require_speed(traction.max_speed_kmh * MS_PER_KMH)
     pulling, electric = effort_limit(vehicle, drive), effort_limit(vehicle, drive, braking=True)
-    least_braking = LEAST_BRAKING_SHARE * pulling.constant_n
+    least_braking = MISSING_BRAKE_SHARE * pulling.constant_n
     return CourseData(
         cell_length_m=np.diff(line.position_m),
         line_force_n=line_force_n,

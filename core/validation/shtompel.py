@@ -112,7 +112,7 @@ def evaluations() -> list[Row]:
         samples = [one for one in search.evaluations if one.stage == "sample"]
         borders = search.best.boundaries_m
         # as they were drawn: `evaluate` would scale them to the time
-        times = np.array([problem.as_given(one.asked_ms, borders).running_time_s for one in samples])
+        times = np.array([problem.as_given(one.unscaled_ms, borders).running_time_s for one in samples])
         inside = float(np.mean(np.abs(times / task.running_time_s - 1) <= window))
 
         def cost(place: FloatArray, problem: Any = problem, borders: FloatArray = borders) -> float:

@@ -60,7 +60,7 @@ class SearchPlaneChart(Chart):
                 clear(source)
             return
         pair = slice(first, first + 2)
-        asked, driven = (limits_of(search, name)[:, pair] for name in ("asked_ms", "limits_ms"))
+        asked, driven = (limits_of(search, name)[:, pair] for name in ("unscaled_ms", "limits_ms"))
         energy = energies_kwh(search)
         known, samples = np.isfinite(energy), stages(search) == "sample"
         self.figure.xaxis.axis_label = f"Section {first + 1}, km/h"

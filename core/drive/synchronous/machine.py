@@ -92,10 +92,8 @@ def _least_voltage(machine: Machine, torque: float, stator_rads: float, below: f
     """Return the current along the magnets [A] below another one at which a torque needs the least voltage."""
     lowest = -machine.max_current_a
     left, right = inner_points(lowest, below)
-    at_left, at_right = (
-        _voltage2(machine, torque, stator_rads, left),
-        _voltage2(machine, torque, stator_rads, right),
-    )
+    at_left = _voltage2(machine, torque, stator_rads, left)
+    at_right = _voltage2(machine, torque, stator_rads, right)
     bracket = Bracket(lowest, left, right, below, at_left, at_right)
     for _ in range(NARROWINGS):
         bracket = narrowed(bracket, _voltage2(machine, torque, stator_rads, next_point(bracket)))
