@@ -21,6 +21,9 @@ ROUNDED_SPEED = 1e-9
 # cell for which it takes no power counts as off, see `off`.
 OFF_SHARE = 1e-6
 """Efforts below this share of the largest one may be rounding, and then the drive is off."""
+# a weak brake behind strong motors: what is rounding of the one's effort is not much of the other's
+OFF_SHARE_OF_MOST = 1e-7
+"""The same of the largest tractive effort that the vehicle has."""
 # a table's error is one of its scale, so towards no loss a share of the loss itself would be stricter than any table
 SMALL_LOSS_SHARE = 0.1
 """Losses below this share of the largest are known no better than those."""
@@ -166,9 +169,14 @@ class Case:
         """Where the drive is off: without effort, or with one that the run itself takes for rounding."""
         # An effort of exactly 0 is off. A tiny one is either: an induction machine that holds its flux takes idle
         # power for it. What the run charged decides, so that neither reading is called an error.
-        rounding = np.abs(self.electric_n) <= OFF_SHARE * self.effort_scale_n
+        rounding = np.abs(self.electric_n) <= max(OFF_SHARE * self.effort_scale_n, OFF_SHARE_OF_MOST * self._most_n)
         off: BoolArray = (self.electric_n == 0) | (rounding & (self.drive_power_w == 0))
         return off
+
+    @property
+    def _most_n(self) -> float:
+        """The largest tractive effort that the vehicle states [N]; 0 where its motors alone limit it."""
+        return (self.scenario.vehicle.traction.max_effort_kn or 0.0) * N_PER_KN
 
     @cached_property
     def losses_w(self) -> Losses:

@@ -14,7 +14,7 @@ from railjoule.core.drive import loss_polynomial
 from railjoule.core.drive.geared_parameters import GEAR_LOSS, MOTORS, NEGLIGIBLE, TURNS
 from railjoule.core.drive.kinds import LOSS_MAP, LOSS_POLYNOMIAL
 from railjoule.core.drive.loss_map import loss as loss_map
-from railjoule.core.drive.power_terms import PowerTerms
+from railjoule.core.drive.power_terms import PowerTerms, off_at_rounding
 
 
 @njit(cache=True)
@@ -74,11 +74,7 @@ def driving_power(kind: int, parameters: FloatArray, effort: float, speed: float
 
     Returns (p, dp/df, dp/dv, d2p/df2, d2p/dfdv, d2p/dv2). Zero at an effort that is no more than rounding.
     """
-    p, p_f, p_v, p_ff, p_fv, p_vv = power_with_idle(kind, parameters, effort, speed)
-    # slopes by effort stay: a solver at no effort must still see what the first newton costs
-    if effort <= parameters[NEGLIGIBLE]:
-        return 0.0, p_f, 0.0, p_ff, p_fv, 0.0
-    return p, p_f, p_v, p_ff, p_fv, p_vv
+    return off_at_rounding(power_with_idle(kind, parameters, effort, speed), effort, parameters[NEGLIGIBLE])
 
 
 @njit(cache=True)

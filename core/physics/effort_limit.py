@@ -13,6 +13,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import borrowed, njit
+from railjoule.core.hermite import HERMITE
 
 # pieces are looked up in steps of this length: short enough to leave one or two to search, and few enough for a cache
 TABLE_STEP_MS = 0.125
@@ -32,8 +33,6 @@ SLOPE_SHARE = 1e-3
 """Step of the differences that give a slope, as a share of the width of a piece."""
 SLOWEST_MS = 1e-3
 """Stands for rest in limits of power, which end at the constant limit long before."""
-HERMITE = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [-3.0, 3.0, -2.0, -1.0], [2.0, -2.0, 1.0, 1.0]])
-"""Coefficients of 1, x, x^2, x^3 from the values at 0 and 1 and the slopes there."""
 COLUMNS = 5
 """Of a table: where a piece begins, and the coefficients of 1, x, x^2, x^3 from there."""
 NO_TABLE, NO_PIECES = np.zeros((0, COLUMNS)), np.zeros(0, dtype=np.int64)

@@ -23,6 +23,7 @@ from railjoule.core.motion.mesh import line_borders, with_nodes_at
 from railjoule.core.physics.course_data import CourseData, cell_of, shared_by_cells, train_of
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.actual_vehicle import actual_vehicle, changed, notes_on
+from railjoule.core.simulate.driver import STANDING_SPEED2
 from railjoule.core.simulate.odometer import Stretch, estimated_positions, stopping_position, stretches
 from railjoule.core.strategies import Task, run_strategy
 from railjoule.core.task import task_over
@@ -31,8 +32,6 @@ from railjoule.core.trajectory import Trajectory, make_trajectory
 # Cells beyond a stop that the brakes did not reach, and how many: 10 km, more than any brake that works needs. A
 # shorter cell only refines where it stands, which is found within the last one anyway.
 OVERRUN_CELL_M, LONGEST_OVERRUN_CELLS = 5.0, 2000
-# Square of a speed that counts as standing: 0.03 mm/s, rounding of the last braking cell.
-STANDING_SPEED2 = 1e-9
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,7 +21,7 @@ from railjoule.core.drive.induction.machine import (
     steady_state,
     torque_constant,
 )
-from railjoule.core.drive.power_terms import PowerTerms
+from railjoule.core.drive.power_terms import PowerTerms, off_at_rounding
 
 PARAMETERS = (
     *Machine._fields,
@@ -117,11 +117,7 @@ def driving_power(parameters: FloatArray, effort: float, speed: float) -> PowerT
 
     Returns (p, dp/df, dp/dv, d2p/df2, d2p/dfdv, d2p/dv2). Zero at an effort that is no more than rounding.
     """
-    p, p_f, p_v, p_ff, p_fv, p_vv = power_with_idle(parameters, effort, speed)
-    # slopes by effort stay: a solver at no effort must still see what the first newton costs
-    if effort <= parameters[NEGLIGIBLE]:
-        return 0.0, p_f, 0.0, p_ff, p_fv, 0.0
-    return p, p_f, p_v, p_ff, p_fv, p_vv
+    return off_at_rounding(power_with_idle(parameters, effort, speed), effort, parameters[NEGLIGIBLE])
 
 
 @njit(cache=True)

@@ -13,12 +13,11 @@ from scipy.interpolate import PchipInterpolator
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.power_terms import PowerTerms
+from railjoule.core.hermite import HERMITE
 
 # numbers of a row before the torques, and of a patch: 4 powers of torque times 4 of speed
 HEAD = 2
 PATCH = 16
-HERMITE = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [-3.0, 3.0, -2.0, -1.0], [2.0, -2.0, 1.0, 1.0]])
-"""Coefficients of 1, x, x^2, x^3 from the values at 0 and 1 and the slopes there."""
 
 
 def loss_table(torque_nm: FloatArray, speed_rads: FloatArray, loss_w: FloatArray) -> FloatArray:
