@@ -2,10 +2,13 @@
 
 import numpy as np
 
+from railjoule.core.arrays import frozen_array
 from railjoule.core.phases import RunData
 
 LARGEST_N = 100e3
 INERTIA_KG = 100e3
+# a kernel is compiled anew for each kind of array: these are the kinds that a trajectory gives
+FROZEN = ("position_m", "time_s", "speed_ms", "largest_effort_n", "largest_braking_n")
 
 
 def run_of(*pieces, start_ms=10.0, limit_ms=np.inf, cell_m=10.0, **fields):
@@ -37,7 +40,8 @@ def run_of(*pieces, start_ms=10.0, limit_ms=np.inf, cell_m=10.0, **fields):
         "inertia_kg": INERTIA_KG,
         "max_deceleration_ms2": np.inf,
     }
-    return RunData(**{**values, **fields})
+    values |= fields
+    return RunData(**{name: frozen_array(value) if name in FROZEN else value for name, value in values.items()})
 
 
 def in_short(phases):

@@ -153,7 +153,7 @@ def test_a_zoom_survives_a_slider(user: User) -> None:
     user.push("Travel time, s", 5)
     assert x_range(user) == zoomed
     user.page.mouse.dblclick(box["x"] + 300, middle)
-    user.rest()
+    user.wait_until(lambda: x_range(user) == whole)
     assert x_range(user) == whole
 
 

@@ -6,7 +6,7 @@ import pytest
 from playwright.sync_api import Browser
 
 from browser.server import Server
-from browser.user import User, open_page
+from browser.user import User
 
 PAGES = (
     "Start",
@@ -24,7 +24,6 @@ PAGES = (
 WIDTHS = (390, 1280, 1920)
 LARGEST_HOLE_PX = 330
 """As high as the usual chart of a page."""
-SETTLE_MS = 2500
 WALK = """
 const all = [];
 const walk = (root) => {
@@ -101,8 +100,7 @@ def test_nothing_is_cut_off(chromium: Browser, server: Server, width: int, dark:
     faults: dict[str, Any] = {}
     with open_at(chromium, server, width, dark) as user:
         for page in PAGES:
-            open_page(user, page)
-            user.rest(SETTLE_MS)
+            user.turn_to(page)
             found = {
                 "cut": user.page.evaluate(CUT),
                 "sideways": user.page.evaluate(SIDEWAYS),

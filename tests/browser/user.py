@@ -8,6 +8,7 @@ from urllib.parse import urlsplit
 
 from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect
 
+from browser.sight import Sight
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look.words import STRATEGY_WORDS
 from railjoule.dashboard.models.pages import PAGES
@@ -124,7 +125,7 @@ class User:
         def shown() -> float:
             return float(field.input_value().replace("\u202f", "").replace("\u2212", "-") or "nan")
 
-        self._wait_until(lambda: abs(shown() - number) <= within)
+        self.wait_until(lambda: abs(shown() - number) <= within)
         assert abs(shown() - number) <= within, f"{shown()} is not within {within} of {number}"
 
     def prefer(self, colours: str) -> None:
@@ -183,9 +184,12 @@ class User:
         self.turn_to("Drive")
 
     def turn_to(self, page: str) -> None:
-        """Turn to another page, and let it come to rest."""
+        """Turn to another page, and wait until all charts in sight are drawn and nothing moves into place any more."""
         open_page(self, page)
-        self.rest(1500)
+        deadline = time.monotonic() + PATIENCE_MS / 1000
+        while Sight(self.page, page).undrawn and time.monotonic() < deadline:
+            self.rest()
+        self.rest()
 
     def open_file(self, path: Path) -> None:
         """Open a scenario file."""
@@ -204,10 +208,10 @@ class User:
 
     def see_change(self, chart: str, before: bytes) -> None:
         """Wait until a chart looks otherwise than before."""
-        self._wait_until(lambda: self.picture(chart) != before)
+        self.wait_until(lambda: self.picture(chart) != before)
         assert self.picture(chart) != before, f"chart {chart} has not changed"
 
-    def _wait_until(self, holds: Callable[[], bool]) -> None:
+    def wait_until(self, holds: Callable[[], bool]) -> None:
         """Wait until something holds, but not longer than for anything else."""
         deadline = time.monotonic() + PATIENCE_MS / 1000
         while not holds() and time.monotonic() < deadline:

@@ -1,5 +1,7 @@
 """Trips under limits of sections: what they obey, that they cost what their trajectory says, and no mesh shows."""
 
+from importlib import import_module
+
 import numpy as np
 import pytest
 from builders import LOSS_POLYNOMIAL, plain_scenario
@@ -31,6 +33,16 @@ HILLY = plain_scenario(
     }
 )
 limits = st.tuples(st.floats(10, 80), st.floats(10, 80))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def without_bounds():
+    """Leave bounds and optima aside: over fine meshes they cost seconds, and no test here asks for them."""
+    module = import_module("railjoule.core.strategies.speed_limits")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "bounded", lambda _task, run: run)
+        patch.setattr(module, "known_optimum", lambda _task: None)
+        yield
 
 
 @pytest.mark.parametrize("regulator", ["brake", "coast"])

@@ -6,6 +6,7 @@ from builders import plain_scenario
 from pieces import INERTIA_KG, LARGEST_N, in_short, run_of
 
 from railjoule.core import load_scenario, solve
+from railjoule.core.arrays import frozen_array
 from railjoule.core.phases import find_phases
 
 RESISTANCE_N = 5e3
@@ -23,7 +24,8 @@ def with_one_effort_a_cell(switch_m, cell_m=10.0, length_m=400.0):
     plain = run_of((length_m, 5.0, 0.0), start_ms=5.0, cell_m=cell_m)
     time = np.append(0, np.cumsum(2 * np.diff(position) / (speed[1:] + speed[:-1])))
     taken = np.append(0, np.cumsum(powered * LARGEST_N * cell_m))
-    return plain._replace(speed_ms=speed, time_s=time, effort_n=powered * LARGEST_N, energy_j=taken), speed
+    driven = {"speed_ms": frozen_array(speed), "time_s": frozen_array(time)}
+    return plain._replace(**driven, effort_n=powered * LARGEST_N, energy_j=taken), speed
 
 
 @pytest.mark.parametrize("switch_m", [50.0, 52.0, 57.5, 59.5])
