@@ -334,7 +334,8 @@ def literal_trip(
     motion = Motion(regulation.position_m[0], math.sqrt(w0), 0.0, False, 0, 0, 0)
     position_m[0], speed2[0], effort_n[0] = motion.place_m, w0, 0.0
     nodes, switches, standing = 1, 0, 0.0
-    while nodes < position_m.shape[0]:
+    # a step that does not move the train counts as well: one whose effort never suffices would stand for ever
+    for _ in range(1, position_m.shape[0]):
         then, status = _advance(course, regulation, curve_speed2, borders_m, limits_ms, relay, motion)
         switches += then.request != motion.request
         if status == ARRIVED:
