@@ -126,6 +126,14 @@ def bound_of(run, energy_j, late_s=0.0):
     return Bound(energy_j, "any", run.nodes_m, run.travel_time_s + late_s)
 
 
+def test_a_bound_covers_no_run_that_is_slower_than_its_proof_allows(stopping):
+    slowest = np.where(stopping.node_speed_ms > 0, 0.9 * stopping.node_speed_ms, 0.0)
+    bound = replace(bound_of(stopping, 1.0), slowest_ms=slowest)
+    assert bound.covers(stopping)
+    slowest[5] = 1.1 * stopping.node_speed_ms[5]
+    assert not replace(bound, slowest_ms=slowest).covers(stopping)
+
+
 def test_gap_is_relative_to_the_bound(stopping):
     net = stopping.energy.net_j
     assert stopping.with_bound(bound_of(stopping, 0.8 * net)).gap == pytest.approx(0.25)

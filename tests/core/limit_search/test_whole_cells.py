@@ -33,6 +33,14 @@ def one_cell():
     return cell_of(data, 50), train_of(data), data.traction, data.braking
 
 
+def test_where_full_effort_slows_down_more_than_is_allowed_there_is_no_speed_to_reach():
+    cell, train, traction, braking = one_cell()
+    gentle, steep = train._replace(max_deceleration_ms2=0.5), cell._replace(constant_n=cell.constant_n + 200e3)
+    # full effort of 100 kN against 200 kN more leaves -100 kN for 110 t, 0.9 m/s2
+    assert nearest_speed2(steep, gentle, traction, braking, 400.0, 390.0) == np.inf
+    assert 0.0 < nearest_speed2(steep, train, traction, braking, 400.0, 390.0) < 400.0
+
+
 def test_what_is_wanted_within_reach_is_reached():
     assert nearest_speed2(*one_cell(), 100.0, 101.0) == 101.0
 
