@@ -1,4 +1,4 @@
-"""Scenarios that once broke a solver or a strategy, found by random search; their numbers are as they were found."""
+"""Scenarios that once broke a solver or a strategy, found by random search; numbers are as found, or rounded."""
 
 from typing import Any
 
@@ -94,3 +94,49 @@ COASTS_ALL_BUT_TO_A_STAND: dict[str, Any] = {
     "solver": {"mesh_m": 36.72282813609372},
 }
 """So much time that the best run in phases coasts until next to no speed is left to brake from."""
+COMES_TO_REST_FOR_EVER: dict[str, Any] = {
+    "title": "a train that comes to rest ever more slowly",
+    "vehicle": {
+        "name": "heavy tram",
+        "tare_kg": 137e3,
+        "capacity_passengers": 1050,
+        "load_factor": 0.6,
+        "rotating_mass_factor": 0.34,
+        "resistance": {"constant_n_per_kn": 2.05, "constant_n": 548.0},
+        "traction": {"max_speed_kmh": 37.3, "max_power_kw": 762.0},
+        "braking": {"max_effort_kn": 84.4, "max_power_kw": 445.0},
+        "drive": {
+            "model": "induction",
+            "motors": 98,
+            "gear_ratio": 8.33,
+            "wheel_diameter_m": 0.663,
+            "gear_efficiency": 0.996,
+            "pole_pairs": 2,
+            "stator_resistance_ohm": 0.117,
+            "rotor_resistance_ohm": 0.14,
+            "stator_inductance_mh": 33.1,
+            "rotor_inductance_mh": 33.9,
+            "mutual_inductance_mh": 32.5,
+            "rated_magnetising_current_a": 29.3,
+            "rated_frequency_hz": 60.0,
+            "hysteresis_loss_w": 283.0,
+            "eddy_loss_w": 303.0,
+            "mechanical_loss_torque_nm": 5.05,
+            "max_phase_voltage_v": 410.0,
+            "starting_current_a": 180.0,
+            "braking_current_a": 198.0,
+            "recuperation_factor": 0.5,
+        },
+    },
+    "line": {
+        "reverse": True,
+        "sections": [
+            {"length_m": 30.3, "gradient_permille": 48.7},
+            {"length_m": 12.8, "gradient_permille": 0.0},
+            {"length_m": 49.2, "gradient_permille": 6.91},
+        ],
+    },
+    "search": {"regulator": "literal", "limits_kmh": [2.608, 2.608, 2.461]},
+    "timetable": {"travel_time_s": 220.0},
+}
+"""The printed regulator brakes it ever more slowly without ever holding it: 1e-13 m/s moves no place any more."""

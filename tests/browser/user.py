@@ -186,9 +186,7 @@ class User:
     def turn_to(self, page: str) -> None:
         """Turn to another page, and wait until all charts in sight are drawn and nothing moves into place any more."""
         open_page(self, page)
-        deadline = time.monotonic() + PATIENCE_MS / 1000
-        while Sight(self.page, page).undrawn and time.monotonic() < deadline:
-            self.rest()
+        self.wait_until(lambda: not Sight(self.page, page).undrawn)
         self.rest()
 
     def open_file(self, path: Path) -> None:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from builders import HILLS, plain_scenario
+from hard_scenarios import COMES_TO_REST_FOR_EVER
 
 from railjoule.core import StrategyRefusedError, check_run
 from railjoule.core.scenario import scenario_from_document
@@ -20,53 +21,6 @@ HILLY = {
     "vehicle.length_m": 80.0,
     "vehicle.car_count": 4,
     "vehicle.braking": {"max_effort_kn": 60.0, "max_power_kw": 600.0, "friction_effort_kn": 40.0},
-}
-
-# its brakes let it go ever more slowly without ever holding it: speeds of 1e-13 m/s move no place any more
-STALLING = {
-    "title": "a train that comes to rest ever more slowly",
-    "vehicle": {
-        "name": "heavy tram",
-        "tare_kg": 137e3,
-        "capacity_passengers": 1050,
-        "load_factor": 0.6,
-        "rotating_mass_factor": 0.34,
-        "resistance": {"constant_n_per_kn": 2.05, "constant_n": 548.0},
-        "traction": {"max_speed_kmh": 37.3, "max_power_kw": 762.0},
-        "braking": {"max_effort_kn": 84.4, "max_power_kw": 445.0},
-        "drive": {
-            "model": "induction",
-            "motors": 98,
-            "gear_ratio": 8.33,
-            "wheel_diameter_m": 0.663,
-            "gear_efficiency": 0.996,
-            "pole_pairs": 2,
-            "stator_resistance_ohm": 0.117,
-            "rotor_resistance_ohm": 0.14,
-            "stator_inductance_mh": 33.1,
-            "rotor_inductance_mh": 33.9,
-            "mutual_inductance_mh": 32.5,
-            "rated_magnetising_current_a": 29.3,
-            "rated_frequency_hz": 60.0,
-            "hysteresis_loss_w": 283.0,
-            "eddy_loss_w": 303.0,
-            "mechanical_loss_torque_nm": 5.05,
-            "max_phase_voltage_v": 410.0,
-            "starting_current_a": 180.0,
-            "braking_current_a": 198.0,
-            "recuperation_factor": 0.5,
-        },
-    },
-    "line": {
-        "reverse": True,
-        "sections": [
-            {"length_m": 30.3, "gradient_permille": 48.7},
-            {"length_m": 12.8, "gradient_permille": 0.0},
-            {"length_m": 49.2, "gradient_permille": 6.91},
-        ],
-    },
-    "search": {"regulator": "literal", "limits_kmh": [2.608, 2.608, 2.461]},
-    "timetable": {"travel_time_s": 220.0},
 }
 
 
@@ -143,4 +97,4 @@ def test_a_crawl_is_told_from_a_stand():
 def test_a_train_that_comes_to_rest_for_ever_is_given_up():
     """After three times its timetable's 220 s."""
     with pytest.raises(StrategyRefusedError, match=r"does not arrive within 660 s with the literal regulator"):
-        speed_limits(prepare_task(scenario_from_document(STALLING)))
+        speed_limits(prepare_task(scenario_from_document(COMES_TO_REST_FOR_EVER)))
