@@ -26,7 +26,7 @@
     const {prototype: column} = prototype_of("panel.models.layout.Column").default_view;
     needed(esm, "invalidate_layout", "compute_layout", "_after_resize");
     needed(column, "invalidate_layout", "compute_layout", "after_layout", "measure_layout", "update_bbox",
-      "_compute_layout", "update_layout");
+      "_compute_layout", "update_layout", "render");
     const page = owner_of(esm, "invalidate_layout"), base = owner_of(column, "invalidate_layout");
     const element = owner_of(esm, "_after_resize");
     const {get} = Object.getOwnPropertyDescriptor(base, "layoutable_views");
@@ -86,7 +86,12 @@
       if (is_place(this) && this.rj_laid) { when_possible(this, compute_place); return; }
       base_work.compute_layout.call(this);
     };
-    const {after_layout} = base;
+    const {render, after_layout} = base;
+    base.render = function () {
+      // what is rendered anew has lost the styles that gave its figure a size: its next layout goes down to that
+      if (is_place(this)) { this.rj_laid = false; }
+      render.call(this);
+    };
     base.after_layout = function () {
       after_layout.call(this);
       if (is_place(this) && !this.rj_laid) { this.rj_laid = true; this.rj_size = own_size(this); }

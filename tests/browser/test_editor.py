@@ -9,10 +9,13 @@ from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User
 from railjoule.dashboard.views.charts import RIGHT_BORDER_PX
+from railjoule.dashboard.views.editor import LIMITS_PX, PROFILE_PX
 
 LENGTH_M = 2300.0
 LEFT_PX, ABOVE_PX, BELOW_PX = 50.0, 2.0, 7.0
 """Borders of a chart around its frame."""
+SLOW = 6
+"""Times slower than this machine: what comes in one frame here then comes in several."""
 
 
 @pytest.fixture(scope="module")
@@ -182,6 +185,19 @@ def test_nothing_grave_on_a_narrow_screen_in_light_and_dark(server: Server, chro
         expect(drawer(reader).get_by_role("alert")).to_be_visible()
         assert_nothing_grave(reader)
         assert reader.page.evaluate("document.scrollingElement.scrollWidth") <= 390
+
+
+def test_charts_keep_their_height_on_a_slow_machine(server: Server, window: BrowserContext) -> None:
+    with User.on(window, server.drive_url) as reader:
+        reader.slow_down(SLOW)
+        open_group(reader, "Track")
+        for chart, height in (("edit_profile", PROFILE_PX), ("edit_limits", LIMITS_PX)):
+            canvas = drawer(reader).locator(f".rj-chart-{chart}:visible canvas").first
+            reader.wait_until(lambda canvas=canvas: canvas.is_visible())
+            reader.rest(1000)
+            box = canvas.bounding_box()
+            assert box is not None
+            assert box["height"] == height
 
 
 def test_a_step_back_in_a_cell_is_one_of_the_scenario_unless_letters_wait(user: User) -> None:

@@ -89,6 +89,10 @@ class User:
         expect(self.page.locator(".rj-chart-speed:visible canvas").first).to_be_visible(timeout=PATIENCE_MS)
         self.rest()
 
+    def slow_down(self, times: float) -> None:
+        """Let the browser compute this many times slower, as on an old computer."""
+        self.page.context.new_cdp_session(self.page).send("Emulation.setCPUThrottlingRate", {"rate": times})
+
     def rest(self, milliseconds: int = REST_MS) -> None:
         """Wait until the page has come to rest."""
         self.page.wait_for_timeout(milliseconds)
