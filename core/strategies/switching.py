@@ -188,7 +188,9 @@ class _Search:
                 raise
             return
         self.iterations += found.sweeps
-        self.take(found.speed2, found.price_w - data.auxiliary_power_w)
+        # not judged again: it keeps the limits as the recursion does, and may be all that there is
+        price = max(found.price_w - data.auxiliary_power_w, 0.0)
+        self.runs.append(Unswitched(found.speed2, _energy_j(self.task, found.speed2), price, 0))
         self.decide(modes_of_run(data, found.speed2))
 
     def decide(self, modes: FloatArray) -> None:
@@ -219,7 +221,7 @@ class _Search:
     def take(self, speed2: FloatArray, price_of_time_w: float) -> None:
         """Take up a run [m2/s2]; its energy is infinite if it does not keep all limits."""
         energy = _energy_j(self.task, speed2) if _keeps_limits(self.task, speed2) else np.inf
-        self.runs.append(Unswitched(speed2, energy, price_of_time_w, 0))
+        self.runs.append(Unswitched(speed2, energy, max(price_of_time_w, 0.0), 0))
 
 
 def summed_up(share: FloatArray, cell_length_m: FloatArray, owed_share: float = 0.5) -> BoolArray:
