@@ -10,7 +10,7 @@ import numpy as np
 
 from railjoule.core.bounds.minimum import minimise, minimise_decided
 from railjoule.core.errors import InfeasibleLineError, SolverError, StrategyRefusedError, TimetableError
-from railjoule.core.interior_point.duty import COASTED, duty
+from railjoule.core.interior_point.duty import duty, safest_modes
 from railjoule.core.interior_point.proof import prove
 from railjoule.core.interior_point.solver import CONVERGED, Optimum
 from railjoule.core.interior_point.start import SLOWEST_SPEED2
@@ -103,8 +103,7 @@ def _switched_bound_j(task: Task, optimum: Optimum, proof_budget: int) -> float:
     # weak duality: every choice of multipliers bounds from below, the greatest of their bounds counts
     points = [optimum]
     if optimum.status != CONVERGED:
-        share, _ = duty(task.course.data, optimum)
-        points.append(minimise_decided(task, share > COASTED))
+        points.append(minimise_decided(task, safest_modes(duty(task.course.data, optimum))))
     effort = SWITCHED_PROOF_TOLERANCE, min(PIECES_A_CELL, proof_budget)
     given = task.greatest_speed2, task.running_time_s
     return max(switched_bound(task.course.data, point, *given, *effort)[0] for point in points)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from railjoule.core.arrays import BoolArray
+from railjoule.core.arrays import FloatArray
 from railjoule.core.budget import current_budget
 from railjoule.core.errors import SolverError
 from railjoule.core.interior_point.solver import CONVERGED, Optimum, minimise_energy
@@ -19,8 +19,10 @@ FREE_CENTRING, STEADY_CENTRING = 1e-6, 0.2
 """The first attempt may centre as little as it likes; the second always centres, which ends the rare cycles."""
 LOOSE_GAP = 0.1
 """A relaxation that ends with a smaller gap still tells where to drive, and its multipliers still prove a bound."""
-LIMIT_SHARE, TIME_SHARE, SLACK_SHARE = 1e-6, 1e-7, 0.01
-"""The optimum of a decision leaves these shares of limits and time, or that of the slack if it is less."""
+# Of 950 decisions for ordinary scenarios, coasting exactly made the run late by up to 7e-7 in 35 of the 47 whose run
+# would else have broken a limit. A millionth more of the time saves a few millionths of the energy
+SPARED_SHARE, SLACK_SHARE = 1e-6, 0.01
+"""The optimum of a decision leaves this share of limits and time, or that of the slack if it is less."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,8 +83,8 @@ def minimise(task: Task, tolerance: float = TOLERANCE) -> Solution:
     raise SolverError(f"the optimum was not found within {iterations} iterations.")
 
 
-def minimise_decided(task: Task, on: BoolArray) -> Optimum:
-    """Return the optimum with the drive on in some cells and off in all others, whether it has converged or not.
+def minimise_decided(task: Task, modes: FloatArray) -> Optimum:
+    """Return the optimum with a decision what the drive does in each cell, whether it has converged or not.
 
     Coasting exactly afterwards, where it all but coasts, changes efforts and time by some of their last digits, and
     has to find a little left of every limit.
@@ -91,12 +93,12 @@ def minimise_decided(task: Task, on: BoolArray) -> Optimum:
     ----------
     task : Task
         Must have slack in its timetable; its drive takes power without effort.
-    on : array of shape (n,)
-        Cells in which the drive is on.
+    modes : array of shape (n,)
+        DRIVING, BRAKING or OFF of `course_data`.
     """
     slack = task.running_time_s - task.shortest_time_s
     # the limits are lowered, and the time shortened, by what coasting exactly may add afterwards
-    data = task.course.data._replace(machines_on=on.astype(float))
-    data = lowered_limits(data, min(LIMIT_SHARE, SLACK_SHARE * slack / task.running_time_s))
-    times = task.shortest_time_s, task.running_time_s - min(TIME_SHARE * task.running_time_s, SLACK_SHARE * slack)
+    spared = min(SPARED_SHARE, SLACK_SHARE * slack / task.running_time_s)
+    data = lowered_limits(task.course.data._replace(machines_on=modes), spared)
+    times = task.shortest_time_s, task.running_time_s * (1 - spared)
     return minimise_energy(data, task.greatest_speed2, *times, SWITCHED_TOLERANCE, SECOND_ITERATIONS, FREE_CENTRING)

@@ -1,16 +1,19 @@
-"""What an optimum says on driving and coasting of a drive that takes power without effort."""
+"""What an optimum says on driving, braking and coasting of a drive that takes power without effort."""
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.compiled import njit
+from railjoule.core.drive.kernels import has_standstill_brake, smooth_power_when_on
 from railjoule.core.interior_point.solver import Optimum
-from railjoule.core.interior_point.switching import hull_power
+from railjoule.core.interior_point.switching import FORBIDDING_PRICE, hull_power
 from railjoule.core.motion.cell_step import COAST, exit_speed2
-from railjoule.core.physics.cell import mean_speed
-from railjoule.core.physics.course_data import CourseData, cell_of, shared_by_cells
+from railjoule.core.physics.account import account_of_run
+from railjoule.core.physics.cell import mean_speed, needed_force
+from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF, CourseData, cell_of, shared_by_cells
 
 NEXT_TO_NOTHING = 1e-5
 """Efforts below this share of the largest are what a barrier leaves of none."""
@@ -18,52 +21,96 @@ DRIVEN, COASTED = 0.98, 0.02
 """Shares of driving from which a cell counts as driven, and up to which as coasted."""
 
 
-@njit(cache=True, error_model="numpy")
-def duty(course: CourseData, optimum: Optimum) -> tuple[FloatArray, FloatArray]:
-    """Return on which share of each cell a drive that is switched at will is on, and what driving is worth there.
+class Duty(NamedTuple):
+    """On which share of each cell a drive that is switched at will is on, from 0 to 1; arrays of shape (n,)."""
+
+    driving: FloatArray
+    braking: FloatArray
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def duty(course: CourseData, optimum: Optimum) -> Duty:
+    """Return on which share of each cell the drive is on to drive, and on which to brake.
 
     Parameters
     ----------
     course : CourseData
     optimum : Optimum
         Of any decision where the drive is on.
-
-    Returns
-    -------
-    share : array of shape (n,)
-        From 0 to 1.
-    worth : array of shape (n,)
-        Price of force over least power per effort: above 1 driving pays, below it coasting.
     """
     h, w = course.cell_length_m, optimum.speed2
-    share, worth = np.empty(h.shape[0]), np.empty(h.shape[0])
+    kind, parameters, friction = course.drive_kind, course.drive_parameters, course.friction_effort_n
+    driving, braking = np.empty(h.shape[0]), np.empty(h.shape[0])
+    another = has_standstill_brake(kind, parameters)
     for i in range(h.shape[0]):
         v = mean_speed(math.sqrt(w[i]), math.sqrt(w[i + 1]))
-        kind, parameters = course.drive_kind, course.drive_parameters
-        power, touch = hull_power(kind, parameters, False, course.traction, 0.0, v, 0.0)
-        share[i] = min(optimum.traction_n[i] / touch, 1.0)
-        worth[i] = optimum.force_price[i] * v / (h[i] * power[1])
-    return share, worth
+        _, touch = hull_power(kind, parameters, False, course.traction, 0.0, v, 0.0)
+        driving[i] = min(optimum.traction_n[i] / touch, 1.0)
+        power, touch = hull_power(kind, parameters, True, course.braking, 0.0, v, 0.0)
+        braking[i] = min(optimum.braking_n[i] / touch, 1.0)
+        # What gains nothing is left to the other brakes. How the optimum shares it between brakes that cost the same
+        # is an accident of the barrier
+        gains = power[1] < 0.0 and course.recuperation_factor > 0.0
+        if another and optimum.braking_n[i] > touch:
+            # next to a stop the effort that is needed may draw, though a smaller one would generate
+            gains = gains and smooth_power_when_on(kind, parameters, True, optimum.braking_n[i], v)[0] < 0.0
+        if not gains and (another or -needed_force(cell_of(course, i), w[i], w[i + 1], v) <= friction):
+            braking[i] = 0.0
+    return Duty(driving, braking)
 
 
-@njit(cache=True, error_model="numpy")
-def coasting_exactly(course: CourseData, optimum: Optimum, off: BoolArray) -> FloatArray:
+def modes_of(driven: BoolArray, braked: BoolArray) -> FloatArray:
+    """Return the decision to drive in some cells and to brake electrically in others that are not driven."""
+    modes: FloatArray = np.where(driven, DRIVING, np.where(braked, BRAKING, OFF))
+    return modes
+
+
+def modes_of_run(course: CourseData, speed2: FloatArray) -> FloatArray:
+    """Return the decision that a run keeps to, given by its squares of speed [m2/s2] at the nodes."""
+    account, least = account_of_run(course, speed2), NEXT_TO_NOTHING * course.traction.constant_n
+    # a standstill brake does what would generate nothing: the machines are off
+    on = account.power_w < 0.0 if has_standstill_brake(course.drive_kind, course.drive_parameters) else True
+    return modes_of(account.tractive_effort_n > least, (account.electric_braking_n > least) & on)
+
+
+def forbidden_energy_j(course: CourseData, modes: FloatArray, optimum: Optimum) -> float:
+    """Return what of the energy of a decision's optimum is the price of efforts that the decision leaves out [J]."""
+    driven, braked = _forbidden_efforts_n(course, modes, optimum)
+    return FORBIDDING_PRICE * float((course.cell_length_m * (driven + braked)).sum())
+
+
+def mended_modes(course: CourseData, modes: FloatArray, optimum: Optimum) -> FloatArray:
+    """Return a decision that allows what the optimum of another one could not do without."""
+    driven, braked = _forbidden_efforts_n(course, modes, optimum)
+    least = NEXT_TO_NOTHING * course.traction.constant_n
+    mended: FloatArray = np.where(driven > least, DRIVING, np.where(braked > least, BRAKING, modes))
+    return mended
+
+
+def _forbidden_efforts_n(course: CourseData, modes: FloatArray, optimum: Optimum) -> tuple[FloatArray, FloatArray]:
+    """Return the tractive and the braking efforts that a decision leaves out and its optimum uses even so [N]."""
+    driven = np.where(modes == DRIVING, 0.0, optimum.traction_n)
+    # the effort of a standstill brake costs nothing, and stands for the machines' own
+    free = (modes == BRAKING) | has_standstill_brake(course.drive_kind, course.drive_parameters)
+    return driven, np.where(free, 0.0, optimum.braking_n)
+
+
+def safest_modes(duty: Duty) -> FloatArray:
+    """Return the decision that leaves a solver each cell that the optimum drives or brakes in, however little."""
+    return modes_of(duty.driving > COASTED, duty.braking > COASTED)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def coasting_exactly(course: CourseData, optimum: Optimum) -> FloatArray:
     """Return squares of speed [m2/s2] of a run that coasts where it all but coasts; shape (n + 1,).
 
     The method leaves tiny efforts everywhere, and with any effort the drive would count as on.
-
-    Parameters
-    ----------
-    course : CourseData
-    optimum : Optimum
-    off : array of shape (n,)
-        Where the drive is off.
     """
     speed2, residue = optimum.speed2.copy(), NEXT_TO_NOTHING * course.traction.constant_n
     train, traction, braking, _ = shared_by_cells(course)
-    for i in range(off.shape[0]):
+    for i in range(course.cell_length_m.shape[0]):
         small = optimum.traction_n[i] < residue and optimum.braking_n[i] < residue
-        if off[i] and small and course.fixed_speed2[i + 1] < 0.0 and speed2[i] > 0.0:
+        if small and course.fixed_speed2[i + 1] < 0.0 and speed2[i] > 0.0:
             leaving = exit_speed2(cell_of(course, i), train, traction, braking, speed2[i], COAST)
             # never so far that the next cell would notice, nor beyond a limit
             if abs(leaving - speed2[i + 1]) < NEXT_TO_NOTHING * speed2[i + 1]:

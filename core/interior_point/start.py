@@ -149,7 +149,8 @@ def prepare(
     n, w = h.shape[0], work.nodes.speed2
     start_speeds(course, fastest, shortest_time, running_time, w)
     _use_limits(course, scale, fastest, work)
-    if jumps_at_no_effort(course.drive_kind):
+    # where it is decided what the drive does, no power is a line: nothing would read the table
+    if jumps_at_no_effort(course.drive_kind) and course.machines_on.shape[0] == 0:
         tabulate_rays(course, work.rays)
     for i in range(n + 1):
         nodes.free[i] = 1.0 if course.fixed_speed2[i] < 0.0 else 0.0

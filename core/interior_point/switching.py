@@ -13,7 +13,7 @@ from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import has_standstill_brake, smooth_power_when_on
 from railjoule.core.drive.power_terms import PowerTerms
 from railjoule.core.interior_point.layout import RAY_COUNT
-from railjoule.core.physics.course_data import CourseData
+from railjoule.core.physics.course_data import BRAKING, DRIVING, CourseData
 from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
 
 # Line energy over work that an effort costs where a drive is off. Marginal energies of drives are about 1 / efficiency,
@@ -262,7 +262,7 @@ def switched_powers(
     Parameters
     ----------
     course : CourseData
-        Its `machines_on` tells which cells may be switched at will.
+        Its `machines_on` tells what is decided of each cell, if anything.
     cell : int
     rays : array of shape (2, RAY_COUNT, 3)
         As tabulated.
@@ -271,21 +271,51 @@ def switched_powers(
     speed : float
         Its mean speed [m/s].
     """
-    kind, parameters = course.drive_kind, course.drive_parameters
-    if course.machines_on.shape[0] == 0:
-        taken, _ = tabulated_power(course, False, rays[0], traction, speed)
-    elif course.machines_on[cell] > 0.0:
-        taken = _with_limited_curvature(
-            smooth_power_when_on(kind, parameters, False, traction, speed), max(traction, LEAST_EFFORT_N)
-        )
-    else:
-        price = FORBIDDING_PRICE
-        taken = price * traction * speed, price * speed, price * traction, 0.0, price, 0.0
+    if course.machines_on.shape[0] > 0:
+        return _decided_powers(course, course.machines_on[cell], traction, braking, speed)
+    taken, _ = tabulated_power(course, False, rays[0], traction, speed)
     power, point = tabulated_power(course, True, rays[1], braking, speed)
-    if power[1] >= 0.0 and has_standstill_brake(kind, parameters):
-        power, _ = hull_with_standstill_brake(kind, parameters, course.braking, braking, speed, point)
+    if power[1] >= 0.0 and has_standstill_brake(course.drive_kind, course.drive_parameters):
+        power, _ = hull_with_standstill_brake(
+            course.drive_kind, course.drive_parameters, course.braking, braking, speed, point
+        )
+    return taken, _reversed(power)
+
+
+@njit(cache=True)
+def _decided_powers(
+    course: CourseData, mode: float, traction: float, braking: float, speed: float
+) -> tuple[PowerTerms, PowerTerms]:
+    """Return the same in a cell where it is decided what the drive does.
+
+    Weak braking generates less than the machines take: only the true power tells, as in driving, whether they had
+    better be off. Off, they generate nothing, and brake at no power only where another brake stands in for them.
+    """
+    kind, parameters = course.drive_kind, course.drive_parameters
+    taken, power = _forbidden_power(traction, speed), _forbidden_power(braking, speed)
+    if mode == DRIVING:
+        true = smooth_power_when_on(kind, parameters, False, traction, speed)
+        taken = _with_limited_curvature(true, max(traction, LEAST_EFFORT_N))
+    if mode == BRAKING:
+        true = smooth_power_when_on(kind, parameters, True, braking, speed)
+        power = _with_limited_curvature(true, max(braking, LEAST_EFFORT_N))
+    elif has_standstill_brake(kind, parameters):
+        power = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    return taken, _reversed(power)
+
+
+@njit(cache=True)
+def _forbidden_power(effort: float, speed: float) -> PowerTerms:
+    """Return what an effort costs where it is decided that there is none [W], with its derivatives."""
+    price = FORBIDDING_PRICE
+    return price * effort * speed, price * speed, price * effort, 0.0, price, 0.0
+
+
+@njit(cache=True)
+def _reversed(power: PowerTerms) -> PowerTerms:
+    """Return a power counted in the other direction."""
     p, p_f, p_v, p_ff, p_fv, p_vv = power
-    return taken, (-p, -p_f, -p_v, -p_ff, -p_fv, -p_vv)
+    return -p, -p_f, -p_v, -p_ff, -p_fv, -p_vv
 
 
 @njit(cache=True)

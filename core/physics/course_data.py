@@ -11,6 +11,8 @@ from railjoule.core.physics.effort_limit import EffortLimit, borrowed_limit
 
 # an empty array, not None: compiled code knows one type of each field
 SWITCHED_AT_WILL = np.zeros(0)
+# what `CourseData.machines_on` says of a cell
+DRIVING, OFF, BRAKING = 1.0, 0.0, -1.0
 PER_CELL = ("cell_length_m", "line_force_n", "resistance_quadratic", "machines_on")
 PER_NODE = ("largest_speed2", "fixed_speed2")
 """The arrays of a course's data with one entry a cell, and with one a node."""
@@ -46,8 +48,8 @@ class CourseData(NamedTuple):
     recuperation_factor : float
         Share of the generated energy that the line takes back.
     machines_on : array of shape (n,) or (0,)
-        Whether a drive that takes power without effort is on, 1, or off, 0, while no brake is used; empty where it may
-        be switched at will within a cell.
+        What is decided of a drive that takes power without effort: on to drive, 1, on to brake, -1, or off, 0; empty
+        where it may be switched at will within a cell.
     """
 
     cell_length_m: FloatArray

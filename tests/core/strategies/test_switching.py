@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 from builders import COPPER_LOSS, INDUCTION, plain_scenario
+from every_drive import train
 
 from railjoule.core import load_scenario, solve
 from railjoule.core.bounds import certify, minimise
-from railjoule.core.strategies import compare, prepare_task, run_strategy
+from railjoule.core.physics.course_data import OFF
+from railjoule.core.strategies import compare, prepare_task, run_strategy, switching
 from railjoule.core.strategies.optimal import optimal
 from railjoule.core.strategies.switching import summed_up, unswitched
 from railjoule.core.units import J_PER_KWH
@@ -222,3 +224,49 @@ def test_auxiliaries_do_not_spoil_the_decision(auxiliary_kw):
     """What runs on the way counts on both sides, as no run is late."""
     task = prepare_task(tram(recuperation=1.0, vehicle__auxiliary_power_kw=auxiliary_kw))
     assert optimal(task).energy_kwh == pytest.approx(relaxed_kwh(task), rel=1e-3)
+
+
+@pytest.mark.parametrize("time_s", [90.0, 120.0])
+@pytest.mark.parametrize("friction_kn", [0.0, 15.0])
+@pytest.mark.parametrize("drive", ["loss polynomial", "efficiency map", "induction", "synchronous"])
+def test_no_run_of_dynamic_programming_is_cheaper(drive, friction_kn, time_s):
+    """Up and down hill: braking that generates nothing, and limits that no rounding knows, cost up to 1 % before."""
+    task = prepare_task(train(drive, friction_kn, **{"timetable.travel_time_s": time_s}))
+    assert optimal(task).energy.net_j <= run_strategy(task, "bellman").energy.net_j * (1 + 1e-4)
+
+
+def test_an_infeasible_decision_gives_no_run(monkeypatch):
+    """No train starts without driving; what the decided problem buys instead is not taken for a run."""
+    monkeypatch.setattr(switching, "MOST_MENDED", 0)
+    task = prepare_task(tram())
+    search = switching._Search(task, minimise(task).optimum)
+    search.decide(np.full(task.course.cell_count, OFF))
+    assert search.runs == []
+    assert search.iterations > 0
+
+
+def test_an_infeasible_decision_is_mended():
+    task = prepare_task(tram())
+    search = switching._Search(task, minimise(task).optimum)
+    search.decide(np.full(task.course.cell_count, OFF))
+    assert search.best.energy_j < np.inf
+
+
+def test_a_relaxed_optimum_above_a_run_is_no_measure():
+    """Of a local optimum of the relaxation, 0.3 % too high, a run was called good enough that was as dear."""
+    task = prepare_task(tram())
+    optimum = minimise(task).optimum
+    for share, is_measure in ((1.0, True), (1.003, False)):
+        search = switching._Search(task, optimum._replace(energy_j=share * optimum.energy_j))
+        search.add(search.relaxed)
+        search.decide_by(switching.duty(task.course.data, optimum), (0.5,))
+        assert search.is_measure == search.is_good_enough == is_measure
+
+
+def test_dynamic_programming_helps_where_the_relaxation_is_of_no_use():
+    """One that has not converged, of another timetable, ends in a run as good as Bellman's."""
+    task = prepare_task(train("loss polynomial", 15.0, **{"timetable.travel_time_s": 90.0}))
+    other = prepare_task(train("loss polynomial", 15.0, **{"timetable.travel_time_s": 140.0}))
+    useless = minimise(other).optimum._replace(status=1)
+    found = unswitched(task, useless)
+    assert found.energy_j <= run_strategy(task, "bellman").energy.net_j * (1 + 1e-4)
