@@ -259,6 +259,20 @@ def _best_energy(
 
 
 @njit(cache=True, error_model="numpy")
+def _mode_limit(
+    traction: EffortLimit, braking: EffortLimit, mode: int, replaced: bool, v1: float, v2: float
+) -> tuple[float, float, float]:
+    """Return the line above what a mode's drive does over a range of speed, and the least of the electric brake."""
+    if mode == DRIVE:
+        a0, a1 = upper_line(traction, v1, v2)
+        return a0, a1, 0.0
+    if mode == OFF and not replaced:
+        return 0.0, 0.0, 0.0
+    a0, a1 = upper_line(braking, v1, v2)
+    return a0, a1, least_effort(braking, v1, v2)
+
+
+@njit(cache=True, error_model="numpy")
 def fill_box(
     table: DriveTable,
     steps: Steps,
@@ -290,15 +304,9 @@ def fill_box(
     f2 = steps.k1 * d - steps.k0 * a + steps.constant_n + steps.linear * v2
     if (mode == DRIVE and f2 <= 0.0) or (mode != DRIVE and f1 > friction[1]):
         return False
-    limit = 0.0, 0.0, 0.0
-    if mode == DRIVE:
-        a0, a1 = upper_line(traction, v1, v2)
-        limit = a0, a1, 0.0
-    elif mode != OFF or friction[2]:
-        a0, a1 = upper_line(braking, v1, v2)
-        limit = a0, a1, least_effort(braking, v1, v2)
-        if mode == BLEND and -f1 < limit[2]:
-            return False
+    limit = _mode_limit(traction, braking, mode, friction[2], v1, v2)
+    if mode == BLEND and -f1 < limit[2]:
+        return False
     lines = mode_lines(steps, mode, box, (v1, v2), limit, (friction[0], friction[1]))
     # no w of the box leads to a y of it
     if (

@@ -92,7 +92,7 @@ class ChainProof:
 
     def run(self, budget: int, stop: Callable[[], bool] | None = None) -> float:
         """Go on until the target is proven, the budget of boxes is used in all, or `stop` says so; return the bound."""
-        while not self.proven and len(self.levels) < MOST_LEVELS and self.boxes + self.next_boxes <= budget:
+        while not self.proven and 0 < self.next_boxes <= budget - self.boxes and len(self.levels) < MOST_LEVELS:
             if stop is not None and stop():
                 break
             self.advance()
@@ -110,8 +110,11 @@ class ChainProof:
         left = int(alive.sum())
         self.boxes += len(self._pairs[1])
         self._low, self._high, self._count, self._pairs = halved(*given, self._count, (kept, start, end, mode), alive)
-        # no run is left below the target
-        if left == 0 or (self._count == 0).any():
+        if not self.levels and not math.isfinite(value):
+            # nothing is dropped yet, so that there is no run to prove anything of
+            value = -math.inf
+        elif left == 0 or (self._count == 0).any():
+            # no run is left below the target
             value = math.inf
         self.bound_j = max(self.bound_j, min(value, self.target_j))
         level = Level(len(start), left, value, self.bound_j)

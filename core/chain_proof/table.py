@@ -27,7 +27,7 @@ from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.chain_proof.limit_lines import upper_line
 from railjoule.core.compiled import njit
 from railjoule.core.drive.geared_parameters import MOTORS, TURNS
-from railjoule.core.drive.kernels import has_standstill_brake, power_when_on, work_bounds
+from railjoule.core.drive.kernels import has_standstill_brake, power_when_on, shaft_force, work_bounds
 from railjoule.core.drive.kinds import LOSS_MAP, LOSS_POLYNOMIAL
 from railjoule.core.drive.loss_map.loss import BRAKING_TABLE, DRIVING_TABLE
 from railjoule.core.drive.loss_map.table import HEAD, PATCH, piece_in
@@ -46,6 +46,8 @@ ABOVE = 1e-6
 """A table goes beyond the largest effort by this share."""
 LEAST_EFFORT = 1e-9
 """Stands for no effort, where a drive that is on would be off, as a share of the largest."""
+LEAST_LOSS = 1e-9
+"""A loss no greater than this share of the energy counts as cut off: the difference is rounded."""
 DRIVING, BRAKING = 0, 1
 
 
@@ -138,7 +140,7 @@ def _patch_curvatures(
         s2 = r * (((c[11] * back + c[10]) * back + c[9]) * back + c[8]) + g * c[11]
         s3 = r * (((c[15] * back + c[14]) * back + c[13]) * back + c[12]) + g * c[15]
         by_speed = max(by_speed, _bezier_most(s0, s1, s2, s3, x1, x2))
-    # where it is negative its least size counts for nothing: a sag is never below zero
+    # a curvature downwards counts as none, so that it does not matter which end of v it is divided by
     return by_torque / speed[0], by_speed
 
 
@@ -233,10 +235,27 @@ def _reach(limit: EffortLimit, table: DriveTable, mode: int, reach: IntArray) ->
 
 
 @njit(cache=True, error_model="numpy")
+def _cut_off(points: FloatArray, j: int, k: int, shaft: float) -> float:
+    """Return what a map's loss may sag where it is cut off at zero at a corner: no more than the highest corner's loss.
+
+    Cut off it has a corner of its own, which the curvature of its patch does not tell; `shaft` is the work of the
+    shafts over a metre for each column [J/m].
+    """
+    lowest, highest = math.inf, 0.0
+    for q in range(2):
+        for r in range(2):
+            energy, work = points[j + q, k + r, 0], shaft * (k + r)
+            lowest = min(lowest, energy - work - LEAST_LOSS * abs(energy))
+            highest = max(highest, energy - work)
+    return highest if lowest <= 0.0 else 0.0
+
+
+@njit(cache=True, error_model="numpy")
 def _sags(course: CourseData, table: DriveTable, mode: int, points: FloatArray, reach: IntArray) -> FloatArray:
     """Return the greatest sag of the rectangles around each point; shape (SPEEDS + 1, EFFORTS + 1)."""
     sags, patch = np.zeros((SPEEDS + 1, EFFORTS + 1)), np.empty(PATCH)
     kind, parameters, step = course.drive_kind, course.drive_parameters, table.top_n[mode] / EFFORTS
+    shaft = shaft_force(kind, parameters, mode == BRAKING, step)[1]
     for j in range(SPEEDS):
         v1 = row_speed(table.slowest_ms, table.fastest_ms, j)
         v2 = row_speed(table.slowest_ms, table.fastest_ms, j + 1)
@@ -245,6 +264,7 @@ def _sags(course: CourseData, table: DriveTable, mode: int, points: FloatArray, 
                 effort = step * k, step * (k + 1)
                 e_xx, e_vv = _loss_curvatures(kind, parameters, mode == BRAKING, effort, (v1, v2), patch)
                 sag = 0.125 * (step * step * max(e_xx, 0.0) + (v2 - v1) ** 2 * max(e_vv, 0.0))
+                sag = max(sag, _cut_off(points, j, k, shaft * step))
             else:
                 along = across = 0.0
                 for q in range(2):
@@ -288,8 +308,9 @@ def _take_from_line(low: FloatArray, last: IntArray, reach: IntArray, factor: fl
 def _spare_by_friction(low: FloatArray, last: IntArray, window: int) -> None:
     """Take the least over the electric share that friction brakes leave free, in place.
 
-    Of a piecewise linear row the least over a sliding window that covers the friction effort lies above the
-    interpolant of the least at the points: a window between two points holds no other point than theirs.
+    An effort between two points k and k + 1 leaves electric shares whose table lies between points of the windows
+    of both; each such point is no less than the least of the window that it is in, so that the interpolant of the two
+    leasts lies below.
     """
     for j in range(low.shape[0]):
         row = low[j].copy()
