@@ -4,12 +4,22 @@
 `certified` turns the multipliers of an optimum into a bound: any multipliers prove some lower bound, those of the
 optimum the best one, so that a solver's fault makes a bound weak, never wrong. `certify` returns the energy that no run
 on the same mesh undercuts, `bound_of` optimum and bound at once, and `bounded` gives a run of any strategy a bound that
-covers its own nodes and time.
+covers its own nodes and time. Of a drive that idles `tightened` looks for a greater bound; `chain_proof` is a proof to
+be continued step by step, whose result `with_chains` takes up.
 
 Read `minimum.minimise` first, then `certified.certify`; the method itself is in `railjoule.core.interior_point`.
 """
 
-from railjoule.core.bounds.certified import PROOF_BUDGET, bound_of, bounded, certify, work_floor_j
+from railjoule.core.bounds.certified import (
+    PROOF_BUDGET,
+    bound_of,
+    bounded,
+    certify,
+    chain_proof,
+    tightened,
+    with_chains,
+    work_floor_j,
+)
 from railjoule.core.bounds.minimum import Solution, minimise, minimise_decided
 
 __all__ = [
@@ -18,7 +28,10 @@ __all__ = [
     "bound_of",
     "bounded",
     "certify",
+    "chain_proof",
     "minimise",
     "minimise_decided",
+    "tightened",
+    "with_chains",
     "work_floor_j",
 ]

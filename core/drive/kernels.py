@@ -10,6 +10,7 @@ No solver changes.
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive import constant_efficiency, copper_loss, geared_power
+from railjoule.core.drive.geared_parameters import NEGLIGIBLE
 from railjoule.core.drive.induction import power as induction
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS, DRAWS, GEARED, INDUCTION, JUMPS
 from railjoule.core.drive.power_terms import PowerTerms
@@ -134,6 +135,18 @@ def smooth_power_when_on(kind: int, parameters: FloatArray, braking: bool, effor
 def has_standstill_brake(kind: int, parameters: FloatArray) -> bool:
     """Return whether another brake takes over where the electric one would draw power."""
     return kind == INDUCTION and induction.has_standstill_brake(parameters)
+
+
+@njit(cache=True)
+def negligible_effort(kind: int, parameters: FloatArray) -> float:
+    """Return the effort up to which a drive that idles counts as off [N]; zero of one that does not idle."""
+    if kind == INDUCTION:
+        idle: float = parameters[induction.NEGLIGIBLE]
+        return idle
+    if GEARED[kind]:
+        geared: float = parameters[NEGLIGIBLE]
+        return geared
+    return 0.0
 
 
 @njit(cache=True, nogil=True)

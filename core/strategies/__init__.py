@@ -17,7 +17,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from railjoule.core.best_known import with_best_known
-from railjoule.core.bounds import bounded
+from railjoule.core.bounds import bounded, tightened
 from railjoule.core.check import check_run
 from railjoule.core.errors import (
     CheckError,
@@ -88,8 +88,11 @@ def solve(
     task = prepare_task(scenario, initial_speed_ms, final_speed_ms)
     trajectory = run_strategy(task, name)
     # an optimum is its own reference; without slack there is nothing to save, and no optimum is looked for
-    if trajectory.reference is None and task.has_slack:
+    if trajectory.reference is not None:
+        trajectory = _tightened(task, trajectory)
+    elif task.has_slack:
         best = known_optimum(task)
+        best = None if best is None else _tightened(task, best)
         trajectory = bounded(task, trajectory, best.bound if best is not None else None)
         *_, trajectory = with_best_known([trajectory] if best is None else [best, trajectory])
     if not check:
@@ -148,8 +151,16 @@ def compare(scenario: Scenario) -> tuple[list[Trajectory], dict[StrategyName, st
         except RailjouleError as refusal:
             refused[name] = str(refusal)
     # one proof serves all runs over the task's mesh; `bounded` makes another only for those over nodes of their own
-    known = next((run.bound for run in runs if run.bound is not None), None)
+    first = known = next((run.bound for run in runs if run.bound is not None), None)
+    if first is not None:
+        known = tightened(task, first, min(filter(first.covers, runs), key=lambda run: run.energy.net_j))
+    runs = [replace(run, bound=known) if run.bound is first else run for run in runs]
     return with_best_known([bounded(task, run, known) for run in runs]), refused
+
+
+def _tightened(task: Task, best: Trajectory) -> Trajectory:
+    """Return an optimum with the greater bound that it is worth to look for where one run is asked for."""
+    return best if best.bound is None else best.with_bound(tightened(task, best.bound, best))
 
 
 __all__ = ["STRATEGIES", "Task", "compare", "prepare_task", "run_strategy", "solve"]

@@ -64,7 +64,7 @@ def loss_table(torque_nm: FloatArray, speed_rads: FloatArray, loss_w: FloatArray
 
 
 @njit(cache=True)
-def _piece(row: FloatArray, first: int, count: int, value: float) -> int:
+def piece_in(row: FloatArray, first: int, count: int, value: float) -> int:
     """Return the number of the piece of a rising sequence in which a value lies; the end pieces go on for ever."""
     low, high = 0, count - 1
     while high - low > 1:
@@ -92,7 +92,7 @@ def loss_at(row: FloatArray, start: int, torque: float, speed: float) -> PowerTe
     torques, speeds = int(row[start]), int(row[start + 1])
     torque_first = start + HEAD
     speed_first = torque_first + torques
-    i, j = _piece(row, torque_first, torques, torque), _piece(row, speed_first, speeds, speed)
+    i, j = piece_in(row, torque_first, torques, torque), piece_in(row, speed_first, speeds, speed)
     x, y = torque - row[torque_first + i], speed - row[speed_first + j]
     patch = speed_first + speeds + PATCH * (i * (speeds - 1) + j)
     p = p_x = p_y = p_xx = p_xy = p_yy = 0.0

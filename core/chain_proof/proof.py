@@ -1,0 +1,148 @@
+"""A lower bound of all runs with one effort in each cell, that tightens level by level.
+
+Weak duality: for a price of time lambda >= 0 every run in time needs E >= sum(e_i + L tau_i) - lambda T, L = lambda
+plus the auxiliary power. Each of its cells lies in a box of its mode, whose planes lie below e_i and tau_i, so that
+the value of the best chain of boxes less lambda T lies below E, whatever the prices. A box whose best chain is not
+below a target is dropped for good: each run through it needs at least the target. What is left is halved. So every run
+needs at least the lesser of target and value, and the target itself once no box is left.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.chain_proof.boxes import fill_boxes
+from railjoule.core.chain_proof.chain import chain
+from railjoule.core.chain_proof.grid import all_pairs, first_grid, halved
+from railjoule.core.chain_proof.table import DriveTable, tabulate
+from railjoule.core.physics.course_data import CourseData
+
+MOST_LEVELS = 12
+SEARCHED_LEVEL = 2
+"""From this level on other prices are tried: before, planes are too coarse to tell."""
+MOST_TRIALS = 3
+FIRST_STEP = 0.03
+"""By which share the price of time changes at first."""
+
+
+@dataclass(frozen=True)
+class Level:
+    """What one level of a proof found: boxes looked at, boxes left, the value of the best chain and the bound [J]."""
+
+    boxes: int
+    left: int
+    value_j: float
+    bound_j: float
+
+
+class ChainProof:
+    """A proof that is continued level by level; its bound holds at any time.
+
+    Parameters
+    ----------
+    course : CourseData
+        Its machines are on or off for whole cells.
+    running_time_s : float
+        Time allowed, dwells not included [s].
+    fastest2, slowest2 : array of shape (n + 1,)
+        Squares of the greatest speeds of any run, and of the least that are covered [m2/s2].
+    around2 : array of shape (n + 1,)
+        Squares of speed of a good run: around it the first intervals are narrow [m2/s2].
+    node_price : array of shape (n + 1,)
+        Slopes of the cost to go by the square of speed [J s2/m2]. Any prove a bound.
+    price_of_time_w : float
+        Price of a second, without auxiliaries [J/s].
+    target_j : float
+        What is to be proven: the bound never exceeds it [J].
+    """
+
+    def __init__(
+        self,
+        course: CourseData,
+        running_time_s: float,
+        fastest2: FloatArray,
+        slowest2: FloatArray,
+        around2: FloatArray,
+        node_price: FloatArray,
+        price_of_time_w: float,
+        target_j: float,
+    ) -> None:
+        self._course, self._running_time_s = course, running_time_s
+        self._node_price, self._price = np.array(node_price), max(price_of_time_w, 0.0)
+        self.target_j, self.bound_j, self.boxes = target_j, -math.inf, 0
+        self.levels: list[Level] = []
+        self._step = FIRST_STEP
+        grid = first_grid(course, fastest2, slowest2, around2)
+        self._table = table_of(course, fastest2, slowest2)
+        self._low, self._high, self._count = grid
+        self._pairs = all_pairs(course, grid)
+
+    @property
+    def proven(self) -> bool:
+        """Whether the target is proven."""
+        return self.bound_j >= self.target_j
+
+    @property
+    def next_boxes(self) -> int:
+        """How many boxes the next level looks at."""
+        return len(self._pairs[1])
+
+    def run(self, budget: int, stop: Callable[[], bool] | None = None) -> float:
+        """Go on until the target is proven, the budget of boxes is used in all, or `stop` says so; return the bound."""
+        while not self.proven and 0 < self.next_boxes <= budget - self.boxes and len(self.levels) < MOST_LEVELS:
+            if stop is not None and stop():
+                break
+            self.advance()
+        return self.bound_j
+
+    def advance(self) -> Level:
+        """Do one level more: boxes of the present intervals, chains, then halves of what is left."""
+        given = self._low, self._high
+        second = self._price + self._course.auxiliary_power_w
+        kept, start, end, mode, rows = fill_boxes(
+            self._course, self._table, *given, *self._pairs, self._node_price, second
+        )
+        value, through = self._search((kept, start, end), rows)
+        alive = through < self.target_j
+        left = int(alive.sum())
+        self.boxes += len(self._pairs[1])
+        self._low, self._high, self._count, self._pairs = halved(*given, self._count, (kept, start, end, mode), alive)
+        if not self.levels and not math.isfinite(value):
+            # nothing is dropped yet, so that there is no run to prove anything of
+            value = -math.inf
+        elif left == 0 or (self._count == 0).any():
+            # no run is left below the target
+            value = math.inf
+        self.bound_j = max(self.bound_j, min(value, self.target_j))
+        level = Level(len(start), left, value, self.bound_j)
+        self.levels.append(level)
+        return level
+
+    def _search(self, boxes: tuple[np.ndarray, np.ndarray, np.ndarray], rows: FloatArray) -> tuple[float, FloatArray]:
+        """Return the greatest value of some prices [J], and the best chains through each box less the time's price."""
+        best, through, price, node = -math.inf, np.zeros(0), self._price, self._node_price
+        trials = MOST_TRIALS if len(self.levels) >= SEARCHED_LEVEL else 1
+        for _ in range(trials):
+            found = chain(self._low, self._high, self._count, boxes, rows, node, price + self._course.auxiliary_power_w)
+            value = found[0] - price * self._running_time_s
+            if value > best:
+                best, through, late = value, found[1] - price * self._running_time_s, found[2] - self._running_time_s
+                self._price = price
+            else:
+                self._step *= 0.5
+            if best >= self.target_j:
+                break
+            price = max(self._price * (1.0 + math.copysign(self._step, late)), 0.0)
+        return best, through
+
+
+def table_of(course: CourseData, fastest2: FloatArray, slowest2: FloatArray) -> DriveTable:
+    """Return the table of a course's drive for all mean speeds of cells between two runs' squares of speed."""
+    fixed = course.fixed_speed2 >= 0.0
+    slow = np.sqrt(np.where(fixed, course.fixed_speed2, slowest2))
+    fastest = math.sqrt(float(max(fastest2.max(), course.fixed_speed2.max())))
+    # a little beyond both, so that rounding leaves no speed outside
+    return tabulate(course, 0.999 * float(0.5 * (slow[:-1] + slow[1:]).min()), 1.001 * fastest)

@@ -1,0 +1,351 @@
+"""What a drive takes over a metre, tabulated over effort and speed so that no point lies below the table.
+
+Between four corners of the table the bilinear interpolant of `DriveTable.low` lies below the energy per metre
+e(x, v) = P(x, v) / v, so that a plane below the corners of a region lies below the drive in all of it. The interpolant
+of the true values exceeds a function by at most
+
+    sag = dx^2 / 8 sup max(e_xx, 0) + dv^2 / 8 sup max(e_vv, 0),
+
+the errors of interpolating along x, then along v; `low` is the true value less the greatest sag of the rectangles
+around. Only curvature upwards counts: a map which is not convex needs nothing else. Where the suprema come from:
+
+- Losses of geared motors are bicubic patches L(M, y) = sum c_ab M^a y^b, M = m x, y = t v; the loss polynomial is one
+  patch. e = share x + L / v. e_xx = m^2 L_MM / v is linear in M and cubic in y: its supremum is at most that of its
+  Bezier points at both ends of M. Of L / v the terms y and y^2 have no curvature left, so that
+  e_vv = 2 a0(M) / v^3 + 2 a3(M) t^3 with the cubics a0 = L(M, 0), continued to rest, and a3: Bezier points again, at
+  both ends of v, between which it is monotone. That is rigorous up to rounding.
+- Induction machines have no such closed form: their suprema are estimated from values, slopes and curvatures at the
+  corners, times `SAFETY`. That is a premise, which `premise` says.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray, IntArray
+from railjoule.core.chain_proof.limit_lines import upper_line
+from railjoule.core.compiled import njit
+from railjoule.core.drive.geared_parameters import MOTORS, TURNS
+from railjoule.core.drive.kernels import has_standstill_brake, power_when_on, shaft_force, work_bounds
+from railjoule.core.drive.kinds import LOSS_MAP, LOSS_POLYNOMIAL
+from railjoule.core.drive.loss_map.loss import BRAKING_TABLE, DRIVING_TABLE
+from railjoule.core.drive.loss_map.table import HEAD, PATCH, piece_in
+from railjoule.core.drive.loss_polynomial import BY_SPEED, BY_SPEED2, BY_TORQUE, BY_TORQUE2, NO_LOAD
+from railjoule.core.drive.power_terms import PowerTerms
+from railjoule.core.physics.course_data import CourseData
+from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
+from railjoule.core.physics.energy_per_metre import energy_per_metre
+
+EFFORTS, SPEEDS = 128, 256
+"""Steps of a table; its sag falls with their squares, the time to fill it grows with their product."""
+SAFETY = 1.5
+"""By how much a machine's curvature between the points may exceed what they tell."""
+# runs keep their limits to 1e-8, the boxes of the proof widen them by 2e-8
+ABOVE = 1e-6
+"""A table goes beyond the largest effort by this share."""
+LEAST_EFFORT = 1e-9
+"""Stands for no effort, where a drive that is on would be off, as a share of the largest."""
+LEAST_LOSS = 1e-9
+"""A loss no greater than this share of the energy counts as cut off: the difference is rounded."""
+DRIVING, BRAKING = 0, 1
+
+
+class DriveTable(NamedTuple):
+    """The table of a drive under the limits of a course.
+
+    Parameters
+    ----------
+    low : array of shape (2, SPEEDS + 1, EFFORTS + 1)
+        Energy of the line over a metre, less the sag [J/m], by driving and braking effort; in braking, the least over
+        what friction brakes may leave to the electric one. Infinite where no effort is allowed.
+    last : array of shape (2, SPEEDS + 1)
+        The last column of each row that any allowed effort needs; -1 where there is none.
+    slowest_ms, fastest_ms : float
+        Speeds of the first and of the last row; row j lies at slowest + (fastest - slowest) (j / SPEEDS)^2.
+    top_n : array of shape (2,)
+        Efforts of the last column [N].
+    """
+
+    low: FloatArray
+    last: IntArray
+    slowest_ms: float
+    fastest_ms: float
+    top_n: FloatArray
+
+
+def premise(kind: int) -> str:
+    """Return in one clause what the table of a kind of drive assumes, empty where it assumes nothing."""
+    if kind in (LOSS_POLYNOMIAL, LOSS_MAP):
+        return ""
+    return (
+        "between the points of a table of its power, the machines' power curves at most "
+        f"{SAFETY:g} times as much as at these points"
+    )
+
+
+@njit(cache=True, error_model="numpy")
+def row_speed(slowest: float, fastest: float, row: float) -> float:
+    """Return the speed of a row [m/s]: dense near rest, where the energy per metre is curved as 1 / v."""
+    share = row / SPEEDS
+    return slowest + (fastest - slowest) * share * share
+
+
+@njit(cache=True, error_model="numpy")
+def row_at(table: DriveTable, speed: float) -> float:
+    """Return the row of a speed [m/s], with its fraction."""
+    share = (speed - table.slowest_ms) / (table.fastest_ms - table.slowest_ms)
+    return SPEEDS * math.sqrt(max(share, 0.0))
+
+
+@njit(cache=True, error_model="numpy")
+def _bezier_most(c0: float, c1: float, c2: float, c3: float, start: float, end: float) -> float:
+    """Return an upper bound of a cubic over a range: the greatest of its Bezier points."""
+    first = ((c3 * start + c2) * start + c1) * start + c0
+    last = ((c3 * end + c2) * end + c1) * end + c0
+    third = (end - start) / 3.0
+    second = first + third * ((3.0 * c3 * start + 2.0 * c2) * start + c1)
+    before_last = last - third * ((3.0 * c3 * end + 2.0 * c2) * end + c1)
+    highest: float = max(first, second, before_last, last)
+    return highest
+
+
+@njit(cache=True, error_model="numpy")
+def _patch_curvatures(
+    c: FloatArray,
+    torque: tuple[float, float],
+    corner: tuple[float, float],
+    turning: tuple[float, float],
+    speed: tuple[float, float],
+    turns: float,
+) -> tuple[float, float]:
+    """Return the suprema of L_MM / v and of the second derivative of L / v by v, for one motor and one patch.
+
+    `torque` and `turning` are the ranges of M and of y, `corner` that of the patch, from which its 16 coefficients
+    count; `speed` is that of v.
+    """
+    x1, x2 = torque[0] - corner[0], torque[1] - corner[0]
+    y1, y2 = turning[0] - corner[1], turning[1] - corner[1]
+    by_torque = -math.inf
+    for x in (x1, x2):
+        t0, t1 = 2.0 * c[8] + 6.0 * c[12] * x, 2.0 * c[9] + 6.0 * c[13] * x
+        t2, t3 = 2.0 * c[10] + 6.0 * c[14] * x, 2.0 * c[11] + 6.0 * c[15] * x
+        by_torque = max(by_torque, _bezier_most(t0, t1, t2, t3, y1, y2))
+    by_speed, back = -math.inf, -corner[1]
+    for v in speed:
+        # of each power of M what L has at rest, and its term of y^3
+        r, g = 2.0 / (v * v * v), 2.0 * turns * turns * turns
+        s0 = r * (((c[3] * back + c[2]) * back + c[1]) * back + c[0]) + g * c[3]
+        s1 = r * (((c[7] * back + c[6]) * back + c[5]) * back + c[4]) + g * c[7]
+        s2 = r * (((c[11] * back + c[10]) * back + c[9]) * back + c[8]) + g * c[11]
+        s3 = r * (((c[15] * back + c[14]) * back + c[13]) * back + c[12]) + g * c[15]
+        by_speed = max(by_speed, _bezier_most(s0, s1, s2, s3, x1, x2))
+    # a curvature downwards counts as none, so that it does not matter which end of v it is divided by
+    return by_torque / speed[0], by_speed
+
+
+@njit(cache=True, error_model="numpy")
+def _loss_curvatures(
+    kind: int,
+    parameters: FloatArray,
+    braking: bool,
+    effort: tuple[float, float],
+    speed: tuple[float, float],
+    patch: FloatArray,
+) -> tuple[float, float]:
+    """Return suprema of e_xx and e_vv of geared motors over a rectangle; `patch` is room for 16 numbers."""
+    motors, turns = parameters[MOTORS], parameters[TURNS]
+    m = work_bounds(kind, parameters)[1 if braking else 0] / (motors * turns)
+    torque, turning = (m * effort[0], m * effort[1]), (turns * speed[0], turns * speed[1])
+    if kind == LOSS_POLYNOMIAL:
+        patch[:] = 0.0
+        patch[0], patch[1], patch[2] = parameters[NO_LOAD], parameters[BY_SPEED], parameters[BY_SPEED2]
+        patch[4], patch[8] = parameters[BY_TORQUE], parameters[BY_TORQUE2]
+        e_xx, e_vv = _patch_curvatures(patch, torque, (0.0, 0.0), turning, speed, turns)
+        return motors * m * m * e_xx, motors * e_vv
+    start = int(parameters[BRAKING_TABLE]) if braking else DRIVING_TABLE
+    torques, speeds = int(parameters[start]), int(parameters[start + 1])
+    first_torque = start + HEAD
+    first_speed = first_torque + torques
+    e_xx = e_vv = -math.inf
+    for i in range(
+        piece_in(parameters, first_torque, torques, torque[0]),
+        piece_in(parameters, first_torque, torques, torque[1]) + 1,
+    ):
+        for j in range(
+            piece_in(parameters, first_speed, speeds, turning[0]),
+            piece_in(parameters, first_speed, speeds, turning[1]) + 1,
+        ):
+            c = first_speed + speeds + PATCH * (i * (speeds - 1) + j)
+            corner = parameters[first_torque + i], parameters[first_speed + j]
+            # the part of the rectangle that lies in the patch; the last ones go on beyond the map
+            x1, y1 = max(torque[0], corner[0]), max(turning[0], corner[1])
+            x2 = torque[1] if i == torques - 2 else min(torque[1], parameters[first_torque + i + 1])
+            y2 = turning[1] if j == speeds - 2 else min(turning[1], parameters[first_speed + j + 1])
+            found = _patch_curvatures(
+                parameters[c : c + PATCH], (x1, x2), corner, (y1, y2), (y1 / turns, y2 / turns), turns
+            )
+            e_xx, e_vv = max(e_xx, found[0]), max(e_vv, found[1])
+    return motors * m * m * e_xx, motors * e_vv
+
+
+@njit(cache=True, error_model="numpy")
+def _estimated_sag(a: FloatArray, b: FloatArray, slope: int, step: float) -> float:
+    """Return what a function may sag below the chord of two points, from values, slopes and curvatures there.
+
+    The least of three: a quarter of what its slope changes by, an eighth of its curvature, and the chord less the
+    tangent at the first point.
+    """
+    curvature = slope + 2
+    by_bend = max(0.25 * step * (b[slope] - a[slope]), 0.125 * step * step * max(a[curvature], b[curvature]))
+    concave = 0.5 * step * step * max(-a[curvature], -b[curvature], 0.0)
+    by_start = b[0] - a[0] - a[slope] * step + concave
+    sag: float = SAFETY * max(min(by_bend, by_start), 0.0)
+    return sag
+
+
+@njit(cache=True, error_model="numpy")
+def _point(course: CourseData, mode: int, effort: float, most: float, step: float, speed: float) -> PowerTerms:
+    """Return e, e_x, e_v, e_xx, e_xv, e_vv [J/m] of a drive that is on; machines go on straight beyond an effort."""
+    kind, parameters, braking = course.drive_kind, course.drive_parameters, mode == BRAKING
+    if kind in (LOSS_POLYNOMIAL, LOSS_MAP):
+        return energy_per_metre(power_when_on(kind, parameters, braking, effort, speed), speed)
+    # beyond their pull-out machines have no power at all, and at it an infinite slope: the chord below it goes on
+    least = LEAST_EFFORT * most
+    inside = min(max(effort, least), most)
+    p, p_x, p_v, p_xx, p_xv, p_vv = power_when_on(kind, parameters, braking, inside, speed)
+    if effort > inside:
+        before = max(inside - step, least)
+        p += (p - power_when_on(kind, parameters, braking, before, speed)[0]) / (inside - before) * (effort - inside)
+        p_xx = 0.0
+    return energy_per_metre((p, p_x, p_v, p_xx, p_xv, p_vv), speed)
+
+
+@njit(cache=True, error_model="numpy")
+def _reach(limit: EffortLimit, table: DriveTable, mode: int, reach: IntArray) -> None:
+    """Fill how many columns the strips between rows need, and the last column of each row."""
+    slowest, fastest = table.slowest_ms, table.fastest_ms
+    for j in range(SPEEDS):
+        v1, v2 = row_speed(slowest, fastest, j), row_speed(slowest, fastest, j + 1)
+        constant, slope = upper_line(limit, v1, v2)
+        most = constant + max(slope * v1, slope * v2)
+        reach[j] = min(max(math.ceil(most / table.top_n[mode] * EFFORTS), 1), EFFORTS)
+    for j in range(SPEEDS + 1):
+        table.last[mode, j] = max(reach[max(j - 1, 0)], reach[min(j, SPEEDS - 1)])
+
+
+@njit(cache=True, error_model="numpy")
+def _cut_off(points: FloatArray, j: int, k: int, shaft: float) -> float:
+    """Return what a map's loss may sag where it is cut off at zero at a corner: no more than the highest corner's loss.
+
+    Cut off it has a corner of its own, which the curvature of its patch does not tell; `shaft` is the work of the
+    shafts over a metre for each column [J/m].
+    """
+    lowest, highest = math.inf, 0.0
+    for q in range(2):
+        for r in range(2):
+            energy, work = points[j + q, k + r, 0], shaft * (k + r)
+            lowest = min(lowest, energy - work - LEAST_LOSS * abs(energy))
+            highest = max(highest, energy - work)
+    return highest if lowest <= 0.0 else 0.0
+
+
+@njit(cache=True, error_model="numpy")
+def _sags(course: CourseData, table: DriveTable, mode: int, points: FloatArray, reach: IntArray) -> FloatArray:
+    """Return the greatest sag of the rectangles around each point; shape (SPEEDS + 1, EFFORTS + 1)."""
+    sags, patch = np.zeros((SPEEDS + 1, EFFORTS + 1)), np.empty(PATCH)
+    kind, parameters, step = course.drive_kind, course.drive_parameters, table.top_n[mode] / EFFORTS
+    shaft = shaft_force(kind, parameters, mode == BRAKING, step)[1]
+    for j in range(SPEEDS):
+        v1 = row_speed(table.slowest_ms, table.fastest_ms, j)
+        v2 = row_speed(table.slowest_ms, table.fastest_ms, j + 1)
+        for k in range(reach[j]):
+            if kind in (LOSS_POLYNOMIAL, LOSS_MAP):
+                effort = step * k, step * (k + 1)
+                e_xx, e_vv = _loss_curvatures(kind, parameters, mode == BRAKING, effort, (v1, v2), patch)
+                sag = 0.125 * (step * step * max(e_xx, 0.0) + (v2 - v1) ** 2 * max(e_vv, 0.0))
+                sag = max(sag, _cut_off(points, j, k, shaft * step))
+            else:
+                along = across = 0.0
+                for q in range(2):
+                    along = max(along, _estimated_sag(points[j + q, k], points[j + q, k + 1], 1, step))
+                    across = max(across, _estimated_sag(points[j, k + q], points[j + 1, k + q], 2, v2 - v1))
+                sag = along + across
+            for q in range(2):
+                for r in range(2):
+                    sags[j + q, k + r] = max(sags[j + q, k + r], sag)
+    return sags
+
+
+@njit(cache=True, error_model="numpy")
+def _take_from_line(low: FloatArray, last: IntArray, reach: IntArray, factor: float, replaced: bool) -> None:
+    """Turn the energy of the drive into that of the line, in place; `replaced` where a standstill brake never draws.
+
+    The line's part u(e) = max(e, r e) is convex and rises: u of what lies below lies below, but the interpolant of u at
+    the corners exceeds u of the interpolant, where these lie on both sides of zero, by up to
+    (1 - r) a b / (a + b), a the highest of them and -b the lowest: the chord's distance from the kink.
+    """
+    if replaced:
+        # what it generates alone: what it would draw is the standstill brake's, and that is the mode without power
+        low *= factor
+        return
+    kinks = np.zeros(low.shape)
+    for j in range(low.shape[0] - 1):
+        for k in range(reach[j]):
+            high = max(low[j, k], low[j, k + 1], low[j + 1, k], low[j + 1, k + 1])
+            deep = -min(low[j, k], low[j, k + 1], low[j + 1, k], low[j + 1, k + 1])
+            if high > 0.0 and deep > 0.0:
+                kink = (1.0 - factor) * high * deep / (high + deep)
+                for q in range(2):
+                    for r in range(2):
+                        kinks[j + q, k + r] = max(kinks[j + q, k + r], kink)
+    for j in range(low.shape[0]):
+        for k in range(last[j] + 1):
+            low[j, k] = max(low[j, k], factor * low[j, k]) - kinks[j, k]
+
+
+@njit(cache=True, error_model="numpy")
+def _spare_by_friction(low: FloatArray, last: IntArray, window: int) -> None:
+    """Take the least over the electric share that friction brakes leave free, in place.
+
+    An effort between two points k and k + 1 leaves electric shares whose table lies between points of the windows
+    of both; each such point is no less than the least of the window that it is in, so that the interpolant of the two
+    leasts lies below.
+    """
+    for j in range(low.shape[0]):
+        row = low[j].copy()
+        for k in range(last[j] + 1):
+            for q in range(max(0, k - window), k):
+                low[j, k] = min(low[j, k], row[q])
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def tabulate(course: CourseData, slowest: float, fastest: float) -> DriveTable:
+    """Return the table of a course's drive between two speeds [m/s], the first above zero."""
+    top = np.array([course.traction.constant_n, course.braking.constant_n]) * (1.0 + ABOVE)
+    low = np.full((2, SPEEDS + 1, EFFORTS + 1), np.inf)
+    table = DriveTable(low, np.full((2, SPEEDS + 1), -1), slowest, fastest, top)
+    for mode in (DRIVING, BRAKING):
+        limit = course.traction if mode == DRIVING else course.braking
+        if limit.constant_n <= 0.0:
+            continue
+        reach, points = np.zeros(SPEEDS, dtype=np.int64), np.zeros((SPEEDS + 1, EFFORTS + 1, 5))
+        _reach(limit, table, mode, reach)
+        step = top[mode] / EFFORTS
+        for j in range(SPEEDS + 1):
+            v = row_speed(slowest, fastest, j)
+            most = largest_effort(limit, v)
+            for k in range(table.last[mode, j] + 1):
+                e, e_x, e_v, e_xx, _, e_vv = _point(course, mode, step * k, most, step, v)
+                p = points[j, k]
+                p[0], p[1], p[2], p[3], p[4] = e, e_x, e_v, e_xx, e_vv
+        sags = _sags(course, table, mode, points, reach)
+        for j in range(SPEEDS + 1):
+            for k in range(table.last[mode, j] + 1):
+                low[mode, j, k] = points[j, k, 0] - sags[j, k]
+        if mode == BRAKING:
+            replaced = has_standstill_brake(course.drive_kind, course.drive_parameters)
+            _take_from_line(low[mode], table.last[mode], reach, course.recuperation_factor, replaced)
+            if course.friction_effort_n > 0.0:
+                _spare_by_friction(low[mode], table.last[mode], math.ceil(course.friction_effort_n / step))
+    return table
