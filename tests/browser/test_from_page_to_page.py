@@ -5,10 +5,12 @@ import re
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from playwright.sync_api import Browser, expect
 
+from browser.layout import layout_faults
 from browser.server import Server, serving
 from browser.sight import Sight
 from browser.user import User, open_page
@@ -100,10 +102,16 @@ def test_from_every_page_to_every_other(own_server: Server, chromium: Browser) -
 
 
 def test_dark_from_start_to_every_page(own_server: Server, chromium: Browser) -> None:
+    faults: dict[str, Any] = {}
     with User.at(chromium, f"{own_server.url}?v=1&preset={STATIONS}", dark=True, on_drive=False) as user:
         for name in NAMES[1:]:
             arrive(user, name, STATIONS)
+            has_sidebar = PAGES[name].has_sidebar
+            expect(user.page.get_by_role("combobox", name="Scenario")).to_be_visible(visible=has_sidebar)
+            expect(user.page.get_by_role("button", name="Close drawer")).to_be_visible(visible=has_sidebar)
             scroll_to_the_end(user, name)
+            faults |= layout_faults(user, name)
+    assert faults == {}
 
 
 def test_the_log_is_quiet(log: Path) -> None:

@@ -7,7 +7,7 @@ from playwright.sync_api import Browser, BrowserContext, Locator, expect
 
 from browser.server import Server
 from browser.user import User, open_page
-from railjoule.dashboard.models.pages import KEYED, PAGES
+from railjoule.dashboard.models.pages import KEYED
 
 
 @pytest.fixture(scope="module")
@@ -24,14 +24,6 @@ def bar(user: User) -> Locator:
 def question(user: User, page: str) -> None:
     """Wait until a page is in sight."""
     expect(user.question(page)).to_be_visible()
-
-
-def test_by_mouse_from_start_to_every_page(user: User) -> None:
-    for name in (*PAGES, "Start"):
-        open_page(user, name)
-        side = user.page.get_by_role("combobox", name="Scenario")
-        expect(side).to_be_visible(visible=PAGES[name].has_sidebar)
-        expect(user.page.get_by_role("button", name="Close drawer")).to_be_visible(visible=PAGES[name].has_sidebar)
 
 
 def test_a_group_opens_by_press_and_key_and_not_by_hovering(user: User) -> None:
