@@ -1,7 +1,7 @@
 """`python -m tests.benchmarks.mesh` tables how much the mesh decides: energies and switching from 20 to 1 m.
 
-Over a shipped scenario of each drive that takes power as soon as it is on: the energy of `optimal`, that of its
-relaxation, which may switch within cells, and for how long the drive stays on or off between two switchings.
+Over a shipped scenario of each drive: the energy of `optimal`, that of its relaxation, which may switch within cells
+where the drive takes power as soon as it is on, and for how long the drive stays on or off between two switchings.
 """
 
 import argparse
@@ -19,6 +19,8 @@ from tests.benchmarks.referee import with_drive
 
 MESHES_M = (20.0, 10.0, 5.0, 2.0, 1.0)
 SCENARIOS = {
+    "constant_efficiency": "liashenko-ii",
+    "copper_loss": "ftorek-300s",
     "induction": "tram-950m",
     "loss_polynomial": "kharkiv-like-40kmh",
     "efficiency_map": "kharkiv-like-40kmh",
