@@ -56,6 +56,7 @@ SLOWEST2 = 0.01
 """Floor of the squares of speed between stops, that of ours [m2/s2]."""
 STILL = 1e-3
 """Rounds the kink of the hysteresis loss where a generator's field stands [rad/s]."""
+ROOM = 1.2
 DIFFERS = 1e-4
 FRICTION_MS2 = 0.5
 """Deceleration by the friction brakes that replace a standstill brake [m/s2]."""
@@ -77,14 +78,17 @@ class DutyProgram:
     def __init__(self, problem: Problem) -> None:
         self.ca: Any = importlib.import_module("casadi")
         self.problem, self.cells = problem, len(problem.length_m)
+        # efforts are shares of the largest tractive effort that vehicle and motors have at any speed
+        speeds = np.linspace(0.05, 1.0, 50) * problem.limit_ms.max()
+        largest = [float(problem.limit_n(speeds, braking).max()) for braking in (False, True)]
+        self.scale = largest[0]
         vehicle = problem.scenario.vehicle
-        kn = [limits.max_effort_kn for limits in (vehicle.traction, vehicle.braking)]
-        top = np.linspace(0.05, 1.0, 50) * problem.limit_ms.max()
-        own = [float(problem.limit_n(top, braking).max()) for braking in (False, True)]
-        self.scale = own[0]
-        # efforts are shares of the largest tractive effort
-        self.constant = [max(limit / self.scale, 1e-9) if kn[i] is None else kn[i] * N_PER_KN / self.scale
-                         for i, limit in enumerate(own)]  # fmt: skip
+        stated = [limits.max_effort_kn for limits in (vehicle.traction, vehicle.braking)]
+        self.constant = [
+            # where motors alone limit the effort, this only bounds a variable: more than they have at any speed
+            ROOM * largest[i] / self.scale if stated[i] is None else stated[i] * N_PER_KN / self.scale
+            for i in range(2)
+        ]
         self.free = ~problem.stands
         self._names: list[Any] = []
         self._low: list[FloatArray] = []
