@@ -39,6 +39,8 @@ TONNES_A_MOTOR = {"induction": 5.5, "loss_polynomial": 15.0, "efficiency_map": 1
 STARTING_MS2, CORNER_SHARE = 1.1, 0.45
 # a residue of rounding in a force that stands for none
 OFF_SHARE = 1e-7
+# The product rounds the corners of limits that vary with speed by so much, as the check allows, see its `efforts`
+CORNERS, EDGE = 2e-3, 1e-8
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,10 +158,21 @@ class Problem:
         )
         return force
 
+    def power_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
+        """Return what a drive that is on takes for efforts, braking negative, of shape (k,) [W]."""
+        size, braking = np.abs(effort_n), effort_n < 0
+        motors = np.where(
+            braking, self.model.largest_effort_n(speed_ms, True), self.model.largest_effort_n(speed_ms, False)
+        )
+        # formulas have no flux for what is beyond a motor's limit by rounding, of theirs or of a run's: its losses are
+        # those at the limit, and what is really beyond has none
+        kept = np.where(size <= motors * (1 + CORNERS), np.minimum(size, motors * (1 - EDGE)), size)
+        losses = sum(self.model.losses_w(np.copysign(kept, effort_n), speed_ms).values(), np.zeros(len(speed_ms)))
+        return effort_n * speed_ms + losses
+
     def line_power_w(self, effort_n: FloatArray, speed_ms: FloatArray) -> FloatArray:
         """Return what the supply gives a drive for efforts, electric braking negative, of shape (k,) [W]."""
-        losses = sum(self.model.losses_w(effort_n, speed_ms).values(), np.zeros(len(speed_ms)))
-        power = np.where(effort_n == 0, 0.0, effort_n * speed_ms + losses)
+        power = np.where(effort_n == 0, 0.0, self.power_w(effort_n, speed_ms))
         return np.where(power < 0, self.factor * power, power)
 
 

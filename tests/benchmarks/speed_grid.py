@@ -126,16 +126,10 @@ class Powers:
         return table
 
     def _powers_w(self, speeds: FloatArray, shares: FloatArray, braking: bool) -> FloatArray:
-        speed, share = (each.ravel() for each in np.meshgrid(speeds, shares, indexing="ij"))
-        # just inside the limit, where rounding leaves the formulas a power
-        effort = (1 - 1e-9) * share * self.limit_n(speed, braking) * (-1.0 if braking else 1.0)
-        losses = sum(self.problem.model.losses_w(effort, speed).values(), np.zeros(len(speed)))
-        table = (effort * speed + losses).reshape(len(speeds), len(shares))
-        # a motor at its very limit may have no flux by rounding: the efforts before it tell how its power goes on
-        for column in range(1, len(shares)):
-            missing = ~np.isfinite(table[:, column])
-            table[missing, column] = table[missing, column - 1]
-        return table
+        limit = self.problem.limit_n(speeds, braking)
+        speed = np.repeat(speeds, len(shares))
+        effort = np.outer(limit, shares).ravel() * (-1.0 if braking else 1.0)
+        return self.problem.power_w(effort, speed).reshape(len(speeds), len(shares))
 
 
 class Referee:
