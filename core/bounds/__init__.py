@@ -5,7 +5,8 @@
 optimum the best one, so that a solver's fault makes a bound weak, never wrong. `certify` returns the energy that no run
 on the same mesh undercuts, `bound_of` optimum and bound at once, and `bounded` gives a run of any strategy a bound that
 covers its own nodes and time. Of a drive that idles `tightened` looks for a greater bound; `chain_proof` is a proof to
-be continued step by step, whose result `with_chains` takes up.
+be continued step by step, whose result `with_chains` takes up. `strongest_bounds` lets bounds of several timetables
+strengthen one another.
 
 Read `minimum.minimise` first, then `certified.certify`; the method itself is in `railjoule.core.interior_point`.
 """
@@ -21,6 +22,7 @@ from railjoule.core.bounds.certified import (
     work_floor_j,
 )
 from railjoule.core.bounds.minimum import Solution, minimise, minimise_decided
+from railjoule.core.bounds.timetables import strongest_bounds
 
 __all__ = [
     "PROOF_BUDGET",
@@ -31,6 +33,7 @@ __all__ = [
     "chain_proof",
     "minimise",
     "minimise_decided",
+    "strongest_bounds",
     "tightened",
     "with_chains",
     "work_floor_j",

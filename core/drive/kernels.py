@@ -12,7 +12,7 @@ from railjoule.core.compiled import njit
 from railjoule.core.drive import constant_efficiency, copper_loss, geared_power
 from railjoule.core.drive.geared_parameters import NEGLIGIBLE
 from railjoule.core.drive.induction import power as induction
-from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS, DRAWS, GEARED, INDUCTION, JUMPS
+from railjoule.core.drive.kinds import CONCAVE, CONSTANT_EFFICIENCY, COPPER_LOSS, DRAWS, GEARED, INDUCTION, JUMPS
 from railjoule.core.drive.power_terms import PowerTerms
 
 LEAST_SIGNED_N = 1e-9
@@ -47,6 +47,12 @@ def generated_power(kind: int, parameters: FloatArray, effort: float, speed: flo
 def jumps_at_no_effort(kind: int) -> bool:
     """Return whether a drive that is on takes power without effort, and none when it is off."""
     return JUMPS[kind]
+
+
+@njit(cache=True)
+def may_be_concave(kind: int) -> bool:
+    """Return whether the power of a drive may be concave in its effort."""
+    return CONCAVE[kind]
 
 
 @njit(cache=True)
@@ -116,7 +122,7 @@ def shaft_force(kind: int, parameters: FloatArray, braking: bool, effort: float)
 
 @njit(cache=True)
 def smooth_power_when_on(kind: int, parameters: FloatArray, braking: bool, effort: float, speed: float) -> PowerTerms:
-    """Power [W] of a drive that is on, with continuous first derivatives, never less than the true one.
+    """Power [W] of a drive that is on, with continuous first derivatives, never more than the true one.
 
     Negative where it generates; for a solver that steps from derivative to derivative.
     """

@@ -21,11 +21,15 @@ class Capabilities(NamedTuple):
         Whether it may need power of the line to brake, near standstill.
     geared : bool
         Whether its losses are those of each of several motors behind gears, by a `motor_loss`.
+    concave : bool
+        Whether its power may be concave in the effort, and its losses fall with speed, as no formula rules out: the
+        relaxation then works on tabulated lower convex envelopes.
     """
 
     jumps_at_no_effort: bool
     may_draw_while_braking: bool
     geared: bool
+    concave: bool = False
 
 
 CAPABILITIES = (
@@ -33,11 +37,12 @@ CAPABILITIES = (
     Capabilities(jumps_at_no_effort=False, may_draw_while_braking=True, geared=False),  # COPPER_LOSS
     Capabilities(jumps_at_no_effort=True, may_draw_while_braking=True, geared=False),  # INDUCTION
     Capabilities(jumps_at_no_effort=True, may_draw_while_braking=True, geared=True),  # LOSS_POLYNOMIAL
-    Capabilities(jumps_at_no_effort=True, may_draw_while_braking=True, geared=True),  # LOSS_MAP
+    Capabilities(jumps_at_no_effort=True, may_draw_while_braking=True, geared=True, concave=True),  # LOSS_MAP
 )
 """The row of each kind at its number; asking for a number without a row is an error, in compiled code as well."""
 
 JUMPS = tuple(row.jumps_at_no_effort for row in CAPABILITIES)
 DRAWS = tuple(row.may_draw_while_braking for row in CAPABILITIES)
 GEARED = tuple(row.geared for row in CAPABILITIES)
+CONCAVE = tuple(row.concave for row in CAPABILITIES)
 """The columns of the table, as compiled code takes them."""

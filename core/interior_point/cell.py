@@ -100,7 +100,8 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
         x = cells.braking[i] if friction else f - force
         cells.braking[i] = x
         if jumps:
-            taken, generated = switched_powers(course, i, work.rays, max(f, 0.0) * scale, max(x, 0.0) * scale, v)
+            efforts = max(f, 0.0) * scale, max(x, 0.0) * scale
+            taken, generated = switched_powers(course, i, work.rays, work.envelope, *efforts, v)
         else:
             taken = driving_power(kind, parameters, max(f, 0.0) * scale, v)
             generated = generated_power(kind, parameters, max(x, 0.0) * scale, v)

@@ -66,6 +66,10 @@ speed v, that of braking by x and v, priced time and limits by v, and what the c
 CURVATURES = 9
 RAY_COUNT = 200
 """Speeds of the table of a drive that takes power without effort."""
+# A cubic over a step misses a power whose second derivative jumps within it by a thirtieth of the jump times the step
+# squared: of losses that are a tenth of the power, a millionth of that. Twice as many take twice the time to fill.
+ENVELOPE_EFFORTS = 65
+"""Efforts of the table of envelopes of a drive whose losses stand in a map."""
 # Slack and multiplier of the timetable stand apart from all rows: it couples all cells, so its step is solved for by a
 # rank-one update of the tridiagonal system, never row by row.
 TIME_SLACK, TIME_MULTIPLIER = range(2)
@@ -159,8 +163,8 @@ class Work(NamedTuple):
     """All arrays of one solution.
 
     `curvature` has shape (9, n), its rows as numbered above. Of a drive that takes power without effort, `rays` is the
-    table of `switching.tabulate_rays`, and `last_curvature`, shape (6, n), is what the first six rows of `curvature`
-    were an iteration ago.
+    table of `switching.tabulate_rays` or `envelope` that of `envelope.tabulate_envelope`, and `last_curvature`, shape
+    (6, n), is what the first six rows of `curvature` were an iteration ago.
     `time_step` holds the steps of the timetable's slack and multiplier; `used` which rows occur at all.
     """
 
@@ -170,6 +174,7 @@ class Work(NamedTuple):
     bounds: Rows
     curvature: FloatArray
     rays: FloatArray
+    envelope: FloatArray
     last_curvature: FloatArray
     time_step: FloatArray
     used: FloatArray
@@ -192,8 +197,11 @@ def _rows(count: int, length: int) -> Rows:
 
 
 @njit(cache=True)
-def allocate(n: int) -> Work:
-    """Return the zeroed work arrays of a course with `n` cells; all slacks are 1."""
+def allocate(n: int, envelope_efforts: int) -> Work:
+    """Return the zeroed work arrays of a course with `n` cells; all slacks are 1.
+
+    The table of envelopes holds so many efforts, none where a drive has no use for it.
+    """
     c = np.zeros((30, n))
     m = np.zeros((10, n + 1))
     cells = Cells(
@@ -203,6 +211,5 @@ def allocate(n: int) -> Work:
     )  # fmt: skip
     nodes = Nodes(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9])
     curvature, rays, last_curvature = np.zeros((CURVATURES, n)), np.zeros((2, RAY_COUNT, 3)), np.zeros((6, n))
-    return Work(
-        cells, _rows(ROWS, n), nodes, _rows(2, n + 1), curvature, rays, last_curvature, np.zeros(2), np.zeros(ROWS)
-    )
+    envelope, bounds, used = np.zeros((2, RAY_COUNT, envelope_efforts, 4)), _rows(2, n + 1), np.zeros(ROWS)
+    return Work(cells, _rows(ROWS, n), nodes, bounds, curvature, rays, envelope, last_curvature, np.zeros(2), used)

@@ -79,8 +79,14 @@ def add_curvature(
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
-def condense(work: Work) -> FloatArray:
+def condense(work: Work, exact: bool) -> FloatArray:
     """Gather weights, slopes and remainders of all cells, with the positive part of each cell's curvature.
+
+    Parameters
+    ----------
+    work : Work
+    exact : bool
+        Whether the curvatures are taken as they are, not their positive part.
 
     Returns
     -------
@@ -100,7 +106,9 @@ def condense(work: Work) -> FloatArray:
         slope = over * limit_slope / weight
         remainder = alone * over / weight * limit_slope * limit_slope
         # the cost need not be convex in effort and speed: only its positive part keeps the step a descent
-        ff, fv, vv = positive_part(curve[DRIVING_FF, i], curve[DRIVING_FV, i], curve[DRIVING_VV, i])
+        ff, fv, vv = curve[DRIVING_FF, i], curve[DRIVING_FV, i], curve[DRIVING_VV, i]
+        if not exact:
+            ff, fv, vv = positive_part(ff, fv, vv)
         cells.traction_weight[i], cells.traction_slope[i], on_speed[i] = add_curvature(
             weight, slope, remainder, ff, fv, vv
         )
@@ -125,7 +133,9 @@ def condense(work: Work) -> FloatArray:
             remainder += both * (alone * by_v * by_v + over * (by_v - by_x * limit_slope) ** 2)
         slope /= weight
         remainder /= weight
-        xx, xv, vv = positive_part(curve[BRAKING_XX, i], curve[BRAKING_XV, i], curve[BRAKING_VV, i])
+        xx, xv, vv = curve[BRAKING_XX, i], curve[BRAKING_XV, i], curve[BRAKING_VV, i]
+        if not exact:
+            xx, xv, vv = positive_part(xx, xv, vv)
         weight, slope, remainder = add_curvature(weight, slope, remainder, xx, xv, vv)
         cells.electric_weight[i], cells.braking_slope[i] = weight, slope
         cells.braking_weight[i] = weight
@@ -134,7 +144,7 @@ def condense(work: Work) -> FloatArray:
             cells.friction_weight[i] = q
             # x + q is given by f and D, so the brakes share it like springs in series, too
             cells.braking_weight[i] = weight * q / (weight + q)
-        on_speed[i] += remainder + max(curve[PRICED_VV, i], 0.0)
+        on_speed[i] += remainder + (curve[PRICED_VV, i] if exact else max(curve[PRICED_VV, i], 0.0))
     return on_speed
 
 
@@ -169,22 +179,23 @@ def cell_block(
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
-def factor(work: Work, forced: bool) -> bool:
+def factor(work: Work, forced: bool, exact: bool) -> bool:
     """Eliminate efforts and nodes; fill pivots and ratios; return whether all pivots are positive.
 
-    With `forced`, those that rounding has made negative change sign, and the factors can still be used.
+    With `forced`, those that rounding has made negative change sign, and the factors can still be used. With `exact`,
+    curvatures are taken as they are: pivots are then positive only where the whole problem is convex at the point.
     """
     cells, nodes, rows, curve = work.cells, work.nodes, work.rows, work.curvature
     z, s = work.bounds.multiplier, work.bounds.slack
     on_node = z[FLOOR] / s[FLOOR] + z[CEILING] / s[CEILING]
-    on_speed = condense(work)
+    on_speed = condense(work, exact)
     limits_change = work.used[ACCELERATION] > 0.0 or work.used[DECELERATION] > 0.0
     n = on_speed.shape[0]
     left = on_node[0]
     for i in range(n):
         u0, u1 = cells.speed_by_start[i], cells.speed_by_end[i]
         total = cells.traction_weight[i] + cells.braking_weight[i]
-        if not total > 0.0:
+        if not total > 0.0 or (exact and not min(cells.traction_weight[i], cells.electric_weight[i]) > 0.0):
             return False
         # With y = df + s_f dv and db = df - dD, the model W_f (df + s_f dv)^2 + W_b (db + s_b dv)^2 reads
         # W_f y^2 + W_b (y - dD - (s_f - s_b) dv)^2: eliminating y leaves two springs in series on the coupling
@@ -196,6 +207,8 @@ def factor(work: Work, forced: bool) -> bool:
         # The mean speed is concave in w: a cost that falls with it curves these upwards, one that rises downwards. The
         # latter is left out, lest the step climb; whether the point is the best one is for the proof to say.
         change, start, end = 0.0, max(curve[START_WW, i], 0.0), max(curve[END_WW, i], 0.0)
+        if exact:
+            start, end = curve[START_WW, i], curve[END_WW, i]
         if limits_change:
             change = rows.multiplier[ACCELERATION, i] / rows.slack[ACCELERATION, i]
             change += rows.multiplier[DECELERATION, i] / rows.slack[DECELERATION, i]
@@ -235,13 +248,21 @@ def back_substitute(nodes: Nodes, vector: FloatArray) -> None:
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
-def factor_with_fallback(work: Work) -> float:
+def factor_with_fallback(work: Work, exact_first: bool) -> float:
     """Factor the system so that the step is a descent; return the time's weight in the rank-one term.
 
     Not a number where there are no factors, as where a weight is not a number.
+
+    Parameters
+    ----------
+    work : Work
+    exact_first : bool
+        Whether the exact curvatures are tried before their positive parts. Where a cost is bilinear in effort and speed
+        the positive part of a cell makes steps short that the rest of the problem would allow.
     """
     nodes = work.nodes
-    if not factor(work, False) and not factor(work, True):
+    exact = exact_first and factor(work, False, True)
+    if not exact and not factor(work, False, False) and not factor(work, True, False):
         return np.nan
     nodes.time_response[:] = nodes.time_gradient * nodes.free
     back_substitute(nodes, nodes.time_response)

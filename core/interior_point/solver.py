@@ -20,11 +20,13 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
+from railjoule.core.drive.kernels import may_be_concave
 from railjoule.core.interior_point.cell import evaluate
 from railjoule.core.interior_point.layout import (
     CEILING,
     DRAWN,
     DRAWN_POSITIVE,
+    ENVELOPE_EFFORTS,
     FAST,
     FLOOR,
     FRICTION_POSITIVE,
@@ -59,6 +61,10 @@ WHOLE_STEP, HALF_STEP = 0.99, 0.5
 # Mehrotra's centring is the cube of what the affine step leaves of the gap. At least half is kept after a step so short
 # that the affine direction is of no use, and never more than nine tenths, or the barrier would stand still.
 MOST_CENTRING, CAUTIOUS_CENTRING, USELESS_STEP = 0.9, 0.5, 0.1
+# all of the gap: then the barrier waits until the residual of the dual is no more than ten times that
+HELD_CENTRING = 1.0
+NOISY_HELD_RESIDUAL = 1e-4
+"""Instead of `NOISY_RESIDUAL` where the barrier waits for the residual: what is left of it is no noise."""
 # The share of the way to the nearest bound that a step takes: closer to 1 as the barrier falls, for the last iterations
 # to converge superlinearly.
 BOUND_SHARE = 0.995
@@ -161,6 +167,8 @@ def minimise_energy(
     tolerance: float,
     largest_iterations: int,
     least_centring: float,
+    holds_barrier: bool,
+    exact_first: bool,
 ) -> Optimum:
     """Return the optimum of a course.
 
@@ -176,9 +184,21 @@ def minimise_energy(
     largest_iterations : int
     least_centring : float
         Lower bound of the centring; 0.2 ends the rare cycles that 1e-6 leaves.
+    holds_barrier : bool
+        Whether the barrier waits where the dual residual is far above the gap. Where curvatures are cut or jump,
+        Newton's steps converge slowly; a barrier that falls meanwhile leaves the point at limits far from the optimum.
+    exact_first : bool
+        Whether steps are taken with exact second derivatives where the problem is convex at the point, as in
+        `factor_with_fallback`.
     """
     scale = course.traction.constant_n
-    work = allocate(course.cell_length_m.shape[0])
+    # where it is decided what the drive does, no power is tabulated
+    relaxed = course.machines_on.shape[0] == 0
+    efforts = ENVELOPE_EFFORTS if relaxed and may_be_concave(course.drive_kind) else 0
+    work = allocate(course.cell_length_m.shape[0], efforts)
+    most_cautious = HELD_CENTRING if holds_barrier else CAUTIOUS_CENTRING
+    most_centring = max(MOST_CENTRING, most_cautious)
+    noisy = NOISY_HELD_RESIDUAL if holds_barrier else NOISY_RESIDUAL
     time_slack, time_multiplier, weights = prepare(course, scale, fastest, shortest_time, running_time, work)
     length = course.cell_length_m.sum()
     time_weight = TIME_WEIGHT * length
@@ -200,20 +220,20 @@ def minimise_energy(
             iterations_close += 1
             # whole steps that change nothing any more: then what is left of the dual residual is noise, however large
             settled = step > WHOLE_STEP and abs(energy - before) < 0.1 * tolerance * reference
-            patient = iterations_close >= NOISE_FLOOR_PATIENCE and (dual < NOISY_RESIDUAL or settled)
+            patient = iterations_close >= NOISE_FLOOR_PATIENCE and (dual < noisy or settled)
             if patient or (gap < tolerance and dual < 10.0 * tolerance):
                 status = CONVERGED
                 break
         least = min(barrier, LEAST_BARRIER_SHARE * tolerance * reference / weights)
-        response = factor_with_fallback(work)
+        response = factor_with_fallback(work, exact_first)
         if not np.isfinite(response):
             break  # no direction to step along: the point is returned with its gap, as not converged
         set_direction(course, work, response, 0.0, False, time_slack, time_multiplier, time_residual, 0.0)
         point, multipliers = longest_steps(work, time_slack, time_multiplier, 1.0)
         centring = (_all_complementarity(work, point, multipliers, time_slack, time_multiplier) / product) ** 3
         if dual > gap:
-            centring = max(centring, min(CAUTIOUS_CENTRING, DUAL_SHARE * dual / gap))
-        centring = min(max(centring, least_centring), MOST_CENTRING)
+            centring = max(centring, min(most_cautious, DUAL_SHARE * dual / gap))
+        centring = min(max(centring, least_centring), most_centring)
         if step < USELESS_STEP:
             centring = max(centring, CAUTIOUS_CENTRING)
         aim = max(centring * barrier, least)

@@ -29,7 +29,7 @@ from railjoule.core.interior_point.layout import (
     TRACTION_POSITIVE,
     Work,
 )
-from railjoule.core.interior_point.switching import tabulate_rays
+from railjoule.core.interior_point.switching import tabulate_hulls
 from railjoule.core.motion.passes import running_time as running_time_of
 from railjoule.core.physics.cell import duration, mean_speed, needed_force
 from railjoule.core.physics.course_data import CourseData, scaled_cell_of
@@ -151,7 +151,7 @@ def prepare(
     _use_limits(course, scale, fastest, work)
     # where it is decided what the drive does, no power is a line: nothing would read the table
     if jumps_at_no_effort(course.drive_kind) and course.machines_on.shape[0] == 0:
-        tabulate_rays(course, work.rays)
+        tabulate_hulls(course, work.rays, work.envelope)
     for i in range(n + 1):
         nodes.free[i] = 1.0 if course.fixed_speed2[i] < 0.0 else 0.0
         nodes.floor[i] = min(SLOWEST_SPEED2, 0.25 * w[i])

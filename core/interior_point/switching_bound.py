@@ -24,12 +24,13 @@ from railjoule.core.interior_point.layout import (
     BRAKING_OVER_SPEED,
     DECELERATION,
     DRAWN,
+    ENVELOPE_EFFORTS,
     RAY_COUNT,
     TRACTION_OVER_SPEED,
 )
 from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.interior_point.start import SLOWEST_SPEED2
-from railjoule.core.interior_point.switching import switched_powers, tabulate_rays
+from railjoule.core.interior_point.switching import switched_powers, tabulate_hulls
 from railjoule.core.physics.cell import force_slopes, mean_speed
 from railjoule.core.physics.course_data import CourseData, cell_of
 from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
@@ -304,14 +305,15 @@ def price_switched_cells(course: CourseData, optimum: Optimum) -> tuple[FloatArr
     h, w, z = course.cell_length_m, optimum.speed2, optimum.multiplier
     n = h.shape[0]
     price_of_time = optimum.price_of_time_w + course.auxiliary_power_w
-    tangents, over, rays = np.zeros((4, n)), np.empty((2, n)), np.empty((2, RAY_COUNT, 3))
-    tabulate_rays(course, rays)
+    tangents, over = np.zeros((4, n)), np.empty((2, n))
+    rays, envelope = np.empty((2, RAY_COUNT, 3)), np.empty((2, RAY_COUNT, ENVELOPE_EFFORTS, 4))
+    tabulate_hulls(course, rays, envelope)
     over[0], over[1] = z[TRACTION_OVER_SPEED], z[BRAKING_OVER_SPEED]
     returned = np.empty(n)
     for i in range(n):
         v = mean_speed(math.sqrt(w[i]), math.sqrt(w[i + 1]))
         f, x = max(optimum.traction_n[i], 0.0), max(optimum.braking_n[i], 0.0)
-        taken, generated = switched_powers(course, i, rays, f, x, v)
+        taken, generated = switched_powers(course, i, rays, envelope, f, x, v)
         returned[i] = returned_share(course.recuperation_factor, z[DRAWN, i] / h[i])
         tangents[3, i] = h[i] * (energy_per_metre(taken, v)[2] - returned[i] * energy_per_metre(generated, v)[2])
     node = node_prices(course, optimum, price_of_time, over, tangents)

@@ -14,9 +14,9 @@ from railjoule.core.task import Task
 from railjoule.core.trajectory import Reference, Trajectory, make_trajectory
 from railjoule.core.units import J_PER_KWH
 
-# By so much, as a share, the smoothed power of a drive may put its relaxed optimum above a run of the true power. Above
-# that the relaxation is no lower bound that a note could name: it has not come near its optimum, see `minimise`
-SMOOTHED = 1e-4
+# To so much of the energy a relaxation converges. One that lies above the run by more is no lower value that a note
+# could name: it has not come near its optimum, see `minimise`
+RELAXED_TOLERANCE = 1e-6
 
 
 def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
@@ -107,7 +107,7 @@ def switching_note(task: Task, relaxed: Solution, energy_j: float) -> str:
     )
     # a relaxed energy above the run's tells nothing that free switching could save
     known = ""
-    if relaxed.energy_j <= energy_j + SMOOTHED * abs(energy_j):
+    if relaxed.energy_j <= energy_j + RELAXED_TOLERANCE * abs(energy_j):
         needed = relaxed.energy_j / J_PER_KWH
         known = f"free switching would need {needed:.{energy_decimals(needed)}f} kWh; "
     return (

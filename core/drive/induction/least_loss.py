@@ -8,7 +8,7 @@ power is kappa phi(q, w),
 It is convex in 1/q, so the best ratio is that of the free minimum, a square root, or the nearest one that keeps
 Ix <= Imu and the voltage. All is closed but the root of a quartic where the voltage binds. Where the one limit takes
 over from the other, first derivatives jump, and second ones wherever a limit begins to bind, as in the machine; a
-solver that needs a smooth power takes that of `smooth_input_power`, which is never less.
+solver that needs a smooth power takes that of `smooth_input_power`, which is never more.
 
 Source: Rawicki, (33)-(43), whose search over the flux this replaces.
 """
@@ -33,12 +33,10 @@ FREE, RATED_FLUX, FULL_VOLTAGE, BEYOND, STANDING_FIELD = range(5)
 
 # as a share of d2, half of D'' at no ratio: where D is hardly curved, the pull-out ratio changes without bound
 NO_CURVATURE = 1e-3
-# The exponent n of the norm that rounds the corner between two limits of the ratio. It lifts the greater one by a
-# factor of at most 2^(1/n), 1.8 %; a larger n lifts less, but second derivatives grow with n and Newton's steps shrink.
-SHARPNESS = 40.0
-# Below this ratio of the two limits the smaller one is left out of the norm: 0.8^40 / 40 = 3e-6 of the ratio, so little
-# that a solver does not see the step. Nearer to 1 the step would grow, further off it would only cost roots.
-NEARNESS = 0.8
+# Over how far apart two limits of the ratio are, by their logarithms, the corner between them is rounded. At most 2/27
+# of it is taken off the greater one, 0.2 %, a third of the way from the corner and next to nothing at both ends; a
+# narrower width takes off less, but second derivatives grow as its inverse and Newton's steps shrink.
+ROUNDED_WIDTH = 0.03
 
 
 @njit(cache=True)
@@ -222,32 +220,37 @@ def _input_power_at(
 
 @njit(cache=True)
 def smooth_input_power(machine: Machine, sign: float, strength: float, rotor_rads: float) -> PowerTerms:
-    """Return an input power with continuous first derivatives, never less than the least; arguments as there.
+    """Return an input power with continuous first derivatives, never more than the least; arguments as there.
 
-    Where the limits of flux and of voltage both are near, the ratio is the `SHARPNESS`-norm of theirs, at most 1.8 %
-    more than the greater of the two.
+    Where the limits of flux and of voltage both are near, the ratio is a little less than the greater of the two,
+    though not at the corner itself, at which an optimum may lie.
     """
     free, _ = _free_ratio(machine, sign, rotor_rads)
     rated = strength / (machine.magnetising_current_a * machine.magnetising_current_a)
-    low = NEARNESS * rated
+    low = math.exp(-ROUNDED_WIDTH) * rated
     voltage2 = machine.max_phase_voltage_v * machine.max_phase_voltage_v
     quartic = voltage_quartic(machine, sign, rotor_rads)
     # no corner: least loss needs less than the rated flux, or the voltage is kept even at a ratio much smaller than
     # that of the rated flux
     one_limit = free >= rated or strength * value(quartic, low) <= voltage2 * low
     bound = -1.0 if one_limit else ratio_within_voltage(quartic, strength, voltage2, low)
-    if bound <= 0.0 or bound * NEARNESS > rated:
+    if bound <= 0.0 or bound * math.exp(-ROUNDED_WIDTH) > rated:
         return least_input_power(machine, sign, strength, rotor_rads)
-    total = (rated**SHARPNESS + bound**SHARPNESS) ** (1.0 / SHARPNESS)
-    a, b = (rated / total) ** SHARPNESS, (bound / total) ** SHARPNESS
-    _, v_k, v_w, v_kk, v_kw, v_ww = _ratio_derivatives(machine, sign, strength, rotor_rads, bound, FULL_VOLTAGE)
-    # With r = ln(rated), v = ln(bound) and t = (e^(n r) + e^(n v))^(1/n), the logarithm l = ln t has
-    #     l_x = a r_x + b v_x,   a = (rated / t)^n,  b = (bound / t)^n = 1 - a,   a_x = n a b (r_x - v_x),
-    #     l_xy = a r_xy + b v_xy + n a b (r_x - v_x) (r_y - v_y),   and t_x = t l_x,  t_xy = t (l_xy + l_x l_y).
+    # The greater of two logarithms r and v is their mean and half of |d|, d = r - v. With u = |d| / width the function
+    # s = |d| u (2 - u) is never more than |d|, and equal to it, with its slope, at u = 1; at the corner, s = s' = 0.
+    # Of the logarithm l = (r + v + s) / 2 of the ratio t, then,
+    #     l_x = a r_x + b v_x,   a = (1 + s') / 2,  b = (1 - s') / 2,
+    #     l_xy = a r_xy + b v_xy + s'' / 2 (r_x - v_x) (r_y - v_y),   and t_x = t l_x,  t_xy = t (l_xy + l_x l_y).
     # r is ln k and a constant, so r_k = 1 / k, r_kk = -1 / k^2 and r_w = 0; v_xy is bound_xy / bound - v_x v_y.
+    apart = math.log(rated / bound)
+    u = abs(apart) / ROUNDED_WIDTH
+    total = math.sqrt(rated * bound) * math.exp(0.5 * abs(apart) * u * (2.0 - u))
+    steepness = math.copysign(u * (4.0 - 3.0 * u), apart)
+    a, b = 0.5 * (1.0 + steepness), 0.5 * (1.0 - steepness)
+    _, v_k, v_w, v_kk, v_kw, v_ww = _ratio_derivatives(machine, sign, strength, rotor_rads, bound, FULL_VOLTAGE)
     r_k, v_k, v_w = 1.0 / strength, v_k / bound, v_w / bound
     l_k, l_w = a * r_k + b * v_k, b * v_w
-    both = SHARPNESS * a * b
+    both = (2.0 - 3.0 * u) / ROUNDED_WIDTH
     l_kk = -a * r_k * r_k + b * (v_kk / bound - v_k * v_k) + both * (r_k - v_k) ** 2
     l_kw = b * (v_kw / bound - v_k * v_w) - both * (r_k - v_k) * v_w
     l_ww = b * (v_ww / bound - v_w * v_w) + both * v_w * v_w

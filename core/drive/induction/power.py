@@ -96,7 +96,7 @@ def shaft_force(parameters: FloatArray, effort: float) -> tuple[float, float]:
 
 @njit(cache=True)
 def smooth_power_with_idle(parameters: FloatArray, effort: float, speed: float) -> PowerTerms:
-    """Return a power with continuous first derivatives, for negative efforts as well; never less than the true one."""
+    """Return a power with continuous first derivatives, for negative efforts as well; never more than the true one."""
     if effort >= 0.0:
         by_effort = 1.0 / (parameters[MOTORS] * parameters[TURNS] * parameters[GEAR])
         return _train_power(parameters, driving_torque(parameters, effort), by_effort, speed, True)

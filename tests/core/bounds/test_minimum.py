@@ -11,7 +11,8 @@ from railjoule.core.interior_point.solver import CONVERGED
 from railjoule.core.motion import running_time
 from railjoule.core.physics.account import run_energy
 from railjoule.core.physics.course_data import BRAKING, OFF
-from railjoule.core.strategies import prepare_task
+from railjoule.core.physics.reference import reference_energy
+from railjoule.core.strategies import prepare_task, run_strategy
 
 JUMPING = ("loss polynomial", "efficiency map", "induction", "induction with a standstill brake", "synchronous")
 
@@ -43,6 +44,26 @@ def test_a_drive_that_is_off_generates_nothing():
     assert braked.sum() > 5
     assert found.braking_n[braked].max() < 1e-2 * task.course.data.braking.constant_n
     assert found.energy_j > with_brake.energy_j * 1.01
+
+
+# On hills, from close to the shortest time, some 107 s, to far beyond it, with and without friction brakes
+RELAXED = [
+    (drive, friction_kn, time_s)
+    for drive in JUMPING
+    for friction_kn in (0.0, 120.0)
+    for time_s in (112.0, 150.0, 260.0)
+]
+
+
+@pytest.mark.parametrize(("drive", "friction_kn", "time_s"), RELAXED)
+def test_a_relaxation_converges_and_no_run_lies_below_it(drive, friction_kn, time_s):
+    """Over the same mesh; to a millionth, as a relaxation converges."""
+    task = prepare_task(train(drive, friction_kn, 0.37, **{"timetable.travel_time_s": time_s, "solver.mesh_m": 20.0}))
+    found = minimise(task)
+    assert found.optimum.status == CONVERGED
+    for run in (run_strategy(task, "optimal"), run_strategy(task, "bellman")):
+        reference = reference_energy(task.course.data, run.energy.net_j, task.running_time_s)
+        assert run.energy.net_j - found.energy_j >= -1e-6 * reference
 
 
 def test_some_of_each_limit_is_spared():

@@ -174,7 +174,7 @@ def lagrangian(request) -> Lagrangian:
     """Point, multipliers and slacks lie apart from what one another ask for, as they do on the way to an optimum."""
     task = prepare_task(plain_scenario({**HILLY, **CASES[request.param]}), position_m=NODES)
     task = replace(task, running_time_s=1.3 * task.shortest_time_s)
-    data, work, rng = task.course.data, allocate(len(NODES) - 1), np.random.default_rng(1)
+    data, work, rng = task.course.data, allocate(len(NODES) - 1, 0), np.random.default_rng(1)
     time_slack, time_multiplier, _ = prepare(
         data, data.traction.constant_n, task.greatest_speed2, task.shortest_time_s, task.running_time_s, work
     )

@@ -25,15 +25,31 @@ def test_elimination_solves_the_dense_system(lagrangian):
     dense = lagrangian.curvature(convex=True) + jacobian.T @ (weight[:, None] * jacobian)
     right = np.random.default_rng(2).normal(size=len(lagrangian.free))
     expected = np.linalg.solve(dense, np.append(right, np.zeros(len(dense) - len(right))))[: len(right)]
-    assert factor(lagrangian.work, False)
+    assert factor(lagrangian.work, False, False)
     # differences lose about five digits, the elimination none
     assert solved(lagrangian, right) == pytest.approx(expected, rel=1e-8, abs=1e-9 * np.abs(expected).max())
+
+
+def test_the_exact_elimination_solves_the_exact_system_where_that_is_convex(lagrangian):
+    """Where it is not, it says so; the rows of the timetable stand apart."""
+    jacobian = lagrangian.differences(lagrangian.limits)
+    weight = lagrangian.of_limits("multiplier") / lagrangian.of_limits("slack")
+    dense = lagrangian.curvature(convex=False) + jacobian.T @ (weight[:, None] * jacobian)
+    nodes = len(lagrangian.free)
+    efforts = dense[nodes:, nodes:]
+    reduced = dense[:nodes, :nodes] - dense[:nodes, nodes:] @ np.linalg.solve(efforts, dense[nodes:, :nodes])
+    convex = np.linalg.eigvalsh(reduced).min() > 0 and np.linalg.eigvalsh(efforts).min() > 0
+    assert factor(lagrangian.work, False, True) == convex
+    if convex:
+        right = np.random.default_rng(2).normal(size=nodes)
+        expected = np.linalg.solve(reduced, right)
+        assert solved(lagrangian, right) == pytest.approx(expected, rel=1e-6, abs=1e-7 * np.abs(expected).max())
 
 
 def test_the_convex_system_goes_downhill_where_limits_weigh_little(lagrangian):
     for rows in (lagrangian.work.rows, lagrangian.work.bounds):
         rows.slack[rows.weight > 0] *= 1e4
-    assert factor(lagrangian.work, False)
+    assert factor(lagrangian.work, False, False)
     for right in np.eye(len(lagrangian.free)):
         assert right @ solved(lagrangian, right) > 0
 

@@ -27,7 +27,7 @@ def bound_of(task, optimum, budget=ALL_BOXES):
 def after(task, iterations):
     """Return where the interior-point method stands after so many iterations."""
     times = task.shortest_time_s, task.running_time_s
-    return minimise_energy(task.course.data, task.greatest_speed2, *times, TOLERANCE, iterations, 1e-6)
+    return minimise_energy(task.course.data, task.greatest_speed2, *times, TOLERANCE, iterations, 1e-6, False, False)
 
 
 def size(task, energy):

@@ -82,7 +82,7 @@ def hilly():
 
 def run_method(task, iterations, tolerance=1e-7, least_centring=1e-6):
     limits = task.greatest_speed2, task.shortest_time_s, task.running_time_s
-    return minimise_energy(task.course.data, *limits, tolerance, iterations, least_centring)
+    return minimise_energy(task.course.data, *limits, tolerance, iterations, least_centring, False, False)
 
 
 @pytest.mark.parametrize("settings", [{"tolerance": 1e-9}, {"least_centring": 0.2}], ids=lambda x: next(iter(x)))

@@ -54,7 +54,7 @@ def test_start_on_a_level_line_keeps_efforts(length_m, slack):
 @given(seeds, slacks)
 def test_slacks_and_multipliers_are_positive_where_there_is_a_limit(seed, slack):
     task = with_slack(random_run(seed, stops=seed % 2 == 1).task, slack)
-    data, work = task.course.data, allocate(task.course.cell_count)
+    data, work = task.course.data, allocate(task.course.cell_count, 0)
     limits = task.greatest_speed2, task.shortest_time_s, task.running_time_s
     time_slack, time_multiplier, weights = prepare(data, data.traction.constant_n, *limits, work)
     assert min(time_slack, time_multiplier) > 0

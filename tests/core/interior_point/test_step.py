@@ -14,7 +14,7 @@ def stepped(lagrangian):
     """Fill the steps of a Newton iteration."""
     slack, multiplier = lagrangian.time_slack, lagrangian.time_multiplier
     residual = lagrangian.task.running_time_s - lagrangian.time(lagrangian.point) - slack
-    response = factor_with_fallback(lagrangian.work)
+    response = factor_with_fallback(lagrangian.work, False)
     course = lagrangian.task.course.data
     set_direction(course, lagrangian.work, response, BARRIER, False, slack, multiplier, residual, TIME_AIM)
     return lagrangian

@@ -39,7 +39,7 @@ def by_the_solver(cell):
     account = account_of_run(data, cell.speed2)
     if jumps_at_no_effort(data.drive_kind):
         data = data._replace(machines_on=modes_of_run(data, cell.speed2))
-    scale, work = data.traction.constant_n, allocate(1)
+    scale, work = data.traction.constant_n, allocate(1, 0)
     fast = np.full(2, data.largest_speed2.max())
     prepare(data, scale, fast, 0.1, 10.0, work)
     work.nodes.speed2[:] = cell.speed2
