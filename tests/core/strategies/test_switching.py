@@ -84,8 +84,8 @@ def test_statement_and_note_say_what_is_bounded():
         "effort, and that its losses do not fall with speed."
     )
     assert best.notes == (
-        "Each cell is driven or coasted as a whole, where free switching between driving, coasting and braking would "
-        "drive for a part of it; this is the best such run found, not proven; free switching would need "
+        "Each cell is driven, braked or coasted as a whole, where free switching between driving, coasting and braking "
+        "would drive for a part of it; this is the best such run found, not proven; free switching would need "
         f"{relaxed_kwh(task):.3f} kWh; the vehicle has no friction brakes to support the electric ones.",
     )
 
