@@ -6,7 +6,7 @@ from every_drive import train
 
 from railjoule.core import SolverError
 from railjoule.core.bounds import minimise
-from railjoule.core.dynamic_programming.around import coarse_run, hybrids, runs_around
+from railjoule.core.dynamic_programming.around import coarse_run, runs_around
 from railjoule.core.motion import running_time
 from railjoule.core.physics.account import run_energy
 from railjoule.core.strategies import prepare_task, run_strategy
@@ -50,18 +50,3 @@ def test_a_band_without_a_run_says_so(task):
     by_turns = np.where(np.arange(len(task.greatest_speed2)) % 2 == 0, task.greatest_speed2, 0.5)
     with pytest.raises(SolverError, match="no run"):
         runs_around(*given(task), by_turns, 1e4, 0.01, 5)
-
-
-def test_a_hybrid_changes_over_where_both_cross_nearest_to_the_timetable(task):
-    """By hand: over cells of 10 m at 5 or 10 m/s, each cell takes 2 or 1 s."""
-    data = task.course.data._replace(cell_length_m=np.full(8, 10.0))
-    slow, fast = np.full(9, 25.0), np.full(9, 100.0)
-    # they cross at both ends and in the middle, where the speeds are the same
-    for run in (slow, fast):
-        run[[0, 4, 8]] = 49.0
-    (both,) = hybrids(data, slow, fast, running_time(data.cell_length_m, np.concatenate([slow[:4], fast[4:]])))
-    assert both.tolist() == [49.0, 25.0, 25.0, 25.0, 49.0, 100.0, 100.0, 100.0, 49.0]
-
-
-def test_runs_that_are_the_same_have_no_hybrid(task):
-    assert hybrids(task.course.data, task.greatest_speed2, task.greatest_speed2, 100.0) == []
