@@ -291,9 +291,8 @@ def search(course: CourseData, greatest_speed2: FloatArray, time_s: float) -> Fo
         If no run on the grid meets the timetable.
     """
     greatest = np.sqrt(greatest_speed2)
-    mean = course.cell_length_m.sum() / time_s
-    kinetic = course.half_inertia_kg * mean**2
-    scale = kinetic / time_s
+    scale = price_scale_w(course, time_s)
+    kinetic = scale * time_s
     half_width, points, tolerance = float(greatest.max()), FIRST_POINTS, FIRST_TIME_TOLERANCE * time_s
     bounds = greatest_speed2, least_speeds(course, greatest_speed2), course.fixed_speed2
     grid = speed_grid(*bounds, 0.5 * greatest, half_width, points)
@@ -327,19 +326,29 @@ def search(course: CourseData, greatest_speed2: FloatArray, time_s: float) -> Fo
     return Found(best, price, first, sweeps, unrefined)
 
 
+def price_scale_w(course: CourseData, time_s: float) -> float:
+    """Return a natural price of time [J/s]: kinetic energy at the mean speed by running time."""
+    mean = float(course.cell_length_m.sum()) / time_s
+    return course.half_inertia_kg * mean**2 / time_s
+
+
 def _next_centre(course: CourseData, level: Level, meeting_speed2: FloatArray, time_s: float) -> FloatArray:
     """Return around which squares of speed the next grid is laid [m2/s2].
 
     The mean of two runs that differ in kind drives where either does: a hybrid, no run to drive itself, may promise
-    less. What it lacks or has too much of time counts at the price.
+    less.
     """
+    runs = [meeting_speed2, *both_hybrids(course, level.slower, level.faster, time_s)]
+    return min(runs, key=lambda run: promised_energy_j(course, run, level.price_w, time_s))
 
-    def promised_j(speed2: FloatArray) -> float:
-        late_s = running_time(course.cell_length_m, speed2) - time_s
-        # the energy counts the auxiliaries of that time already
-        return _total_energy(course, speed2) + (level.price_w - course.auxiliary_power_w) * late_s
 
-    return min([meeting_speed2, *both_hybrids(course, level.slower, level.faster, time_s)], key=promised_j)
+def promised_energy_j(course: CourseData, speed2: FloatArray, price_w: float, time_s: float) -> float:
+    """Return about what a run would need that met a running time [J]: what it lacks of it counts at a price [J/s].
+
+    The price counts the auxiliaries, as it does everywhere in this search.
+    """
+    late_s = running_time(course.cell_length_m, speed2) - time_s
+    return _total_energy(course, speed2) + (price_w - course.auxiliary_power_w) * late_s
 
 
 def _total_energy(course: CourseData, speed2: FloatArray) -> float:

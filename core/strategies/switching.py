@@ -7,12 +7,10 @@ half of one is owed; its runs approach the optimum with free switching as the me
 problem is smooth again. How much must be owed is a matter of luck, cell by cell, so that some shares of a cell are
 tried.
 
-Rounding knows neither limits nor time. Where its best run is not within a ten-thousandth of free switching, or that has
-not converged, dynamic programming in bands of speed around it finds other decisions: those of the runs that bracket the
-timetable, and of their hybrids. Each decision is solved once more, and all runs are judged by the one account.
-
-Where more than a two-thousandth is left even then, the run of Bellman's recursion and its decision are tried last. Of
-240 ordinary scenarios it was better by a ten-thousandth in 9, by up to 0.4 %.
+Rounding knows neither limits nor time. Where its best run lies clearly above free switching, dynamic programming in
+bands of speed around the relaxed optimum finds other decisions: those of the runs that bracket the timetable, and of
+their hybrids. The most promising are solved once more, and all runs are judged by the one account. Where that is not
+close either, or the relaxed optimum is no measure, the run of Bellman's recursion and its decision are tried, too.
 
 Reference: Sager, Bock, Diehl 2012, "The integer approximation error in mixed-integer optimal control", Math. Program.
 133, 1-23.
@@ -25,8 +23,8 @@ import numpy as np
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.bounds import minimise_decided
 from railjoule.core.bounds.minimum import SPARED_SHARE
-from railjoule.core.dynamic_programming.around import coarse_run, runs_around
-from railjoule.core.dynamic_programming.search import search
+from railjoule.core.dynamic_programming.around import runs_around
+from railjoule.core.dynamic_programming.search import Found, search
 from railjoule.core.errors import SolverError
 from railjoule.core.interior_point.duty import (
     COASTED,
@@ -53,16 +51,22 @@ OWED = (0.5, 0.25, 0.75)
 # Free switching is a lower bound, so that no decision can save more than what a run lies above it
 GOOD_ENOUGH = 1e-4
 """A run this close to free switching, relatively, is good enough."""
-# Of 240 ordinary scenarios the recursion found a run that is better by a ten-thousandth in 9: in all of them at least
-# 6.6e-4 was left, or free switching was no measure
-CLOSE = 5e-4
-"""From a run this close to free switching on, relatively, the last resort is not worth its time."""
+# What a run lies above free switching before a band of speeds is searched, which takes as long as five solutions. Of
+# 240 ordinary scenarios 41 lie between good enough and this, and no run found is better by a ten-thousandth in any.
+# With 5e-4, Bellman's recursion alone was better by a ten-thousandth in 3
+FAR = 3e-4
+# The same before Bellman's recursion, which gained a ten-thousandth in 9 of the 240: all of them lay at least 6.6e-4
+# above free switching, or that was no measure
+FAR_FOR_RECURSION = 5e-4
 FORBIDDEN_SHARE = 1e-4
 """What a decided optimum may spend on forbidden efforts, of the energy: more than a barrier leaves of none."""
 # The relaxed optimum lies within the first band on the whole, where it does not drive by turns with its best run; the
-# second mends what the coarse grid of the first misses
-BANDS = ((0.15, 25), (0.03, 17))
+# second mends what the coarse grid of the first misses. 41 speeds, and 25 within 0.03, are no better and take longer
+BANDS = ((0.15, 25), (0.06, 33))
 """Half widths of the bands of speed that are searched, over the top speed, and their numbers of speeds."""
+# What the others promise more is seldom gained by solving their decisions
+MOST_PROMISING = 2
+"""How many of the runs that a band holds are solved as decisions."""
 # Each mending allows more cells; where three do not suffice, the decision leaves no run worth having
 MOST_MENDED = 3
 # An early arrival counts as a fault where it costs a hundred-thousandth of the energy
@@ -112,10 +116,13 @@ def unswitched(task: Task, optimum: Optimum) -> Unswitched:
     search = _Search(task, optimum)
     search.add(optimum)
     search.decide_by(duty(task.course.data, optimum), OWED)
-    if not search.is_good_enough:
-        search.decide_around()
-    if not search.is_close:
-        search.decide_by_recursion()
+    if search.is_measure and not search.is_within(FAR):
+        search.decide_around(optimum.speed2, optimum.price_of_time_w + task.course.data.auxiliary_power_w)
+    if not search.is_within(FAR_FOR_RECURSION):
+        found = search.decide_by_recursion()
+        # what has not converged, or to a local optimum, may lie anywhere
+        if found is not None and not search.is_measure:
+            search.decide_around(found.speed2, found.price_w)
     return replace(search.best, iterations=search.iterations)
 
 
@@ -145,15 +152,9 @@ class _Search:
         waited_j = max(self.relaxed.price_of_time_w, 0.0) * self.task.running_time_s
         return min(SPARED_SHARE, SPARED_COST * self.reference_j / waited_j) if waited_j > 0 else SPARED_SHARE
 
-    @property
-    def is_good_enough(self) -> bool:
-        """Whether the best run is as close to the relaxed optimum as is asked."""
-        return self.is_measure and self.best.energy_j - self.relaxed.energy_j <= GOOD_ENOUGH * self.reference_j
-
-    @property
-    def is_close(self) -> bool:
-        """Whether the best run is so close to the relaxed optimum that Bellman's recursion finds no better one."""
-        return self.is_measure and self.best.energy_j - self.relaxed.energy_j <= CLOSE * self.reference_j
+    def is_within(self, share: float) -> bool:
+        """Whether the best run lies no more than this share of the energy above free switching."""
+        return self.is_measure and self.best.energy_j - self.relaxed.energy_j <= share * self.reference_j
 
     @property
     def is_measure(self) -> bool:
@@ -166,36 +167,34 @@ class _Search:
         """Try the decisions that shares of cells lead to, until a run is good enough."""
         length = self.task.course.data.cell_length_m
         for least in owed:
-            if self.is_good_enough:
+            if self.is_within(GOOD_ENOUGH):
                 return
             self.decide(modes_of(summed_up(duty.driving, length, least), summed_up(duty.braking, length, least)))
 
-    def decide_around(self) -> None:
-        """Try the decisions of the runs that dynamic programming finds around the relaxed optimum, then the best."""
+    def decide_around(self, centre_speed2: FloatArray, price_w: float) -> None:
+        """Try the decisions of the runs that dynamic programming finds around a run [m2/s2], then around the best.
+
+        Its price of a second counts the auxiliaries [J/s].
+        """
         data = self.task.course.data
         # its runs meet the time but for rounding, to either side
         given = data, self.task.greatest_speed2, self.task.running_time_s * (1 - TIME_ROUNDING)
         top = float(np.sqrt(self.task.greatest_speed2.max()))
-        try:
-            if self.is_measure:
-                centre, price = self.relaxed.speed2, self.relaxed.price_of_time_w + data.auxiliary_power_w
-            else:
-                # what has not converged, or to a local optimum, may lie anywhere
-                centre, price = coarse_run(*given)
-            for width, points in BANDS:
-                found = runs_around(*given, centre, price, width * top, points)
-                self.iterations += found.sweeps
-                self.take(found.meeting, found.price_w - data.auxiliary_power_w)
-                for run in found.others:
-                    self.decide(modes_of_run(data, run))
-                if self.is_good_enough or self.best.energy_j == np.inf:
-                    return
-                centre, price = self.best.speed2, found.price_w
-        except SolverError:
-            # a band without a run leaves what was found before
-            return
+        for width, points in BANDS:
+            try:
+                found = runs_around(*given, centre_speed2, price_w, width * top, points)
+            except SolverError:
+                # a band without a run leaves what was found before
+                return
+            self.iterations += found.sweeps
+            self.take(found.meeting, found.price_w - data.auxiliary_power_w)
+            for run in found.others[:MOST_PROMISING]:
+                self.decide(modes_of_run(data, run))
+            if self.is_within(FAR) or self.best.energy_j == np.inf:
+                return
+            centre_speed2, price_w = self.best.speed2, found.price_w
 
-    def decide_by_recursion(self) -> None:
+    def decide_by_recursion(self) -> Found | None:
         """Try the run that Bellman's recursion finds, which needs nothing to be smooth, and its decision."""
         data = self.task.course.data
         try:
@@ -203,12 +202,13 @@ class _Search:
         except SolverError:
             if self.best.energy_j == np.inf:
                 raise
-            return
+            return None
         self.iterations += found.sweeps
         # not judged again: it keeps the limits as the recursion does, and may be all that there is
         price = max(found.price_w - data.auxiliary_power_w, 0.0)
         self.runs.append(Unswitched(found.speed2, _energy_j(self.task, found.speed2), price, 0))
         self.decide(modes_of_run(data, found.speed2))
+        return found
 
     def decide(self, modes: FloatArray) -> None:
         """Try a decision; where no run can do without an effort that it leaves out, that is allowed, too."""

@@ -260,7 +260,7 @@ def test_a_relaxed_optimum_above_a_run_is_no_measure():
         search = switching._Search(task, optimum._replace(energy_j=share * optimum.energy_j))
         search.add(search.relaxed)
         search.decide_by(switching.duty(task.course.data, optimum), (0.5,))
-        assert search.is_measure == search.is_good_enough == is_measure
+        assert search.is_measure == search.is_within(switching.GOOD_ENOUGH) == is_measure
 
 
 def test_dynamic_programming_helps_where_the_relaxation_is_of_no_use():
