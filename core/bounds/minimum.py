@@ -95,7 +95,7 @@ def minimise(task: Task, tolerance: float = TOLERANCE) -> Solution:
     raise SolverError(f"the optimum was not found within {iterations} iterations.")
 
 
-def minimise_decided(task: Task, modes: FloatArray) -> Optimum:
+def minimise_decided(task: Task, modes: FloatArray, spared_time_share: float = SPARED_SHARE) -> Optimum:
     """Return the optimum with a decision what the drive does in each cell, whether it has converged or not.
 
     Coasting exactly afterwards, where it all but coasts, changes efforts and time by some of their last digits, and
@@ -107,11 +107,13 @@ def minimise_decided(task: Task, modes: FloatArray) -> Optimum:
         Must have slack in its timetable; its drive takes power without effort.
     modes : array of shape (n,)
         DRIVING, BRAKING or OFF of `course_data`.
+    spared_time_share : float
+        Which share of the time is left, at most.
     """
     slack = task.running_time_s - task.shortest_time_s
     # the limits are lowered, and the time shortened, by what coasting exactly may add afterwards
     spared = min(SPARED_SHARE, SLACK_SHARE * slack / task.running_time_s)
     data = lowered_limits(task.course.data._replace(machines_on=modes), spared)
-    times = task.shortest_time_s, task.running_time_s * (1 - spared)
+    times = task.shortest_time_s, task.running_time_s * (1 - min(spared, spared_time_share))
     given = data, task.greatest_speed2, *times, SWITCHED_TOLERANCE
     return minimise_energy(*given, SECOND_ITERATIONS, FREE_CENTRING, False, False)

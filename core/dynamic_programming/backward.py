@@ -284,8 +284,8 @@ def cost_between(row: FloatArray, lower: int, weight: float) -> float:
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def sweep_back(steps: Steps, grid: FloatArray, price: float) -> tuple[FloatArray, IntArray]:
-    """Return the least cost to go (8) and the step that has it, from the end to the start.
+def sweep_back(steps: Steps, grid: FloatArray, price: float) -> tuple[FloatArray, IntArray, FloatArray]:
+    """Return the least cost to go (8), the step that has it and its time to go, from the end to the start.
 
     Parameters
     ----------
@@ -302,11 +302,13 @@ def sweep_back(steps: Steps, grid: FloatArray, price: float) -> tuple[FloatArray
         Infinite where the end cannot be reached.
     best : array of shape (nodes - 1, points)
         Number of the best step; -1 where there is none.
+    time_s : array of shape (nodes, points)
+        Time to go by the best steps, linear between grid points as the cost is; infinite where that is.
     """
     nodes, points = grid.shape
-    cost = np.full((nodes, points), np.inf)
+    cost, time = np.full((nodes, points), np.inf), np.full((nodes, points), np.inf)
     best = np.full((nodes - 1, points), -1, dtype=np.int64)
-    cost[nodes - 1] = 0.0
+    cost[nodes - 1] = time[nodes - 1] = 0.0
     for i in range(nodes - 2, -1, -1):
         for k in range(points):
             for step in range(steps.first[i, k], steps.first[i, k + 1]):
@@ -316,7 +318,10 @@ def sweep_back(steps: Steps, grid: FloatArray, price: float) -> tuple[FloatArray
                     total = steps.energy_j[step] + price * steps.time_s[step] + onward
                     if total < cost[i, k]:
                         cost[i, k], best[i, k] = total, step
+            step = best[i, k]
+            if step >= 0:
+                time[i, k] = steps.time_s[step] + cost_between(time[i + 1], steps.lower[step], steps.weight[step])
         # only the first of the equal points of a fixed speed has steps
         if grid[i, 0] == grid[i, points - 1]:
-            cost[i], best[i] = cost[i, 0], best[i, 0]
-    return cost, best
+            cost[i], best[i], time[i] = cost[i, 0], best[i, 0], time[i, 0]
+    return cost, best, time

@@ -1,13 +1,15 @@
 """The price of time at which the cheapest run meets the timetable, on ever finer grids around the run found so far."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import brentq
 
-from railjoule.core.arrays import FloatArray
+from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.dynamic_programming.backward import Steps, least_speeds, speed_grid, sweep_back, tabulate_steps
+from railjoule.core.dynamic_programming.hybrids import both_hybrids
 from railjoule.core.dynamic_programming.rollout import roll_out
 from railjoule.core.errors import SolverError
 from railjoule.core.motion import running_time
@@ -47,9 +49,11 @@ NARROWINGS = 4
 # By how much the first bracket of the price widens, step by step. From level to level prices hardly change.
 # Energies scatter by less than 50 ppm with factors of 2 to 64 and of 1.005 to 1.2, which take up to a fifth more sweeps
 FIRST_FACTOR, NEXT_FACTOR = 8.0, 1.02
-# Where the logarithms of both prices differ by less, both runs are of one price: the time jumps there. A hundredth
-# and ten times as much change 4 ppm at most
-LEAST_LOG_WIDTH = 1e-4
+# From the price at which a sweep would have its run in time, which is off by some thousandths
+ESTIMATED_FACTOR = 1.005
+# Where the logarithms of both prices differ by less, both runs are of one price: the time jumps there. A thousandth
+# and a tenth as much change 4 ppm at most
+LEAST_LOG_WIDTH = 1e-3
 # Each widening is 1.5 times the one before in the logarithm, so that 16 cover the whole range of prices, and 10 sweeps
 # close nearly all brackets (0.03 ppm): both numbers but keep a fault from running for ever
 MOST_WIDENINGS, MOST_SWEEPS = 20, 60
@@ -62,6 +66,10 @@ TINY = 1e-300
 # A band that holds no run is widened; a search that meets so many ends with the best run so far and says so in a note.
 # No shipped scenario meets one: they come where a climb needs momentum and all of the grid is too slow for it
 WIDENING, MOST_FAILURES = 2.0, 3
+NO_RUN = "dynamic programming found no run that reaches the end on its grid of speeds."
+
+Lateness = Callable[[float], float]
+"""By how much the run of a logarithm of price is late [s]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,24 +135,17 @@ def search_level(
     least, most = (math.log(price_scale_w * share) for share in PRICE_SHARES)
     # a second costs at least what the auxiliaries take: a run that is early at that price had better be early
     least, most = (max(bound, math.log(max(course.auxiliary_power_w, TINY))) for bound in (least, most))
-    slow, fast = _bracket(runs, min(max(math.log(first_price_w), least), most), widening_factor, least, most)
+    first = min(max(math.log(first_price_w), least), most)
+    # a sweep tells about how late its run is, for a fraction of what it costs to roll one out
+    about = _meeting_prices(runs.estimated_lateness_s, first, widening_factor, least, most, time_tolerance_s)
+    first = min(about, key=lambda price: abs(runs.estimated_lateness_s(price)))
+    slow, fast = _meeting_prices(runs.lateness_s, first, ESTIMATED_FACTOR, least, most, time_tolerance_s)
     if runs.lateness_s(slow) <= 0:
         # the cheapest run at any price is early, and at the least price it is the cheapest of all
         lowest = min(slow, fast)
         return runs.level(lowest, runs.speed2(lowest), runs.speed2(lowest))
     if runs.lateness_s(fast) > 0:
         return runs.level(fast, runs.speed2(fast), fastest_speed2)
-    for _ in range(MOST_SWEEPS):
-        closest = min(abs(runs.lateness_s(slow)), abs(runs.lateness_s(fast)))
-        if closest <= time_tolerance_s or abs(slow - fast) <= LEAST_LOG_WIDTH:
-            break
-        # regula falsi, drawn to the middle: times jump where the cheapest run changes its kind
-        fraction = runs.lateness_s(slow) / (runs.lateness_s(slow) - runs.lateness_s(fast))
-        between = slow + (0.5 * fraction + 0.25) * (fast - slow)
-        if runs.lateness_s(between) >= 0:
-            slow = between
-        else:
-            fast = between
     return runs.level(0.5 * (slow + fast), runs.speed2(slow), runs.speed2(fast))
 
 
@@ -154,6 +155,7 @@ class _PricedRuns:
     def __init__(self, course: CourseData, grid: FloatArray, time_s: float) -> None:
         self.course, self.grid, self.time_s = course, grid, time_s
         self.steps = tabulate_steps(course, grid)
+        self.swept: dict[float, tuple[FloatArray, IntArray, float]] = {}
         self.found: dict[float, tuple[FloatArray, float]] = {}
 
     def speed2(self, log_price: float) -> FloatArray:
@@ -164,33 +166,65 @@ class _PricedRuns:
         """Return by how much it is late [s]; it falls with the price."""
         return self._run(log_price)[1]
 
+    def estimated_lateness_s(self, log_price: float) -> float:
+        """Return by how much it is late [s] if times between grid points are as linear as costs to go."""
+        return self._sweep(log_price)[2]
+
     def level(self, log_price: float, slower: FloatArray, faster: FloatArray) -> Level:
-        return Level(self.grid, self.steps, math.exp(log_price), slower, faster, len(self.found))
+        return Level(self.grid, self.steps, math.exp(log_price), slower, faster, len(self.swept))
+
+    def _sweep(self, log_price: float) -> tuple[FloatArray, IntArray, float]:
+        if log_price not in self.swept:
+            cost, best, time = sweep_back(self.steps, self.grid, math.exp(log_price))
+            if cost[0, 0] == math.inf:
+                raise SolverError(NO_RUN)
+            self.swept[log_price] = cost, best, float(time[0, 0]) - self.time_s
+        return self.swept[log_price]
 
     def _run(self, log_price: float) -> tuple[FloatArray, float]:
         if log_price not in self.found:
-            price = math.exp(log_price)
-            cost, _ = sweep_back(self.steps, self.grid, price)
-            speed2 = roll_out(self.course, self.grid, cost, price, NARROWINGS)
+            cost, best, _ = self._sweep(log_price)
+            speed2 = roll_out(self.course, self.grid, self.steps, cost, best, math.exp(log_price), NARROWINGS)
             if speed2[-1] < 0:
-                raise SolverError("dynamic programming found no run that reaches the end on its grid of speeds.")
+                raise SolverError(NO_RUN)
             self.found[log_price] = speed2, running_time(self.course.cell_length_m, speed2) - self.time_s
         return self.found[log_price]
 
 
-def _bracket(runs: _PricedRuns, first: float, factor: float, least: float, most: float) -> tuple[float, float]:
+def _meeting_prices(
+    lateness_s: Lateness, first: float, factor: float, least: float, most: float, tolerance_s: float
+) -> tuple[float, float]:
+    """Return two logarithms of prices that bracket the timetable, one of them within a tolerance of it if any is."""
+    slow, fast = _bracket(lateness_s, first, factor, least, most)
+    if lateness_s(slow) <= 0 or lateness_s(fast) > 0:
+        return slow, fast
+    for _ in range(MOST_SWEEPS):
+        closest = min(abs(lateness_s(slow)), abs(lateness_s(fast)))
+        if closest <= tolerance_s or abs(slow - fast) <= LEAST_LOG_WIDTH:
+            break
+        # regula falsi, drawn to the middle: times jump where the cheapest run changes its kind
+        fraction = lateness_s(slow) / (lateness_s(slow) - lateness_s(fast))
+        between = slow + (0.5 * fraction + 0.25) * (fast - slow)
+        if lateness_s(between) >= 0:
+            slow = between
+        else:
+            fast = between
+    return slow, fast
+
+
+def _bracket(lateness_s: Lateness, first: float, factor: float, least: float, most: float) -> tuple[float, float]:
     """Return two logarithms of prices, of the slower run and of the faster one: one late, one early, if there are any.
 
     A run that is late needs a higher price; from the first price on they go up or down in growing steps.
     """
     other = first
     for number in range(MOST_WIDENINGS):
-        wider = other + math.copysign(math.log(factor) * WIDENING_GROWTH**number, runs.lateness_s(first))
+        wider = other + math.copysign(math.log(factor) * WIDENING_GROWTH**number, lateness_s(first))
         other = min(max(wider, least), most)
-        if runs.lateness_s(first) * runs.lateness_s(other) <= 0 or other != wider:
+        if lateness_s(first) * lateness_s(other) <= 0 or other != wider:
             break
         first = other
-    return (first, other) if runs.lateness_s(first) >= runs.lateness_s(other) else (other, first)
+    return (first, other) if lateness_s(first) >= lateness_s(other) else (other, first)
 
 
 def meet_time(course: CourseData, slower: FloatArray, faster: FloatArray, time_s: float) -> FloatArray:
@@ -257,21 +291,21 @@ def search(course: CourseData, greatest_speed2: FloatArray, time_s: float) -> Fo
         If no run on the grid meets the timetable.
     """
     greatest = np.sqrt(greatest_speed2)
-    mean = course.cell_length_m.sum() / time_s
-    kinetic = course.half_inertia_kg * mean**2
-    scale = kinetic / time_s
+    scale = price_scale_w(course, time_s)
+    kinetic = scale * time_s
     half_width, points, tolerance = float(greatest.max()), FIRST_POINTS, FIRST_TIME_TOLERANCE * time_s
     bounds = greatest_speed2, least_speeds(course, greatest_speed2), course.fixed_speed2
     grid = speed_grid(*bounds, 0.5 * greatest, half_width, points)
     first = level = search_level(course, grid, greatest_speed2, time_s, scale, scale, FIRST_FACTOR, tolerance)
     speed2, sweeps = meet_time(course, first.slower, first.faster, time_s), first.sweeps
+    centre = _next_centre(course, first, speed2, time_s)
     best, least, price = speed2, _total_energy(course, speed2), first.price_w
     half_width *= FIRST_BAND_SHARE
     failures, unrefined, steady_at = 0, None, math.inf
     for number in range(MOST_LEVELS):
         points = POINTS[min(number, len(POINTS) - 1)]
         tolerance = max(0.5 * tolerance, LEAST_TIME_TOLERANCE * time_s)
-        grid = speed_grid(*bounds, np.sqrt(speed2), half_width, points)
+        grid = speed_grid(*bounds, np.sqrt(centre), half_width, points)
         try:
             level = search_level(course, grid, greatest_speed2, time_s, scale, level.price_w, NEXT_FACTOR, tolerance)
         except SolverError:
@@ -281,7 +315,7 @@ def search(course: CourseData, greatest_speed2: FloatArray, time_s: float) -> Fo
             half_width *= WIDENING
             continue
         speed2, sweeps, unrefined = meet_time(course, level.slower, level.faster, time_s), sweeps + level.sweeps, None
-        energy = _total_energy(course, speed2)
+        centre, energy = _next_centre(course, level, speed2, time_s), _total_energy(course, speed2)
         if energy < least:
             best, least, price = speed2, energy, level.price_w
         before, steady_at = steady_at, min(steady_at, energy)
@@ -290,6 +324,31 @@ def search(course: CourseData, greatest_speed2: FloatArray, time_s: float) -> Fo
                 break
             half_width *= NARROWING
     return Found(best, price, first, sweeps, unrefined)
+
+
+def price_scale_w(course: CourseData, time_s: float) -> float:
+    """Return a natural price of time [J/s]: kinetic energy at the mean speed by running time."""
+    mean = float(course.cell_length_m.sum()) / time_s
+    return course.half_inertia_kg * mean**2 / time_s
+
+
+def _next_centre(course: CourseData, level: Level, meeting_speed2: FloatArray, time_s: float) -> FloatArray:
+    """Return around which squares of speed the next grid is laid [m2/s2].
+
+    The mean of two runs that differ in kind drives where either does: a hybrid, no run to drive itself, may promise
+    less.
+    """
+    runs = [meeting_speed2, *both_hybrids(course, level.slower, level.faster, time_s)]
+    return min(runs, key=lambda run: promised_energy_j(course, run, level.price_w, time_s))
+
+
+def promised_energy_j(course: CourseData, speed2: FloatArray, price_w: float, time_s: float) -> float:
+    """Return about what a run would need that met a running time [J]: what it lacks of it counts at a price [J/s].
+
+    The price counts the auxiliaries, as it does everywhere in this search.
+    """
+    late_s = running_time(course.cell_length_m, speed2) - time_s
+    return _total_energy(course, speed2) + (price_w - course.auxiliary_power_w) * late_s
 
 
 def _total_energy(course: CourseData, speed2: FloatArray) -> float:

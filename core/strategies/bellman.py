@@ -85,7 +85,7 @@ def bellman_with_law(task: Task) -> tuple[Trajectory, ControlLaw]:
 def _control_law(task: Task, level: Level, price_w: float) -> ControlLaw:
     """Return the law of a grid at a price of time: `best` numbers the steps, so that their exits give the efforts."""
     course, data, entering_speed2 = task.course, task.course.data, level.grid[:-1]
-    cost, best = sweep_back(level.steps, level.grid, price_w)
+    cost, best, _ = sweep_back(level.steps, level.grid, price_w)
     leaving_speed2 = np.where(best >= 0, level.steps.leaving_speed2[best], np.nan)
     # nothing moves from rest to rest, where a limit of power has no end
     speed = np.maximum(mean_speed(np.sqrt(entering_speed2), np.sqrt(leaving_speed2)), NEARLY_AT_REST_MS)

@@ -23,7 +23,7 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
     """Return the run that needs the least energy, with its bound; it takes every drive.
 
     Of a drive that takes power without effort it is the best run found that is not switched within a cell. Its bound
-    and the energy in its notes are those of runs with free switching. Where no run found is within a ten-thousandth of
+    and the energy in its notes are those of runs with free switching. Where no run found is within a two-thousandth of
     that energy, or it is no measure, `bellman`'s run is one of those compared; elsewhere it is not computed.
 
     Where the interior point does not converge it is the best run of dynamic programming, without a bound, and says so.
@@ -111,6 +111,6 @@ def switching_note(task: Task, relaxed: Solution, energy_j: float) -> str:
         needed = relaxed.energy_j / J_PER_KWH
         known = f"free switching would need {needed:.{energy_decimals(needed)}f} kWh; "
     return (
-        "Each cell is driven or coasted as a whole, where free switching between driving, coasting and braking would "
-        f"drive for a part of it; this is the best such run found, not proven; {known}{friction}."
+        "Each cell is driven, braked or coasted as a whole, where free switching between driving, coasting and braking "
+        f"would drive for a part of it; this is the best such run found, not proven; {known}{friction}."
     )

@@ -1,6 +1,7 @@
 """What Ftorek's strategies know of a line: its length, and one resistance for all of it."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -115,37 +116,62 @@ def check_feasible(course: Course, speed2: FloatArray) -> None:
         speed_kmh, limit_kmh = (float(np.sqrt(of[over[0]])) / MS_PER_KMH for of in (speed2, data.largest_speed2))
         needed, allowed = distinct_numbers(speed_kmh, limit_kmh)
         raise StrategyRefusedError(f"needs {needed} km/h, but only {allowed} km/h is allowed.")
-    speed = np.sqrt(speed2)
-    mean = mean_speed(speed[:-1], speed[1:])
-    force = course.net_force_n(speed2)
-    for excess, words in (
-        (force - data.traction.effort_n(mean), "pulls"),
-        (-force - data.braking.effort_n(mean) - data.friction_effort_n, "brakes"),
-    ):
-        over = np.flatnonzero(excess > ALLOWED_EXCESS * data.traction.constant_n)
-        if len(over):
-            cell = over[0]
-            effort, available = abs(force[cell]), abs(force[cell]) - excess[cell]
-            # what stands for a missing brake is none
-            available = 0.0 if available < ALLOWED_EXCESS * data.traction.constant_n else available
-            needed, most = distinct_numbers(effort / N_PER_KN, available / N_PER_KN, EFFORT_DIGITS)
-            raise StrategyRefusedError(
-                f"{words} with {needed} kN at {course.position_m[cell]:.0f} m, where at most {most} kN are available."
-            )
+    for broken in broken_efforts(course, speed2):
+        # what stands for a missing brake is none
+        negligible = broken.limit < ALLOWED_EXCESS * data.traction.constant_n
+        available = 0.0 if negligible else broken.limit
+        needed, most = distinct_numbers(broken.reached / N_PER_KN, available / N_PER_KN, EFFORT_DIGITS)
+        place = course.position_m[broken.cell]
+        raise StrategyRefusedError(
+            f"{broken.does} with {needed} kN at {place:.0f} m, where at most {most} kN are available."
+        )
     check_accelerations(course, speed2)
 
 
 def check_accelerations(course: Course, speed2: FloatArray) -> None:
     """Refuse a run that accelerates or slows down more than is allowed; errors as `check_feasible`."""
+    for broken in broken_accelerations(course, speed2):
+        place = course.position_m[broken.cell]
+        by, allowed = distinct_numbers(broken.reached, broken.limit, EFFORT_DIGITS)
+        raise StrategyRefusedError(f"{broken.does} by {by} m/s2 at {place:.0f} m, but only {allowed} m/s2 is allowed.")
+
+
+class BrokenLimit(NamedTuple):
+    """The first cell in which a run breaks a limit, and what it does there; efforts in N, accelerations in m/s2."""
+
+    does: str
+    cell: int
+    reached: float
+    limit: float
+
+
+def broken_efforts(course: Course, speed2: FloatArray) -> list[BrokenLimit]:
+    """Return which of the limits of tractive and braking effort a run breaks by more than rounding."""
+    data = course.data
+    speed = np.sqrt(speed2)
+    mean = mean_speed(speed[:-1], speed[1:])
+    force = course.net_force_n(speed2)
+    pulls = force - data.traction.effort_n(mean), force, "pulls"
+    brakes = -force - data.braking.effort_n(mean) - data.friction_effort_n, -force, "brakes"
+    broken = []
+    for excess, effort, does in (pulls, brakes):
+        over = np.flatnonzero(excess > ALLOWED_EXCESS * data.traction.constant_n)
+        if len(over):
+            cell = int(over[0])
+            broken.append(BrokenLimit(does, cell, abs(float(effort[cell])), abs(float(effort[cell])) - excess[cell]))
+    return broken
+
+
+def broken_accelerations(course: Course, speed2: FloatArray) -> list[BrokenLimit]:
+    """Return which of the limits of acceleration and deceleration a run breaks by more than rounding."""
     data = course.data
     # dv/dt = v dv/dx = d(v^2 / 2)/dx, exact in a cell, over which the square of speed is linear
     acceleration = 0.5 * np.diff(speed2) / data.cell_length_m
-    for reached, limit, words in (
-        (acceleration, data.max_acceleration_ms2, "accelerates"),
-        (-acceleration, data.max_deceleration_ms2, "slows down"),
-    ):
+    speeds_up = acceleration, data.max_acceleration_ms2, "accelerates"
+    slows_down = -acceleration, data.max_deceleration_ms2, "slows down"
+    broken = []
+    for reached, limit, does in (speeds_up, slows_down):
         over = np.flatnonzero(reached > limit * (1 + ALLOWED_EXCESS))
         if len(over):
-            place = course.position_m[over[0]]
-            by, allowed = distinct_numbers(float(reached[over[0]]), limit, EFFORT_DIGITS)
-            raise StrategyRefusedError(f"{words} by {by} m/s2 at {place:.0f} m, but only {allowed} m/s2 is allowed.")
+            broken.append(BrokenLimit(does, int(over[0]), float(reached[over[0]]), limit))
+    return broken

@@ -44,9 +44,10 @@ def test_the_cost_to_go_falls_with_speed_where_time_is_all_that_counts():
     least = least_speeds(data, task.greatest_speed2)
     grid = speed_grid(task.greatest_speed2, least, data.fixed_speed2, 0.5 * greatest, float(greatest.max()), 16)
     price = 1e9
-    cost, best = sweep_back(tabulate_steps(data, grid), grid, price)
+    cost, best, time_s = sweep_back(tabulate_steps(data, grid), grid, price)
     finite = np.isfinite(cost[1:-1]).all(axis=1)
     assert finite.mean() > 0.5
     assert np.all(np.diff(cost[1:-1][finite], axis=1) <= 1e-6 * cost[1:-1][finite][:, :1])
     assert cost[0, 0] / price == pytest.approx(task.shortest_time_s, rel=1e-3)
+    assert time_s[0, 0] == pytest.approx(cost[0, 0] / price, rel=1e-3)
     assert np.all(best[np.isfinite(cost[:-1])] >= 0)

@@ -9,7 +9,7 @@ from random_scenarios import random_run, random_speeds
 
 from railjoule.core import StrategyRefusedError
 from railjoule.core.strategies import prepare_task
-from railjoule.core.strategies.plain_line import check_feasible, plain_line
+from railjoule.core.strategies.plain_line import broken_accelerations, check_feasible, plain_line
 
 COPPER = {"vehicle.drive": {**COPPER_LOSS, "recuperation_factor": 1.0}}
 SLOPES = [{"length_m": 500.0, "gradient_permille": 6.0}, {"length_m": 1500.0, "gradient_permille": -4.0}]
@@ -135,3 +135,16 @@ def test_a_missing_brake_is_none_in_words():
     course = prepare_task(plain_scenario({**COPPER, "vehicle.braking.max_effort_kn": 0.0})).course
     with pytest.raises(StrategyRefusedError, match=r"^brakes with 17.5 kN at 1000 m, where at most 0 kN are available"):
         check_feasible(course, triangle(course, 20.0))
+
+
+def test_the_first_cell_that_accelerates_too_much_is_named_with_its_acceleration():
+    """By hand: v dv/dx = (16 - 9) / (2 h) in the cell after the node that is faster than all others."""
+    task = prepare_task(plain_scenario({**COPPER, "vehicle.braking.max_deceleration_ms2": 0.1}))
+    course = task.course
+    speed2 = np.full(course.cell_count + 1, 9.0)
+    speed2[4] = 16.0
+    length = course.data.cell_length_m
+    (slowing,) = broken_accelerations(course, speed2)
+    assert (slowing.does, slowing.cell, slowing.limit) == ("slows down", 4, 0.1)
+    assert slowing.reached == pytest.approx(3.5 / length[4])
+    assert broken_accelerations(course, np.full(course.cell_count + 1, 9.0)) == []

@@ -84,8 +84,8 @@ def test_statement_and_note_say_what_is_bounded():
         "effort, and that its losses do not fall with speed."
     )
     assert best.notes == (
-        "Each cell is driven or coasted as a whole, where free switching between driving, coasting and braking would "
-        "drive for a part of it; this is the best such run found, not proven; free switching would need "
+        "Each cell is driven, braked or coasted as a whole, where free switching between driving, coasting and braking "
+        "would drive for a part of it; this is the best such run found, not proven; free switching would need "
         f"{relaxed_kwh(task):.3f} kWh; the vehicle has no friction brakes to support the electric ones.",
     )
 
@@ -260,7 +260,7 @@ def test_a_relaxed_optimum_above_a_run_is_no_measure():
         search = switching._Search(task, optimum._replace(energy_j=share * optimum.energy_j))
         search.add(search.relaxed)
         search.decide_by(switching.duty(task.course.data, optimum), (0.5,))
-        assert search.is_measure == search.is_good_enough == is_measure
+        assert search.is_measure == search.is_within(switching.GOOD_ENOUGH) == is_measure
 
 
 def test_dynamic_programming_helps_where_the_relaxation_is_of_no_use():
