@@ -12,8 +12,8 @@ from railjoule.dashboard.views.parts import escaped, html_pane
 
 ROW_CSS = """
 :host { display: grid; grid-template-columns: minmax(0, 1fr) auto; column-gap: 12px; align-items: start;
-  padding: 6px 20px 0; min-height: 36px; box-sizing: border-box; }
-:host(.rj-hidden) { display: none; }
+  padding: 6px 20px 0; box-sizing: border-box; }
+@media (max-width: 899px) { :host { grid-template-columns: minmax(0, 1fr); padding: 6px 14px 0; } }
 """
 FURTHER, STOP = "Prove further", "Stop"
 BOXES = 1e6
@@ -64,10 +64,13 @@ def proof_text(run: Trajectory, known: Proven | None, stage: str, failure: str) 
     assert run.bound is not None
     sentence = escaped(comparisons.proof_sentence(run.bound))
     end = escaped(failure)
-    if not stage and known is not None and known.is_complete:
+    if stage:
+        end = _progress(known)
+    elif known is not None and known.is_complete:
         end = COMPLETE if known.step.reached else EXHAUSTED
-    told = f'<p role="status" aria-live="polite">{sentence}{info("Proof")} <span class="muted">{end}</span></p>'
-    return f'<div class="proof">{told}{_progress(known) if stage else ""}</div>'
+    # how many boxes are used is not read aloud at every step, what is proven is
+    told = f'<span role="status" aria-live="polite">{sentence}</span>{info("Proof")}'
+    return f'<div class="proof-row">{told} <span class="muted">{end}</span></div>'
 
 
 def _progress(known: Proven | None) -> str:
@@ -78,4 +81,4 @@ def _progress(known: Proven | None) -> str:
         share = step.share
         told = f"{words.number(step.boxes / BOXES)} of {words.number(step.budget / BOXES)} million boxes"
     bar = f'<progress max="1" value="{share:.3f}" aria-label="Share of the boxes looked at"></progress>'
-    return f'<p class="muted">{bar}{told}</p>'
+    return f"{bar}{told}"
