@@ -206,7 +206,7 @@ def chain_bound_statement(task: Task, switched_j: float) -> str:
     return (
         f"No run over {_mesh(task)}, with one effort in each, {_conditions(task)}"
         f"{assumption}; of runs that switch between driving, coasting and braking within a cell, no more is proven "
-        f"than that they need at least {switched:.4f} kWh."
+        f"than that they need at least {switched:.4f} kWh, if {SWITCHED_PREMISE}."
     )
 
 

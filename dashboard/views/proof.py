@@ -29,7 +29,14 @@ class ProofRow:
         self.text = html_pane()
         # one button, so that the keyboard's focus stays where it is
         self.button = pmui.Button(
-            label=FURTHER, variant="text", size="small", margin=0, height=28, width=110, on_click=self._press
+            label=FURTHER,
+            variant="text",
+            size="small",
+            margin=0,
+            height=28,
+            width=110,
+            sx={"justifyContent": "flex-end", "@media (max-width: 899px)": {"justifyContent": "flex-start", "pl": 0}},
+            on_click=self._press,
         )
         self.view = pn.Column(
             self.text, self.button, margin=0, sizing_mode="stretch_width", stylesheets=[ROW_CSS], visible=False

@@ -107,7 +107,7 @@ def test_the_first_stage_follows_the_run(desk: Desk, prover: Prover) -> None:
     assert prover.asked == [FIRST_STAGE_BOXES]
     assert desk.closed == pytest.approx(0.6)
     assert desk.state.proof.stage == ""
-    assert desk.words.startswith("No run with one effort in each cell of 5 m needs less than ")
+    assert desk.words.startswith("No run with one effort in each cell of up to 5 m needs less than ")
     assert desk.view.proof.button.visible
     assert desk.view.proof.button.label == "Prove further"
     # all runs that it covers have it, so that one number has one value

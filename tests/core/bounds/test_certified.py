@@ -118,7 +118,8 @@ def test_chains_prove_more_than_free_switching_can(metro):
         f"No run over this mesh of {metro.course.cell_count} cells of at most 10 m, with one effort in each, that "
         f"keeps all limits, arrives within {metro.travel_time_s:.1f} s and never goes slower than 0.36 km/h between "
         "its stops uses less energy; of runs that switch between driving, coasting and braking within a cell, no more "
-        f"is proven than that they need at least {switched:.4f} kWh."
+        f"is proven than that they need at least {switched:.4f} kWh, if the power of the powertrain is convex in its "
+        "effort and its losses do not fall with speed."
     )
 
 

@@ -51,15 +51,15 @@ def test_without_a_bound_there_is_no_gap(run: Trajectory) -> None:
 @pytest.mark.parametrize(
     ("energy_kwh", "premise", "sentence"),
     [
-        (4.0, "", "No run over cells of 5 m needs less than 4.000 kWh, even one that switches within them."),
+        (4.0, "", "No run over cells of up to 5 m needs less than 4.000 kWh, even one that switches within them."),
         (4.0, "it is so", "less than 4.000 kWh, even one that switches within them, provided that it is so."),
         (
             4.5,
             "",
-            "No run with one effort in each cell of 5 m needs less than 4.500 kWh. For runs that switch within cells, "
-            "4.000 kWh is proven.",
+            "No run with one effort in each cell of up to 5 m needs less than 4.500 kWh; one that switches within cells may "
+            "need less.",
         ),
-        (4.5, "it is so", "less than 4.500 kWh, provided that it is so. For runs that switch"),
+        (4.5, "it is so", "less than 4.500 kWh, provided that it is so; one that switches within cells"),
     ],
 )
 def test_a_proof_says_which_runs_over_which_mesh_and_what_it_assumes(
