@@ -84,15 +84,14 @@ class Proving:
         run = None if runs is None else runs.to_prove
         if runs is not None and run is not None:
             self._scenario = runs.scenario
-            self.model.param.update(stage=stage, failure=None)
+            self.model.param.update(stage=stage, step=None, failure=None)
             study.ask(ProofRequest(runs.scenario, run, budget))
 
     def _take(self, step: ProofStep, last: bool) -> None:
         assert self._scenario is not None
         known = self.model.remember(self._scenario, step, last)
-        if last:
-            self.model.stage = ""
         self.state.take_bound(known.scenario, known.bound)
+        self.model.param.update(step=step, stage="" if last else self.model.stage)
 
     def _fail(self, failure: RailjouleError) -> None:
         self.model.param.update(stage="", failure=failure)

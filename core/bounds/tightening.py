@@ -9,6 +9,8 @@ import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from railjoule.core.bounds.certified import chain_proof, chain_target_j, with_chains
 from railjoule.core.bounds.minimum import minimise
 from railjoule.core.budget import current_budget
@@ -52,12 +54,8 @@ class ProofStep:
 def can_tighten(task: Task, bound: Bound, run: Trajectory) -> bool:
     """Return whether chains may prove more of a task than a bound: its drive idles, and the bound is the task's own."""
     # a bound of another time or mesh, as of a run with nodes of its own, is another task's
-    own = len(bound.position_m) == len(task.course.position_m) and bool(
-        (bound.position_m == task.course.position_m).all()
-    )
-    return (
-        task.course.drive.jumps_at_no_effort and own and bound.travel_time_s <= task.travel_time_s and bound.covers(run)
-    )
+    own = np.array_equal(bound.position_m, task.course.position_m) and bound.travel_time_s <= task.travel_time_s
+    return task.course.drive.jumps_at_no_effort and own and bound.covers(run)
 
 
 def tightening(
@@ -65,7 +63,7 @@ def tightening(
 ) -> Iterator[ProofStep]:
     """Yield the bound of a task, and again after each level of a proof by chains.
 
-    It never falls. Whoever no longer wants it stops asking: nothing is computed between two steps.
+    It never falls. Nothing is computed ahead: whoever has waited long enough asks for no further step.
 
     Parameters
     ----------

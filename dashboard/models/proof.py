@@ -35,6 +35,7 @@ class ProofModel(param.Parameterized):
     go_on = param.Event(doc="The user asks to prove further.")
     stop = param.Event(doc="The user has waited long enough.")
     stage = param.Selector(default="", objects=["", "first", "further"], doc="The stage that is under way.")
+    step = param.ClassSelector(class_=ProofStep, default=None, allow_None=True, doc="How far that stage is.")
     failure = param.ClassSelector(class_=RailjouleError, default=None, allow_None=True, doc="Why a proof ended early.")
 
     def __init__(self, **params: Any) -> None:

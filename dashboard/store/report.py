@@ -7,6 +7,7 @@ import numpy as np
 
 from railjoule.core import RailjouleError, Scenario, Trajectory
 from railjoule.core.arrays import FloatArray
+from railjoule.core.bounds import with_tighter_bound
 from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.simulate.actual_run import actual_run
@@ -130,7 +131,7 @@ def _optima(findings: Findings) -> Iterator[tuple[tuple[Trajectory, ...], float]
     if "optimal" not in findings.runs.runs:
         return
     task = coarsened(prepare_task(findings.scenario), MOST_CELLS)
-    times = optima_times(task)
+    times, bound = optima_times(task), findings.runs.best.bound
     optima: tuple[Trajectory, ...] = ()
     for k, time in enumerate(times.tolist(), 1):
         try:
@@ -138,7 +139,9 @@ def _optima(findings: Findings) -> Iterator[tuple[tuple[Trajectory, ...], float]
         except RailjouleError:
             continue
         # asked for another time, it is not late
-        optima = (*optima, replace(run, scenario=run.scenario.with_(**{"timetable.travel_time_s": time})))
+        run = replace(run, scenario=run.scenario.with_(**{"timetable.travel_time_s": time}))
+        # what is proven of the timetable's own time holds for all that take no longer
+        optima = (*optima, run if bound is None else with_tighter_bound(run, bound))
         yield optima, k / len(times)
 
 

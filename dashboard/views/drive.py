@@ -113,7 +113,7 @@ class DriveView(PageView):
         self.shows(
             self._show_proof,
             (self.state, ["runs", "chosen", "pins", "tightened"]),
-            (self.state.proof, ["stage", "failure"]),
+            (self.state.proof, ["stage", "step", "failure"]),
             (self.state.actual, ["on", "run", "failure"]),
         )
         return parts.stack(self.heading, self.message, self.repair, self.figures, self.proof.view, tools, body)

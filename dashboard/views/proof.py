@@ -4,9 +4,10 @@ import panel as pn
 import panel_material_ui as pmui
 
 from railjoule.core import Trajectory
+from railjoule.core.bounds import ProofStep
+from railjoule.core.trajectory import Bound
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.glossary import info
-from railjoule.dashboard.models.proof import Proven
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.views.parts import escaped, html_pane
 
@@ -49,13 +50,18 @@ class ProofRow:
         """Show what is proven of a run."""
         bound = None if run is None else run.bound
         self.view.visible = shown = not hidden and bound is not None and bound.switched_j is not None
-        if not shown or run is None:
+        if not shown or run is None or bound is None:
             return
-        known, stage = self.model.of(run.scenario), self.model.stage
+        known, stage, runs = self.model.of(run.scenario), self.model.stage, self.state.runs
         # what is proven of a run over other nodes or with a time of its own is another proof
-        own = self.state.runs is not None and self.state.runs.to_prove is not None
-        own = own and self.state.runs.to_prove.bound is bound
-        self.text.object = proof_text(run, known if own else None, stage if own else "", self._failure)
+        own = runs is not None and runs.to_prove is not None and runs.to_prove.bound is bound
+        if own and stage:
+            end = progress(self.model.step)
+        elif own and known is not None and known.is_complete:
+            end = COMPLETE if known.step.reached else EXHAUSTED
+        else:
+            end = self._failure if own else ""
+        self.text.object = proof_text(bound, end)
         self.button.visible = own and (known is None or not known.is_complete or bool(stage))
         self.button.label = STOP if stage == "further" else FURTHER
         self.button.disabled = stage == "first"
@@ -63,29 +69,21 @@ class ProofRow:
     @property
     def _failure(self) -> str:
         failure = self.model.failure
-        return "" if failure is None else f"The proof has ended: {failure}"
+        return "" if failure is None else escaped(f"The proof has ended: {failure}")
 
 
-def proof_text(run: Trajectory, known: Proven | None, stage: str, failure: str) -> str:
-    """Return what is proven of a run, as HTML: the sentence, and how far the proof is."""
-    assert run.bound is not None
-    sentence = escaped(comparisons.proof_sentence(run.bound))
-    end = escaped(failure)
-    if stage:
-        end = _progress(known)
-    elif known is not None and known.is_complete:
-        end = COMPLETE if known.step.reached else EXHAUSTED
+def proof_text(bound: Bound, end: str) -> str:
+    """Return what a bound proves, as HTML, and at its end how far the proof is."""
     # how many boxes are used is not read aloud at every step, what is proven is
+    sentence = escaped(comparisons.proof_sentence(bound))
     told = f'<span role="status" aria-live="polite">{sentence}</span>{info("Proof")}'
     return f'<div class="proof-row">{told} <span class="muted">{end}</span></div>'
 
 
-def _progress(known: Proven | None) -> str:
-    """Return how many boxes of the budget are used, as HTML; the steps before this proof's first are another's."""
-    step = None if known is None else known.step
+def progress(step: ProofStep | None) -> str:
+    """Return how many boxes of its budget a proof has used, as HTML; None where it waits for others."""
     share, told = 0.0, "begins"
     if step is not None:
         share = step.share
         told = f"{words.number(step.boxes / BOXES)} of {words.number(step.budget / BOXES)} million boxes"
-    bar = f'<progress max="1" value="{share:.3f}" aria-label="Share of the boxes looked at"></progress>'
-    return f"{bar}{told}"
+    return f'<progress max="1" value="{share:.3f}" aria-label="Share of the boxes looked at"></progress>{told}'

@@ -83,10 +83,11 @@ def test_a_proof_starts_from_the_optimum_whatever_else_was_run(tram):
 
 
 def test_solve_and_compare_prove_alike_for_as_long_as_they_are_told():
-    scenario = load_scenario(SOON_REACHED)
+    scenario = load_scenario(SOON_REACHED, {"solver.mesh_m": 20.0})
     first, usual, longer = (solve(scenario, "optimal", prove_seconds=seconds) for seconds in (0, None, 60))
-    assert first.gap > 8e-4
-    assert usual.gap < 5.1e-4
+    assert first.bound.energy_j < usual.bound.energy_j
+    # what a proof aims at, see CHAIN_TOLERANCE
+    assert usual.gap == pytest.approx(5e-4, rel=1e-2)
     assert longer.bound.energy_j == usual.bound.energy_j
     assert compare(scenario)[0][0].bound.energy_j == usual.bound.energy_j
     assert compare(scenario, prove_seconds=0)[0][0].bound.energy_j == first.bound.energy_j

@@ -56,8 +56,8 @@ def test_without_a_bound_there_is_no_gap(run: Trajectory) -> None:
         (
             4.5,
             "",
-            "No run with one effort in each cell of up to 5 m needs less than 4.500 kWh; one that switches within cells may "
-            "need less.",
+            "No run with one effort in each cell of up to 5 m needs less than 4.500 kWh; one that switches within "
+            "cells may need less.",
         ),
         (4.5, "it is so", "less than 4.500 kWh, provided that it is so; one that switches within cells"),
     ],
