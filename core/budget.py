@@ -29,6 +29,8 @@ class Budget:
         Cells of the mesh by strategy, where one takes fewer.
     idling_cells : int
         Cells for the optimum of a drive that takes power idling: its time grows with their square.
+    chain_boxes : int
+        Boxes of speed of a proof for such a drive: each takes some 0.2 kB.
     loop_time_s : float
         Longest plan that is driven in closed loop [s]; memory grows with it.
     loop_steps : int
@@ -40,6 +42,7 @@ class Budget:
     cell_count: int
     strategy_cells: Mapping[StrategyName, int] = field(hash=False)
     idling_cells: int
+    chain_boxes: int
     loop_time_s: float
     loop_steps: int
 
@@ -52,6 +55,7 @@ LIBRARY = Budget(
     cell_count=200_000,
     strategy_cells={"bellman": 20_000, "speed_limits": 20_000},
     idling_cells=10_000,
+    chain_boxes=12_000_000,
     loop_time_s=10_000.0,
     loop_steps=20_000_000,
 )
@@ -62,6 +66,7 @@ PAGE = Budget(
     cell_count=20_000,
     strategy_cells={"bellman": 5_000, "speed_limits": 5_000},
     idling_cells=5_000,
+    chain_boxes=6_000_000,
     loop_time_s=2_500.0,
     loop_steps=5_000_000,
 )

@@ -46,6 +46,11 @@ class Bound:
         The longest time of a run that it covers, dwells included [s].
     slowest_ms : float or array of shape (n + 1,)
         The least speeds at the nodes of a run that it covers [m/s].
+    switched_j : float or None
+        What such runs need at least that switch the powertrain on and off within cells [J], equal to `energy_j` where
+        the bound covers them too; None where it takes no power without effort, and there is nothing to switch.
+    premise : str
+        What the bound takes for granted of the powertrain, in a clause; empty where nothing.
     """
 
     energy_j: float
@@ -53,6 +58,8 @@ class Bound:
     position_m: FloatArray
     travel_time_s: float
     slowest_ms: FloatArray | float = 0.0
+    switched_j: float | None = None
+    premise: str = ""
 
     def covers(self, run: "Trajectory") -> bool:
         """Return whether a run is over the same mesh, no later and nowhere slower."""

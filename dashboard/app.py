@@ -26,6 +26,7 @@ from railjoule.dashboard.motor import Motor
 from railjoule.dashboard.not_found import NotFoundHandler
 from railjoule.dashboard.papers import Papers
 from railjoule.dashboard.pins import Pins
+from railjoule.dashboard.proving import Proving
 from railjoule.dashboard.reporting import Reporting
 from railjoule.dashboard.robustness import Robustness
 from railjoule.dashboard.speed_limits import SpeedLimits
@@ -105,6 +106,7 @@ class Session:
         self.robustness = Robustness(self.state)
         self.disturbances = Disturbances(self.state)
         self.actual = Actual(self.state)
+        self.proving = Proving(self.state)
         self.speed_limits = SpeedLimits(self.state)
         self.motor = Motor(self.state)
         self.start = Start(self.state)
@@ -156,6 +158,7 @@ class Session:
         self.motor.end()
         self.start.end()
         self.papers.end()
+        self.proving.end()
         self.reporting.end()
 
     def _make(self, view: type[PageView]) -> Callable[[], pn.viewable.Viewable]:
@@ -208,7 +211,7 @@ class Session:
         self.trade_off.ask(TradeOffRequest(scenario.scenario(), longest, self.state.wide_map, self.state.copper_weight))
 
     def _take_runs(self, runs: Runs) -> None:
-        self.state.param.update(runs=runs, failure=None)
+        self.state.param.update(runs=self.state.proof.laid_on(runs), failure=None)
 
     def _take_trade_off(self, trade_off: TradeOff) -> None:
         self.state.param.update(trade_off=trade_off, trade_off_duration_s=self.trade_off.last_duration_s)

@@ -90,16 +90,19 @@ def _call(options: argparse.Namespace) -> bool:
         changes = commands.parsed_changes(options.set)
         return commands.check(options.run, options.scenario, changes, options.strategy, output)
     elif options.command == "report":
-        commands.report(options.file, commands.parsed_changes(options.set), options.strategy, options.output)
+        seconds = commands.parsed_seconds(options.prove_seconds)
+        changes = commands.parsed_changes(options.set)
+        commands.report(options.file, changes, options.strategy, options.output, seconds)
     else:
         file, words = _file_and_changes(options.file, options.set)
         changes = commands.parsed_changes(words)
         if options.command == "solve":
-            return commands.solve(file, changes, options.strategy, options.trajectory, output, options.check)
+            seconds = commands.parsed_seconds(options.prove_seconds)
+            return commands.solve(file, changes, options.strategy, options.trajectory, output, options.check, seconds)
         if options.command == "simulate":
             commands.simulate(file, changes, output)
         else:
-            commands.compare_strategies(file, changes, output)
+            commands.compare_strategies(file, changes, output, commands.parsed_seconds(options.prove_seconds))
     return True
 
 
@@ -115,8 +118,9 @@ def build_parser() -> argparse.ArgumentParser:
     solve.add_argument("--strategy", metavar="S", help="the driving strategy; default: the scenario's own")
     solve.add_argument("--trajectory", metavar="OUT", help="write the run to OUT.csv or OUT.parquet")
     solve.add_argument("--check", action="store_true", help="check the run against its scenario: see `railjoule check`")
+    _add_proof(solve)
     solve.epilog = f"With --check: {CHECK_STATUS.lower()}"
-    _add_scenario_command(commands, "compare", "run every strategy that fits a scenario")
+    _add_proof(_add_scenario_command(commands, "compare", "run every strategy that fits a scenario"))
     _add_scenario_command(commands, "simulate", "follow the plan of a scenario under its disturbance")
     study = _add(commands, "study", "solve many scenarios and write a labelled table")
     study.add_argument("study", metavar="STUDY", choices=STUDIES, help=" or ".join(STUDIES))
@@ -127,6 +131,7 @@ def build_parser() -> argparse.ArgumentParser:
     report.add_argument("file", metavar="FILE", help="a scenario file, or the name of a shipped scenario")
     report.add_argument("-o", "--output", metavar="OUT", required=True, help="OUT.html")
     report.add_argument("--strategy", metavar="S", help="whose results come first; default: the scenario's own")
+    _add_proof(report)
     report.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help="as in solve")
     benchmark = _add(commands, "benchmark", "time every strategy on the shipped scenarios, and CasADi with IPOPT")
     _add_json(benchmark)
@@ -176,6 +181,15 @@ def _add(commands: "argparse._SubParsersAction[_Parser]", name: str, words: str)
 
 def _add_json(parser: _Parser) -> None:
     parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def _add_proof(parser: _Parser) -> None:
+    parser.add_argument(
+        "--prove-seconds",
+        metavar="S",
+        help="how long to tighten the bound of a powertrain that takes power without effort, such as 10; 0: the first "
+        "bound only; default: a fixed number of steps, about 0.5 s, as on the page",
+    )
 
 
 def _port(text: str) -> int:

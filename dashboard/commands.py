@@ -22,6 +22,7 @@ from railjoule.core import (
     load_scenario,
 )
 from railjoule.core import solve as solve_scenario
+from railjoule.core.bounds import LONGEST_PROOF_S
 from railjoule.core.scenario import STRATEGY_NAMES, StrategyName, parse_scenario, preset_names
 from railjoule.core.scenario.text_file import read_text
 from railjoule.core.scenario.toml_text import read_toml
@@ -61,6 +62,7 @@ def solve(
     trajectory_file: str | None,
     output: Output,
     with_check: bool = False,
+    prove_seconds: float | None = None,
 ) -> bool:
     """Solve a scenario, write its trajectory if wanted, and show the result; return whether it passed its check.
 
@@ -74,7 +76,7 @@ def solve(
     announce_compilation()
     with refusals_named(strategy or scenario.strategy):
         # a name that is none is refused by the core, in its own words
-        trajectory = solve_scenario(scenario, cast("StrategyName | None", strategy))
+        trajectory = solve_scenario(scenario, cast("StrategyName | None", strategy), prove_seconds=prove_seconds)
     if target is not None:
         write_table(trajectory.to_dataframe(), target, index=False)
     values = summary.summarise(trajectory, prepare_task(scenario).shortest_travel_time_s)
@@ -110,7 +112,9 @@ def check(
     return result.ok
 
 
-def compare_strategies(file: str, changes: Mapping[str, Any], output: Output) -> None:
+def compare_strategies(
+    file: str, changes: Mapping[str, Any], output: Output, prove_seconds: float | None = None
+) -> None:
     """Run every strategy that takes a scenario, and show the results side by side.
 
     Raises
@@ -120,7 +124,7 @@ def compare_strategies(file: str, changes: Mapping[str, Any], output: Output) ->
     """
     scenario = load(file, changes)
     announce_compilation()
-    runs, refused = compare(scenario)
+    runs, refused = compare(scenario, prove_seconds=prove_seconds)
     values = summary.summarise_comparison(runs, refused, prepare_task(scenario).shortest_travel_time_s)
     output.show(values, terminal.comparison_text)
 
@@ -176,7 +180,13 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None
     print(f"{shortened(str(path))}: {shape}")
 
 
-def report(file: str, changes: Mapping[str, Any], strategy: str | None, target: str) -> None:
+def report(
+    file: str,
+    changes: Mapping[str, Any],
+    strategy: str | None,
+    target: str,
+    prove_seconds: float | None = None,
+) -> None:
     """Write everything there is to tell of a scenario as one file of HTML.
 
     Raises
@@ -192,7 +202,7 @@ def report(file: str, changes: Mapping[str, Any], strategy: str | None, target: 
     except ModuleNotFoundError as error:
         raise CommandError(f"a report needs {error.name}, which is not installed.") from None
     announce_compilation()
-    *_, findings = compute_findings(ReportRequest(scenario))
+    *_, findings = compute_findings(ReportRequest(scenario, prove_seconds=prove_seconds))
     text = report_html(findings, datetime.now().astimezone())
     with failures_named(path):
         path.write_text(text, encoding="utf-8")
@@ -281,6 +291,27 @@ def parsed_changes(words: Sequence[str]) -> dict[str, Any]:
             raise CommandError(f"--set {shortened(word)}: must be KEY=VALUE, such as vehicle.load_factor=0.3.")
         changes[key.strip()] = parsed_value(value)
     return changes
+
+
+def parsed_seconds(text: str | None) -> float | None:
+    """Return how long to tighten a bound [s]; None where nothing is said of it.
+
+    Raises
+    ------
+    CommandError
+        If the text is no number, or one out of its bounds.
+    """
+    if text is None:
+        return None
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = -1.0
+    if not 0.0 <= seconds <= LONGEST_PROOF_S:
+        raise CommandError(
+            f"--prove-seconds {shortened(text)}: must be a number of seconds from 0 to {LONGEST_PROOF_S:g}."
+        )
+    return seconds
 
 
 def parsed_value(text: str) -> Any:

@@ -54,7 +54,7 @@ class Compare:
 
     def _take(self, runs: Runs, last: bool) -> None:
         if last:
-            self.state.compared = runs
+            self.state.compared = self.state.proof.laid_on(runs)
 
     def _take_failure(self, failure: RailjouleError) -> None:
         """Leave it to the work behind Drive to tell: it runs over the same scenario."""

@@ -63,7 +63,10 @@ class Reporting:
     def _ask(self, *_: Any) -> None:
         try:
             scenario = self.state.scenario.scenario()
-            request = ReportRequest(scenario.with_(**self._in_sight()), self.state.chosen_now)
+            known = self.state.proof.of(scenario)
+            request = ReportRequest(
+                scenario.with_(**self._in_sight()), self.state.chosen_now, known.bound if known is not None else None
+            )
         except RailjouleError as error:
             self._fail(error)
             return

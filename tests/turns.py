@@ -22,6 +22,10 @@ class Page:
         self._turns.append(callback)
         self._due.release()
 
+    @property
+    def is_due(self) -> bool:
+        return bool(self._turns)
+
     def take_turn(self) -> None:
         assert self._due.acquire(timeout=PATIENCE_S)
         with set_curdoc(self.document):

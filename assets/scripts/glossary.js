@@ -7,7 +7,7 @@
   const REST_MS = 350, LEAVE_MS = 150, SETTLED_MS = 300, TURN_WITHIN_MS = 10000, MARGIN_PX = 8;
   const FLOW = "display:block;grid-column:1/-1;box-sizing:border-box;max-width:76ch;font:12px/1.45 var(--rj-font);" +
     "color:var(--rj-ink2);border-left:2px solid var(--rj-accent);padding:2px 0 2px 10px;white-space:normal;";
-  const PLACES = ".figures, .strategy, .row, .section, .term-row, .rj-term";
+  const PLACES = ".figures, .proof-row, .strategy, .row, .section, .term-row, .rj-term";
   const button_of = (event) => event.composedPath().find((one) => one.dataset?.term);
   const above = (element) => element.parentElement ?? element.getRootNode().host ?? null;
 

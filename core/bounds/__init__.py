@@ -4,9 +4,8 @@
 `certified` turns the multipliers of an optimum into a bound: any multipliers prove some lower bound, those of the
 optimum the best one, so that a solver's fault makes a bound weak, never wrong. `certify` returns the energy that no run
 on the same mesh undercuts, `bound_of` optimum and bound at once, and `bounded` gives a run of any strategy a bound that
-covers its own nodes and time. Of a drive that idles `tightened` looks for a greater bound; `chain_proof` is a proof to
-be continued step by step, whose result `with_chains` takes up. `strongest_bounds` lets bounds of several timetables
-strengthen one another.
+covers its own nodes and time. `tightening` raises the bound of a drive that idles step by step; `tightened` is its
+last step. `strongest_bounds` lets bounds of several timetables strengthen one another.
 
 Read `minimum.minimise` first, then `certified.certify`; the method itself is in `railjoule.core.interior_point`.
 """
@@ -17,24 +16,42 @@ from railjoule.core.bounds.certified import (
     bounded,
     certify,
     chain_proof,
-    tightened,
     with_chains,
     work_floor_j,
 )
 from railjoule.core.bounds.minimum import Solution, minimise, minimise_decided
+from railjoule.core.bounds.tightening import (
+    FIRST_STAGE_BOXES,
+    LONGEST_PROOF_S,
+    ProofStep,
+    can_tighten,
+    check_seconds,
+    run_to_prove,
+    tightened,
+    tightening,
+    with_tighter_bound,
+)
 from railjoule.core.bounds.timetables import strongest_bounds
 
 __all__ = [
+    "FIRST_STAGE_BOXES",
+    "LONGEST_PROOF_S",
     "PROOF_BUDGET",
+    "ProofStep",
     "Solution",
     "bound_of",
     "bounded",
+    "can_tighten",
     "certify",
     "chain_proof",
+    "check_seconds",
     "minimise",
     "minimise_decided",
+    "run_to_prove",
     "strongest_bounds",
     "tightened",
+    "tightening",
     "with_chains",
+    "with_tighter_bound",
     "work_floor_j",
 ]

@@ -1,8 +1,8 @@
 """The energy that no run of a task undercuts, and which runs that covers.
 
 A drive that takes power without effort has two bounds. `certify` gives the first at once: it lets the drive switch
-within cells, which no run of ours does. `tightened` goes on with the chains of `railjoule.core.chain_proof`, which hold
-for one effort in each cell, and keeps the greater one.
+within cells, which no run of ours does. `railjoule.core.bounds.tightening` goes on with the chains of
+`railjoule.core.chain_proof`, which hold for one effort in each cell, and `with_chains` keeps the greater one.
 
 References: the proofs are in `railjoule.core.interior_point.certificate`, `...proof` and `...switching_bound`, and in
 `railjoule.core.chain_proof.proof`.
@@ -39,10 +39,12 @@ how many pieces of a cell's speeds it may look at for that."""
 # half of the thousandth that is asked of shipped scenarios: no proof finds more than it aims at
 CHAIN_TOLERANCE = 5e-4
 """How far below the best known run a proof by chains aims, as a share of its energy."""
+SWITCHED_PREMISE = "the power of the powertrain is convex in its effort and its losses do not fall with speed"
+"""What the bound with free switching takes for granted."""
+SAID_M, ROUNDED = 0.1, 1e-6
+"""To which a sentence rounds the length of a cell [m], and the share of that which is rounding alone."""
 SAID_KWH = 1e-4
 """To which a sentence rounds the energy of the first bound [kWh]."""
-CHAIN_BUDGET = 1_200_000
-"""Boxes that it may look at by itself, some 0.4 s; whoever has more time continues it, see `chain_proof`."""
 MOST_REFINED = 4
 """A run over more nodes than so many times the task's gets no bound: the printed regulator makes a cell of each step of
 time, tens of thousands down to hundredths of a millimetre, over which an optimum takes a minute and does not converge.
@@ -97,7 +99,8 @@ def _covering(task: Task, run: Trajectory) -> Task:
 def certify(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> Bound:
     """Return the lower bound that the multipliers of an optimum prove, and what it covers."""
     # a cellwise proof needs a power that is continuous in effort; the other bounds its convex hull
-    if task.course.drive.jumps_at_no_effort:
+    jumps = task.course.drive.jumps_at_no_effort
+    if jumps:
         proven = _switched_bound_j(task, optimum, proof_budget)
         statement = switched_bound_statement(task)
     else:
@@ -108,7 +111,8 @@ def certify(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> B
     energy = max(proven + task.dwell_energy_j, work_floor_j(task))
     # next to a stop, where the optimum itself is slower, its proof covers runs down to its speed
     slowest = np.minimum(SLOWEST_PROVEN_MS, np.sqrt(optimum.speed2))
-    return Bound(energy, statement, task.course.position_m, task.travel_time_s, slowest)
+    bound = Bound(energy, statement, task.course.position_m, task.travel_time_s, slowest)
+    return replace(bound, switched_j=energy, premise=SWITCHED_PREMISE) if jumps else bound
 
 
 def chain_proof(task: Task, optimum: Optimum, speed2: FloatArray, energy_j: float) -> ChainProof:
@@ -127,33 +131,16 @@ def chain_proof(task: Task, optimum: Optimum, speed2: FloatArray, energy_j: floa
     energy_j : float
         What that needs, dwells included [J].
     """
-    data, moving = task.course.data, energy_j - task.dwell_energy_j
-    target = moving - CHAIN_TOLERANCE * reference_energy(data, moving, task.running_time_s)
+    data, target = task.course.data, chain_target_j(task, energy_j) - task.dwell_energy_j
     slowest2 = np.minimum(SLOWEST_SPEED2, optimum.speed2)
     given = data, task.running_time_s, task.greatest_speed2, slowest2, speed2
     return ChainProof(*given, node_prices(data, optimum), optimum.price_of_time_w, target)
 
 
-def tightened(task: Task, bound: Bound, run: Trajectory, chain_budget: int = CHAIN_BUDGET) -> Bound:
-    """Return a bound of a task, or the one by chains of boxes where that is greater; smooth drives keep theirs.
-
-    Parameters
-    ----------
-    task : Task
-        What the bound is of.
-    bound : Bound
-        The first one, of `certify`.
-    run : Trajectory
-        The best run known, which it covers.
-    chain_budget : int
-        Boxes that may be looked at.
-    """
-    # a bound of another time or mesh, as of a run with nodes of its own, is another task's
-    own = np.array_equal(bound.position_m, task.course.position_m) and bound.travel_time_s <= task.travel_time_s
-    if not task.course.drive.jumps_at_no_effort or not own or not bound.covers(run):
-        return bound
-    proof = chain_proof(task, minimise(task).optimum, run.node_speed_ms**2, run.energy.net_j)
-    return with_chains(task, bound, proof.run(chain_budget))
+def chain_target_j(task: Task, energy_j: float) -> float:
+    """Return what a proof by chains aims at, below what a known run needs [J], dwells included in both."""
+    moving = energy_j - task.dwell_energy_j
+    return energy_j - CHAIN_TOLERANCE * reference_energy(task.course.data, moving, task.running_time_s)
 
 
 def with_chains(task: Task, bound: Bound, proven_j: float) -> Bound:
@@ -161,7 +148,11 @@ def with_chains(task: Task, bound: Bound, proven_j: float) -> Bound:
     energy = proven_j + task.dwell_energy_j
     if energy <= bound.energy_j:
         return bound
-    return replace(bound, energy_j=energy, statement=chain_bound_statement(task, bound.energy_j))
+    # what is proven of runs that switch stays what it was, however often the bound is raised
+    switched = bound.energy_j if bound.switched_j is None else bound.switched_j
+    statement = chain_bound_statement(task, switched)
+    given = premise(task.course.data.drive_kind)
+    return replace(bound, energy_j=energy, statement=statement, switched_j=switched, premise=given)
 
 
 def _switched_bound_j(task: Task, optimum: Optimum, proof_budget: int) -> float:
@@ -195,15 +186,14 @@ def work_floor_j(task: Task) -> float:
 
 def bound_statement(task: Task) -> str:
     """Return in one sentence which runs a bound covers."""
-    return f"No run over this mesh of {task.course.cell_count} cells, with one effort in each, {_conditions(task)}."
+    return f"No run over {_mesh(task)}, with one effort in each, {_conditions(task)}."
 
 
 def switched_bound_statement(task: Task) -> str:
     """Return in one sentence which runs the bound of a drive covers that takes power without effort."""
     return (
-        f"No run over this mesh of {task.course.cell_count} cells, even if it switches freely between driving, "
-        f"coasting and braking within each, {_conditions(task)}; this assumes that the power of the powertrain is "
-        "convex in its effort, and that its losses do not fall with speed."
+        f"No run over {_mesh(task)}, even if it switches freely between driving, "
+        f"coasting and braking within each, {_conditions(task)}; this assumes that {SWITCHED_PREMISE}."
     )
 
 
@@ -214,10 +204,16 @@ def chain_bound_statement(task: Task, switched_j: float) -> str:
     # downwards: rounded up, it would say more than is proven
     switched = math.floor(switched_j / J_PER_KWH / SAID_KWH) * SAID_KWH
     return (
-        f"No run over this mesh of {task.course.cell_count} cells, with one effort in each, {_conditions(task)}"
+        f"No run over {_mesh(task)}, with one effort in each, {_conditions(task)}"
         f"{assumption}; of runs that switch between driving, coasting and braking within a cell, no more is proven "
-        f"than that they need at least {switched:.4f} kWh."
+        f"than that they need at least {switched:.4f} kWh, if {SWITCHED_PREMISE}."
     )
+
+
+def _mesh(task: Task) -> str:
+    # upwards: no cell is longer
+    longest = math.ceil(float(task.course.data.cell_length_m.max()) / SAID_M - ROUNDED) * SAID_M
+    return f"this mesh of {task.course.cell_count} cells of at most {longest:.6g} m"
 
 
 def _conditions(task: Task) -> str:

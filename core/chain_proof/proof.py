@@ -92,11 +92,15 @@ class ChainProof:
 
     def run(self, budget: int, stop: Callable[[], bool] | None = None) -> float:
         """Go on until the target is proven, the budget of boxes is used in all, or `stop` says so; return the bound."""
-        while not self.proven and 0 < self.next_boxes <= budget - self.boxes and len(self.levels) < MOST_LEVELS:
+        while self.may_advance(budget):
             if stop is not None and stop():
                 break
             self.advance()
         return self.bound_j
+
+    def may_advance(self, budget: int) -> bool:
+        """Return whether there is something left to prove, and a budget of boxes in all is enough for a level more."""
+        return not self.proven and 0 < self.next_boxes <= budget - self.boxes and len(self.levels) < MOST_LEVELS
 
     def advance(self) -> Level:
         """Do one level more: boxes of the present intervals, chains, then halves of what is left."""

@@ -17,7 +17,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from railjoule.core.best_known import with_best_known
-from railjoule.core.bounds import bounded, tightened
+from railjoule.core.bounds import bounded, check_seconds, run_to_prove, tightened
 from railjoule.core.check import check_run
 from railjoule.core.errors import (
     CheckError,
@@ -56,6 +56,7 @@ def solve(
     initial_speed_ms: float = 0.0,
     final_speed_ms: float = 0.0,
     check: bool = False,
+    prove_seconds: float | None = None,
 ) -> Trajectory:
     """Return the run of a strategy over a scenario, with a bound that covers it and the best known run.
 
@@ -70,13 +71,16 @@ def solve(
     check : bool
         Whether the run is held against its scenario by formulas that share no code with the strategies; it then
         carries the result as `check`.
+    prove_seconds : float, optional
+        How long to tighten the bound of a drive that takes power without effort [s]; 0 keeps the first bound. By
+        default it is tightened with a fixed number of steps, half a second or less.
 
     Raises
     ------
     CheckError
         If the check finds that the run breaks a rule.
     ScenarioError
-        If a limit of effort is missing or the mesh too fine.
+        If a limit of effort is missing, the mesh too fine, or `prove_seconds` out of its bounds.
     InfeasibleLineError
         If no run passes the line at all.
     TimetableError
@@ -84,15 +88,16 @@ def solve(
     StrategyRefusedError
         If the strategy cannot honour the scenario.
     """
+    check_seconds(prove_seconds)
     name = strategy or scenario.strategy
     task = prepare_task(scenario, initial_speed_ms, final_speed_ms)
     trajectory = run_strategy(task, name)
     # an optimum is its own reference; without slack there is nothing to save, and no optimum is looked for
     if trajectory.reference is not None:
-        trajectory = _tightened(task, trajectory)
+        trajectory = _tightened(task, trajectory, prove_seconds)
     elif task.has_slack:
         best = known_optimum(task)
-        best = None if best is None else _tightened(task, best)
+        best = None if best is None else _tightened(task, best, prove_seconds)
         trajectory = bounded(task, trajectory, best.bound if best is not None else None)
         *_, trajectory = with_best_known([trajectory] if best is None else [best, trajectory])
     if not check:
@@ -132,14 +137,19 @@ def run_strategy(task: Task, strategy: StrategyName) -> Trajectory:
     return replace(trajectory, solve_time_s=time.perf_counter() - started)
 
 
-def compare(scenario: Scenario) -> tuple[list[Trajectory], dict[StrategyName, str]]:
+def compare(
+    scenario: Scenario, *, prove_seconds: float | None = None
+) -> tuple[list[Trajectory], dict[StrategyName, str]]:
     """Return the runs of all strategies that take a scenario, and why the others refuse it or fail.
+
+    `prove_seconds` as for `solve`.
 
     Raises
     ------
     TimetableError, InfeasibleLineError, ScenarioError
         As `solve`.
     """
+    check_seconds(prove_seconds)
     task = prepare_task(scenario)
     # a timetable that none can keep is one fault of the scenario, not a refusal of each strategy
     task.require_timetable()
@@ -152,15 +162,15 @@ def compare(scenario: Scenario) -> tuple[list[Trajectory], dict[StrategyName, st
             refused[name] = str(refusal)
     # one proof serves all runs over the task's mesh; `bounded` makes another only for those over nodes of their own
     first = known = next((run.bound for run in runs if run.bound is not None), None)
-    if first is not None:
-        known = tightened(task, first, min(filter(first.covers, runs), key=lambda run: run.energy.net_j))
+    if first is not None and (start := run_to_prove(first, runs)) is not None:
+        known = tightened(task, first, start, seconds=prove_seconds)
     runs = [replace(run, bound=known) if run.bound is first else run for run in runs]
     return with_best_known([bounded(task, run, known) for run in runs]), refused
 
 
-def _tightened(task: Task, best: Trajectory) -> Trajectory:
+def _tightened(task: Task, best: Trajectory, seconds: float | None) -> Trajectory:
     """Return an optimum with the greater bound that it is worth to look for where one run is asked for."""
-    return best if best.bound is None else best.with_bound(tightened(task, best.bound, best))
+    return best if best.bound is None else best.with_bound(tightened(task, best.bound, best, seconds=seconds))
 
 
 __all__ = ["STRATEGIES", "Task", "compare", "prepare_task", "run_strategy", "solve"]

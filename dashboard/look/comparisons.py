@@ -8,9 +8,12 @@ decided in `railjoule.core.best_known`, and when a share of an energy means anyt
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from railjoule.core import Trajectory
 from railjoule.core.energy import share_above
-from railjoule.core.trajectory import PROVEN_GAP, Reference
+from railjoule.core.trajectory import PROVEN_GAP, Bound, Reference
+from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import words
 
 OTHER_TIME_S = 0.05
@@ -99,6 +102,26 @@ def above_bound(energy_kwh: float, bound_kwh: float | None, gap: float | None) -
 def above_own_bound(run: Trajectory) -> Amount | None:
     """Return by how much a run lies above its bound."""
     return above_bound(run.energy_kwh, run.lower_bound_kwh, run.gap)
+
+
+def proof_sentence(bound: Bound) -> str:
+    """Return in a sentence what a bound of a drive that takes power without effort proves: which runs, which mesh.
+
+    What else holds for the runs, their limits, time and least speed, stands in the bound's own statement.
+    """
+    energy, switched_j = words.energy(bound.energy_j / J_PER_KWH), bound.switched_j
+    # upwards: no cell is longer
+    longest = words.number(math.ceil(10 * float(np.diff(bound.position_m).max()) - 1e-6) / 10)
+    cells, assumed = (
+        f"up to {longest.removesuffix('.0')} m",
+        f", provided that {bound.premise}" if bound.premise else "",
+    )
+    if switched_j is None or switched_j >= bound.energy_j:
+        return (
+            f"No run over cells of {cells} needs less than {energy} kWh, even one that switches within them{assumed}."
+        )
+    told = f"No run with one effort in each cell of {cells} needs less than {energy} kWh{assumed}"
+    return f"{told}; one that switches within cells may need less."
 
 
 def cell(amount: Amount | None) -> str:

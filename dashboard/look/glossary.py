@@ -119,6 +119,12 @@ ENERGY = (
         "and limits uses less. The sentence below the charts says what the proof covers.",
     ),
     Term(
+        "Proof",
+        "All possible speeds are divided into boxes. Boxes through which no run can need much less than the best one "
+        "known are dropped, the others halved: so the bound rises.",
+        ("Prove further",),
+    ),
+    Term(
         "Best known",
         "The run with the least energy that any strategy has found, where the optimum is not proven.",
         ("Best known run",),

@@ -1,13 +1,16 @@
 """The state of one open page: its scenario, what it shows, what was computed, what is pinned."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import param
 
-from railjoule.core import RailjouleError, Trajectory
+from railjoule.core import RailjouleError, Scenario, Trajectory
+from railjoule.core.bounds import with_tighter_bound
 from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
+from railjoule.core.trajectory import Bound
 from railjoule.dashboard.faults import Faults
 from railjoule.dashboard.models.actual import ActualModel
 from railjoule.dashboard.models.disturbances import DisturbancesModel
@@ -19,11 +22,12 @@ from railjoule.dashboard.models.motor import MotorModel
 from railjoule.dashboard.models.pages import PAGES
 from railjoule.dashboard.models.papers import PapersModel
 from railjoule.dashboard.models.pins import MOST_PINS, TOO_MANY, KeptPin, Pin, Recipe, make_pin, recipe_of
+from railjoule.dashboard.models.proof import ProofModel
 from railjoule.dashboard.models.robustness import RobustnessModel
 from railjoule.dashboard.models.scenario import ScenarioModel
 from railjoule.dashboard.models.speed_limits import SpeedLimitsModel
 from railjoule.dashboard.models.start import StartModel
-from railjoule.dashboard.store import Runs, TradeOff
+from railjoule.dashboard.store import Runs, TradeOff, same_plan
 
 COLOURS = ("system", "light", "dark")
 
@@ -65,6 +69,7 @@ class Workbench(Kept):
     failure = param.ClassSelector(
         class_=RailjouleError, default=None, allow_None=True, doc="Why the last request failed."
     )
+    tightened = param.Event(doc="The bound of the runs has become greater, and nothing else has changed.")
     late = param.ClassSelector(
         class_=frozenset, default=frozenset(), doc="Pages that show what is from before the last change."
     )
@@ -83,6 +88,7 @@ class Workbench(Kept):
         self.line = LineModel()
         self.learn = LearnModel()
         self.papers = PapersModel()
+        self.proof = ProofModel()
         super().__init__(**params)
         self.scenario.param.watch(self._take_strategy, ["preset", "opened"])
 
@@ -166,6 +172,23 @@ class Workbench(Kept):
     def rename(self, pin: Pin, name: str) -> None:
         """Give a pinned run another name."""
         self.pins = tuple(pin.renamed(name) if other is pin else other for other in self.pins)
+
+    def take_bound(self, scenario: Scenario, bound: Bound) -> None:
+        """Give a greater bound to all runs of a scenario's plan that are shown or pinned."""
+        pins = tuple(
+            replace(pin, trajectory=with_tighter_bound(pin.trajectory, bound))
+            if same_plan(pin.trajectory.scenario, scenario)
+            else pin
+            for pin in self.pins
+        )
+        runs, compared = (
+            known.with_bound(bound) if known is not None and same_plan(known.scenario, scenario) else known
+            for known in (self.runs, self.compared)
+        )
+        # what draws runs need not draw them again for a bound: who shows one watches `tightened`
+        with param.parameterized.discard_events(self):
+            self.param.update(runs=runs, compared=compared, pins=pins)
+        self.param.trigger("tightened")
 
     @property
     def stale(self) -> bool:

@@ -1,5 +1,6 @@
 """What the workbench computes: the only place of the dashboard that asks the core to solve."""
 
+from railjoule.core.bounds import FIRST_STAGE_BOXES
 from railjoule.dashboard.store.actual import ActualRequest, compute_actual
 from railjoule.dashboard.store.cards import Card, card_names, compute_cards, outlines
 from railjoule.dashboard.store.disturbances import (
@@ -29,6 +30,7 @@ from railjoule.dashboard.store.motor import (
     machine_refusal,
 )
 from railjoule.dashboard.store.papers import PaperTables, compute_papers, shipped_tables
+from railjoule.dashboard.store.proofs import FURTHER_BOXES, ProofRequest, compute_proof, same_plan
 from railjoule.dashboard.store.recipes import RecipeRun, compute_recipes
 from railjoule.dashboard.store.robustness import (
     Reality,
@@ -38,7 +40,14 @@ from railjoule.dashboard.store.robustness import (
     compute_reality,
     compute_table,
 )
-from railjoule.dashboard.store.runs import Runs, RunsRequest, compute_runs, compute_runs_in_steps, is_slow
+from railjoule.dashboard.store.runs import (
+    Runs,
+    RunsRequest,
+    compute_runs,
+    compute_runs_in_steps,
+    is_slow,
+    tightened_runs,
+)
 from railjoule.dashboard.store.speed_limits import (
     LimitRun,
     LimitsRequest,
@@ -50,10 +59,14 @@ from railjoule.dashboard.store.speed_limits import (
     compute_storage,
 )
 from railjoule.dashboard.store.trade_off import EnocMap, TradeOff, TradeOffRequest, compute_trade_off
-from railjoule.dashboard.store.worker import Study, Worker
+from railjoule.dashboard.store.worker import PROOF_THREADS, SLOW_THREADS, Study, Worker
 
 __all__ = [
+    "FIRST_STAGE_BOXES",
+    "FURTHER_BOXES",
     "MACHINE_SCENARIO",
+    "PROOF_THREADS",
+    "SLOW_THREADS",
     "ActualRequest",
     "Card",
     "EnocMap",
@@ -71,6 +84,7 @@ __all__ = [
     "LoopRun",
     "MachineMap",
     "PaperTables",
+    "ProofRequest",
     "Reality",
     "RealityRequest",
     "RecipeRun",
@@ -99,6 +113,7 @@ __all__ = [
     "compute_loop_run",
     "compute_machine_map",
     "compute_papers",
+    "compute_proof",
     "compute_reality",
     "compute_recipes",
     "compute_rides",
@@ -114,5 +129,7 @@ __all__ = [
     "limits_of",
     "machine_refusal",
     "outlines",
+    "same_plan",
     "shipped_tables",
+    "tightened_runs",
 ]

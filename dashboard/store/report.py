@@ -7,6 +7,7 @@ import numpy as np
 
 from railjoule.core import RailjouleError, Scenario, Trajectory
 from railjoule.core.arrays import FloatArray
+from railjoule.core.bounds import with_tighter_bound
 from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.simulate.actual_run import actual_run
@@ -16,8 +17,9 @@ from railjoule.core.simulate.following import Following, simulate_following
 from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
 from railjoule.core.studies.sensitivity import SensitivityTable, sensitivity_steps
 from railjoule.core.studies.tradeoff import coarsened, frontier_times
+from railjoule.core.trajectory import Bound
 from railjoule.dashboard.store.refusals import named_refusals
-from railjoule.dashboard.store.runs import Runs, RunsRequest, compute_runs
+from railjoule.dashboard.store.runs import Runs, RunsRequest, compute_runs, tightened_runs
 from railjoule.dashboard.store.trade_off import EnocMap, compute_enoc_map
 
 OPTIMA_COUNT = 40
@@ -30,10 +32,23 @@ RUNS_SHARE, OPTIMA_SHARE, REALITY_SHARE = 0.2, 0.7, 0.75
 
 @dataclass(frozen=True)
 class ReportRequest:
-    """A scenario, and the strategy whose numbers come first; the scenario's own where None."""
+    """What a report is to tell.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    strategy : str or None
+        Whose numbers come first; the scenario's own where None.
+    bound : Bound or None
+        What is already proven of the scenario's plan.
+    prove_seconds : float or None
+        As for `railjoule.core.solve`.
+    """
 
     scenario: Scenario
     strategy: StrategyName | None = None
+    bound: Bound | None = None
+    prove_seconds: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,9 +104,9 @@ def compute_findings(request: ReportRequest) -> Iterator[Findings]:
     scenario = request.scenario
     if request.strategy is not None and request.strategy != scenario.strategy:
         scenario = scenario.with_(strategy=request.strategy)
-    findings = Findings(
-        scenario, compute_runs(RunsRequest(scenario, tuple(STRATEGIES))), enoc_map=compute_enoc_map(scenario)
-    )
+    runs = compute_runs(RunsRequest(scenario, tuple(STRATEGIES)))
+    runs = tightened_runs(runs, request.bound, request.prove_seconds)
+    findings = Findings(scenario, runs, enoc_map=compute_enoc_map(scenario))
     yield findings
     for optima, share in _optima(findings):
         findings = replace(findings, optima=optima, share=RUNS_SHARE + (OPTIMA_SHARE - RUNS_SHARE) * share)
@@ -116,7 +131,7 @@ def _optima(findings: Findings) -> Iterator[tuple[tuple[Trajectory, ...], float]
     if "optimal" not in findings.runs.runs:
         return
     task = coarsened(prepare_task(findings.scenario), MOST_CELLS)
-    times = optima_times(task)
+    times, bound = optima_times(task), findings.runs.best.bound
     optima: tuple[Trajectory, ...] = ()
     for k, time in enumerate(times.tolist(), 1):
         try:
@@ -124,7 +139,9 @@ def _optima(findings: Findings) -> Iterator[tuple[tuple[Trajectory, ...], float]
         except RailjouleError:
             continue
         # asked for another time, it is not late
-        optima = (*optima, replace(run, scenario=run.scenario.with_(**{"timetable.travel_time_s": time})))
+        run = replace(run, scenario=run.scenario.with_(**{"timetable.travel_time_s": time}))
+        # what is proven of the timetable's own time holds for all that take no longer
+        optima = (*optima, run if bound is None else with_tighter_bound(run, bound))
         yield optima, k / len(times)
 
 

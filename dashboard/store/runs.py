@@ -6,11 +6,12 @@ from dataclasses import dataclass, replace
 
 from railjoule.core import RailjouleError, Scenario, StrategyRefusedError, Trajectory
 from railjoule.core.best_known import with_best_known
-from railjoule.core.bounds import bounded
+from railjoule.core.bounds import bounded, run_to_prove, tightened, with_tighter_bound
 from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.drive import ConstantEfficiency, CopperLoss
 from railjoule.core.strategies import Task, prepare_task, run_strategy
 from railjoule.core.strategies.bellman import ControlLaw, bellman_with_law
+from railjoule.core.trajectory import Bound
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +60,16 @@ class Runs:
         """Whether what runs within the timetable are measured against is proven to be the optimum."""
         reference = self.best.reference
         return reference is not None and reference.proven
+
+    @property
+    def to_prove(self) -> Trajectory | None:
+        """The run whose bound a proof may tighten, where the powertrain takes power without effort; else None."""
+        bound = self.best.bound
+        return None if bound is None or bound.switched_j is None else run_to_prove(bound, self.runs.values())
+
+    def with_bound(self, bound: Bound) -> "Runs":
+        """Return the same runs, those with a greater bound that it covers."""
+        return replace(self, runs={name: with_tighter_bound(run, bound) for name, run in self.runs.items()})
 
 
 SECONDS_PER_CELL: Mapping[StrategyName, float] = {"bellman": 4e-4, "speed_limits": 1.6e-3}
@@ -111,6 +122,19 @@ def compute_runs(request: RunsRequest) -> Runs:
     """
     *_, runs = compute_runs_in_steps(request)
     return runs
+
+
+def tightened_runs(runs: Runs, known: Bound | None = None, prove_seconds: float | None = None) -> Runs:
+    """Return runs with the bound that the commands `solve` and `compare` prove of them, or a known one if greater.
+
+    `prove_seconds` as for `railjoule.core.solve`.
+    """
+    if known is not None:
+        runs = runs.with_bound(known)
+    run = runs.to_prove
+    if run is None or run.bound is None:
+        return runs
+    return runs.with_bound(tightened(prepare_task(runs.scenario), run.bound, run, seconds=prove_seconds))
 
 
 def compute_runs_in_steps(request: RunsRequest) -> Iterator[Runs]:

@@ -23,6 +23,8 @@ LONG_THREADS = ThreadPoolExecutor(max_workers=2, thread_name_prefix="railjoule-l
 """For studies of seconds, so that sliders need not wait for them."""
 SLOW_THREADS = ThreadPoolExecutor(max_workers=2, thread_name_prefix="railjoule-slow")
 """For single runs of seconds, which need not wait for studies of minutes."""
+PROOF_THREADS = ThreadPoolExecutor(max_workers=1, thread_name_prefix="railjoule-proof")
+"""For proofs that are asked for by hand, one at a time: each may take a gigabyte."""
 LATE_MS = 250
 """After this long without a result the page says that what it shows is from before the last change."""
 PAUSE_S = 0.002
@@ -202,6 +204,8 @@ class Study(Generic[Request, Result]):
         Takes an error that the user can mend.
     mark : callable
         As for a worker; the first step of a request is what is waited for.
+    threads : executor
+        Where the steps are computed.
     """
 
     def __init__(
@@ -210,7 +214,9 @@ class Study(Generic[Request, Result]):
         deliver: Callable[[Result, bool], None],
         fail: Callable[[RailjouleError], None],
         mark: Callable[[bool], None] = nobody,
+        threads: ThreadPoolExecutor = LONG_THREADS,
     ) -> None:
+        self._threads = threads
         self._steps, self._deliver, self._fail = steps, deliver, fail
         self._late = Lateness(mark)
         self._job: _Job[Result] | None = None
@@ -225,7 +231,7 @@ class Study(Generic[Request, Result]):
             self._work(request, job)
         else:
             self._late.asked(document)
-            LONG_THREADS.submit(self._work, request, job)
+            self._threads.submit(self._work, request, job)
 
     @property
     def busy(self) -> bool:

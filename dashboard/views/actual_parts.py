@@ -6,21 +6,18 @@ from railjoule.core import Trajectory
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.actual_run import ActualRun, Cause
 from railjoule.dashboard.look import comparisons, words
-from railjoule.dashboard.store import Runs
+from railjoule.dashboard.store import Runs, same_plan
 from railjoule.dashboard.views.parts import figure, figures, price_figure
 
 EQUAL = "The actual run equals the plan. Change load, position or add a stop."
 LEAST_STOP_ERROR_M = 0.05
 SAME_ENERGY = 1e-9
 """Relatively: two ways to solve for the same plan."""
-PLANNED = ("vehicle", "line", "timetable", "solver")
-"""What a plan depends on."""
 
 
 def belongs_to(actual: ActualRun, run: Trajectory) -> bool:
     """Return whether an actual run is that of the scenario and the strategy of a run."""
-    same = (getattr(actual.scenario, part) == getattr(run.scenario, part) for part in PLANNED)
-    return actual.planned.strategy == run.strategy and all(same)
+    return actual.planned.strategy == run.strategy and same_plan(actual.scenario, run.scenario)
 
 
 def is_same_plan(actual: ActualRun, run: Trajectory) -> bool:

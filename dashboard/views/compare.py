@@ -143,6 +143,7 @@ class CompareView(PageView):
         shown = ["runs", "compared", "pins", "ticked", "chosen", "compare_all", "over_time", "reference"]
         self.shows(self._show_failure, (state, ["failure", "runs"]))
         self.shows(self._show, (state, shown))
+        self.shows(self._show_table, (state, ["tightened"]))
 
     def _refer(self, event: Any) -> None:
         if not self._quiet and event.new:
@@ -191,11 +192,17 @@ class CompareView(PageView):
         pinned = f"{count} of {MOST_PINS} runs pinned" if count else "nothing pinned"
         title = state.run.scenario.title
         self.heading.object = parts.heading(self.page, title, f"{len(among)} runs, {pinned}", "")
-        self.table.object = comparison_table(among, reference) + self._refusals()
+        self._show_table()
         self.empty.object = f'<div class="block"><h2>Pinned runs</h2>{"" if count else f"<p>{NO_PIN}</p>"}</div>'
         for row in self.rows:
             row.show()
         self.differences.object = differences(state.pins, reference)
+
+    def _show_table(self) -> None:
+        """Show the numbers of the runs, which change with their bound alone, too."""
+        among = contenders(self.state)
+        if among:
+            self.table.object = comparison_table(among, reference_of(self.state, among)) + self._refusals()
 
     def _refusals(self) -> str:
         """Return why strategies do not take the scenario, as sentences."""

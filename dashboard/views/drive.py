@@ -27,6 +27,7 @@ from railjoule.dashboard.views.drive_charts import (
 from railjoule.dashboard.views.fields import tie
 from railjoule.dashboard.views.law_chart import LawChart
 from railjoule.dashboard.views.page import NARROW_PX, WIDE_PX, PageView
+from railjoule.dashboard.views.proof import ProofRow
 from railjoule.dashboard.views.sankey import SankeyChart
 from railjoule.dashboard.views.scene import Scene, SceneChart
 from railjoule.dashboard.views.speed_chart import SpeedChart
@@ -81,6 +82,7 @@ class DriveView(PageView):
             label="", variant="text", size="small", margin=(0, 20), visible=False, on_click=self._repair
         )
         self.advice = parts.html_pane()
+        self.proof = ProofRow(self.state)
         self.account, self.runs, self.phases, self.notes = (parts.html_pane() for _ in range(4))
         self.over = pmui.RadioButtonGroup(
             options={"Distance": False, "Time": True},
@@ -108,7 +110,13 @@ class DriveView(PageView):
             (self.state, ["runs", "chosen", "ticked", "pins", "over_time"]),
             (self.state.actual, ["on", "run", "failure"]),
         )
-        return parts.stack(self.heading, self.message, self.repair, self.figures, tools, body)
+        self.shows(
+            self._show_proof,
+            (self.state, ["runs", "chosen", "pins", "tightened"]),
+            (self.state.proof, ["stage", "step", "failure"]),
+            (self.state.actual, ["on", "run", "failure"]),
+        )
+        return parts.stack(self.heading, self.message, self.repair, self.figures, self.proof.view, tools, body)
 
     def _beside(self, chart: Chart) -> Viewable:
         """Return a chart with what belongs to it."""
@@ -186,6 +194,19 @@ class DriveView(PageView):
             self.law.show(partial(self.law.draw, scene, law))
         self.sankey.show(partial(self.sankey.draw, run, self._column_px(width)))
 
+    def _show_proof(self) -> None:
+        """Show what changes with the bound alone."""
+        run, runs = self.state.run, self.state.runs
+        if run is None or runs is None or self._waits(run):
+            return
+        actual = self._actual()
+        if actual is None:
+            self.figures.object = parts.run_figures(runs, run, self.state.pinned, stale=False)
+        elif not is_same_plan(actual, run):
+            run = actual.planned
+        self.notes.object = f'<div class="block"><h2>What is proven</h2>{parts.notes(run)}</div>'
+        self.proof.show(run, hidden=actual is not None)
+
     def _column_px(self, width: float) -> float:
         """Return how wide the column of charts is, the rail beside it taken off."""
         return width - RAIL_PX if self.browser.window_width >= WIDE_PX else width
@@ -211,13 +232,10 @@ class DriveView(PageView):
         )
         self.heading.object = parts.heading(self.page, run.scenario.title, subtitle, solved)
         self.causes.visible = actual is not None
-        if actual is None:
-            self.figures.object = parts.run_figures(runs, run, state.pinned, stale=False)
-        else:
+        if actual is not None:
             self.figures.object = actual_figures(actual, runs, state.run or run)
             self.causes.object = causes_block(actual)
         self.advice.object = parts.advice(run, stale=False)
         self.account.object = parts.account(run)
         self.runs.object = parts.runs_table(runs, run.strategy, state.pins)
         self.phases.object = parts.phase_table(run)
-        self.notes.object = f'<div class="block"><h2>What is proven</h2>{parts.notes(run)}</div>'

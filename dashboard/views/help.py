@@ -31,6 +31,12 @@ PROOF = (
         "that could still be saved. Such a run is called the best known, not the optimum.",
     ),
     (
+        "Where the bound tightens",
+        "A powertrain that takes power as soon as it is on has a first bound at once, and on Drive a better one half a "
+        "second later. Prove further goes on; the bound never falls. The sentence beneath the numbers says which runs "
+        "it covers: those with one effort in each cell of the mesh, or also those that switch within cells.",
+    ),
+    (
         "What a proof does not cover",
         "It holds for the model: for this vehicle, line and timetable as entered. The sentence under \u201cWhat is "
         "proven\u201d on Drive names what the model leaves out. Other strategies are compared with the proven run.",

@@ -59,6 +59,17 @@ def test_solve_prints_json(capsys):
     assert result["shortest_time_s"] == pytest.approx(SHORTEST_TIME_S, abs=0.1)
 
 
+def test_solve_proves_for_as_long_as_it_is_told(capsys):
+    first, usual = (
+        json.loads(answer(capsys, "solve", "tram-950m-recuperating", "--strategy", "optimal", *given, "--json"))
+        for given in (("--prove-seconds", "0"), ())
+    )
+    assert first["energy_kwh"] == usual["energy_kwh"]
+    assert first["gap"] > usual["gap"]
+    assert "even if it switches freely" in first["bound_statement"]
+    assert "with one effort in each" in usual["bound_statement"]
+
+
 def test_solve_prints_words(capsys):
     text = answer(capsys, "solve", "liashenko-ii")
     assert text.startswith("Metro, profile II: Optimal\n1.30 km in 133.7 s, at most 46.1 km/h\n")
@@ -459,6 +470,15 @@ def test_a_bad_change(capsys, change, words):
             ["validate", "milroy"],
             "'milroy' is not a paper of this version; choose one of ftorek, liashenko, rawicki, shtompel.",
         ),
+        (
+            ["solve", "tram-950m", "--prove-seconds", "-1"],
+            "--prove-seconds -1: must be a number of seconds from 0 to 86400.",
+        ),
+        (
+            ["compare", "tram-950m", "--prove-seconds", "soon"],
+            "--prove-seconds soon: must be a number of seconds from 0 to 86400.",
+        ),
+        (["report", "tram-950m", "-o", "a.html", "--prove-seconds", "nan"], "--prove-seconds nan: must be a number"),
         (["serve", "--port", "65536"], "'65536' is not a port from 1 to 65535"),
         (["serve", "--port", "-1"], "port"),
         (["serve", "--port", "0"], "'0' is not a port"),

@@ -115,10 +115,11 @@ def test_chains_prove_more_than_free_switching_can(metro):
     # downwards
     switched = np.floor(run.bound.energy_j / J_PER_KWH * 1e4) / 1e4
     assert bound.statement == (
-        f"No run over this mesh of {metro.course.cell_count} cells, with one effort in each, that keeps all limits, "
-        f"arrives within {metro.travel_time_s:.1f} s and never goes slower than 0.36 km/h between its stops uses less "
-        "energy; of runs that switch between driving, coasting and braking within a cell, no more is proven than that "
-        f"they need at least {switched:.4f} kWh."
+        f"No run over this mesh of {metro.course.cell_count} cells of at most 10 m, with one effort in each, that "
+        f"keeps all limits, arrives within {metro.travel_time_s:.1f} s and never goes slower than 0.36 km/h between "
+        "its stops uses less energy; of runs that switch between driving, coasting and braking within a cell, no more "
+        f"is proven than that they need at least {switched:.4f} kWh, if the power of the powertrain is convex in its "
+        "effort and its losses do not fall with speed."
     )
 
 

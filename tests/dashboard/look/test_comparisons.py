@@ -1,5 +1,6 @@
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from railjoule.core import Bound, Trajectory, load_scenario, solve
@@ -45,6 +46,28 @@ def test_a_gap_that_proves_nothing_does_not_read_as_none(gap: float, text: str) 
 def test_without_a_bound_there_is_no_gap(run: Trajectory) -> None:
     assert comparisons.above_own_bound(replace(run, bound=None)) is None
     assert comparisons.above_reference(replace(run, reference=None)) is None
+
+
+@pytest.mark.parametrize(
+    ("energy_kwh", "premise", "sentence"),
+    [
+        (4.0, "", "No run over cells of up to 5 m needs less than 4.000 kWh, even one that switches within them."),
+        (4.0, "it is so", "less than 4.000 kWh, even one that switches within them, provided that it is so."),
+        (
+            4.5,
+            "",
+            "No run with one effort in each cell of up to 5 m needs less than 4.500 kWh; one that switches within "
+            "cells may need less.",
+        ),
+        (4.5, "it is so", "less than 4.500 kWh, provided that it is so; one that switches within cells"),
+    ],
+)
+def test_a_proof_says_which_runs_over_which_mesh_and_what_it_assumes(
+    energy_kwh: float, premise: str, sentence: str
+) -> None:
+    nodes = np.array([0.0, 3.0, 8.0, 13.0])
+    bound = Bound(3.6e6 * energy_kwh, "", nodes, 100.0, switched_j=3.6e6 * 4.0, premise=premise)
+    assert sentence in comparisons.proof_sentence(bound)
 
 
 def test_a_saving_is_never_negative() -> None:

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -59,3 +61,16 @@ def test_the_requested_strategy_comes_first() -> None:
     findings = next(compute_findings(ReportRequest(load_scenario("liashenko-0"), "fastest")))
     assert findings.run.strategy == "fastest"
     assert findings.scenario.strategy == "fastest"
+
+
+def test_a_report_tells_the_bound_that_is_known_or_proves_as_much_as_the_commands() -> None:
+    scenario = load_scenario("tram-950m-recuperating", {"solver.mesh_m": 20.0})
+    first = next(compute_findings(ReportRequest(scenario, prove_seconds=0))).runs.best
+    steps = compute_findings(ReportRequest(scenario))
+    usual = next(steps).runs.best
+    assert usual.bound.energy_j == solve(scenario, "optimal").bound.energy_j > first.bound.energy_j
+    # the optimum of the timetable is told twice
+    own = next(step.optima[-1] for step in steps if step.optima[-1].travel_time_s > usual.travel_time_s - 1e-6)
+    assert own.bound is usual.bound
+    known = replace(usual.bound, energy_j=usual.bound.energy_j + 1.0)
+    assert next(compute_findings(ReportRequest(scenario, bound=known))).runs.best.bound is known

@@ -1,9 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from railjoule.core import TimetableError, load_scenario
 from railjoule.core.scenario import StrategyName
-from railjoule.dashboard.store import RunsRequest, compute_runs
+from railjoule.dashboard.store import RunsRequest, compute_runs, tightened_runs
 
 
 def test_runs_bear_the_bound_of_the_optimum() -> None:
@@ -20,6 +22,21 @@ def test_a_late_run_keeps_the_bound_of_its_own_time() -> None:
     assert runs["speed_limits"].energy_kwh < runs["optimal"].energy_kwh
     assert runs["speed_limits"].gap > 0
     assert runs["speed_limits"].above_share > 0
+
+
+def test_runs_are_tightened_alike_whatever_is_run_beside_the_optimum() -> None:
+    scenario = load_scenario("tram-950m-recuperating")
+    few, more = (compute_runs(RunsRequest(scenario, names)) for names in ((), ("fastest", "phases")))
+    assert few.to_prove is not None
+    bounds = {tightened_runs(runs).best.lower_bound_kwh for runs in (few, more)}
+    assert len(bounds) == 1
+    assert bounds.pop() > few.best.lower_bound_kwh
+    # over nodes of its own it keeps its own
+    assert tightened_runs(more).runs["phases"].bound is more.runs["phases"].bound
+    greater = replace(few.best.bound, energy_j=few.best.energy.net_j - 1.0)
+    assert tightened_runs(more, greater).runs["fastest"].bound is greater
+    assert tightened_runs(few, prove_seconds=0).best.bound is few.best.bound
+    assert compute_runs(RunsRequest(load_scenario("liashenko-ii"), ())).to_prove is None
 
 
 def test_a_strategy_that_refuses_says_why_and_the_others_run() -> None:

@@ -1,0 +1,144 @@
+"""The bound of a drive that idles, as a proof by chains tightens it: in steps, within boxes or seconds.
+
+The page, the report and the command line all take their bounds from here, so that a run has one bound everywhere: the
+first stage has a budget of boxes, no time, and proves the same on every machine.
+"""
+
+import math
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from railjoule.core.bounds.certified import chain_proof, chain_target_j, with_chains
+from railjoule.core.bounds.minimum import minimise
+from railjoule.core.budget import current_budget
+from railjoule.core.errors import ScenarioError
+from railjoule.core.task import Task
+from railjoule.core.trajectory import Bound, Trajectory
+
+FIRST_STAGE_BOXES = 1_200_000
+"""Boxes of the stage that needs no asking, some 0.4 s; it settles all shipped scenarios but the slowest metro."""
+LONGEST_PROOF_S = 86_400.0
+
+
+@dataclass(frozen=True, eq=False)
+class ProofStep:
+    """How far a proof is after a level.
+
+    Parameters
+    ----------
+    bound : Bound
+        The greatest bound so far.
+    boxes, budget : int
+        Boxes looked at so far, and those that may be in all.
+    reached : bool
+        Whether the bound is as close to the run as a proof aims.
+    exhausted : bool
+        Whether the next level would need more boxes than the largest budget, or there is none.
+    """
+
+    bound: Bound
+    boxes: int
+    budget: int
+    reached: bool
+    exhausted: bool
+
+    @property
+    def share(self) -> float:
+        """How much of the budget is used."""
+        return min(self.boxes / self.budget, 1.0) if self.budget else 1.0
+
+
+def can_tighten(task: Task, bound: Bound, run: Trajectory) -> bool:
+    """Return whether chains may prove more of a task than a bound: its drive idles, and the bound is the task's own."""
+    # a bound of another time or mesh, as of a run with nodes of its own, is another task's
+    own = np.array_equal(bound.position_m, task.course.position_m) and bound.travel_time_s <= task.travel_time_s
+    return task.course.drive.jumps_at_no_effort and own and bound.covers(run)
+
+
+def tightening(
+    task: Task, bound: Bound, run: Trajectory, budget: int = FIRST_STAGE_BOXES, seconds: float = math.inf
+) -> Iterator[ProofStep]:
+    """Yield the bound of a task, and again after each level of a proof by chains.
+
+    It never falls. Nothing is computed ahead: whoever has waited long enough asks for no further step.
+
+    Parameters
+    ----------
+    task : Task
+        What the bound is of.
+    bound : Bound
+        The greatest one known; the first is of `certify`.
+    run : Trajectory
+        A good run that it covers: the proof aims at what little lies below.
+    budget : int
+        Boxes that may be looked at.
+    seconds : float
+        A level that would last longer, as those before it tell, is not begun [s].
+    """
+    possible = can_tighten(task, bound, run)
+    reached = possible and bound.energy_j >= chain_target_j(task, run.energy.net_j)
+    yield ProofStep(bound, 0, budget, reached, exhausted=not possible)
+    if reached or not possible or budget <= 0 or seconds <= 0.0:
+        return
+    started = time.perf_counter()
+    proof = chain_proof(task, minimise(task).optimum, run.node_speed_ms**2, run.energy.net_j)
+    most = current_budget().chain_boxes
+    while proof.may_advance(budget):
+        used = time.perf_counter() - started
+        # levels take some time a box; of the first none is known, and it is the shortest
+        if used * (1.0 + proof.next_boxes / proof.boxes if proof.boxes else 1.0) > seconds:
+            return
+        proof.advance()
+        bound = with_chains(task, bound, proof.bound_j)
+        yield ProofStep(bound, proof.boxes, budget, proof.proven, not proof.proven and not proof.may_advance(most))
+
+
+def tightened(
+    task: Task,
+    bound: Bound,
+    run: Trajectory,
+    budget: int = FIRST_STAGE_BOXES,
+    seconds: float | None = None,
+) -> Bound:
+    """Return a bound of a task, or the one by chains of boxes where that is greater; smooth drives keep theirs.
+
+    Parameters
+    ----------
+    task, bound, run
+        As for `tightening`.
+    budget : int
+        Boxes that may be looked at where no time is given.
+    seconds : float, optional
+        How long to go on instead [s]; 0 keeps the bound.
+    """
+    if seconds is None:
+        steps = tightening(task, bound, run, budget)
+    else:
+        steps = tightening(task, bound, run, current_budget().chain_boxes, seconds)
+    for step in steps:
+        bound = step.bound
+    return bound
+
+
+def check_seconds(seconds: float | None) -> None:
+    """Raise ScenarioError if a proof may not go on for that long [s]."""
+    if seconds is not None and not 0.0 <= seconds <= LONGEST_PROOF_S:
+        raise ScenarioError(f"prove_seconds = {seconds:g} must be a number from 0 to {LONGEST_PROOF_S:g}.")
+
+
+def run_to_prove(bound: Bound, runs: Iterable[Trajectory]) -> Trajectory | None:
+    """Return the run that a proof starts from: the optimum, else the best one that a bound covers, if any."""
+    covered = [run for run in runs if bound.covers(run)]
+    # the same one whatever others were asked for beside it, so that the bound does not depend on them
+    optimum = next((run for run in covered if run.strategy == "optimal"), None)
+    return optimum or min(covered, key=lambda run: run.energy.net_j, default=None)
+
+
+def with_tighter_bound(run: Trajectory, bound: Bound) -> Trajectory:
+    """Return a run with a bound where that covers it and is greater than its own."""
+    if not bound.covers(run) or (run.bound is not None and run.bound.energy_j >= bound.energy_j):
+        return run
+    return run.with_bound(bound)

@@ -1,0 +1,89 @@
+"""What is proven of the run on Drive, in a sentence beneath its numbers, and the button that proves further."""
+
+import panel as pn
+import panel_material_ui as pmui
+
+from railjoule.core import Trajectory
+from railjoule.core.bounds import ProofStep
+from railjoule.core.trajectory import Bound
+from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.glossary import info
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.views.parts import escaped, html_pane
+
+ROW_CSS = """
+:host { display: grid; grid-template-columns: minmax(0, 1fr) auto; column-gap: 12px; align-items: start;
+  padding: 6px 20px 0; box-sizing: border-box; }
+@media (max-width: 899px) { :host { grid-template-columns: minmax(0, 1fr); padding: 6px 14px 0; } }
+"""
+FURTHER, STOP = "Prove further", "Stop"
+BOXES = 1e6
+COMPLETE = "As close as the proof aims."
+EXHAUSTED = "The page proves no more; the command line does, with --prove-seconds."
+
+
+class ProofRow:
+    """The sentence and its button; a drive that takes no power without effort has neither, as its proof is complete."""
+
+    def __init__(self, state: Workbench) -> None:
+        self.state, self.model = state, state.proof
+        self.text = html_pane()
+        # one button, so that the keyboard's focus stays where it is
+        self.button = pmui.Button(
+            label=FURTHER,
+            variant="text",
+            size="small",
+            margin=0,
+            height=28,
+            width=110,
+            sx={"justifyContent": "flex-end", "@media (max-width: 899px)": {"justifyContent": "flex-start", "pl": 0}},
+            on_click=self._press,
+        )
+        self.view = pn.Column(
+            self.text, self.button, margin=0, sizing_mode="stretch_width", stylesheets=[ROW_CSS], visible=False
+        )
+
+    def _press(self, _: object) -> None:
+        self.model.param.trigger("stop" if self.model.stage == "further" else "go_on")
+
+    def show(self, run: Trajectory | None, hidden: bool) -> None:
+        """Show what is proven of a run."""
+        bound = None if run is None else run.bound
+        self.view.visible = shown = not hidden and bound is not None and bound.switched_j is not None
+        if not shown or run is None or bound is None:
+            return
+        known, stage, runs = self.model.of(run.scenario), self.model.stage, self.state.runs
+        # what is proven of a run over other nodes or with a time of its own is another proof
+        own = runs is not None and runs.to_prove is not None and runs.to_prove.bound is bound
+        if own and stage:
+            end = progress(self.model.step)
+        elif own and known is not None and known.is_complete:
+            end = COMPLETE if known.step.reached else EXHAUSTED
+        else:
+            end = self._failure if own else ""
+        self.text.object = proof_text(bound, end)
+        self.button.visible = own and (known is None or not known.is_complete or bool(stage))
+        self.button.label = STOP if stage == "further" else FURTHER
+        self.button.disabled = stage == "first"
+
+    @property
+    def _failure(self) -> str:
+        failure = self.model.failure
+        return "" if failure is None else escaped(f"The proof has ended: {failure}")
+
+
+def proof_text(bound: Bound, end: str) -> str:
+    """Return what a bound proves, as HTML, and at its end how far the proof is."""
+    # how many boxes are used is not read aloud at every step, what is proven is
+    sentence = escaped(comparisons.proof_sentence(bound))
+    told = f'<span role="status" aria-live="polite">{sentence}</span>{info("Proof")}'
+    return f'<div class="proof-row">{told} <span class="muted">{end}</span></div>'
+
+
+def progress(step: ProofStep | None) -> str:
+    """Return how many boxes of its budget a proof has used, as HTML; None where it waits for others."""
+    share, told = 0.0, "begins"
+    if step is not None:
+        share = step.share
+        told = f"{words.number(step.boxes / BOXES)} of {words.number(step.budget / BOXES)} million boxes"
+    return f'<progress max="1" value="{share:.3f}" aria-label="Share of the boxes looked at"></progress>{told}'
