@@ -3,7 +3,8 @@
 Where a drive may be switched at will within a cell, a mean effort f costs the least of share * p(f / share) over the
 share of the cell in which it is on: up to the effort of least power per effort it is on for a part of the cell with
 that one, a straight line through zero, and above it all the time. That is the convex hull of zero and the power p of a
-drive that is on, if p is convex in the effort. The same holds for braking and what it generates.
+drive that is on, if p is convex in the effort. The same holds for braking and what it generates. Of a map nobody knows
+that p is convex: `envelope` has the table for it.
 """
 
 import math

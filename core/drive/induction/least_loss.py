@@ -34,9 +34,9 @@ FREE, RATED_FLUX, FULL_VOLTAGE, BEYOND, STANDING_FIELD = range(5)
 # as a share of d2, half of D'' at no ratio: where D is hardly curved, the pull-out ratio changes without bound
 NO_CURVATURE = 1e-3
 # Over how far apart two limits of the ratio are, by their logarithms, the corner between them is rounded. At most 2/27
-# of it is taken off the greater one, 0.2 %, a third of the way from the corner and next to nothing at both ends; a
+# of it is taken off the greater one, 0.4 %, a third of the way from the corner and next to nothing at both ends; a
 # narrower width takes off less, but second derivatives grow as its inverse and Newton's steps shrink.
-ROUNDED_WIDTH = 0.03
+ROUNDED_WIDTH = 0.05
 
 
 @njit(cache=True)
