@@ -52,12 +52,12 @@ OWED = (0.5, 0.25, 0.75)
 GOOD_ENOUGH = 1e-4
 """A run this close to free switching, relatively, is good enough."""
 # What a run lies above free switching before a band of speeds is searched, which takes as long as five solutions. Of
-# 240 ordinary scenarios 41 lie between good enough and this, and no run found is better by a ten-thousandth in any.
-# With 5e-4, Bellman's recursion alone was better by a ten-thousandth in 3
+# 240 ordinary scenarios 41 lie between good enough and this, and Bellman's recursion is better by a ten-thousandth in
+# none of them. With 5e-4 it would be in 3
 FAR = 3e-4
-# The same before Bellman's recursion, which gained a ten-thousandth in 9 of the 240: all of them lay at least 6.6e-4
-# above free switching, or that was no measure
-FAR_FOR_RECURSION = 5e-4
+# The same before Bellman's recursion, which takes as long as all of that. With 5e-4 it alone was better by a
+# ten-thousandth in 1 of the 240, with this in none
+FAR_FOR_RECURSION = 4e-4
 FORBIDDEN_SHARE = 1e-4
 """What a decided optimum may spend on forbidden efforts, of the energy: more than a barrier leaves of none."""
 # The relaxed optimum lies within the first band on the whole, where it does not drive by turns with its best run; the
