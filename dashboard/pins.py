@@ -40,7 +40,7 @@ class Pins:
         recipes = [one.recipe() for one in wanted]
         if recipes == [run.recipe for run in found]:
             self.state.pins = tuple(
-                Pin(one.called, run.trajectory, one.colour, recipe)
+                Pin(one.called, self.state.proof.bounded(run.trajectory), one.colour, recipe)
                 for one, recipe, run in zip(wanted, recipes, found, strict=True)
             )
 

@@ -5,8 +5,8 @@ from typing import Any
 
 import param
 
-from railjoule.core import RailjouleError, Scenario
-from railjoule.core.bounds import ProofStep
+from railjoule.core import RailjouleError, Scenario, Trajectory
+from railjoule.core.bounds import ProofStep, with_tighter_bound
 from railjoule.core.trajectory import Bound
 from railjoule.dashboard.store import FURTHER_BOXES, Runs, same_plan
 
@@ -57,6 +57,11 @@ class ProofModel(param.Parameterized):
         known = Proven(scenario, bound, step, done_boxes)
         self._known = (*(one for one in self._known if one is not before), known)[-MOST_KNOWN:]
         return known
+
+    def bounded(self, run: Trajectory) -> Trajectory:
+        """Return a run with what is proven of its plan, where that is more than it has."""
+        known = self.of(run.scenario)
+        return run if known is None else with_tighter_bound(run, known.bound)
 
     def laid_on(self, runs: Runs) -> Runs:
         """Return runs with what is proven of them."""

@@ -154,6 +154,13 @@ def test_pins_and_compared_runs_have_the_same_bound(desk: Desk, prover: Prover) 
     assert compare.table.object != before
 
 
+def test_a_pin_that_is_run_again_has_what_is_proven(desk: Desk) -> None:
+    first = runs_of(TRAM, desk.state.scenario.travel_time_s).runs["optimal"]
+    assert desk.state.proof.bounded(first).bound is desk.state.run.bound
+    other = runs_of(TRAM, desk.state.scenario.travel_time_s + 5).runs["optimal"]
+    assert desk.state.proof.bounded(other) is other
+
+
 def test_another_scenario_has_a_proof_of_its_own_and_undo_needs_none(desk: Desk, prover: Prover) -> None:
     time = desk.state.scenario.travel_time_s
     prover.shares = [0.5]
