@@ -14,7 +14,7 @@ from railjoule.core.strategies import prepare_task, run_strategy
 
 @pytest.fixture(scope="module")
 def task():
-    """At 20 km/h the optimum of this train is not proven, and Bellman finds a run that needs less."""
+    """At 20 km/h the optimum of this train is not proven, and another run may need less."""
     return prepare_task(load_scenario("kharkiv-like-20kmh"))
 
 
@@ -42,12 +42,12 @@ def test_a_run_on_another_mesh_does_not_displace_a_proven_optimum():
 
 
 def test_where_nothing_is_proven_the_least_energy_is_the_best_known(runs):
-    assert runs["bellman"].energy_kwh < runs["optimal"].energy_kwh
+    least, other = sorted((runs["optimal"], runs["bellman"]), key=lambda run: run.energy_kwh)
     for name in ("optimal", "bellman", "fastest"):
-        assert runs[name].reference.strategy == "bellman"
+        assert runs[name].reference.strategy == least.strategy
         assert not runs[name].reference.proven
-    assert runs["bellman"].above_kwh == 0
-    assert runs["optimal"].above_kwh > 0
+    assert least.above_kwh == 0
+    assert other.above_kwh > 0
 
 
 def test_a_run_that_may_be_late_is_measured_against_the_best_of_its_own_time(task):
