@@ -23,8 +23,8 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
     """Return the run that needs the least energy, with its bound; it takes every drive.
 
     Of a drive that takes power without effort it is the best run found that is not switched within a cell. Its bound
-    and the energy in its notes are those of runs with free switching. Where no run found is within a two-thousandth of
-    that energy, or it is no measure, `bellman`'s run is one of those compared; elsewhere it is not computed.
+    and the energy in its notes are those of runs with free switching. Where no run found is within four ten-thousandths
+    of that energy, or it is no measure, `bellman`'s run is one of those compared; elsewhere it is not computed.
 
     Where the interior point does not converge it is the best run of dynamic programming, without a bound, and says so.
 

@@ -53,7 +53,7 @@ GOOD_ENOUGH = 1e-4
 """A run this close to free switching, relatively, is good enough."""
 # What a run lies above free switching before a band of speeds is searched, which takes as long as five solutions. Of
 # 240 ordinary scenarios 41 lie between good enough and this, and Bellman's recursion is better by a ten-thousandth in
-# none of them. With 5e-4 it would be in 3
+# none of them. It was in 3 where 5e-4 ended the search of bands
 FAR = 3e-4
 # The same before Bellman's recursion, which takes as long as all of that. With 5e-4 it alone was better by a
 # ten-thousandth in 1 of the 240, with this in none
