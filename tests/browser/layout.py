@@ -75,10 +75,16 @@ SIDEWAYS = (
 
 
 def layout_faults(user: User, page: str) -> dict[str, Any]:
-    """Return what is wrong with the layout of the page in sight, by its name."""
+    """Return what is and stays wrong with the layout of the page in sight, by its name."""
+    # a surface leaves a hole until its library is there
+    user.wait_until(lambda: not _faults(user))
+    return {f"{page}, {name}": told for name, told in _faults(user).items()}
+
+
+def _faults(user: User) -> dict[str, Any]:
     found = {
         "cut": user.page.evaluate(CUT),
         "sideways": user.page.evaluate(SIDEWAYS),
         "holes": user.page.evaluate(HOLES, [LARGEST_HOLE_PX]),
     }
-    return {f"{page}, {name}": told for name, told in found.items() if told}
+    return {name: told for name, told in found.items() if told}
