@@ -288,9 +288,15 @@ def fill_box(
 
     Parameters
     ----------
+    table : DriveTable
+    steps : Steps
+        Of the cell.
+    traction, braking : EffortLimit
     friction : tuple
         What friction brakes do [N], up to which effort the drive counts as off [N], whether a standstill brake stands
         in for the electric one without power.
+    mode : int
+    box : Box
     prices : tuple
         Of a second [J/s] and of both squares of speed, as slopes of the cost to go [J s2/m2]: they choose between
         minorants, which hold with any.
@@ -348,6 +354,8 @@ def fill_boxes(
 
     Parameters
     ----------
+    course : CourseData
+    table : DriveTable
     low, high : array of shape (n + 1, m)
         Squares of speed at the ends of the intervals of each node [m2/s2].
     first : array of shape (n + 1,)

@@ -9,7 +9,6 @@ from scipy.optimize import brentq
 
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.dynamic_programming.backward import Steps, least_speeds, speed_grid, sweep_back, tabulate_steps
-from railjoule.core.dynamic_programming.hybrids import both_hybrids
 from railjoule.core.dynamic_programming.rollout import roll_out
 from railjoule.core.errors import SolverError
 from railjoule.core.motion import running_time
@@ -298,14 +297,13 @@ def search(course: CourseData, greatest_speed2: FloatArray, time_s: float) -> Fo
     grid = speed_grid(*bounds, 0.5 * greatest, half_width, points)
     first = level = search_level(course, grid, greatest_speed2, time_s, scale, scale, FIRST_FACTOR, tolerance)
     speed2, sweeps = meet_time(course, first.slower, first.faster, time_s), first.sweeps
-    centre = _next_centre(course, first, speed2, time_s)
     best, least, price = speed2, _total_energy(course, speed2), first.price_w
     half_width *= FIRST_BAND_SHARE
     failures, unrefined, steady_at = 0, None, math.inf
     for number in range(MOST_LEVELS):
         points = POINTS[min(number, len(POINTS) - 1)]
         tolerance = max(0.5 * tolerance, LEAST_TIME_TOLERANCE * time_s)
-        grid = speed_grid(*bounds, np.sqrt(centre), half_width, points)
+        grid = speed_grid(*bounds, np.sqrt(speed2), half_width, points)
         try:
             level = search_level(course, grid, greatest_speed2, time_s, scale, level.price_w, NEXT_FACTOR, tolerance)
         except SolverError:
@@ -315,7 +313,7 @@ def search(course: CourseData, greatest_speed2: FloatArray, time_s: float) -> Fo
             half_width *= WIDENING
             continue
         speed2, sweeps, unrefined = meet_time(course, level.slower, level.faster, time_s), sweeps + level.sweeps, None
-        centre, energy = _next_centre(course, level, speed2, time_s), _total_energy(course, speed2)
+        energy = _total_energy(course, speed2)
         if energy < least:
             best, least, price = speed2, energy, level.price_w
         before, steady_at = steady_at, min(steady_at, energy)
@@ -330,16 +328,6 @@ def price_scale_w(course: CourseData, time_s: float) -> float:
     """Return a natural price of time [J/s]: kinetic energy at the mean speed by running time."""
     mean = float(course.cell_length_m.sum()) / time_s
     return course.half_inertia_kg * mean**2 / time_s
-
-
-def _next_centre(course: CourseData, level: Level, meeting_speed2: FloatArray, time_s: float) -> FloatArray:
-    """Return around which squares of speed the next grid is laid [m2/s2].
-
-    The mean of two runs that differ in kind drives where either does: a hybrid, no run to drive itself, may promise
-    less.
-    """
-    runs = [meeting_speed2, *both_hybrids(course, level.slower, level.faster, time_s)]
-    return min(runs, key=lambda run: promised_energy_j(course, run, level.price_w, time_s))
 
 
 def promised_energy_j(course: CourseData, speed2: FloatArray, price_w: float, time_s: float) -> float:

@@ -82,6 +82,10 @@ def _fill_effort_hull(
     """Fill the nodes of one speed; return the slope of the line from zero [W/N] and its derivative by speed."""
     kind, parameters = course.drive_kind, course.drive_parameters
     end, end_v = _largest(course.braking if braking else course.traction, speed)
+    if end < step:
+        # The drive can do next to nothing here. A line to its limit would be as steep as its idle power is over that,
+        # and the cubics would carry it on to the speeds beside
+        end, end_v = step, 0.0
     last = min(int(end / step), ENVELOPE_EFFORTS - 1)
     # zero, the nodes below the limit, and the limit itself, unless it is all but a node
     count = last + 2 if end - last * step > 1e-6 * step else last + 1

@@ -12,7 +12,7 @@ from railjoule.core import load_scenario
 from railjoule.core.scenario import format_scenario
 
 CHANGES = {"title": "Slow metro", "strategy": "optimal", "solver.mesh_m": 40.0}
-"""With these the first stage of the proof leaves 0.5 % of the slow metro, and the next one 0.2 %."""
+"""With these the first stage of the proof leaves 1.8 % of the slow metro, and the next one less."""
 
 
 def share_above(user: User) -> float:
@@ -38,7 +38,8 @@ def test_the_bound_tightens_further_when_asked_and_stops(server: Server, chromiu
     expect(proof).to_contain_text("No run with one effort in each cell of up to 40 m needs less than")
     expect(further).to_be_enabled()
     first = share_above(user)
-    assert first < 1
+    # free switching alone leaves a fifth
+    assert first < 5
 
     further.click()
     expect(stop).to_be_focused()

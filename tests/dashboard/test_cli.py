@@ -670,7 +670,7 @@ def test_work_that_takes_too_long_is_refused_with_a_cure(capsys):
 
 @pytest.mark.parametrize(("error", "words"), [(MemoryError, "not enough memory"), (RecursionError, "nested")])
 def test_memory_that_is_not_there_is_told(capsys, monkeypatch, error, words):
-    def fail(*_):
+    def fail(*_, **__):
         raise error
 
     monkeypatch.setattr("railjoule.dashboard.commands.solve_scenario", fail)

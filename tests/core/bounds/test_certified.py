@@ -108,8 +108,8 @@ def metro():
 def test_chains_prove_more_than_free_switching_can(metro):
     run = run_strategy(metro, "optimal")
     bound = tightened(metro, run.bound, run)
-    # cells on their own leave 2e-3; chains are to prove a thousandth of each shipped scenario, and aim at half of one
-    assert run.gap > 2e-3
+    # cells on their own leave 1.5e-3; chains are to prove a thousandth of each shipped scenario, and aim at half of one
+    assert run.gap > 1e-3
     assert certified.CHAIN_TOLERANCE * 0.99 < run.with_bound(bound).gap < 1e-3
     assert bound.energy_j < run_strategy(metro, "bellman").energy.net_j
     # downwards

@@ -189,8 +189,8 @@ def test_a_decision_that_no_run_can_follow_is_mended():
     assert optimal(task).energy.net_j < minimise(task).energy_j * (1 + 1e-3)
 
 
-def test_the_bound_stands_where_the_relaxation_does_not_converge():
-    """Its multipliers proved from 3.57 kWh, the work at the wheels, to 4.02 kWh, up and down from second to second."""
+def test_the_bound_stands_where_the_multipliers_of_free_switching_prove_little():
+    """They proved from 3.57 kWh, the work at the wheels, to 4.02 kWh, up and down from second to second."""
     scenario = load_scenario("kharkiv-like-20kmh")
     for later in (0.0, 0.5, 1.0, 3.5):
         changes = {"timetable.travel_time_s": scenario.travel_time_s + later}
