@@ -21,8 +21,8 @@ LONGER_S, LARGER_MB, LATER_S = 0.5, 50.0, 0.5
 """What a hostile link may take beyond a plain one: time of all pages' one thread, memory, and wait of another page."""
 SETTLE_S, MOVES = 1.0, 12
 TRIES = 3
-"""Every few openings, plain ones too, the server clears away pages that were left, which takes half a second of its
-loop; what a link costs is there each time."""
+"""Every fourth opening or so takes half a second more of the server's loop, a plain one as well; what a link costs is
+there each time."""
 
 
 def packed(text: str) -> str:
