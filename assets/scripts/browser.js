@@ -157,8 +157,6 @@ const mend = () => {
     region.setAttribute("role", "region");
     region.setAttribute("aria-label", "Page in sight");
   }
-  // keys do nothing in a figure, whose words stand on its frame
-  for (const layer of deep(".bk-events[tabindex='0']")) { layer.tabIndex = -1; }
   // a download leaves the link behind that began it, without a name
   for (const link of deep("a[download]:empty")) { link.hidden = true; }
   for (const heading of deep("h5:not([role])")) {

@@ -118,6 +118,17 @@
     });
   });
 
+  // Keys do nothing in a figure, whose words stand on its frame: the tab key has no business in it. It is done while the
+  // figure is made, as a reader with a fast hand and a slow browser would otherwise land on a place without a name.
+  mend("tab stops", () => {
+    const {prototype: canvas} = prototype_of("Canvas").default_view;
+    const {initialize} = needed(canvas, "initialize");
+    canvas.initialize = function (...rest) {
+      initialize.apply(this, rest);
+      if (this.events_el) { this.events_el.tabIndex = -1; }
+    };
+  });
+
   // A press that rests for 0.3 s is taken for a gesture of its own, and all that is dragged after it stays where it is:
   // who thinks before she drags, or has a busy machine, drags nothing. No figure here has anything to do with a press.
   mend("drags", () => {

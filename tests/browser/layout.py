@@ -44,8 +44,6 @@ HOLES = (
   const edge = sheet.getBoundingClientRect();
   const tags = ["CANVAS", "svg", "IMG", "INPUT", "BUTTON", "LABEL", "TABLE"];
   const rows = all.filter((element) => seen(element) && (tags.includes(element.tagName)
-    // a chart further down is drawn when it comes into sight
-    || element.classList.contains("rj-undrawn")
     || [...element.childNodes].some((node) => node.nodeType === 3 && node.data.trim())))
     .map((element) => element.getBoundingClientRect())
     .filter((box) => box.width > 1 && box.height > 1 && box.left >= edge.left - 1 && box.right <= edge.right + 60)

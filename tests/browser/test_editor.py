@@ -187,17 +187,19 @@ def test_nothing_grave_on_a_narrow_screen_in_light_and_dark(server: Server, chro
         assert reader.page.evaluate("document.scrollingElement.scrollWidth") <= 390
 
 
+def height_px(canvas: Locator) -> float:
+    box = canvas.bounding_box()
+    return 0.0 if box is None else box["height"]
+
+
 def test_charts_keep_their_height_on_a_slow_machine(server: Server, window: BrowserContext) -> None:
     with User.on(window, server.drive_url) as reader:
         reader.slow_down(SLOW)
         open_group(reader, "Track")
         for chart, height in (("edit_profile", PROFILE_PX), ("edit_limits", LIMITS_PX)):
             canvas = drawer(reader).locator(f".rj-chart-{chart}:visible canvas").first
-            reader.wait_until(lambda canvas=canvas: canvas.is_visible())
-            reader.rest(1000)
-            box = canvas.bounding_box()
-            assert box is not None
-            assert box["height"] == height
+            reader.wait_until(lambda canvas=canvas, height=height: height_px(canvas) == height)
+            assert height_px(canvas) == height
 
 
 def test_a_step_back_in_a_cell_is_one_of_the_scenario_unless_letters_wait(user: User) -> None:

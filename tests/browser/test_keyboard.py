@@ -25,6 +25,16 @@ FOCUS = """() => {
   const html = element.outerHTML.slice(0, 160);
   return {name, html, role: element.getAttribute("role") || element.tagName, seen: box.width > 0 && box.height > 0};
 }"""
+# how often a figure could have had the focus at a frame: each of them is looked at from its first frame on
+STOPS = """window.stops_in_figures = 0;
+const look = (root) => {
+  for (const element of root.querySelectorAll("*")) {
+    if (element.matches(".bk-events") && element.tabIndex >= 0) window.stops_in_figures += 1;
+    if (element.shadowRoot) look(element.shadowRoot);
+  }
+};
+const frame = () => { look(document); requestAnimationFrame(frame); };
+requestAnimationFrame(frame);"""
 
 
 def reach(page: Page, name: str) -> None:
@@ -47,6 +57,7 @@ def reach(page: Page, name: str) -> None:
 def test_from_a_card_to_a_pinned_run_compared(server: Server, chromium: Browser) -> None:
     context = chromium.new_context(viewport={"width": 1280, "height": 900})
     page = context.new_page()
+    page.add_init_script(STOPS)
     page.set_default_timeout(PATIENCE_MS)
     try:
         page.goto(server.url)
@@ -72,5 +83,6 @@ def test_from_a_card_to_a_pinned_run_compared(server: Server, chromium: Browser)
         page.keyboard.press("Enter")
         expect(page.get_by_role("heading", level=1, name="Which way of driving")).to_be_visible()
         expect(page.get_by_label("Name of pinned run 1")).to_be_visible()
+        assert page.evaluate("window.stops_in_figures") == 0
     finally:
         context.close()

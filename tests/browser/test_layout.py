@@ -1,6 +1,6 @@
 """Narrow and wide: nothing is cut off, no page scrolls sideways, no hole gapes within a page.
 
-Colours hardly change sizes; the width between is looked at in dark ones, see `test_from_page_to_page`.
+Colours hardly change sizes; the width between is looked at in both on the walks of `test_from_page_to_page`.
 """
 
 from typing import Any
