@@ -59,6 +59,11 @@ class Task:
         return initial, final
 
     @property
+    def least_switching_s(self) -> float:
+        """For how long the drive stays on or off at least [s]; 0 where it may be switched in any cell."""
+        return self.scenario.vehicle.drive.stays_for_s
+
+    @property
     def travel_time_s(self) -> float:
         """Time allowed for the whole run, dwells included [s]."""
         return self.running_time_s + self.dwell_s

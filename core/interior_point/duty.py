@@ -14,9 +14,8 @@ from railjoule.core.motion.cell_step import COAST, exit_speed2
 from railjoule.core.physics.account import account_of_run
 from railjoule.core.physics.cell import mean_speed, needed_force
 from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF, CourseData, cell_of, shared_by_cells
+from railjoule.core.physics.stretches import NEXT_TO_NOTHING
 
-NEXT_TO_NOTHING = 1e-5
-"""Efforts below this share of the largest are what a barrier leaves of none."""
 DRIVEN, COASTED = 0.98, 0.02
 """Shares of driving from which a cell counts as driven, and up to which as coasted."""
 

@@ -35,9 +35,30 @@ class DriveParameters(Part):
         """Whether the line voltage limits the effort of this kind of drive."""
         return False
 
+    @property
+    def stays_for_s(self) -> float:
+        """For how long the drive stays on or off at least [s]; 0 where nothing is saved by switching it."""
+        return 0.0
+
     def at_voltage(self, factor: float) -> Self:
         """Return the drive at a line voltage that is `factor` times the nominal one; itself where it knows none."""
         return self
+
+
+class IdlingDrive(DriveParameters):
+    """What drives have that take power as soon as they are on, so that being on for a part of the time saves."""
+
+    # Assumed: within the jerk that passengers bear, about 1 m/s3, an effort for 1 m/s2 takes a second to build up and
+    # as long to take back, so that less than this is hardly there. Against switching in any cell it costs the shipped
+    # trams 0.01 % and the metros 0.1 % at most; 5 s cost 0.26 %
+    least_switching_s: Number = Field(
+        2.0, ge=0, le=60, description="For how long the drive stays on or off at least; 0 for as short as a cell [s]."
+    )
+
+    @property
+    def stays_for_s(self) -> float:
+        """For how long the drive stays on or off at least [s]."""
+        return self.least_switching_s
 
 
 class ConstantEfficiency(DriveParameters):
@@ -71,7 +92,7 @@ class CopperLoss(DriveParameters):
         return self.model_copy(update={"machine": self.machine.model_copy(update={"max_phase_voltage_v": limit})})
 
 
-class Induction(DriveParameters):
+class Induction(IdlingDrive):
     """Induction machines under vector control; currents and voltages are amplitudes per phase, losses per motor."""
 
     model: Literal["induction"]
@@ -130,7 +151,7 @@ class Induction(DriveParameters):
         return self
 
 
-class GearedMotors(DriveParameters):
+class GearedMotors(IdlingDrive):
     """What drives have whose losses are known for each motor with its inverter."""
 
     motors: Count = Field(ge=1, le=200, description="Number of traction motors of the train.")

@@ -10,11 +10,15 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.dynamic_programming.backward import sweep_back
-from railjoule.core.dynamic_programming.search import Level, search
+from railjoule.core.dynamic_programming.search import Level
+from railjoule.core.energy import energy_decimals
 from railjoule.core.physics.cell import NEARLY_AT_REST_MS, mean_speed
+from railjoule.core.physics.stretches import shortest_stretch_s
+from railjoule.core.strategies.decisions import DecidedRun, recursion
+from railjoule.core.strategies.spacing import duty_of_run, spaced
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
-from railjoule.core.units import MS_PER_KMH
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,25 +65,41 @@ def bellman_with_law(task: Task) -> tuple[Trajectory, ControlLaw]:
     """Return the run and the control law of the grid that spans all speeds; errors as `bellman`."""
     task.require_timetable()
     task.require_budget("bellman")
-    data = task.course.data
-    found = search(data, task.greatest_speed2, task.running_time_s)
+    found, free = recursion(task)
     notes: tuple[str, ...] = ()
     if found.unrefined_ms is not None:
         notes = (
             "The search ended before its speeds were as fine as usual: no run was found within "
             f"{found.unrefined_ms / MS_PER_KMH:.2g} km/h of the one before.",
         )
+    kept = free
+    if shortest_stretch_s(task.course.data, free.speed2) < task.least_switching_s:
+        run = spaced(task, free, duty_of_run(task.course.data, free.speed2))
+        notes = (*notes, _spacing_note(task, free, run))
+        kept = run or free
     trajectory = make_trajectory(
         task.scenario,
         task.course,
         "bellman",
-        found.speed2,
-        # the search prices a second with the auxiliaries that run in it; what is shown is what driving alone saves
-        price_of_time_w=max(found.price_w - data.auxiliary_power_w, 0.0),
-        iterations=found.sweeps,
+        kept.speed2,
+        price_of_time_w=kept.price_of_time_w,
+        iterations=kept.iterations,
         notes=notes,
     )
     return trajectory, _control_law(task, found.first, found.price_w)
+
+
+def _spacing_note(task: Task, free: DecidedRun, run: DecidedRun | None) -> str:
+    """Return what became of a run that is switched too often, in one sentence."""
+    shortest, energy = shortest_stretch_s(task.course.data, free.speed2), free.energy_j + task.dwell_energy_j
+    said = f"the {task.least_switching_s:g} s of drive.least_switching_s"
+    if run is None:
+        return f"Its drive is switched after {shortest:.1f} s: no run was found in which it stays on or off for {said}."
+    needed = energy / J_PER_KWH
+    return (
+        f"The recursion alone is switched after {shortest:.1f} s and needs {needed:.{energy_decimals(needed)}f} kWh; "
+        f"here the drive stays on or off for {said}, to the nearest cell."
+    )
 
 
 def _control_law(task: Task, level: Level, price_w: float) -> ControlLaw:

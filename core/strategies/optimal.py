@@ -8,7 +8,10 @@ from dataclasses import replace
 from railjoule.core.bounds import PROOF_BUDGET, Solution, certify, minimise
 from railjoule.core.energy import energy_decimals
 from railjoule.core.errors import RailjouleError, SolverError, StrategyRefusedError
+from railjoule.core.physics.stretches import shortest_stretch_s
 from railjoule.core.strategies.bellman import bellman
+from railjoule.core.strategies.decisions import DecidedRun
+from railjoule.core.strategies.spacing import seldom_switched
 from railjoule.core.strategies.switching import unswitched
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Reference, Trajectory, make_trajectory
@@ -22,8 +25,8 @@ RELAXED_TOLERANCE = 1e-6
 def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
     """Return the run that needs the least energy, with its bound; it takes every drive.
 
-    Of a drive that takes power without effort it is the best run found that is not switched within a cell. Its bound
-    and the energy in its notes are those of runs with free switching. Where no run found is within four ten-thousandths
+    Of a drive that takes power without effort it is the best run found that is switched at nodes alone, and seldom
+    enough. Its bound is that of runs with free switching. Where no run found is within four ten-thousandths
     of that energy, or it is no measure, `bellman`'s run is one of those compared; elsewhere it is not computed.
 
     Where the interior point does not converge it is the best run of dynamic programming, without a bound, and says so.
@@ -67,9 +70,10 @@ def _by_interior_point(task: Task, proof_budget: int) -> Trajectory:
     speed2, price, iterations = optimum.speed2, optimum.price_of_time_w, solution.iterations
     notes: tuple[str, ...] = ()
     if task.course.drive.jumps_at_no_effort:
-        run = unswitched(task, optimum)
+        run = seldom_switched(task, optimum) if task.least_switching_s > 0 else None
+        run = run or unswitched(task, optimum)
         speed2, price, iterations = run.speed2, run.price_of_time_w, run.iterations
-        notes = (switching_note(task, solution, run.energy_j + task.dwell_energy_j),)
+        notes = (switching_note(task, solution, run),)
     best = make_trajectory(
         task.scenario,
         task.course,
@@ -98,19 +102,30 @@ def _by_recursion(task: Task, failure: SolverError) -> Trajectory:
     return _as_reference(task, replace(run, strategy="optimal", notes=(note, *run.notes)))
 
 
-def switching_note(task: Task, relaxed: Solution, energy_j: float) -> str:
-    """Return in one sentence what an optimal run of an energy [J] is, and what free switching needs if it is less."""
+def switching_note(task: Task, relaxed: Solution, run: DecidedRun) -> str:
+    """Return in one sentence what an optimal run is, and what free switching needs if that is less."""
     friction = (
         "friction brakes take over where electric braking would draw power"
         if task.course.data.friction_effort_n > 0
         else "the vehicle has no friction brakes to support the electric ones"
     )
+    energy_j = run.energy_j + task.dwell_energy_j
+    parts = [f"{_kept_words(task, run)}; this is the best such run found, not proven"]
     # a relaxed energy above the run's tells nothing that free switching could save
-    known = ""
     if relaxed.energy_j <= energy_j + RELAXED_TOLERANCE * abs(energy_j):
         needed = relaxed.energy_j / J_PER_KWH
-        known = f"free switching would need {needed:.{energy_decimals(needed)}f} kWh; "
-    return (
-        "Each cell is driven, braked or coasted as a whole, where free switching between driving, coasting and braking "
-        f"would drive for a part of it; this is the best such run found, not proven; {known}{friction}."
-    )
+        parts.append(f"free switching within cells would need about {needed:.{energy_decimals(needed)}f} kWh")
+    return "; ".join([*parts, friction]) + "."
+
+
+def _kept_words(task: Task, run: DecidedRun) -> str:
+    """Return the words for how often a run's drive is switched."""
+    least, shortest = task.least_switching_s, shortest_stretch_s(task.course.data, run.speed2)
+    if least == 0.0:
+        return "Each cell is driven, braked or coasted as a whole"
+    if shortest < least:
+        return (
+            f"No run was found whose drive stays on or off for the {least:g} s of drive.least_switching_s: this one is "
+            f"switched after {shortest:.1f} s"
+        )
+    return f"The drive stays on or off for at least {least:g} s, to the nearest cell"

@@ -8,7 +8,7 @@ from every_drive import train
 from railjoule.core import load_scenario, solve
 from railjoule.core.bounds import certify, minimise
 from railjoule.core.physics.course_data import OFF
-from railjoule.core.strategies import compare, prepare_task, run_strategy, switching
+from railjoule.core.strategies import compare, decisions, prepare_task, run_strategy, switching
 from railjoule.core.strategies.optimal import optimal
 from railjoule.core.strategies.switching import summed_up, unswitched
 from railjoule.core.units import J_PER_KWH
@@ -84,9 +84,9 @@ def test_statement_and_note_say_what_is_bounded():
         "is convex in its effort and its losses do not fall with speed."
     )
     assert best.notes == (
-        "Each cell is driven, braked or coasted as a whole, where free switching between driving, coasting and braking "
-        "would drive for a part of it; this is the best such run found, not proven; free switching would need "
-        f"{relaxed_kwh(task):.3f} kWh; the vehicle has no friction brakes to support the electric ones.",
+        "The drive stays on or off for at least 2 s, to the nearest cell; this is the best such run found, not proven; "
+        f"free switching within cells would need about {relaxed_kwh(task):.3f} kWh; the vehicle has no friction brakes "
+        "to support the electric ones.",
     )
 
 
@@ -177,7 +177,8 @@ FOUND_BEFORE_KWH = {
 @pytest.mark.parametrize(("name", "later"), [(name, k) for name in FOUND_BEFORE_KWH for k in range(len(LATER_S))])
 def test_some_decisions_are_no_worse_than_one(name, later):
     asked = load_scenario(name).travel_time_s + LATER_S[later]
-    best = optimal(prepare_task(load_scenario(name, {"timetable.travel_time_s": asked})))
+    changes = {"timetable.travel_time_s": asked, "drive.least_switching_s": 0.0}
+    best = optimal(prepare_task(load_scenario(name, changes)))
     assert best.energy_kwh < FOUND_BEFORE_KWH[name][later] * (1 + 5e-5)
     assert best.travel_time_s <= asked
 
@@ -185,7 +186,8 @@ def test_some_decisions_are_no_worse_than_one(name, later):
 def test_a_decision_that_no_run_can_follow_is_mended():
     """At 1.5 s more than its timetable one decision leaves out a cell that a limit needs, and 1 % is lost there."""
     asked = load_scenario("kharkiv-like-40kmh").travel_time_s + 1.5
-    task = prepare_task(load_scenario("kharkiv-like-40kmh", {"timetable.travel_time_s": asked}))
+    changes = {"timetable.travel_time_s": asked, "drive.least_switching_s": 0.0}
+    task = prepare_task(load_scenario("kharkiv-like-40kmh", changes))
     assert optimal(task).energy.net_j < minimise(task).energy_j * (1 + 1e-3)
 
 
@@ -237,7 +239,7 @@ def test_no_run_of_dynamic_programming_is_cheaper(drive, friction_kn, time_s):
 
 def test_an_infeasible_decision_gives_no_run(monkeypatch):
     """No train starts without driving; what the decided problem buys instead is not taken for a run."""
-    monkeypatch.setattr(switching, "MOST_MENDED", 0)
+    monkeypatch.setattr(decisions, "MOST_MENDED", 0)
     task = prepare_task(tram())
     search = switching._Search(task, minimise(task).optimum)
     search.decide(np.full(task.course.cell_count, OFF))

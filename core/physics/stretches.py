@@ -1,0 +1,112 @@
+"""For how long a drive stays as it is: off, driving or braking.
+
+A drive that takes power as soon as it is on saves by being on for a part of the time. How often it may be switched is
+`drive.least_switching_s`; a mesh, on which it is switched at nodes alone, holds that to the nearest cell.
+"""
+
+import numpy as np
+
+from railjoule.core.arrays import BoolArray, FloatArray, IntArray
+from railjoule.core.compiled import njit
+from railjoule.core.physics.account import CellAccount, account_of_run
+from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF, CourseData
+from railjoule.core.physics.effort_limit import EffortLimit
+
+IS_OFF, DRIVES, BRAKES = range(3)
+ACTIONS = 3
+NEXT_TO_NOTHING = 1e-5
+"""Efforts below this share of the largest are what a barrier leaves of none."""
+
+
+@njit(cache=True, error_model="numpy")
+def action_of_cell(account: CellAccount, traction: EffortLimit, has_standstill_brake: bool) -> tuple[int, float]:
+    """Return what a drive does in a cell, and what a decision says of its machines there.
+
+    A standstill brake, whose effort the account holds as electric, brakes with machines that are off.
+    """
+    least = NEXT_TO_NOTHING * traction.constant_n
+    if account.tractive_effort_n > least:
+        return DRIVES, DRIVING
+    if account.electric_braking_n > least:
+        return BRAKES, OFF if has_standstill_brake and account.power_w >= 0.0 else BRAKING
+    return IS_OFF, OFF
+
+
+def actions_of_run(course: CourseData, speed2: FloatArray) -> IntArray:
+    """Return what the drive does in each cell of a run, given by its squares of speed [m2/s2]; shape (n,)."""
+    account, least = account_of_run(course, speed2), NEXT_TO_NOTHING * course.traction.constant_n
+    driven, braked = account.tractive_effort_n > least, account.electric_braking_n > least
+    actions: IntArray = np.where(driven, DRIVES, np.where(braked, BRAKES, IS_OFF))
+    return actions
+
+
+def shortest_stretch_s(course: CourseData, speed2: FloatArray) -> float:
+    """Return how long a run's drive stays as it is at least [s], to the nearest cell; infinite if it never switches.
+
+    What ends with a stop does not count: nobody switches there.
+
+    Parameters
+    ----------
+    course : CourseData
+        What the run obeys.
+    speed2 : array of shape (n + 1,)
+        Squares of speed at the nodes [m2/s2].
+    """
+    return float(_lasting_of_run(course, speed2).min(initial=np.inf))
+
+
+def short_cells(course: CourseData, speed2: FloatArray, least_s: float) -> BoolArray:
+    """Return which cells of a run are in stretches of less than a time [s]; shape (n,), as `shortest_stretch_s`."""
+    short: BoolArray = _lasting_of_run(course, speed2) < least_s
+    return short
+
+
+def _lasting_of_run(course: CourseData, speed2: FloatArray) -> FloatArray:
+    durations = account_of_run(course, speed2).duration_s
+    return lasting_of_cells(actions_of_run(course, speed2), durations, course.fixed_speed2[:-1] == 0.0)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def lasting_of_cells(actions: IntArray, durations_s: FloatArray, begins: BoolArray) -> FloatArray:
+    """Return for how long the stretches last that cells are in, half a cell added; infinite where that tells nothing.
+
+    Parameters
+    ----------
+    actions, durations_s : arrays of shape (n,)
+        What the drive does in each cell, and for how long [s].
+    begins : array of shape (n,)
+        Cells before which the train stands.
+    """
+    n = actions.shape[0]
+    lasting, first = np.full(n, np.inf), 0
+    for i in range(1, n):
+        if begins[i]:
+            first = i
+        elif actions[i] != actions[i - 1]:
+            # a train that is moving at the beginning may have been switched long before
+            if first > 0 or begins[0]:
+                lasting[first:i] = durations_s[first:i].sum() + 0.5 * durations_s[first:i].max()
+            first = i
+    return lasting
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def least_cells(durations_s: FloatArray, least_s: float) -> IntArray:
+    """Return how many cells a stretch lasts at least that begins with a cell, to the nearest; shape (n,).
+
+    Parameters
+    ----------
+    durations_s : array of shape (n,)
+        Times of the cells [s].
+    least_s : float
+        For how long a stretch lasts at least [s].
+    """
+    n = durations_s.shape[0]
+    counts = np.empty(n, dtype=np.int64)
+    for i in range(n):
+        lasts, end = durations_s[i], i + 1
+        while end < n and lasts + 0.5 * durations_s[end - 1] < least_s:
+            lasts += durations_s[end]
+            end += 1
+        counts[i] = end - i
+    return counts
