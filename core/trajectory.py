@@ -39,7 +39,7 @@ class Bound:
     energy_j : float
         No run that it covers needs less [J].
     statement : str
-        Which runs it covers, in one sentence.
+        Which runs it covers, in words.
     position_m : array of shape (n + 1,)
         The nodes of the mesh over which it holds [m]: over others a run may need less.
     travel_time_s : float

@@ -20,6 +20,7 @@ from railjoule.core.scenario import STRATEGY_NAMES, load_scenario, preset_names,
 from railjoule.core.scenario.document import change_document
 from railjoule.core.strategies import STRATEGIES, prepare_task
 from railjoule.dashboard.models.pages import PAGES
+from railjoule.dashboard.views.help import PROOF
 
 ROOT = Path(__file__).parents[1]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -215,6 +216,17 @@ def test_presets_are_those_that_exist():
 def test_shipped_scenarios_are_those_that_exist():
     sentence = TEXT.partition("The shipped scenarios are ")[2].partition(". ")[0]
     assert re.findall(r"`([\w-]+)`", sentence) == list(preset_names("scenarios"))
+
+
+def test_help_tells_what_the_table_of_meshes_does():
+    """What a finer mesh changes at most, in per cent, of cells of 20, 10 and 5 m; the table's last column is of 2 m."""
+    _, table = TEXT.split("| drive, scenario | 20 m | 10 m | 5 m | 2 m |", 1)
+    rows = [re.findall(r"([\d.]+) %", line) for line in table.splitlines() if line.count(" % |") == 4]
+    assert len(rows) == 6
+    most = [max(column, key=float) for column in zip(*rows, strict=True)]
+    told = next(text for title, text in PROOF if title == "What a finer mesh changes")
+    for length_m, percent in zip((20, 10, 5), most[:3], strict=True):
+        assert f"{percent} % below that over {length_m} m" in told
 
 
 def test_pages_are_those_that_exist():

@@ -18,6 +18,7 @@ from railjoule.core.bounds.minimum import minimise, minimise_decided
 from railjoule.core.chain_proof.prices import node_prices
 from railjoule.core.chain_proof.proof import ChainProof
 from railjoule.core.chain_proof.table import premise
+from railjoule.core.drive.kinds import LOSS_POLYNOMIAL
 from railjoule.core.errors import InfeasibleLineError, SolverError, StrategyRefusedError, TimetableError
 from railjoule.core.interior_point.duty import duty, safest_modes
 from railjoule.core.interior_point.proof import prove
@@ -42,9 +43,11 @@ LITTLE = 0.05
 CHAIN_TOLERANCE = 5e-4
 """How far below the best known run a proof by chains aims, as a share of its energy."""
 SWITCHED_PREMISE = "the power of the powertrain is convex in its effort and its losses do not fall with speed"
-"""What the bound with free switching takes for granted."""
-SAID_M, ROUNDED = 0.1, 1e-6
-"""To which a sentence rounds the length of a cell [m], and the share of that which is rounding alone."""
+"""What the bound with free switching takes for granted, unless the formula of the losses tells."""
+FINER_MESH = "A run over a finer mesh may need less."
+"""What ends every statement: how much less, README tables under "How much the mesh decides"."""
+SAID_M, SAID_S, ROUNDED = 0.1, 0.1, 1e-6
+"""To which a sentence rounds the length of a cell [m] and a time [s], and the share of that which is rounding alone."""
 SAID_KWH = 1e-4
 """To which a sentence rounds the energy of the first bound [kWh]."""
 MOST_REFINED = 4
@@ -114,7 +117,7 @@ def certify(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> B
     # next to a stop, where the optimum itself is slower, its proof covers runs down to its speed
     slowest = np.minimum(SLOWEST_PROVEN_MS, np.sqrt(optimum.speed2))
     bound = Bound(energy, statement, task.course.position_m, task.travel_time_s, slowest)
-    return replace(bound, switched_j=energy, premise=SWITCHED_PREMISE) if jumps else bound
+    return replace(bound, switched_j=energy, premise=switched_premise(task)) if jumps else bound
 
 
 def chain_proof(task: Task, optimum: Optimum, speed2: FloatArray, energy_j: float) -> ChainProof:
@@ -188,30 +191,39 @@ def work_floor_j(task: Task) -> float:
     return float(kinetic) + work + data.auxiliary_power_w * task.shortest_time_s + task.dwell_energy_j
 
 
+def switched_premise(task: Task) -> str:
+    """Return in one clause what the bound with free switching assumes of a task's drive, empty where nothing."""
+    # a loss polynomial's coefficients are not negative: of its formula both properties follow
+    return "" if task.course.data.drive_kind == LOSS_POLYNOMIAL else SWITCHED_PREMISE
+
+
 def bound_statement(task: Task) -> str:
-    """Return in one sentence which runs a bound covers."""
-    return f"No run over {_mesh(task)}, with one effort in each, {_conditions(task)}."
+    """Return in words which runs a bound covers."""
+    return f"No run over {_mesh(task)}, with one effort in each, {_conditions(task)}. {FINER_MESH}"
 
 
 def switched_bound_statement(task: Task) -> str:
-    """Return in one sentence which runs the bound of a drive covers that takes power without effort."""
+    """Return in words which runs the bound of a drive covers that takes power without effort."""
     return (
-        f"No run over {_mesh(task)}, even if it switches freely between driving, "
-        f"coasting and braking within each, {_conditions(task)}; this assumes that {SWITCHED_PREMISE}."
+        f"No run over {_mesh(task)}, even if it switches freely between driving, coasting and braking within each, "
+        f"{_conditions(task)}{_assuming(switched_premise(task))}. {FINER_MESH}"
     )
 
 
 def chain_bound_statement(task: Task, switched_j: float) -> str:
-    """Return in one sentence which runs a bound by chains covers, and what is proven of those that switch [J]."""
-    assumed = premise(task.course.data.drive_kind)
-    assumption = f"; this assumes that {assumed}" if assumed else ""
+    """Return in words which runs a bound by chains covers, and what is proven of those that switch [J]."""
+    assumption, condition = _assuming(premise(task.course.data.drive_kind)), switched_premise(task)
     # downwards: rounded up, it would say more than is proven
     switched = math.floor(switched_j / J_PER_KWH / SAID_KWH) * SAID_KWH
     return (
-        f"No run over {_mesh(task)}, with one effort in each, {_conditions(task)}"
-        f"{assumption}; of runs that switch between driving, coasting and braking within a cell, no more is proven "
-        f"than that they need at least {switched:.4f} kWh, if {SWITCHED_PREMISE}."
+        f"No run over {_mesh(task)}, with one effort in each, {_conditions(task)}{assumption}; of runs that switch "
+        "between driving, coasting and braking within a cell, no more is proven than that they need at least "
+        f"{switched:.4f} kWh{f', if {condition}' if condition else ''}. {FINER_MESH}"
     )
+
+
+def _assuming(clause: str) -> str:
+    return f"; this assumes that {clause}" if clause else ""
 
 
 def _mesh(task: Task) -> str:
@@ -222,7 +234,9 @@ def _mesh(task: Task) -> str:
 
 def _conditions(task: Task) -> str:
     slowest = SLOWEST_PROVEN_MS / MS_PER_KMH
+    # downwards: a run that arrives later may need less
+    time_s = math.floor(task.travel_time_s / SAID_S + ROUNDED) * SAID_S
     return (
-        f"that keeps all limits, arrives within {task.travel_time_s:.1f} s and never goes slower than "
+        f"that keeps all limits, arrives within {time_s:.1f} s and never goes slower than "
         f"{slowest:.2f} km/h between its stops uses less energy"
     )

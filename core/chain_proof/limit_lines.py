@@ -3,25 +3,12 @@
 import math
 
 from railjoule.core.compiled import njit
-from railjoule.core.physics.effort_limit import EffortLimit, largest_effort, piece_at
+from railjoule.core.physics.effort_limit import EffortLimit, bezier_points, largest_effort, piece_at
 
 WIDENING = 2e-8
 """Limits are widened by this share: what the product calls a run keeps them to 1e-8."""
 NARROW_MS = 1e-9
 """Over so short a range a line needs no slope."""
-
-
-@njit(cache=True, error_model="numpy")
-def _bezier_points(limit: EffortLimit, piece: int, start: float, end: float) -> tuple[float, float, float, float]:
-    """Return the Bezier points of a table's piece between two speeds, which hold its values between them."""
-    c = limit.table[piece]
-    x, y = start - c[0], end - c[0]
-    first = ((c[4] * x + c[3]) * x + c[2]) * x + c[1]
-    last = ((c[4] * y + c[3]) * y + c[2]) * y + c[1]
-    third = (y - x) / 3.0
-    second = first + third * ((3.0 * c[4] * x + 2.0 * c[3]) * x + c[2])
-    before_last = last - third * ((3.0 * c[4] * y + 2.0 * c[3]) * y + c[2])
-    return first, second, before_last, last
 
 
 @njit(cache=True, error_model="numpy")
@@ -49,7 +36,7 @@ def upper_line(limit: EffortLimit, v1: float, v2: float) -> tuple[float, float]:
     for piece in range(first, last + 1):
         start = v1 if piece == first else limit.table[piece, 0]
         end = v2 if piece == last else limit.table[piece + 1, 0]
-        points = _bezier_points(limit, piece, start, end)
+        points = bezier_points(limit, piece, start, end)
         third = (end - start) / 3.0
         by_constant = excess = -math.inf
         for q in range(4):
@@ -72,6 +59,6 @@ def least_effort(limit: EffortLimit, v1: float, v2: float) -> float:
         for piece in range(first, last + 1):
             start = v1 if piece == first else limit.table[piece, 0]
             end = v2 if piece == last else limit.table[piece + 1, 0]
-            a, b, c, d = _bezier_points(limit, piece, start, end)
+            a, b, c, d = bezier_points(limit, piece, start, end)
             least = min(least, a, b, c, d)
     return least

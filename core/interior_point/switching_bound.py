@@ -5,10 +5,13 @@ cost in a cell is a function of its mean speed v alone, and what remains is
 
     a0 v0^2 + a1 v1^2 + kappa / v + beta v + h gamma(v),    gamma(v) = min(0, min_f [p(f, v) / v - price f]) + braking.
 
+A cell may share its time between driving, coasting, electric braking and a standstill brake, each within its limits: at
+given prices its cost is linear in the shares, so that no mixture costs less than the cheapest of these modes.
+
 Two properties of a drive that is on make this provable piece by piece: its power is convex in the effort, so that the
 inner minimum has a tangent as its bound, and with the work of the shaft taken off, its losses do not fall with speed.
-With losses as at the slower end of a piece, gamma is the least of functions that are linear in 1 / v, hence lies above
-its chord over 1 / v. Pieces are halved until they are good enough.
+With losses as at the slower end of a piece, and the greatest limits of effort anywhere in it, gamma is the least of
+functions that are linear in 1 / v, hence lies above its chord over 1 / v. Pieces are halved until they are good enough.
 """
 
 import math
@@ -33,7 +36,7 @@ from railjoule.core.interior_point.start import SLOWEST_SPEED2
 from railjoule.core.interior_point.switching import switched_powers, tabulate_hulls
 from railjoule.core.physics.cell import force_slopes, mean_speed
 from railjoule.core.physics.course_data import CourseData, cell_of
-from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
+from railjoule.core.physics.effort_limit import EffortLimit, greatest_effort, largest_effort
 from railjoule.core.physics.energy_per_metre import energy_per_metre
 from railjoule.core.physics.reference import reference_energy
 
@@ -135,9 +138,15 @@ def cheapest_effort(
 
 @njit(cache=True, error_model="numpy")
 def effort_value(
-    course: CourseData, cell: FloatArray, cheapest: FloatArray, loss_speed: float, speed: float, precision: float
+    course: CourseData,
+    cell: FloatArray,
+    cheapest: FloatArray,
+    slow: float,
+    fast: float,
+    speed: float,
+    precision: float,
 ) -> float:
-    """Return what the cheapest efforts of a cell add to it [J], with losses at one speed and limits as well.
+    """Return what the cheapest efforts of a cell add to it [J], with the least losses and greatest limits of a piece.
 
     Parameters
     ----------
@@ -145,27 +154,30 @@ def effort_value(
     cell : array of shape (COLUMNS,)
     cheapest : array of shape (2,)
         The cheapest efforts found last [N]; brought up to date.
-    loss_speed, speed : float
-        The losses are those at the first speed, the way is made at the second [m/s].
+    slow, fast : float
+        Ends of a piece: the losses are those at the slower one, the limits the greatest anywhere between them [m/s].
+    speed : float
+        At which the way is made [m/s].
     precision : float
         How far it may lie below the least [J].
     """
     price, share = cell[PRICE], cell[RETURNED]
     precision /= cell[LENGTH]
-    most = _greatest(course.traction, loss_speed, speed)
-    total, cheapest[0] = cheapest_effort(course, False, 1.0, price, loss_speed, speed, most, cheapest[0], precision)
-    most = _greatest(course.braking, loss_speed, speed)
-    braking, cheapest[1] = cheapest_effort(course, True, share, price, loss_speed, speed, most, cheapest[1], precision)
-    # a standstill brake does it without a loss that counts
+    most = greatest_effort(course.traction, slow, fast)
+    total, cheapest[0] = cheapest_effort(course, False, 1.0, price, slow, speed, most, cheapest[0], precision)
+    most = greatest_effort(course.braking, slow, fast)
+    braking, cheapest[1] = cheapest_effort(course, True, share, price, slow, speed, most, cheapest[1], precision)
+    # A standstill brake does it without power. Here every drive may: so what one would draw to brake never counts, and
+    # only where it generates must its losses not fall with speed
     total += min(braking, price * most) + min(price, 0.0) * course.friction_effort_n
     value: float = cell[LENGTH] * total
     return value
 
 
-@njit(cache=True)
-def _greatest(limit: EffortLimit, slow: float, fast: float) -> float:
-    """Return the largest effort [N] at either of two speeds."""
-    return max(largest_effort(limit, slow), largest_effort(limit, fast))
+@njit(cache=True, error_model="numpy")
+def _rises(limit: EffortLimit, slow: float, fast: float) -> bool:
+    """Return whether a limit may be greater anywhere between two speeds [m/s] than at the slower one."""
+    return greatest_effort(limit, slow, fast) > largest_effort(limit, slow)
 
 
 @njit(cache=True, error_model="numpy")
@@ -181,7 +193,7 @@ def piece_bound(
         Least and greatest speed at its start, then at its end [m/s].
     low, high : float
     first, last : float
-        What efforts add at `low` and, with losses as there, at `high`.
+        What efforts add at `low` and, with losses as there, at `high`, within the greatest limits between both.
     """
     # the chord over 1 / v
     by_inverse = (first - last) / (1.0 / low - 1.0 / high)
@@ -276,8 +288,8 @@ def least_of_cell(
     best = np.inf
     for k in range(count):
         low, high = edges[k], edges[k + 1]
-        first = effort_value(course, cell, cheapest, low, low, precision)
-        last = effort_value(course, cell, cheapest, low, high, precision)
+        first = effort_value(course, cell, cheapest, low, high, low, precision)
+        last = effort_value(course, cell, cheapest, low, high, high, precision)
         bound, value = piece_bound(cell, box, low, high, first, last)
         best = min(best, value)
         lows[k], highs[k], firsts[k], bounds[k] = low, high, first, bound
@@ -290,9 +302,12 @@ def least_of_cell(
         if bounds[worst] >= best - tolerance or count >= budget or high - low < NARROWEST_SHARE * high:
             return bounds[worst], count
         middle = math.sqrt(low * high) if low < 0.5 * high else 0.5 * (low + high)
+        rises = _rises(course.traction, low, high) or _rises(course.braking, low, high)
         for start, end, place in ((low, middle, worst), (middle, high, count)):
-            first = firsts[worst] if place == worst else effort_value(course, cell, cheapest, start, start, precision)
-            last = effort_value(course, cell, cheapest, start, end, precision)
+            # a limit that falls is greatest at the slower end, which stays the same
+            kept = place == worst and not rises
+            first = firsts[worst] if kept else effort_value(course, cell, cheapest, start, end, start, precision)
+            last = effort_value(course, cell, cheapest, start, end, end, precision)
             bound, value = piece_bound(cell, box, start, end, first, last)
             best = min(best, value)
             lows[place], highs[place], firsts[place], bounds[place] = start, end, first, bound

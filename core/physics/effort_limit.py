@@ -187,6 +187,35 @@ def largest_effort(limit: EffortLimit, speed: float) -> float:
     return min(limit.constant_n, limit_over_speed(limit, speed)[0])
 
 
+@njit(cache=True, error_model="numpy")
+def bezier_points(limit: EffortLimit, piece: int, start: float, end: float) -> tuple[float, float, float, float]:
+    """Return the Bezier points of a table's piece between two speeds, which hold its values between them."""
+    c = limit.table[piece]
+    x, y = start - c[0], end - c[0]
+    first = ((c[4] * x + c[3]) * x + c[2]) * x + c[1]
+    last = ((c[4] * y + c[3]) * y + c[2]) * y + c[1]
+    third = (y - x) / 3.0
+    second = first + third * ((3.0 * c[4] * x + 2.0 * c[3]) * x + c[2])
+    before_last = last - third * ((3.0 * c[4] * y + 2.0 * c[3]) * y + c[2])
+    return first, second, before_last, last
+
+
+@njit(cache=True, error_model="numpy")
+def greatest_effort(limit: EffortLimit, slow: float, fast: float) -> float:
+    """Return at least the greatest of a limit [N] between two speeds above zero [m/s]; a curve may rise with speed."""
+    greatest = largest_effort(limit, slow)
+    # a limit of power falls
+    if limit.table.shape[0] == 0 or greatest >= limit.constant_n:
+        return greatest
+    first, last = piece_at(limit, slow), piece_at(limit, fast)
+    for piece in range(first, last + 1):
+        start = slow if piece == first else limit.table[piece, 0]
+        end = fast if piece == last else limit.table[piece + 1, 0]
+        a, b, c, d = bezier_points(limit, piece, start, end)
+        greatest = max(greatest, a, b, c, d)
+    return min(greatest, limit.constant_n)
+
+
 @njit(cache=True, nogil=True)
 def _fill_efforts(limit: EffortLimit, speed: FloatArray, effort: FloatArray) -> None:
     for i in range(speed.shape[0]):

@@ -37,6 +37,16 @@ class InductionMachine(Part):
         return self
 
     @property
+    def stator_inductance_mh(self) -> float:
+        """Self inductance of a stator phase [mH]."""
+        return self.mutual_inductance_mh + self.stator_leakage_mh
+
+    @property
+    def rotor_inductance_mh(self) -> float:
+        """Self inductance of a rotor phase [mH]."""
+        return self.mutual_inductance_mh + self.rotor_leakage_mh
+
+    @property
     def magnetising_current_a(self) -> float:
         """Current that makes the rated flux [A]."""
         # in steady state the rotor has no current along its flux, so flux = M i: the leakage plays no part

@@ -228,7 +228,10 @@ def _joined(task: Task, runs: list[Trajectory], sharing: Sharing) -> Trajectory:
         # dwells between two parts belong to neither, so their time and their auxiliaries are added here
         standing_s = task.dwell_s - sum(_standing_s(run) for run in runs)
         standing_j = task.course.data.auxiliary_power_w * standing_s
-        statement = f"No run with the same times from stop to stop uses less energy; of each: {bounds[0].statement}"
+        statement = (
+            f"This is the sum of the bounds of {len(bounds)} parts of the line, and covers runs that take each of them "
+            f"in the same time; that of the first reads: {bounds[0].statement}"
+        )
         energy_j = sum(part.energy_j for part in bounds) + standing_j
         time_s = sum(part.travel_time_s for part in bounds) + standing_s
         floors = [np.broadcast_to(part.slowest_ms, part.position_m.shape) for part in bounds]

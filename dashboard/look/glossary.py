@@ -104,19 +104,19 @@ ENERGY = (
     ),
     Term(
         "Bound",
-        "A lower bound: an energy below which no run can stay, computed separately from the run. The optimum "
-        "lies between the bound and the best run known.",
+        "A lower bound: an energy below which no run over the same mesh can stay, computed separately from the run. "
+        "The optimum lies between the bound and the best run known.",
         ("Above the bound", "bound"),
     ),
     Term(
         "Gap",
         "The distance between the best run known and the lower bound. No gap means that the run is proven "
-        "optimal; a gap of 1 % means that at most 1 % could be saved.",
+        "optimal; with a gap of 1 %, the same mesh allows at most 1 % less.",
     ),
     Term(
         "Proven",
-        "The lower bound meets the run's energy within rounding, so no run that obeys the same model, time "
-        "and limits uses less. The sentence below the charts says what the proof covers.",
+        "The lower bound meets the run's energy within rounding, so no run within the same model, mesh, time and "
+        "limits uses less. The sentence below the charts says what the proof covers.",
     ),
     Term(
         "Proof",

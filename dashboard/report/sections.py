@@ -24,7 +24,7 @@ from railjoule.dashboard.views.motor import held_words, parts_table, run_figures
 PACKAGES = ("railjoule", "numpy", "scipy", "numba", "bokeh")
 FRONTIER_ROWS = 10
 NOT_PROVEN = (
-    "The bound does not say that the data of vehicle and line are right, nor what a finer mesh would gain; it is "
+    "The bound does not say that the data of vehicle and line are right, nor how much a finer mesh would gain; it is "
     "computed in ordinary floating-point numbers."
 )
 
@@ -183,7 +183,7 @@ def certificate(findings: Findings) -> list[str]:
     else:
         first = (
             f"The best known run needs {energy_words} kWh. A bound of {bound_words} kWh is proven, so it is at most "
-            f"{above.size} {above.unit} above the least energy that is possible."
+            f"{above.size} {above.unit} above the least energy of the runs that the bound covers."
         )
     sentences = [first, f"What the bound covers: {best.bound.statement}", NOT_PROVEN]
     more = comparisons.above_reference(run)

@@ -23,12 +23,12 @@ PROOF = (
     (
         "What is proven",
         "The solver finds a run, and separately a lower bound: an energy below which no run can stay that obeys the "
-        "same model, timetable and limits. Where both meet, the run is marked with a tick as proven.",
+        "same model, timetable and limits over the same mesh. Where both meet, a tick marks the run as proven.",
     ),
     (
         "When there is a gap",
         "A half circle stands for a gap. The true optimum lies between the bound and the run, so the gap is the most "
-        "that could still be saved. Such a run is called the best known, not the optimum.",
+        "that another run over the same mesh could still save. Such a run is called the best known, not the optimum.",
     ),
     (
         "Where the bound tightens",
@@ -37,9 +37,17 @@ PROOF = (
         "it covers: those with one effort in each cell of the mesh, or also those that switch within cells.",
     ),
     (
+        "What a finer mesh changes",
+        "The line is cut into cells. A run has one effort in each, whose energy is counted at its mean speed, and the "
+        "proof is of runs over these cells. Over shorter ones a run can change its effort more often and may need "
+        "less: where it was measured, the least energy over 1 m lies up to 0.06 % below that over 5 m, 0.16 % below "
+        "that over 10 m and 0.41 % below that over 20 m. The scenario sets the longest cell, under Strategy options.",
+    ),
+    (
         "What a proof does not cover",
-        "It holds for the model: for this vehicle, line and timetable as entered. The sentence under \u201cWhat is "
-        "proven\u201d on Drive names what the model leaves out. Other strategies are compared with the proven run.",
+        "It holds for the model: for this vehicle, line and timetable as entered. \u201cWhat is proven\u201d on Drive "
+        "says which runs it covers, and what it assumes of the powertrain. Other strategies are compared with the "
+        "proven run.",
     ),
 )
 HELP_CSS = """

@@ -251,7 +251,8 @@ def key_words() -> str:
         f"{SHARING_WORDS[sharing]}</span>"
         for sharing, token in SHARING_TOKENS.items()
     )
-    return f'<p class="small" style="padding:2px 20px 0;color:var(--rj-ink2)">{bars}numbers above bars: optimum</p>'
+    above = f"numbers above bars: {SHARING_WORDS['optimum']}"
+    return f'<p class="small" style="padding:2px 20px 0;color:var(--rj-ink2)">{bars}{above}</p>'
 
 
 def legs_table(runs: LineRuns) -> str:

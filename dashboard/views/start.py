@@ -74,7 +74,10 @@ HERO_SKETCH = (
     '<path d="M0 9.6 C.3 4 .6 1.5 1.6 1.5 L8 1.5 C9.2 1.5 9.6 5 10 9.6 M0 9.7 H10" fill="none" '
     'stroke="var(--rj-line2)" stroke-width="2" vector-effect="non-scaling-stroke"/>'
 )
-LEAD = "railjoule finds the run of a rail vehicle that needs the least energy for a given time, and proves it."
+LEAD = (
+    "railjoule finds the run of a rail vehicle that needs the least energy for a given time, and proves how far it can "
+    "be from the best possible."
+)
 MORE = (
     "Choose a scenario, move the travel time and see what the driver has to do, how much more the other "
     "strategies need, and how wrong loads, delays and speed limits change it."

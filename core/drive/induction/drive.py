@@ -23,6 +23,7 @@ from railjoule.core.drive.kinds import INDUCTION
 from railjoule.core.drive.line_power import resistor_power
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario.drive import Induction
+from railjoule.core.scenario.machine import InductionMachine
 from railjoule.core.units import H_PER_MH
 
 LOSS_KINDS = ("copper", "iron", "mechanical", "gear", "standstill_brake")
@@ -135,8 +136,13 @@ def make_induction_drive(parameters: Induction) -> InductionDrive:
     )
 
 
-def machine_from(parameters: Induction) -> Machine:
-    """Return the numbers of one machine that the parameters of a scenario describe."""
+def machine_from(parameters: Induction | InductionMachine) -> Machine:
+    """Return the numbers of one machine that the parameters of a scenario describe, those of a drive or of it alone."""
+    if isinstance(parameters, Induction):
+        magnetising_a, friction_nm = parameters.rated_magnetising_current_a, parameters.mechanical_loss_torque_nm
+    else:
+        # a drive that knows only its copper loses nothing at the shaft
+        magnetising_a, friction_nm = parameters.magnetising_current_a, 0.0
     hysteresis_ws, eddy_ws2 = iron_loss_coefficients(
         parameters.hysteresis_loss_w, parameters.eddy_loss_w, parameters.rated_frequency_hz
     )
@@ -146,10 +152,10 @@ def machine_from(parameters: Induction) -> Machine:
         stator_inductance_h=parameters.stator_inductance_mh * H_PER_MH,
         rotor_inductance_h=parameters.rotor_inductance_mh * H_PER_MH,
         mutual_inductance_h=parameters.mutual_inductance_mh * H_PER_MH,
-        magnetising_current_a=parameters.rated_magnetising_current_a,
+        magnetising_current_a=magnetising_a,
         hysteresis_loss_ws=hysteresis_ws,
         eddy_loss_ws2=eddy_ws2,
-        mechanical_loss_torque_nm=parameters.mechanical_loss_torque_nm,
+        mechanical_loss_torque_nm=friction_nm,
         max_phase_voltage_v=parameters.max_phase_voltage_v,
         pole_pairs=float(parameters.pole_pairs),
     )

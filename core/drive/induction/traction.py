@@ -10,11 +10,9 @@ from railjoule.core.drive.induction.circuit import InverseGammaCircuit, inverse_
 from railjoule.core.drive.induction.drive import machine_from
 from railjoule.core.drive.induction.efficiency import fill_efficiency
 from railjoule.core.drive.induction.limits import greatest_torque_nm
-from railjoule.core.drive.induction.machine import Machine, iron_loss_coefficients
+from railjoule.core.drive.induction.machine import Machine
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario.drive import CopperLoss, DriveParameters, Induction
-from railjoule.core.scenario.machine import InductionMachine
-from railjoule.core.units import H_PER_MH
 
 
 @dataclass(frozen=True)
@@ -127,31 +125,10 @@ def traction_machines(drive: DriveParameters) -> TractionMachines:
     if drive.machine is None:
         raise ScenarioError("drive.machine is missing: of its motors this drive knows only the resistance.")
     return TractionMachines(
-        machine=_machine(drive.machine),
+        machine=machine_from(drive.machine),
         motors=drive.motors,
         turns_per_metre=turns_per_metre(drive),
         gear_efficiency=1.0,
         driving_current_a=drive.machine.max_current_a,
         braking_current_a=drive.machine.max_current_a,
-    )
-
-
-def _machine(parameters: InductionMachine) -> Machine:
-    hysteresis_ws, eddy_ws2 = iron_loss_coefficients(
-        parameters.hysteresis_loss_w, parameters.eddy_loss_w, parameters.rated_frequency_hz
-    )
-    mutual = parameters.mutual_inductance_mh
-    return Machine(
-        stator_resistance_ohm=parameters.stator_resistance_ohm,
-        rotor_resistance_ohm=parameters.rotor_resistance_ohm,
-        stator_inductance_h=(mutual + parameters.stator_leakage_mh) * H_PER_MH,
-        rotor_inductance_h=(mutual + parameters.rotor_leakage_mh) * H_PER_MH,
-        mutual_inductance_h=mutual * H_PER_MH,
-        magnetising_current_a=parameters.magnetising_current_a,
-        hysteresis_loss_ws=hysteresis_ws,
-        eddy_loss_ws2=eddy_ws2,
-        # the model of copper losses alone knows no other loss at the shaft
-        mechanical_loss_torque_nm=0.0,
-        max_phase_voltage_v=parameters.max_phase_voltage_v,
-        pole_pairs=float(parameters.pole_pairs),
     )

@@ -13,6 +13,7 @@ from railjoule.core.motion import build_course
 from railjoule.core.physics.effort_limit import (
     FIT_SHARE,
     fitted_limit,
+    greatest_effort,
     largest_effort,
     limit_over_speed,
     untabulated_limit,
@@ -54,6 +55,16 @@ def assert_just_below(limit, true):
 def test_a_curve_is_followed():
     traction, _ = limits({"vehicle.traction.curve": CURVE, "vehicle.traction.max_power_kw": None})
     assert_just_below(traction.effort_n(SPEEDS), polygon(SPEEDS))
+
+
+@pytest.mark.parametrize("curve", [CURVE, [[0, 40], [30, 40], [32, 70], [50, 20], [100, 60]]], ids=["falling", "any"])
+@pytest.mark.parametrize("power_kw", [None, 900.0])
+def test_the_greatest_effort_over_a_range_is_none_below_the_limit_there(curve, power_kw):
+    traction, _ = limits({"vehicle.traction.curve": curve, "vehicle.traction.max_power_kw": power_kw})
+    for slow, fast in [(0.5, 27.0), (0.5, 8.5), (8.4, 8.8), (8.6, 8.6), (9.0, 14.0), (14.0, 27.0)]:
+        true = traction.effort_n(np.linspace(slow, fast, 20_001)).max()
+        # over pieces of half a metre a second, a cubic's Bezier points exceed it by little
+        assert true <= greatest_effort(traction, slow, fast) <= 1.005 * true
 
 
 def test_curve_power_and_effort_hold_together():

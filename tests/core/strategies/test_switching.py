@@ -81,7 +81,7 @@ def test_statement_and_note_say_what_is_bounded():
         f"No run over this mesh of {task.course.cell_count} cells of at most 5 m, even if it switches freely "
         "between driving, coasting and braking within each, that keeps all limits, arrives within 95.0 s and never "
         "goes slower than 0.36 km/h between its stops uses less energy; this assumes that the power of the powertrain "
-        "is convex in its effort and its losses do not fall with speed."
+        "is convex in its effort and its losses do not fall with speed. A run over a finer mesh may need less."
     )
     assert best.notes == (
         "The drive stays on or off for at least 2 s, to the nearest cell; this is the best such run found, not proven; "
