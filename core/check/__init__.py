@@ -2,9 +2,9 @@
 
 It asks whether motion, efforts, powers, times and sums of a run fit together, and keep every limit of scenario, vehicle
 and motors. Each rule has its largest deviation, as a share of a stated scale, and what of it is allowed. The equations
-and their sources stand in the modules: `train` (masses, line, running resistance), `motion`, `efforts`, `powers`,
-`account`, and the drives' loss models in `drives`, `loss_map`, `induction` and `synchronous`. import-linter holds that
-none of it imports a drive, a solver or the account that it checks.
+and their sources stand in the modules: `train` (masses, line, running resistance), `motion`, `efforts`, `switching`,
+`powers`, `account`, and the drives' loss models in `drives`, `loss_map`, `induction` and `synchronous`. import-linter
+holds that none of it imports a drive, a solver or the account that it checks.
 
 What it cannot know: whether the vehicle's data are right, and whether a run could be cheaper; the bound is only held
 against the energy. The losses of synchronous motors are exact here and tabulated in the product, so that they agree
@@ -23,6 +23,7 @@ from railjoule.core.check.motion import motion_findings, order_finding
 from railjoule.core.check.powers import power_findings
 from railjoule.core.check.record import Record, record_of_run, record_of_table
 from railjoule.core.check.result import Check, CheckResult, Finding, Unchecked, largest_of, result_of
+from railjoule.core.check.switching import switching_findings
 from railjoule.core.scenario import Scenario, StrategyName
 from railjoule.core.units import MS_PER_KMH
 
@@ -102,6 +103,7 @@ def _findings(case: Case) -> Iterator[Finding]:
         return
     yield from motion_findings(case)
     yield from effort_findings(case)
+    yield from switching_findings(case)
     yield from power_findings(case)
     yield from account_findings(case)
 

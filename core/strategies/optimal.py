@@ -26,8 +26,9 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
     """Return the run that needs the least energy, with its bound; it takes every drive.
 
     Of a drive that takes power without effort it is the best run found that is switched at nodes alone, and seldom
-    enough. Its bound is that of runs with free switching. Where no run found is within four ten-thousandths
-    of that energy, or it is no measure, `bellman`'s run is one of those compared; elsewhere it is not computed.
+    enough. Its bound and the energy in its notes are those of runs with free switching. Where no run found is within
+    four ten-thousandths of that energy, or it is no measure, `bellman`'s run is one of those compared; elsewhere it is
+    not computed.
 
     Where the interior point does not converge it is the best run of dynamic programming, without a bound, and says so.
 
@@ -114,7 +115,8 @@ def switching_note(task: Task, relaxed: Solution, run: DecidedRun) -> str:
     # a relaxed energy above the run's tells nothing that free switching could save
     if relaxed.energy_j <= energy_j + RELAXED_TOLERANCE * abs(energy_j):
         needed = relaxed.energy_j / J_PER_KWH
-        parts.append(f"free switching within cells would need about {needed:.{energy_decimals(needed)}f} kWh")
+        about = f"at least about {needed:.{energy_decimals(needed)}f} kWh"
+        parts.append(f"free switching within the cells of this mesh would need {about}")
     return "; ".join([*parts, friction]) + "."
 
 

@@ -10,6 +10,7 @@ Program. 188, 653-694, on rounding with stretches that last.
 """
 
 import math
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 
@@ -19,12 +20,19 @@ from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.dynamic_programming.spaced import spaced_decisions
 from railjoule.core.errors import SolverError
-from railjoule.core.interior_point.duty import COASTED, DRIVEN, Duty, duty, modes_of_run
+from railjoule.core.interior_point.duty import COASTED, DRIVEN, Duty, duty, modes_of, modes_of_run
 from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.physics.account import account_of_run
 from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF, CourseData
 from railjoule.core.physics.reference import reference_energy
-from railjoule.core.physics.stretches import BRAKES, DRIVES, actions_of_run, short_cells
+from railjoule.core.physics.stretches import (
+    BRAKES,
+    DRIVES,
+    actions_of_run,
+    lasting_of_cells,
+    short_cells,
+    shortest_stretch_s,
+)
 from railjoule.core.strategies.decisions import (
     FAR,
     FAR_FOR_RECURSION,
@@ -34,6 +42,7 @@ from railjoule.core.strategies.decisions import (
     is_measured,
     recursion,
 )
+from railjoule.core.strategies.switching import OWED, summed_up
 from railjoule.core.task import Task
 
 # Where in its swing a stretch that is shared begins is a matter of luck, as in sum-up rounding
@@ -63,12 +72,16 @@ def seldom_switched(task: Task, relaxed: Optimum) -> DecidedRun | None:
     if is_measure and not lies_above(task, run, centre, FAR_FOR_RECURSION):
         return run
     # a search around one run finds what lies near it; the recursion's may lie elsewhere
+    found = [run]
     with suppress(SolverError):
         _, free = recursion(task)
-        other = spaced(task, free, duty_of_run(task.course.data, free.speed2))
-        if run is None or (other is not None and other.energy_j < run.energy_j):
-            return other
-    return run
+        found += [kept_seldom(task, free), spaced(task, free, duty_of_run(task.course.data, free.speed2))]
+    return min((one for one in found if one is not None), key=lambda one: one.energy_j, default=None)
+
+
+def kept_seldom(task: Task, run: DecidedRun) -> DecidedRun | None:
+    """Return a run if its drive stays on or off for long enough, or else None."""
+    return run if shortest_stretch_s(task.course.data, run.speed2) >= task.least_switching_s else None
 
 
 def spaced(task: Task, centre: DecidedRun, shares: Duty) -> DecidedRun | None:
@@ -85,10 +98,9 @@ def spaced(task: Task, centre: DecidedRun, shares: Duty) -> DecidedRun | None:
     """
     data, least, speed2 = task.course.data, task.least_switching_s, centre.speed2
     search = _Spaced(task, centre.energy_j, centre.price_of_time_w, least)
-    stands, durations = data.fixed_speed2[:-1] == 0.0, account_of_run(data, speed2).duration_s
-    for phase in PHASES:
+    for modes in _rounded_decisions(data, speed2, shares, least):
         if lies_above(task, search.found, centre, GOOD_ENOUGH):
-            search.decide(rounded(shares.driving, shares.braking, durations, stands, SPARE * least, phase))
+            search.decide(modes)
     top = math.sqrt(task.greatest_speed2.max())
     price = centre.price_of_time_w + data.auxiliary_power_w
     for width, points in BANDS:
@@ -103,6 +115,18 @@ def spaced(task: Task, centre: DecidedRun, shares: Duty) -> DecidedRun | None:
     if search.found is None:
         return None
     return replace(search.found, iterations=centre.iterations + search.iterations)
+
+
+def _rounded_decisions(course: CourseData, speed2: FloatArray, shares: Duty, least_s: float) -> Iterator[FloatArray]:
+    """Yield the decisions whose stretches last that shares of the cells of a run [m2/s2] lead to."""
+    stands, durations = course.fixed_speed2[:-1] == 0.0, account_of_run(course, speed2).duration_s
+    # what is not shared switches seldom by itself, and then the threshold alone decides where
+    for owed in OWED:
+        modes = modes_of(*(summed_up(share, course.cell_length_m, owed) for share in shares))
+        if lasting_of_cells(modes.astype(int), durations, stands).min() >= least_s:
+            yield modes
+    for phase in PHASES:
+        yield rounded(*shares, durations, stands, SPARE * least_s, phase)
 
 
 def lies_above(task: Task, run: DecidedRun | None, other: DecidedRun, share: float) -> bool:

@@ -85,8 +85,8 @@ def test_statement_and_note_say_what_is_bounded():
     )
     assert best.notes == (
         "The drive stays on or off for at least 2 s, to the nearest cell; this is the best such run found, not proven; "
-        f"free switching within cells would need about {relaxed_kwh(task):.3f} kWh; the vehicle has no friction brakes "
-        "to support the electric ones.",
+        f"free switching within the cells of this mesh would need at least about {relaxed_kwh(task):.3f} kWh; the "
+        "vehicle has no friction brakes to support the electric ones.",
     )
 
 

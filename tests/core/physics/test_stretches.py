@@ -1,0 +1,49 @@
+"""For how long a drive stays as it is: stretches by hand, and the rule by brute force."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from railjoule.core.physics.stretches import BRAKES, DRIVES, IS_OFF, lasting_of_cells, least_cells
+
+NEVER = np.inf
+
+
+def lasting(actions, durations=None, begins=()):
+    n = len(actions)
+    stands = np.isin(np.arange(n), list(begins))
+    return lasting_of_cells(np.array(actions), np.array(durations or [1.0] * n), stands).tolist()
+
+
+def test_a_stretch_lasts_its_cells_and_half_of_the_longest():
+    """Driving 1 s + 2 s and half of 2 s; what ends with the run is not switched."""
+    assert lasting([DRIVES, DRIVES, IS_OFF], [1.0, 2.0, 5.0], begins=[0]) == [4.0, 4.0, NEVER]
+
+
+def test_a_stop_ends_a_stretch_that_nobody_switches():
+    actions = [DRIVES, IS_OFF, BRAKES, DRIVES, IS_OFF]
+    assert lasting(actions, begins=[0, 3]) == [1.5, 1.5, NEVER, 1.5, NEVER]
+
+
+def test_a_moving_train_was_switched_before():
+    assert lasting([DRIVES, IS_OFF, DRIVES]) == [NEVER, 1.5, NEVER]
+
+
+@pytest.mark.parametrize(("least", "cells"), [(0.0, 1), (1.4, 1), (1.5, 1), (1.6, 2), (2.5, 2), (2.6, 3), (99.0, 4)])
+def test_stretches_count_to_the_nearest_cell(least, cells):
+    """Of cells of 1 s, n last for up to n + 0.5 s; no more than there are."""
+    assert least_cells(np.ones(4), least)[0] == cells
+
+
+@given(st.lists(st.sampled_from([IS_OFF, DRIVES, BRAKES]), min_size=1, max_size=12), st.floats(0.1, 6.0))
+def test_what_lasts_so_many_cells_lasts_long_enough(actions, least):
+    """Both sides count alike: a stretch of `least_cells` cells or more is never too short."""
+    durations = [0.3 + 0.1 * k for k in range(len(actions))]
+    counts, lasts = least_cells(np.array(durations), least), lasting(actions, durations, begins=[0])
+    first = 0
+    for i in range(1, len(actions)):
+        if actions[i] != actions[i - 1]:
+            if i - first >= counts[first]:
+                assert lasts[first] >= least - 1e-12
+            first = i
