@@ -40,7 +40,7 @@ PROOF = (
         "What a finer mesh changes",
         "The line is cut into cells. A run has one effort in each, whose energy is counted at its mean speed, and the "
         "proof is of runs over these cells. Over shorter ones a run can change its effort more often and may need "
-        "less: where it was measured, the least energy over 1 m lies up to 0.06 % below that over 5 m, 0.16 % below "
+        "less: where it was measured, the least energy over 1 m lies up to 0.04 % below that over 5 m, 0.15 % below "
         "that over 10 m and 0.41 % below that over 20 m. The scenario sets the longest cell, under Strategy options.",
     ),
     (
