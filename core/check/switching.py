@@ -1,6 +1,7 @@
 """Whether the drive of a run stays on or off for as long as the scenario asks, to the nearest cell.
 
 A run is switched where its cells meet, so that no stretch can be held to a time more closely than by half of a cell.
+From driving to braking a drive passes through no effort, for however short a time.
 """
 
 from collections.abc import Iterator
@@ -21,11 +22,10 @@ ROUNDED = 1e-6
 
 
 def switching_findings(case: Case) -> Iterator[Finding]:
-    """Yield the finding about how often a run's drive is switched."""
+    """Yield the finding about how often a run's drive is switched; none where no rule says how often it may."""
     least = getattr(case.scenario.vehicle.drive, "least_switching_s", 0.0)
     record = case.record
     if not least or record.strategy not in JUDGED:
-        yield Unchecked(NAME, "nothing says how often this run may switch")
         return
     if record.tractive_effort_n is None or record.electric_braking_n is None:
         yield Unchecked(NAME, "the table does not tell electric from friction brakes")
@@ -38,6 +38,10 @@ def switching_findings(case: Case) -> Iterator[Finding]:
     ends = np.append(borders[1:], len(does))
     # nobody switches at a stop or at the end, and a train that is moving at the beginning was switched before
     whole = (ends < len(does)) & ~np.append(departs, True)[ends] & ((borders > 0) | departs[0])
+    # what the drive does before and after each; a departure has nothing before it
+    actions = does[borders]
+    before, after = np.where(departs[borders], 0, np.append(0, actions[:-1])), np.append(actions[1:], 0)
+    whole &= (actions != 0) | (before == after)
     lasts = np.add.reduceat(record.duration_s, borders) + 0.5 * np.maximum.reduceat(record.duration_s, borders)
     missing = np.where(whole, (least - lasts) / least, 0.0)
     yield largest_of(NAME, "drive.least_switching_s", ROUNDED, missing, record.middle_m[borders])

@@ -1,7 +1,8 @@
 """For how long a drive stays as it is: off, driving or braking.
 
 A drive that takes power as soon as it is on saves by being on for a part of the time. How often it may be switched is
-`drive.least_switching_s`; a mesh, on which it is switched at nodes alone, holds that to the nearest cell.
+`drive.least_switching_s`; a mesh, on which it is switched at nodes alone, holds that to the nearest cell. Between
+driving and braking a drive may be off for less, as it passes through no effort on the way from the one to the other.
 """
 
 import numpy as np
@@ -13,7 +14,7 @@ from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF, CourseData
 from railjoule.core.physics.effort_limit import EffortLimit
 
 IS_OFF, DRIVES, BRAKES = range(3)
-ACTIONS = 3
+ACTIONS, NONE_BEFORE = 3, -1
 NEXT_TO_NOTHING = 1e-5
 """Efforts below this share of the largest are what a barrier leaves of none."""
 
@@ -43,7 +44,7 @@ def actions_of_run(course: CourseData, speed2: FloatArray) -> IntArray:
 def shortest_stretch_s(course: CourseData, speed2: FloatArray) -> float:
     """Return how long a run's drive stays as it is at least [s], to the nearest cell; infinite if it never switches.
 
-    What ends with a stop does not count: nobody switches there.
+    What ends with a stop does not count, as nobody switches there, nor what is off between driving and braking.
 
     Parameters
     ----------
@@ -78,15 +79,16 @@ def lasting_of_cells(actions: IntArray, durations_s: FloatArray, begins: BoolArr
         Cells before which the train stands.
     """
     n = actions.shape[0]
-    lasting, first = np.full(n, np.inf), 0
+    lasting, first, before = np.full(n, np.inf), 0, NONE_BEFORE
     for i in range(1, n):
         if begins[i]:
-            first = i
+            first, before = i, NONE_BEFORE
         elif actions[i] != actions[i - 1]:
+            passes = actions[first] == IS_OFF and before != actions[i]
             # a train that is moving at the beginning may have been switched long before
-            if first > 0 or begins[0]:
+            if (first > 0 or begins[0]) and not passes:
                 lasting[first:i] = durations_s[first:i].sum() + 0.5 * durations_s[first:i].max()
-            first = i
+            first, before = i, actions[first]
     return lasting
 
 

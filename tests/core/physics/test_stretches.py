@@ -22,8 +22,12 @@ def test_a_stretch_lasts_its_cells_and_half_of_the_longest():
 
 
 def test_a_stop_ends_a_stretch_that_nobody_switches():
-    actions = [DRIVES, IS_OFF, BRAKES, DRIVES, IS_OFF]
-    assert lasting(actions, begins=[0, 3]) == [1.5, 1.5, NEVER, 1.5, NEVER]
+    actions = [DRIVES, IS_OFF, DRIVES, BRAKES, DRIVES, IS_OFF]
+    assert lasting(actions, begins=[0, 4]) == [1.5, 1.5, 1.5, NEVER, 1.5, NEVER]
+
+
+def test_a_drive_passes_from_driving_to_braking_as_fast_as_it_likes():
+    assert lasting([DRIVES, IS_OFF, BRAKES, IS_OFF, BRAKES], begins=[0]) == [1.5, NEVER, 1.5, 1.5, NEVER]
 
 
 def test_a_moving_train_was_switched_before():

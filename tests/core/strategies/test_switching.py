@@ -84,7 +84,8 @@ def test_statement_and_note_say_what_is_bounded():
         "is convex in its effort and its losses do not fall with speed. A run over a finer mesh may need less."
     )
     assert best.notes == (
-        "The drive stays on or off for at least 2 s, to the nearest cell; this is the best such run found, not proven; "
+        "The drive stays on or off for at least 2 s, to the nearest cell, but between driving and braking; this is the "
+        "best such run found, not proven; "
         f"free switching within the cells of this mesh would need at least about {relaxed_kwh(task):.3f} kWh; the "
         "vehicle has no friction brakes to support the electric ones.",
     )
