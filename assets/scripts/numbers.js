@@ -5,6 +5,3 @@ export const written = (value, least, most = least) => {
     .replaceAll(",", "\u202f");
   return value < 0 && Number(Math.abs(value).toFixed(most)) ? `\u2212${text}` : text;
 };
-
-// The same text as programs read it.
-export const plain = (text) => text.trim().replaceAll("\u202f", "").replaceAll("\u2212", "-");

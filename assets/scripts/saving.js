@@ -3,7 +3,6 @@
 
 import {filled, life_of, make, until, within} from "./dom.js";
 import {copy_text, offer} from "./files.js";
-import {plain} from "./numbers.js";
 import {deep, listen} from "./page.js";
 
 const SVG = "http://www.w3.org/2000/svg";
@@ -174,6 +173,8 @@ const svg_of = async (place) => {
 
 // --- numbers
 
+// a number as programs read it
+export const plain = (text) => text.trim().replaceAll("\u202f", "").replaceAll("\u2212", "-");
 // text that a spreadsheet would take for a formula is told to be text; numbers lose the spaces and the long minus
 export const cell = (value) => {
   if (value == null || Number.isNaN(value)) return "";

@@ -6,6 +6,7 @@ from importlib.resources import files
 
 SCRIPTS = files("railjoule.assets") / "scripts"
 IMPORT = re.compile(r'^import \{[^}]+\} from "\./(\w+)\.js";\n', re.MULTILINE)
+COMMENT = re.compile(r"^ *//.*\n|^\n", re.MULTILINE)
 EXPORT = re.compile(r"^export (?=const |function )", re.MULTILINE)
 
 
@@ -17,12 +18,13 @@ def source(name: str) -> str:
 
 @cache
 def module(name: str) -> str:
-    """Return a module without imports: what it needs stands before it, each module once.
+    """Return a module without imports and comments: what it needs stands before it, each module once.
 
     The modules share their names then, as the browser's tests check.
     """
-    needed = (EXPORT.sub("", IMPORT.sub("", source(other))) for other in imported(name))
-    return "\n".join([*needed, IMPORT.sub("", source(name))])
+    needed = (EXPORT.sub("", source(other)) for other in imported(name))
+    # what is sent with each figure is sent often
+    return COMMENT.sub("", IMPORT.sub("", "".join([*needed, source(name)])))
 
 
 def imported(name: str) -> list[str]:
@@ -46,4 +48,4 @@ def function(name: str, call: str) -> str:
     call : str
         An expression in the arguments of the function.
     """
-    return f"{EXPORT.sub('', module(name))}\nreturn {call};\n"
+    return f"{EXPORT.sub('', module(name))}return {call};\n"
