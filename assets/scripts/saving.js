@@ -7,7 +7,7 @@ import {deep, listen} from "./page.js";
 
 const SVG = "http://www.w3.org/2000/svg";
 const PIXELS = 2; // of the picture for each of the page
-const LAID_OUT_WITHIN_MS = 1000, COPIED_FOR_MS = 2000;
+const LAID_OUT_WITHIN_MS = 5000, COPIED_FOR_MS = 2000;
 const [CAPTION_PX, AXIS_PX, STRIP_PX] = [22, 40, 50];
 const DECORATION = new Set(["fill", "ink", "colour", "align", "offset", "base", "middle"]);
 const NOT_DATA = new Set(["forbidden", "borders"]); // sources that only help the eye
@@ -73,6 +73,7 @@ const at_ratio = (ratio, draw) => {
   }
 };
 const next_frame = () => new Promise((resolve) => requestAnimationFrame(resolve));
+// the tags of a shared axis are a count, its unit and the end of its ticks, as Axis.settle in charts.py writes them
 const x_words = (figure) => {
   const [, unit] = figure.x_range.tags ?? [];
   return figure.below.find((one) => one.axis_label)?.axis_label
@@ -217,6 +218,7 @@ const bokeh_series = (view, words) => {
     if (!source || NOT_DATA.has(source.name) || !renderer.visible || renderer.glyph?.type === "Text" || seen.has(source)) continue;
     seen.add(source);
     const points = source_points(Object.fromEntries(Object.entries(source.data)));
+    // charts.py calls each source by the key that it has in the chart
     if (points.length) series.push([source.name ?? `series ${series.length + 1}`, points]);
   }
   const x = x_words(view.model) || "x";

@@ -188,7 +188,7 @@ def table_html(table: Table, opened: bool) -> str:
     rows = [(row_cells(row, notes), False) for row in table.rows]
     header = ("Case", "Quantity", table.reference, "ours", "difference", "in words", "")
     place = f", {parts.escaped(table.place)}" if table.place else ""
-    body = parts.table("", header, rows)
+    body = parts.table("", header, rows, table.title)
     listed = "".join(f"<li>{parts.escaped(note)}</li>" for note in notes)
     reasons = f"<ol>{listed}</ol>" if notes else ""
     scroll = f'<div class="scroll" tabindex="0" role="region" aria-label="{parts.escaped(table.title)}">{body}</div>'

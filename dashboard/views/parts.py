@@ -375,13 +375,13 @@ def plain_table(header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]
     return markup("<table><thead><tr>{}</tr></thead><tbody>{}</tbody></table>", head, body)
 
 
-def table(title: str, header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> Markup:
-    """Return a table, under its title if it has one, with a button that saves it."""
+def table(title: str, header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]], name: str = "") -> Markup:
+    """Return a table under its title, with a button that saves it; without a title it is saved under its name."""
     return markup(
         '<div class="block"><div class="titled">{heading}<button type="button" class="save" data-act="csv" '
         'data-name="{name}" aria-label="Save {name} as CSV">CSV</button></div>{table}</div>',
         heading=markup("<h2>{}</h2>", title) if title else "",
-        name=escaped(title).striptags(),
+        name=name or escaped(title).striptags(),
         table=plain_table(header, rows),
     )
 
