@@ -3,6 +3,7 @@
 Whatever stands in one is escaped, unless it is itself a piece of this module's making (`Markup`).
 """
 
+import html
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any
@@ -83,12 +84,17 @@ def stack(*objects: Any, css: str = "", **params: Any) -> pn.Column:
 
 def markup(template: str, *values: object, **named: object) -> Markup:
     """Return HTML in which values take the places of braces; each is escaped, unless it is HTML already."""
-    return Markup(template).format(*values, **named)
+    return Markup(template.format(*map(_safe, values), **{name: _safe(value) for name, value in named.items()}))
 
 
 def joined(pieces: Iterable[str], between: str = "") -> Markup:
     """Return pieces one after the other; those that are no HTML are escaped."""
-    return Markup(between).join(pieces)
+    return Markup(between.join(map(_safe, pieces)))
+
+
+def _safe(value: object) -> str:
+    """Return a value as HTML, several times faster than Markup does: each move of a slider writes hundreds."""
+    return value if isinstance(value, Markup) else html.escape(str(value))
 
 
 def escaped(text: str) -> Markup:
@@ -102,9 +108,9 @@ def swatch(name: str) -> Markup:
     pattern = "" if dash == "solid" else markup('stroke-dasharray="{}"', " ".join(map(str, dash)))
     return markup(
         '<svg width="22" height="8" aria-hidden="true"><line x1="0" y1="4" x2="22" y2="4" '
-        'stroke="var(--rj-{})" stroke-width="{:g}" {}/></svg>',
+        'stroke="var(--rj-{})" stroke-width="{}" {}/></svg>',
         name.replace("_", "-"),
-        line_width(name),
+        f"{line_width(name):g}",
         pattern,
     )
 
@@ -351,11 +357,11 @@ def flow_bar(word: str, amount: str, left: float, width: float, colour: str, str
     """Return a bar of bars that follow one another; its place and width are shares of the whole."""
     weight = "<b>{}</b>" if strong else "{}"
     return markup(
-        '<span>{}</span><span class="track"><i style="left:{:.2f}%;width:{:.2f}%;background:{}"></i></span>'
+        '<span>{}</span><span class="track"><i style="left:{}%;width:{}%;background:{}"></i></span>'
         '<span class="amount">{}</span>',
         markup(weight, word),
-        100 * left,
-        100 * max(width, LEAST_BAR),
+        f"{100 * left:.2f}",
+        f"{100 * max(width, LEAST_BAR):.2f}",
         colour,
         markup(weight, amount),
     )
@@ -363,16 +369,12 @@ def flow_bar(word: str, amount: str, left: float, width: float, colour: str, str
 
 def plain_table(header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> Markup:
     """Return a table; a row may be the chosen one."""
-    head = joined(markup('<th scope="col">{}</th>', cell) for cell in header)
-    body = joined(
-        markup(
-            "<tr{}>{}</tr>",
-            Markup(" class=chosen") if chosen else "",
-            joined(markup("<td>{}</td>", cell) for cell in cells),
-        )
+    head = "".join(f'<th scope="col">{_safe(cell)}</th>' for cell in header)
+    body = "".join(
+        f"<tr{' class=chosen' if chosen else ''}>{''.join(f'<td>{_safe(cell)}</td>' for cell in cells)}</tr>"
         for cells, chosen in rows
     )
-    return markup("<table><thead><tr>{}</tr></thead><tbody>{}</tbody></table>", head, body)
+    return Markup(f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>")
 
 
 def table(title: str, header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]], name: str = "") -> Markup:
