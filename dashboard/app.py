@@ -140,7 +140,7 @@ class Session:
             # a page that is sent with its first run is there a second earlier than one that asks for it
             self.runs.do(request)
         self.reporting = Reporting(self.state)
-        self.shell.add(*ReportButton(self.reporting.model, self.browser).parts)
+        self.shell.add(*ReportButton(self.reporting.model, self.browser, self.lifeline.save).parts)
         pn.state.onload(self._load)
 
     def _begin_colours(self) -> None:

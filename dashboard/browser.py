@@ -6,12 +6,12 @@ name.
 """
 
 from collections.abc import Callable
-from importlib.resources import files
 from typing import Any
 
 import param
 from panel.custom import JSComponent
 
+from railjoule.dashboard.look.scripts import module
 from railjoule.dashboard.models.pages import PAGES
 
 
@@ -39,7 +39,7 @@ class Browser(JSComponent):
     drawer = param.Boolean(default=False, doc="Whether the scenario's editor is open.")
     working = param.Boolean(default=False, doc="Whether the page in sight waits for a result.")
 
-    _esm = (files("railjoule.assets") / "scripts" / "browser.js").read_text(encoding="utf-8")
+    _esm = module("browser")
     _priority_changes = ("window_width", "wants_dark", "charts_in_sight")
     """They are sent rarely: they need not wait for others to come."""
 

@@ -7,6 +7,7 @@ from typing import Any
 import param
 from panel.custom import JSComponent
 
+from railjoule.dashboard.look.scripts import module
 from railjoule.dashboard.models.pages import KEYED, PAGES
 
 ASSETS = files("railjoule.assets")
@@ -30,7 +31,7 @@ class Navigation(JSComponent):
     keyed = param.List(default=list(KEYED), doc="The pages that the keys 1 to 9 open.")
     brand = param.String(default=BRAND, doc="The brand, as HTML.")
 
-    _esm = (ASSETS / "scripts" / "navigation.js").read_text(encoding="utf-8")
+    _esm = module("navigation")
     _stylesheets = [(ASSETS / "css" / "navigation.css").read_text(encoding="utf-8")]  # noqa: RUF012
 
     def __init__(self, turn: Callable[[str], None], pin: Callable[[], None], **params: object) -> None:

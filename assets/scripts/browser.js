@@ -1,6 +1,8 @@
 // What only the browser knows, and what it can do without waiting for the server.
 
-const {deep, listen, chart_of} = window.railjoule;
+import {filled, life_of, make, until, within} from "./dom.js";
+import {chart_of, deep, listen} from "./page.js";
+
 const root = document.documentElement;
 const named = (name) => Bokeh.documents[0]?.get_model_by_name(name);
 const view_of = (name) => { const model = named(name); return model && Bokeh.index.find_one(model); };
@@ -11,18 +13,7 @@ const is_there = (name) => {
 // a page stands on the sheet before its words do
 const has_heading = (name) => {
   const holder = view_of(name)?.el;
-  const host_of = (element) => element.getRootNode().host;
-  return deep("h1").some((heading) => {
-    let host = heading.offsetHeight > 0 ? host_of(heading) : null;
-    while (host && host !== holder) { host = host_of(host); }
-    return Boolean(host);
-  });
-};
-const make = (tag, name, html) => {
-  const element = document.createElement(tag);
-  element.className = name;
-  element.innerHTML = html;
-  return element;
+  return deep("h1").some((heading) => heading.offsetHeight > 0 && within(heading, holder));
 };
 const SKETCH = `<svg viewBox="0 0 100 100" preserveAspectRatio="none" aria-hidden="true">
   <path d="M0 98 C4 40 8 16 18 16 L78 16 C90 16 96 46 100 98"/><path d="M0 99 H100"/></svg>`;
@@ -37,8 +28,7 @@ const working = (() => {
   return (reason, on) => {
     if (on) { reasons.add(reason); } else { reasons.delete(reason); }
     if (reasons.size && !bar) {
-      bar = make("div", "rj-working", "");
-      bar.setAttribute("aria-hidden", "true");
+      bar = make("div", {class: "rj-working", "aria-hidden": "true"});
       document.body.append(bar);
     } else if (!reasons.size && bar) { bar.remove(); bar = null; }
   };
@@ -59,12 +49,11 @@ const turning = (model) => {
     if (main) { main.scrollTop = scrolled.get(name) ?? 0; }
   };
   const done = () => { clearTimeout(limit); sketch?.remove(); sketch = null; asked = null; working("page", false); };
-  const settle = () => {
-    if (asked !== null && asked !== model.page) return;
-    if (is_there(`page ${model.page}`) && has_heading(`page ${model.page}`)) {
-      done();
-      arrive(model.page);
-    } else { requestAnimationFrame(settle); }
+  const settle = async () => {
+    const asks_other = () => asked !== null && asked !== model.page;
+    const is_open = () => is_there(`page ${model.page}`) && has_heading(`page ${model.page}`);
+    await until(() => asks_other() || is_open(), TURNED_WITHIN_MS);
+    if (!asks_other() && is_open()) { done(); arrive(model.page); }
   };
   // a page that was open before is there at once, and what has changed since comes with the server's answer; unless
   // it is to show something else
@@ -88,7 +77,7 @@ const turning = (model) => {
     }
     const place = deep(".main-content")[0]?.getBoundingClientRect();
     if (!place) return;
-    sketch ??= document.body.appendChild(make("div", "rj-turning", ""));
+    sketch ??= document.body.appendChild(make("div", {class: "rj-turning"}));
     sketch.innerHTML = `<h1></h1><p role="status">Opening</p>${ROWS}${SKETCH}${SKETCH.replace("<svg", '<svg class="low"')}`;
     sketch.querySelector("h1").textContent = model.questions[name];
     Object.assign(sketch.style, {
@@ -107,8 +96,10 @@ const turning = (model) => {
 
 const drawing = (model) => {
   let sketch = null;
-  const settle = () => {
-    if (is_there("editor")) { sketch?.remove(); sketch = null; } else if (sketch) { requestAnimationFrame(settle); }
+  const settle = async () => {
+    await until(() => !sketch || is_there("editor"), TURNED_WITHIN_MS);
+    sketch?.remove();
+    sketch = null;
   };
   model.on("drawer", () => { if (model.drawer) { requestAnimationFrame(settle); } });
   // returns whether the press is to go on to the server
@@ -116,7 +107,7 @@ const drawing = (model) => {
     if (sketch) return false;
     if (!model.drawer) {
       const html = `<h2>Scenario editor</h2><div class="rj-list">${"<i></i>".repeat(10)}</div>`;
-      sketch = document.body.appendChild(make("div", "rj-drawer", html));
+      sketch = document.body.appendChild(filled("div", "rj-drawer", html));
       sketch.setAttribute("role", "status");
       sketch.setAttribute("aria-label", "The scenario editor is opening");
     }
@@ -164,7 +155,7 @@ const mend = () => {
   }
 };
 
-const watching = (model) => {
+const watch = (model, signal) => {
   const seen = new Map();
   const observer = new IntersectionObserver((entries) => {
     for (const entry of entries) { seen.set(entry.target, entry.isIntersecting); }
@@ -175,20 +166,19 @@ const watching = (model) => {
   const look = () => {
     for (const element of deep(".rj-chart")) {
       if (!seen.has(element)) { seen.set(element, false); observer.observe(element); }
-      if (!element.classList.contains("rj-undrawn")) { window.railjoule_equip?.(element); }
     }
-    for (const element of [...seen.keys()]) {
+    for (const element of seen.keys()) {
       if (!element.isConnected) { seen.delete(element); observer.unobserve(element); }
     }
     mend();
   };
   look();
   const stop = listen(look);
-  return () => { stop(); observer.disconnect(); };
+  signal.addEventListener("abort", () => { stop(); observer.disconnect(); });
 };
 
 export function render({model}) {
-  const turn = turning(model), draw = drawing(model), change = colours();
+  const signal = life_of(model), turn = turning(model), draw = drawing(model), change = colours();
   const system = window.matchMedia("(prefers-color-scheme: dark)");
   const paint = () => root.classList.toggle("rj-dark", model.dark);
   const ask_dark = (tell) => {
@@ -203,18 +193,15 @@ export function render({model}) {
   let resized = null;
   const measure = () => { model.window_width = window.innerWidth; };
   const resize = () => { clearTimeout(resized); resized = setTimeout(measure, 120); };
-  // for those who open pages, such as the bar
-  window.railjoule.turn = turn;
   const press = (event) => {
     const path = event.composedPath();
     const button = path.find((element) => element.matches?.("button"));
     if (!button) return;
-    const within = (name) => path.some((element) => element.classList?.contains(name));
     const words = (button.getAttribute("aria-label") ?? button.textContent).trim();
     if (button.dataset.scenario) {
       model.send_msg({kind: "scenario", name: button.dataset.scenario});
       requestAnimationFrame(() => setTimeout(() => turn("Drive", true)));
-    } else if (within("rj-edit")) {
+    } else if (path.some((element) => element.classList?.contains("rj-edit"))) {
       if (!draw()) { event.stopImmediatePropagation(); event.preventDefault(); }
     } else if (words === "Toggle theme") {
       event.stopImmediatePropagation();
@@ -234,17 +221,12 @@ export function render({model}) {
       if (window.requestIdleCallback) { requestIdleCallback(tell, {timeout: 1000}); } else { setTimeout(tell, LATE_MS); }
     }
   });
-  window.addEventListener("resize", resize);
-  window.addEventListener("click", press, true);
-  system.addEventListener("change", follow);
+  window.addEventListener("resize", resize, {signal});
+  window.addEventListener("click", press, {capture: true, signal});
+  window.addEventListener("rj-turn", (event) => turn(event.detail.page), {signal});
+  system.addEventListener("change", follow, {signal});
   measure();
   model.wants_dark = system.matches;
-  const stop = watching(model);
-  model.on("remove", () => {
-    stop();
-    window.removeEventListener("resize", resize);
-    window.removeEventListener("click", press, true);
-    system.removeEventListener("change", follow);
-  });
-  return document.createElement("span");
+  watch(model, signal);
+  return make("span");
 }

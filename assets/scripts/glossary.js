@@ -3,6 +3,7 @@
 (() => {
   "use strict";
   const {deep, listen} = window.railjoule;
+  const open_page = (page) => window.dispatchEvent(new CustomEvent("rj-open", {detail: {page}}));
   const terms = JSON.parse(document.getElementById("rj-glossary").textContent);
   const REST_MS = 350, LEAVE_MS = 150, SETTLED_MS = 300, TURN_WITHIN_MS = 10000, MARGIN_PX = 8;
   const FLOW = "display:block;grid-column:1/-1;box-sizing:border-box;max-width:76ch;font:12px/1.45 var(--rj-font);" +
@@ -102,7 +103,7 @@
 
   const help = (term) => {
     close();
-    window.railjoule.open_page?.("Help");
+    open_page("Help");
     const until = performance.now() + TURN_WITHIN_MS;
     const look = () => {
       const [entry] = deep(`#term-${term}`);
@@ -134,7 +135,7 @@
     const button = button_of(event);
     if (button) { hide(); toggle(button); }
     const opener = event.composedPath().find((one) => one.dataset?.open);
-    if (opener) { window.railjoule.open_page?.(opener.dataset.open); }
+    if (opener) { open_page(opener.dataset.open); }
   });
   window.addEventListener("keydown", (event) => {
     if (event.key !== "Escape" || (!tip && !open)) { return; }

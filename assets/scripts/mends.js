@@ -163,17 +163,24 @@
     };
     let plotly = null;
     const load_plotly = () => plotly ??= new Promise((resolve, reject) => {
-      if (window.Plotly || !window.railjoule_plotly) { resolve(); return; }
+      const address = document.getElementById("rj-plotly")?.dataset.address;
+      if (window.Plotly || !address) { resolve(); return; }
       const script = document.createElement("script");
-      script.src = window.railjoule_plotly;
+      script.src = address;
       script.onload = resolve;
       script.onerror = () => { plotly = null; reject(new Error("plotly.js could not be loaded")); };
       document.head.append(script);
     });
-    const next_frame = () => new Promise((resolve) => requestAnimationFrame(resolve));
+    // resolves when the view has a width, or has gone
+    const sized = (view) => view.rj_sized ??= new Promise((resolve) => {
+      const go_on = () => { observer.disconnect(); view.rj_sized = null; resolve(); };
+      const observer = new ResizeObserver(() => { if (view.el.clientWidth) { go_on(); } });
+      view.rj_go_on = go_on;
+      observer.observe(view.el);
+    });
     plot.plot = async function (...rest) {
       await load_plotly();
-      while (!this.is_destroyed && !this.el.clientWidth) { await next_frame(); }
+      if (!this.is_destroyed && !this.el.clientWidth) { await sized(this); }
       if (this.is_destroyed) { return; }
       // what is taken off the page while it draws has lost what it would draw next
       try { await draw.apply(this, rest); } catch (error) { if (!this.is_destroyed) { throw error; } }
@@ -192,6 +199,7 @@
     plot.remove = function () {
       if (!window.Plotly) { this.container = null; }
       remove.call(this);
+      this.rj_go_on?.();
     };
   });
 

@@ -1,18 +1,15 @@
 // The bar of pages, their groups, and the keys that open pages.
 
+import {filled, life_of, make} from "./dom.js";
+import {ask} from "./page.js";
+
 const MARGIN_PX = 8;
 const TYPED = "input:not([type=range], [type=checkbox], [type=radio], [type=button]), textarea, select, " +
   "[contenteditable=''], [contenteditable=true], [role=textbox], [role=combobox], [role=listbox], [role=option], " +
   "[role=menuitem], [role=spinbutton]";
-const make = (tag, attributes = {}, ...children) => {
-  const element = document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes)) { element.setAttribute(name, value); }
-  element.append(...children);
-  return element;
-};
 
 export function render({model}) {
-  const nav = make("nav", {"aria-label": "Pages"});
+  const signal = life_of(model), nav = make("nav", {"aria-label": "Pages"});
   const page_button = (name) => make("button", {type: "button", "data-page": name}, name);
   const entries = model.entries, pages = (group) => entries.filter((entry) => entry.group === group);
 
@@ -60,10 +57,10 @@ export function render({model}) {
 
   // --- the bar, and the one menu of narrow screens
 
-  const brand = page_button("Start");
-  brand.className = "brand";
+  const brand = filled("button", "brand", model.brand);
+  brand.type = "button";
+  brand.dataset.page = "Start";
   brand.setAttribute("aria-label", "Start");
-  brand.innerHTML = model.brand;
   const bar = make("ul", {class: "bar"}), right = make("ul", {class: "right"});
   for (const {name, place, group} of entries) {
     if (place === "brand") { continue; }
@@ -106,7 +103,7 @@ export function render({model}) {
     show(page);
     model.send_msg({kind: "page", page});
     // the press is seen first
-    requestAnimationFrame(() => setTimeout(() => window.railjoule.turn?.(page)));
+    requestAnimationFrame(() => setTimeout(() => ask("turn", {page})));
   };
   nav.addEventListener("click", (event) => {
     const button = event.composedPath().find((element) => element.dataset?.page);
@@ -142,13 +139,10 @@ export function render({model}) {
   const outside = (event) => { if (opened && !event.composedPath().includes(nav)) { close(); } };
   const away = () => close();
   const listeners = [["keydown", key], ["pointerdown", outside], ["resize", away], ["blur", away]];
-  for (const [name, listener] of listeners) { window.addEventListener(name, listener); }
+  for (const [name, listener] of listeners) { window.addEventListener(name, listener, {signal}); }
+  // from elsewhere, such as the explanations
+  window.addEventListener("rj-open", (event) => turn(event.detail.page), {signal});
   model.on("page", () => show(model.page));
-  model.on("remove", () => {
-    for (const [name, listener] of listeners) { window.removeEventListener(name, listener); }
-  });
-  // for those who open pages from elsewhere, such as the explanations
-  window.railjoule.open_page = turn;
   show(model.page);
   return nav;
 }

@@ -144,7 +144,7 @@
     document.querySelector("main").style.width = `${PAPER_PX}px`;
     settle();
     fitNames();
-    theme === "light" ? drawPhases() : paint("light");
+    if (theme === "light") { drawPhases(); } else { paint("light"); }
   };
   const copy = () => {
     settle();

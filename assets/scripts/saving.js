@@ -1,8 +1,13 @@
 // Saves what is shown: figures as PNG, SVG and CSV, tables as CSV; copies and prints the advice card, sorts tables.
 // All of it happens in the browser; nothing is asked of the server.
 
+import {filled, life_of, make, until, within} from "./dom.js";
+import {copy_text, offer} from "./files.js";
+import {deep, listen} from "./page.js";
+
 const SVG = "http://www.w3.org/2000/svg";
 const PIXELS = 2; // of the picture for each of the page
+const LAID_OUT_WITHIN_MS = 5000, COPIED_FOR_MS = 2000;
 const [CAPTION_PX, AXIS_PX, STRIP_PX] = [22, 40, 50];
 const DECORATION = new Set(["fill", "ink", "colour", "align", "offset", "base", "middle"]);
 const NOT_DATA = new Set(["forbidden", "borders"]); // sources that only help the eye
@@ -25,44 +30,39 @@ const STYLE = `
 const ICON = `<svg viewBox="0 0 16 16" width="16" height="16" fill="none" stroke="currentColor" stroke-width="1.5"
   aria-hidden="true"><path d="M8 2v8M4.8 7 8 10.2 11.2 7M2.5 11v2.5h11V11"/></svg>`;
 
-// all elements beneath a root that match, those within shadow roots included
-const deep = (root, selector, found = []) => {
-  if (root.shadowRoot) deep(root.shadowRoot, selector, found);
-  found.push(...root.querySelectorAll(selector));
-  for (const element of root.querySelectorAll("*")) { if (element.shadowRoot) deep(element.shadowRoot, selector, found); }
-  return found;
-};
-const within = (element, place) => {
-  for (let node = element; node; node = node.parentNode ?? node.host) { if (node === place) return true; }
-  return false;
+// the first element beneath a place that matches, within whatever shadow roots
+const first_in = (place, selector) => {
+  for (const root of [place.shadowRoot, place]) {
+    if (!root) { continue; }
+    const found = root.querySelector(selector);
+    if (found) { return found; }
+    for (const element of root.querySelectorAll("*")) {
+      const inner = element.shadowRoot && first_in(element, selector);
+      if (inner) { return inner; }
+    }
+  }
+  return null;
 };
 const token = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--rj-${name}`).trim();
 const slug = (text) => text.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-+|-+$/g, "").slice(0, 60);
 const file_name = (what, ending) => {
   // the name of the scenario; the heading of a page is its question
-  const title = window.railjoule.deep(".head .scenario").filter((name) => name.checkVisibility())
+  const title = deep(".head .scenario").filter((name) => name.checkVisibility())
     .map((name) => name.textContent.trim()).find(Boolean) ?? "railjoule";
   return `${[slug(title), slug(what)].filter(Boolean).join("-")}.${ending}`;
-};
-const offer = (content, type, name) => {
-  const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([content], {type}));
-  link.download = name;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
 };
 
 // --- pictures
 
-const named = (place) => deep(place, "[data-figure], [role=img][aria-label]")[0];
+const named = (place) => first_in(place, "[data-figure], [role=img][aria-label]");
 const words_of = (place) => {
   const figure = named(place);
   return figure ? figure.dataset.figure ?? figure.getAttribute("aria-label") : "";
 };
 const bokeh_views = (place) =>
   [...Bokeh.index.query((view) => view.model.type === "Figure" && within(view.el, place))];
-const plotly_of = (place) => deep(place, ".js-plotly-plot")[0];
-const drawn_in = (place) => deep(place, "svg[data-figure]")[0];
+const plotly_of = (place) => first_in(place, ".js-plotly-plot");
+const drawn_in = (place) => first_in(place, "svg[data-figure]");
 
 // Bokeh draws a copy at the pixel ratio of the window: for that moment it is PIXELS
 const at_ratio = (ratio, draw) => {
@@ -72,7 +72,8 @@ const at_ratio = (ratio, draw) => {
     if (own) { Object.defineProperty(window, "devicePixelRatio", own); } else { delete window.devicePixelRatio; }
   }
 };
-const frame = () => new Promise((resolve) => requestAnimationFrame(resolve));
+const next_frame = () => new Promise((resolve) => requestAnimationFrame(resolve));
+// the tags of a shared axis are a count, its unit and the end of its ticks, as Axis.settle in charts.py writes them
 const x_words = (figure) => {
   const [, unit] = figure.x_range.tags ?? [];
   return figure.below.find((one) => one.axis_label)?.axis_label
@@ -89,8 +90,9 @@ const with_axis = async (view, draw) => {
   const grow = async (changes, high) => {
     axis.setv(changes, {sync: false});
     figure.setv({height: high}, {sync: false});
-    for (let k = 0; k < 60 && view.bbox.height === (high === height ? tall + AXIS_PX : tall); k++) { await frame(); }
-    await frame();
+    // the library lays out when it has time, and tells nobody
+    await until(() => view.bbox.height !== (high === height ? tall + AXIS_PX : tall), LAID_OUT_WITHIN_MS);
+    await next_frame();
   };
   await grow({visible: true, axis_label: x_words(figure), ...(end ? {bounds: [0, end]} : {})}, height + AXIS_PX);
   try { return draw(); } finally { await grow(before, height); }
@@ -153,16 +155,16 @@ const png_of = async (place) => {
 const svg_of = async (place) => {
   const [words, pieces] = [words_of(place), await pieces_of(place, "svg")];
   const {width, height} = layout_of(pieces, words);
-  const make = (name, attributes, text = "") => {
+  const make_svg = (name, attributes, text = "") => {
     const element = document.createElementNS(SVG, name);
     for (const [key, value] of Object.entries(attributes)) { element.setAttribute(key, value); }
     element.textContent = text;
     return element;
   };
-  const svg = make("svg", {width, height, viewBox: `0 0 ${width} ${height}`});
-  svg.append(make("title", {}, words), make("rect", {width, height, fill: token("surface")}));
+  const svg = make_svg("svg", {width, height, viewBox: `0 0 ${width} ${height}`});
+  svg.append(make_svg("title", {}, words), make_svg("rect", {width, height, fill: token("surface")}));
   const style = {"font-family": token("font"), "font-size": 12, fill: token("ink2")};
-  svg.append(make("text", {x: 14, y: 15, ...style}, words));
+  svg.append(make_svg("text", {x: 14, y: 15, ...style}, words));
   for (const {node, y, width: wide, height: tall} of pieces) {
     for (const [key, value] of Object.entries({x: 0, y, width: wide, height: tall})) { node.setAttribute(key, value); }
     svg.append(document.importNode(node, true));
@@ -172,16 +174,18 @@ const svg_of = async (place) => {
 
 // --- numbers
 
+// a number as programs read it
+export const plain = (text) => text.trim().replaceAll("\u202f", "").replaceAll("\u2212", "-");
 // text that a spreadsheet would take for a formula is told to be text; numbers lose the spaces and the long minus
-const cell = (value) => {
+export const cell = (value) => {
   if (value == null || Number.isNaN(value)) return "";
   let text = String(value).trim();
-  const plain = text.replace(/\u202f/g, "").replace(/\u2212/g, "-");
-  if (plain !== "" && Number.isFinite(Number(plain))) return plain.replace(/^\+/, "");
+  const number = plain(text);
+  if (number !== "" && Number.isFinite(Number(number))) { return number.replace(/^\+/, ""); }
   if (/^[=+\-@\t]/.test(text)) text = `'${text}`;
   return /[",\n\r]/.test(text) ? `"${text.replace(/"/g, '""')}"` : text;
 };
-const csv_from = (rows) => rows.map((row) => row.map(cell).join(",")).join("\r\n") + "\r\n";
+export const csv_from = (rows) => rows.map((row) => row.map(cell).join(",")).join("\r\n") + "\r\n";
 const table_rows = (table) =>
   [...table.rows].map((row) => [...row.cells].map((entry) => entry.textContent.replace(/\s+/g, " ").trim()));
 
@@ -214,6 +218,7 @@ const bokeh_series = (view, words) => {
     if (!source || NOT_DATA.has(source.name) || !renderer.visible || renderer.glyph?.type === "Text" || seen.has(source)) continue;
     seen.add(source);
     const points = source_points(Object.fromEntries(Object.entries(source.data)));
+    // charts.py calls each source by the key that it has in the chart
     if (points.length) series.push([source.name ?? `series ${series.length + 1}`, points]);
   }
   const x = x_words(view.model) || "x";
@@ -228,7 +233,7 @@ const plotly_series = (plot) => plot.data.map((trace, k) => {
   return [trace.name ?? (grid ? "surface" : `series ${k + 1}`), points];
 });
 const figure_rows = (place) => {
-  if (drawn_in(place)) return table_rows(deep(place, "table")[0]);
+  if (drawn_in(place)) return table_rows(first_in(place, "table"));
   const plot = plotly_of(place);
   const views = plot ? [] : bokeh_views(place);
   const [series, words] = plot ? [plotly_series(plot), {}] : bokeh_series(views[0], words_of(place));
@@ -253,10 +258,9 @@ const equip = (place) => {
   const sheet = new CSSStyleSheet();
   sheet.replaceSync(STYLE);
   root.adoptedStyleSheets = [...root.adoptedStyleSheets, sheet];
-  const holder = document.createElement("div");
   // a strip has no caption beside which the button could stand: it takes the room of the axis
-  holder.className = place.clientHeight < STRIP_PX ? "rj-save low" : "rj-save";
-  holder.innerHTML = `<button type="button" aria-haspopup="menu" aria-expanded="false">${ICON}</button>`;
+  const holder = filled("div", place.clientHeight < STRIP_PX ? "rj-save low" : "rj-save",
+    `<button type="button" aria-haspopup="menu" aria-expanded="false">${ICON}</button>`);
   const button = holder.firstChild;
   button.setAttribute("aria-label", `Save ${words}`);
   button.title = "Save this figure";
@@ -270,14 +274,9 @@ const equip = (place) => {
     button.setAttribute("aria-expanded", "false");
   };
   const open = () => {
-    menu = document.createElement("div");
-    menu.setAttribute("role", "menu");
-    menu.setAttribute("aria-label", `Save ${words} as`);
+    menu = make("div", {role: "menu", "aria-label": `Save ${words} as`});
     for (const type of ["png", "svg", "csv"]) {
-      const item = document.createElement("button");
-      item.type = "button";
-      item.setAttribute("role", "menuitem");
-      item.textContent = type.toUpperCase();
+      const item = make("button", {type: "button", role: "menuitem"}, type.toUpperCase());
       item.addEventListener("click", () => { close(true); save(place, words, type); });
       menu.append(item);
     }
@@ -306,23 +305,9 @@ const lines_of = (card) => [...card.querySelectorAll(".told, .way")].map((item) 
   return number ? `${number}. ${item.textContent.trim().slice(number.length)}` : item.textContent;
 });
 const card_text = (card) => [card.dataset.title, ...lines_of(card)].join("\n");
-const copy_text = async (text) => {
-  if (navigator.clipboard) {
-    try { await navigator.clipboard.writeText(text); return; } catch { /* not allowed: the old way */ }
-  }
-  const area = document.createElement("textarea");
-  area.value = text;
-  document.body.append(area);
-  area.select();
-  document.execCommand("copy");
-  area.remove();
-};
 const print_card = (card) => {
   document.getElementById("rj-print")?.remove();
-  const frame = document.createElement("iframe");
-  frame.id = "rj-print";
-  frame.title = "Driver\u2019s advice, to print";
-  frame.setAttribute("aria-hidden", "true");
+  const frame = make("iframe", {id: "rj-print", title: "Driver\u2019s advice, to print", "aria-hidden": "true"});
   frame.style.cssText = "position:fixed;width:0;height:0;border:0;visibility:hidden";
   document.body.append(frame);
   const sheet = frame.contentDocument;
@@ -349,7 +334,7 @@ const ACTIONS = {
   copy: async (button) => {
     await copy_text(card_text(button.closest(".card")));
     button.textContent = "Copied";
-    setTimeout(() => { button.textContent = "Copy"; }, 2000);
+    setTimeout(() => { button.textContent = "Copy"; }, COPIED_FOR_MS);
   },
   print: (button) => print_card(button.closest(".card")),
   sort: (button) => {
@@ -366,8 +351,8 @@ const ACTIONS = {
   },
 };
 // numbers by size, words by the alphabet, what is not known last
-const compared = (one, other) => {
-  const [a, b] = [one, other].map((text) => Number(text.replace(/\u202f/g, "").replace(/\u2212/g, "-") || NaN));
+export const compared = (one, other) => {
+  const [a, b] = [one, other].map((text) => Number(plain(text) || NaN));
   if (Number.isNaN(a) !== Number.isNaN(b)) return Number.isNaN(a) ? 1 : -1;
   return Number.isNaN(a) ? one.localeCompare(other) : a - b;
 };
@@ -376,8 +361,13 @@ const press = (event) => {
   if (button) ACTIONS[button.dataset.act]?.(button);
 };
 
-export function render() {
-  window.railjoule_equip = equip;
-  document.addEventListener("click", press);
-  return document.createElement("span");
+export function render({model}) {
+  const signal = life_of(model);
+  const look = () => {
+    for (const place of deep(".rj-chart:not(.rj-undrawn)")) { equip(place); }
+  };
+  document.addEventListener("click", press, {signal});
+  signal.addEventListener("abort", listen(look));
+  look();
+  return make("span");
 }

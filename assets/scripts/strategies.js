@@ -1,34 +1,22 @@
 // The strategies: which run all numbers speak of, which are drawn, and what each of them needs.
 
-const make = (tag, name, html = "") => {
-  const element = document.createElement(tag);
-  element.className = name;
-  element.innerHTML = html;
-  return element;
-};
+import {filled, make} from "./dom.js";
 
 export function render({model}) {
-  const root = make("div", "strategies");
-  root.setAttribute("role", "group");
-  root.setAttribute("aria-label", "Strategies");
-  const head = make("div", "strategy head",
+  const root = make("div", {class: "strategies", role: "group", "aria-label": "Strategies"});
+  const head = filled("div", "strategy head",
     '<span class="one">this run</span><span class="draw">draw</span><span></span><span></span><span></span>' +
     '<span class="heads"><span>kWh</span><span class="above"></span></span>');
   head.setAttribute("aria-hidden", "true");
   root.append(head);
   const rows = new Map();
   for (const {name, label, swatch, info} of model.strategies) {
-    const row = make("div", "strategy");
-    const radio = make("input", "one"), box = make("input", "draw");
-    Object.assign(radio, {type: "radio", name: "this-run", value: name});
-    radio.setAttribute("aria-label", label);
-    box.type = "checkbox";
-    box.setAttribute("aria-label", `Draw ${label}`);
-    const text = make("label", "name");
-    text.textContent = label;
+    const radio = make("input", {class: "one", type: "radio", name: "this-run", value: name, "aria-label": label});
+    const box = make("input", {class: "draw", type: "checkbox", "aria-label": `Draw ${label}`});
+    const text = make("label", {class: "name"}, label), result = make("span", {class: "result"});
     text.addEventListener("click", () => radio.click());
-    const result = make("span", "result");
-    row.append(radio, box, make("span", "swatch", swatch), text, make("span", "", info), result);
+    const row = make("div", {class: "strategy"},
+      radio, box, filled("span", "swatch", swatch), text, filled("span", "", info), result);
     radio.addEventListener("change", () => {
       model.send_msg({kind: "choose", name});
       for (const [other, one] of rows) { mark(one, other === name, one.box.dataset.ticked === "1"); }

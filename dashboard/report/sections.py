@@ -266,7 +266,7 @@ def sensitivity_table(found: SensitivityTable) -> str:
         f"assumes to be farther on by the error; planned: {words.energy(found.planned_kwh)} kWh. "
         "Energy against the plan, %.</p>"
     )
-    return parts.table("Overconsumption, %, over load and position error", head, rows) + note
+    return f"{parts.table('Overconsumption, %, over load and position error', head, rows)}{note}"
 
 
 # ---- scenario, file

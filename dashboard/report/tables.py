@@ -1,6 +1,5 @@
 """The scenario as tables, from the descriptions of its fields; every text of a user is escaped."""
 
-import html
 import re
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -31,7 +30,7 @@ def scenario_tables(scenario: Scenario) -> str:
     """Return vehicle, line, timetable and what goes otherwise as tables."""
     vehicle = scenario.vehicle
     blocks = [
-        _fields_table(f"Vehicle: {html.escape(vehicle.name)}", [*_fields(vehicle), *_masses(scenario)]),
+        _fields_table(f"Vehicle: {vehicle.name}", [*_fields(vehicle), *_masses(scenario)]),
         *(_fields_table(title, _fields(getattr(vehicle, part))) for part, title in PARTS.items()),
         _machine_table(vehicle),
         _fields_table("Timetable and mesh", _timetable(scenario)),
@@ -111,7 +110,7 @@ def _line_tables(line: Line) -> Iterator[str]:
         )
         for section, start, end in zip(running.sections, borders[:-1], borders[1:], strict=True)
     ]
-    name = f": {html.escape(line.name)}" if line.name else ""
+    name = f": {line.name}" if line.name else ""
     head = ("From, m", "to, m", words.PER_MILLE, "limit, km/h", "curve radius, m")
     yield _rows_table(f"Track{name}", head, sections)
     limits = [
@@ -120,7 +119,7 @@ def _line_tables(line: Line) -> Iterator[str]:
     ]
     yield _rows_table("Speed limits", ("From, m", "to, m", "km/h"), limits)
     stations = [
-        (html.escape(station.name) or "\u2013", words.number(station.position_m, 0), words.number(station.dwell_s, 0))
+        (station.name or "\u2013", words.number(station.position_m, 0), words.number(station.dwell_s, 0))
         for station in running.stations
     ]
     yield _rows_table("Stations", ("Station", "at, m", "dwell, s"), stations)
@@ -137,15 +136,15 @@ def _disturbance_tables(disturbance: Disturbance) -> Iterator[str]:
 
 
 def _fields_table(title: str, rows: Iterator[Row] | Sequence[Row]) -> str:
-    """Return a table of names, values and units; the title is HTML, all else is escaped."""
-    cells = [tuple(html.escape(text) for text in row) for row in rows]
+    """Return a table of names, values and units; nothing without rows."""
+    cells = list(rows)
     return table(title, ("Quantity", "Value", "Unit"), ((row, False) for row in cells)) if cells else ""
 
 
 def _rows_table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return a table of cells that are HTML, shortened where it is long; nothing without rows."""
+    """Return a table, shortened where it is long; nothing without rows."""
     if not rows:
         return ""
     left_out = len(rows) - MOST_ROWS
     more = f'<p class="note">{left_out} more rows in the scenario below.</p>' if left_out > 0 else ""
-    return table(title, head, ((row, False) for row in rows[:MOST_ROWS])) + more
+    return f"{table(title, head, ((row, False) for row in rows[:MOST_ROWS]))}{more}"

@@ -2,13 +2,25 @@
 
 from collections.abc import Sequence
 
+from markupsafe import Markup
+
 from railjoule.core import Trajectory
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.actual_run import ActualRun, Cause
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.store import Runs, same_plan
-from railjoule.dashboard.views.parts import figure, figures, price_figure
+from railjoule.dashboard.views.parts import (
+    figure,
+    figures,
+    flow_bar,
+    joined,
+    markup,
+    note_paragraphs,
+    price_figure,
+)
 
+CAUSES = '<div class="block causes"><h2>{}</h2>{}</div>'
+OPEN = '<span class="open">{}</span>'
 EQUAL = "The actual run equals the plan. Change load, position or add a stop."
 LEAST_STOP_ERROR_M = 0.05
 SAME_ENERGY = 1e-9
@@ -59,11 +71,9 @@ def _main(actual: ActualRun) -> str:
     planned, driven = actual.planned.energy_kwh, actual.actual.energy_kwh
     label = "Actual run saves" if actual.extra_kwh < 0 and actual.causes else "Actual run costs"
     amount = comparisons.above(driven, planned)
-    more = f'<b class="over">{amount}</b>' if amount.unit == "%" else ""
+    unit = markup('kWh <b class="over">{}</b>', amount) if amount.unit == "%" else "kWh "
     detail = f"{words.energy(driven)} kWh against {words.energy(planned)} planned" if actual.causes else EQUAL
-    return figure(
-        label, words.energy_difference(actual.extra_kwh), f"kWh {more}", detail, kind="main", term="Actual run costs"
-    )
+    return figure(label, words.energy_difference(actual.extra_kwh), unit, detail, kind="main", term="Actual run costs")
 
 
 def _planned(actual: ActualRun, run: Trajectory) -> str:
@@ -74,43 +84,34 @@ def _planned(actual: ActualRun, run: Trajectory) -> str:
         whole = f"{amount.sentence} the run without it, {words.energy(run.energy_kwh)} kWh"
         return figure("Planned run", energy, "kWh", detail, whole=whole)
     if run.is_proven and comparisons.is_reference(run):
-        return figure("Planned run", energy, "kWh", '<span class="proven">\u2713 proven optimum</span>')
+        return figure("Planned run", energy, "kWh", Markup('<span class="proven">\u2713 proven optimum</span>'))
     return figure("Planned run", energy, "kWh", words.strategy(run.strategy))
 
 
 def late_words(actual: ActualRun) -> str:
     """Return how late a run arrives, and how far from its place it stands, as HTML."""
     late, error = actual.delay_s, actual.stop_error_m
-    if abs(late) < comparisons.OTHER_TIME_S:
-        told = "on time"
-    elif late < 0:
-        told = f"{words.time(-late)} s early"
-    else:
-        told = f'<span class="open">{words.time(late)} s late</span>'
+    told: str = "on time" if abs(late) < comparisons.OTHER_TIME_S else f"{words.time(-late)} s early"
+    if late >= comparisons.OTHER_TIME_S:
+        told = markup(OPEN, f"{words.time(late)} s late")
     if abs(error) >= LEAST_STOP_ERROR_M:
         side = "beyond the stop" if error > 0 else "short of the stop"
-        told += f', <span class="open">{words.number(abs(error))} m {side}</span>'
+        told = joined([told, markup(OPEN, f"{words.number(abs(error))} m {side}")], ", ")
     return told
 
 
 def causes_block(actual: ActualRun) -> str:
     """Return where the extra energy comes from, as bars that follow one another and sum to the whole."""
     if not actual.causes:
-        return f'<div class="block causes"><h2>Where the extra energy comes from</h2><p class="note">{EQUAL}</p></div>'
+        return markup(CAUSES, "Where the extra energy comes from", note_paragraphs([EQUAL]))
     energies = [cause.energy_kwh for cause in actual.causes]
     ends = _running(energies)
     low, high = min(0.0, *ends), max(0.0, *ends)
     scale = max(high - low, 1e-9)
 
-    def bar(name: str, start: float, length: float, colour: str, strong: bool = False) -> str:
-        left, width = 100 * (min(start, start + length) - low) / scale, 100 * abs(length) / scale
-        told = f"{words.energy_difference(length)} kWh"
-        return (
-            f"<span>{f'<b>{name}</b>' if strong else name}</span>"
-            f'<span class="track"><i style="left:{left:.2f}%;width:{max(width, 0.3):.2f}%;'
-            f'background:{colour}"></i></span>'
-            f'<span class="amount">{f"<b>{told}</b>" if strong else told}</span>'
-        )
+    def bar(name: str, start: float, length: float, colour: str, strong: bool = False) -> Markup:
+        left, amount = (min(start, start + length) - low) / scale, f"{words.energy_difference(length)} kWh"
+        return flow_bar(name, amount, left, abs(length) / scale, colour, strong)
 
     rows = [
         bar(cause_words(cause, actual.scenario), start, cause.energy_kwh, "var(--rj-costbar)")
@@ -120,9 +121,9 @@ def causes_block(actual: ActualRun) -> str:
     title = f"Where the extra {words.energy(abs(actual.extra_kwh))} kWh comes from"
     if actual.extra_kwh < 0:
         title = f"Where the saved {words.energy(abs(actual.extra_kwh))} kWh comes from"
-    notes = "".join(f'<p class="note">{note}</p>' for note in actual.notes)
-    order = '<p class="note">Each cause is added to those above it.</p>' if len(energies) > 1 else ""
-    return f'<div class="block causes"><h2>{title}</h2><div class="flow">{"".join(rows)}</div>{order}{notes}</div>'
+    order = ["Each cause is added to those above it."] if len(energies) > 1 else []
+    flow = markup('<div class="flow">{}</div>', joined(rows))
+    return markup(CAUSES, title, flow + note_paragraphs([*order, *actual.notes]))
 
 
 def _running(energies: Sequence[float]) -> list[float]:

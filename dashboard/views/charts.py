@@ -31,6 +31,7 @@ from panel.viewable import Viewable
 from railjoule.core.arrays import FloatArray
 from railjoule.core.energy import SMALL_ENERGY_KWH
 from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look.scripts import function
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.look.tokens import DASHES, FONT, line_width
 from railjoule.dashboard.views import parts
@@ -38,43 +39,7 @@ from railjoule.dashboard.views.label_places import Box
 from railjoule.dashboard.views.line_names import Frame, Name, name_source, placed_names
 from railjoule.dashboard.views.sketches import COMPUTING, SketchKind, not_drawn, sketch
 
-TICKS_JS = """
-return tick.toLocaleString("en", {minimumFractionDigits: digits, maximumFractionDigits: 3})
-  .replace(/,/g, "\\u202f").replace("-", "\\u2212")
-"""
-CURSOR_JS = """
-// called by the mouse, and by a tag of the shared range when the runs under a resting mouse have changed
-if (cb_obj.event_name) { window.railjoule_place = cb_obj.event_name === "mouseleave" ? null : cb_obj.x; }
-const place = window.railjoule_place;
-if (place == null && !cb_obj.event_name) return;
-const text = (value, digits) => isFinite(value)
-  ? Math.abs(value).toLocaleString("en", {minimumFractionDigits: digits, maximumFractionDigits: digits})
-      .replace(/,/g, "\\u202f").replace(/^/, value < 0 && +Math.abs(value).toFixed(digits) ? "\\u2212" : "")
-  : "\\u2013";
-const at = (data, stepped) => {
-  const {x, y} = data;
-  if (!x || x.length < 2 || place < x[0] || place > x[x.length - 1]) return NaN;
-  let low = 0, high = x.length - 1;
-  while (high - low > 1) {
-    const middle = (low + high) >> 1;
-    if (x[middle] < place) { low = middle; } else { high = middle; }
-  }
-  if (stepped) return y[high];
-  return x[high] === x[low] ? y[high] : y[low] + (y[high] - y[low]) * (place - x[low]) / (x[high] - x[low]);
-};
-for (const chart of charts) {
-  if (place == null) { chart.caption.text = chart.words; continue; }
-  // a source may have a unit and digits of its own
-  const values = chart.sources
-    .map(([word, source, unit, digits]) => [word, at(source.data, chart.stepped), unit ?? chart.unit, digits])
-    .filter(([, number]) => isFinite(number))
-    .map(([word, number, unit, digits]) =>
-      [word, number, unit, digits ?? chart.digits + (Math.abs(number) < chart.small ? 1 : 0)])
-    .map(([word, number, unit, digits]) => (word ? word + " " : "") + text(number, digits) + " " + unit);
-  const where = chart.place ? text(place, chart.place[1]) + " " + chart.place[0] + ": " : "";
-  chart.caption.text = values.length ? chart.words + "&ensp;&ensp;" + where + values.join("&ensp;&ensp;") : chart.words;
-}
-"""
+TICKS = function("ticks", "tick_words(tick, digits)")
 CAPTION_PX = 21
 UNDRAWN = "rj-undrawn"
 PLACE_CSS = """
@@ -98,7 +63,9 @@ class Axis:
     def __init__(self, palette: Palette) -> None:
         self.range = Range1d(0, 1, bounds=(0, 1))
         self.cursor = Span(dimension="height", line_alpha=0.55, line_width=1)
-        self.follow = CustomJS(args={"charts": []}, code=CURSOR_JS)
+        self.follow = CustomJS(
+            args={"charts": [], "range": self.range}, code=function("cursor", "follow({charts, range}, cb_obj)")
+        )
         self._charts: dict[str, dict[str, object]] = {}
         self._extent = (0.0, 1.0)
         self._end = 1.0
@@ -145,7 +112,7 @@ class Axis:
         charts = enumerate(self._charts.values())
         told = [dict(chart, place=None if index else [unit, digits]) for index, chart in charts]
         if told != self.follow.args["charts"]:
-            self.follow.args = {"charts": told}
+            self.follow.args = {"charts": told, "range": self.range}
         else:
             # a change of the range paints all its figures again; a chart that has just come needs it for no other
             self._settled += 1
@@ -418,8 +385,8 @@ def dress(f: figure, palette: Palette, ticks: int, digits: int) -> None:
             axis_label_standoff=4,
         )
         palette.paint(axis, major_label_text_color="ink3", axis_label_text_color="ink2")
-    f.xaxis[0].formatter = CustomJSTickFormatter(code=TICKS_JS, args={"digits": 0})
-    f.yaxis[0].formatter = CustomJSTickFormatter(code=TICKS_JS, args={"digits": digits})
+    f.xaxis[0].formatter = CustomJSTickFormatter(code=TICKS, args={"digits": 0})
+    f.yaxis[0].formatter = CustomJSTickFormatter(code=TICKS, args={"digits": digits})
     f.yaxis[0].ticker = BasicTicker(desired_num_ticks=ticks)
     f.ygrid.ticker = f.yaxis[0].ticker
     f.xgrid.grid_line_color = None

@@ -202,16 +202,13 @@ class CompareView(PageView):
         """Show the numbers of the runs, which change with their bound alone, too."""
         among = contenders(self.state)
         if among:
-            self.table.object = comparison_table(among, reference_of(self.state, among)) + self._refusals()
+            self.table.object = f"{comparison_table(among, reference_of(self.state, among))}{self._refusals()}"
 
     def _refusals(self) -> str:
         """Return why strategies do not take the scenario, as sentences."""
         runs = self.state.compared if self.state.compare_all else self.state.runs
         refused = {} if runs is None else runs.refused
-        return "".join(
-            f'<p class="note">{words.STRATEGY_WORDS[name]}: {parts.escaped(reason)}</p>'
-            for name, reason in refused.items()
-        )
+        return parts.note_paragraphs(f"{words.STRATEGY_WORDS[name]}: {reason}" for name, reason in refused.items())
 
 
 def differences(pins: Sequence[Pin], reference: Contender) -> str:

@@ -17,16 +17,16 @@ def comparison_table(among: Sequence[Contender], reference: Contender) -> str:
     losses = [contender.run.energy.losses_j for contender in among]
     kinds = [kind for kind in dict.fromkeys(kind for each in losses for kind in each) if _any(losses, kind)]
     header = ["Run", "kWh", "vs ref., kWh", "%", "s", "vs ref., s", "km/h", "recuperated"]
-    header += [parts.escaped(loss_word(kind).lower()) for kind in kinds]
+    header += [loss_word(kind).lower() for kind in kinds]
     header.append("above bound, %")
-    header = [f'<button type="button" class="sort" data-act="sort">{word}</button>' for word in header]
+    buttons = [parts.markup('<button type="button" class="sort" data-act="sort">{}</button>', word) for word in header]
     rows = []
     for contender in among:
-        cells = [f"{parts.swatch(contender.key)}{parts.escaped(contender.name)}"]
+        cells: list[str] = [parts.swatch(contender.key) + contender.name]
         cells += numbers(contender.run, reference.run, kinds)
         rows.append((cells, contender is reference))
     title = "Runs side by side, energies in kWh"
-    table = parts.table(title, header, rows)
+    table = parts.table(title, buttons, rows)
     notes = parts.other_times(contender.run for contender in among if contender.key in STRATEGIES)
     return f'<div class="wide-table" tabindex="0" role="region" aria-label="{title}">{table}</div>{HINT}{notes}'
 

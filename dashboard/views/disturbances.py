@@ -131,7 +131,7 @@ class DisturbancesView(PageView):
         self.heading.object = parts.heading(self.page, scenario.title, what, "")
         self.figures.object = parts.figures(self._cells(rides), self.model.failure is not None)
         self.table.object = self._table(rides)
-        self.notes.object = "".join(f'<p class="note">{sentence}</p>' for sentence in (*told(rides), WHO))
+        self.notes.object = parts.note_paragraphs([*told(rides), WHO])
 
     def _day(self) -> str:
         """Return what else differs from the plan, where the actual run on Drive is switched on."""

@@ -263,8 +263,13 @@ def printed_table(table: SensitivityTable) -> str:
             printed = entry["overconsumption_percent"][m][k]
             kind = "open" if abs(ours - printed) > CLOSE_PERCENT else "muted"
             cells.append(
-                f'{percent_difference(ours)} <span class="muted">{words.number(printed)}</span> '
-                f'<span class="{kind}">{percent_difference(ours - printed)}</span>'
+                parts.markup(
+                    '{} <span class="muted">{}</span> <span class="{}">{}</span>',
+                    percent_difference(ours),
+                    words.number(printed),
+                    kind,
+                    percent_difference(ours - printed),
+                )
             )
         rows.append((cells, False))
     title = f"{entry['place']} of Liashenko 2025: ours, %, printed, %, difference in percentage points"

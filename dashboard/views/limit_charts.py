@@ -14,6 +14,7 @@ from railjoule.core.motion.line_profile import limit_steps
 from railjoule.core.strategies.speed_limits import LEAST_LIMIT_KMH
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look.scripts import function
 from railjoule.dashboard.store import LimitRun, LimitTrip
 from railjoule.dashboard.views.charts import Axis, add_zero, clear, nice_range, text_style, xy
 from railjoule.dashboard.views.line_names import Name
@@ -30,44 +31,6 @@ GRIP_PX, SIGN_RISE_PX = 7.0, 8.0
 FAR_ABOVE = 9e3
 LEAST_SECTION_M = 10
 """No border can be dragged closer to the next one."""
-DRAG_JS = """
-const reach = 16, s = sections.data, count = s.left.length;
-const x_scale = f.inner_width / (f.x_range.end - f.x_range.start);
-const y_scale = f.inner_height / (f.y_range.end - f.y_range.start);
-if (cb_obj.event_name === "panstart") {
-  let best = reach;
-  window.railjoule_step = null;
-  for (let k = 0; k < count; k++) {
-    if (cb_obj.x >= s.left[k] && cb_obj.x <= s.right[k]) {
-      const away = Math.abs(cb_obj.y - s.limit[k]) * y_scale;
-      if (away < best) { best = away; window.railjoule_step = {kind: "limit", k}; }
-    }
-    if (k + 1 < count) {
-      const low = Math.min(s.limit[k], s.limit[k + 1]) - reach / y_scale;
-      const high = Math.max(s.limit[k], s.limit[k + 1]) + reach / y_scale;
-      const away = Math.abs(cb_obj.x - s.right[k]) * x_scale;
-      if (away < best && cb_obj.y > low && cb_obj.y < high) {
-        best = away;
-        window.railjoule_step = {kind: "border", k};
-      }
-    }
-  }
-}
-const step = window.railjoule_step;
-if (!step) return;
-if (cb_obj.event_name === "panend") { window.railjoule_step = null; return; }
-const {left, right, limit} = {left: [...s.left], right: [...s.right], limit: [...s.limit]};
-if (step.kind === "limit") {
-  limit[step.k] = Math.min(Math.max(Math.round(2 * cb_obj.y) / 2, least), s.most[step.k]);
-} else {
-  const place = Math.min(Math.max(Math.round(cb_obj.x), left[step.k] + shortest), right[step.k + 1] - shortest);
-  right[step.k] = left[step.k + 1] = place;
-}
-const text = limit.map((value) => value.toFixed(1).replace(".0", ""));
-borders.data = {x: right.slice(0, -1), low: limit.slice(0, -1), high: limit.slice(1)};
-handles.data = {x: right.slice(0, -1), y: limit.slice(0, -1).map((value, k) => (value + limit[k + 1]) / 2)};
-sections.data = {left, right, limit, middle: left.map((place, k) => (place + right[k]) / 2), text, most: [...s.most]};
-"""
 
 
 class LimitSpeedChart(RunLinesChart):
@@ -137,7 +100,8 @@ class LimitSpeedChart(RunLinesChart):
         self.palette.paint(sign.glyph, text_color="limit", background_fill_color="surface")
         bounds = {"least": LEAST_LIMIT_KMH, "shortest": LEAST_SECTION_M}
         drag = CustomJS(
-            args={"f": f, "sections": sections, "borders": borders, "handles": handles, **bounds}, code=DRAG_JS
+            args={"f": f, "sections": sections, "borders": borders, "handles": handles, **bounds},
+            code=function("drag_sections", "drag_sections({f, sections, borders, handles, least, shortest}, cb_obj)"),
         )
         for event in ("panstart", "pan", "panend"):
             f.js_on_event(event, drag)

@@ -273,7 +273,7 @@ def legs_table(runs: LineRuns) -> str:
     rows = []
     for leg, one, two in zip(best.legs, plain.legs, equal.legs, strict=True):
         cells = (
-            f"{parts.escaped(leg.departs_from)} \u2013 {parts.escaped(leg.arrives_at)}",
+            f"{leg.departs_from} \u2013 {leg.arrives_at}",
             words.number(leg.end_m - leg.start_m, 0),
             words.number(leg.arrival_s),
             words.number(leg.running_time_s),

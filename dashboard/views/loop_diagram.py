@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import param
 from panel.custom import JSComponent
 
+from railjoule.dashboard.look.scripts import module
+
 BLOCK_HEIGHT, RADIUS, LINE_PX, HEAD_PX = 44.0, 5.0, 15.0, 6.0
 FONT_PX, SIGNAL_PX = 12.5, 11.0
 
@@ -187,61 +189,6 @@ svg.wide { max-width: 1180px; } svg.narrow { max-width: 420px; display: none; }
 .block:focus-visible rect { stroke: var(--rj-accent); stroke-width: 3.4; }
 """
 
-ESM = """
-const {deep, chart_of} = window.railjoule;
-export function render({model}) {
-  const box = document.createElement("div");
-  // text of this program alone
-  box.innerHTML = model.drawing;
-  const block_of = (name) => Object.keys(model.charts).find((block) => model.charts[block].includes(name));
-  const hosts = (block) => deep(".rj-chart").filter((host) => block && model.charts[block].includes(chart_of(host)));
-  let under = null, focused = null, lit = null, framed = [];
-  const light = () => {
-    const block = under ?? focused;
-    if (block === lit) return;
-    lit = block;
-    for (const shape of box.querySelectorAll("[data-block]")) {
-      shape.classList.toggle("lit", shape.dataset.block === block);
-    }
-    for (const host of framed) { host.style.outline = ""; host.classList.remove("rj-lit"); }
-    framed = hosts(block);
-    for (const host of framed) { host.style.outline = "2px solid var(--rj-accent)"; host.classList.add("rj-lit"); }
-  };
-  const show = (block) => {
-    const places = model.charts[block].flatMap((name) => deep(".rj-chart-" + name));
-    const first = places.find((host) => host.offsetParent);
-    if (!first) return;
-    first.style.scrollMarginTop = box.getBoundingClientRect().height + 24 + "px";
-    const calm = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
-    first.scrollIntoView({block: "start", behavior: calm ? "instant" : "smooth"});
-  };
-  // at the document, before the figures, which keep pointer events to themselves
-  const move = (event) => {
-    const path = event.composedPath();
-    const shape = path.find((element) => element.dataset?.block && box.contains(element));
-    const host = path.find((element) => element.classList?.contains("rj-chart"));
-    under = shape ? shape.dataset.block : (host && block_of(chart_of(host))) ?? null;
-    light();
-  };
-  document.addEventListener("pointermove", move, true);
-  box.addEventListener("focusin", (event) => {
-    focused = event.target.matches(":focus-visible") ? event.target.dataset.block ?? null : null;
-    light();
-  });
-  box.addEventListener("focusout", () => { focused = null; light(); });
-  box.addEventListener("click", (event) => {
-    const shape = event.target.closest("[data-block]");
-    if (shape) { show(shape.dataset.block); }
-  });
-  box.addEventListener("keydown", (event) => {
-    const shape = event.target.closest("[data-block]");
-    if (shape && (event.key === "Enter" || event.key === " ")) { event.preventDefault(); show(shape.dataset.block); }
-  });
-  model.on("remove", () => document.removeEventListener("pointermove", move, true));
-  return box;
-}
-"""
-
 
 class LoopDiagram(JSComponent):
     """The block diagram; its colours follow the page's."""
@@ -249,7 +196,7 @@ class LoopDiagram(JSComponent):
     drawing = param.String(default="", doc="The diagrams for wide and narrow windows, as SVG.")
     charts = param.Dict(default={}, doc="Names of the charts of each block.")
 
-    _esm = ESM
+    _esm = module("loop_diagram")
 
     def __init__(self, **params: object) -> None:
         charts = {name: list(block.charts) for name, block in BLOCKS.items()}

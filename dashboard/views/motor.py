@@ -198,7 +198,7 @@ class MotorView(PageView):
         self._show_heading()
         if model.no_machine:
             self.tell(None, "")
-            self.no_machine.object = f'<p class="note" style="margin:0 20px">{parts.escaped(model.no_machine)}</p>'
+            self.no_machine.object = parts.note_paragraphs([model.no_machine], "margin:0 20px")
             return
         self.tell(model.failure, "Shown: the last run that could be computed." if run is not None else "")
         if run is None:
@@ -225,10 +225,8 @@ class MotorView(PageView):
             self.loops[name].place.visible = bool(rivals.strategies)
         for name in (*(OF_STRATEGIES if rivals.strategies else ()), *OF_TRACKING):
             self.loops[name].show(partial(self.loops[name].draw, rivals.named))
-        self.refusals.object = "".join(
-            f'<p class="note" style="padding-left:6px">{parts.escaped(words.STRATEGY_WORDS[name] + ": " + why)}</p>'
-            for name, why in rivals.refused.items()
-        )
+        refused = (f"{words.STRATEGY_WORDS[name]}: {why}" for name, why in rivals.refused.items())
+        self.refusals.object = parts.note_paragraphs(refused, "padding-left:6px")
 
     def _show_map(self) -> None:
         found = self.model.machine_map
@@ -257,7 +255,7 @@ class MotorView(PageView):
         self.held.object = held_words(run)
         self.account.object = parts_table(run)
         notes = (*run.planned.notes, *run.notes)
-        self.notes.object = "".join(f'<p class="note">{parts.escaped(sentence)}</p>' for sentence in notes)
+        self.notes.object = parts.note_paragraphs(notes)
 
 
 def run_figures(run: FieldOrientedRun) -> list[str]:

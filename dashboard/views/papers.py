@@ -186,9 +186,9 @@ def table_html(table: Table, opened: bool) -> str:
     """Return one table, with the reasons of its differences beneath it."""
     notes = list(dict.fromkeys(row.note for row in table.rows if row.note))
     rows = [(row_cells(row, notes), False) for row in table.rows]
-    header = ("Case", "Quantity", parts.escaped(table.reference), "ours", "difference", "in words", "")
+    header = ("Case", "Quantity", table.reference, "ours", "difference", "in words", "")
     place = f", {parts.escaped(table.place)}" if table.place else ""
-    body = parts.table("", header, rows).replace("<h2></h2>", "")
+    body = parts.table("", header, rows, table.title)
     listed = "".join(f"<li>{parts.escaped(note)}</li>" for note in notes)
     reasons = f"<ol>{listed}</ol>" if notes else ""
     scroll = f'<div class="scroll" tabindex="0" role="region" aria-label="{parts.escaped(table.title)}">{body}</div>'
@@ -202,12 +202,12 @@ def row_cells(row: Row, notes: list[str]) -> tuple[str, ...]:
     """Return the cells of a row; a difference that is not close in warm."""
     difference = comparisons.printed_difference(row.difference_percent, row.difference_points)
     if difference and not row.is_close:
-        difference = f'<span class="open">{difference}</span>'
-    unit = f" [{parts.escaped(row.unit)}]" if row.unit else ""
+        difference = parts.markup('<span class="open">{}</span>', difference)
+    unit = f" [{row.unit}]" if row.unit else ""
     mark = f"({notes.index(row.note) + 1})" if row.note else ""
     return (
-        parts.escaped(row.case),
-        f"{parts.escaped(row.quantity)}{unit}",
+        row.case,
+        f"{row.quantity}{unit}",
         "\u2013" if row.printed is None else words.number(row.printed, words.decimals(row.printed)),
         words.number(row.ours, words.decimals(row.printed) + 1),
         difference,

@@ -1,7 +1,9 @@
-"""Pieces of text, numbers and tables, as HTML; every text that a user brings is escaped."""
+"""Pieces of text, numbers and tables, as HTML.
+
+Whatever stands in one is escaped, unless it is itself a piece of this module's making (`Markup`).
+"""
 
 import html
-import re
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any
@@ -11,6 +13,7 @@ import panel as pn
 from bokeh.document import Document
 from bokeh.model import Model
 from bokeh.models import InlineStyleSheet
+from markupsafe import Markup
 
 from railjoule.core import Phase, Trajectory
 from railjoule.core.advice import AT_REST_MS
@@ -24,6 +27,8 @@ from railjoule.dashboard.models.pins import Pin
 from railjoule.dashboard.store import Runs
 
 SAME_STOP_M = 0.5
+LEAST_BAR = 0.004
+"""Share of the whole that a bar takes at least, so that it is seen."""
 MOST_IN_SIGHT = 10
 """So many instructions stand above the charts; more are scrolled."""
 LOSS_WORDS = {
@@ -33,6 +38,8 @@ LOSS_WORDS = {
     "brake_resistors": "Brake resistors",
     "friction_brakes": "Friction brakes",
 }
+PROVEN = Markup('<span class="proven">\u2713 proven</span>')
+NO_SWATCH = Markup('<svg width="22" height="8" aria-hidden="true"></svg>')
 WRAP_CSS = "@media (max-width: 899px) { :host { flex-wrap: wrap; } }"
 """Of a row of controls that takes more lines on a narrow screen."""
 
@@ -54,6 +61,11 @@ class Words(pn.pane.HTML):
             ]
         return properties
 
+    def _transform_object(self, obj: Any) -> dict[str, Any]:
+        # the library escapes what it sends, which pieces of HTML would refuse
+        result: dict[str, Any] = super()._transform_object(None if obj is None else str(obj))
+        return result
+
     def _update(self, ref: str, model: Model) -> None:
         model.text = self._transform_object(self.object)["object"]
 
@@ -70,66 +82,98 @@ def stack(*objects: Any, css: str = "", **params: Any) -> pn.Column:
     return pn.Column(*objects, **{"margin": 0, "sizing_mode": "stretch_width", "stylesheets": [free + css], **params})
 
 
-def escaped(text: str) -> str:
+def markup(template: str, *values: object, **named: object) -> Markup:
+    """Return HTML in which values take the places of braces; each is escaped, unless it is HTML already."""
+    return Markup(template.format(*map(_safe, values), **{name: _safe(value) for name, value in named.items()}))
+
+
+def joined(pieces: Iterable[str], between: str = "") -> Markup:
+    """Return pieces one after the other; those that are no HTML are escaped."""
+    return Markup(between.join(map(_safe, pieces)))
+
+
+def _safe(value: object) -> str:
+    """Return a value as HTML, several times faster than Markup does: each move of a slider writes hundreds."""
+    return value if isinstance(value, Markup) else html.escape(str(value))
+
+
+def escaped(text: str) -> Markup:
     """Return a text that may come from a user, fit for HTML."""
-    return html.escape(text)
+    return markup("{}", text)
 
 
-def swatch(name: str) -> str:
+def swatch(name: str) -> Markup:
     """Return a sample of the line of a strategy or a pinned run."""
     dash = PIN_DASHES.get(name) or DASHES[name]  # type: ignore[index]
-    pattern = "" if dash == "solid" else f'stroke-dasharray="{" ".join(map(str, dash))}"'
-    return (
+    pattern = "" if dash == "solid" else markup('stroke-dasharray="{}"', " ".join(map(str, dash)))
+    return markup(
         '<svg width="22" height="8" aria-hidden="true"><line x1="0" y1="4" x2="22" y2="4" '
-        f'stroke="var(--rj-{name.replace("_", "-")})" stroke-width="{line_width(name):g}" {pattern}/></svg>'
+        'stroke="var(--rj-{})" stroke-width="{}" {}/></svg>',
+        name.replace("_", "-"),
+        f"{line_width(name):g}",
+        pattern,
     )
 
 
-def heading(page: str, title: str, subtitle: str, aside: str) -> str:
+def heading(page: str, title: str, subtitle: str, aside: str) -> Markup:
     """Return the heading of a page: the question that it answers, and beneath it the scenario and more."""
-    return (
-        f'<div class="head"><h1>{PAGES[page].question}</h1>'
-        f'<p class="muted"><span class="scenario">{html.escape(title)}</span> {html.escape(subtitle)}</p>'
-        f'<span class="push"></span><span class="muted small wide">{html.escape(aside)}</span></div>'
+    return markup(
+        '<div class="head"><h1>{question}</h1>'
+        '<p class="muted"><span class="scenario">{title}</span> {subtitle}</p>'
+        '<span class="push"></span><span class="muted small wide">{aside}</span></div>',
+        question=PAGES[page].question,
+        title=title,
+        subtitle=subtitle,
+        aside=aside,
     )
 
 
-def failure(what: str, why: str, shown: str) -> str:
+def failure(what: str, why: str, shown: str) -> Markup:
     """Return the message above a run that is not the one asked for."""
-    rest = html.escape(f"{why} {shown}")
-    return f'<div class="message" role="alert"><b>{html.escape(what)}</b> {rest}</div>'
+    return markup('<div class="message" role="alert"><b>{}</b> {} {}</div>', what, why, shown)
 
 
-def refusal(sentence: str) -> str:
+def refusal(sentence: str) -> Markup:
     """Return the message about what was not taken; what it is about comes first, up to a colon."""
     about, colon, rest = sentence.partition(": ")
     bold, plain = (f"{about}{colon}", rest) if colon else (sentence, "")
-    return f'<div class="message" role="alert"><b>{html.escape(bold)}</b>{html.escape(plain)}</div>'
+    return markup('<div class="message" role="alert"><b>{}</b>{}</div>', bold, plain)
 
 
-def figure(label: str, value: str, unit: str, detail: str, kind: str = "", whole: str = "", term: str = "") -> str:
+def figure(label: str, value: str, unit: str, detail: str, kind: str = "", whole: str = "", term: str = "") -> Markup:
     """Return one number with its label and what it means, as HTML.
 
     A kind is `main` or `extra`; `whole` is a sentence that a resting mouse shows where there is no room for it; `term`
     is what the glossary calls the number, where its label changes.
     """
-    title = f' title="{html.escape(whole)}"' if whole else ""
-    return (
-        f'<div class="figure {kind}"{title}><div class="label"><span>{label}</span>{info(term or label)}</div>'
-        f'<div class="value">{value}<span>{unit}</span></div><div class="detail">{detail}</div></div>'
+    return markup(
+        '<div class="figure {kind}"{title}><div class="label"><span>{label}</span>{info}</div>'
+        '<div class="value">{value}<span>{unit}</span></div><div class="detail">{detail}</div></div>',
+        kind=kind,
+        title=markup(' title="{}"', whole) if whole else "",
+        label=label,
+        info=Markup(info(term or label)),
+        value=value,
+        unit=unit,
+        detail=detail,
     )
 
 
-def figures(cells: Iterable[str], stale: bool = False) -> str:
+def figures(cells: Iterable[str], stale: bool = False) -> Markup:
     """Return a row of numbers."""
-    return f'<div class="{"stale" if stale else ""}"><div class="figures" role="status">{"".join(cells)}</div></div>'
+    row = joined(cells)
+    return markup('<div class="{}"><div class="figures" role="status">{}</div></div>', "stale" if stale else "", row)
 
 
-def figures_in_place(cells: Iterable[str], former: Iterable[str]) -> str:
+def figures_in_place(cells: Iterable[str], former: Iterable[str]) -> Markup:
     """Return a row of numbers no lower than a former one, so that what lies beneath it stays where it is."""
     # a former row that nobody sees lies in the same cell of a grid, and keeps its height whatever the window's width
-    kept = f'<div style="grid-area: 1 / 1; visibility: hidden" aria-hidden="true">{figures(former)}</div>'
-    return f'<div style="display: grid">{kept}<div style="grid-area: 1 / 1">{figures(cells)}</div></div>'
+    return markup(
+        '<div style="display: grid"><div style="grid-area: 1 / 1; visibility: hidden" aria-hidden="true">{}</div>'
+        '<div style="grid-area: 1 / 1">{}</div></div>',
+        figures(former),
+        figures(cells),
+    )
 
 
 def change(now: float, before: float) -> str:
@@ -138,10 +182,17 @@ def change(now: float, before: float) -> str:
     if amount.is_none:
         return f"as pinned, {words.energy(before)}"
     sign, kind = ("\u25bc", "better") if amount.is_less else ("\u25b2", "worse")
-    return f'<span class="{kind}">{sign} {amount.size} {amount.unit}</span> against pinned {words.energy(before)}'
+    return markup(
+        '<span class="{}">{} {} {}</span> against pinned {}',
+        kind,
+        sign,
+        amount.size,
+        amount.unit,
+        words.energy(before),
+    )
 
 
-def proof_figure(run: Trajectory) -> str:
+def proof_figure(run: Trajectory) -> Markup:
     """Return how far a run is from the best known one, or from its bound where it is that one and not proven."""
     amount, reference = comparisons.above_reference(run), run.reference
     if amount is not None and reference is not None and not comparisons.is_reference(run):
@@ -149,15 +200,15 @@ def proof_figure(run: Trajectory) -> str:
         told = comparisons.reference_words(reference, run.scenario.travel_time_s)
         return figure(label, *amount, comparisons.reference_detail(run), whole=f"{amount.sentence} the {told}")
     if run.is_proven:
-        return figure("Above the optimum", *comparisons.NOTHING, '<span class="proven">\u2713 proven</span>')
+        return figure("Above the optimum", *comparisons.NOTHING, PROVEN)
     amount = comparisons.above_own_bound(run)
     if amount is None:
         return figure("Above the bound", words.UNKNOWN, "", "no bound is known")
-    detail = f'<span class="open">\u25d0 bound</span> {words.energy(run.lower_bound_kwh or 0.0)} kWh'
+    detail = markup('<span class="open">\u25d0 bound</span> {} kWh', words.energy(run.lower_bound_kwh or 0.0))
     return figure("Above the bound", *amount, detail, whole="Not proven: it is at most this far above the optimum")
 
 
-def price_figure(run: Trajectory, optimum: Trajectory) -> str:
+def price_figure(run: Trajectory, optimum: Trajectory) -> Markup:
     """Return the price of a second: that of the run, or where its strategy tells none, that of the optimum."""
     priced, whole = (run, "") if run.price_of_time_w is not None else (optimum, "That of the optimum")
     price = priced.price_of_time_w
@@ -167,7 +218,7 @@ def price_figure(run: Trajectory, optimum: Trajectory) -> str:
     return figure("Extra second saves", words.price(price), "Wh/s", f"1 s more: {saved}", whole=whole)
 
 
-def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: bool) -> str:
+def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: bool) -> Markup:
     """Return the numbers of Drive."""
     energy = run.energy
     waiting = comparisons.waiting_of(run) and f": {comparisons.waiting_of(run)}"
@@ -208,30 +259,30 @@ def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: b
     )
 
 
-def advice(run: Trajectory, stale: bool) -> str:
+def advice(run: Trajectory, stale: bool) -> Markup:
     """Return the advice to the driver, by legs where it stops on the way, with buttons that copy and print it."""
     departures = [k for k, phase in enumerate(run.phases) if k == 0 or _departs(phase)]
     stops = [*(run.phases[k].start_m for k in departures), run.phases[-1].end_m]
     # a leg's name tells where it starts and stops
     texts = list(words.advice_in_words(run.advice, named=stops if len(departures) > 1 else ()))
     texts[0] = texts[0][0].upper() + texts[0][1:]
-    items = [f'<li class="told"><b>{number}</b>{text}</li>' for number, text in enumerate(texts, 1)]
+    items = [markup('<li class="told"><b>{}</b>{}</li>', number, text) for number, text in enumerate(texts, 1)]
     if len(departures) > 1:
         borders = pairwise([*departures, len(items)])
         items = [_leg(run, ends, items[first:end]) for ends, (first, end) in zip(pairwise(stops), borders, strict=True)]
     if len(texts) > MOST_IN_SIGHT:
         # what is scrolled must be so by the keyboard too
         kind = "many legs" if len(departures) > 1 else "many"
-        items = [f'<li><ol class="{kind}" tabindex="0" aria-label="All instructions">{"".join(items)}</ol></li>']
-    title = html.escape(f"{run.scenario.title or 'Run'}: {words.time(run.travel_time_s)} s")
-    tools = "".join(
-        f'<button type="button" class="save" data-act="{what.lower()}" aria-label="{what} the advice">{what}</button>'
-        for what in ("Copy", "Print")
-    )
-    kind = "advice stale" if stale else "advice"
-    return (
-        f'<div class="card" data-title="{title}"><ol class="{kind}" aria-label="Driver\u2019s advice">'
-        f'{"".join(items)}<li class="buttons">{tools}</li></ol></div>'
+        many = '<li><ol class="{}" tabindex="0" aria-label="All instructions">{}</ol></li>'
+        items = [markup(many, kind, joined(items))]
+    button = '<button type="button" class="save" data-act="{}" aria-label="{} the advice">{}</button>'
+    return markup(
+        '<div class="card" data-title="{title}"><ol class="{kind}" aria-label="Driver\u2019s advice">'
+        '{items}<li class="buttons">{tools}</li></ol></div>',
+        title=f"{run.scenario.title or 'Run'}: {words.time(run.travel_time_s)} s",
+        kind="advice stale" if stale else "advice",
+        items=joined(items),
+        tools=joined(markup(button, what.lower(), what, what) for what in ("Copy", "Print")),
     )
 
 
@@ -240,18 +291,18 @@ def _departs(phase: Phase) -> bool:
     return phase.start_ms <= AT_REST_MS and phase.phase != "stand"
 
 
-def _leg(run: Trajectory, ends_m: tuple[float, float], items: Sequence[str]) -> str:
+def _leg(run: Trajectory, ends_m: tuple[float, float], items: Sequence[str]) -> Markup:
     """Return the instructions of a leg between two stops [m] beside their names."""
     stations = run.scenario.line.in_running_order().stations
     names = []
     for place in ends_m:
         near = [station.name for station in stations if abs(station.position_m - place) < SAME_STOP_M]
         names.append((near and near[0]) or f"{words.number(place, 0)} m")
-    way = escaped(" \u2013 ".join(names))
-    return f'<li class="leg"><span class="way">{way}</span><ol>{"".join(items)}</ol></li>'
+    way = " \u2013 ".join(names)
+    return markup('<li class="leg"><span class="way">{}</span><ol>{}</ol></li>', way, joined(items))
 
 
-def account(run: Trajectory) -> str:
+def account(run: Trajectory) -> Markup:
     """Return where the energy goes, as bars that follow one another."""
     energy = run.energy
     gains = [
@@ -274,14 +325,9 @@ def account(run: Trajectory) -> str:
     taken = energy.traction_j + energy.auxiliary_j
     scale = max(taken, sum(joules for _, joules in uses), 1.0)
 
-    def bar(word: str, start: float, length: float, colour: str, strong: bool = False) -> str:
-        left, width = 100 * min(start, start + length) / scale, 100 * abs(length) / scale
-        name = f"<b>{word}</b>" if strong else word
-        amount = words.energy(length / J_PER_KWH)
-        return (
-            f'<span>{name}</span><span class="track"><i style="left:{max(left, 0):.2f}%;width:{max(width, 0.4):.2f}%;'
-            f'background:{colour}"></i></span><span class="amount">{f"<b>{amount}</b>" if strong else amount}</span>'
-        )
+    def bar(word: str, start: float, length: float, colour: str, strong: bool = False) -> Markup:
+        left = max(min(start, start + length) / scale, 0.0)
+        return flow_bar(word, words.energy(length / J_PER_KWH), left, abs(length) / scale, colour, strong)
 
     accent, pale, neutral = (
         "var(--rj-accent)",
@@ -291,7 +337,7 @@ def account(run: Trajectory) -> str:
     rows = [bar("Drawn from the supply", 0, taken, accent)]
     if energy.recuperated_j > small:
         rows.append(bar("Recuperated", taken, -energy.recuperated_j, pale))
-    rows += [bar("Net from the supply", 0, energy.net_j, accent, strong=True), '<span class="gap"></span>']
+    rows += [bar("Net from the supply", 0, energy.net_j, accent, strong=True), Markup('<span class="gap"></span>')]
     rows += [bar(word, 0, joules, neutral) for word, joules in gains]
     place = 0.0
     for word, joules in uses:
@@ -300,41 +346,62 @@ def account(run: Trajectory) -> str:
     given = " + ".join(words.energy(j / J_PER_KWH) for j in (energy.net_j, *(joules for _, joules in gains)))
     used = words.energy(sum(joules for _, joules in uses) / J_PER_KWH)
     closes = f"Total: {given} = {used} kWh." if gains else f"Total: {used} kWh."
-    bars = f'<div class="flow">{"".join(rows)}</div><p class="note">{closes}</p>'
-    return f'<div class="block"><h2>Where the energy goes, kWh</h2>{bars}</div>'
+    return markup(
+        '<div class="block"><h2>Where the energy goes, kWh</h2><div class="flow">{}</div><p class="note">{}</p></div>',
+        joined(rows),
+        closes,
+    )
 
 
-def plain_table(header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> str:
-    """Return a table; cells are HTML, and a row may be the chosen one."""
-    head = "".join(f'<th scope="col">{cell}</th>' for cell in header)
+def flow_bar(word: str, amount: str, left: float, width: float, colour: str, strong: bool) -> Markup:
+    """Return a bar of bars that follow one another; its place and width are shares of the whole."""
+    weight = "<b>{}</b>" if strong else "{}"
+    return markup(
+        '<span>{}</span><span class="track"><i style="left:{}%;width:{}%;background:{}"></i></span>'
+        '<span class="amount">{}</span>',
+        markup(weight, word),
+        f"{100 * left:.2f}",
+        f"{100 * max(width, LEAST_BAR):.2f}",
+        colour,
+        markup(weight, amount),
+    )
+
+
+def plain_table(header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> Markup:
+    """Return a table; a row may be the chosen one."""
+    head = "".join(f'<th scope="col">{_safe(cell)}</th>' for cell in header)
     body = "".join(
-        f"<tr{' class=chosen' if chosen else ''}>{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"
+        f"<tr{' class=chosen' if chosen else ''}>{''.join(f'<td>{_safe(cell)}</td>' for cell in cells)}</tr>"
         for cells, chosen in rows
     )
-    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+    return Markup(f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>")
 
 
-def table(title: str, header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> str:
-    """Return a table under a title, with a button that saves it; title and cells are HTML."""
-    name = re.sub(r"<[^>]+>", "", title)
-    save = f'<button type="button" class="save" data-act="csv" data-name="{name}" aria-label="Save {name} as CSV">'
-    titled = f'<div class="titled"><h2>{title}</h2>{save}CSV</button></div>'
-    return f'<div class="block">{titled}{plain_table(header, rows)}</div>'
+def table(title: str, header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]], name: str = "") -> Markup:
+    """Return a table under its title, with a button that saves it; without a title it is saved under its name."""
+    return markup(
+        '<div class="block"><div class="titled">{heading}<button type="button" class="save" data-act="csv" '
+        'data-name="{name}" aria-label="Save {name} as CSV">CSV</button></div>{table}</div>',
+        heading=markup("<h2>{}</h2>", title) if title else "",
+        name=name or escaped(title).striptags(),
+        table=plain_table(header, rows),
+    )
 
 
-def runs_table(runs: Runs, chosen: str, pins: Sequence[Pin] = ()) -> str:
+def runs_table(runs: Runs, chosen: str, pins: Sequence[Pin] = ()) -> Markup:
     """Return all runs of the scenario and the pinned ones, side by side; the last one pinned is the reference."""
     pinned = pins[-1].trajectory if pins else None
     rows = []
     for name, run in runs.runs.items():
-        rows.append(((f"{swatch(name)}{words.strategy(name)}", *_run_cells(run, pinned)), name == chosen))
+        rows.append(((swatch(name) + words.strategy(name), *_run_cells(run, pinned)), name == chosen))
     for pin in reversed(pins):
-        line = swatch("pinned") if pin is pins[-1] else '<svg width="22" height="8" aria-hidden="true"></svg>'
-        rows.append(((f"{line}Pinned: {escaped(pin.name)}", *_run_cells(pin.trajectory, pinned)), False))
+        line = swatch("pinned") if pin is pins[-1] else NO_SWATCH
+        rows.append(((line + f"Pinned: {pin.name}", *_run_cells(pin.trajectory, pinned)), False))
     head = ("Run", "kWh", "to pinned, %" if pinned else "above, %", "s", "km/h")
     noun = comparisons.reference_noun(runs.is_proven)
-    above = "" if pinned else f'<p class="note">Above the {noun} in the same time.</p>'
-    return f"<div>{table('Runs', head, rows)}{above}{other_times(runs.runs.values())}</div>"
+    above = [] if pinned else [f"Above the {noun} in the same time."]
+    notes = note_paragraphs(above) + other_times(runs.runs.values())
+    return markup("<div>{}{}</div>", table("Runs", head, rows), notes)
 
 
 def _run_cells(run: Trajectory, pinned: Trajectory | None) -> tuple[str, str, str, str]:
@@ -347,19 +414,19 @@ def _run_cells(run: Trajectory, pinned: Trajectory | None) -> tuple[str, str, st
     )
 
 
-def other_times(runs: Iterable[Trajectory]) -> str:
+def other_times(runs: Iterable[Trajectory]) -> Markup:
     """Return which runs take another time than asked, as notes to a table."""
     told = ((words.strategy(run.strategy), comparisons.other_time_of(run)) for run in runs)
-    return "".join(f'<p class="note">{name}: {sentence}.</p>' for name, sentence in told if sentence)
+    return note_paragraphs(f"{name}: {sentence}." for name, sentence in told if sentence)
 
 
-def phase_table(run: Trajectory) -> str:
+def phase_table(run: Trajectory) -> Markup:
     """Return the phases of a run as a table: where the driver begins and what he aims at, time and energy."""
-    rows = []
+    rows: list[tuple[tuple[str, ...], bool]] = []
     for number, (phase, told) in enumerate(zip(run.phases, run.advice, strict=True), 1):
-        patch = f'<span class="patch" style="background:var(--rj-{phase.phase.replace("_", "-")})"></span>'
+        patch = '<span class="patch" style="background:var(--rj-{})"></span>{} {}'
         cells = (
-            f"{patch}{number} {words.PHASE_WORDS[phase.phase]}",
+            markup(patch, phase.phase.replace("_", "-"), number, words.PHASE_WORDS[phase.phase]),
             words.number(told.from_m, 0),
             words.number(phase.end_s - phase.start_s),
             words.speed(phase.end_ms) if told.to_kmh is None else words.tenths(told.to_kmh),
@@ -372,11 +439,12 @@ def phase_table(run: Trajectory) -> str:
     return table("Phases", ("Phase", "from, m", "s", "to, km/h", "kWh"), rows)
 
 
-def notes(run: Trajectory) -> str:
+def notes(run: Trajectory) -> Markup:
     """Return what a run simplified, and what its bound covers."""
     return note_paragraphs([*run.notes, *([run.bound.statement] if run.bound is not None else [])])
 
 
-def note_paragraphs(sentences: Iterable[str]) -> str:
+def note_paragraphs(sentences: Iterable[str], style: str = "") -> Markup:
     """Return sentences as notes, each a paragraph."""
-    return "".join(f'<p class="note">{html.escape(sentence)}</p>' for sentence in sentences)
+    styled = markup(' style="{}"', style) if style else ""
+    return joined(markup('<p class="note"{}>{}</p>', styled, sentence) for sentence in sentences)

@@ -9,6 +9,7 @@ from bokeh.models import ColumnDataSource, CustomJS
 from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.core.scenario import Line
 from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look.scripts import function
 from railjoule.dashboard.views.charts import Axis, DistanceChart, text_style
 
 STEEPEST_PERMILLE = 200.0
@@ -18,79 +19,6 @@ LEAST_LIMIT_KMH = 1.0
 ROOM_SHARE, LEAST_RELIEF = 0.35, 0.01
 """Room above and below the line as a share of its relief, which counts as at least this share of its length."""
 LIMIT_ROOM = 1.15
-NODES_JS = """
-const reach = 18, n = nodes.data, last = n.x.length - 1;
-const x_scale = f.inner_width / (f.x_range.end - f.x_range.start);
-const y_scale = f.inner_height / (f.y_range.end - f.y_range.start);
-if (cb_obj.event_name === "panstart") {
-  let best = reach;
-  window.railjoule_node = null;
-  for (let k = 1; k <= last; k++) {
-    const away = Math.hypot((cb_obj.x - n.x[k]) * x_scale, (cb_obj.y - n.y[k]) * y_scale);
-    if (away < best) { best = away; window.railjoule_node = k; }
-  }
-}
-const k = window.railjoule_node;
-if (k == null) return;
-if (cb_obj.event_name === "panend") {
-  window.railjoule_node = null;
-  sign.data = {x: [], y: [], text: []};
-  dropped.data = {x: [...n.x], y: [...n.y]};
-  return;
-}
-const x = k === last ? n.x[k] : Math.min(Math.max(Math.round(cb_obj.x), n.x[k - 1] + shortest), n.x[k + 1] - shortest);
-const steep = steepest / 1000, before = x - n.x[k - 1], after = k === last ? 0 : n.x[k + 1] - x;
-let low = Math.max(n.y[k - 1] - steep * before, f.y_range.start);
-let high = Math.min(n.y[k - 1] + steep * before, f.y_range.end);
-if (after) { low = Math.max(low, n.y[k + 1] - steep * after); high = Math.min(high, n.y[k + 1] + steep * after); }
-n.x[k] = x;
-n.y[k] = Math.min(Math.max(cb_obj.y, low), high);
-const text = (value) => (value > 0 ? "+" : "") + value.toFixed(1).replace("-", "\\u2212");
-const climbs = [1000 * (n.y[k] - n.y[k - 1]) / before];
-if (after) { climbs.push(1000 * (n.y[k + 1] - n.y[k]) / after); }
-sign.data = {x: [x], y: [n.y[k]], text: [`${x} m: ${climbs.map(text).join(", ")} \\u2030`]};
-nodes.change.emit();
-"""
-STEPS_JS = """
-const reach = 16, s = steps.data, count = s.left.length;
-const x_scale = f.inner_width / (f.x_range.end - f.x_range.start);
-const y_scale = f.inner_height / (f.y_range.end - f.y_range.start);
-if (cb_obj.event_name === "panstart") {
-  let best = reach;
-  window.railjoule_limit = null;
-  for (let k = 0; k < count; k++) {
-    const away_y = Math.abs(cb_obj.y - s.limit[k]) * y_scale;
-    if (s.movable[k]) {
-      for (const end of ["left", "right"]) {
-        const away = Math.hypot(Math.abs(cb_obj.x - s[end][k]) * x_scale, away_y);
-        if (away < best) { best = away; window.railjoule_limit = {part: end, k}; }
-      }
-    }
-    if (cb_obj.x >= s.left[k] && cb_obj.x <= s.right[k] && away_y < 0.9 * best) {
-      best = away_y;
-      window.railjoule_limit = {part: "limit", k};
-    }
-  }
-}
-const held = window.railjoule_limit;
-if (!held) return;
-const {part, k} = held;
-if (cb_obj.event_name === "panend") {
-  window.railjoule_limit = null;
-  dropped.data = {left: [...s.left], right: [...s.right], limit: [...s.limit]};
-  return;
-}
-if (part === "limit") {
-  s.limit[k] = Math.min(Math.max(Math.round(cb_obj.y), least), most);
-  s.text[k] = String(s.limit[k]);
-} else if (part === "left") {
-  s.left[k] = Math.min(Math.max(Math.round(cb_obj.x), 0), s.right[k] - shortest);
-} else {
-  s.right[k] = Math.max(Math.min(Math.round(cb_obj.x), end), s.left[k] + shortest);
-}
-s.middle[k] = 0.5 * (s.left[k] + s.right[k]);
-steps.change.emit();
-"""
 
 
 class ProfileChart(DistanceChart):
@@ -139,7 +67,10 @@ class ProfileChart(DistanceChart):
         self.palette.paint(grips.glyph, line_color="accent", fill_color="surface")
         self.palette.paint(words.glyph, text_color="ink", background_fill_color="surface")
         bounds = {"steepest": STEEPEST_PERMILLE, "shortest": LEAST_SECTION_M}
-        drag = CustomJS(args={"f": f, "nodes": nodes, "sign": sign, "dropped": dropped, **bounds}, code=NODES_JS)
+        drag = CustomJS(
+            args={"f": f, "nodes": nodes, "sign": sign, "dropped": dropped, **bounds},
+            code=function("drag_heights", "drag_heights({f, nodes, sign, dropped, steepest, shortest}, cb_obj)"),
+        )
         for event in ("panstart", "pan", "panend"):
             f.js_on_event(event, drag)
         dropped.on_change("data", self._take)
@@ -200,7 +131,10 @@ class LimitStepsChart(DistanceChart):
             self.palette.paint(drawn.glyph, line_color="limit", fill_color="surface")
         self.palette.paint(words.glyph, text_color="limit")
         bounds = {"shortest": LEAST_SECTION_M, "least": LEAST_LIMIT_KMH, "most": 600.0, "end": 1.0}
-        self._drag = CustomJS(args={"f": f, "steps": steps, "dropped": dropped, **bounds}, code=STEPS_JS)
+        self._drag = CustomJS(
+            args={"f": f, "steps": steps, "dropped": dropped, **bounds},
+            code=function("drag_limits", "drag_limits({f, steps, dropped, shortest, least, most, end}, cb_obj)"),
+        )
         for event in ("panstart", "pan", "panend"):
             f.js_on_event(event, self._drag)
         dropped.on_change("data", self._take)

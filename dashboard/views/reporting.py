@@ -1,11 +1,10 @@
-"""The button that makes a report, its progress, and the saver that hands the file to the browser."""
+"""The button that makes a report, and its progress."""
 
+from collections.abc import Callable
 from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
-import param
-from panel.custom import JSComponent
 
 from railjoule.core import RailjouleError
 from railjoule.dashboard.browser import Browser
@@ -13,21 +12,6 @@ from railjoule.dashboard.models.reporting import ReportingModel
 from railjoule.dashboard.views.parts import failure, html_pane
 
 NARROW_PX = 700
-SAVER_ESM = """
-export function render({model}) {
-  model.on("file", () => {
-    if (!model.file.length) return;
-    const [name, text] = model.file;
-    const link = document.createElement("a");
-    link.href = URL.createObjectURL(new Blob([text], {type: "text/html"}));
-    link.download = name;
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(link.href), 60000);
-    model.file = [];
-  });
-  return document.createElement("span");
-}
-"""
 MESSAGE_CSS = """
 :host { position: fixed; top: 52px; right: 8px; max-width: min(420px, 90vw); z-index: 1300;
   background: var(--rj-surface); border-radius: 6px; }
@@ -36,20 +20,19 @@ BENEATH_THE_BAR = {"position": "fixed", "top": "45px", "left": "0", "right": "0"
 """Where the progress has room on every screen."""
 
 
-class Saver(JSComponent):
-    """Lets the browser save a text as a file; the text is forgotten at once."""
-
-    file = param.List(default=[], doc="Name and text of the file to save.")
-
-    _esm = SAVER_ESM
-
-
 class ReportButton:
-    """The report's part of the app bar."""
+    """The report's part of the app bar.
 
-    def __init__(self, model: ReportingModel, browser: Browser) -> None:
-        self.model, self.browser = model, browser
-        self.saver = Saver(width=0, height=0, margin=0)
+    Parameters
+    ----------
+    model : ReportingModel
+    browser : Browser
+    save : callable
+        Lets the browser save a file: takes its name, its text and its kind.
+    """
+
+    def __init__(self, model: ReportingModel, browser: Browser, save: Callable[[str, str, str], None]) -> None:
+        self.model, self.browser, self._save_file = model, browser, save
         self.button = pmui.Button(
             label="Report", variant="outlined", size="small", margin=(0, 6), align="center", height=30
         )
@@ -70,7 +53,7 @@ class ReportButton:
         )
         self.message = html_pane(visible=False, sizing_mode=None)
         self.message.stylesheets = [*self.message.stylesheets, MESSAGE_CSS]
-        self.parts = [self.progress, self.stop, self.button, self.small, self.message, self.saver]
+        self.parts = [self.progress, self.stop, self.button, self.small, self.message]
         for button in (self.button, self.small):
             button.on_click(lambda _: model.param.trigger("wanted"))
         self.stop.on_click(lambda _: model.param.trigger("unwanted"))
@@ -89,7 +72,7 @@ class ReportButton:
 
     def _save(self, *_: Any) -> None:
         if self.model.text:
-            self.saver.file = [self.model.name_of_file, self.model.text]
+            self._save_file(self.model.name_of_file, self.model.text, "text/html")
             self.model.text = ""
 
     def _tell(self, *_: Any) -> None:

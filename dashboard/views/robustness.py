@@ -189,7 +189,7 @@ class RobustnessView(PageView):
         self.late.show(partial(self.late.draw, chance.delay_s))
         self.scatter.show(partial(self.scatter.draw, chance))
         self._show_texts()
-        self.chance_table.object = chance_table(chance) + parts.note_paragraphs(chance.notes)
+        self.chance_table.object = f"{chance_table(chance)}{parts.note_paragraphs(chance.notes)}"
 
     def _show_texts(self) -> None:
         reality = self.model.reality
@@ -211,7 +211,7 @@ class RobustnessView(PageView):
         disturbance = following.actual.scenario.disturbance
         reference = planned if reality.replanned_kwh is None else reality.replanned_kwh
         against = "planned" if reality.replanned_kwh is None else "for the actual load"
-        cells = [
+        cells: list[str] = [
             parts.figure(
                 reality_words(disturbance.actual_load_factor or 0.0, disturbance.coordinate_error_m).capitalize(),
                 *comparisons.above(energy, reference),
@@ -239,7 +239,7 @@ class RobustnessView(PageView):
         if chance is not None and len(values):
             half, most = (words.share_difference(float(np.quantile(values, share))) for share in (0.5, 0.95))
             drawn = f"of {words.number(chance.done, 0)} drawn"
-            cells.append(parts.figure("Median", f"&lt; {half}", "%", drawn))
+            cells.append(parts.figure("Median", f"< {half}", "%", drawn))
             seed = f"seed {chance.scenario.montecarlo.seed}"
-            cells.append(parts.figure("95th percentile", f"&lt; {most}", "%", seed))
+            cells.append(parts.figure("95th percentile", f"< {most}", "%", seed))
         return cells

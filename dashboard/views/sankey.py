@@ -100,7 +100,7 @@ def sankey(flow: EnergyFlow, tokens: Tokens, width_px: float, title: str) -> str
     """
     links = links_of(flow)
     svg = Drawing(links, tokens, width_px).svg(title)
-    rows = [((html.escape(link.source), html.escape(link.target), kwh(link.joules)), False) for link in links]
+    rows = [((link.source, link.target, kwh(link.joules)), False) for link in links]
     table = parts.plain_table(("From", "To", "kWh"), rows)
     return f'<div class="caption">{title}</div><div class="sankey">{svg}</div><div class="hidden">{table}</div>'
 

@@ -14,6 +14,7 @@ from panel.io.resources import LOCAL_DIST
 
 from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look import glossary
+from railjoule.dashboard.look.scripts import source
 from railjoule.dashboard.look.theme import document_css, material_theme
 from railjoule.dashboard.messages import added_to, one_message, unfrozen
 from railjoule.dashboard.models.pages import PAGES, bar_entries
@@ -55,8 +56,9 @@ def asset(*path: str) -> str:
 def first_paint() -> dict[str, Any]:
     """Return what the document shows and does before its scripts are read."""
     return {
-        "first": asset("scripts", "first.js"),
-        "mends": "".join(asset("scripts", name) for name in ("follow.js", "mends.js", "glossary.js")),
+        "first": source("first"),
+        "mends": "".join(source(name) for name in ("follow", "mends", "glossary")),
+        "opening": source("opening"),
         "glossary": json.dumps(glossary.texts()).replace("<", "\\u003c"),
         "css": asset("css", "first.css"),
         "brand": BRAND,

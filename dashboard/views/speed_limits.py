@@ -194,7 +194,7 @@ class SpeedLimitsView(PageView):
         if sections > 1:
             self.plane.show(partial(self.plane.draw, path.search, self.pair.value))
         self.path.show(partial(self.path.draw, path.search))
-        self.search_text.object = f'<p class="note" style="padding-left:6px">{search_words(path.search)}</p>'
+        self.search_text.object = parts.note_paragraphs([search_words(path.search)], "padding-left:6px")
 
     def _show_map(self) -> None:
         found, run, refusal = self.model.motor_map, self.model.run, self.model.no_map
@@ -202,7 +202,7 @@ class SpeedLimitsView(PageView):
         self.whose.visible = found is not None and found.motor is not None
         self.no_map.visible = bool(refusal)
         if refusal:
-            self.no_map.object = f'<p class="note" style="padding-left:6px">{parts.escaped(refusal)}</p>'
+            self.no_map.object = parts.note_paragraphs([refusal], "padding-left:6px")
         if found is not None and run is not None:
             self.map.show(partial(self.map.draw, found, self.model.shown_map, run.points))
 
@@ -220,12 +220,12 @@ class SpeedLimitsView(PageView):
             f"section{'' if count == 1 else 's'}, set speeds {how}; the regulator "
             f"{REGULATOR_DOES[scenario.search.regulator]}"
         )
-        self.heading.object = parts.heading(self.page, scenario.title, what, "") + RULE
+        self.heading.object = f"{parts.heading(self.page, scenario.title, what, '')}{RULE}"
         self.figures.object = parts.figures(self._cells(run), self.model.failure is not None)
         self.table.object = sections_table(run)
         without = run.no_optimum and f"No optimum in the time of the run: {run.no_optimum}"
-        first = f'<p class="note">{parts.escaped(without)}</p>' if without else ""
-        self.notes.object = f'<div class="columns">{first}{parts.notes(run.run)}</div>'
+        first = parts.note_paragraphs([without] if without else [])
+        self.notes.object = parts.markup('<div class="columns">{}</div>', first + parts.notes(run.run))
 
     def _cells(self, run: LimitRun) -> list[str]:
         need = run.need
@@ -251,9 +251,9 @@ class SpeedLimitsView(PageView):
         if first - rounding <= time_s <= last + rounding:
             detail = f"allowed {words.number(first)} to {words.number(last)} s"
         elif time_s > last:
-            detail = f'<span class="worse">{words.number(time_s - last)} s too late</span>'
+            detail = parts.markup('<span class="worse">{} s too late</span>', words.number(time_s - last))
         else:
-            detail = f'<span class="open">{words.number(first - time_s)} s too early</span>'
+            detail = parts.markup('<span class="open">{} s too early</span>', words.number(first - time_s))
         return parts.figure("Travel time", words.time(time_s), "s", detail)
 
 
@@ -273,12 +273,12 @@ def optimum_figure(run: LimitRun) -> str:
         return parts.figure("Optimum", words.UNKNOWN, "", "not found")
     whole = ""
     if reference.proven:
-        detail = '<span class="proven">\u2713 proven</span>'
+        detail: str = parts.PROVEN
     elif bound is None:
         detail = "no bound is known"
     else:
         amount = comparisons.above(reference.energy_kwh, bound)
-        detail = f'<span class="open">\u25d0</span> {amount.sentence} bound'
+        detail = parts.markup('<span class="open">\u25d0</span> {} bound', amount.sentence)
         whole = f"Not proven: the bound is {words.energy(bound)} kWh"
     name = comparisons.reference_noun(reference.proven).capitalize()
     return parts.figure(

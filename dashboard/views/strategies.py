@@ -1,7 +1,6 @@
 """The strategies beside a page: which one all numbers speak of, which are drawn, and what each of them needs."""
 
 import html
-from importlib.resources import files
 from typing import Any
 
 import param
@@ -11,6 +10,7 @@ from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.glossary import info
+from railjoule.dashboard.look.scripts import module
 from railjoule.dashboard.look.theme import strategies_css
 from railjoule.dashboard.models.pages import PAGES
 from railjoule.dashboard.models.workbench import Workbench
@@ -33,7 +33,7 @@ class StrategyList(JSComponent):
     above = param.String(default="", doc="What the second number of each row is.")
     draws = param.Boolean(default=True, doc="Whether the page in sight draws strategies.")
 
-    _esm = (files("railjoule.assets") / "scripts" / "strategies.js").read_text(encoding="utf-8")
+    _esm = module("strategies")
     _stylesheets = [strategies_css()]  # noqa: RUF012
 
     def __init__(self, state: Workbench) -> None:

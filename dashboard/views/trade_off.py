@@ -140,8 +140,8 @@ class TradeOffView(PageView):
         )
         self.figures.object = parts.figures(self._cells(trade_off, run, now))
         refusal = enoc_refusal(trade_off, run.travel_time_s)
-        sentences = [parts.escaped(note) for note in frontier.notes] + ([refusal] if refusal else [])
-        self.notes.object = "".join(f'<p class="note" style="margin:8px 20px 0">{text}</p>' for text in sentences)
+        sentences = [*frontier.notes, *([refusal] if refusal else [])]
+        self.notes.object = parts.note_paragraphs(sentences, "margin:8px 20px 0")
         self.table.object = self._table(trade_off, run, now)
 
     def _cells(self, trade_off: TradeOff, run: Trajectory, now: tuple[float, float, float] | None) -> list[str]:
@@ -196,7 +196,7 @@ class TradeOffView(PageView):
         rows: list[tuple[tuple[str, ...], bool]] = [
             (
                 (
-                    f"{parts.swatch('optimal')}Optimal",
+                    parts.swatch("optimal") + "Optimal",
                     words.energy(run.energy_kwh),
                     comparisons.NOTHING.cell,
                     words.number(run.max_speed_kmh),
@@ -209,7 +209,7 @@ class TradeOffView(PageView):
         def enoc_row(name: str, ramp: float, energy: float) -> tuple[tuple[str, ...], bool]:
             peak = run.distance_m / (run.travel_time_s - ramp) / MS_PER_KMH
             cells = (
-                f"{parts.swatch('enoc')}{name}",
+                parts.swatch("enoc") + name,
                 words.energy(energy),
                 comparisons.above(energy, run.energy_kwh).cell,
                 words.number(peak),

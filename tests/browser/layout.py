@@ -1,4 +1,4 @@
-"""What is cut off, what scrolls sideways, and where a hole gapes within a page."""
+"""What is cut off, what scrolls sideways, which markup is read as text, and where a hole gapes within a page."""
 
 from typing import Any
 
@@ -57,6 +57,16 @@ HOLES = (
   return holes;
 }"""
 )
+MARKUP = (
+    "() => {"
+    + WALK
+    + """
+  const escaped = /<\\/?[a-z]+[\\s>]|&(?:lt|gt|amp|quot|#\\d+);/;
+  return all.filter((element) => !["SCRIPT", "STYLE", "TEMPLATE"].includes(element.tagName) && seen(element))
+    .flatMap((element) => [...element.childNodes].filter((node) => node.nodeType === 3 && escaped.test(node.data)))
+    .map((node) => node.data.trim().slice(0, 60));
+}"""
+)
 SIDEWAYS = (
     "() => {"
     + WALK
@@ -83,6 +93,7 @@ def _faults(user: User) -> dict[str, Any]:
     found = {
         "cut": user.page.evaluate(CUT),
         "sideways": user.page.evaluate(SIDEWAYS),
+        "markup": user.page.evaluate(MARKUP),
         "holes": user.page.evaluate(HOLES, [LARGEST_HOLE_PX]),
     }
     return {name: told for name, told in found.items() if told}

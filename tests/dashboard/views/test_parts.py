@@ -36,11 +36,26 @@ def pinned(runs: Runs, name: str) -> Pin:
     [
         parts.heading("Drive", HOSTILE, HOSTILE, HOSTILE),
         parts.failure(HOSTILE, HOSTILE, HOSTILE),
+        parts.refusal(f"{HOSTILE}: {HOSTILE}"),
+        parts.figure(*[HOSTILE] * 7),
+        parts.figures([HOSTILE]),
+        parts.table(HOSTILE, [HOSTILE], [([HOSTILE], True)]),
+        parts.table("", [HOSTILE], [([HOSTILE], True)]),
+        parts.note_paragraphs([HOSTILE]),
+        parts.flow_bar(HOSTILE, HOSTILE, 0.0, 1.0, HOSTILE, strong=True),
     ],
 )
 def test_texts_of_users_are_escaped(markup: str) -> None:
     assert "<img" not in markup
     assert "&lt;img" in markup
+
+
+def test_pieces_of_html_stay_html_and_are_sent_as_they_are() -> None:
+    detail = parts.markup("<b>{}</b> {}", "1 < 2", parts.PROVEN)
+    assert str(detail) in str(parts.figure("Energy", "1", "kWh", detail))
+    assert detail.endswith('<b>1 &lt; 2</b> <span class="proven">\u2713 proven</span>')
+    pane, text = parts.html_pane(detail), parts.html_pane(str(detail))
+    assert pane._transform_object(pane.object) == text._transform_object(text.object)
 
 
 def test_figures_of_the_optimum(runs: Runs) -> None:
@@ -181,7 +196,7 @@ def test_the_table_of_phases_tells_what_the_advice_does() -> None:
 
 
 def test_tables_can_be_saved_under_their_titles() -> None:
-    markup = parts.table("Runs <b>here</b>", ("Run",), [(("one",), False)])
+    markup = parts.table(parts.markup("Runs <b>here</b>"), ("Run",), [(("one",), False)])
     assert 'aria-label="Save Runs here as CSV"' in markup
     assert parts.plain_table(("Run",), [(("one",), False)]) in markup
 

@@ -1,0 +1,53 @@
+// What all components need of the document.
+
+// An element with attributes; those that are null or false are left out, one that is true has no value.
+export const make = (tag, attributes = {}, ...children) => {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (value !== null && value !== false) { element.setAttribute(name, value === true ? "" : value); }
+  }
+  element.append(...children);
+  return element;
+};
+
+// An element with HTML that this program has written itself, or escaped.
+export const filled = (tag, name, html = "") => {
+  const element = make(tag, name ? {class: name} : {});
+  element.innerHTML = html;
+  return element;
+};
+
+// The element around another one, through the borders of shadow roots.
+export const around = (element) => element.parentNode ?? element.host ?? null;
+
+export const within = (element, place) => {
+  for (let node = element; node; node = around(node)) { if (node === place) { return true; } }
+  return false;
+};
+
+// The element that has the focus, within whatever shadow roots.
+export const focused = () => {
+  let found = document.activeElement;
+  while (found?.shadowRoot?.activeElement) { found = found.shadowRoot.activeElement; }
+  return found;
+};
+
+const lives = new WeakMap();
+// A signal that lets go of all listeners of a component: when it is removed, or rendered again, of which the library
+// tells nothing.
+export const life_of = (model) => {
+  lives.get(model)?.abort();
+  const life = new AbortController();
+  lives.set(model, life);
+  model.on("remove", () => life.abort());
+  return life.signal;
+};
+
+// Looks at each frame whether something holds, for a while: for what no observer tells, such as the library's views.
+export const until = (holds, within_ms) => new Promise((resolve) => {
+  const end = performance.now() + within_ms;
+  const look = () => {
+    if (holds() || performance.now() > end) { resolve(); } else { requestAnimationFrame(look); }
+  };
+  look();
+});

@@ -1,0 +1,55 @@
+// The diagram of the control loop: a block lights up with its charts, and a press scrolls to them.
+
+import {filled, life_of} from "./dom.js";
+import {chart_of, deep} from "./page.js";
+
+const ABOVE_PX = 24;
+
+export function render({model}) {
+  const signal = life_of(model), box = filled("div", "", model.drawing);
+  const block_of = (name) => Object.keys(model.charts).find((block) => model.charts[block].includes(name));
+  const hosts = (block) => deep(".rj-chart").filter((host) => block && model.charts[block].includes(chart_of(host)));
+  let under = null, focused = null, lit = null, framed = [];
+  const light = () => {
+    const block = under ?? focused;
+    if (block === lit) { return; }
+    lit = block;
+    for (const shape of box.querySelectorAll("[data-block]")) {
+      shape.classList.toggle("lit", shape.dataset.block === block);
+    }
+    for (const host of framed) { host.style.outline = ""; host.classList.remove("rj-lit"); }
+    framed = hosts(block);
+    for (const host of framed) { host.style.outline = "2px solid var(--rj-accent)"; host.classList.add("rj-lit"); }
+  };
+  const show = (block) => {
+    const places = model.charts[block].flatMap((name) => deep(`.rj-chart-${name}`));
+    const first = places.find((host) => host.offsetParent);
+    if (!first) { return; }
+    first.style.scrollMarginTop = `${box.getBoundingClientRect().height + ABOVE_PX}px`;
+    const calm = window.matchMedia("(prefers-reduced-motion: reduce)").matches;
+    first.scrollIntoView({block: "start", behavior: calm ? "instant" : "smooth"});
+  };
+  // at the document, before the figures, which keep pointer events to themselves
+  const move = (event) => {
+    const path = event.composedPath();
+    const shape = path.find((element) => element.dataset?.block && box.contains(element));
+    const host = path.find((element) => element.classList?.contains("rj-chart"));
+    under = shape ? shape.dataset.block : (host && block_of(chart_of(host))) ?? null;
+    light();
+  };
+  document.addEventListener("pointermove", move, {capture: true, signal});
+  box.addEventListener("focusin", (event) => {
+    focused = event.target.matches(":focus-visible") ? event.target.dataset.block ?? null : null;
+    light();
+  });
+  box.addEventListener("focusout", () => { focused = null; light(); });
+  box.addEventListener("click", (event) => {
+    const shape = event.target.closest("[data-block]");
+    if (shape) { show(shape.dataset.block); }
+  });
+  box.addEventListener("keydown", (event) => {
+    const shape = event.target.closest("[data-block]");
+    if (shape && (event.key === "Enter" || event.key === " ")) { event.preventDefault(); show(shape.dataset.block); }
+  });
+  return box;
+}

@@ -1,0 +1,368 @@
+"""The page's scripts by themselves, in a blank page: as they are sent, what they compute, rules of the house."""
+
+import math
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+from playwright.sync_api import Browser, Page, Route
+
+from railjoule.dashboard.look.scripts import SCRIPTS, function, imported, module, source
+
+ADDRESS = "http://scripts.invalid/"
+NAMES = sorted(path.name.removesuffix(".js") for path in SCRIPTS.iterdir() if path.name.endswith(".js"))
+MODULES = [name for name in NAMES if re.search(r"^export ", source(name), re.MULTILINE)]
+COMPONENTS = [name for name in MODULES if "export function render(" in source(name)]
+KNOWS_ALL_ROOTS = "first"
+"""The one script that leaves something on the window."""
+
+
+@pytest.fixture(scope="module")
+def page(chromium: Browser) -> Iterator[Page]:
+    """A blank page of an address from which the scripts can be imported, errors seen."""
+    context = chromium.new_context()
+    page = context.new_page()
+    page.route(f"{ADDRESS}**", answer)
+    page.goto(ADDRESS)
+    page.evaluate(source(KNOWS_ALL_ROOTS))
+    yield page
+    context.close()
+
+
+def answer(route: Route) -> None:
+    """Answer with a script of the assets, or with an empty page."""
+    name = route.request.url.removeprefix(ADDRESS)
+    if name.endswith(".js"):
+        route.fulfill(body=source(name.removesuffix(".js")), content_type="text/javascript")
+    else:
+        route.fulfill(body="<!DOCTYPE html><title>scripts</title>", content_type="text/html")
+
+
+def run(page: Page, name: str, code: str, argument: Any = None) -> Any:
+    """Return what the body of an asynchronous function gives, with a module's exports as `m` and an argument as `a`."""
+    told = f"async (a) => {{ const m = await import('{ADDRESS}{name}.js'); {code} }}"
+    return page.evaluate(told, argument)
+
+
+def exports_of(name: str) -> set[str]:
+    """Return what a module exports: one name, or several taken out of an object."""
+    lists = re.findall(r"^export (?:const|function) (\{[^}]+\}|\w+)", source(name), re.MULTILINE)
+    return {one for names in lists for one in re.findall(r"\w+", names)}
+
+
+# --- as they are sent
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_a_module_is_sent_as_one(page: Page, name: str) -> None:
+    """Names that two modules share, and what is left of an import, would be errors of syntax or of loading."""
+    text = module(name)
+    assert not re.search(r"^import ", text, re.MULTILINE)
+    exports = page.evaluate(
+        """async (text) => {
+          const url = URL.createObjectURL(new Blob([text], {type: "text/javascript"}));
+          return Object.keys(await import(url));
+        }""",
+        text,
+    )
+    assert set(exports) == exports_of(name)
+
+
+@pytest.mark.parametrize("name", sorted(set(NAMES) - set(MODULES)))
+def test_a_plain_script_is_strict_and_parses(page: Page, name: str) -> None:
+    assert '"use strict";' in source(name)
+    page.evaluate("text => { new Function(text); }", source(name))
+
+
+def test_each_module_stands_once_and_after_what_it_needs() -> None:
+    assert imported("drag_heights") == ["drag", "numbers"]
+    assert imported("saving") == ["dom", "files", "page"]
+    assert module("saving").count("const make = ") == 1
+    assert function("ticks", "tick_words(tick, digits)").endswith("\nreturn tick_words(tick, digits);\n")
+    assert "export" not in function("cursor", "follow({charts, range}, cb_obj)")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_house_rules(name: str) -> None:
+    """What the linter does not know: nothing is left on the window, and no value is spelt with two backslashes."""
+    text = source(name)
+    left = re.findall(r"\b(?:window|globalThis|self)\.\w+(?:\.\w+)* \??\??=(?!=)", text)
+    assert left == (["window.railjoule ="] if name == KNOWS_ALL_ROOTS else [])
+    assert "\\\\u" not in text
+    assert text.startswith("// "), "what is it for?"
+
+
+# --- components, with a model that only listens
+
+MODEL = """
+const told = [], watchers = {};
+const model = {...a, send_msg: (message) => told.push(message), on: (name, act) => (watchers[name] ??= []).push(act)};
+const change = (values) => {
+  Object.assign(model, values);
+  for (const name of Object.keys(values)) { (watchers[name] ?? []).forEach((act) => act()); }
+};
+const remove = () => (watchers.remove ?? []).forEach((act) => act());
+const shown = (host) => { document.body.replaceChildren(host); return host; };
+"""
+LISTENING = """
+window.Bokeh = {documents: []};
+const heard = new Set(), {addEventListener, removeEventListener} = EventTarget.prototype;
+EventTarget.prototype.addEventListener = function (name, listener, options) {
+  if (!(this instanceof Element) && !(this instanceof AbortSignal)) {
+    heard.add(listener);
+    options?.signal && addEventListener.call(options.signal, "abort", () => heard.delete(listener));
+  }
+  return addEventListener.call(this, name, listener, options);
+};
+EventTarget.prototype.removeEventListener = function (name, listener, options) {
+  heard.delete(listener);
+  return removeEventListener.call(this, name, listener, options);
+};
+"""
+LISTENED = "Object.assign(EventTarget.prototype, {addEventListener, removeEventListener});"
+ENTRIES = [{"name": name, "place": "bar", "group": group} for name, group in (("Start", ""), ("Drive", "Run"))]
+VALUES: dict[str, dict[str, Any]] = {
+    "browser": {"pages": ["Start"], "bare": [], "questions": {}, "page": "Start", "charts_in_sight": []},
+    "disclosure": {"label": "Vehicle", "note": "", "open": False, "changed": False},
+    "editor_head": {"status": "", "open": False},
+    "fields_form": {"fields": [], "version": 0},
+    "lifeline": {"address": ""},
+    "loop_diagram": {"drawing": "<svg></svg>", "charts": {}},
+    "navigation": {"page": "Start", "entries": ENTRIES, "keyed": ["Start", "Drive"], "brand": ""},
+    "saving": {},
+    "strategies": {"strategies": [], "chosen": "", "ticked": [], "results": {}, "above": "", "draws": True},
+    "table_form": {"table": {"columns": [], "rows": [], "label": "", "help": "", "more": ""}, "version": 0},
+}
+"""What each component needs to be drawn at all."""
+
+
+@pytest.mark.parametrize("name", COMPONENTS)
+def test_a_component_lets_go_of_all_that_outlives_it(page: Page, name: str) -> None:
+    """Whether it is removed or only drawn anew: the library does not tell of the second."""
+    view = "view: {model: {document: {on_event() {}}}}"
+    code = f"""
+      {MODEL} {LISTENING}
+      const counts = [];
+      for (let k = 0; k < 2; k++) {{
+        document.body.replaceChildren(m.render({{model, el: document.body, {view}}}));
+        counts.push(heard.size);
+      }}
+      remove();
+      {LISTENED}
+      return [...counts, heard.size];
+    """
+    first, second, left = run(page, name, code, VALUES[name])
+    assert first == second
+    assert left == 0
+
+
+def test_a_field_tells_what_was_typed_and_takes_it_back_by_escape(page: Page) -> None:
+    field = {"key": "tare_kg", "kind": "number", "label": "Tare, kg", "help": "", "text": "160000", "was": "160000"}
+    code = f"""
+      {MODEL}
+      const host = shown(m.render({{model}})), input = host.querySelector("input");
+      input.value = "2e5";
+      const key = (name) => input.dispatchEvent(new KeyboardEvent("keydown", {{key: name, bubbles: true}}));
+      let closes = 0;
+      document.body.addEventListener("keydown", () => closes++, {{once: true}});
+      key("Escape");
+      const kept = input.value;
+      input.value = "2e5";
+      input.dispatchEvent(new Event("change"));
+      change({{fields: [{{...a.fields[0], text: "2e5", changed: true, sentence: "At most 1e5."}}], version: 1}});
+      const error = host.querySelector("[role=alert]");
+      return {{kept, closes, told, invalid: input.ariaInvalid, error: error.textContent,
+        name: host.querySelector("button").ariaLabel, described: input.getAttribute("aria-describedby")}};
+    """
+    seen = run(page, "fields_form", code, {"fields": [field], "version": 0})
+    assert seen == {
+        "kept": "160000",
+        "closes": 0,
+        "told": [{"what": "type", "key": "tare_kg", "text": "2e5"}],
+        "invalid": "true",
+        "error": "At most 1e5.",
+        "name": "Reset Tare, kg to 160000",
+        "described": "field0-help field0-error",
+    }
+
+
+def test_a_table_tells_its_cell_and_moves_by_key(page: Page) -> None:
+    columns = [{"key": key, "label": key, "kind": "number", "help": ""} for key in ("length", "gradient")]
+    table = {"columns": columns, "rows": [["1", "2"], ["3", "4"]], "label": "Sections", "help": "", "more": ""}
+    code = f"""
+      {MODEL}
+      const host = shown(m.render({{model}})), inputs = [...host.querySelectorAll("input[type=text]")];
+      inputs[0].focus();
+      inputs[0].dispatchEvent(new KeyboardEvent("keydown", {{key: "ArrowDown"}}));
+      const now = inputs.indexOf(document.activeElement);
+      inputs[3].value = "5";
+      inputs[3].dispatchEvent(new Event("change"));
+      host.querySelector("[aria-label='Remove row 2']").click();
+      return {{now, told, names: inputs.map((input) => input.ariaLabel)}};
+    """
+    seen = run(page, "table_form", code, {"table": table, "version": 0})
+    assert seen["now"] == 2
+    assert seen["told"] == [{"what": "cell", "row": 1, "column": 1, "text": "5"}, {"what": "remove", "row": 1}]
+    assert seen["names"] == ["length, row 1", "gradient, row 1", "length, row 2", "gradient, row 2"]
+
+
+def test_the_bar_opens_a_page_for_whoever_asks(page: Page) -> None:
+    code = f"""
+      {MODEL}
+      const host = shown(m.render({{model}}));
+      window.dispatchEvent(new CustomEvent("rj-open", {{detail: {{page: "Drive"}}}}));
+      const turned = new Promise((resolve) => {{
+        window.addEventListener("rj-turn", (event) => resolve(event.detail.page), {{once: true}});
+      }});
+      const now = host.querySelector("[aria-current]").textContent;
+      const answer = [now, told[0].page, await turned];
+      remove();
+      return answer;
+    """
+    assert run(page, "navigation", code, VALUES["navigation"]) == ["Drive", "Drive", "Drive"]
+
+
+# --- what they compute
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "text"),
+    [
+        (1234567.5, (1,), "1\u202f234\u202f567.5"),
+        (-1500, (0,), "\u22121\u202f500"),
+        (-0.04, (1,), "0.0"),
+        (0.25, (0, 3), "0.25"),
+    ],
+)
+def test_numbers_as_people_read_them(page: Page, value: float, digits: tuple[int, ...], text: str) -> None:
+    assert run(page, "numbers", "return m.written(a.value, ...a.digits)", {"value": value, "digits": digits}) == text
+    assert run(page, "saving", "return Number(m.plain(a))", text) == pytest.approx(value, abs=0.05)
+
+
+def test_a_tick_has_its_digits_and_more_where_it_needs_them(page: Page) -> None:
+    told = run(page, "ticks", "return a.map((tick) => m.tick_words(tick, 1))", [-2000, 0.5, 0.125])
+    assert told == ["\u22122\u202f000.0", "0.5", "0.125"]
+
+
+def test_the_value_of_a_line_beneath_the_mouse(page: Page) -> None:
+    line = {"x": [0, 10, 10, 30], "y": [0, 5, 7, 9]}
+    code = "return [[0], [5], [20], [20, true], [-1], [31]].map(([x, stepped]) => m.value_at(a, x, stepped))"
+    # straight between the nodes; a cell has the value of its end
+    assert run(page, "cursor", code, line)[:4] == [0, 2.5, 8, 9]
+    assert all(math.isnan(value) for value in run(page, "cursor", code, line)[4:])
+
+
+def test_each_axis_has_a_cursor_of_its_own(page: Page) -> None:
+    chart = {"words": "Speed", "unit": "km/h", "digits": 1, "small": 0, "stepped": False, "place": ["m", 0]}
+    code = """
+      const lines = () => [["", {data: {x: [0, 100], y: [0, 50]}}], ["clock", {data: {x: [], y: []}}]];
+      const axis = () => ({range: {}, charts: [{...a, caption: {text: ""}, sources: lines()}]});
+      const [one, other] = [axis(), axis()], text = ({charts}) => charts[0].caption.text;
+      m.follow(one, {event_name: "mousemove", x: 20});
+      const first = text(one);
+      // both axes settle: only one of them has a mouse
+      one.charts[0].sources[0][1].data.y[1] = 100;
+      m.follow(one, one.range);
+      m.follow(other, other.range);
+      const [moved, untouched] = [text(one), text(other)];
+      m.follow(one, {event_name: "mouseleave"});
+      return [first, moved, untouched, text(one)];
+    """
+    told = run(page, "cursor", code, chart)
+    assert told == ["Speed&ensp;&ensp;20 m: 10.0 km/h", "Speed&ensp;&ensp;20 m: 20.0 km/h", "", "Speed"]
+
+
+def test_a_drag_holds_the_nearest_grip_of_its_own_figure(page: Page) -> None:
+    code = """
+      const [one, other] = [{}, {}], grips = () => [{k: 1, away: 9}, {k: 2, away: 5}, {k: 3, away: 30}];
+      const on = (figure, event_name) => m.held_by(figure, {event_name}, grips, 16)?.k ?? null;
+      return [on(one, "panstart"), on(other, "pan"), on(one, "pan"), on(one, "panend"), on(one, "pan"),
+        m.nearest([{away: 20}], 16)];
+    """
+    assert run(page, "drag", code) == [2, None, 2, 2, None, None]
+
+
+def test_a_border_stays_between_its_neighbours_and_no_steeper_than_allowed(page: Page) -> None:
+    code = "return m.moved_border({x: [0, 100, 300], y: [0, 0, 0]}, a.k, a.to, a.bounds)"
+    bounds = {"shortest": 1, "steepest_permille": 200, "bottom": -50, "top": 50}
+    moved = run(page, "drag_heights", code, {"k": 1, "to": {"x": 500, "y": 2}, "bounds": bounds})
+    # 1 m before the end, where 200 per mille allow 0.2 m
+    assert moved == {"x": 299, "y": pytest.approx(0.2), "climbs": [pytest.approx(200 / 299), pytest.approx(-200)]}
+    last = run(page, "drag_heights", code, {"k": 2, "to": {"x": 7, "y": 99}, "bounds": bounds})
+    # the end of the track is not moved along it: 200 per mille of 200 m
+    assert last == {"x": 300, "y": 40, "climbs": [200]}
+
+
+def test_a_limit_is_held_by_its_middle_and_some_by_their_ends(page: Page) -> None:
+    steps = {"left": [0, 100], "right": [100, 200], "limit": [60, 40], "movable": [0, 9]}
+    code = "return m.limit_grips(a.steps, a.at, {x: 1, y: 1}).map(({part, k}) => [part, k])"
+    near = run(page, "drag_limits", code, {"steps": steps, "at": {"x": 50, "y": 58}})
+    assert near == [["limit", 0], ["left", 1], ["right", 1]]
+
+
+def test_set_speeds_move_in_halves_and_borders_between_their_neighbours(page: Page) -> None:
+    before = {"left": [0, 100, 200], "right": [100, 200, 300], "limit": [60, 40, 50], "most": [80, 80, 80]}
+    code = "return m.moved_sections(a.before, a.held, a.to, {least: 5, shortest: 10})"
+    limit = run(page, "drag_sections", code, {"before": before, "held": {"kind": "limit", "k": 1}, "to": {"y": 44.3}})
+    assert limit["sections"]["limit"] == [60, 44.5, 50]
+    assert limit["sections"]["text"] == ["60", "44.5", "50"]
+    assert limit["handles"] == {"x": [100, 200], "y": [52.25, 47.25]}
+    border = run(page, "drag_sections", code, {"before": before, "held": {"kind": "border", "k": 0}, "to": {"x": 250}})
+    assert border["sections"]["right"] == [190, 200, 300]
+    assert border["sections"]["left"] == [0, 190, 200]
+    assert border["sections"]["middle"] == [95, 195, 250]
+    assert border["borders"] == {"x": [190, 200], "low": [60, 40], "high": [40, 50]}
+    assert before["right"] == [100, 200, 300]
+
+
+def test_a_saved_cell_is_no_formula_and_no_spelling(page: Page) -> None:
+    code = "return a.map(m.cell)"
+    told = run(page, "saving", code, ["\u22121\u202f500.5", "=1+1", "a,b", 'say "x"', None, "+3"])
+    assert told == ["-1500.5", "'=1+1", '"a,b"', '"say ""x"""', "", "3"]
+    order = run(page, "saving", "return a.sort(m.compared)", ["\u2013", "10", "\u22122", "9", "b", "a"])
+    assert order[:3] == ["\u22122", "9", "10"]
+
+
+def test_a_text_is_copied_where_there_is_no_clipboard(page: Page) -> None:
+    code = """
+      const areas = [], {execCommand} = document;
+      document.execCommand = (what) => { areas.push([what, document.activeElement.value]); return true; };
+      const done = await m.copy_text("3.2 kWh");
+      document.execCommand = execCommand;
+      return {secure: isSecureContext, done, areas, left: document.querySelectorAll("textarea").length};
+    """
+    assert run(page, "files", code) == {"secure": False, "done": True, "areas": [["copy", "3.2 kWh"]], "left": 0}
+
+
+def test_elements_and_what_is_around_them(page: Page) -> None:
+    code = """
+      const inner = m.make("input", {type: "text", hidden: true, class: null, title: false});
+      const host = m.make("div", {class: "host"}, "text"), place = m.make("div", {}, host);
+      host.attachShadow({mode: "open"}).append(inner);
+      document.body.append(place);
+      inner.hidden = false;
+      inner.focus();
+      const answer = [inner.outerHTML, m.within(inner, place), m.within(place, inner), m.focused() === inner];
+      place.remove();
+      return answer;
+    """
+    assert run(page, "dom", code) == ['<input type="text">', True, False, True]
+
+
+def test_all_roots_are_searched_and_changes_told(page: Page) -> None:
+    code = """
+      const host = document.createElement("div"), inside = document.createElement("p");
+      inside.className = "rj-chart rj-chart-speed";
+      document.body.append(host);
+      let calls = 0;
+      const called = new Promise((resolve) => {
+        const stop = m.listen(() => { calls++; stop(); resolve(); });
+      });
+      host.attachShadow({mode: "open"}).append(inside);
+      await called;
+      const answer = [m.deep(".rj-chart").length, m.chart_of(m.deep(".rj-chart")[0]), calls];
+      host.remove();
+      return [...answer, m.deep(".rj-chart").length];
+    """
+    assert run(page, "page", code) == [1, "speed", 1, 0]
