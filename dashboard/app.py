@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import panel as pn
+from bokeh.settings import settings
 
 from railjoule.core import RailjouleError
 from railjoule.dashboard.actual import Actual
@@ -61,6 +62,8 @@ from railjoule.dashboard.warmup import warmup
 
 pn.extension("plotly", notifications=False, exception_handler=handle)
 keep_quiet()
+# Panel asks models for many attributes that they may not have: a tenth of a move went into guesses at what it meant
+settings.perform_error_diagnostics = False
 
 LOG = logging.getLogger(__name__)
 POLL_MS = 300

@@ -134,9 +134,7 @@ class Sidebar:
         self.preset.param.watch(self._choose, "value")
         self.file.param.watch(self._open, "value")
         scenario.param.watch(self._name_scenario, ["preset", "opened"])
-        scenario.param.watch(
-            self._describe, ["preset", "opened", "edits", "load_percent", "travel_time_s", "recuperation_percent"]
-        )
+        scenario.param.watch(self._describe, ["preset", "opened", "edits"])
         scenario.param.watch(self._move_ends, "travel_time_range_s")
         scenario.param.watch(self._move_load, ["preset", "opened", "edits"])
         state.param.watch(self._show_runs, "runs")
