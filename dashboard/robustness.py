@@ -6,6 +6,7 @@ from typing import Any
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.studies.montecarlo import MonteCarloTable
 from railjoule.core.studies.sensitivity import SensitivityTable
+from railjoule.dashboard.models.programs import page_run
 from railjoule.dashboard.models.robustness import FULL_RUNS, PREVIEW_RUNS
 from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
@@ -92,7 +93,7 @@ class Robustness:
         if self.state.page != PAGE:
             self._rest()
             return
-        scenario, changes = self.state.scenario.scenario(), self._with_strategy(self.model.changes)
+        scenario, changes = self.state.scenario.scenario(), page_run(self.state).changes
         run = RealityRequest(scenario, changes)
         # a table and what chance draws have loads and errors of their own
         plan = RealityRequest(scenario, {**changes, **NOTHING_WRONG})
