@@ -5,16 +5,13 @@ import re
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import panel as pn
-from bokeh.document import Document
-from bokeh.model import Model
-from bokeh.models import InlineStyleSheet
 
 from railjoule.core import Phase, Trajectory
 from railjoule.core.advice import AT_REST_MS
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.dashboard.insides import Words
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.theme import parts_css
@@ -35,27 +32,6 @@ LOSS_WORDS = {
 }
 WRAP_CSS = "@media (max-width: 899px) { :host { flex-wrap: wrap; } }"
 """Of a row of controls that takes more lines on a narrow screen."""
-
-
-SHEETS: WeakKeyDictionary[Document, dict[str, InlineStyleSheet]] = WeakKeyDictionary()
-"""Style sheets of each document: there are hundreds of panes, and it is sent each sheet once."""
-
-
-class Words(pn.pane.HTML):
-    """HTML that changes often: only the new text goes to the browser, not every property of the pane anew."""
-
-    def _get_properties(self, doc: Document | None) -> dict[str, Any]:
-        properties: dict[str, Any] = super()._get_properties(doc)
-        if doc is not None and "stylesheets" in properties:
-            known = SHEETS.setdefault(doc, {})
-            properties["stylesheets"] = [
-                known.setdefault(sheet, InlineStyleSheet(css=sheet)) if isinstance(sheet, str) else sheet
-                for sheet in properties["stylesheets"]
-            ]
-        return properties
-
-    def _update(self, ref: str, model: Model) -> None:
-        model.text = self._transform_object(self.object)["object"]
 
 
 def html_pane(text: str = "", **params: Any) -> Words:
