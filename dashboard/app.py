@@ -100,9 +100,14 @@ class Session:
             self._take_failure,
             self.state.marks("Start", "Drive", "Compare", "Trade-off"),
             is_slow=lambda request: request.is_slow,
+            about=self.state.scenario.identity,
         )
         self.trade_off = Worker(
-            compute_trade_off, self._take_trade_off, self._take_failure, self.state.marks("Trade-off")
+            compute_trade_off,
+            self._take_trade_off,
+            self._take_failure,
+            self.state.marks("Trade-off"),
+            about=self.state.scenario.identity,
         )
         self.compare = Compare(self.state)
         self.pins = Pins(self.state)

@@ -188,6 +188,10 @@ class ScenarioModel(TypedParameters):
         """The shipped scenario, or that of the file."""
         return self.draft.base
 
+    def identity(self) -> Scenario:
+        """Return an object that is another one for each scenario that is chosen or opened, whatever is edited in it."""
+        return self.base
+
     def original(self, key: str) -> Any:
         """Return what the base has at a key of the file; None where it has nothing."""
         return self.draft.original(key)

@@ -93,6 +93,10 @@ def nobody(_: bool) -> None:
     """Tell nobody: a page that is not marked as late."""
 
 
+def nothing() -> None:
+    """Return what a page is about whose results always belong to it."""
+
+
 class Worker(Generic[Request, Result]):
     """Works on the last request of one page in a thread, and delivers results in the order in which they were asked.
 
@@ -108,6 +112,9 @@ class Worker(Generic[Request, Result]):
         Told True when what the page shows is from before the last change, False when it no longer is.
     is_slow : callable
         Whether a request takes seconds: then it does not keep the short ones of other pages waiting.
+    about : callable
+        Returns what the page is about, such as its scenario without edits. A result, or an error, is dropped where that
+        is another object than when it was asked for; who asks for nothing twice has to forget that it asked.
     """
 
     def __init__(
@@ -117,8 +124,10 @@ class Worker(Generic[Request, Result]):
         fail: Callable[[RailjouleError], None],
         mark: Callable[[bool], None] = nobody,
         is_slow: Callable[[Request], bool] = lambda _: False,
+        about: Callable[[], object] = nothing,
     ) -> None:
         self._compute, self._deliver, self._fail, self._is_slow = compute, deliver, fail, is_slow
+        self._about = about
         self._late = Lateness(mark)
         self._document: Document | None = None
         self._request: Request | None = None
@@ -144,7 +153,7 @@ class Worker(Generic[Request, Result]):
     def _start(self, request: Request) -> None:
         self._running = True
         threads = SLOW_THREADS if self._is_slow(request) else THREADS
-        threads.submit(self._timed, request).add_done_callback(self._hand_over)
+        threads.submit(self._timed, request).add_done_callback(partial(self._hand_over, self._about()))
 
     def _timed(self, request: Request) -> Result | RailjouleError:
         started = time.perf_counter()
@@ -158,15 +167,17 @@ class Worker(Generic[Request, Result]):
         finally:
             self.last_duration_s = time.perf_counter() - started
 
-    def _hand_over(self, future: "Future[Result | RailjouleError]") -> None:
+    def _hand_over(self, about: object, future: "Future[Result | RailjouleError]") -> None:
         if self._document is not None:
-            self._document.add_next_tick_callback(partial(self._finish, future))
+            self._document.add_next_tick_callback(partial(self._finish, about, future))
 
-    def _finish(self, future: "Future[Result | RailjouleError]") -> None:
+    def _finish(self, about: object, future: "Future[Result | RailjouleError]") -> None:
         self._running = False
         error = future.exception()
         self._late.answered(more=self._request is not None)
-        self._settle(future.result() if error is None else told(error))
+        outcome = future.result() if error is None else told(error)
+        if about is self._about():
+            self._settle(outcome)
         if self._request is not None:
             request, self._request = self._request, None
             self._start(request)

@@ -48,6 +48,22 @@ def test_of_what_is_asked_meanwhile_only_the_last_is_done() -> None:
     assert taken == [10, 40]
 
 
+@pytest.mark.parametrize("requests", [(1, 2), (-1, 2)])
+def test_what_belongs_to_a_scenario_that_has_gone_is_dropped(requests: tuple[int, int]) -> None:
+    gate, page, about = Gate(), Page(), [object()]
+    taken: list[int] = []
+    worker = Worker(gate, taken.append, pytest.fail, about=lambda: about[0])
+    with set_curdoc(page.document):
+        worker.ask(requests[0])
+        about[0] = object()
+        worker.ask(requests[1])
+    gate.open.set()
+    page.take_turn()
+    assert taken == []
+    page.take_turn()
+    assert taken == [10 * requests[1]]
+
+
 def test_an_error_that_the_user_can_mend_is_told_and_work_goes_on() -> None:
     _, _, taken, failures = work(-1, 2)
     assert failures == ["-1 is negative"]
