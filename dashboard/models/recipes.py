@@ -85,7 +85,8 @@ def as_command(recipe: Recipe) -> str:
     """Return the command line; what only a file can say is written into one first."""
     command = recipe.program.command
     if not command:
-        return f"# No command line gives this: {recipe.untold}\n# The Python program does.\n"
+        # a name of a stranger's scenario must not end the comment: what follows it would be a command
+        return f"# No command line gives this: {' '.join(recipe.untold.split())}\n# The Python program does.\n"
     if not recipe.program.of_scenario:
         return f"railjoule {command}\n"
     removes = any(value is None for value in recipe.changes.values())

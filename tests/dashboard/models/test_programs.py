@@ -212,6 +212,17 @@ def energy_of_command(text: str, folder: Path, capsys: pytest.CaptureFixture[str
     return float(result["actual"]["energy_kwh"] if "actual" in result else result["energy_kwh"])
 
 
+def test_a_name_cannot_become_a_command() -> None:
+    state = Workbench()
+    state.scenario.choose("metro-10-stations")
+    state.line.take(state.scenario.edited)
+    state.line.stations[0].param.update(station="Harbour\nrm -r .\r\x0b\u2028x", fixed=True)
+    state.page = "Line"
+    lines = as_command(recipe_of(state)).splitlines()
+    assert len(lines) == 2
+    assert all(line.startswith("# ") for line in lines)
+
+
 def test_the_lessons_are_a_program(capsys: pytest.CaptureFixture[str]) -> None:
     state = Workbench()
     Learn(state)
