@@ -5,6 +5,7 @@ tests/dashboard/test_insides.py reads the installed ones and says, without a bro
 browser's half is assets/scripts/follow.js and assets/scripts/mends.js.
 """
 
+import asyncio
 from collections.abc import Callable
 from typing import Any
 from weakref import WeakKeyDictionary
@@ -144,6 +145,21 @@ def attach(document: Any, model: Model) -> None:
             models._new_models.add(new)
             if new.name is not None:
                 models._models_by_name.add_value(new.name, new)
+
+
+def turns_of(document: Document) -> Callable[[Callable[[], None]], object]:
+    """Return what lets a document take a turn of its own, and may be called in any thread.
+
+    A turn that a thread asks of a document itself is lost where that is just giving free the changes that it holds:
+    they are copied, then their list is replaced, and Bokeh notes turns in that list too. So the event loop asks for it,
+    between its own turns. To be called in the loop; without one, the document is asked directly.
+    """
+    ask: Callable[[Callable[[], None]], object] = document.add_next_tick_callback
+    try:
+        loop = asyncio.get_running_loop()
+    except RuntimeError:
+        return ask
+    return lambda turn: loop.call_soon_threadsafe(ask, turn)
 
 
 def written_down(document: Document) -> tuple[dict[str, Any], Any]:

@@ -10,6 +10,7 @@ import panel as pn
 import param
 
 from railjoule.core import RailjouleError
+from railjoule.dashboard.insides import turns_of
 from railjoule.dashboard.lifeline import Lifeline
 from railjoule.dashboard.models.document import Document, document_of, lay, originals_of
 from railjoule.dashboard.models.dropped import NO_TEXT, TOO_LARGE, refused_file, scenario_text, words_of
@@ -143,7 +144,8 @@ class Keeping(param.Parameterized):
             then()
         else:
             reading = SLOW_THREADS.submit(outcome_of, toml)
-            reading.add_done_callback(lambda _: document.add_next_tick_callback(then))
+            turn = turns_of(document)
+            reading.add_done_callback(lambda _: turn(then))
 
     def _attempt(self, what: str, act: Callable[[], None]) -> None:
         """Do to the page what a stranger's text asks for; if that fails, leave the page as it was and say so."""

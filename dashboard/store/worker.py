@@ -16,6 +16,7 @@ from bokeh.document import Document
 
 from railjoule.core import RailjouleError
 from railjoule.core.budget import PAGE, within
+from railjoule.dashboard.insides import turns_of
 
 LOG = logging.getLogger(__name__)
 THREADS = ThreadPoolExecutor(max_workers=2, thread_name_prefix="railjoule")
@@ -32,6 +33,7 @@ PAUSE_S = 0.002
 UNKNOWN = "Something went wrong in the computation; the server's log has the details."
 NO_MEMORY = "This takes more memory than the server has; a longer solver.mesh_m needs less."
 
+Turns = Callable[[Callable[[], None]], object]
 Request = TypeVar("Request")
 Result = TypeVar("Result")
 
@@ -93,6 +95,11 @@ def nobody(_: bool) -> None:
     """Tell nobody: a page that is not marked as late."""
 
 
+def without_page(turn: Callable[[], None]) -> None:
+    """Take a turn at once, as there is no page around it."""
+    turn()
+
+
 def nothing() -> None:
     """Return what a page is about whose results always belong to it."""
 
@@ -130,6 +137,7 @@ class Worker(Generic[Request, Result]):
         self._about = about
         self._late = Lateness(mark)
         self._document: Document | None = None
+        self._turn: Turns = without_page
         self._request: Request | None = None
         self._running = False
         self.last_duration_s = 0.0
@@ -140,6 +148,7 @@ class Worker(Generic[Request, Result]):
         if self._document is None:
             self.do(request)
             return
+        self._turn = turns_of(self._document)
         self._late.asked(self._document)
         if self._running:
             self._request = request
@@ -168,8 +177,7 @@ class Worker(Generic[Request, Result]):
             self.last_duration_s = time.perf_counter() - started
 
     def _hand_over(self, about: object, future: "Future[Result | RailjouleError]") -> None:
-        if self._document is not None:
-            self._document.add_next_tick_callback(partial(self._finish, about, future))
+        self._turn(partial(self._finish, about, future))
 
     def _finish(self, about: object, future: "Future[Result | RailjouleError]") -> None:
         self._running = False
@@ -287,6 +295,7 @@ class _Job(Generic[Result]):
 
     def __init__(self, document: Document | None) -> None:
         self.document, self.ended = document, threading.Event()
+        self._turn = without_page if document is None else turns_of(document)
         self._lock = threading.Lock()
         self._result: Result | RailjouleError | None = None
         self._last = False
@@ -299,10 +308,7 @@ class _Job(Generic[Result]):
             called, self._called = self._called, True
         if called:
             return
-        if self.document is None:
-            take(self)
-        else:
-            self.document.add_next_tick_callback(partial(take, self))
+        self._turn(partial(take, self))
 
     def take(self) -> tuple[Result | RailjouleError | None, bool]:
         """Return the newest result and whether it is the last."""

@@ -1,7 +1,9 @@
+import asyncio
 import threading
 from collections.abc import Iterator
 
 import pytest
+from bokeh.document import Document
 from panel.io.state import set_curdoc
 from turns import PATIENCE_S, Page
 
@@ -76,6 +78,30 @@ def test_a_defect_is_logged_not_shown(caplog: pytest.LogCaptureFixture) -> None:
     assert len(failures) == 1
     assert "a defect" not in failures[0]
     assert taken == [20]
+
+
+@pytest.mark.parametrize("kind", ["worker", "study"])
+def test_a_page_is_asked_for_its_turn_by_the_event_loop_alone(kind: str) -> None:
+    # a thread that asks a document for a turn while that gives free what it held may not be heard
+    document, asked_by = Document(), []
+
+    async def ask() -> None:
+        asked = asyncio.Event()
+
+        def note(_: object) -> None:
+            asked_by.append(threading.current_thread())
+            asked.set()
+
+        document.add_next_tick_callback = note  # type: ignore[method-assign,assignment]
+        with set_curdoc(document):
+            if kind == "worker":
+                Worker(lambda request: request, pytest.fail, pytest.fail).ask(1)
+            else:
+                Study(lambda request: iter([request]), pytest.fail, pytest.fail).ask(1)
+        await asyncio.wait_for(asked.wait(), PATIENCE_S)
+
+    asyncio.run(ask())
+    assert set(asked_by) == {threading.current_thread()}
 
 
 def test_without_a_page_work_is_done_at_once() -> None:
