@@ -24,15 +24,21 @@ class Actual:
             self._take_failure,
             state.marks(PAGE),
             is_slow=lambda request: is_slow(request.scenario, request.scenario.strategy),
+            about=state.scenario.identity,
         )
         self._asked: ActualRequest | None = None
         state.scenario.follow(lambda scenario: scenario.disturbance, self.model.take)
         self.model.take(state.scenario.edited)
+        state.scenario.param.watch(self._forget, ["preset", "opened"])
         state.scenario.param.watch(self._ask, list(PLAN_FIELDS))
         state.param.watch(self._ask, ["page", "chosen", "runs"])
         state.robustness.param.watch(self._ask, [*REALITY, *FOLLOWER])
         state.disturbances.param.watch(self._ask, ["events", "accepted_delay_s", "changed"])
         self.model.param.watch(self._ask, ["on", "reaction"])
+
+    def _forget(self, *_: Any) -> None:
+        """Forget what was asked for: what comes of it is dropped, as the scenario has gone."""
+        self._asked = None
 
     def _ask(self, *_: Any) -> None:
         if self.state.page != PAGE or not self.model.on:

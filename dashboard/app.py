@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import panel as pn
+from bokeh.settings import settings
 
 from railjoule.core import RailjouleError
 from railjoule.dashboard.actual import Actual
@@ -61,6 +62,8 @@ from railjoule.dashboard.warmup import warmup
 
 pn.extension("plotly", notifications=False, exception_handler=handle)
 keep_quiet()
+# Panel asks models for many attributes that they may not have: a tenth of a move went into guesses at what it meant
+settings.perform_error_diagnostics = False
 
 LOG = logging.getLogger(__name__)
 POLL_MS = 300
@@ -97,9 +100,14 @@ class Session:
             self._take_failure,
             self.state.marks("Start", "Drive", "Compare", "Trade-off"),
             is_slow=lambda request: request.is_slow,
+            about=self.state.scenario.identity,
         )
         self.trade_off = Worker(
-            compute_trade_off, self._take_trade_off, self._take_failure, self.state.marks("Trade-off")
+            compute_trade_off,
+            self._take_trade_off,
+            self._take_failure,
+            self.state.marks("Trade-off"),
+            about=self.state.scenario.identity,
         )
         self.compare = Compare(self.state)
         self.pins = Pins(self.state)

@@ -34,11 +34,13 @@ class Disturbances:
             self._take_failure,
             state.marks("Disturbances"),
             is_slow=lambda request: is_slow(request.scenario, request.scenario.strategy),
+            about=state.scenario.identity,
         )
         self.late = Study(compute_late_arrivals, self._take_late, self._take_failure)
         self._asked: RidesRequest | None = None
         self._drawn: RidesRequest | None = None
         self._watched: list[EventModel] = []
+        state.scenario.param.watch(self._forget, ["preset", "opened"])
         state.scenario.follow(lambda scenario: scenario.disturbance, self.model.take)
         state.scenario.param.watch(self._ask, list(PLAN_FIELDS))
         state.param.watch(self._ask, ["page", "chosen"])
@@ -51,6 +53,11 @@ class Disturbances:
     def end(self) -> None:
         """End the study: the page is gone."""
         self.late.stop()
+
+    def _forget(self, *_: Any) -> None:
+        """Forget what was asked for: what comes of it is dropped, as the scenario has gone."""
+        self.late.stop()
+        self._asked = self._drawn = None
 
     def _watch_events(self, *_: Any) -> None:
         """Listen to events that are new, then ask."""

@@ -8,7 +8,7 @@ from weakref import WeakKeyDictionary
 import panel as pn
 from bokeh.document import Document
 
-from railjoule.dashboard.messages import thaw
+from railjoule.dashboard.insides import session_document, thaw
 
 LOG = logging.getLogger(__name__)
 SENTENCE = "That did not work: a program error, which the server\u2019s log describes. Everything else still works."
@@ -47,7 +47,7 @@ def handle(error: BaseException) -> None:
     It is the library's exception handler, called within the turn of a session.
     """
     document = pn.state.curdoc
-    faults = FAULTS.get(getattr(document, "_doc", document)) if document is not None else None
+    faults = FAULTS.get(session_document(document)) if document is not None else None
     if not isinstance(error, Exception) or faults is None:
         LOG.error("a callback failed", exc_info=error)
         return

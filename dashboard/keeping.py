@@ -1,6 +1,7 @@
 """What keeps a page: its address follows its state, each change can be undone, files and links are opened."""
 
 import logging
+import time
 from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
@@ -9,6 +10,7 @@ import panel as pn
 import param
 
 from railjoule.core import RailjouleError
+from railjoule.dashboard.insides import turns_of
 from railjoule.dashboard.lifeline import Lifeline
 from railjoule.dashboard.models.document import Document, document_of, lay, originals_of
 from railjoule.dashboard.models.dropped import NO_TEXT, TOO_LARGE, refused_file, scenario_text, words_of
@@ -46,11 +48,13 @@ class Keeping(param.Parameterized):
         super().__init__()
         self.state, self.lifeline = state, lifeline
         self._scheduled = self._laying = False
+        self._noted_s = 0.0
         self._watched: list[Kept] = []
         self._base: tuple[Any, ...] = ()
         self._originals: Document = {}
         for model in (state, *state.models.values()):
             model.param.watch(self._schedule, list(model.kept))
+        state.param.watch(self._note_with_runs, "runs")
         self._watch_items()
         self.history = History(document_of(state))
         listeners: dict[str, Callable[[dict[str, Any]], None]] = {
@@ -140,7 +144,8 @@ class Keeping(param.Parameterized):
             then()
         else:
             reading = SLOW_THREADS.submit(outcome_of, toml)
-            reading.add_done_callback(lambda _: document.add_next_tick_callback(then))
+            turn = turns_of(document)
+            reading.add_done_callback(lambda _: turn(then))
 
     def _attempt(self, what: str, act: Callable[[], None]) -> None:
         """Do to the page what a stranger's text asks for; if that fails, leave the page as it was and say so."""
@@ -169,7 +174,7 @@ class Keeping(param.Parameterized):
 
     def note(self) -> None:
         """Take note of what has changed: for undo, for the address, and for the marks at changed fields."""
-        self._scheduled = False
+        self._scheduled, self._noted_s = False, time.monotonic()
         document = document_of(self.state)
         self.history.note(document)
         self._publish(document)
@@ -198,7 +203,19 @@ class Keeping(param.Parameterized):
         document = pn.state.curdoc
         if document is not None and not self._scheduled and not self._laying:
             self._scheduled = True
-            document.add_timeout_callback(self.note, NOTE_MS)
+            document.add_timeout_callback(self._note_if_scheduled, NOTE_MS)
+
+    def _note_if_scheduled(self) -> None:
+        if self._scheduled:
+            self.note()
+
+    def _note_with_runs(self, *_: Any) -> None:
+        """Take note of a change in the message that brings its runs, but no more often than without them.
+
+        Browsers refuse addresses that change more than a few times a second.
+        """
+        if time.monotonic() - self._noted_s >= NOTE_MS / 1000:
+            self._note_if_scheduled()
 
     def _watch_items(self) -> None:
         """Listen to the models that lists hold, where they are new."""

@@ -22,6 +22,7 @@ class WholeLines:
             self._take_failure,
             state.marks(PAGE),
             is_slow=lambda request: is_slow(request.scenario),
+            about=state.scenario.identity,
         )
         self._watched: list[StationModel] = []
         self._quiet = False

@@ -7,10 +7,11 @@ known.
 
 import contextlib
 from collections.abc import Iterator
-from typing import Any
 
 import panel as pn
 from panel.viewable import Viewable
+
+from railjoule.dashboard.insides import attach, freeze, frozen, models_of, thaw, thaw_unsearched
 
 
 @contextlib.contextmanager
@@ -25,9 +26,9 @@ def one_message() -> Iterator[None]:
             yield
             return
         with unfrozen():
-            document.models._push_freeze()
+            freeze(document)
             yield
-            document.models._pop_freeze()
+            thaw(document, frozen(document) - 1)
 
 
 @contextlib.contextmanager
@@ -39,24 +40,11 @@ def added_to(place: Viewable) -> Iterator[None]:
             yield
             return
         with unfrozen():
-            document.models._push_freeze()
+            freeze(document)
             yield
-            for model, _ in place._models.values():
+            for model in models_of(place):
                 attach(document, model)
-            # what has left the page stays known until the document is searched the next time
-            document.models._freeze_count -= 1
-
-
-def attach(document: Any, model: Any) -> None:
-    """Make a model and all that it holds models of a document, as a search of the whole document would."""
-    models = document.models
-    for new in model.references():
-        if new.id not in models:
-            new._attach_document(document)
-            models[new.id] = new
-            models._new_models.add(new)
-            if new.name is not None:
-                models._models_by_name.add_value(new.name, new)
+            thaw_unsearched(document)
 
 
 @contextlib.contextmanager
@@ -73,14 +61,3 @@ def unfrozen() -> Iterator[None]:
     except Exception:
         thaw(document, before)
         raise
-
-
-def frozen(document: Any) -> int:
-    """Return how many times a document is frozen."""
-    return 0 if document is None else int(document.models._freeze_count)
-
-
-def thaw(document: Any, count: int) -> None:
-    """Thaw a document until it is frozen only so many times."""
-    while frozen(document) > count:
-        document.models._pop_freeze()

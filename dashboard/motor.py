@@ -39,10 +39,12 @@ class Motor:
             self._take_failure,
             state.marks(PAGE),
             is_slow=lambda request: is_slow(request.scenario, request.strategy),
+            about=state.scenario.identity,
         )
-        self.rivals = Worker(compute_rivals, self._take_rivals, self._take_failure)
-        self.map = Worker(compute_machine_map, self._take_map, self._take_failure)
-        self.ripple = Worker(compute_ripple, self._take_ripple, self._take_no_ripple)
+        about = state.scenario.identity
+        self.rivals = Worker(compute_rivals, self._take_rivals, self._take_failure, about=about)
+        self.map = Worker(compute_machine_map, self._take_map, self._take_failure, about=about)
+        self.ripple = Worker(compute_ripple, self._take_ripple, self._take_no_ripple, about=about)
         self.detuning = Study(compute_detuning, self._take_detuning, self._take_failure)
         self._asked: LoopRequest | None = None
         self._quiet = False
@@ -62,8 +64,8 @@ class Motor:
         self.detuning.stop()
 
     def _take_scenario(self, *_: Any) -> None:
-        """Take over a scenario; what was found for the one before goes."""
-        self._quiet = True
+        """Take over a scenario; what was found or asked for the one before goes."""
+        self._quiet, self._asked = True, None
         self._stop()
         self.model.param.update(run=None, rivals=None, machine_map=None, ripple=None, detuning=None, failure=None)
         self._take(self.state.scenario.base)

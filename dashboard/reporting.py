@@ -1,12 +1,13 @@
 """The work behind the button Report: what is asked for, and where the file goes."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
 from railjoule.core import RailjouleError
+from railjoule.dashboard.models.recipes import Recipe, recipe_of
 from railjoule.dashboard.models.reporting import ReportingModel
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.report.document import report_html
@@ -41,6 +42,12 @@ def file_name(title: str) -> str:
     return f"railjoule-{words}.html" if words else "railjoule-report.html"
 
 
+def _note(recipe: Recipe) -> str:
+    """Return what a report says of a page whose numbers no scenario gives."""
+    told = recipe.untold and recipe.program.of_scenario
+    return f"{recipe.untold} The numbers of this report are those of the scenario below." if told else ""
+
+
 class Reporting:
     """Makes the report of one page when it is asked for."""
 
@@ -62,11 +69,10 @@ class Reporting:
 
     def _ask(self, *_: Any) -> None:
         try:
-            scenario = self.state.scenario.scenario()
+            recipe = recipe_of(self.state)
+            scenario = recipe.scenario
             known = self.state.proof.of(scenario)
-            request = ReportRequest(
-                scenario.with_(**self._in_sight()), self.state.chosen_now, known.bound if known is not None else None
-            )
+            request = ReportRequest(scenario, bound=known.bound if known is not None else None, note=_note(recipe))
         except RailjouleError as error:
             self._fail(error)
             return
@@ -74,12 +80,6 @@ class Reporting:
             busy=True, share=0.0, failure=None, name_of_file=file_name(scenario.title or self.state.scenario.preset)
         )
         self.study.ask(request)
-
-    def _in_sight(self) -> Mapping[str, Any]:
-        """Return what the page in sight lays over the scenario: events, or what is otherwise in reality."""
-        models = {"Disturbances": self.state.disturbances, "Robustness": self.state.robustness}
-        model = models.get(self.state.page)
-        return {} if model is None else model.changes
 
     def _take(self, draft: Draft, last: bool) -> None:
         self.model.share = draft.share

@@ -6,6 +6,7 @@ from typing import Any
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.studies.montecarlo import MonteCarloTable
 from railjoule.core.studies.sensitivity import SensitivityTable
+from railjoule.dashboard.models.programs import page_run
 from railjoule.dashboard.models.robustness import FULL_RUNS, PREVIEW_RUNS
 from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
@@ -54,12 +55,14 @@ class Robustness:
             self._take_failure,
             state.marks(PAGE),
             is_slow=lambda request: is_slow(request.scenario, request.scenario.strategy),
+            about=state.scenario.identity,
         )
         self.table = Study(compute_table, self._take_table, self._take_failure, state.marks(PAGE))
         self.chance = Study(compute_chance, self._take_chance, self._take_failure, state.marks(PAGE))
         self._asked: dict[str, Any] = {}
         self._all = False
         self._waiting: dict[str, Any] = {}
+        state.scenario.param.watch(self._forget, ["preset", "opened"])
         state.scenario.follow(lambda scenario: (scenario.disturbance, scenario.simulation), self.model.take)
         state.scenario.follow(lambda scenario: scenario.vehicle.crush_load_factor, self._take_crush_load)
         self._take_crush_load()
@@ -73,6 +76,13 @@ class Robustness:
         """End all studies: the page is gone."""
         self.table.stop()
         self.chance.stop()
+
+    def _forget(self, *_: Any) -> None:
+        """Forget what was asked for: what comes of it is dropped, as the scenario has gone."""
+        self.table.stop()
+        self._stop()
+        self._waiting.clear()
+        self._asked.clear()
 
     def _take_crush_load(self, *_: Any) -> None:
         self.model.most_load_percent = self.state.scenario.most_load_percent
@@ -92,7 +102,7 @@ class Robustness:
         if self.state.page != PAGE:
             self._rest()
             return
-        scenario, changes = self.state.scenario.scenario(), self._with_strategy(self.model.changes)
+        scenario, changes = self.state.scenario.scenario(), page_run(self.state).changes
         run = RealityRequest(scenario, changes)
         # a table and what chance draws have loads and errors of their own
         plan = RealityRequest(scenario, {**changes, **NOTHING_WRONG})

@@ -35,14 +35,17 @@ class SpeedLimits:
             self._take_failure,
             state.marks("Speed limits"),
             is_slow=lambda request: is_slow(request.scenario, "speed_limits"),
+            about=state.scenario.identity,
         )
-        self.trip = Worker(compute_limit_trip, self._take_trip, self._take_failure)
-        self.storage = Worker(compute_storage, self._take_storage, self._take_failure)
-        self.motor = Worker(motor_map, self._take_map, self._take_no_map)
+        about = state.scenario.identity
+        self.trip = Worker(compute_limit_trip, self._take_trip, self._take_failure, about=about)
+        self.storage = Worker(compute_storage, self._take_storage, self._take_failure, about=about)
+        self.motor = Worker(motor_map, self._take_map, self._take_no_map, about=about)
         self._asked: LimitsRequest | None = None
         self._vehicle: Any = None
         self._watched: list[SectionModel] = []
         self._quiet = False
+        state.scenario.param.watch(self._forget, ["preset", "opened"])
         state.scenario.follow(_what_sections_depend_on, self._take_scenario)
         state.scenario.param.watch(self._ask, list(PLAN_FIELDS))
         state.param.watch(self._ask, "page")
@@ -53,6 +56,10 @@ class SpeedLimits:
         self.model.param.watch(self._let_go, "moving")
         self.model.param.watch(self._ask_storage, list(STORAGE_FIELDS))
         self._take_scenario(state.scenario.edited)
+
+    def _forget(self, *_: Any) -> None:
+        """Forget what was asked for: what comes of it is dropped, as the scenario has gone."""
+        self._asked = self._vehicle = None
 
     def _take_scenario(self, scenario: Scenario) -> None:
         self._quiet = True

@@ -7,6 +7,9 @@ import tomllib
 from importlib.metadata import entry_points
 from pathlib import Path
 
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 SETUPTOOLS = PROJECT["tool"]["setuptools"]
@@ -74,6 +77,25 @@ def test_dependencies_are_those_that_are_used():
     assert declared == imported_packages() | USED_BY_PANEL
 
 
-def test_every_dependency_has_a_lower_bound():
-    requirements = [*PROJECT["project"]["dependencies"], *PROJECT["project"]["optional-dependencies"]["test"]]
-    assert all(re.fullmatch(r"[a-z-]+>=[0-9.]+", requirement) for requirement in requirements)
+REQUIREMENTS = [
+    Requirement(text)
+    for text in [*PROJECT["project"]["dependencies"], *PROJECT["project"]["optional-dependencies"]["test"]]
+]
+BOUNDED = {"bokeh", "panel", "panel-material-ui"}
+"""Packages of whose insides the page makes use: see dashboard/insides.py."""
+
+
+def test_dependencies_have_lower_bounds_and_those_with_insides_in_use_upper_ones():
+    bounds = {one.name: sorted(bound.operator for bound in one.specifier) for one in REQUIREMENTS}
+    assert bounds == {name: ["<", ">="] if name in BOUNDED else [">="] for name in bounds}
+    assert bounds.keys() >= BOUNDED
+
+
+def test_the_constraints_are_names_and_releases_within_the_bounds():
+    lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
+    listed = [re.fullmatch(r"([A-Za-z0-9._-]+)==([0-9][0-9a-z.]*)", line) for line in lines if line[:1] != "#"]
+    assert all(listed)
+    releases = {canonicalize_name(found[1]): found[2] for found in listed if found}
+    assert len(releases) == len(listed)
+    for one in REQUIREMENTS:
+        assert releases[canonicalize_name(one.name)] in one.specifier, one

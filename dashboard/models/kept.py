@@ -10,7 +10,6 @@ import param
 MOST_ITEMS, LONGEST_TEXT, LARGEST_INTEGER = 500, 2_000_000, 2**53
 """Bounds of lists, of texts [characters] and of whole numbers without bounds of their own."""
 LONGEST_SHOWN, MOST_TOLD = 40, 8
-OWN = ("name", "originals")
 
 
 class Kept(param.Parameterized):
@@ -25,16 +24,6 @@ class Kept(param.Parameterized):
     """What is set by hand, but is only of the moment or follows from the rest."""
 
     originals = param.Dict(default={}, doc="Values of the shipped scenario, by field.")
-
-    @classmethod
-    def settable(cls) -> tuple[str, ...]:
-        """Return the parameters that are set by hand; the others hold results and signals."""
-        results = (param.Event,)
-        return tuple(
-            name
-            for name, parameter in cls.param.objects("existing").items()
-            if name not in OWN and not isinstance(parameter, results) and type(parameter) is not param.ClassSelector
-        )
 
     def keep(self) -> dict[str, Any]:
         """Return the kept values by field: numbers, texts, lists and mappings only."""

@@ -6,7 +6,7 @@ from typing import Any
 
 import param
 
-from railjoule.core import Scenario, Trajectory, load_scenario
+from railjoule.core import Scenario, Trajectory
 from railjoule.core.scenario import (
     StrategyName,
     document_of,
@@ -17,6 +17,7 @@ from railjoule.core.scenario import (
 from railjoule.core.scenario.document import Document
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import words
+from railjoule.dashboard.models.draft import shipped
 from railjoule.dashboard.models.kept import Kept
 from railjoule.dashboard.models.opened import open_scenario
 from railjoule.dashboard.models.scenario import ScenarioModel
@@ -57,7 +58,7 @@ class Recipe:
         ScenarioError
             If the shipped scenario or the document does not take the changes.
         """
-        base = load_scenario(self.preset) if self.preset else scenario_from_document(self.document or {})
+        base = shipped(self.preset) if self.preset else scenario_from_document(self.document or {})
         return base.with_(**self.changes) if self.changes else base
 
 

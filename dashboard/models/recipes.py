@@ -12,35 +12,27 @@ from typing import Any
 
 from railjoule.core import Scenario
 from railjoule.core.scenario import format_scenario
-from railjoule.dashboard.models.actual import actual_changes, event_changes
+from railjoule.dashboard.models.programs import Program, page_run
 from railjoule.dashboard.models.workbench import Workbench
 
 FILE = "scenario.toml"
 LONGEST_LINE = 100
 BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
-ACTUAL = "Drive, actual run"
-SIMULATIONS = {
-    ACTUAL: "from railjoule.core.simulate.actual_run import actual_run as simulate",
-    "Robustness": "from railjoule.core.simulate.following import simulate_following as simulate",
-    "Disturbances": "from railjoule.core.simulate.actual_run import actual_run as simulate",
-}
-"""Pages on which a train meets another day than planned, and what drives it."""
 
 
 @dataclass(frozen=True)
 class Recipe:
-    """A scenario with changes, by the keys of the file, and the command that runs it."""
+    """A scenario with changes, by the keys of the file, and the program that gives the page's number.
+
+    `untold` says what of it a scenario file cannot; empty where one says all.
+    """
 
     preset: str
     opened: Scenario | None
     base: Scenario
     changes: Mapping[str, Any]
-    page: str
-
-    @property
-    def command(self) -> str:
-        """The command of `railjoule`."""
-        return "simulate" if self.page in SIMULATIONS else "solve"
+    program: Program
+    untold: str = ""
 
     @property
     def scenario(self) -> Scenario:
@@ -56,23 +48,11 @@ class Recipe:
 
 def recipe_of(state: Workbench) -> Recipe:
     """Return what the page in sight computes."""
-    scenario = state.scenario
-    changes = {**scenario.changes, **_strategy(state)}
-    page = ACTUAL if state.page == "Drive" and state.actual.on else state.page
-    if state.page == "Robustness":
-        changes |= state.robustness.changes
-    elif state.page == "Disturbances":
-        changes |= event_changes(state)
-    elif page == ACTUAL:
-        changes |= actual_changes(state)
-    elif state.page == "Speed limits":
-        changes |= state.speed_limits.changes
-    return Recipe(scenario.preset, scenario.opened, scenario.base, changes, page)
-
-
-def _strategy(state: Workbench) -> dict[str, str]:
-    chosen = state.chosen_now
-    return {} if chosen == state.scenario.base.strategy else {"strategy": chosen}
+    scenario, computed = state.scenario, page_run(state)
+    changes = {**scenario.changes, **computed.changes}
+    if changes.get("strategy") == scenario.base.strategy:
+        del changes["strategy"]
+    return Recipe(scenario.preset, scenario.opened, scenario.base, changes, computed.program, computed.untold)
 
 
 def as_toml(recipe: Recipe) -> str:
@@ -82,32 +62,39 @@ def as_toml(recipe: Recipe) -> str:
 
 def as_python(recipe: Recipe) -> str:
     """Return a program that prints the energy [kWh]."""
-    scenario, names, imports = f'load_scenario("{recipe.preset}")', ["load_scenario"], []
-    if recipe.opened is not None:
-        scenario = f"parse_scenario({_triple(format_scenario(recipe.opened))})"
-        names, imports = [], ["from railjoule.core.scenario import parse_scenario"]
-    lines = [f"scenario = {scenario}"]
-    if recipe.changes:
-        changes = "".join(f"    {key!r}: {value!r},\n" for key, value in recipe.changes.items())
-        lines.append(f"scenario = scenario.with_(**{{\n{changes}}})")
-    if recipe.command == "simulate":
-        imports.append(SIMULATIONS[recipe.page])
-        lines.append("ride = simulate(scenario)\nprint(ride.actual.energy_kwh)")
-    else:
-        names.append("solve")
-        lines.append("run = solve(scenario)\nprint(run.energy_kwh)")
-    first = [f"from railjoule.core import {', '.join(names)}"] if names else []
-    return "\n".join([*first, *imports, "", *lines, ""])
+    program = recipe.program
+    names: dict[str, list[str]] = {}
+    lines = []
+    if program.of_scenario:
+        if recipe.opened is None:
+            names["railjoule.core"] = ["load_scenario"]
+            lines = [f'scenario = load_scenario("{recipe.preset}")']
+        else:
+            names["railjoule.core.scenario"] = ["parse_scenario"]
+            lines = [f"scenario = parse_scenario({_triple(format_scenario(recipe.opened))})"]
+        if recipe.changes:
+            changes = "".join(f"    {key!r}: {value!r},\n" for key, value in recipe.changes.items())
+            lines.append(f"scenario = scenario.with_(**{{\n{changes}}})")
+    for name, module in program.imports.items():
+        names.setdefault(module, []).append(name)
+    imports = [f"from {module} import {', '.join(imported)}" for module, imported in sorted(names.items())]
+    return "\n".join([*imports, "", *lines, program.body])
 
 
 def as_command(recipe: Recipe) -> str:
     """Return the command line; what only a file can say is written into one first."""
+    command = recipe.program.command
+    if not command:
+        # a name of a stranger's scenario must not end the comment: what follows it would be a command
+        return f"# No command line gives this: {' '.join(recipe.untold.split())}\n# The Python program does.\n"
+    if not recipe.program.of_scenario:
+        return f"railjoule {command}\n"
     removes = any(value is None for value in recipe.changes.values())
     if recipe.opened is not None or removes:
         text = as_toml(recipe)
-        return f"cat > {FILE} <<'END_OF_FILE'\n{text}END_OF_FILE\nrailjoule {recipe.command} {FILE}\n"
+        return f"cat > {FILE} <<'END_OF_FILE'\n{text}END_OF_FILE\nrailjoule {command} {FILE}\n"
     words = [shlex.quote(f"{key}={toml_value(value)}") for key, value in recipe.changes.items()]
-    head = f"railjoule {recipe.command} {recipe.preset}"
+    head = f"railjoule {command} {recipe.preset}"
     if not words:
         return f"{head}\n"
     line = f"{head} --set {' '.join(words)}"

@@ -5,11 +5,12 @@ from typing import Any
 
 import param
 
-from railjoule.core import Scenario, ScenarioError, load_scenario
+from railjoule.core import Scenario, ScenarioError
 from railjoule.core.budget import PAGE, within
 from railjoule.core.scenario import preset_names
 from railjoule.core.scenario.vehicle import MOST_LOAD_FACTOR
 from railjoule.core.strategies import prepare_task
+from railjoule.dashboard.models.draft import FIELD_KEYS, Edited, ScenarioDraft, shipped
 from railjoule.dashboard.models.numbers import TypedParameters
 from railjoule.dashboard.models.opened import open_scenario
 
@@ -18,15 +19,8 @@ TIME_FIELDS = {"travel_time_s": (1.0, 86_400.0), "acceleration_time_s": (1.0, 43
 """Bounds of the fields that a slider shows only in part [s]."""
 PLAN_FIELDS = ("travel_time_s", "load_percent", "recuperation_percent", "edits")
 """What every plan depends on."""
-FIELD_KEYS = {
-    "timetable.travel_time_s": "travel_time_s",
-    "vehicle.load_factor": "load_percent",
-    "drive.recuperation_factor": "recuperation_percent",
-    "enoc.acceleration_time_s": "acceleration_time_s",
-}
-"""Keys of the file that have a field of their own beside every page."""
-TIMETABLE_RANGE = 2.0
-"""The slider of the travel time ends at this many times the shortest time."""
+LEAST_RANGE, TIMETABLE_RANGE = 0.97, 2.0
+"""The slider of the travel time begins and ends at these times the shortest time."""
 
 
 class ScenarioModel(TypedParameters):
@@ -49,8 +43,22 @@ class ScenarioModel(TypedParameters):
     edits = param.Dict(default={}, doc="Other edited keys of the file, with their values.")
 
     def __init__(self, **params: Any) -> None:
+        self._draft: ScenarioDraft | None = None
         super().__init__(**params)
         self.restore()
+
+    @property
+    def draft(self) -> ScenarioDraft:
+        """The scenario as it stands, with all that was derived from it since the last change."""
+        base = self.opened or shipped(self.preset)
+        sliders = {field: getattr(self, field) for field in FIELD_KEYS.values()}
+        known = self._draft
+        if known is None or known.base is not base or known.plan.edits is not self.edits:
+            known = ScenarioDraft(Edited(base, self.edits), sliders)
+        elif known.sliders != sliders:
+            known = known.slid(sliders)
+        self._draft = known
+        return known
 
     def choose(self, preset: str) -> None:
         """Take a shipped scenario."""
@@ -93,11 +101,7 @@ class ScenarioModel(TypedParameters):
         RailjouleError
             If a value is out of its bounds, or no train can run what comes out; then nothing changes.
         """
-        replaced = tuple(f"{key}." for key in changes)
-        kept = {key: value for key, value in self.changes.items() if not key.startswith(replaced)}
-        everything = {**kept, **changes}
-        scenario = self.base.with_(**everything)
-        self._take(scenario, {key: value for key, value in everything.items() if key not in FIELD_KEYS})
+        self._change(self.draft.with_changes(changes))
 
     def take_back(self, *keys: str) -> None:
         """Give keys the values of the shipped scenario or the file again.
@@ -107,9 +111,7 @@ class ScenarioModel(TypedParameters):
         RailjouleError
             If no train can run what is left.
         """
-        left = {name: value for name, value in self.changes.items() if name not in keys}
-        edits = {name: value for name, value in left.items() if name not in FIELD_KEYS}
-        self._take(self.base.with_(**left), edits)
+        self._change(self.draft.without(*keys))
 
     def lay(self, values: Mapping[str, Any]) -> None:
         """Take over edits and sliders of the base that is there; the base itself is chosen or opened.
@@ -152,11 +154,18 @@ class ScenarioModel(TypedParameters):
 
         self.param.watch(look, ["preset", "opened", "edits"])
 
+    def _change(self, changes: Mapping[str, Any]) -> None:
+        """Let these be all changes of the base."""
+        edits = {key: value for key, value in changes.items() if key not in FIELD_KEYS}
+        self._take(self.base.with_(**changes), edits)
+
     def _take(self, scenario: Scenario, edits: Mapping[str, Any]) -> None:
         """Show a scenario that comes from edits of the base."""
         with within(PAGE):
             shortest = prepare_task(scenario).shortest_travel_time_s
-        start = float(int(0.97 * shortest))
+        # whole seconds at both ends, as those stand at them: a little less than can be driven, so that one sees where
+        # it ends, and at least one and a half times the timetable, however tight that is
+        start = float(int(LEAST_RANGE * shortest))
         end = float(int(TIMETABLE_RANGE * max(shortest, 0.75 * scenario.travel_time_s)) + 1)
         self.param.update(
             edits=dict(edits),
@@ -166,6 +175,7 @@ class ScenarioModel(TypedParameters):
             recuperation_percent=100 * scenario.vehicle.drive.recuperation_factor,
             acceleration_time_s=scenario.enoc.acceleration_time_s,
         )
+        # another scenario may have the same values in all fields: its runs are asked for all the same
         self.param.trigger("travel_time_s")
 
     @property
@@ -176,33 +186,25 @@ class ScenarioModel(TypedParameters):
     @property
     def base(self) -> Scenario:
         """The shipped scenario, or that of the file."""
-        return self.opened or load_scenario(self.preset)
+        return self.draft.base
+
+    def identity(self) -> Scenario:
+        """Return an object that is another one for each scenario that is chosen or opened, whatever is edited in it."""
+        return self.base
 
     def original(self, key: str) -> Any:
         """Return what the base has at a key of the file; None where it has nothing."""
-        if key == "timetable.travel_time_s":
-            return self.base.travel_time_s
-        value: Any = self.base
-        for name in (f"vehicle.{key}" if key.startswith("drive") else key).split("."):
-            value = value.get(name) if isinstance(value, Mapping) else getattr(value, name, None)
-        return value
+        return self.draft.original(key)
 
     @property
     def edited(self) -> Scenario:
         """The base with its edited keys, without the sliders' values."""
-        return self.base.with_(**self.edits) if self.edits else self.base
+        return self.draft.edited
 
     @property
     def changes(self) -> Mapping[str, Any]:
-        """The keys of the file that differ from the shipped scenario, in the order in which they count."""
-        before = self.edited
-        values = {
-            "timetable.travel_time_s": (self.travel_time_s, round(before.travel_time_s, 1)),
-            "vehicle.load_factor": (self.load_percent / 100, before.vehicle.load_factor),
-            "drive.recuperation_factor": (self.recuperation_percent / 100, before.vehicle.drive.recuperation_factor),
-            "enoc.acceleration_time_s": (self.acceleration_time_s, before.enoc.acceleration_time_s),
-        }
-        return {**self.edits, **{key: now for key, (now, old) in values.items() if now != old}}
+        """The keys of the file that differ from the base, in the order in which they count."""
+        return self.draft.changes
 
     def scenario(self) -> Scenario:
         """Return the scenario as it stands.
@@ -212,8 +214,7 @@ class ScenarioModel(TypedParameters):
         ScenarioError
             If a value is out of its bounds.
         """
-        changes = self.changes
-        return self.base.with_(**changes) if changes else self.base
+        return self.draft.scenario
 
     @property
     def most_load_percent(self) -> float:

@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from bokeh.document import Document
-from bokeh.embed.util import standalone_docs_json_and_render_items
 
 from railjoule.core import Trajectory
 from railjoule.core.simulate.field_oriented import FieldOrientedRun
 from railjoule.core.strategies import STRATEGIES
+from railjoule.dashboard.insides import written_down
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import THEMES
@@ -68,7 +68,7 @@ class Figures:
                     chart.figure.html_attributes = {"role": "img", "aria-label": self.alternative(chart)}
                 assert chart.content is not None
                 self.document.add_root(chart.content.object)
-        self.docs, (self.item,) = standalone_docs_json_and_render_items(self.document)
+        self.docs, self.item = written_down(self.document)
         self.places = dict(zip(charts, self.item.to_json()["roots"].values(), strict=True))
 
     # ---- drawing

@@ -50,8 +50,9 @@ def figure_element(plot: Plot) -> str:
 def result(findings: Findings, figures: Figures) -> str:
     """Return the numbers of the first run, the slider of the travel time, the driver's advice and the figures."""
     run = findings.run
+    note = f'<p class="message">{html.escape(findings.note)}</p>' if findings.note else ""
     content = (
-        f'<p id="shown" role="status">{shown_words(run)}</p>{slider(findings)}'
+        f'{note}<p id="shown" role="status">{shown_words(run)}</p>{slider(findings)}'
         f'<div id="numbers">{numbers(findings, run)}</div><div id="advice">{parts.advice(run, stale=False)}</div>'
     )
     plots = "".join(figure_element(plot) for plot in figures.plots("runs"))

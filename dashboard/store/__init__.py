@@ -1,4 +1,4 @@
-"""What the workbench computes: the only place of the dashboard that asks the core to solve."""
+"""What the pages ask for and what they get: requests, the computations that run in threads, and their results."""
 
 from railjoule.core.bounds import FIRST_STAGE_BOXES
 from railjoule.dashboard.store.actual import ActualRequest, compute_actual

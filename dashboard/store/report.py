@@ -43,12 +43,15 @@ class ReportRequest:
         What is already proven of the scenario's plan.
     prove_seconds : float or None
         As for `railjoule.core.solve`.
+    note : str
+        What its reader must know of the page that it comes from; empty where there is nothing.
     """
 
     scenario: Scenario
     strategy: StrategyName | None = None
     bound: Bound | None = None
     prove_seconds: float | None = None
+    note: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +78,8 @@ class Findings:
         ENOC's energy over travel time and acceleration time, where it takes the scenario.
     share : float
         How much of the work is done, 0 to 1.
+    note : str
+        As of the request.
     """
 
     scenario: Scenario
@@ -86,6 +91,7 @@ class Findings:
     table_refusal: str = ""
     enoc_map: EnocMap | None = None
     share: float = RUNS_SHARE
+    note: str = ""
 
     @property
     def run(self) -> Trajectory:
@@ -106,7 +112,7 @@ def compute_findings(request: ReportRequest) -> Iterator[Findings]:
         scenario = scenario.with_(strategy=request.strategy)
     runs = compute_runs(RunsRequest(scenario, tuple(STRATEGIES)))
     runs = tightened_runs(runs, request.bound, request.prove_seconds)
-    findings = Findings(scenario, runs, enoc_map=compute_enoc_map(scenario))
+    findings = Findings(scenario, runs, enoc_map=compute_enoc_map(scenario), note=request.note)
     yield findings
     for optima, share in _optima(findings):
         findings = replace(findings, optima=optima, share=RUNS_SHARE + (OPTIMA_SHARE - RUNS_SHARE) * share)

@@ -79,12 +79,6 @@ class LimitRun:
         """Borders between the sections [m]."""
         return self.search.best.boundaries_m
 
-    @property
-    def window_s(self) -> tuple[float, float]:
-        """Earliest and latest arrival that the window allows [s]."""
-        window = self.run.scenario.search.time_window
-        return self.planned_s * (1 - window), self.planned_s * (1 + window)
-
 
 def compute_limit_run(request: LimitsRequest) -> LimitRun:
     """Return the run under limits, given or found by search.

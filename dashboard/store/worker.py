@@ -16,6 +16,7 @@ from bokeh.document import Document
 
 from railjoule.core import RailjouleError
 from railjoule.core.budget import PAGE, within
+from railjoule.dashboard.insides import turns_of
 
 LOG = logging.getLogger(__name__)
 THREADS = ThreadPoolExecutor(max_workers=2, thread_name_prefix="railjoule")
@@ -32,6 +33,7 @@ PAUSE_S = 0.002
 UNKNOWN = "Something went wrong in the computation; the server's log has the details."
 NO_MEMORY = "This takes more memory than the server has; a longer solver.mesh_m needs less."
 
+Turns = Callable[[Callable[[], None]], object]
 Request = TypeVar("Request")
 Result = TypeVar("Result")
 
@@ -93,6 +95,15 @@ def nobody(_: bool) -> None:
     """Tell nobody: a page that is not marked as late."""
 
 
+def without_page(turn: Callable[[], None]) -> None:
+    """Take a turn at once, as there is no page around it."""
+    turn()
+
+
+def nothing() -> None:
+    """Return what a page is about whose results always belong to it."""
+
+
 class Worker(Generic[Request, Result]):
     """Works on the last request of one page in a thread, and delivers results in the order in which they were asked.
 
@@ -108,6 +119,9 @@ class Worker(Generic[Request, Result]):
         Told True when what the page shows is from before the last change, False when it no longer is.
     is_slow : callable
         Whether a request takes seconds: then it does not keep the short ones of other pages waiting.
+    about : callable
+        Returns what the page is about, such as its scenario without edits. A result, or an error, is dropped where that
+        is another object than when it was asked for; who asks for nothing twice has to forget that it asked.
     """
 
     def __init__(
@@ -117,10 +131,13 @@ class Worker(Generic[Request, Result]):
         fail: Callable[[RailjouleError], None],
         mark: Callable[[bool], None] = nobody,
         is_slow: Callable[[Request], bool] = lambda _: False,
+        about: Callable[[], object] = nothing,
     ) -> None:
         self._compute, self._deliver, self._fail, self._is_slow = compute, deliver, fail, is_slow
+        self._about = about
         self._late = Lateness(mark)
         self._document: Document | None = None
+        self._turn: Turns = without_page
         self._request: Request | None = None
         self._running = False
         self.last_duration_s = 0.0
@@ -131,6 +148,7 @@ class Worker(Generic[Request, Result]):
         if self._document is None:
             self.do(request)
             return
+        self._turn = turns_of(self._document)
         self._late.asked(self._document)
         if self._running:
             self._request = request
@@ -144,7 +162,7 @@ class Worker(Generic[Request, Result]):
     def _start(self, request: Request) -> None:
         self._running = True
         threads = SLOW_THREADS if self._is_slow(request) else THREADS
-        threads.submit(self._timed, request).add_done_callback(self._hand_over)
+        threads.submit(self._timed, request).add_done_callback(partial(self._hand_over, self._about()))
 
     def _timed(self, request: Request) -> Result | RailjouleError:
         started = time.perf_counter()
@@ -158,15 +176,16 @@ class Worker(Generic[Request, Result]):
         finally:
             self.last_duration_s = time.perf_counter() - started
 
-    def _hand_over(self, future: "Future[Result | RailjouleError]") -> None:
-        if self._document is not None:
-            self._document.add_next_tick_callback(partial(self._finish, future))
+    def _hand_over(self, about: object, future: "Future[Result | RailjouleError]") -> None:
+        self._turn(partial(self._finish, about, future))
 
-    def _finish(self, future: "Future[Result | RailjouleError]") -> None:
+    def _finish(self, about: object, future: "Future[Result | RailjouleError]") -> None:
         self._running = False
         error = future.exception()
         self._late.answered(more=self._request is not None)
-        self._settle(future.result() if error is None else told(error))
+        outcome = future.result() if error is None else told(error)
+        if about is self._about():
+            self._settle(outcome)
         if self._request is not None:
             request, self._request = self._request, None
             self._start(request)
@@ -276,6 +295,7 @@ class _Job(Generic[Result]):
 
     def __init__(self, document: Document | None) -> None:
         self.document, self.ended = document, threading.Event()
+        self._turn = without_page if document is None else turns_of(document)
         self._lock = threading.Lock()
         self._result: Result | RailjouleError | None = None
         self._last = False
@@ -288,10 +308,7 @@ class _Job(Generic[Result]):
             called, self._called = self._called, True
         if called:
             return
-        if self.document is None:
-            take(self)
-        else:
-            self.document.add_next_tick_callback(partial(take, self))
+        self._turn(partial(take, self))
 
     def take(self) -> tuple[Result | RailjouleError | None, bool]:
         """Return the newest result and whether it is the last."""

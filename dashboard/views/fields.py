@@ -142,8 +142,9 @@ class TypedNumber:
                 object=f'<div class="error" role="alert">{html.escape(sentence)}</div>', visible=True
             )
             return
-        self.take(number)
-        self._follow()
+        with pn.io.hold():
+            self.take(number)
+            self._follow()
 
     def parse(self, text: str) -> float:
         """Return the number that a text gives; raises ValueError with a sentence."""
@@ -236,7 +237,9 @@ class NumberField(TypedNumber):
 
     def _slide(self, event: param.parameterized.Event) -> None:
         if not self._quiet:
-            setattr(self.model, self.field, round(event.new, 6))
+            # the number, its mark and whatever else follows the slider reach the browser as one message
+            with pn.io.hold():
+                setattr(self.model, self.field, round(event.new, 6))
 
     def _show(self, number: float) -> None:
         super()._show(number)

@@ -9,7 +9,6 @@ from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.views.fields import TypedNumber
 from railjoule.dashboard.views.parts import html_pane, stack
 
-PAGE = "Motor"
 FLUX_WORDS = {"Constant": "constant", "Least loss": "least_loss"}
 
 

@@ -7,17 +7,14 @@ import html
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any
-from weakref import WeakKeyDictionary
 
 import panel as pn
-from bokeh.document import Document
-from bokeh.model import Model
-from bokeh.models import InlineStyleSheet
 from markupsafe import Markup
 
 from railjoule.core import Phase, Trajectory
 from railjoule.core.advice import AT_REST_MS
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.dashboard.insides import Words
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.theme import parts_css
@@ -42,32 +39,6 @@ PROVEN = Markup('<span class="proven">\u2713 proven</span>')
 NO_SWATCH = Markup('<svg width="22" height="8" aria-hidden="true"></svg>')
 WRAP_CSS = "@media (max-width: 899px) { :host { flex-wrap: wrap; } }"
 """Of a row of controls that takes more lines on a narrow screen."""
-
-
-SHEETS: WeakKeyDictionary[Document, dict[str, InlineStyleSheet]] = WeakKeyDictionary()
-"""Style sheets of each document: there are hundreds of panes, and it is sent each sheet once."""
-
-
-class Words(pn.pane.HTML):
-    """HTML that changes often: only the new text goes to the browser, not every property of the pane anew."""
-
-    def _get_properties(self, doc: Document | None) -> dict[str, Any]:
-        properties: dict[str, Any] = super()._get_properties(doc)
-        if doc is not None and "stylesheets" in properties:
-            known = SHEETS.setdefault(doc, {})
-            properties["stylesheets"] = [
-                known.setdefault(sheet, InlineStyleSheet(css=sheet)) if isinstance(sheet, str) else sheet
-                for sheet in properties["stylesheets"]
-            ]
-        return properties
-
-    def _transform_object(self, obj: Any) -> dict[str, Any]:
-        # the library escapes what it sends, which pieces of HTML would refuse
-        result: dict[str, Any] = super()._transform_object(None if obj is None else str(obj))
-        return result
-
-    def _update(self, ref: str, model: Model) -> None:
-        model.text = self._transform_object(self.object)["object"]
 
 
 def html_pane(text: str = "", **params: Any) -> Words:

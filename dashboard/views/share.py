@@ -101,6 +101,8 @@ class Share:
         try:
             recipe = self._recipe()
             self.keeping.lifeline.save(file_name(recipe.base.title), as_toml(recipe))
+            if recipe.program.of_scenario and recipe.untold:
+                self.state.notice = recipe.untold
         except RailjouleError as refusal:
             self.state.notice = str(refusal)
 

@@ -10,9 +10,9 @@ import panel as pn
 import panel_material_ui as pmui
 from bokeh.document import Document
 from bokeh.model import Model
-from panel.io.resources import LOCAL_DIST
 
 from railjoule.dashboard.browser import Browser
+from railjoule.dashboard.insides import keep_colours, leave_busy, name_sheets
 from railjoule.dashboard.look import glossary
 from railjoule.dashboard.look.scripts import source
 from railjoule.dashboard.look.theme import document_css, material_theme
@@ -68,36 +68,22 @@ def first_paint() -> dict[str, Any]:
 
 
 class Page(pmui.Page):
-    """The page of panel-material-ui, cured of two habits.
-
-    It listens to a signal of the whole process and never stops, so that every closed page stays alive and every
-    change anywhere costs all open pages; and it dresses all figures anew in the browser. The browser's half looks
-    for the name of this class, so it must be Page.
-    """
+    """The page of panel-material-ui, cured of two habits; the browser's half looks for this name of its class."""
 
     def __init__(self, **params: Any) -> None:
         super().__init__(**params)
-        private = self._param__private
-        for _, watcher in list(private.ref_watchers):
-            pn.state.param.unwatch(watcher)
-        private.ref_watchers.clear()
-        private.refs.pop("busy", None)
+        leave_busy(self)
 
     def _populate_template_variables(self, template_variables: dict[str, Any]) -> None:
         super()._populate_template_variables(template_variables)
         template_variables["railjoule"] = first_paint()
 
     def get_root(self, doc: Document | None = None, comm: Any = None, preprocess: bool = True) -> Model:
-        """Return the root model, whose figures keep their own colours.
-
-        Panel learns where its style sheets are when it renders the page, and a session may begin without that, where
-        the browser comes so late that the first one is gone: then it would ask another host for them.
-        """
-        if doc is not None and "dist_url" not in doc.template_variables:
-            above = pn.state.rel_path
-            doc.template_variables["dist_url"] = f"{above}/{LOCAL_DIST}" if above else LOCAL_DIST
+        """Return the root model, whose figures keep their own colours."""
+        if doc is not None:
+            name_sheets(doc)
         root = super().get_root(doc, comm, preprocess)
-        root.data._custom_theme = OWN_COLOURS
+        keep_colours(root, OWN_COLOURS)
         return root
 
 

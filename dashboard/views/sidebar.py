@@ -11,6 +11,7 @@ from panel.viewable import Viewable
 
 from railjoule.core.scenario import load_scenario, preset_names
 from railjoule.core.strategies.enoc import best_acceleration_time
+from railjoule.dashboard.insides import SmallFile
 from railjoule.dashboard.keeping import Keeping
 from railjoule.dashboard.look import words
 from railjoule.dashboard.messages import added_to, unfrozen
@@ -33,26 +34,6 @@ FROM_FILE = "file"
 NOT_SHOWN = "These fields could not be shown: a program error, which the server\u2019s log describes."
 
 
-class ScenarioFile(pmui.FileInput):
-    """A file to open; one that is too large is not even sent.
-
-    Parameters
-    ----------
-    refuse : callable
-        Called when the browser has refused a file for its size.
-    """
-
-    def __init__(self, refuse: Callable[[], None], **params: Any) -> None:
-        super().__init__(**params)
-        self._refuse = refuse
-
-    def _handle_msg(self, msg: dict[str, Any]) -> None:
-        if msg.get("status") == "error":
-            self._refuse()
-        else:
-            super()._handle_msg(msg)
-
-
 class Sidebar:
     """The scenario beside every page."""
 
@@ -67,7 +48,7 @@ class Sidebar:
             margin=(16, 16, 0, 16),
             sizing_mode="stretch_width",
         )
-        self.file = ScenarioFile(
+        self.file = SmallFile(
             refuse=lambda: keeping.refuse_file("The file", TOO_LARGE),
             label="Open a scenario file",
             uploaded_label="Open a scenario file",
@@ -134,9 +115,7 @@ class Sidebar:
         self.preset.param.watch(self._choose, "value")
         self.file.param.watch(self._open, "value")
         scenario.param.watch(self._name_scenario, ["preset", "opened"])
-        scenario.param.watch(
-            self._describe, ["preset", "opened", "edits", "load_percent", "travel_time_s", "recuperation_percent"]
-        )
+        scenario.param.watch(self._describe, ["preset", "opened", "edits"])
         scenario.param.watch(self._move_ends, "travel_time_range_s")
         scenario.param.watch(self._move_load, ["preset", "opened", "edits"])
         state.param.watch(self._show_runs, "runs")

@@ -7,6 +7,7 @@ from panel.viewable import Viewable
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.units import MS_PER_KMH
+from railjoule.dashboard.insides import Words
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.models.pages import PAGES
@@ -155,7 +156,7 @@ class StartView(PageView):
         cards = parts.stack(*(self.cards[name] for name in names), css=GRID_CSS)
         return parts.html_pane(heading, stylesheets=[parts_css(), START_CSS]), cards
 
-    def _card_pane(self, card: Card) -> parts.Words:
+    def _card_pane(self, card: Card) -> Words:
         return parts.html_pane(card_html(card), stylesheets=[parts_css(), CARD_CSS])
 
     def _show_picture(self) -> None:

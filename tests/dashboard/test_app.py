@@ -1,5 +1,8 @@
+from typing import Any
+
 import pytest
 
+from railjoule.core import Scenario
 from railjoule.dashboard.app import Session, make_page
 from railjoule.dashboard.views.shell import Page
 from railjoule.dashboard.warmup import warmup
@@ -28,6 +31,27 @@ def test_a_slider_brings_new_runs(session: Session) -> None:
     session.state.scenario.travel_time_s = 140.0
     assert session.state.run is not None
     assert session.state.run.travel_time_s == pytest.approx(140.0, abs=1e-3)
+
+
+def test_a_move_reads_no_file_and_makes_its_scenario_once(session: Session, monkeypatch: pytest.MonkeyPatch) -> None:
+    session.state.page = "Drive"
+    session.state.scenario.edit({"vehicle.auxiliary_power_kw": 30.0})
+    made, with_ = [], Scenario.with_
+
+    def counted(scenario: Scenario, **changes: Any) -> Scenario:
+        made.append(changes)
+        return with_(scenario, **changes)
+
+    def refuse(*_: Any) -> None:
+        raise AssertionError("a file was read")
+
+    monkeypatch.setattr(Scenario, "with_", counted)
+    monkeypatch.setattr("railjoule.core.scenario.files.parse_scenario", refuse)
+    for time_s in (140.0, 141.0):
+        session.shell.sidebar.travel_time.slider.value = time_s
+        assert session.state.runs is not None
+        assert session.state.runs.scenario.travel_time_s == time_s
+    assert [changes["timetable.travel_time_s"] for changes in made] == [140.0, 141.0]
 
 
 def test_an_impossible_timetable_keeps_the_last_good_run(session: Session) -> None:

@@ -71,6 +71,19 @@ def test_steps_back_and_forth_change_state_and_address(keeping: Keeping) -> None
     assert not keeping.can_redo
 
 
+def test_a_change_is_noted_with_its_runs_but_not_with_each_of_many(
+    keeping: Keeping, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    state, now_s = keeping.state, [100.0]
+    monkeypatch.setattr("railjoule.dashboard.keeping.time.monotonic", lambda: now_s[0])
+    for later_s, time_s, noted in ((1.0, 140.0, "140"), (0.05, 141.0, "140"), (0.2, 142.0, "142")):
+        now_s[0] += later_s
+        with set_curdoc(Page().document):
+            state.scenario.travel_time_s = time_s
+            state.param.trigger("runs")
+        assert keeping.lifeline.address == f"?v=1&travel_time_s={noted}"
+
+
 def test_a_page_begins_with_the_state_of_its_address(state: Workbench) -> None:
     keeping = Keeping(state, Lifeline())
     keeping.begin("?v=1&preset=liashenko-i&load_percent=30&robustness.seed=7&load=2")

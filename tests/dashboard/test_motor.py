@@ -43,6 +43,19 @@ def test_a_run_brings_what_hangs_on_it(state: Workbench) -> None:
     assert model.detuning is None
 
 
+def test_a_scenario_that_was_left_and_is_taken_again_has_its_run_again(state: Workbench) -> None:
+    state.page = "Drive"
+    chosen = state.chosen
+    for preset in ("liashenko-i", "ftorek-300s"):
+        state.scenario.choose(preset)
+    state.scenario.edit(SHORT)
+    state.chosen = chosen
+    assert state.motor.run is None
+    state.page = "Motor"
+    assert state.motor.run is not None
+    assert state.motor.run.scenario.title == state.scenario.base.title
+
+
 def test_without_the_precompensator_the_train_lags(state: Workbench) -> None:
     model = state.motor
     model.precompensator = False

@@ -30,11 +30,6 @@ def test_given_limits_are_driven_and_compared_over_the_same_time(run: LimitRun) 
     assert run.limits_kmh == pytest.approx([50.0, 30.0])
 
 
-def test_the_window_is_that_of_the_timetable(run: LimitRun) -> None:
-    # 2400 m at 40 km/h and 1 % more or less
-    assert run.window_s == pytest.approx((0.99 * 216, 1.01 * 216))
-
-
 def test_the_quick_trip_is_the_run(run: LimitRun) -> None:
     trip = compute_limit_trip(LimitsRequest(SCENARIO, GIVEN))
     assert trip is not None

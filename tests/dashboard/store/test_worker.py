@@ -1,7 +1,9 @@
+import asyncio
 import threading
 from collections.abc import Iterator
 
 import pytest
+from bokeh.document import Document
 from panel.io.state import set_curdoc
 from turns import PATIENCE_S, Page
 
@@ -48,6 +50,22 @@ def test_of_what_is_asked_meanwhile_only_the_last_is_done() -> None:
     assert taken == [10, 40]
 
 
+@pytest.mark.parametrize("requests", [(1, 2), (-1, 2)])
+def test_what_belongs_to_a_scenario_that_has_gone_is_dropped(requests: tuple[int, int]) -> None:
+    gate, page, about = Gate(), Page(), [object()]
+    taken: list[int] = []
+    worker = Worker(gate, taken.append, pytest.fail, about=lambda: about[0])
+    with set_curdoc(page.document):
+        worker.ask(requests[0])
+        about[0] = object()
+        worker.ask(requests[1])
+    gate.open.set()
+    page.take_turn()
+    assert taken == []
+    page.take_turn()
+    assert taken == [10 * requests[1]]
+
+
 def test_an_error_that_the_user_can_mend_is_told_and_work_goes_on() -> None:
     _, _, taken, failures = work(-1, 2)
     assert failures == ["-1 is negative"]
@@ -60,6 +78,30 @@ def test_a_defect_is_logged_not_shown(caplog: pytest.LogCaptureFixture) -> None:
     assert len(failures) == 1
     assert "a defect" not in failures[0]
     assert taken == [20]
+
+
+@pytest.mark.parametrize("kind", ["worker", "study"])
+def test_a_page_is_asked_for_its_turn_by_the_event_loop_alone(kind: str) -> None:
+    # a thread that asks a document for a turn while that gives free what it held may not be heard
+    document, asked_by = Document(), []
+
+    async def ask() -> None:
+        asked = asyncio.Event()
+
+        def note(_: object) -> None:
+            asked_by.append(threading.current_thread())
+            asked.set()
+
+        document.add_next_tick_callback = note  # type: ignore[method-assign,assignment]
+        with set_curdoc(document):
+            if kind == "worker":
+                Worker(lambda request: request, pytest.fail, pytest.fail).ask(1)
+            else:
+                Study(lambda request: iter([request]), pytest.fail, pytest.fail).ask(1)
+        await asyncio.wait_for(asked.wait(), PATIENCE_S)
+
+    asyncio.run(ask())
+    assert set(asked_by) == {threading.current_thread()}
 
 
 def test_without_a_page_work_is_done_at_once() -> None:

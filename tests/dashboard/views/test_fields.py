@@ -1,4 +1,6 @@
 import pytest
+from bokeh.document import Document
+from panel.io.state import set_curdoc
 
 from railjoule.dashboard.models.scenario import ScenarioModel
 from railjoule.dashboard.views.fields import CrushLoad, NumberField
@@ -21,6 +23,15 @@ def test_slider_text_and_model_agree(model: ScenarioModel, field: NumberField) -
     assert (model.load_percent, field.slider.value) == (55, 55)
     model.load_percent = 70
     assert (field.slider.value, field.text.value) == (70, "70")
+
+
+def test_all_that_follows_a_slider_goes_as_one_message(model: ScenarioModel, field: NumberField) -> None:
+    document, held = Document(), []
+    model.param.watch(lambda _: held.append(document.callbacks.hold_value), "load_percent")
+    with set_curdoc(document):
+        field.slider.value = 41
+        field.text.value = "42"
+    assert held == ["combine", "combine"]
 
 
 def test_a_bad_text_is_kept_in_sight_and_explained(model: ScenarioModel, field: NumberField) -> None:

@@ -1,0 +1,173 @@
+"""What hangs on the insides of Panel, panel-material-ui and Bokeh: on what no release of them promises to keep.
+
+Tried with panel 1.9.4, panel-material-ui 0.16.6 and bokeh 3.9.2; pyproject.toml keeps out the next minor releases, and
+tests/dashboard/test_insides.py reads the installed ones and says, without a browser, where they read otherwise. The
+browser's half is assets/scripts/follow.js and assets/scripts/mends.js.
+"""
+
+import asyncio
+from collections.abc import Callable
+from typing import Any
+from weakref import WeakKeyDictionary
+
+import panel as pn
+import panel_material_ui as pmui
+from bokeh.document import Document
+from bokeh.embed.util import standalone_docs_json_and_render_items
+from bokeh.model import Model
+from bokeh.models import InlineStyleSheet
+from panel.io.resources import LOCAL_DIST
+from panel.viewable import Viewable
+
+SHEETS: WeakKeyDictionary[Document, dict[str, InlineStyleSheet]] = WeakKeyDictionary()
+"""Style sheets of each document: there are hundreds of panes, and it is sent each sheet once."""
+
+
+# ---- panel-material-ui 0.16.6: the page
+
+
+def leave_busy(page: pmui.Page) -> None:
+    """Let a page no longer listen to whether anything in the process is busy.
+
+    It never stops by itself, so that every closed page stays alive and every change anywhere costs all open pages: see
+    issue 2626 of panel. `page.busy = False` ends the cost, but not the leak.
+    """
+    private = page._param__private
+    for _, watcher in list(private.ref_watchers):
+        pn.state.param.unwatch(watcher)
+    private.ref_watchers.clear()
+    private.refs.pop("busy", None)
+
+
+def keep_colours(root: Model, kinds: list[str]) -> None:
+    """Let a page not dress these kinds of Bokeh models; in the browser, it would dress all figures anew.
+
+    The browser's half looks for a class called Page: who inherits from the library's page keeps the name.
+    """
+    root.data._custom_theme = kinds
+
+
+def name_sheets(document: Document) -> None:
+    """Tell a document where Panel's style sheets are.
+
+    Panel 1.9.4 does that when it renders the page, and a session may begin without that, where the browser comes so
+    late that the first one is gone: then it would ask another host for them.
+    """
+    if "dist_url" not in document.template_variables:
+        above = pn.state.rel_path
+        document.template_variables["dist_url"] = f"{above}/{LOCAL_DIST}" if above else LOCAL_DIST
+
+
+class SmallFile(pmui.FileInput):
+    """A file to open; one that is too large is not even sent, and the widget alone is told so.
+
+    Parameters
+    ----------
+    refuse : callable
+        Called when the browser has refused a file for its size.
+    """
+
+    def __init__(self, refuse: Callable[[], None], **params: Any) -> None:
+        super().__init__(**params)
+        self._refuse = refuse
+
+    def _handle_msg(self, msg: dict[str, Any]) -> None:
+        if msg.get("status") == "error":
+            self._refuse()
+        else:
+            super()._handle_msg(msg)
+
+
+# ---- panel 1.9.4: panes
+
+
+class Words(pn.pane.HTML):
+    """HTML that changes often: only the new text goes to the browser.
+
+    The library would send every property of the pane anew, with a style sheet of its own for each.
+    """
+
+    def _get_properties(self, doc: Document | None) -> dict[str, Any]:
+        properties: dict[str, Any] = super()._get_properties(doc)
+        if doc is not None and "stylesheets" in properties:
+            known = SHEETS.setdefault(doc, {})
+            properties["stylesheets"] = [
+                known.setdefault(sheet, InlineStyleSheet(css=sheet)) if isinstance(sheet, str) else sheet
+                for sheet in properties["stylesheets"]
+            ]
+        return properties
+
+    def _transform_object(self, obj: Any) -> dict[str, Any]:
+        # the library escapes what it sends, which pieces of HTML would refuse
+        result: dict[str, Any] = super()._transform_object(None if obj is None else str(obj))
+        return result
+
+    def _update(self, ref: str, model: Model) -> None:
+        model.text = self._transform_object(self.object)["object"]
+
+
+def models_of(view: Viewable) -> list[Model]:
+    """Return the models that draw a part of the page."""
+    return [model for model, _ in view._models.values()]
+
+
+def session_document(document: Any) -> Any:
+    """Return the document of a session; in a callback, what Bokeh 3.9.2 hands out may only stand for it."""
+    return getattr(document, "_doc", document)
+
+
+# ---- bokeh 3.9.2: a document searches all that it holds whenever that changes, unless it is frozen
+
+
+def freeze(document: Document) -> None:
+    """Let a document not be searched for new models until it is thawed."""
+    document.models._push_freeze()
+
+
+def thaw(document: Any, count: int) -> None:
+    """Thaw a document until it is frozen only so many times; it is searched when it is no longer frozen."""
+    while frozen(document) > count:
+        document.models._pop_freeze()
+
+
+def thaw_unsearched(document: Document) -> None:
+    """Thaw a document once and do not search it; what has left the page stays known until the next search."""
+    document.models._freeze_count -= 1
+
+
+def frozen(document: Any) -> int:
+    """Return how many times a document is frozen."""
+    return 0 if document is None else int(document.models._freeze_count)
+
+
+def attach(document: Any, model: Model) -> None:
+    """Make a model and all that it holds models of a document, as a search of the whole document would."""
+    models = document.models
+    for new in model.references():
+        if new.id not in models:
+            new._attach_document(document)
+            models[new.id] = new
+            models._new_models.add(new)
+            if new.name is not None:
+                models._models_by_name.add_value(new.name, new)
+
+
+def turns_of(document: Document) -> Callable[[Callable[[], None]], object]:
+    """Return what lets a document take a turn of its own, and may be called in any thread.
+
+    A turn that a thread asks of a document itself is lost where that is just giving free the changes that it holds:
+    they are copied, then their list is replaced, and Bokeh notes turns in that list too. So the event loop asks for it,
+    between its own turns. To be called in the loop; without one, the document is asked directly.
+    """
+    ask: Callable[[Callable[[], None]], object] = document.add_next_tick_callback
+    try:
+        loop = asyncio.get_running_loop()
+    except RuntimeError:
+        return ask
+    return lambda turn: loop.call_soon_threadsafe(ask, turn)
+
+
+def written_down(document: Document) -> tuple[dict[str, Any], Any]:
+    """Return a document as plain values, and where its roots go in a page without a server."""
+    docs, (item,) = standalone_docs_json_and_render_items(document)
+    return docs, item

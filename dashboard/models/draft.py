@@ -1,0 +1,128 @@
+"""What a page makes of a scenario, as one value: where it begins, what is edited, and what the sliders say.
+
+All that follows from it is derived once and kept with it: while a slider moves, half a dozen places of the page ask for
+the same scenario.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
+from types import MappingProxyType
+from typing import Any
+
+from railjoule.core import Scenario, load_scenario
+
+FIELD_KEYS = {
+    "timetable.travel_time_s": "travel_time_s",
+    "vehicle.load_factor": "load_percent",
+    "drive.recuperation_factor": "recuperation_percent",
+    "enoc.acceleration_time_s": "acceleration_time_s",
+}
+"""Keys of the file that have a field of their own beside every page."""
+
+
+@cache
+def shipped(preset: str) -> Scenario:
+    """Return a shipped scenario, which never changes."""
+    return load_scenario(preset)
+
+
+@dataclass(frozen=True, eq=False)
+class Edited:
+    """A scenario with edited keys, which every move of a slider leaves as it is.
+
+    Parameters
+    ----------
+    base : Scenario
+        The shipped scenario, or that of a file.
+    edits : mapping
+        Edited keys of the file with their values.
+    """
+
+    base: Scenario
+    edits: Mapping[str, Any]
+
+    @cached_property
+    def scenario(self) -> Scenario:
+        """The scenario."""
+        return self.base.with_(**self.edits) if self.edits else self.base
+
+
+@dataclass(frozen=True, eq=False)
+class ScenarioDraft:
+    """An edited scenario and the values of the page's sliders.
+
+    Parameters
+    ----------
+    plan : Edited
+        What the sliders' values are laid over.
+    sliders : mapping
+        Their values by field, in the units that the page shows.
+    """
+
+    plan: Edited
+    sliders: Mapping[str, float | None]
+
+    def slid(self, sliders: Mapping[str, float | None]) -> "ScenarioDraft":
+        """Return the draft with other values of the sliders."""
+        return replace(self, sliders=sliders)
+
+    @property
+    def base(self) -> Scenario:
+        """The shipped scenario, or that of the file."""
+        return self.plan.base
+
+    @property
+    def edited(self) -> Scenario:
+        """The base with its edited keys, without the sliders' values."""
+        return self.plan.scenario
+
+    @cached_property
+    def changes(self) -> Mapping[str, Any]:
+        """The keys of the file that differ from the base, in the order in which they count."""
+        edited, now = self.edited, self.sliders
+        values = {
+            # to a tenth, as the slider shows it: a time that was only rounded is none that was changed
+            "timetable.travel_time_s": (now["travel_time_s"], round(edited.travel_time_s, 1)),
+            "vehicle.load_factor": (_fraction(now["load_percent"]), edited.vehicle.load_factor),
+            "drive.recuperation_factor": (
+                _fraction(now["recuperation_percent"]),
+                edited.vehicle.drive.recuperation_factor,
+            ),
+            "enoc.acceleration_time_s": (now["acceleration_time_s"], edited.enoc.acceleration_time_s),
+        }
+        slid = {key: value for key, (value, before) in values.items() if value != before}
+        return MappingProxyType({**self.plan.edits, **slid})
+
+    @cached_property
+    def scenario(self) -> Scenario:
+        """The scenario with all changes.
+
+        Raises
+        ------
+        ScenarioError
+            If a value is out of its bounds.
+        """
+        return self.base.with_(**self.changes) if self.changes else self.base
+
+    def original(self, key: str) -> Any:
+        """Return what the base has at a key of the file; None where it has nothing."""
+        if key == "timetable.travel_time_s":
+            return self.base.travel_time_s
+        value: Any = self.base
+        for name in (f"vehicle.{key}" if key.startswith("drive") else key).split("."):
+            value = value.get(name) if isinstance(value, Mapping) else getattr(value, name, None)
+        return value
+
+    def with_changes(self, changes: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Return all changes with others laid over them; a whole table replaces what was changed in it."""
+        replaced = tuple(f"{key}." for key in changes)
+        return {**{key: value for key, value in self.changes.items() if not key.startswith(replaced)}, **changes}
+
+    def without(self, *keys: str) -> Mapping[str, Any]:
+        """Return all changes but those of some keys."""
+        return {key: value for key, value in self.changes.items() if key not in keys}
+
+
+def _fraction(percent: float | None) -> float:
+    return (percent or 0.0) / 100

@@ -1,0 +1,160 @@
+"""What the page takes of the insides of its libraries is there in the installed releases; no browser is needed."""
+
+import ast
+import inspect
+import re
+from importlib.resources import files
+from pathlib import Path
+
+import bokeh
+import panel as pn
+import panel_material_ui as pmui
+import pytest
+from bokeh.document import Document
+from bokeh.document.locking import UnlockedDocumentProxy
+from bokeh.models import Div
+
+from railjoule.dashboard.insides import (
+    SmallFile,
+    Words,
+    attach,
+    freeze,
+    frozen,
+    leave_busy,
+    models_of,
+    name_sheets,
+    session_document,
+    thaw,
+    thaw_unsearched,
+    written_down,
+)
+
+SCRIPTS = files("railjoule.assets") / "scripts"
+PANEL, BOKEH = Path(pn.__file__).parent, Path(bokeh.__file__).parent
+
+
+def script(name: str) -> str:
+    return (SCRIPTS / f"{name}.js").read_text(encoding="utf-8")
+
+
+def test_follow_finds_each_text_that_it_mends_once() -> None:
+    source = (PANEL / "models" / "react_component.ts").read_text(encoding="utf-8")
+    code = source[source.index("_render_code(") :]
+    texts = [ast.literal_eval(found) for found in re.findall(r'^ {4}\[("[^"]+"), ', script("follow"), re.M)]
+    assert len(texts) == 3
+    assert {text: code.count(text) for text in texts} == dict.fromkeys(texts, 1)
+
+
+def test_the_bundle_of_panel_holds_the_same_texts() -> None:
+    bundle = (PANEL / "dist" / "panel.min.js").read_text(encoding="utf-8")
+    for text in re.findall(r'^ {4}\["([^"]+)", ', script("follow"), re.M):
+        assert bundle.count(text) == 1, text
+
+
+def needed_names() -> list[str]:
+    """Return what the mends look for before they change it."""
+    calls = re.findall(r"needed\(\s*\w+,([^()]*)\)", script("mends"))
+    return sorted({name for call in calls for name in re.findall(r'"(\w+)"', call)})
+
+
+def test_the_mends_find_all_that_they_change() -> None:
+    sources = [*(PANEL / "models").glob("*.ts"), BOKEH / "server" / "static" / "js" / "bokeh.js"]
+    text = "\n".join(source.read_text(encoding="utf-8") for source in sources)
+    names = needed_names()
+    assert {"_compute_layout", "_layout_data", "resize_layout"} <= set(names)
+    missing = [name for name in [*names, "layoutable_views"] if not re.search(rf"\b{name}\(.*\).*{{", text)]
+    assert missing == []
+    assert "press_threshold" in text
+    assert "_get_css_value" in text
+    for model in ("panel.models.esm", "panel.models.plotly", "panel.models.layout"):
+        assert f'"{model}"' in text
+
+
+def listeners() -> int:
+    """Return how many listen to whether the process is busy."""
+    return len(pn.state._param__private.watchers.get("busy", {}).get("value", []))
+
+
+def test_a_page_listens_to_the_process_until_it_leaves() -> None:
+    before = listeners()
+    page = pmui.Page()
+    assert listeners() == before + 1
+    leave_busy(page)
+    assert listeners() == before
+    assert "busy" not in page._param__private.refs
+
+
+def test_a_page_may_leave_colours_to_others() -> None:
+    root = pmui.Page().get_root(Document())
+    assert "_custom_theme" in root.data.properties()
+    source = Path(pmui.__file__).parent / "utils.js"
+    assert "_custom_theme" in source.read_text(encoding="utf-8")
+
+
+def test_a_document_is_told_where_style_sheets_are() -> None:
+    document = Document()
+    name_sheets(document)
+    assert document.template_variables["dist_url"].endswith("static/extensions/panel/")
+
+
+def test_a_file_that_is_too_large_is_told_by_status() -> None:
+    told: list[bool] = []
+    SmallFile(lambda: told.append(True))._handle_msg({"status": "error"})
+    assert told == [True]
+    assert 'msg["status"]' in inspect.getsource(pmui.FileInput._handle_msg)
+
+
+def test_a_pane_sends_its_text_alone() -> None:
+    assert list(inspect.signature(pn.pane.HTML._update).parameters) == ["self", "ref", "model"]
+    document, words = Document(), Words("<b>1</b>", stylesheets=["b { color: red }"])
+    other = Words("", stylesheets=["b { color: red }"])
+    root, same = words.get_root(document), other.get_root(document)
+    sent: list[set[str]] = []
+    document.add_root(root)
+    document.on_change(lambda event: sent.append({event.attr}))
+    words.object = "<b>2</b>"
+    assert "2" in root.text
+    assert sent in ([], [{"text"}])
+    assert root.stylesheets[-1] is same.stylesheets[-1]
+
+
+def test_a_frozen_document_finds_new_models_when_it_thaws() -> None:
+    document, column = Document(), pn.Column()
+    root = column.get_root(document)
+    document.add_root(root)
+    assert models_of(column) == [root]
+    freeze(document)
+    assert frozen(document) == 1
+    new = Div(text="new")
+    root.children = [new]
+    assert new.id not in document.models
+    attach(document, new)
+    assert document.get_model_by_id(new.id) is new
+    thaw_unsearched(document)
+    assert frozen(document) == 0
+    freeze(document)
+    later = Div(text="later")
+    root.children = [new, later]
+    thaw(document, 0)
+    assert document.get_model_by_id(later.id) is later
+
+
+def test_what_stands_for_a_document_names_it() -> None:
+    document = Document()
+    assert session_document(UnlockedDocumentProxy(document)) is session_document(document) is document
+
+
+def test_a_document_is_written_down_with_its_roots() -> None:
+    document = Document()
+    root = Div(text="here")
+    document.add_root(root)
+    docs, item = written_down(document)
+    assert len(docs) == 1
+    assert list(item.to_json()["roots"]) == [root.id]
+
+
+@pytest.mark.parametrize("library", [bokeh, pn, pmui])
+def test_the_release_is_one_that_this_was_tried_with(library: object) -> None:
+    tried = {"bokeh": "3.9.", "panel": "1.9.", "panel_material_ui": "0.16."}
+    name = getattr(library, "__name__")  # noqa: B009
+    assert str(getattr(library, "__version__")).startswith(tried[name])  # noqa: B009
