@@ -17,7 +17,7 @@ def comparison_table(among: Sequence[Contender], reference: Contender) -> str:
     losses = [contender.run.energy.losses_j for contender in among]
     kinds = [kind for kind in dict.fromkeys(kind for each in losses for kind in each) if _any(losses, kind)]
     header = ["Run", "kWh", "vs ref., kWh", "%", "s", "vs ref., s", "km/h", "recuperated"]
-    header += [loss_word(kind).lower() for kind in kinds]
+    header += [parts.LOSS_WORDS[kind].lower() for kind in kinds]
     header.append("above bound, %")
     buttons = [parts.markup('<button type="button" class="sort" data-act="sort">{}</button>', word) for word in header]
     rows = []
@@ -34,11 +34,6 @@ def comparison_table(among: Sequence[Contender], reference: Contender) -> str:
 def _any(losses: Sequence[Mapping[str, float]], kind: str) -> bool:
     """Return whether any run has a loss that its table would show."""
     return any(abs(each.get(kind, 0.0)) >= words.LEAST_ENERGY_KWH * J_PER_KWH for each in losses)
-
-
-def loss_word(kind: str) -> str:
-    """Return what a kind of loss is called."""
-    return parts.LOSS_WORDS.get(kind, kind.replace("_", " ").capitalize())
 
 
 def numbers(run: Trajectory, reference: Trajectory, kinds: Sequence[str]) -> list[str]:

@@ -2,6 +2,7 @@ import re
 from dataclasses import replace
 
 import pytest
+from every_drive import DRIVES, train
 from needing import needing
 
 from railjoule.core import load_scenario, solve
@@ -117,6 +118,11 @@ def test_the_bars_of_the_account_add_up(runs: Runs) -> None:
     text = plain(parts.account(run))
     assert text.endswith("Total: 4.181 kWh.")
     assert "Copper loss" in text
+
+
+@pytest.mark.parametrize("drive", DRIVES)
+def test_every_loss_of_every_drive_has_words(drive: str) -> None:
+    assert set(solve(train(drive), "fastest").energy.losses_j) <= set(parts.LOSS_WORDS)
 
 
 def test_a_run_downhill_shows_the_height_that_it_lost() -> None:
