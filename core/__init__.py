@@ -4,6 +4,8 @@ from railjoule.core._numba_cache import select_cache_folder
 
 select_cache_folder()  # before any module below imports numba
 
+# Whoever needs scipy writes `import scipy` and `scipy.optimize.brentq`: its parts then load when they are first used.
+# Together they take as long as the rest of the core, and most runs need none of them.
 from railjoule.core.check import Check, CheckResult, check_run, check_table  # noqa: E402
 from railjoule.core.energy import Energy  # noqa: E402
 from railjoule.core.errors import (  # noqa: E402

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
+import scipy
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.check.loss_model import (
@@ -50,11 +50,11 @@ class LossSurface:
         torques, speeds = self.torque_nm, self.speed_rads
         # The interpolant of the format, written with SciPy: first the values along torque with their slopes across,
         # then a cubic along speed. The product evaluates one table of coefficients; the two share no line.
-        along_torque = PchipInterpolator(torques, self.loss_w, axis=0).derivative()(torques)
-        along_speed = PchipInterpolator(speeds, self.loss_w, axis=1).derivative()(speeds)
-        across = PchipInterpolator(speeds, along_torque, axis=1).derivative()(speeds)
-        value = CubicHermiteSpline(torques, self.loss_w, along_torque, axis=0)(torque_nm)
-        slope = CubicHermiteSpline(torques, along_speed, across, axis=0)(torque_nm)
+        along_torque = scipy.interpolate.PchipInterpolator(torques, self.loss_w, axis=0).derivative()(torques)
+        along_speed = scipy.interpolate.PchipInterpolator(speeds, self.loss_w, axis=1).derivative()(speeds)
+        across = scipy.interpolate.PchipInterpolator(speeds, along_torque, axis=1).derivative()(speeds)
+        value = scipy.interpolate.CubicHermiteSpline(torques, self.loss_w, along_torque, axis=0)(torque_nm)
+        slope = scipy.interpolate.CubicHermiteSpline(torques, along_speed, across, axis=0)(torque_nm)
         j = np.clip(np.searchsorted(speeds, speed_rads, side="right") - 1, 0, len(speeds) - 2)
         k, step = np.arange(len(torque_nm)), np.diff(speeds)[j]
         s = (speed_rads - speeds[j]) / step

@@ -13,7 +13,7 @@ Journal 7, 1965; the steps of the sequence are the powers of the root of x^(k + 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize
+import scipy
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.limit_search.problem import LEAST_SECTION_M, Evaluation, LimitProblem
@@ -121,4 +121,4 @@ def _refine(problem: LimitProblem, found: list[Evaluation], start: Evaluation, m
         "fatol": ENERGY_EXACT * start.energy_j,
         "maxfev": min(REFINEMENTS_PER_DIMENSION * len(origin), MOST_REFINEMENTS),
     }
-    minimize(cost, origin, method="Nelder-Mead", options=options)
+    scipy.optimize.minimize(cost, origin, method="Nelder-Mead", options=options)

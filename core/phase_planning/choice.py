@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.phase_planning.plan import PhasePlan
@@ -88,12 +88,14 @@ def equally_priced(
                 extra.append(least)
             else:
                 extra.append(
-                    brentq(lambda more, at=price_of: at(more) - price, least, most, xtol=LEAST_SLACK * slack_s)
+                    scipy.optimize.brentq(
+                        lambda more, at=price_of: at(more) - price, least, most, xtol=LEAST_SLACK * slack_s
+                    )
                 )
         return np.array(extra)
 
     low, high = min(price_of(most) for price_of in prices), max(price_of(least) for price_of in prices)
-    price = brentq(lambda price: extra_at(price).sum() - slack_s, low, high, xtol=1e-9 * high)
+    price = scipy.optimize.brentq(lambda price: extra_at(price).sum() - slack_s, low, high, xtol=1e-9 * high)
     extra = extra_at(price)
     extra *= slack_s / extra.sum()
     return tuple(float(time + more) for time, more in zip(shortest_s, extra, strict=True))

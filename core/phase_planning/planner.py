@@ -9,8 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.optimize import brentq, minimize_scalar
+import scipy
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import StrategyRefusedError, TimetableError
@@ -132,7 +131,7 @@ class PhasePlanner:
                 f"{distance_m:.0f} m."
             )
         reaches_top = needed_m(top) <= distance_m
-        peak = top if reaches_top else brentq(lambda v: needed_m(v) - distance_m, least, top, xtol=1e-13)
+        peak = top if reaches_top else scipy.optimize.brentq(lambda v: needed_m(v) - distance_m, least, top, xtol=1e-13)
         cruise = max(distance_m - needed_m(peak), 0.0)
         start_time, _, start_energy = between(start, initial_speed_ms, peak)
         brake_time, _, brake_energy = between(brake, final_speed_ms, peak)
@@ -308,7 +307,7 @@ class PhasePlanner:
             second = PhaseTask(distances_m[1], least_s[1] + slack_s - more, 0.0, 0.0)
             return self._best(first).energy_j + self._best(second).energy_j
 
-        found = minimize_scalar(
+        found = scipy.optimize.minimize_scalar(
             energy, bounds=(0.0, slack_s), method="bounded", options={"xatol": DIVISION_ACCURACY * slack_s}
         )
         if not np.isfinite(found.fun):
@@ -330,5 +329,5 @@ class PhasePlanner:
             raise StrategyRefusedError(f"has no run of {shortest_s + slack_s:.1f} s over a part with these phases.")
         # the fastest run has an endless price: coasting for x before the brake saves energy as x, but loses time as
         # x^2. Over the root of the slack energy is smooth, and dE/dt = dE/d(root) / (2 root)
-        curve = CubicSpline(np.sqrt(extra), energy).derivative()
+        curve = scipy.interpolate.CubicSpline(np.sqrt(extra), energy).derivative()
         return lambda more: -float(curve(np.sqrt(more))) / (2 * np.sqrt(more))

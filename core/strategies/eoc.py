@@ -15,8 +15,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.integrate import cumulative_simpson, solve_bvp
-from scipy.interpolate import CubicHermiteSpline
+import scipy
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.errors import SolverError
@@ -105,7 +104,9 @@ def solve_eoc(line: PlainLine, travel_time_s: float, variant: Variant = "optimal
     grid = np.linspace(0, 1, FIRST_NODES)
     # the parabola of speed, which is the solution without resistance
     guess = np.vstack([grid**2 * (3 - 2 * grid), 6 * grid * (1 - grid), 6 - 12 * grid])
-    solution = solve_bvp(derivatives, end_conditions, grid, guess, p=[0.0], tol=TOLERANCE, max_nodes=MOST_NODES)
+    solution = scipy.integrate.solve_bvp(
+        derivatives, end_conditions, grid, guess, p=[0.0], tol=TOLERANCE, max_nodes=MOST_NODES
+    )
     if not solution.success:
         raise SolverError(f"the boundary value problem of EOC was not solved: {solution.message}")
     fine = np.linspace(0, 1, SAMPLES)
@@ -113,14 +114,14 @@ def solve_eoc(line: PlainLine, travel_time_s: float, variant: Variant = "optimal
     time, speed, effort = fine * travel_time_s, mean * y[1], unit * y[2]
     shaft = line.resistance_n(speed) * speed
     kinetic = 0.5 * m * (speed**2 - speed[0] ** 2)
-    losses = cumulative_simpson(h * effort**2 + shaft, x=time, initial=0)
+    losses = scipy.integrate.cumulative_simpson(h * effort**2 + shaft, x=time, initial=0)
     return EocSolution(
         time_s=frozen_array(time),
         position_m=frozen_array(line.distance_m * y[0]),
         speed_ms=frozen_array(speed),
         effort_n=frozen_array(effort),
         energy_j=frozen_array(losses + kinetic),
-        shaft_energy_j=float(cumulative_simpson(shaft, x=time)[-1]),
+        shaft_energy_j=float(scipy.integrate.cumulative_simpson(shaft, x=time)[-1]),
     )
 
 
@@ -134,7 +135,7 @@ def speed2_at(solution: EocSolution, line: PlainLine, position_m: FloatArray) ->
     place = solution.position_m
     # two samples at rest may share a place
     rising = np.append(True, np.diff(np.maximum.accumulate(place)) > 0)
-    curve = CubicHermiteSpline(place[rising], v[rising] ** 2, 2 * acceleration[rising])
+    curve = scipy.interpolate.CubicHermiteSpline(place[rising], v[rising] ** 2, 2 * acceleration[rising])
     speed2: FloatArray = np.maximum(curve(np.clip(position_m, 0, place[rising][-1])), 0.0)
     speed2[[0, -1]] = 0.0
     return speed2

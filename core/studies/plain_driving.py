@@ -1,6 +1,6 @@
 """How a run is driven without looking for energy: full effort to one speed, that speed held, full braking."""
 
-from scipy.optimize import brentq
+import scipy
 
 from railjoule.core.scenario import Scenario
 from railjoule.core.strategies import prepare_task
@@ -34,7 +34,7 @@ def one_speed_run(scenario: Scenario) -> Trajectory:
         return prepare_task(_limited(scenario, speed_kmh)).shortest_time_s - task.running_time_s
 
     # the shortest time falls steadily with the highest speed, so there is one root
-    speed = brentq(late_s, min(SLOWEST_KMH, top / 2), top, rtol=TIME_TOLERANCE)
+    speed = scipy.optimize.brentq(late_s, min(SLOWEST_KMH, top / 2), top, rtol=TIME_TOLERANCE)
     return fastest(prepare_task(_limited(scenario, float(speed))))
 
 

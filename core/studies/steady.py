@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import StrategyRefusedError
@@ -106,7 +106,7 @@ def steady_speeds(scenario: Scenario, price_of_time_w: float, highest_ms: float 
         return driving * speed**2 * resistance_slope(linear, quadratic, speed) - price_of_time_w
 
     # V^2 R'(V) rises from 0 with V, so there is one root, or none below the top speed, which is then held
-    hold = float(brentq(hold_excess_w, 0.0, top)) if hold_excess_w(top) > 0 else top
+    hold = float(scipy.optimize.brentq(hold_excess_w, 0.0, top)) if hold_excess_w(top) > 0 else top
     highest = hold if highest_ms is None else min(highest_ms, hold)
     # the constant of the first integral, taken where coasting begins: f = 0, P = 0 and p = 1 / e there
     level = float(driving * _resistance_n(vehicle, highest)) + price_of_time_w / highest
@@ -117,7 +117,7 @@ def steady_speeds(scenario: Scenario, price_of_time_w: float, highest_ms: float 
     # at the highest speed this is negative, as braking_adjoint < driving_adjoint; towards rest price / speed makes it
     # positive, unless the price is next to nothing: then the train coasts to walking pace
     slow = min(SLOWEST_MS, 0.5 * highest)
-    brake = float(brentq(brake_excess, slow, highest)) if brake_excess(slow) > 0 else slow
+    brake = float(scipy.optimize.brentq(brake_excess, slow, highest)) if brake_excess(slow) > 0 else slow
     return SteadySpeeds(price_of_time_w, hold, highest, brake, driving, braking)
 
 

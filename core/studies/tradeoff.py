@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.interpolate import CubicHermiteSpline
+import scipy
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.bounds import certify, minimise
@@ -90,7 +90,9 @@ class Frontier:
         if len(times) < 2 or not times[0] <= travel_time_s <= times[-1]:
             return float("nan")
         # its slopes are known without further runs: each optimum tells the price of time
-        cubic = CubicHermiteSpline(times, self.energy_kwh[known], -self.price_of_time_w[known] / J_PER_KWH)
+        cubic = scipy.interpolate.CubicHermiteSpline(
+            times, self.energy_kwh[known], -self.price_of_time_w[known] / J_PER_KWH
+        )
         return float(cubic(travel_time_s))
 
     def to_dataframe(self) -> "pandas.DataFrame":

@@ -8,7 +8,7 @@ A row holds the number of torques and of speeds, these themselves, then the 16 c
 """
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
+import scipy
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.compiled import njit
@@ -36,10 +36,10 @@ def loss_table(torque_nm: FloatArray, speed_rads: FloatArray, loss_w: FloatArray
     -------
     array of shape (2 + n + m + 16 (n - 1) (m - 1),)
     """
-    by_torque = PchipInterpolator(torque_nm, loss_w, axis=0).derivative()(torque_nm)
-    by_speed = PchipInterpolator(speed_rads, loss_w, axis=1).derivative()(speed_rads)
+    by_torque = scipy.interpolate.PchipInterpolator(torque_nm, loss_w, axis=0).derivative()(torque_nm)
+    by_speed = scipy.interpolate.PchipInterpolator(speed_rads, loss_w, axis=1).derivative()(speed_rads)
     # the slope along one line must itself keep its shape along the other; the order does not matter but for rounding
-    by_both = PchipInterpolator(speed_rads, by_torque, axis=1).derivative()(speed_rads)
+    by_both = scipy.interpolate.PchipInterpolator(speed_rads, by_torque, axis=1).derivative()(speed_rads)
     dx, dy = np.diff(torque_nm)[:, None], np.diff(speed_rads)[None, :]
 
     def corners(values: FloatArray, factor: FloatArray | float) -> FloatArray:

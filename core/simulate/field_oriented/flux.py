@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, minimum_filter1d, uniform_filter1d
+import scipy
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.drive.induction.flux import fill_flux_currents
@@ -67,12 +67,14 @@ def plan_flux(reference: Reference, course: Course, machines: TractionMachines, 
     half = max(round(0.5 * WINDOW_S / (COARSE * reference.step_s)), 1)
     # Each of the averaged values is the least of a window that reaches the instant itself, so their average exceeds
     # nowhere what the voltage allows: the flux goes down ahead. With the largest it goes up ahead of the torque.
-    within = _spread(minimum_filter1d(found, 2 * half + 1, mode="nearest"), half)
+    within = _spread(scipy.ndimage.minimum_filter1d(found, 2 * half + 1, mode="nearest"), half)
     current = within
     if least_loss:
         fill_flux_currents(machine, True, torque, rotor_rads, found)
         requested = np.maximum(found, LOWEST_FLUX_FRACTION * rated)
-        current = np.minimum(_spread(maximum_filter1d(requested, 2 * half + 1, mode="nearest"), half), within)
+        current = np.minimum(
+            _spread(scipy.ndimage.maximum_filter1d(requested, 2 * half + 1, mode="nearest"), half), within
+        )
     flux = machines.circuit.magnetising_inductance_h * current
     time, coarse = reference.time_s, reference.time_s[::COARSE]
     rate = np.gradient(flux, coarse)
@@ -107,6 +109,6 @@ def _spread(values: FloatArray, half: int) -> FloatArray:
     Twice, so that the rate of the flux, and with it the current that makes it, has no jumps.
     """
     # the filters need odd lengths to be centred
-    once = uniform_filter1d(values, half | 1, mode="nearest")
-    spread: FloatArray = uniform_filter1d(once, half | 1, mode="nearest")
+    once = scipy.ndimage.uniform_filter1d(values, half | 1, mode="nearest")
+    spread: FloatArray = scipy.ndimage.uniform_filter1d(once, half | 1, mode="nearest")
     return spread
