@@ -187,8 +187,8 @@ def _add_proof(parser: _Parser) -> None:
     parser.add_argument(
         "--prove-seconds",
         metavar="S",
-        help="how long to tighten the bound of a powertrain that takes power without effort, such as 10; 0: the first "
-        "bound only; default: a fixed number of steps, about 0.5 s, as on the page",
+        help="how long to tighten a bound that is loose, as that of a powertrain often is which takes power without "
+        "effort, such as 10; 0: the first bound only; default: a fixed number of steps, about 0.5 s, as on the page",
     )
 
 

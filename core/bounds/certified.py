@@ -1,8 +1,9 @@
 """The energy that no run of a task undercuts, and which runs that covers.
 
-A drive that takes power without effort has two bounds. `certify` gives the first at once: it lets the drive switch
-within cells, which no run of ours does. `railjoule.core.bounds.tightening` goes on with the chains of
-`railjoule.core.chain_proof`, which hold for one effort in each cell, and `with_chains` keeps the greater one.
+`certify` gives a first bound at once. Of a smooth drive it hardly ever lies below the optimum by more than a millionth;
+of one that takes power without effort it lets the drive switch within cells, which no run of ours does. Where the first
+is loose `railjoule.core.bounds.tightening` goes on with the chains of `railjoule.core.chain_proof`, which hold for one
+effort in each cell, and `with_chains` keeps the greater one.
 
 References: the proofs are in `railjoule.core.interior_point.certificate`, `...proof` and `...switching_bound`, and in
 `railjoule.core.chain_proof.proof`.
@@ -128,7 +129,7 @@ def chain_proof(task: Task, optimum: Optimum, speed2: FloatArray, energy_j: floa
     Parameters
     ----------
     task : Task
-        Its drive takes power without effort.
+        What is to be run.
     optimum : Optimum
         Whose multipliers are the prices.
     speed2 : array of shape (n + 1,)
@@ -153,11 +154,12 @@ def with_chains(task: Task, bound: Bound, proven_j: float) -> Bound:
     energy = proven_j + task.dwell_energy_j
     if energy <= bound.energy_j:
         return bound
-    # what is proven of runs that switch stays what it was, however often the bound is raised
-    switched = bound.energy_j if bound.switched_j is None else bound.switched_j
-    statement = chain_bound_statement(task, switched)
     given = premise(task.course.data.drive_kind)
-    return replace(bound, energy_j=energy, statement=statement, switched_j=switched, premise=given)
+    if bound.switched_j is None:
+        return replace(bound, energy_j=energy, statement=bound_statement(task, given), premise=given)
+    # what is proven of runs that switch stays what it was, however often the bound is raised
+    statement = chain_bound_statement(task, bound.switched_j)
+    return replace(bound, energy_j=energy, statement=statement, premise=given)
 
 
 def _switched_bound_j(task: Task, optimum: Optimum, proof_budget: int) -> float:
@@ -197,9 +199,11 @@ def switched_premise(task: Task) -> str:
     return "" if task.course.data.drive_kind == LOSS_POLYNOMIAL else SWITCHED_PREMISE
 
 
-def bound_statement(task: Task) -> str:
-    """Return in words which runs a bound covers."""
-    return f"No run over {_mesh(task)}, with one effort in each, {_conditions(task)}. {FINER_MESH}"
+def bound_statement(task: Task, assumption: str = "") -> str:
+    """Return in words which runs a bound of a smooth drive covers, and what it assumes of the drive, if anything."""
+    return (
+        f"No run over {_mesh(task)}, with one effort in each, {_conditions(task)}{_assuming(assumption)}. {FINER_MESH}"
+    )
 
 
 def switched_bound_statement(task: Task) -> str:

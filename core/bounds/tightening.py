@@ -1,4 +1,4 @@
-"""The bound of a drive that idles, as a proof by chains tightens it: in steps, within boxes or seconds.
+"""A bound that is loose, as a proof by chains tightens it: in steps, within boxes or seconds.
 
 The page, the report and the command line all take their bounds from here, so that a run has one bound everywhere: the
 first stage has a budget of boxes, no time, and proves the same on every machine.
@@ -21,6 +21,8 @@ from railjoule.core.trajectory import Bound, Trajectory
 FIRST_STAGE_BOXES = 1_200_000
 """Boxes of the stage that needs no asking, some 0.4 s; it settles all shipped scenarios but the slowest metro."""
 LONGEST_PROOF_S = 86_400.0
+OPTIMUM = "optimal"
+"""The strategy whose runs are optima."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,10 +54,12 @@ class ProofStep:
 
 
 def can_tighten(task: Task, bound: Bound, run: Trajectory) -> bool:
-    """Return whether chains may prove more of a task than a bound: its drive idles, and the bound is the task's own."""
+    """Return whether chains may prove more of a task than a bound, which is its own: of a run that may be the best."""
     # a bound of another time or mesh, as of a run with nodes of its own, is another task's
     own = np.array_equal(bound.position_m, task.course.position_m) and bound.travel_time_s <= task.travel_time_s
-    return task.course.drive.jumps_at_no_effort and own and bound.covers(run)
+    # the optimum of a smooth drive tells how loose its bound is: no proof comes near another run that needs more
+    may_be_best = task.course.drive.jumps_at_no_effort or run.strategy == OPTIMUM
+    return may_be_best and own and bound.covers(run)
 
 
 def tightening(
@@ -103,7 +107,7 @@ def tightened(
     budget: int = FIRST_STAGE_BOXES,
     seconds: float | None = None,
 ) -> Bound:
-    """Return a bound of a task, or the one by chains of boxes where that is greater; smooth drives keep theirs.
+    """Return a bound of a task, or the one by chains of boxes where the first is loose and that is greater.
 
     Parameters
     ----------
@@ -133,7 +137,7 @@ def run_to_prove(bound: Bound, runs: Iterable[Trajectory]) -> Trajectory | None:
     """Return the run that a proof starts from: the optimum, else the best one that a bound covers, if any."""
     covered = [run for run in runs if bound.covers(run)]
     # the same one whatever others were asked for beside it, so that the bound does not depend on them
-    optimum = next((run for run in covered if run.strategy == "optimal"), None)
+    optimum = next((run for run in covered if run.strategy == OPTIMUM), None)
     return optimum or min(covered, key=lambda run: run.energy.net_j, default=None)
 
 

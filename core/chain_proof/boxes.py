@@ -20,13 +20,13 @@ from typing import NamedTuple
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray
-from railjoule.core.chain_proof.limit_lines import WIDENING, least_effort, upper_line
+from railjoule.core.chain_proof.limit_lines import WIDENING, upper_line
 from railjoule.core.chain_proof.table import BRAKING, DRIVING, EFFORTS, SPEEDS, DriveTable, row_at, row_speed
 from railjoule.core.compiled import borrowed, njit
 from railjoule.core.drive.kernels import has_standstill_brake, negligible_effort
 from railjoule.core.physics.cell import mean_speed
 from railjoule.core.physics.course_data import CourseData, cell_of, shared_by_cells
-from railjoule.core.physics.effort_limit import EffortLimit
+from railjoule.core.physics.effort_limit import EffortLimit, effort_range
 
 DRIVE, OFF, BRAKE, BLEND = range(4)
 ENERGY, ENERGY_W, ENERGY_Y, TIME, TIME_W, TIME_Y, LOWER, LOWER_W, UPPER, UPPER_W = range(10)
@@ -269,7 +269,7 @@ def _mode_limit(
     if mode == OFF and not replaced:
         return 0.0, 0.0, 0.0
     a0, a1 = upper_line(braking, v1, v2)
-    return a0, a1, least_effort(braking, v1, v2)
+    return a0, a1, effort_range(braking, v1, v2)[0]
 
 
 @njit(cache=True, error_model="numpy")

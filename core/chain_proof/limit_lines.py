@@ -1,4 +1,4 @@
-"""Lines above a limit of effort over a range of speed, and its least value there."""
+"""Lines above a limit of effort over a range of speed."""
 
 import math
 
@@ -47,18 +47,3 @@ def upper_line(limit: EffortLimit, v1: float, v2: float) -> tuple[float, float]:
     if lift >= max(constant - f1, constant - f2):
         return constant, 0.0
     return f1 + lift - slope * v1, slope
-
-
-@njit(cache=True, error_model="numpy")
-def least_effort(limit: EffortLimit, v1: float, v2: float) -> float:
-    """Return at most the least of a limit [N] between two speeds above zero [m/s]."""
-    least = min(largest_effort(limit, v1), largest_effort(limit, v2))
-    # a limit of power falls with speed: its ends tell all
-    if limit.table.shape[0] > 0:
-        first, last = piece_at(limit, v1), piece_at(limit, v2)
-        for piece in range(first, last + 1):
-            start = v1 if piece == first else limit.table[piece, 0]
-            end = v2 if piece == last else limit.table[piece + 1, 0]
-            a, b, c, d = bezier_points(limit, piece, start, end)
-            least = min(least, a, b, c, d)
-    return least

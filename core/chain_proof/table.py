@@ -14,8 +14,10 @@ around. Only curvature upwards counts: a map which is not convex needs nothing e
   Bezier points at both ends of M. Of L / v the terms y and y^2 have no curvature left, so that
   e_vv = 2 a0(M) / v^3 + 2 a3(M) t^3 with the cubics a0 = L(M, 0), continued to rest, and a3: Bezier points again, at
   both ends of v, between which it is monotone. That is rigorous up to rounding.
-- Induction machines have no such closed form: their suprema are estimated from values, slopes and curvatures at the
-  corners, times `SAFETY`. That is a premise, which `premise` says.
+- A constant efficiency has no curvature, e = x / eta. Windings alone lose c x^2: e = x + c x^2 / v, so that
+  e_xx = 2 c / v and e_vv = 2 c x^2 / v^3, both greatest where v is least.
+- Induction machines, and kinds that this file does not know, have no such closed form: their suprema are estimated from
+  values, slopes and curvatures at the corners, times `SAFETY`. That is a premise, which `premise` says.
 """
 
 import math
@@ -26,9 +28,10 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.chain_proof.limit_lines import upper_line
 from railjoule.core.compiled import njit
+from railjoule.core.drive.copper_loss import LOSS_COEFFICIENT
 from railjoule.core.drive.geared_parameters import MOTORS, TURNS
 from railjoule.core.drive.kernels import has_standstill_brake, power_when_on, shaft_force, work_bounds
-from railjoule.core.drive.kinds import LOSS_MAP, LOSS_POLYNOMIAL
+from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS, GEARED, LOSS_MAP, LOSS_POLYNOMIAL
 from railjoule.core.drive.loss_map.loss import BRAKING_TABLE, DRIVING_TABLE
 from railjoule.core.drive.loss_map.table import HEAD, PATCH, piece_in
 from railjoule.core.drive.loss_polynomial import BY_SPEED, BY_SPEED2, BY_TORQUE, BY_TORQUE2, NO_LOAD
@@ -49,6 +52,8 @@ LEAST_EFFORT = 1e-9
 LEAST_LOSS = 1e-9
 """A loss no greater than this share of the energy counts as cut off: the difference is rounded."""
 DRIVING, BRAKING = 0, 1
+CLOSED_FORMS = (CONSTANT_EFFICIENCY, COPPER_LOSS, LOSS_POLYNOMIAL, LOSS_MAP)
+"""Kinds of drives whose curvature is known between the points of a table, and whose power goes on beyond a limit."""
 
 
 class DriveTable(NamedTuple):
@@ -76,7 +81,7 @@ class DriveTable(NamedTuple):
 
 def premise(kind: int) -> str:
     """Return in one clause what the table of a kind of drive assumes, empty where it assumes nothing."""
-    if kind in (LOSS_POLYNOMIAL, LOSS_MAP):
+    if kind in CLOSED_FORMS:
         return ""
     return (
         "between the points of a table of its power, the machines' power curves at most "
@@ -153,7 +158,12 @@ def _loss_curvatures(
     speed: tuple[float, float],
     patch: FloatArray,
 ) -> tuple[float, float]:
-    """Return suprema of e_xx and e_vv of geared motors over a rectangle; `patch` is room for 16 numbers."""
+    """Return suprema of e_xx and e_vv over a rectangle, of a kind in `CLOSED_FORMS`; `patch` is room for 16 numbers."""
+    if kind == CONSTANT_EFFICIENCY:
+        return 0.0, 0.0
+    if kind == COPPER_LOSS:
+        e_xx = 2.0 * parameters[LOSS_COEFFICIENT] / speed[0]
+        return e_xx, e_xx * (effort[1] / speed[0]) ** 2
     motors, turns = parameters[MOTORS], parameters[TURNS]
     m = work_bounds(kind, parameters)[1 if braking else 0] / (motors * turns)
     torque, turning = (m * effort[0], m * effort[1]), (turns * speed[0], turns * speed[1])
@@ -208,7 +218,7 @@ def _estimated_sag(a: FloatArray, b: FloatArray, slope: int, step: float) -> flo
 def _point(course: CourseData, mode: int, effort: float, most: float, step: float, speed: float) -> PowerTerms:
     """Return e, e_x, e_v, e_xx, e_xv, e_vv [J/m] of a drive that is on; machines go on straight beyond an effort."""
     kind, parameters, braking = course.drive_kind, course.drive_parameters, mode == BRAKING
-    if kind in (LOSS_POLYNOMIAL, LOSS_MAP):
+    if kind in CLOSED_FORMS:
         return energy_per_metre(power_when_on(kind, parameters, braking, effort, speed), speed)
     # beyond their pull-out machines have no power at all, and at it an infinite slope: the chord below it goes on
     least = LEAST_EFFORT * most
@@ -260,11 +270,12 @@ def _sags(course: CourseData, table: DriveTable, mode: int, points: FloatArray, 
         v1 = row_speed(table.slowest_ms, table.fastest_ms, j)
         v2 = row_speed(table.slowest_ms, table.fastest_ms, j + 1)
         for k in range(reach[j]):
-            if kind in (LOSS_POLYNOMIAL, LOSS_MAP):
+            if kind in CLOSED_FORMS:
                 effort = step * k, step * (k + 1)
                 e_xx, e_vv = _loss_curvatures(kind, parameters, mode == BRAKING, effort, (v1, v2), patch)
                 sag = 0.125 * (step * step * max(e_xx, 0.0) + (v2 - v1) ** 2 * max(e_vv, 0.0))
-                sag = max(sag, _cut_off(points, j, k, shaft * step))
+                if GEARED[kind]:
+                    sag = max(sag, _cut_off(points, j, k, shaft * step))
             else:
                 along = across = 0.0
                 for q in range(2):

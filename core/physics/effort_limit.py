@@ -201,19 +201,29 @@ def bezier_points(limit: EffortLimit, piece: int, start: float, end: float) -> t
 
 
 @njit(cache=True, error_model="numpy")
+def effort_range(limit: EffortLimit, slow: float, fast: float) -> tuple[float, float]:
+    """Return at most the least and at least the greatest of a limit [N] between two speeds above zero [m/s]."""
+    at_slow, at_fast = largest_effort(limit, slow), largest_effort(limit, fast)
+    least, greatest = min(at_slow, at_fast), max(at_slow, at_fast)
+    # a limit of power falls with speed: its ends tell all. A curve may rise
+    if limit.table.shape[0] > 0:
+        first, last = piece_at(limit, slow), piece_at(limit, fast)
+        for piece in range(first, last + 1):
+            start = slow if piece == first else limit.table[piece, 0]
+            end = fast if piece == last else limit.table[piece + 1, 0]
+            a, b, c, d = bezier_points(limit, piece, start, end)
+            least, greatest = min(least, a, b, c, d), max(greatest, a, b, c, d)
+    return least, min(greatest, limit.constant_n)
+
+
+@njit(cache=True, error_model="numpy")
 def greatest_effort(limit: EffortLimit, slow: float, fast: float) -> float:
-    """Return at least the greatest of a limit [N] between two speeds above zero [m/s]; a curve may rise with speed."""
-    greatest = largest_effort(limit, slow)
-    # a limit of power falls
-    if limit.table.shape[0] == 0 or greatest >= limit.constant_n:
-        return greatest
-    first, last = piece_at(limit, slow), piece_at(limit, fast)
-    for piece in range(first, last + 1):
-        start = slow if piece == first else limit.table[piece, 0]
-        end = fast if piece == last else limit.table[piece + 1, 0]
-        a, b, c, d = bezier_points(limit, piece, start, end)
-        greatest = max(greatest, a, b, c, d)
-    return min(greatest, limit.constant_n)
+    """Return at least the greatest of a limit [N] between two speeds above zero [m/s]."""
+    at_slow = largest_effort(limit, slow)
+    # most pieces of speed end here: the rest of the table is not asked
+    if limit.table.shape[0] == 0 or at_slow >= limit.constant_n:
+        return at_slow
+    return effort_range(limit, slow, fast)[1]
 
 
 @njit(cache=True, nogil=True)

@@ -72,8 +72,9 @@ def solve(
         Whether the run is held against its scenario by formulas that share no code with the strategies; it then
         carries the result as `check`.
     prove_seconds : float, optional
-        How long to tighten the bound of a drive that takes power without effort [s]; 0 keeps the first bound. By
-        default it is tightened with a fixed number of steps, half a second or less.
+        How long to tighten the bound where the first one is loose, as it often is of a drive that takes power without
+        effort [s]; 0 keeps the first bound. By default it is tightened with a fixed number of steps, half a second or
+        less.
 
     Raises
     ------

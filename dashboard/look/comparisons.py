@@ -105,7 +105,7 @@ def above_own_bound(run: Trajectory) -> Amount | None:
 
 
 def proof_sentence(bound: Bound) -> str:
-    """Return in words what a bound of a drive that takes power without effort proves: which runs, which mesh.
+    """Return in words what a bound proves: of which runs, over which mesh.
 
     What else holds for the runs, their limits, time and least speed, stands in the bound's own statement.
     """
@@ -116,7 +116,10 @@ def proof_sentence(bound: Bound) -> str:
         f"up to {longest.removesuffix('.0')} m",
         f", provided that {bound.premise}" if bound.premise else "",
     )
-    if switched_j is None or switched_j >= bound.energy_j:
+    if switched_j is None:
+        told = f"No run with one effort in each cell of {cells} needs less than {energy} kWh{assumed}"
+        return f"{told}; one over a finer mesh may need less."
+    if switched_j >= bound.energy_j:
         told = f"No run over cells of {cells} needs less than {energy} kWh, even one that switches within them{assumed}"
         return f"{told}; one over a finer mesh may need less."
     told = f"No run with one effort in each cell of {cells} needs less than {energy} kWh{assumed}"

@@ -63,9 +63,9 @@ class Runs:
 
     @property
     def to_prove(self) -> Trajectory | None:
-        """The run whose bound a proof may tighten, where the powertrain takes power without effort; else None."""
+        """The run whose bound a proof may tighten; None where the first bound proves it already, or there is none."""
         bound = self.best.bound
-        return None if bound is None or bound.switched_j is None else run_to_prove(bound, self.runs.values())
+        return None if bound is None or self.best.is_proven else run_to_prove(bound, self.runs.values())
 
     def with_bound(self, bound: Bound) -> "Runs":
         """Return the same runs, those with a greater bound that it covers."""

@@ -23,7 +23,7 @@ EXHAUSTED = "The page proves no more; the command line does, with --prove-second
 
 
 class ProofRow:
-    """The sentence and its button; a drive that takes no power without effort has neither, as its proof is complete."""
+    """The sentence and its button; a run that its first bound proves has neither, as its proof is complete."""
 
     def __init__(self, state: Workbench) -> None:
         self.state, self.model = state, state.proof
@@ -48,13 +48,13 @@ class ProofRow:
 
     def show(self, run: Trajectory | None, hidden: bool) -> None:
         """Show what is proven of a run."""
-        bound = None if run is None else run.bound
-        self.view.visible = shown = not hidden and bound is not None and bound.switched_j is not None
+        bound, stage, runs = None if run is None else run.bound, self.model.stage, self.state.runs
+        # what is proven of a run over other nodes or with a time of its own is another proof
+        own = bound is not None and runs is not None and runs.to_prove is not None and runs.to_prove.bound is bound
+        self.view.visible = shown = not hidden and bound is not None and (own or bound.switched_j is not None)
         if not shown or run is None or bound is None:
             return
-        known, stage, runs = self.model.of(run.scenario), self.model.stage, self.state.runs
-        # what is proven of a run over other nodes or with a time of its own is another proof
-        own = runs is not None and runs.to_prove is not None and runs.to_prove.bound is bound
+        known = self.model.of(run.scenario)
         if own and stage:
             end = progress(self.model.step)
         elif own and known is not None and known.is_complete:

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from builders import COPPER_LOSS, HILLS, plain_scenario
-from idling_trains import IDLING
+from proven_trains import IDLING
 
 from railjoule.core import SolverError, compare, load_scenario, solve
 from railjoule.core.bounds import bound_of, bounded, certified, certify, minimise, tightened

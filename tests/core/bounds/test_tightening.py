@@ -63,7 +63,34 @@ def test_a_bound_of_another_time_is_not_the_tasks_own(tram):
     assert not can_tighten(task, replace(run.bound, travel_time_s=task.travel_time_s + 1.0), run)
     smooth = prepare_task(load_scenario("liashenko-ii"))
     best = run_strategy(smooth, "optimal")
-    assert [step.exhausted for step in tightening(smooth, best.bound, best)] == [True]
+    assert [step.reached for step in tightening(smooth, best.bound, best)] == [True]
+
+
+CURVE = {
+    "vehicle.traction.curve": [[0.0, 283.0], [25.0, 283.0], [40.0, 170.0], [70.0, 85.0], [120.0, 34.0]],
+    "vehicle.traction.max_power_kw": None,
+}
+"""Of effort over speed, for the metro of `liashenko-i`: its corners make the first bound loose."""
+
+
+@pytest.mark.parametrize(("changes", "share"), [({}, 0.002), ({"vehicle.braking.friction_kn": 40.0}, 0.002)])
+def test_a_smooth_drive_near_the_shortest_time_is_proven_by_chains(changes, share):
+    """With 5 % more than the shortest time the first bound leaves 15 % of the energy open, chains a thousandth."""
+    scenario = load_scenario("liashenko-i", CURVE | changes)
+    shortest = prepare_task(scenario).shortest_travel_time_s
+    task = prepare_task(scenario.with_(**{"timetable.travel_time_s": 1.05 * shortest}))
+    run = run_strategy(task, "optimal")
+    bound = tightened(task, run.bound, run)
+    assert run.gap > 0.02
+    best = min(run.energy.net_j, run_strategy(task, "bellman").energy.net_j)
+    assert best * (1 - share) < bound.energy_j < best
+    assert bound.covers(run)
+    # one effort in each cell is what the first bound covers, too
+    assert bound.statement == run.bound.statement
+    assert (bound.switched_j, bound.premise) == (None, "")
+    # another run tells nothing of how loose the bound is
+    other = run_strategy(task, "fastest")
+    assert not can_tighten(task, run.bound, other)
 
 
 def test_a_looser_bound_and_one_of_other_runs_are_not_taken(tram):

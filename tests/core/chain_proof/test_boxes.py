@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from idling_trains import CASES, name_of, scenario_of
+from proven_trains import CASES, name_of, scenario_of
 
 from railjoule.core.chain_proof.boxes import (
     BLEND,

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from every_drive import train
-from idling_trains import CASES, IDLING, name_of, scenario_of
+from proven_trains import CASES, IDLING, SMOOTH, name_of, scenario_of
 
 from railjoule.core.chain_proof.table import EFFORTS, SPEEDS, premise, row_at, tabulate
 from railjoule.core.drive.kernels import driving_power, generated_power
-from railjoule.core.drive.kinds import INDUCTION, LOSS_MAP, LOSS_POLYNOMIAL
+from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY, COPPER_LOSS, INDUCTION, LOSS_MAP, LOSS_POLYNOMIAL
 from railjoule.core.drive.line_power import line_power
 from railjoule.core.motion import build_course
 from railjoule.core.physics.braking import electric_effort
@@ -57,7 +57,7 @@ def test_no_account_lies_below_the_table(case):
     assert over.min() >= -1e-9 * taken.max()
 
 
-@pytest.mark.parametrize("drive", IDLING)
+@pytest.mark.parametrize("drive", [*IDLING, *SMOOTH])
 def test_the_table_is_close_to_the_drive(drive):
     data = build_course(train(drive)).data
     table = tabulate(data, SLOWEST, FASTEST)
@@ -70,5 +70,6 @@ def test_the_table_is_close_to_the_drive(drive):
 
 
 def test_only_machines_have_a_premise():
-    assert premise(LOSS_POLYNOMIAL) == premise(LOSS_MAP) == ""
+    for kind in (CONSTANT_EFFICIENCY, COPPER_LOSS, LOSS_POLYNOMIAL, LOSS_MAP):
+        assert premise(kind) == ""
     assert "1.5 times" in premise(INDUCTION)

@@ -12,6 +12,7 @@ from railjoule.core.drive import make_drive
 from railjoule.core.motion import build_course
 from railjoule.core.physics.effort_limit import (
     FIT_SHARE,
+    effort_range,
     fitted_limit,
     greatest_effort,
     largest_effort,
@@ -59,12 +60,15 @@ def test_a_curve_is_followed():
 
 @pytest.mark.parametrize("curve", [CURVE, [[0, 40], [30, 40], [32, 70], [50, 20], [100, 60]]], ids=["falling", "any"])
 @pytest.mark.parametrize("power_kw", [None, 900.0])
-def test_the_greatest_effort_over_a_range_is_none_below_the_limit_there(curve, power_kw):
+def test_the_efforts_over_a_range_lie_outside_of_the_limits_there(curve, power_kw):
     traction, _ = limits({"vehicle.traction.curve": curve, "vehicle.traction.max_power_kw": power_kw})
     for slow, fast in [(0.5, 27.0), (0.5, 8.5), (8.4, 8.8), (8.6, 8.6), (9.0, 14.0), (14.0, 27.0)]:
-        true = traction.effort_n(np.linspace(slow, fast, 20_001)).max()
+        true = traction.effort_n(np.linspace(slow, fast, 20_001))
+        least, greatest = effort_range(traction, slow, fast)
         # over pieces of half a metre a second, a cubic's Bezier points exceed it by little
-        assert true <= greatest_effort(traction, slow, fast) <= 1.005 * true
+        assert 0.995 * true.min() <= least <= true.min()
+        assert true.max() <= greatest <= 1.005 * true.max()
+        assert greatest_effort(traction, slow, fast) == greatest
 
 
 def test_curve_power_and_effort_hold_together():

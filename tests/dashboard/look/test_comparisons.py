@@ -75,6 +75,12 @@ def test_a_proof_says_which_runs_over_which_mesh_and_what_it_assumes(
     assert sentence in comparisons.proof_sentence(bound)
 
 
+def test_a_proof_of_a_smooth_powertrain_says_nothing_of_switching() -> None:
+    bound = Bound(3.6e6 * 4.0, "", np.array([0.0, 5.0]), 100.0)
+    told = "No run with one effort in each cell of up to 5 m needs less than 4.000 kWh; one over a finer mesh may"
+    assert comparisons.proof_sentence(bound) == f"{told} need less."
+
+
 def test_a_saving_is_never_negative() -> None:
     """A computer that spends 12.4 % more than the driver costs that."""
     assert comparisons.saving(1.124, 1.0) == ("costs", ("12.4", "%"))

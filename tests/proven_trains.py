@@ -1,4 +1,4 @@
-"""Trains and lines whose proofs the tests of this folder check: each drive that idles, each kind of limit."""
+"""Trains and lines whose proofs by chains are checked: each drive, each kind of limit."""
 
 from itertools import product
 
@@ -11,6 +11,7 @@ from railjoule.core.physics.reference import reference_energy
 from tests.every_drive import train
 
 IDLING = ("loss polynomial", "efficiency map", "induction", "induction with a standstill brake", "synchronous")
+SMOOTH = ("constant efficiency", "copper loss")
 FRICTION_KN, FACTORS = (0.0, 15.0), (0.37, 1.0)
 LIMITED = {
     "vehicle.traction.max_acceleration_ms2": 0.7,
@@ -21,7 +22,7 @@ LIMITED = {
     "vehicle.auxiliary_power_kw": 20.0,
 }
 CASES = [(*case, {}) for case in product(IDLING, FRICTION_KN, FACTORS)] + [
-    (drive, 15.0, 0.5, LIMITED) for drive in IDLING
+    (drive, 15.0, 0.5, LIMITED) for drive in (*IDLING, *SMOOTH)
 ]
 
 
