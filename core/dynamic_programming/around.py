@@ -7,10 +7,8 @@ sweep.
 
 from typing import NamedTuple
 
-import numpy as np
-
 from railjoule.core.arrays import FloatArray
-from railjoule.core.dynamic_programming.backward import least_speeds, speed_grid
+from railjoule.core.dynamic_programming.backward import band_of_speeds
 from railjoule.core.dynamic_programming.hybrids import both_hybrids
 from railjoule.core.dynamic_programming.search import meet_time, price_scale_w, promised_energy_j, search_level
 from railjoule.core.physics.course_data import CourseData
@@ -75,8 +73,7 @@ def runs_around(
     SolverError
         If the band holds no run.
     """
-    bounds = greatest_speed2, least_speeds(course, greatest_speed2), course.fixed_speed2
-    grid = speed_grid(*bounds, np.sqrt(centre_speed2), half_width_ms, points)
+    grid = band_of_speeds(course, greatest_speed2, centre_speed2, half_width_ms, points)
     prices = price_scale_w(course, time_s), price_w, PRICE_FACTOR
     level = search_level(course, grid, greatest_speed2, time_s, *prices, TIME_TOLERANCE * time_s)
     pair = level.slower, level.faster

@@ -165,6 +165,14 @@ def speed_grid(
     return grid
 
 
+def band_of_speeds(
+    course: CourseData, greatest_speed2: FloatArray, centre_speed2: FloatArray, half_width_ms: float, points: int
+) -> FloatArray:
+    """Return the grid of a band of speeds around a run, squares of speed in all [m2/s2]; as `speed_grid`."""
+    bounds = greatest_speed2, least_speeds(course, greatest_speed2), course.fixed_speed2
+    return speed_grid(*bounds, np.sqrt(centre_speed2), half_width_ms, points)
+
+
 @njit(cache=True, error_model="numpy")
 def place_in_row(row: FloatArray, speed2: float) -> tuple[int, float]:
     """Return the grid point below a square of speed and its weight between it, 0, and the next, 1; (-1, 0) outside."""

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.dynamic_programming.backward import Steps, least_speeds, speed_grid, sweep_back, tabulate_steps
@@ -131,14 +131,12 @@ def search_level(
         If no run reaches the end on this grid.
     """
     runs = _PricedRuns(course, grid, time_s)
-    least, most = (math.log(price_scale_w * share) for share in PRICE_SHARES)
-    # a second costs at least what the auxiliaries take: a run that is early at that price had better be early
-    least, most = (max(bound, math.log(max(course.auxiliary_power_w, TINY))) for bound in (least, most))
-    first = min(max(math.log(first_price_w), least), most)
+    prices = log_price_range(course, price_scale_w)
     # a sweep tells about how late its run is, for a fraction of what it costs to roll one out
-    about = _meeting_prices(runs.estimated_lateness_s, first, widening_factor, least, most, time_tolerance_s)
+    first = math.log(first_price_w)
+    about = meeting_prices(runs.estimated_lateness_s, first, widening_factor, prices, time_tolerance_s)
     first = min(about, key=lambda price: abs(runs.estimated_lateness_s(price)))
-    slow, fast = _meeting_prices(runs.lateness_s, first, ESTIMATED_FACTOR, least, most, time_tolerance_s)
+    slow, fast = meeting_prices(runs.lateness_s, first, ESTIMATED_FACTOR, prices, time_tolerance_s)
     if runs.lateness_s(slow) <= 0:
         # the cheapest run at any price is early, and at the least price it is the cheapest of all
         lowest = min(slow, fast)
@@ -190,11 +188,23 @@ class _PricedRuns:
         return self.found[log_price]
 
 
-def _meeting_prices(
-    lateness_s: Lateness, first: float, factor: float, least: float, most: float, tolerance_s: float
+def log_price_range(course: CourseData, price_scale_w: float) -> tuple[float, float]:
+    """Return the logarithms of the least and the greatest price of a second [J/s] that are tried, by a natural one."""
+    # a second costs at least what the auxiliaries take: a run that is early at that price had better be early
+    floor = math.log(max(course.auxiliary_power_w, TINY))
+    least, most = (max(math.log(price_scale_w * share), floor) for share in PRICE_SHARES)
+    return least, most
+
+
+def meeting_prices(
+    lateness_s: Lateness, first: float, factor: float, prices: tuple[float, float], tolerance_s: float
 ) -> tuple[float, float]:
-    """Return two logarithms of prices that bracket the timetable, one of them within a tolerance of it if any is."""
-    slow, fast = _bracket(lateness_s, first, factor, least, most)
+    """Return two logarithms of prices that bracket the timetable, one of them within a tolerance of it if any is.
+
+    The first is that of the slower run. The bracket widens from `first` on, by `factor` at first and within `prices`.
+    """
+    least, most = prices
+    slow, fast = _bracket(lateness_s, min(max(first, least), most), factor, least, most)
     if lateness_s(slow) <= 0 or lateness_s(fast) > 0:
         return slow, fast
     for _ in range(MOST_SWEEPS):
@@ -242,7 +252,7 @@ def meet_time(course: CourseData, slower: FloatArray, faster: FloatArray, time_s
         return between(0.0)
     if lateness(1.0) >= 0:
         return between(1.0)
-    weight = brentq(lateness, 0.0, 1.0, xtol=1e-14, rtol=1e-14)
+    weight = scipy.optimize.brentq(lateness, 0.0, 1.0, xtol=1e-14, rtol=1e-14)
     return between(float(weight))
 
 

@@ -10,7 +10,6 @@ What comes out is a decision to be solved, no run: forward, speeds are carried f
 """
 
 import math
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -18,11 +17,11 @@ import numpy as np
 from railjoule.core.arrays import BoolArray, FloatArray, IntArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import has_standstill_brake
-from railjoule.core.dynamic_programming.backward import Steps, cost_between, least_speeds, speed_grid, tabulate_steps
+from railjoule.core.dynamic_programming.backward import Steps, band_of_speeds, cost_between, tabulate_steps
+from railjoule.core.dynamic_programming.search import TINY, log_price_range, meeting_prices, price_scale_w
 from railjoule.core.physics.account import account_of_cell
-from railjoule.core.physics.cell import duration, mean_speed
 from railjoule.core.physics.course_data import OFF, CourseData, cell_of, shared_by_cells
-from railjoule.core.physics.stretches import ACTIONS, action_of_cell, least_cells
+from railjoule.core.physics.stretches import ACTIONS, action_of_cell, actions_of_run, least_cells
 
 # A kernel's table grows with them. More than so many come where cells are short, next to stops, where a train that
 # starts or brakes stays as it is anyway
@@ -31,12 +30,10 @@ MOST_BOUND_CELLS = 32
 # The decision's own solution meets the time: only what it does where has to be about right
 TIME_TOLERANCE = 1e-3
 """How close to the running time a decision's run must come to end the search for its price, as a share of it."""
-PRICE_FACTOR, WIDENING_GROWTH = 1.2, 1.6
-"""By how much the bracket of the price first widens, and by how much more each time in the logarithm."""
-# the widenings reach a factor of 1e30 to either side, and the sections a hundredth of one widening
-MOST_WIDENINGS, MOST_SECTIONS = 12, 8
-# a price that is nothing has no logarithm
-LEAST_PRICE_W = 1e-3
+MOST_LATE = 2.0
+"""Over the running time: what a run that gets nowhere counts as."""
+PRICE_FACTOR = 1.2
+"""By how much the bracket of the price first widens."""
 
 
 class StepActions(NamedTuple):
@@ -104,7 +101,7 @@ def _cheapest_by_action(
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def sweep_back_spaced(
-    steps: Steps, action: IntArray, grid: FloatArray, price: float, lasting: IntArray, begins: BoolArray
+    steps: Steps, action: IntArray, grid: FloatArray, price: float, lasting: IntArray, from_rest: BoolArray
 ) -> Policy:
     """Return the cheapest policy whose stretches last.
 
@@ -118,7 +115,7 @@ def sweep_back_spaced(
         Cost of a second, auxiliaries included [J/s].
     lasting : array of shape (nodes - 1,)
         How many cells a stretch lasts at least that begins with a cell.
-    begins : array of shape (nodes - 1,)
+    from_rest : array of shape (nodes - 1,)
         Cells before which the train stands, so that nothing is bound.
     """
     nodes, points = grid.shape
@@ -138,11 +135,11 @@ def sweep_back_spaced(
             _cheapest_by_action(steps, action, (i, k), price, onward, least, best[i, k])
             cheapest = int(np.argmin(least[:, bound]))
             for before in range(ACTIONS):
-                goes_on = not begins[i] and least[before, 0] <= least[cheapest, bound]
+                goes_on = not from_rest[i] and least[before, 0] <= least[cheapest, bound]
                 policy[i, k, before] = before if goes_on else cheapest
                 here[before, 0, k] = least[before, 0] if goes_on else least[cheapest, bound]
                 for cells in range(1, most):
-                    here[before, cells, k] = least[cheapest, bound] if begins[i] else least[before, cells - 1]
+                    here[before, cells, k] = least[cheapest, bound] if from_rest[i] else least[before, cells - 1]
         onward, here = here, onward
     return Policy(best, policy)
 
@@ -159,7 +156,7 @@ def _nearest(row: FloatArray, speed2: float, best: IntArray) -> int:
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def follow(
-    steps: Steps, actions: StepActions, grid: FloatArray, policy: Policy, lasting: IntArray, begins: BoolArray
+    steps: Steps, actions: StepActions, grid: FloatArray, policy: Policy, lasting: IntArray, from_rest: BoolArray
 ) -> tuple[FloatArray, float]:
     """Return the decision of a policy, an array of shape (nodes - 1,), and about its time [s], infinite if it ends.
 
@@ -170,10 +167,10 @@ def follow(
     speed2, does, bound = grid[0, 0], 0, 0
     for i in range(nodes - 1):
         row = grid[i]
-        if bound == 0 or begins[i]:
-            k = _nearest(row, speed2, policy.best[i, :, does, 0]) if not begins[i] else 0
+        if bound == 0 or from_rest[i]:
+            k = _nearest(row, speed2, policy.best[i, :, does, 0]) if not from_rest[i] else 0
             chosen = policy.action[i, max(k, 0), does]
-            bound = lasting[i] if begins[i] or chosen != does else 1
+            bound = lasting[i] if from_rest[i] or chosen != does else 1
             does = chosen
         bound -= 1
         k = _nearest(row, speed2, policy.best[i, :, does, bound])
@@ -215,45 +212,25 @@ def spaced_decisions(
     half_width_ms, points : float and int
         Half of the width of the band [m/s], and how many speeds each node has.
     """
-    least = least_speeds(course, greatest_speed2)
-    centre_ms = np.sqrt(centre_speed2)
-    grid = speed_grid(greatest_speed2, least, course.fixed_speed2, centre_ms, half_width_ms, points)
+    grid = band_of_speeds(course, greatest_speed2, centre_speed2, half_width_ms, points)
     steps = tabulate_steps(course, grid)
     actions = actions_of_steps(course, grid, steps)
-    durations = duration(course.cell_length_m, mean_speed(centre_ms[:-1], centre_ms[1:]))
-    lasting = np.minimum(least_cells(durations, least_switching_s), MOST_BOUND_CELLS)
-    begins = course.fixed_speed2[:-1] == 0.0
+    done = actions_of_run(course, centre_speed2)
+    lasting = np.minimum(least_cells(done.duration_s, least_switching_s), MOST_BOUND_CELLS)
     found: dict[float, tuple[FloatArray, float]] = {}
 
     def lateness_s(log_price: float) -> float:
         if log_price not in found:
-            policy = sweep_back_spaced(steps, actions.action, grid, math.exp(log_price), lasting, begins)
-            found[log_price] = follow(steps, actions, grid, policy, lasting, begins)
-        return found[log_price][1] - time_s
+            policy = sweep_back_spaced(steps, actions.action, grid, math.exp(log_price), lasting, done.from_rest)
+            found[log_price] = follow(steps, actions, grid, policy, lasting, done.from_rest)
+        # what gets nowhere is late, by no more than a bracket can be drawn with
+        return min(found[log_price][1], MOST_LATE * time_s) - time_s
 
-    first = math.log(max(price_w, course.auxiliary_power_w, LEAST_PRICE_W))
-    if lateness_s(first) < math.inf:
-        _meet_time(lateness_s, first, TIME_TOLERANCE * time_s)
-    closest = sorted((price for price in found if found[price][1] < math.inf), key=lambda price: abs(lateness_s(price)))
-    late, early = ([price for price in closest if (lateness_s(price) > 0) == is_late] for is_late in (True, False))
-    both = sorted([*late[:1], *early[:1]], key=lambda price: abs(lateness_s(price)))
-    return [found[price][0] for price in both], len(found)
-
-
-def _meet_time(lateness_s: Callable[[float], float], log_price: float, tolerance_s: float) -> None:
-    """Try prices until one is close to the timetable, or the bracket around it is narrow."""
-    slow = fast = log_price
-    wider = math.log(PRICE_FACTOR)
-    for _ in range(MOST_WIDENINGS):
-        if lateness_s(slow) > 0 >= lateness_s(fast):
-            break
-        # a late run needs a higher price; the other end of the bracket follows
-        slow, fast = (fast, fast + wider) if lateness_s(fast) > 0 else (slow - wider, slow)
-        wider *= WIDENING_GROWTH
-    for _ in range(MOST_SECTIONS):
-        late, early = lateness_s(slow), lateness_s(fast)
-        if not late > 0 >= early or min(late, -early) <= tolerance_s:
-            return
-        # regula falsi, drawn to the middle: times jump where the cheapest run changes its kind
-        between = slow + (0.5 * late / (late - early) + 0.25) * (fast - slow)
-        slow, fast = (between, fast) if lateness_s(between) > 0 else (slow, between)
+    first = math.log(max(price_w, TINY))
+    prices = log_price_range(course, price_scale_w(course, time_s))
+    if lateness_s(first) >= (MOST_LATE - 1.0) * time_s:
+        # a band that no run passes at one price holds none at another
+        return [], 1
+    pair = meeting_prices(lateness_s, first, PRICE_FACTOR, prices, TIME_TOLERANCE * time_s)
+    closest = sorted(dict.fromkeys(pair), key=lambda price: abs(lateness_s(price)))
+    return [found[price][0] for price in closest if found[price][1] < math.inf], len(found)

@@ -11,7 +11,6 @@ from railjoule.core.drive.kernels import has_standstill_brake, smooth_power_when
 from railjoule.core.interior_point.solver import Optimum
 from railjoule.core.interior_point.switching import FORBIDDING_PRICE, hull_power
 from railjoule.core.motion.cell_step import COAST, exit_speed2
-from railjoule.core.physics.account import account_of_run
 from railjoule.core.physics.cell import mean_speed, needed_force
 from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF, CourseData, cell_of, shared_by_cells
 from railjoule.core.physics.stretches import NEXT_TO_NOTHING
@@ -62,14 +61,6 @@ def modes_of(driven: BoolArray, braked: BoolArray) -> FloatArray:
     """Return the decision to drive in some cells and to brake electrically in others that are not driven."""
     modes: FloatArray = np.where(driven, DRIVING, np.where(braked, BRAKING, OFF))
     return modes
-
-
-def modes_of_run(course: CourseData, speed2: FloatArray) -> FloatArray:
-    """Return the decision that a run keeps to, given by its squares of speed [m2/s2] at the nodes."""
-    account, least = account_of_run(course, speed2), NEXT_TO_NOTHING * course.traction.constant_n
-    # a standstill brake does what would generate nothing: the machines are off
-    on = account.power_w < 0.0 if has_standstill_brake(course.drive_kind, course.drive_parameters) else True
-    return modes_of(account.tractive_effort_n > least, (account.electric_braking_n > least) & on)
 
 
 def forbidden_energy_j(course: CourseData, modes: FloatArray, optimum: Optimum) -> float:

@@ -5,12 +5,15 @@ A drive that takes power as soon as it is on saves by being on for a part of the
 driving and braking a drive may be off for less, as it passes through no effort on the way from the one to the other.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray, IntArray
 from railjoule.core.compiled import njit
-from railjoule.core.physics.account import CellAccount, account_of_run
-from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF, CourseData
+from railjoule.core.drive.kernels import has_standstill_brake
+from railjoule.core.physics.account import CellAccount, account_of_cell
+from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF, CourseData, cell_of, shared_by_cells
 from railjoule.core.physics.effort_limit import EffortLimit
 
 IS_OFF, DRIVES, BRAKES = range(3)
@@ -33,12 +36,39 @@ def action_of_cell(account: CellAccount, traction: EffortLimit, has_standstill_b
     return IS_OFF, OFF
 
 
-def actions_of_run(course: CourseData, speed2: FloatArray) -> IntArray:
-    """Return what the drive does in each cell of a run, given by its squares of speed [m2/s2]; shape (n,)."""
-    account, least = account_of_run(course, speed2), NEXT_TO_NOTHING * course.traction.constant_n
-    driven, braked = account.tractive_effort_n > least, account.electric_braking_n > least
-    actions: IntArray = np.where(driven, DRIVES, np.where(braked, BRAKES, IS_OFF))
-    return actions
+class RunActions(NamedTuple):
+    """What a run's drive does in each cell; arrays of shape (n,).
+
+    Parameters
+    ----------
+    action : array of int
+        As `action_of_cell` counts: off, driving or braking.
+    machines : array
+        What a decision says of its machines: DRIVING, BRAKING or OFF of `course_data`.
+    duration_s : array
+        For how long [s].
+    from_rest : array of bool
+        Whether the train stands before the cell, so that nothing goes on from before.
+    """
+
+    action: IntArray
+    machines: FloatArray
+    duration_s: FloatArray
+    from_rest: BoolArray
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def actions_of_run(course: CourseData, speed2: FloatArray) -> RunActions:
+    """Return what the drive does in each cell of a run, given by its squares of speed [m2/s2] at n + 1 nodes."""
+    n = course.cell_length_m.shape[0]
+    done = RunActions(np.empty(n, np.int64), np.empty(n), np.empty(n), course.fixed_speed2[:-1] == 0.0)
+    train, traction, braking, drive = shared_by_cells(course)
+    another = has_standstill_brake(course.drive_kind, course.drive_parameters)
+    for i in range(n):
+        account = account_of_cell(cell_of(course, i), train, traction, braking, drive, speed2[i], speed2[i + 1])
+        done.action[i], done.machines[i] = action_of_cell(account, traction, another)
+        done.duration_s[i] = account.duration_s
+    return done
 
 
 def shortest_stretch_s(course: CourseData, speed2: FloatArray) -> float:
@@ -53,40 +83,30 @@ def shortest_stretch_s(course: CourseData, speed2: FloatArray) -> float:
     speed2 : array of shape (n + 1,)
         Squares of speed at the nodes [m2/s2].
     """
-    return float(_lasting_of_run(course, speed2).min(initial=np.inf))
-
-
-def short_cells(course: CourseData, speed2: FloatArray, least_s: float) -> BoolArray:
-    """Return which cells of a run are in stretches of less than a time [s]; shape (n,), as `shortest_stretch_s`."""
-    short: BoolArray = _lasting_of_run(course, speed2) < least_s
-    return short
-
-
-def _lasting_of_run(course: CourseData, speed2: FloatArray) -> FloatArray:
-    durations = account_of_run(course, speed2).duration_s
-    return lasting_of_cells(actions_of_run(course, speed2), durations, course.fixed_speed2[:-1] == 0.0)
+    done = actions_of_run(course, speed2)
+    return float(lasting_of_cells(done.action, done.duration_s, done.from_rest).min(initial=np.inf))
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def lasting_of_cells(actions: IntArray, durations_s: FloatArray, begins: BoolArray) -> FloatArray:
+def lasting_of_cells(actions: IntArray, durations_s: FloatArray, from_rest: BoolArray) -> FloatArray:
     """Return for how long the stretches last that cells are in, half a cell added; infinite where that tells nothing.
 
     Parameters
     ----------
     actions, durations_s : arrays of shape (n,)
         What the drive does in each cell, and for how long [s].
-    begins : array of shape (n,)
+    from_rest : array of shape (n,)
         Cells before which the train stands.
     """
     n = actions.shape[0]
     lasting, first, before = np.full(n, np.inf), 0, NONE_BEFORE
     for i in range(1, n):
-        if begins[i]:
+        if from_rest[i]:
             first, before = i, NONE_BEFORE
         elif actions[i] != actions[i - 1]:
             passes = actions[first] == IS_OFF and before != actions[i]
             # a train that is moving at the beginning may have been switched long before
-            if (first > 0 or begins[0]) and not passes:
+            if (first > 0 or from_rest[0]) and not passes:
                 lasting[first:i] = durations_s[first:i].sum() + 0.5 * durations_s[first:i].max()
             first, before = i, actions[first]
     return lasting

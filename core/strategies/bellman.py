@@ -15,7 +15,7 @@ from railjoule.core.energy import energy_decimals
 from railjoule.core.physics.cell import NEARLY_AT_REST_MS, mean_speed
 from railjoule.core.physics.stretches import shortest_stretch_s
 from railjoule.core.strategies.decisions import DecidedRun, recursion
-from railjoule.core.strategies.spacing import duty_of_run, kept_seldom, spaced
+from railjoule.core.strategies.spacing import seldom
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
@@ -72,9 +72,8 @@ def bellman_with_law(task: Task) -> tuple[Trajectory, ControlLaw]:
             "The search ended before its speeds were as fine as usual: no run was found within "
             f"{found.unrefined_ms / MS_PER_KMH:.2g} km/h of the one before.",
         )
-    kept = kept_seldom(task, free)
-    if kept is None:
-        kept = spaced(task, free, duty_of_run(task.course.data, free.speed2))
+    kept = seldom(task, free)
+    if kept is not free:
         notes = (*notes, _spacing_note(task, free, kept))
     kept = kept or free
     trajectory = make_trajectory(

@@ -24,13 +24,10 @@ from railjoule.core.task import Task
 # Free switching is a lower bound, so that no decision can save more than what a run lies above it
 GOOD_ENOUGH = 1e-4
 """A run this close to free switching, relatively, is good enough."""
-# What a run lies above free switching before a band of speeds is searched, which takes as long as five solutions. Of
-# 240 ordinary scenarios 41 lie between good enough and this, and Bellman's recursion is better by a ten-thousandth in
-# none of them. It was in 3 where 5e-4 ended the search of bands
+# What a run lies above free switching before a band of speeds is searched, which takes as long as five solutions. With
+# 5e-4 Bellman's recursion found a run better by a ten-thousandth in 3 of 240 ordinary scenarios. It is tried itself
+# wherever a run is not good enough: only so does no run of it beat the optimum by more
 FAR = 3e-4
-# The same before Bellman's recursion, which takes as long as all of that. With 5e-4 it alone was better by a
-# ten-thousandth in 1 of the 240, with this in none
-FAR_FOR_RECURSION = 4e-4
 FORBIDDEN_SHARE = 1e-4
 """What a decided optimum may spend on forbidden efforts, of the energy: more than a barrier leaves of none."""
 # Each mending allows more cells; where three do not suffice, the decision leaves no run worth having

@@ -26,9 +26,9 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
     """Return the run that needs the least energy, with its bound; it takes every drive.
 
     Of a drive that takes power without effort it is the best run found that is switched at nodes alone, and seldom
-    enough. Its bound and the energy in its notes are those of runs with free switching. Where no run found is within
-    four ten-thousandths of that energy, or it is no measure, `bellman`'s run is one of those compared; elsewhere it is
-    not computed.
+    enough. Its bound and the energy in its notes are those of runs with free switching. Where no run found is within a
+    ten-thousandth of that energy, or it is no measure, `bellman`'s run is one of those compared; elsewhere it is not
+    computed.
 
     Where the interior point does not converge it is the best run of dynamic programming, without a bound, and says so.
 

@@ -20,9 +20,8 @@ from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.compiled import njit
 from railjoule.core.dynamic_programming.spaced import spaced_decisions
 from railjoule.core.errors import SolverError
-from railjoule.core.interior_point.duty import COASTED, DRIVEN, Duty, duty, modes_of, modes_of_run
+from railjoule.core.interior_point.duty import COASTED, DRIVEN, Duty, duty
 from railjoule.core.interior_point.solver import Optimum
-from railjoule.core.physics.account import account_of_run
 from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF, CourseData
 from railjoule.core.physics.reference import reference_energy
 from railjoule.core.physics.stretches import (
@@ -30,19 +29,17 @@ from railjoule.core.physics.stretches import (
     DRIVES,
     actions_of_run,
     lasting_of_cells,
-    short_cells,
     shortest_stretch_s,
 )
 from railjoule.core.strategies.decisions import (
     FAR,
-    FAR_FOR_RECURSION,
     GOOD_ENOUGH,
     DecidedRun,
     Decisions,
     is_measured,
     recursion,
 )
-from railjoule.core.strategies.switching import OWED, summed_up
+from railjoule.core.strategies.switching import OWED, summed_up_modes
 from railjoule.core.task import Task
 
 # Where in its swing a stretch that is shared begins is a matter of luck, as in sum-up rounding
@@ -69,19 +66,22 @@ def seldom_switched(task: Task, relaxed: Optimum) -> DecidedRun | None:
     centre = DecidedRun(relaxed.speed2, relaxed.energy_j, relaxed.price_of_time_w, 0)
     run = spaced(task, centre, duty(task.course.data, relaxed))
     is_measure = run is not None and is_measured(task, relaxed, run.energy_j)
-    if is_measure and not lies_above(task, run, centre, FAR_FOR_RECURSION):
+    # whoever lies no further above free switching is beaten by no other by more
+    if is_measure and not lies_above(task, run, centre, GOOD_ENOUGH):
         return run
     # a search around one run finds what lies near it; the recursion's may lie elsewhere
     found = [run]
     with suppress(SolverError):
         _, free = recursion(task)
-        found += [kept_seldom(task, free), spaced(task, free, duty_of_run(task.course.data, free.speed2))]
+        found.append(seldom(task, free))
     return min((one for one in found if one is not None), key=lambda one: one.energy_j, default=None)
 
 
-def kept_seldom(task: Task, run: DecidedRun) -> DecidedRun | None:
-    """Return a run if its drive stays on or off for long enough, or else None."""
-    return run if shortest_stretch_s(task.course.data, run.speed2) >= task.least_switching_s else None
+def seldom(task: Task, run: DecidedRun) -> DecidedRun | None:
+    """Return a run if its drive stays on or off for long enough, else the best one near it that does, if any."""
+    if shortest_stretch_s(task.course.data, run.speed2) >= task.least_switching_s:
+        return run
+    return spaced(task, run, duty_of_run(task.course.data, run.speed2))
 
 
 def spaced(task: Task, centre: DecidedRun, shares: Duty) -> DecidedRun | None:
@@ -119,14 +119,14 @@ def spaced(task: Task, centre: DecidedRun, shares: Duty) -> DecidedRun | None:
 
 def _rounded_decisions(course: CourseData, speed2: FloatArray, shares: Duty, least_s: float) -> Iterator[FloatArray]:
     """Yield the decisions whose stretches last that shares of the cells of a run [m2/s2] lead to."""
-    stands, durations = course.fixed_speed2[:-1] == 0.0, account_of_run(course, speed2).duration_s
+    done = actions_of_run(course, speed2)
     # what is not shared switches seldom by itself, and then the threshold alone decides where
     for owed in OWED:
-        modes = modes_of(*(summed_up(share, course.cell_length_m, owed) for share in shares))
-        if lasting_of_cells(modes.astype(int), durations, stands).min() >= least_s:
+        modes = summed_up_modes(shares, course.cell_length_m, owed)
+        if lasting_of_cells(modes.astype(int), done.duration_s, done.from_rest).min() >= least_s:
             yield modes
     for phase in PHASES:
-        yield rounded(*shares, durations, stands, SPARE * least_s, phase)
+        yield rounded(*shares, done.duration_s, done.from_rest, SPARE * least_s, phase)
 
 
 def lies_above(task: Task, run: DecidedRun | None, other: DecidedRun, share: float) -> bool:
@@ -139,8 +139,8 @@ def lies_above(task: Task, run: DecidedRun | None, other: DecidedRun, share: flo
 
 def duty_of_run(course: CourseData, speed2: FloatArray) -> Duty:
     """Return where a run drives and brakes, given by its squares of speed [m2/s2] at the nodes."""
-    actions = actions_of_run(course, speed2)
-    return Duty((actions == DRIVES).astype(float), (actions == BRAKES).astype(float))
+    action = actions_of_run(course, speed2).action
+    return Duty((action == DRIVES).astype(float), (action == BRAKES).astype(float))
 
 
 class _Spaced(Decisions):
@@ -158,10 +158,10 @@ class _Spaced(Decisions):
         data, least = self.task.course.data, self.least_switching_s
         # what is given up may leave something else too short
         for gives_up in (True, True, False):
-            speed2 = self.runs[-1].speed2
-            durations, decided = account_of_run(data, speed2).duration_s, modes_of_run(data, speed2)
-            short = short_cells(data, speed2, least)
-            if self._is_enough(given_up(decided, short) if gives_up else lengthened(decided, short, durations, least)):
+            action, machines, durations, from_rest = actions_of_run(data, self.runs[-1].speed2)
+            short = lasting_of_cells(action, durations, from_rest) < least
+            mended = given_up(machines, short) if gives_up else lengthened(machines, short, durations, least)
+            if self._is_enough(mended):
                 return
 
     def _is_enough(self, modes: FloatArray) -> bool:

@@ -24,11 +24,11 @@ from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.dynamic_programming.around import runs_around
 from railjoule.core.dynamic_programming.search import Found
 from railjoule.core.errors import SolverError
-from railjoule.core.interior_point.duty import COASTED, DRIVEN, Duty, duty, modes_of, modes_of_run
+from railjoule.core.interior_point.duty import COASTED, DRIVEN, Duty, duty, modes_of
 from railjoule.core.interior_point.solver import Optimum
+from railjoule.core.physics.stretches import actions_of_run
 from railjoule.core.strategies.decisions import (
     FAR,
-    FAR_FOR_RECURSION,
     GOOD_ENOUGH,
     TIME_ROUNDING,
     DecidedRun,
@@ -71,7 +71,7 @@ def unswitched(task: Task, optimum: Optimum) -> DecidedRun:
     search.decide_by(duty(task.course.data, optimum), OWED)
     if search.is_measure and not search.is_within(FAR):
         search.decide_around(optimum.speed2, optimum.price_of_time_w + task.course.data.auxiliary_power_w)
-    if not search.is_within(FAR_FOR_RECURSION):
+    if not search.is_within(GOOD_ENOUGH):
         found = search.decide_by_recursion()
         # what has not converged, or to a local optimum, may lie anywhere
         if found is not None and not search.is_measure:
@@ -101,7 +101,7 @@ class _Search(Decisions):
         for least in owed:
             if self.is_within(GOOD_ENOUGH):
                 return
-            self.decide(modes_of(summed_up(duty.driving, length, least), summed_up(duty.braking, length, least)))
+            self.decide(summed_up_modes(duty, length, least))
 
     def decide_around(self, centre_speed2: FloatArray, price_w: float) -> None:
         """Try the decisions of the runs that dynamic programming finds around a run [m2/s2], then around the best.
@@ -121,7 +121,7 @@ class _Search(Decisions):
             self.iterations += found.sweeps
             self.take(found.meeting, found.price_w - data.auxiliary_power_w)
             for run in found.others[:MOST_PROMISING]:
-                self.decide(modes_of_run(data, run))
+                self.decide(actions_of_run(data, run).machines)
             if self.is_within(FAR) or self.best.energy_j == np.inf:
                 return
             centre_speed2, price_w = self.best.speed2, found.price_w
@@ -137,8 +137,13 @@ class _Search(Decisions):
         self.iterations += found.sweeps
         # not judged again: it keeps the limits as the recursion does, and may be all that there is
         self.runs.append(run)
-        self.decide(modes_of_run(self.task.course.data, found.speed2))
+        self.decide(actions_of_run(self.task.course.data, found.speed2).machines)
         return found
+
+
+def summed_up_modes(duty: Duty, cell_length_m: FloatArray, owed_share: float = 0.5) -> FloatArray:
+    """Return the decision that shares of driving and braking lead to, an array of shape (n,); as `summed_up`."""
+    return modes_of(*(summed_up(share, cell_length_m, owed_share) for share in duty))
 
 
 def summed_up(share: FloatArray, cell_length_m: FloatArray, owed_share: float = 0.5) -> BoolArray:

@@ -12,7 +12,9 @@ import numpy as np
 
 from railjoule.core import RailjouleError, load_scenario
 from railjoule.core.bounds import minimise
+from railjoule.core.physics.stretches import IS_OFF, actions_of_run
 from railjoule.core.strategies import prepare_task, run_strategy
+from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH
 from tests.benchmarks.referee import with_drive
@@ -27,8 +29,6 @@ SCENARIOS = {
     "synchronous": "kharkiv-like-40kmh",
 }
 """One shipped scenario a drive; the drives of the tests where it has another."""
-RESIDUE = 1e-5
-"""Efforts below this share of the largest are what rounding leaves of none."""
 
 
 @dataclass(frozen=True)
@@ -48,24 +48,16 @@ class Dwells:
     shortest_off_s: float
 
 
-def dwells_of(run: Trajectory) -> Dwells:
+def dwells_of(task: Task, run: Trajectory) -> Dwells:
     """Return how the drive of a run is switched; a stop begins and ends a stretch."""
-    least = RESIDUE * run.tractive_effort_n.max()
-    modes = np.where(run.tractive_effort_n > least, 1, np.where(run.electric_braking_n > least, -1, 0))
-    durations = np.diff(run.time_s)
-    stands = np.diff(run.position_m) <= 0
-    changes = (np.diff(modes) != 0) | (np.diff(stands.astype(int)) != 0)
-    borders = np.concatenate([[0], np.flatnonzero(changes) + 1, [len(modes)]])
-    lengths = np.add.reduceat(durations, borders[:-1])
-    kinds, still = modes[borders[:-1]], stands[borders[:-1]]
-    on = np.flatnonzero((kinds != 0) & ~still)
-    inner = np.zeros(len(kinds), bool)
-    inner[1:-1] = (kinds[1:-1] == 0) & ~still[1:-1] & ~still[:-2] & ~still[2:]
-    return Dwells(
-        int((~still).sum()),
-        float(lengths[on].min(initial=np.inf)),
-        float(lengths[inner].min(initial=np.inf)),
-    )
+    done = actions_of_run(task.course.data, run.node_speed_ms**2)
+    borders = np.flatnonzero(np.append(True, (np.diff(done.action) != 0) | done.from_rest[1:]))
+    lasts, is_off = np.add.reduceat(done.duration_s, borders), done.action[borders] == IS_OFF
+    # off between two stretches that are on, and at neither end of the way between two stops
+    departs = np.append(done.from_rest[borders], True)
+    inner = is_off & ~departs[:-1] & ~departs[1:]
+    shortest = (float(lasts[some].min(initial=np.inf)) for some in (~is_off, inner))
+    return Dwells(len(borders), *shortest)
 
 
 def main() -> None:
@@ -84,7 +76,7 @@ def main() -> None:
             except RailjouleError as error:
                 print(f"{name:24}{drive:18}{mesh:10g} {error}", flush=True)
                 continue
-            seconds, dwells = time.perf_counter() - started, dwells_of(run)
+            seconds, dwells = time.perf_counter() - started, dwells_of(task, run)
             print(
                 f"{name:24}{drive:18}{mesh:10g}{task.course.cell_count:10d}{run.energy_kwh:10.5f}"
                 f"{relaxed / J_PER_KWH:10.5f}{100 * (run.energy.net_j / relaxed - 1):9.3f}%"

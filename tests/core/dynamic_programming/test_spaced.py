@@ -39,10 +39,10 @@ def short():
 
 def swept(short, lasting):
     task, grid, steps, actions = short
-    begins = task.course.data.fixed_speed2[:-1] == 0.0
+    from_rest = task.course.data.fixed_speed2[:-1] == 0.0
     lasting = np.full(task.course.cell_count, lasting)
-    policy = sweep_back_spaced(steps, actions.action, grid, PRICE_W, lasting, begins)
-    return follow(steps, actions, grid, policy, lasting, begins)
+    policy = sweep_back_spaced(steps, actions.action, grid, PRICE_W, lasting, from_rest)
+    return follow(steps, actions, grid, policy, lasting, from_rest)
 
 
 def test_stretches_of_a_cell_are_the_recursion_itself(short):

@@ -13,10 +13,8 @@ from railjoule.core.interior_point.duty import (
     forbidden_energy_j,
     mended_modes,
     modes_of,
-    modes_of_run,
     safest_modes,
 )
-from railjoule.core.physics.account import account_of_run
 from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF
 from railjoule.core.strategies import prepare_task
 
@@ -66,23 +64,6 @@ def test_a_run_coasts_exactly_where_its_optimum_all_but_does(drive):
     # between the rounding of a fixed point and what is an effort there is nothing
     assert not np.any((force > 1e-3 * least) & (force < 0.1 * least))
     assert np.sum(force < 1e-3 * least) > 10
-
-
-def test_the_decision_of_a_run_is_that_of_its_account():
-    task = task_of("synchronous", 15.0)
-    modes, account = (
-        modes_of_run(task.course.data, task.greatest_speed2),
-        account_of_run(task.course.data, task.greatest_speed2),
-    )
-    assert np.array_equal(modes == DRIVING, account.tractive_effort_n > 0)
-    assert np.array_equal(modes == BRAKING, account.electric_braking_n > 0)
-
-
-def test_a_standstill_brake_lets_the_machines_be_off():
-    """Before the stop the machines would draw: they brake with it, and do not without."""
-    for drive, last in (("induction with a standstill brake", OFF), ("induction", BRAKING)):
-        task = task_of(drive)
-        assert modes_of_run(task.course.data, task.greatest_speed2)[-1] == last
 
 
 def test_a_decision_that_no_run_can_follow_shows_by_what_it_buys():

@@ -7,12 +7,12 @@ from random_scenarios import random_speeds
 
 from railjoule.core.drive.kernels import jumps_at_no_effort, smooth_power_when_on
 from railjoule.core.interior_point.cell import evaluate
-from railjoule.core.interior_point.duty import modes_of_run
 from railjoule.core.interior_point.layout import DRAWN, allocate
 from railjoule.core.interior_point.start import prepare
 from railjoule.core.motion.cell_step import cell_cost
 from railjoule.core.physics.account import account_of_run, run_energy
 from railjoule.core.physics.course_data import cell_of, train_of
+from railjoule.core.physics.stretches import actions_of_run
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.core.trajectory import make_trajectory
 
@@ -38,7 +38,7 @@ def by_the_solver(cell):
     data = cell.course.data
     account = account_of_run(data, cell.speed2)
     if jumps_at_no_effort(data.drive_kind):
-        data = data._replace(machines_on=modes_of_run(data, cell.speed2))
+        data = data._replace(machines_on=actions_of_run(data, cell.speed2).machines)
     scale, work = data.traction.constant_n, allocate(1, 0)
     fast = np.full(2, data.largest_speed2.max())
     prepare(data, scale, fast, 0.1, 10.0, work)

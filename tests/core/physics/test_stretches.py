@@ -2,32 +2,65 @@
 
 import numpy as np
 import pytest
+from every_drive import train
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railjoule.core.physics.stretches import BRAKES, DRIVES, IS_OFF, lasting_of_cells, least_cells
+from railjoule.core.physics.account import account_of_run
+from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF
+from railjoule.core.physics.stretches import (
+    BRAKES,
+    DRIVES,
+    IS_OFF,
+    actions_of_run,
+    lasting_of_cells,
+    least_cells,
+)
+from railjoule.core.strategies import prepare_task
 
 NEVER = np.inf
 
 
-def lasting(actions, durations=None, begins=()):
+def lasting(actions, durations=None, from_rest=()):
     n = len(actions)
-    stands = np.isin(np.arange(n), list(begins))
+    stands = np.isin(np.arange(n), list(from_rest))
     return lasting_of_cells(np.array(actions), np.array(durations or [1.0] * n), stands).tolist()
+
+
+def fastest_of(drive):
+    task = prepare_task(train(drive, 15.0, 0.37, **{"timetable.travel_time_s": 150.0}))
+    data = task.course.data
+    return actions_of_run(data, task.greatest_speed2), account_of_run(data, task.greatest_speed2)
+
+
+def test_what_a_drive_does_is_told_by_its_account():
+    done, account = fastest_of("synchronous")
+    driven, braked = account.tractive_effort_n > 0, account.electric_braking_n > 0
+    assert np.array_equal(done.machines == DRIVING, driven)
+    assert np.array_equal(done.machines == BRAKING, braked)
+    assert np.array_equal(done.action, np.where(driven, DRIVES, np.where(braked, BRAKES, IS_OFF)))
+    assert np.array_equal(done.duration_s, account.duration_s)
+    assert done.from_rest.tolist() == [True] + [False] * (len(done.action) - 1)
+
+
+def test_a_standstill_brake_lets_the_machines_be_off():
+    """Before the stop the machines would draw: they brake with it, and do not without."""
+    for drive, last in (("induction with a standstill brake", OFF), ("induction", BRAKING)):
+        assert fastest_of(drive)[0].machines[-1] == last
 
 
 def test_a_stretch_lasts_its_cells_and_half_of_the_longest():
     """Driving 1 s + 2 s and half of 2 s; what ends with the run is not switched."""
-    assert lasting([DRIVES, DRIVES, IS_OFF], [1.0, 2.0, 5.0], begins=[0]) == [4.0, 4.0, NEVER]
+    assert lasting([DRIVES, DRIVES, IS_OFF], [1.0, 2.0, 5.0], from_rest=[0]) == [4.0, 4.0, NEVER]
 
 
 def test_a_stop_ends_a_stretch_that_nobody_switches():
     actions = [DRIVES, IS_OFF, DRIVES, BRAKES, DRIVES, IS_OFF]
-    assert lasting(actions, begins=[0, 4]) == [1.5, 1.5, 1.5, NEVER, 1.5, NEVER]
+    assert lasting(actions, from_rest=[0, 4]) == [1.5, 1.5, 1.5, NEVER, 1.5, NEVER]
 
 
 def test_a_drive_passes_from_driving_to_braking_as_fast_as_it_likes():
-    assert lasting([DRIVES, IS_OFF, BRAKES, IS_OFF, BRAKES], begins=[0]) == [1.5, NEVER, 1.5, 1.5, NEVER]
+    assert lasting([DRIVES, IS_OFF, BRAKES, IS_OFF, BRAKES], from_rest=[0]) == [1.5, NEVER, 1.5, 1.5, NEVER]
 
 
 def test_a_moving_train_was_switched_before():
@@ -44,7 +77,7 @@ def test_stretches_count_to_the_nearest_cell(least, cells):
 def test_what_lasts_so_many_cells_lasts_long_enough(actions, least):
     """Both sides count alike: a stretch of `least_cells` cells or more is never too short."""
     durations = [0.3 + 0.1 * k for k in range(len(actions))]
-    counts, lasts = least_cells(np.array(durations), least), lasting(actions, durations, begins=[0])
+    counts, lasts = least_cells(np.array(durations), least), lasting(actions, durations, from_rest=[0])
     first = 0
     for i in range(1, len(actions)):
         if actions[i] != actions[i - 1]:
