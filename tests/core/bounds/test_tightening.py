@@ -73,17 +73,16 @@ CURVE = {
 """Of effort over speed, for the metro of `liashenko-i`: its corners make the first bound loose."""
 
 
-@pytest.mark.parametrize(("changes", "share"), [({}, 0.002), ({"vehicle.braking.friction_kn": 40.0}, 0.002)])
-def test_a_smooth_drive_near_the_shortest_time_is_proven_by_chains(changes, share):
+def test_a_smooth_drive_near_the_shortest_time_is_proven_by_chains():
     """With 5 % more than the shortest time the first bound leaves 15 % of the energy open, chains a thousandth."""
-    scenario = load_scenario("liashenko-i", CURVE | changes)
+    scenario = load_scenario("liashenko-i", CURVE)
     shortest = prepare_task(scenario).shortest_travel_time_s
     task = prepare_task(scenario.with_(**{"timetable.travel_time_s": 1.05 * shortest}))
     run = run_strategy(task, "optimal")
     bound = tightened(task, run.bound, run)
-    assert run.gap > 0.02
+    assert run.gap > 0.1
     best = min(run.energy.net_j, run_strategy(task, "bellman").energy.net_j)
-    assert best * (1 - share) < bound.energy_j < best
+    assert best * (1 - 2e-3) < bound.energy_j < best
     assert bound.covers(run)
     # one effort in each cell is what the first bound covers, too
     assert bound.statement == run.bound.statement

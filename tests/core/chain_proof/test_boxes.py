@@ -20,7 +20,7 @@ from railjoule.core.chain_proof.boxes import (
     steps_of,
 )
 from railjoule.core.chain_proof.proof import table_of
-from railjoule.core.drive.kernels import has_standstill_brake, negligible_effort
+from railjoule.core.drive.kernels import has_standstill_brake, jumps_at_no_effort, negligible_effort
 from railjoule.core.motion import build_course
 from railjoule.core.motion.cell_step import COAST, exit_speed2
 from railjoule.core.motion.passes import greatest_speeds
@@ -105,7 +105,8 @@ def test_steps_lie_above_the_planes_of_their_boxes(case):
         if mode == DRIVE and widest < 0.02 and account.mean_speed_ms > 3.0:
             close.append((energy - below) / energy)
     assert seen[DRIVE] > 100
-    assert seen[OFF] > 50
+    # a smooth drive that coasts but for rounding drives or brakes a little, and takes as little
+    assert seen[OFF] > (50 if jumps_at_no_effort(data.drive_kind) else 10)
     assert seen[BRAKE] > 50
     if data.friction_effort_n > 0.0:
         assert seen[BLEND] > 10
