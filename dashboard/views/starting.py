@@ -2,6 +2,7 @@
 
 import panel_material_ui as pmui
 
+from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.views.parts import html_pane, stack
 
 SKETCH = (
@@ -26,9 +27,9 @@ class StartingView:
 
     def tell(self, done: int, total: int) -> None:
         """Say how many kernels are ready."""
-        count = f": {done} of {total}" if total else ""
-        self.words.object = (
-            f'<h1>Starting</h1><p role="status" style="margin-top:6px">Compiling the solver, once{count}. '
-            '<span class="muted">The next start takes a second.</span></p>'
+        self.words.object = markup(
+            '<h1>Starting</h1><p role="status" style="margin-top:6px">Compiling the solver, once{}. '
+            '<span class="muted">The next start takes a second.</span></p>',
+            f": {done} of {total}" if total else "",
         )
         self.bar.value = int(100 * done / total) if total else 0

@@ -122,7 +122,7 @@ def test_the_bars_of_the_account_add_up(runs: Runs) -> None:
 
 @pytest.mark.parametrize("drive", DRIVES)
 def test_every_loss_of_every_drive_has_words(drive: str) -> None:
-    assert set(solve(train(drive), "fastest").energy.losses_j) <= set(parts.LOSS_WORDS)
+    assert set(solve(train(drive), "fastest").energy.losses_j) <= set(words.LOSS_WORDS)
 
 
 def test_a_run_downhill_shows_the_height_that_it_lost() -> None:
