@@ -150,7 +150,7 @@ class Shell:
         return Page(
             title="",
             meta_title="railjoule",
-            main=[self.share.view, self.main, self.browser, self.saving, self.editor],
+            main=[self.share.view, self.main, self.starting.behind, self.browser, self.saving, self.editor],
             sidebar=[self.sidebar.view],
             sidebar_width=272,
             sidebar_open=self._beside,
