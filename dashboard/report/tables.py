@@ -112,14 +112,19 @@ def _line_tables(line: Line) -> Iterator[Markup]:
         for section, start, end in zip(running.sections, borders[:-1], borders[1:], strict=True)
     ]
     _, *labels = _labels(Section)
-    yield _rows_table(f"Track{f': {line.name}' if line.name else ''}", ("From, m", "To, m", *labels), sections)
+    # columns of nothing would not leave the others room enough on paper
+    columns = [
+        (label, *cells) for label, *cells in zip(("From, m", "To, m", *labels), *sections, strict=True) if any(cells)
+    ]
+    head, *rows = zip(*columns, strict=True)
+    yield _rows_table(f"Track{f': {line.name}' if line.name else ''}", head, rows)
     for title, kind, entries in (
         ("Speed limits", SpeedLimit, running.speed_limits),
         ("Stations", Station, running.stations),
     ):
         names = [field.key for field in describe(kind)]
-        rows = [[_shown(getattr(entry, name)) or words.UNKNOWN for name in names] for entry in entries]
-        yield _rows_table(title, _labels(kind), rows)
+        cells = [[_shown(getattr(entry, name)) or words.UNKNOWN for name in names] for entry in entries]
+        yield _rows_table(title, _labels(kind), cells)
 
 
 def _labels(kind: type[BaseModel]) -> list[str]:
