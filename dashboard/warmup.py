@@ -48,6 +48,7 @@ CLOSED_LOOP = "tram-950m"
 APART = "apart"
 """The part that has least to do with the first page, so that two processes seldom compile the same at once."""
 LOOKS_EVERY_S = 1.0
+HELPERS_NICENESS = 10
 TOLD_DONE = "complete"
 """The file that says, beside the kernels, that all of them are there."""
 
@@ -130,8 +131,10 @@ def begun(*parts: str) -> list["subprocess.Popen[bytes]"]:
         return []
 
 
-def end_with(parent: int) -> None:
-    """End this process when that of its parent has ended, whichever way."""
+def help_out(parent: int) -> None:
+    """Stand back in this process for that of its parent, and end it when that has ended, whichever way."""
+    if hasattr(os, "nice"):  # where cores are short, the first page goes first
+        os.nice(HELPERS_NICENESS)
 
     def look() -> None:
         while os.getppid() == parent:
@@ -216,5 +219,5 @@ def warmup() -> Warmup:
 if __name__ == "__main__":
     words = sys.argv[1:]
     if words and words[-1].isdigit():
-        end_with(int(words[-1]))
+        help_out(int(words[-1]))
     (drive_apart if APART in words else drive_all)()

@@ -135,7 +135,7 @@ def test_a_filled_cache_is_known_again(monkeypatch: pytest.MonkeyPatch, tmp_path
 
 def test_a_process_that_compiles_ends_with_its_parent() -> None:
     # the parent ends at once; its child, which would sleep for a minute, holds the output open until it ends
-    child = "import time; from railjoule.dashboard.warmup import end_with; end_with({parent}); time.sleep(60)"
+    child = "import time; from railjoule.dashboard.warmup import help_out; help_out({parent}); time.sleep(60)"
     parent = (
         "import os, subprocess, sys; child = sys.argv[1].format(parent=os.getpid());"
         "print(subprocess.Popen([sys.executable, '-c', child]).pid)"
