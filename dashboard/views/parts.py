@@ -312,13 +312,14 @@ def flow_bar(word: str, amount: str, left: float, width: float, colour: str, str
 
 def plain_table(header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> Markup:
     """Return a table; a row may be the chosen one."""
-    head = "".join('<th scope="col">' + safe(cell) + "</th>" for cell in header)
-    # the widest tables have thousands of cells, so each is not a template of its own
+    # the widest tables have thousands of cells, so each is not a template of its own; nor is text added to a piece of
+    # HTML, which would escape it
+    head = '</th><th scope="col">'.join(map(safe, header))
     body = "".join(
         ("<tr class=chosen><td>" if chosen else "<tr><td>") + "</td><td>".join(map(safe, cells)) + "</td></tr>"
         for cells, chosen in rows
     )
-    return Markup("<table><thead><tr>" + head + "</tr></thead><tbody>" + body + "</tbody></table>")
+    return Markup('<table><thead><tr><th scope="col">' + head + "</th></tr></thead><tbody>" + body + "</tbody></table>")
 
 
 def table(title: str, header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]], name: str = "") -> Markup:
