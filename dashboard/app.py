@@ -144,7 +144,7 @@ class Session:
         self.shell.open()
         self._ask_trade_off()
         request = self._request()
-        if warmup().ready.is_set() and self.state.scenario.is_shipped and request.is_short:
+        if warmup().first.is_set() and self.state.scenario.is_shipped and request.is_short:
             # a page that is sent with its first run is there a second earlier than one that asks for it
             self.runs.do(request)
         self.reporting = Reporting(self.state)
@@ -181,23 +181,34 @@ class Session:
         self.browser.start()
         self.lifeline.started = True
         warmup().start()
-        if warmup().ready.is_set():
-            if self.state.runs is None:
-                self._ask_runs()
-            self._turn_to_page()
+        self._opened = warmup().first.is_set()
+        if self._opened:
+            self._begin()
         else:
             self.shell.show_starting()
+        if not warmup().ready.is_set():
+            self.shell.starting.tell_behind(self._opened and warmup().compiles)
             self._polling = pn.state.add_periodic_callback(self._poll, period=POLL_MS)
 
-    def _poll(self) -> None:
-        """Tell how far the kernels are, and begin when they are ready."""
-        if not warmup().ready.is_set():
-            self.shell.starting.tell(*warmup().progress)
-            return
-        self._polling.stop()
-        self.shell.open()
-        self._ask_runs()
+    def _begin(self) -> None:
+        if self.state.runs is None:
+            self._ask_runs()
         self._turn_to_page()
+
+    def _poll(self) -> None:
+        """Tell how far the kernels are; open when the first ones are there, go on where a page waits for the rest."""
+        ready = warmup().ready.is_set()
+        if not self._opened and warmup().first.is_set():
+            self._opened = True
+            self.shell.starting.tell_behind(not ready and warmup().compiles)
+            self.shell.open()
+            self._begin()
+        elif not self._opened:
+            self.shell.starting.tell(*warmup().progress)
+        elif ready:
+            self._polling.stop()
+            self.shell.starting.tell_behind(False)
+            self._turn_to_page()
 
     def _turn_to_page(self) -> None:
         """Let the page on which the session begins ask for what it shows, as if one had turned to it."""

@@ -5,8 +5,7 @@ import contextlib
 import os
 import sys
 from collections.abc import Sequence
-from importlib.metadata import version
-from typing import NoReturn
+from typing import Any, NoReturn
 
 DEFAULT_ADDRESS, DEFAULT_PORT = "127.0.0.1", 5006
 LARGEST_PORT = 65_535
@@ -18,6 +17,16 @@ CHECK_STATUS = "Exit status: 0 if the run keeps every rule, 1 if it breaks one, 
 
 class UsageError(Exception):
     """Arguments that make no command, in one sentence."""
+
+
+class _Version(argparse.Action):
+    """Prints the version, which takes long to look up, only where it is asked for."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> NoReturn:
+        from importlib.metadata import version  # noqa: PLC0415
+
+        print(f"railjoule {version('railjoule')}")
+        parser.exit()
 
 
 class _Parser(argparse.ArgumentParser):
@@ -111,7 +120,7 @@ def build_parser() -> argparse.ArgumentParser:
     parser = _Parser(
         prog="railjoule", description="Energy-optimal driving of one electric rail vehicle.", allow_abbrev=False
     )
-    parser.add_argument("--version", action="version", version=f"railjoule {version('railjoule')}")
+    parser.add_argument("--version", action=_Version, nargs=0, help="show the version and exit")
     commands = parser.add_subparsers(dest="command", metavar="COMMAND", required=True)
     _add_serve(commands)
     solve = _add_scenario_command(commands, "solve", "solve one scenario")

@@ -26,9 +26,6 @@ from railjoule.core.bounds import LONGEST_PROOF_S
 from railjoule.core.scenario import STRATEGY_NAMES, StrategyName, parse_scenario, preset_names
 from railjoule.core.scenario.text_file import read_text
 from railjoule.core.scenario.toml_text import read_toml
-from railjoule.core.simulate.actual_run import actual_run
-from railjoule.core.simulate.field_oriented import simulate_field_oriented
-from railjoule.core.simulate.following import simulate_following
 from railjoule.core.strategies import prepare_task
 from railjoule.dashboard import summary, terminal
 from railjoule.dashboard.report.embedded import scenario_in_report
@@ -140,12 +137,19 @@ def simulate(file: str, changes: Mapping[str, Any], output: Output) -> None:
     scenario = load(file, changes)
     announce_compilation()
     with refusals_named(scenario.strategy):
+        # each kind alone: all of them take a tenth of a second to import
         if scenario.simulation.kind == "field_oriented":
+            from railjoule.core.simulate.field_oriented import simulate_field_oriented  # noqa: PLC0415
+
             run = simulate_field_oriented(scenario)
             output.show(summary.summarise_field_oriented(run), terminal.field_oriented_text)
         elif scenario.disturbance.events:
+            from railjoule.core.simulate.actual_run import actual_run  # noqa: PLC0415
+
             output.show(summary.summarise_actual(actual_run(scenario)), terminal.ride_text)
         else:
+            from railjoule.core.simulate.following import simulate_following  # noqa: PLC0415
+
             output.show(summary.summarise_following(simulate_following(scenario)), terminal.following_text)
 
 
@@ -196,11 +200,9 @@ def report(
     """
     path = table_file(target, "-o", REPORT_SUFFIXES)
     scenario = load(file, changes if strategy is None else {**changes, "strategy": strategy})
-    try:
+    with missing_named("a report"):
         from railjoule.dashboard.report.document import report_html  # noqa: PLC0415
         from railjoule.dashboard.store.report import ReportRequest, compute_findings  # noqa: PLC0415
-    except ModuleNotFoundError as error:
-        raise CommandError(f"a report needs {error.name}, which is not installed.") from None
     announce_compilation()
     *_, findings = compute_findings(ReportRequest(scenario, prove_seconds=prove_seconds))
     text = report_html(findings, datetime.now().astimezone())
@@ -245,10 +247,8 @@ def serve(address: str, port: int) -> None:
     CommandError
         If a package of the dashboard is missing, or the address cannot be served at.
     """
-    try:
+    with missing_named("the dashboard"):
         from railjoule.dashboard import app  # noqa: PLC0415
-    except ModuleNotFoundError as error:
-        raise CommandError(f"the dashboard needs {error.name}, which is not installed.") from None
     try:
         app.serve(address=address, port=port)
     except OSError as error:
@@ -376,6 +376,18 @@ def write_table(table: "pandas.DataFrame", path: Path, index: bool) -> None:
             table.to_csv(path, index=index)
         else:
             table.to_parquet(path, index=index)
+
+
+@contextmanager
+def missing_named(what: str) -> Iterator[None]:
+    """Turn the lack of a package of the page into a sentence that says what to install."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        if str(error.name).partition(".")[0] == "railjoule":  # this package itself is broken
+            raise
+        sentence = f"{what} needs {error.name}, which is not installed: pip install 'railjoule[page]'."
+        raise CommandError(sentence) from None
 
 
 @contextmanager

@@ -9,7 +9,7 @@ SERVICE_UNAVAILABLE = 503
 
 
 class HealthHandler(RequestHandler):
-    """Answers 200 with the energy of a small run, 503 while the kernels compile."""
+    """Answers 200 with the energy of a small run, 503 while kernels compile: the first page may be open by then."""
 
     def _log(self) -> None:
         """Write down nothing: who waits for the server asks often."""

@@ -26,9 +26,10 @@ share = words.plain(words.share)
 distance = words.plain(words.distance)
 time = words.plain(words.time)
 delay = words.plain(words.delay)
-stop_error = words.plain(words.stop_error)
 load = words.plain(words.load)
 price = words.plain(words.price)
+notice = words.plain(words.notice)
+outcome = words.plain(words.outcome)
 
 
 def printable(text: str) -> str:
@@ -38,7 +39,7 @@ def printable(text: str) -> str:
 
 def title_words(title: str) -> str:
     """Return what a scenario is called."""
-    return printable(title) or "Untitled scenario"
+    return words.title(printable(title))
 
 
 def solution_text(summary: Summary) -> str:
@@ -86,10 +87,10 @@ def comparison_text(comparison: Summary) -> str:
     results = comparison["results"]
     lines = [*_comparison_table(results), *_crush_load_lines(results[0])] if results else []
     for refusal in comparison["refused"]:
-        lines += _wrapped(_about(STRATEGY_WORDS[refusal["strategy"]], refusal["reason"]))
+        lines += _wrapped(words.about(STRATEGY_WORDS[refusal["strategy"]], refusal["reason"]))
     for result in results:
         word = STRATEGY_WORDS[result["strategy"]]
-        lines += [line for note in result["notes"] for line in _wrapped(_about(word, note))]
+        lines += [line for note in result["notes"] for line in _wrapped(words.about(word, note))]
     return "\n".join(lines)
 
 
@@ -108,8 +109,7 @@ def following_text(following: Summary) -> str:
             *_two_runs({"planned": planned, "driven": actual}),
             *_crush_load_lines(actual),
             "",
-            f"{_more(planned, actual)} energy, {delay(following['delay_s'])} s, "
-            f"stopping error {stop_error(following['stop_error_m'])} m.",
+            outcome(_more(planned, actual), following["delay_s"], following["stop_error_m"]),
             f"Driver: {driver_words(actual['advice'])}",
         ]
     )
@@ -118,10 +118,7 @@ def following_text(following: Summary) -> str:
 def ride_text(ride: Summary) -> str:
     """Return a plan, the events on the way, and the run."""
     planned, actual = ride["planned"], ride["actual"]
-    learned = [
-        f"At {number(notice['position_m'], 0)} m, after {time(notice['time_s'])} s: {notice['event']}."
-        for notice in ride["notices"]
-    ]
+    learned = [notice(told["position_m"], told["time_s"], told["event"]) for told in ride["notices"]]
     return "\n".join(
         [
             f"{title_words(planned['title'])}: {STRATEGY_WORDS[planned['strategy']]}, disturbed",
@@ -147,7 +144,7 @@ def _cause_lines(causes_kwh: Mapping[str, float]) -> list[str]:
 def field_oriented_text(run: Summary) -> str:
     """Return a plan, how the machines drove it, and the current, voltage and energy that this took."""
     planned, actual, parts = run["planned"], run["actual"], run["parts_kwh"]
-    rows = [(kind.replace("_", " "), energy(kwh)) for kind, kwh in parts.items()]
+    rows = [(words.PART_WORDS[kind].lower(), energy(kwh)) for kind, kwh in parts.items()]
     rows += [
         ("sum of the parts", energy(run["energy_by_parts_kwh"])),
         ("input power over time", energy(run["energy_by_input_power_kwh"])),
@@ -161,8 +158,7 @@ def field_oriented_text(run: Summary) -> str:
             *_two_runs({"planned": planned, "driven": actual}),
             *_crush_load_lines(actual),
             "",
-            f"{_more(planned, actual)} energy, {delay(run['delay_s'])} s, "
-            f"stopping error {stop_error(run['stop_error_m'])} m.",
+            outcome(_more(planned, actual), run["delay_s"], run["stop_error_m"]),
             f"At most {tracking} m from the planned position, at most {current} A and {voltage} V of "
             f"{number(run['voltage_limit_v'], 0)} V per phase.",
             "",
@@ -206,8 +202,8 @@ def validation_text(validation: Summary) -> str:
         lines += _validation_table(table)
     lines += ["", "Errata"]
     for erratum in validation["errata"]:
-        words = f"{erratum['place']}: {erratum['printed']} must be {erratum['corrected']}: {erratum['reason']}."
-        lines += _wrapped(words, "  ")
+        told = f"{erratum['place']}: {erratum['printed']} must be {erratum['corrected']}: {erratum['reason']}."
+        lines += _wrapped(told, "  ")
     return "\n".join(lines)
 
 
@@ -347,11 +343,6 @@ def _above_bound(result: Summary) -> str:
     return words.plain_text(comparisons.cell(amount))
 
 
-def _about(word: str, note: str) -> str:
-    """Return a note that names its strategy."""
-    return note if note.startswith(word) else f"{word}: {note}"
-
-
 def _bound_lines(summary: Summary) -> list[str]:
     if summary["lower_bound_kwh"] is None:
         return []
@@ -390,7 +381,7 @@ def _account_lines(summary: Summary) -> list[str]:
         ("recuperated", -summary["recuperated_kwh"]),
         ("auxiliaries", summary["auxiliary_kwh"]),
     ]
-    spent = [(kind.replace("_", " "), kwh) for kind, kwh in summary["losses_kwh"].items()]
+    spent = [(words.LOSS_WORDS[kind].lower(), kwh) for kind, kwh in summary["losses_kwh"].items()]
     spent += [
         ("kinetic, end minus start", summary["kinetic_kwh"]),
         ("potential, end minus start", summary["potential_kwh"]),
@@ -420,7 +411,7 @@ def _validation_table(table: Summary) -> list[str]:
                 row["case"],
                 row["quantity"],
                 row["unit"],
-                "" if row["printed"] is None else _plain(row["printed"]),
+                "" if row["printed"] is None else number(row["printed"], decimals(row["printed"])),
                 number(row["ours"], decimals(row["printed"]) + 1),
                 words.plain_text(comparisons.printed_difference(row["difference_percent"], row["difference_points"])),
                 mark,
@@ -431,10 +422,6 @@ def _validation_table(table: Summary) -> list[str]:
     for index, note in enumerate(notes, 1):
         lines += _wrapped(f"[{index}] {note}", "  ")
     return lines
-
-
-def _plain(value: float) -> str:
-    return number(value, decimals(value))
 
 
 def _labelled(label: str, words: str) -> list[str]:

@@ -4,6 +4,7 @@ import ast
 import re
 import sys
 import tomllib
+from collections.abc import Iterable
 from importlib.metadata import entry_points
 from pathlib import Path
 
@@ -55,31 +56,47 @@ def test_command_is_installed():
 
 USED_BY_PANEL = {"plotly"}
 """Packages that panel imports for us, but does not bring."""
+EXTRAS = PROJECT["project"]["optional-dependencies"]
+COMMAND_LINE = ("cli", "commands", "summary", "terminal", "warmup", "look/comparisons", "look/words", "report/embedded")
+"""Modules of the dashboard that need nothing of the page."""
 
 
-def imported_packages() -> set[str]:
-    """Return the packages of others that the program imports anywhere."""
+def imported_packages(paths: Iterable[Path]) -> set[str]:
+    """Return the packages of others that files import anywhere."""
     found: set[str] = set()
-    for folder in FOLDERS.values():
-        for path in folder.rglob("*.py"):
-            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-                if isinstance(node, ast.Import):
-                    found |= {alias.name.partition(".")[0] for alias in node.names}
-                elif isinstance(node, ast.ImportFrom) and node.level == 0:
-                    found.add(str(node.module).partition(".")[0])
+    for path in paths:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                found |= {alias.name.partition(".")[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.level == 0:
+                found.add(str(node.module).partition(".")[0])
     return found - sys.stdlib_module_names - {"railjoule"}
 
 
-def test_dependencies_are_those_that_are_used():
-    declared = {
-        re.split(r"[<>=~! ]", requirement)[0].replace("-", "_") for requirement in PROJECT["project"]["dependencies"]
-    }
-    assert declared == imported_packages() | USED_BY_PANEL
+def declared(requirements: Iterable[str]) -> set[str]:
+    """Return the packages that requirements name, as they are imported."""
+    return {Requirement(text).name.replace("-", "_") for text in requirements}
+
+
+def test_dependencies_are_those_that_the_core_and_the_command_line_use():
+    dashboard = ROOT / "dashboard"
+    paths = [*(ROOT / "core").rglob("*.py"), *(dashboard / f"{name}.py" for name in COMMAND_LINE)]
+    assert declared(PROJECT["project"]["dependencies"]) == imported_packages(paths)
+
+
+def test_the_extra_of_the_page_has_what_it_needs_beside_them():
+    used = imported_packages((ROOT / "dashboard").rglob("*.py")) - declared(PROJECT["project"]["dependencies"])
+    assert declared(EXTRAS["page"]) == used | USED_BY_PANEL
+
+
+def test_the_tests_have_the_page():
+    assert "railjoule[page]" in EXTRAS["test"]
 
 
 REQUIREMENTS = [
     Requirement(text)
-    for text in [*PROJECT["project"]["dependencies"], *PROJECT["project"]["optional-dependencies"]["test"]]
+    for text in [*PROJECT["project"]["dependencies"], *EXTRAS["page"], *EXTRAS["test"]]
+    if Requirement(text).name != "railjoule"
 ]
 BOUNDED = {"bokeh", "panel", "panel-material-ui"}
 """Packages of whose insides the page makes use: see dashboard/insides.py."""

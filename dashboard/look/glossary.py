@@ -7,6 +7,8 @@ import re
 from dataclasses import dataclass
 from functools import cache
 
+from railjoule.dashboard.look.markup import Markup, markup
+
 MOST_WORDS = 35
 
 
@@ -408,12 +410,14 @@ def texts() -> dict[str, dict[str, str]]:
     return {term.slug: {"name": term.name, "text": term.text} for term in TERMS}
 
 
-def info(label: str) -> str:
-    """Return the button that explains a label, as HTML; nothing where the glossary does not know it."""
+def info(label: str) -> Markup:
+    """Return the button that explains a label; nothing where the glossary does not know it."""
     term = term_of(label)
     if term is None:
-        return ""
-    return (
-        f'<button type="button" class="info" data-term="{term.slug}" aria-expanded="false" '
-        f'aria-label="What is meant: {term.name}"></button>'
+        return Markup()
+    return markup(
+        '<button type="button" class="info" data-term="{}" aria-expanded="false" aria-label="What is meant: {}">'
+        "</button>",
+        term.slug,
+        term.name,
     )

@@ -56,6 +56,30 @@ CAUSE_WORDS: "dict[CauseName, str]" = {
     "stops": "Unplanned stops",
     "events": "Limits, changes",
 }
+LOSS_WORDS = {
+    "running_resistance": "Running resistance",
+    "curve_resistance": "Curves",
+    "drive": "Powertrain losses",
+    "copper": "Copper loss",
+    "magnetising": "Magnetising loss",
+    "iron": "Iron loss",
+    "mechanical": "Friction in the motors",
+    "motors_and_inverters": "Motors and inverters",
+    "gear": "Gears",
+    "standstill_brake": "Standstill brake",
+    "brake_resistors": "Brake resistors",
+    "friction_brakes": "Friction brakes",
+}
+"""What the energy of a run is lost to, by the account's names."""
+PART_WORDS = {
+    "shaft": "Shaft",
+    "stator_copper": "Stator copper, torque current",
+    "rotor_copper": "Rotor copper",
+    "magnetising": "Stator copper, magnetising",
+    "iron": "Iron",
+    "stored": "Stored in the magnetic fields",
+}
+"""Where the energy of machines in closed loop goes."""
 LEAST_ENERGY_KWH = 5e-4
 """An energy below this reads as zero."""
 SMALL_PRICE_WH_PER_S = 100.0
@@ -169,6 +193,31 @@ def load(factor: float) -> str:
 def strategy(name: str) -> str:
     """Return what a strategy is called."""
     return STRATEGY_WORDS[name]  # type: ignore[index]
+
+
+def title(given: str) -> str:
+    """Return what a scenario is called."""
+    return given or "Untitled scenario"
+
+
+def subtitle(distance_m: float, vehicle: str, load_factor: float) -> str:
+    """Return what stands beneath a scenario's title: length of the track, vehicle and load."""
+    return f"{distance(distance_m)} km, {vehicle}, {load(load_factor)}"
+
+
+def about(strategy: str, sentence: str) -> str:
+    """Return a sentence of a strategy that names it."""
+    return sentence if sentence.startswith(strategy) else f"{strategy}: {sentence}"
+
+
+def notice(position_m: float, time_s: float, event: str) -> str:
+    """Return where and when a train learns of an event."""
+    return f"At {number(position_m, 0)} m, after {time(time_s)} s: {event}."
+
+
+def outcome(more: str, delay_s: float, stop_error_m: float) -> str:
+    """Return what became of a plan; `more` is by how much its energy rose."""
+    return f"{more} energy, {delay(delay_s)} s, stopping error {stop_error(stop_error_m)} m."
 
 
 def speed(ms: float, digits: int = 0) -> str:

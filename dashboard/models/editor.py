@@ -12,7 +12,7 @@ from railjoule.core import RailjouleError, Scenario
 from railjoule.core.budget import PAGE
 from railjoule.core.scenario import preset_document, preset_names
 from railjoule.core.scenario.presets import PresetKind
-from railjoule.dashboard.models.fields_of import Field, Table, models_of, parts_of, tables_in
+from railjoule.dashboard.models.fields_of import Field, Table, models_of, parts_of, tables_in, words_of
 from railjoule.dashboard.models.first_values import drive_of_kind, first_rows, row_after
 from railjoule.dashboard.models.pasted_table import CellError, parse_cell, rows_of
 from railjoule.dashboard.models.scenario import ScenarioModel
@@ -100,7 +100,7 @@ class EditorModel(param.Parameterized):
         base = model.base
         return Look(model.scenario(), base.with_(**whole) if whole else base, model.changes)
 
-    def parts(self, table: str, scenario: Scenario) -> list[tuple[str, list[Field | Table]]]:
+    def parts(self, table: str, scenario: Scenario) -> list[tuple[str, Sequence[Field | Table]]]:
         """Return the fields and lists of a table of the file, and of the tables in it that are there.
 
         Each with its heading, empty for the table itself; tables that have a group of their own are left out.
@@ -324,12 +324,6 @@ def _entry(table: Table, row: Row, number: int) -> Any:
 def sentence_of(error: Exception) -> str:
     """Return an error's sentence without the name of what it is about: that is in sight."""
     return str(error).removeprefix(SOURCE)
-
-
-def words_of(table: str) -> str:
-    """Return the heading of a table within a group."""
-    words = table.rpartition(".")[2].replace("_", " ")
-    return words[:1].upper() + words[1:]
 
 
 def preset_options(kind: PresetKind) -> dict[str, str]:

@@ -1,10 +1,17 @@
-"""The fields of a scenario as its models declare them: label, unit, bounds, help, and how a text becomes a value."""
+"""The fields of a scenario as its models declare them: label, unit, bounds, help, and how a text becomes a value.
+
+The editor and the report both have them from here, so that a field has one name, and what it means, in both.
+"""
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
-from typing import Any, Literal
+from types import NoneType
+from typing import Any, Literal, NamedTuple, get_args, get_origin
+
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.map_csv import COLUMNS as MAP_COLUMNS
@@ -12,9 +19,13 @@ from railjoule.dashboard.look.words import MINUS, THIN_SPACE
 from railjoule.dashboard.models.numbers import clock, parse_number, parse_time
 
 Kind = Literal["number", "whole", "yes_no", "choice", "text", "numbers"]
-Schema = Mapping[str, Any]
 
-NAMES = {"capacity_passengers": "passenger capacity"}
+NAMES = {
+    "capacity_passengers": "passenger capacity",
+    "model": "kind",
+    "coordinate_error": "position error",  # the papers' word in the file's key, the pages' in all that is read
+    "no_load_loss": "no-load loss",
+}
 """What a field is called whose key does not read well."""
 UNITS = {
     "_m_n_per_kn": "N m/kN",
@@ -56,10 +67,13 @@ UNITS = {
 SMALL_UNIT = re.compile(r" \[[^\[\]]+\]")
 """The unit in a description: the label says it already."""
 POINT_COLUMNS: Mapping[str, tuple[str, ...]] = {
-    "vehicle.traction.curve": ("speed_kmh", "effort_kn"),
-    "drive.points": MAP_COLUMNS,
+    "curve": ("speed_kmh", "effort_kn"),
+    "points": MAP_COLUMNS,
 }
-"""Names for the columns of tables whose rows are plain lists."""
+"""Names for the columns of lists whose rows are plain lists of numbers."""
+KINDS: Mapping[Any, Kind] = {float: "number", int: "whole", bool: "yes_no", str: "text"}
+BOUNDS = {"ge": "least", "le": "most", "gt": "above", "lt": "below", "max_length": "longest"}
+"""Pydantic's names of bounds, and ours."""
 YES = ("yes", "true", "1")
 NO = ("no", "false", "0")
 SEPARATORS = re.compile(r"[;\s]+")
@@ -120,10 +134,12 @@ class Field:
     @property
     def label(self) -> str:
         """Quantity and unit in words."""
-        words = split_unit(self.name)[0] if self.unit else self.name
-        text = NAMES.get(words, words).replace("_", " ")
-        text = text[:1].upper() + text[1:]
-        return f"{text}, {self.unit}" if self.unit else text
+        return f"{self.quantity}, {self.unit}" if self.unit else self.quantity
+
+    @property
+    def quantity(self) -> str:
+        """What it is called, without its unit."""
+        return words_of(split_unit(self.name)[0] if self.unit else self.name)
 
     @property
     def bounds_words(self) -> str:
@@ -147,14 +163,18 @@ class Field:
         return text
 
     @property
+    def meaning(self) -> str:
+        """What it means, in a sentence without its unit."""
+        return SMALL_UNIT.sub("", self.help)
+
+    @property
     def help_words(self) -> str:
         """Meaning and bounds in sentences."""
         bounds = self.bounds_words
-        meaning = SMALL_UNIT.sub("", self.help)
         several = " Numbers separated by spaces." if self.kind == "numbers" else ""
         empty = " Can be left empty." if self.optional else ""
         forms = " Also as 2:30 or 2 min 30 s." if self._may_be_long else ""
-        return f"{meaning}{several}{f' {bounds[:1].upper()}{bounds[1:]}.' if bounds else ''}{forms}{empty}".strip()
+        return f"{self.meaning}{several}{f' {bounds[:1].upper()}{bounds[1:]}.' if bounds else ''}{forms}{empty}".strip()
 
     @property
     def _may_be_long(self) -> bool:
@@ -191,7 +211,7 @@ class Field:
         bounds = self.least, self.most
         if self.unit == "s":
             # the cell of a table is named by its row and column
-            number = parse_time(text, bounds, self.label.split(",")[0] if "." in self.key else "")
+            number = parse_time(text, bounds, self.quantity if "." in self.key else "")
         else:
             number = parse_number(text, bounds)
         if self.above is not None and number <= self.above:
@@ -254,13 +274,19 @@ class Table:
     @property
     def label(self) -> str:
         """What it holds, in words."""
-        words = self.key.rpartition(".")[2].replace("_", " ")
-        return words[:1].upper() + words[1:]
+        return words_of(self.key)
 
 
 def plain(number: float) -> str:
     """Return a number as it stands in a file, without more digits than it needs."""
     return f"{number:.12g}"
+
+
+def words_of(key: str) -> str:
+    """Return what the last part of a key is called; no unit ends it any more."""
+    name = key.rpartition(".")[2]
+    words = NAMES.get(name, name.replace("_", " "))
+    return words[:1].upper() + words[1:]
 
 
 def split_unit(name: str) -> tuple[str, str]:
@@ -271,7 +297,7 @@ def split_unit(name: str) -> tuple[str, str]:
     return name, ""
 
 
-def parts_of(table: str, model: str = "") -> list[Field | Table]:
+def parts_of(table: str, model: str = "") -> Sequence[Field | Table]:
     """Return the fields and lists of a table of the scenario, without the tables in it.
 
     Parameters
@@ -281,111 +307,128 @@ def parts_of(table: str, model: str = "") -> list[Field | Table]:
     model : str
         The kind of the drive, where the path leads there.
     """
-    schema = _schema_at(table, model)
-    return [
-        part
-        for key, inner in schema["properties"].items()
-        if key not in TABLE_KEYS and (part := _part(f"{table}.{key}".removeprefix("."), inner)) is not None
-    ]
+    return describe(_model_at(table, model), f"{table}." if table else "")
 
 
 def tables_in(table: str, model: str = "") -> tuple[str, ...]:
     """Return the paths of the tables in a table, such as 'vehicle.traction' in 'vehicle'."""
-    properties = _schema_at(table, model)["properties"]
-    return tuple(f"{table}.{key}" for key, inner in properties.items() if "properties" in _resolved(inner)[0])
+    fields = _model_at(table, model).model_fields
+    return tuple(f"{table}.{name}" for name, info in fields.items() if _is_model(_declared(info).plain))
 
 
 def models_of(table: str) -> tuple[str, ...]:
     """Return the kinds of a table of many kinds, such as those of the drive."""
-    return tuple(_kinds(_schema_at(table, "")))
+    return tuple(_kinds(_at(table, "")))
 
 
 @cache
-def _whole_schema() -> Schema:
-    return Scenario.model_json_schema()
+def describe(model: type[BaseModel], prefix: str = "") -> tuple[Field | Table, ...]:
+    """Return the fields and lists that a model declares, without the models in it.
+
+    Parameters
+    ----------
+    model : type
+        One table of a scenario, such as `railjoule.core.scenario.Vehicle`.
+    prefix : str
+        What comes before the names of its fields in their keys.
+    """
+    parts = (_part(prefix + name, info) for name, info in model.model_fields.items() if name not in TABLE_KEYS)
+    return tuple(part for part in parts if part is not None)
 
 
-def _kinds(schema: Schema) -> Mapping[str, str]:
-    kinds: Mapping[str, str] = schema["discriminator"]["mapping"]
-    return kinds
+class _Declared(NamedTuple):
+    """What an annotation says: the type without None, whether it may be None, and its bounds by pydantic's names."""
+
+    plain: Any
+    optional: bool
+    limits: Mapping[str, Any]
+
+    @property
+    def bounds(self) -> dict[str, Any]:
+        """Bounds of numbers and the length of a text, as `Field` has them."""
+        return {ours: self.limits.get(theirs) for theirs, ours in BOUNDS.items()}
 
 
-def _schema_at(table: str, model: str) -> Schema:
-    """Return the schema of a path; where it meets a table of many kinds, that of the kind `model`."""
+def _declared(info: FieldInfo) -> _Declared:
+    kind, limits = info.annotation, _limits(info)
+    if NoneType not in get_args(kind):
+        return _Declared(kind, False, limits)
+    # bounds may stand within the union with None or beside it; those beside it are said of this field alone
+    inner = FieldInfo.from_annotation(next(each for each in get_args(kind) if each is not NoneType))
+    return _Declared(inner.annotation, True, _limits(inner) | limits)
+
+
+def _limits(info: FieldInfo) -> dict[str, Any]:
+    names = (*BOUNDS, "min_length")
+    return {name: getattr(each, name) for each in info.metadata for name in names if hasattr(each, name)}
+
+
+def _is_model(kind: Any) -> bool:
+    return isinstance(kind, type) and issubclass(kind, BaseModel)
+
+
+def _kinds(union: Any) -> dict[str, type[BaseModel]]:
+    """Return the models of a table of many kinds by what its key `model` says."""
+    return {get_args(member.model_fields["model"].annotation)[0]: member for member in get_args(union)}
+
+
+def _at(table: str, model: str) -> Any:
+    """Return the type at a path; where it meets a table of many kinds, that of the kind `model`."""
     path = "vehicle.drive" + table.removeprefix("drive") if table.split(".", maxsplit=1)[0] == "drive" else table
-    schema = _whole_schema()
-    for key in path.split(".") if path else ():
-        schema = _resolved(schema["properties"][key])[0]
-        if model and "discriminator" in schema:
-            schema = _resolved({"$ref": _kinds(schema)[model]})[0]
-    return schema
+    kind: Any = Scenario
+    for name in path.split(".") if path else ():
+        kind = _declared(kind.model_fields[name]).plain
+        if model and not _is_model(kind):
+            kind = _kinds(kind)[model]
+    return kind
 
 
-def _resolved(schema: Schema) -> tuple[Schema, bool]:
-    """Return a schema with its reference followed, and whether it may be left out."""
-    optional = False
-    if "anyOf" in schema:
-        (inner,) = [choice for choice in schema["anyOf"] if choice.get("type") != "null"][:1]
-        optional = any(choice.get("type") == "null" for choice in schema["anyOf"])
-        schema = {**{key: value for key, value in schema.items() if key != "anyOf"}, **inner}
-    if "$ref" in schema:
-        schema = _whole_schema()["$defs"][schema["$ref"].rpartition("/")[2]]
-    return schema, optional
+def _model_at(table: str, model: str) -> type[BaseModel]:
+    found: type[BaseModel] = _at(table, model)
+    return found
 
 
-def _part(key: str, declared: Schema) -> Field | Table | None:
-    """Return what a schema declares; None for a table or what cannot be edited here."""
-    schema, optional = _resolved(declared)
-    if schema.get("type") != "array":
-        return _field(key, declared)
-    items, _ = _resolved(schema.get("items", {}))
-    if "properties" in items or "prefixItems" in items:
-        return _table(key, schema, items, optional)
-    return _field(key, declared)
+def _part(key: str, info: FieldInfo) -> Field | Table | None:
+    """Return what a field declares; None for a table or what cannot be edited as text."""
+    declared = _declared(info)
+    about = info.description or ""
+    if get_origin(declared.plain) is tuple:
+        return _list(key, declared, about)
+    return _field(key, declared, about)
 
 
-def _table(key: str, schema: Schema, items: Schema, optional: bool) -> Table:
-    if "properties" in items:
-        columns = tuple(field for name, inner in items["properties"].items() if (field := _field(name, inner)))
-    else:
-        names = POINT_COLUMNS.get(key) or tuple(f"column_{number}" for number in range(len(items["prefixItems"])))
-        made = [_field(name, inner) for name, inner in zip(names, items["prefixItems"], strict=True)]
-        columns = tuple(field for field in made if field is not None)
-    return Table(
-        key=key,
-        columns=columns,
-        of_lists="prefixItems" in items,
-        help=str(schema.get("description", "")),
-        optional=optional,
-        fewest=int(schema.get("minItems", 0)),
-        most=int(schema.get("maxItems", 100_000)),
-    )
+def _field(key: str, declared: _Declared, about: str = "") -> Field | None:
+    common: dict[str, Any] = {"key": key, "help": about, "optional": declared.optional}
+    if get_origin(declared.plain) is Literal:
+        return Field(kind="choice", choices=get_args(declared.plain), **common)
+    kind = KINDS.get(declared.plain)
+    return None if kind is None else Field(kind=kind, **common, **declared.bounds)
 
 
-def _field(key: str, declared: Schema) -> Field | None:
-    schema, optional = _resolved(declared)
-    common: dict[str, Any] = {"key": key, "help": str(schema.get("description", "")), "optional": optional}
-    if "enum" in schema:
-        return Field(kind="choice", choices=tuple(schema["enum"]), **common)
-    kinds: Mapping[str, Kind] = {"number": "number", "integer": "whole", "boolean": "yes_no", "string": "text"}
-    kind = str(schema.get("type"))
-    if kind == "array":
-        return _numbers(schema, common)
-    if kind not in kinds or "const" in schema:
-        return None
-    return Field(kind=kinds[kind], longest=schema.get("maxLength"), **common, **_bounds(schema))
-
-
-def _numbers(schema: Schema, common: Mapping[str, Any]) -> Field | None:
-    of_each: Sequence[Schema] = schema.get("prefixItems") or [schema.get("items", {})]
-    if any(inner.get("type") != "number" for inner in of_each):
-        return None
-    count = int(schema.get("minItems", 0)), schema.get("maxItems")
-    field = Field(kind="numbers", count=count, **common, **_bounds(of_each[0]))
+def _list(key: str, declared: _Declared, about: str) -> Field | Table | None:
+    """Return a list of numbers as a field, one of models or of plain lists as a table."""
+    entries = [_declared(FieldInfo.from_annotation(each)) for each in get_args(declared.plain) if each is not Ellipsis]
+    first, same = entries[0], Ellipsis in get_args(declared.plain)
+    fewest, most = declared.limits.get("min_length", 0), declared.limits.get("max_length")
+    if same and (_is_model(first.plain) or get_origin(first.plain) is tuple):
+        return Table(
+            key=key,
+            columns=_columns(key, first.plain),
+            of_lists=not _is_model(first.plain),
+            help=about,
+            optional=declared.optional,
+            fewest=fewest,
+            most=100_000 if most is None else most,
+        )
+    count = (fewest, most) if same else (len(entries), len(entries))
     # nothing is a list of none where a list may not be left out
-    return replace(field, optional=True) if count[0] == 0 else field
+    optional = declared.optional or count[0] == 0
+    return Field(key=key, kind="numbers", help=about, optional=optional, count=count, **first.bounds)
 
 
-def _bounds(schema: Schema) -> dict[str, Any]:
-    names = {"least": "minimum", "most": "maximum", "above": "exclusiveMinimum", "below": "exclusiveMaximum"}
-    return {ours: schema.get(theirs) for ours, theirs in names.items()}
+def _columns(key: str, entry: Any) -> tuple[Field, ...]:
+    """Return the columns of a list's entries: the fields of a model, or the numbers of a plain list."""
+    if _is_model(entry):
+        return tuple(part for part in describe(entry) if isinstance(part, Field))
+    named = zip(POINT_COLUMNS[key.rpartition(".")[2]], get_args(entry), strict=True)
+    return tuple(field for name, each in named if (field := _field(name, _declared(FieldInfo.from_annotation(each)))))

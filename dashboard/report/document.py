@@ -1,21 +1,23 @@
 """The report's file: sections, figures, style, Bokeh's own script once, the embedded scenario."""
 
-import html
-import json
 from collections.abc import Callable, Sequence
 from datetime import datetime
+from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import bokeh
 import numpy as np
+from jinja2 import Environment, StrictUndefined, Template
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import format_scenario
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import words
+from railjoule.dashboard.look.markup import Markup, joined
+from railjoule.dashboard.look.scripts import source
 from railjoule.dashboard.look.theme import report_css
 from railjoule.dashboard.report import sections
 from railjoule.dashboard.report.embedded import embedded
@@ -23,8 +25,7 @@ from railjoule.dashboard.report.figures import Figures
 from railjoule.dashboard.store.report import Findings
 from railjoule.dashboard.views import parts
 
-SCRIPTS = files("railjoule.assets") / "scripts"
-SECTIONS: Sequence[Callable[[Findings, Figures], str]] = (
+SECTIONS: Sequence[Callable[[Findings, Figures], Markup]] = (
     sections.result,
     sections.energy,
     sections.trade_off,
@@ -47,44 +48,39 @@ def report_html(findings: Findings, made_at: datetime) -> str:
     made_at : datetime
         When the report was made, with its time zone.
     """
-    scenario = findings.scenario
-    title = html.escape(scenario.title or "Untitled scenario")
+    scenario, run = findings.scenario, findings.run
     figures = Figures(findings)
-    content = "".join(make(findings, figures) for make in SECTIONS)
+    content = joined(make(findings, figures) for make in SECTIONS)
     data = {
         **figures.paints(),
         "charts": figures.handles(),
         "spare": figures.spare_texts(),
         "distance": max(run.distance_m for run in findings.runs.runs.values()),
-        "phases": _phases(findings.run),
+        "phases": _phases(run),
         "optima": optima_data(findings, figures),
         "words": words.PHASE_WORDS,
     }
-    # the scripts of the page come last, so that the text is there before half a second of reading them
-    return f"""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="generator" content="railjoule">
-<link rel="icon" href="data:,">
-<title>{title} \u2013 railjoule</title>
-<style>{report_css()}</style>
-</head>
-<body>
-<header><h1>{title}</h1><p class="muted">{html.escape(subtitle(findings))}</p>
-<p class="muted">Report of railjoule, {moment(made_at)}</p></header>
-<main>{content}</main>
-{embedded(format_scenario(scenario))}
-{json_script("figures", figures.embedding())}
-{json_script("data", data)}
-{json_script("surfaces", {name: surface.data for name, surface in figures.surfaces.items()})}
-<script>{bokeh_script()}</script>
-<script>{(SCRIPTS / "report.js").read_text(encoding="utf-8")}</script>
-<script>{(SCRIPTS / "surface.js").read_text(encoding="utf-8")}</script>
-</body>
-</html>
-"""
+    return frame().render(
+        title=words.title(scenario.title),
+        subtitle=words.subtitle(run.distance_m, scenario.vehicle.name, scenario.vehicle.load_factor),
+        made_at=moment(made_at),
+        css=Markup(report_css()),
+        content=content,
+        scenario=Markup(embedded(format_scenario(scenario))),
+        figures=figures.embedding(),
+        data=data,
+        surfaces={name: surface.data for name, surface in figures.surfaces.items()},
+        scripts=[Markup(text) for text in (bokeh_script(), source("report"), source("surface"))],
+    )
+
+
+@cache
+def frame() -> Template:
+    """Return the template of the file; it escapes whatever is not marked as HTML, and misses no name in silence."""
+    made = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, keep_trailing_newline=True)
+    made.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
+    template = files("railjoule.assets").joinpath("templates", "report.html").read_text(encoding="utf-8")
+    return made.from_string(template)
 
 
 def bokeh_script() -> str:
@@ -94,21 +90,9 @@ def bokeh_script() -> str:
     return "\n".join(text.replace("</script", "<\\/script") for text in texts)
 
 
-def subtitle(findings: Findings) -> str:
-    """Return length, vehicle and load of a scenario."""
-    vehicle, run = findings.scenario.vehicle, findings.run
-    return f"{words.distance(run.distance_m)} km, {vehicle.name}, {words.load(vehicle.load_factor)}"
-
-
 def moment(made_at: datetime) -> str:
     """Return date and time as people read them."""
     return f"{made_at.day} {made_at:%B %Y}, {made_at:%H:%M} {made_at:%Z}".strip()
-
-
-def json_script(name: str, values: Any) -> str:
-    """Return values as an element that a script reads; no text in them can end it."""
-    text = json.dumps(values, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
-    return f'<script type="application/json" id="{name}">{text}</script>'
 
 
 def optima_data(findings: Findings, figures: Figures) -> dict[str, Any]:

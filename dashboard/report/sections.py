@@ -1,9 +1,8 @@
 """The sections of a report, each made from the findings alone; a new one is a function and a line in `document.py`."""
 
-import html
 import importlib.metadata
 import platform
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -15,6 +14,7 @@ from railjoule.core.simulate.field_oriented import FieldOrientedRun
 from railjoule.core.studies.sensitivity import SensitivityTable
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.report.figures import Figures, Plot
 from railjoule.dashboard.report.tables import scenario_tables
 from railjoule.dashboard.store.report import Findings
@@ -27,40 +27,72 @@ NOT_PROVEN = (
     "The bound does not say that the data of vehicle and line are right, nor how much a finer mesh would gain; it is "
     "computed in ordinary floating-point numbers."
 )
+HINT = Markup(
+    '<p class="note screen">Drag to zoom in, double click to see all; Ctrl and the wheel zoom as well. '
+    "The mouse writes values into the captions.</p>"
+)
+ABOUT = Markup(
+    '<p class="prose">This file works offline. railjoule opens it instead of the scenario\u2019s file, as the scenario '
+    "below is part of it; saved as scenario.toml it gives the same numbers on the command line: "
+    "<code>railjoule compare scenario.toml</code>.</p>"
+)
 
 
-def section(name: str, title: str, content: str) -> str:
-    """Return a section under its heading; nothing without content."""
-    return f'<section id="{name}" aria-labelledby="{name}-title"><h2 id="{name}-title">{title}</h2>{content}</section>'
-
-
-def figure_element(plot: Plot) -> str:
-    """Return the place of a figure, and that of its copy on paper."""
-    caption = f'<p class="paper-caption">{plot.caption}</p>' if plot.caption else ""
-    return (
-        f'<figure class="plot" data-plot="{plot.name}" style="min-height:{plot.height}px">'
-        f'<div class="live" id="{plot.place}"></div>'
-        f'<div class="paper" aria-hidden="true">{caption}<canvas></canvas></div></figure>'
+def section(name: str, title: str, *content: str) -> Markup:
+    """Return a section under its heading."""
+    return markup(
+        '<section id="{name}" aria-labelledby="{name}-title"><h2 id="{name}-title">{title}</h2>{content}</section>',
+        name=name,
+        title=title,
+        content=joined(content),
     )
+
+
+def figure_element(plot: Plot) -> Markup:
+    """Return the place of a figure, and that of its copy on paper."""
+    return markup(
+        '<figure class="plot" data-plot="{}" style="min-height:{}px"><div class="live" id="{}"></div>'
+        '<div class="paper" aria-hidden="true">{}<canvas></canvas></div></figure>',
+        plot.name,
+        plot.height,
+        plot.place,
+        markup('<p class="paper-caption">{}</p>', plot.caption) if plot.caption else "",
+    )
+
+
+def plots(figures: Figures, group: str) -> Markup:
+    """Return the places of the figures of a group."""
+    return joined(map(figure_element, figures.plots(group)))
+
+
+def listed(sentences: Iterable[str]) -> Markup:
+    """Return sentences as a list; nothing without any."""
+    items = joined(markup("<li>{}</li>", sentence) for sentence in sentences)
+    return markup('<ul class="notes">{}</ul>', items) if items else items
+
+
+def note(sentence: str) -> Markup:
+    """Return a sentence in small letters."""
+    return parts.note_paragraphs([sentence])
 
 
 # ---- result
 
 
-def result(findings: Findings, figures: Figures) -> str:
+def result(findings: Findings, figures: Figures) -> Markup:
     """Return the numbers of the first run, the slider of the travel time, the driver's advice and the figures."""
     run = findings.run
-    note = f'<p class="message">{html.escape(findings.note)}</p>' if findings.note else ""
-    content = (
-        f'{note}<p id="shown" role="status">{shown_words(run)}</p>{slider(findings)}'
-        f'<div id="numbers">{numbers(findings, run)}</div><div id="advice">{parts.advice(run, stale=False)}</div>'
+    return section(
+        "result",
+        "Result",
+        markup('<p class="message">{}</p>', findings.note) if findings.note else "",
+        markup('<p id="shown" role="status">{}</p>', shown_words(run)),
+        slider(findings),
+        markup('<div id="numbers">{}</div>', numbers(findings, run)),
+        markup('<div id="advice">{}</div>', parts.advice(run, stale=False)),
+        plots(figures, "runs"),
+        HINT,
     )
-    plots = "".join(figure_element(plot) for plot in figures.plots("runs"))
-    hint = (
-        '<p class="note screen">Drag to zoom in, double click to see all; Ctrl and the wheel zoom as well. '
-        "The mouse writes values into the captions.</p>"
-    )
-    return section("result", "Result", f"{content}{plots}{hint}")
 
 
 def shown_words(run: Trajectory) -> str:
@@ -69,7 +101,7 @@ def shown_words(run: Trajectory) -> str:
     return f"{words.strategy(run.strategy)}, {words.time(run.travel_time_s)} s{f', {other}' if other else ''}"
 
 
-def numbers(findings: Findings, run: Trajectory) -> str:
+def numbers(findings: Findings, run: Trajectory) -> Markup:
     """Return the row of numbers of a run; an optimum over another time brings its own price of a second."""
     runs = findings.runs
     if run.strategy == "optimal":
@@ -77,18 +109,20 @@ def numbers(findings: Findings, run: Trajectory) -> str:
     return parts.run_figures(runs, run, None, stale=False)
 
 
-def slider(findings: Findings) -> str:
+def slider(findings: Findings) -> Markup:
     """Return the slider over the optima; without optima there is none."""
     optima = findings.optima
     if len(optima) < 2:
-        return ""
+        return Markup()
     own = own_index(findings)
-    return (
+    return markup(
         '<div class="slider screen"><label for="time">Travel time of the optimum, s</label>'
-        f'<input id="time" type="range" min="0" max="{len(optima) - 1}" step="1" value="{own}" '
-        f'aria-valuetext="{words.time(optima[own].travel_time_s)} s">'
-        f'<output for="time">{words.time(optima[own].travel_time_s)} s</output>'
-        '<button type="button" id="back">Back to the timetable</button></div>'
+        '<input id="time" type="range" min="0" max="{last}" step="1" value="{own}" aria-valuetext="{time} s">'
+        '<output for="time">{time} s</output>'
+        '<button type="button" id="back">Back to the timetable</button></div>',
+        last=len(optima) - 1,
+        own=own,
+        time=words.time(optima[own].travel_time_s),
     )
 
 
@@ -101,23 +135,24 @@ def own_index(findings: Findings) -> int:
 # ---- where the energy goes, runs, phases
 
 
-def energy(findings: Findings, figures: Figures) -> str:
+def energy(findings: Findings, figures: Figures) -> Markup:
     """Return the energy account, all runs and the phases."""
     run = findings.run
-    blocks = (
-        f'<div id="account">{parts.account(run)}</div>',
+    columns = markup(
+        '<div class="columns"><div id="account">{}</div>{}<div id="phases">{}</div></div>',
+        parts.account(run),
         parts.runs_table(findings.runs, run.strategy, ()),
-        f'<div id="phases">{parts.phase_table(run)}</div>',
+        parts.phase_table(run),
     )
-    return section("energy", "Energy, runs and phases", f'<div class="columns">{"".join(blocks)}</div>')
+    return section("energy", "Energy, runs and phases", columns)
 
 
-def trade_off(findings: Findings, figures: Figures) -> str:
+def trade_off(findings: Findings, figures: Figures) -> Markup:
     """Return the energy-time frontier as figure and table."""
     optima = findings.optima
     if len(optima) < 2:
         reason = findings.runs.refused.get("optimal", "there is no optimum over other times")
-        return section("trade-off", "Energy and time", f'<p class="note">No frontier: {html.escape(reason)}</p>')
+        return section("trade-off", "Energy and time", note(f"No frontier: {reason}"))
     chosen = np.unique(np.append(np.linspace(0, len(optima) - 1, FRONTIER_ROWS).astype(int), own_index(findings)))
     rows = [
         (
@@ -133,40 +168,35 @@ def trade_off(findings: Findings, figures: Figures) -> str:
         for k, run in ((int(k), optima[k]) for k in chosen)
     ]
     head = ("Travel time, s", "kWh", "per extra second, Wh/s", "top, km/h", "above the bound, %")
-    plots = "".join(figure_element(plot) for plot in figures.plots("frontier"))
     cells = int(np.count_nonzero(np.diff(optima[0].position_m)))
-    note = f'<p class="note">{len(optima)} optima over a mesh of {words.number(cells, 0)} cells.</p>'
-    table = parts.table("Optima", head, rows)
-    return section("trade-off", "Energy and time", f"{plots}{table}{note}{surface_element(figures, 'enoc')}")
+    return section(
+        "trade-off",
+        "Energy and time",
+        plots(figures, "frontier"),
+        parts.table("Optima", head, rows),
+        note(f"{len(optima)} optima over a mesh of {words.number(cells, 0)} cells."),
+        surface_element(figures, "enoc"),
+    )
 
 
-def surface_element(figures: Figures, name: str) -> str:
+def surface_element(figures: Figures, name: str) -> Markup:
     """Return the place of a surface; nothing where there is none."""
     surface = figures.surfaces.get(name)
-    return "" if surface is None else surface.element
+    return Markup() if surface is None else surface.element
 
 
 # ---- what is proven, who refused
 
 
-def proof(findings: Findings, figures: Figures) -> str:
+def proof(findings: Findings, figures: Figures) -> Markup:
     """Return the certificate in words, the notes of all strategies and who refused."""
-    sentences = certificate(findings)
-    notes = [(words.STRATEGY_WORDS[name], note) for name, run in findings.runs.runs.items() for note in run.notes]
-    certified = "".join(f"<p>{html.escape(sentence)}</p>" for sentence in sentences)
-    listed = "".join(f"<li>{html.escape(about(name, note))}</li>" for name, note in notes)
-    told = f'<h3>Notes of the strategies</h3><ul class="notes">{listed}</ul>' if listed else ""
-    refusals = "".join(
-        f"<li>{html.escape(about(words.STRATEGY_WORDS[name], reason))}</li>"
-        for name, reason in findings.runs.refused.items()
-    )
-    refused = f'<h3>Strategies that refused</h3><ul class="notes">{refusals}</ul>' if refusals else ""
-    return section("proof", "What is proven", f'<div class="prose">{certified}{told}{refused}</div>')
-
-
-def about(name: str, sentence: str) -> str:
-    """Return a sentence that names its strategy."""
-    return sentence if sentence.startswith(name) else f"{name}: {sentence}"
+    names, runs = words.STRATEGY_WORDS, findings.runs
+    certified = joined(markup("<p>{}</p>", sentence) for sentence in certificate(findings))
+    notes = listed(words.about(names[name], note) for name, run in runs.runs.items() for note in run.notes)
+    refusals = listed(words.about(names[name], reason) for name, reason in runs.refused.items())
+    told = markup("<h3>Notes of the strategies</h3>{}", notes) if notes else ""
+    refused = markup("<h3>Strategies that refused</h3>{}", refusals) if refusals else ""
+    return section("proof", "What is proven", markup('<div class="prose">{}{}{}</div>', certified, told, refused))
 
 
 def certificate(findings: Findings) -> list[str]:
@@ -198,14 +228,14 @@ def certificate(findings: Findings) -> list[str]:
 # ---- what becomes of the plan
 
 
-def reality(findings: Findings, figures: Figures) -> str:
+def reality(findings: Findings, figures: Figures) -> Markup:
     """Return what becomes of the plan under the scenario's disturbance, or in closed loop."""
     found = findings.reality
     in_closed_loop = findings.scenario.simulation.kind == "field_oriented"
     title = "In closed loop" if in_closed_loop else "Under the disturbance"
     if found is None:
         refusal = findings.reality_refusal
-        return section("reality", title, f'<p class="note">{html.escape(refusal)}</p>') if refusal else ""
+        return section("reality", title, note(refusal)) if refusal else Markup()
     rows = [
         (
             (
@@ -220,34 +250,31 @@ def reality(findings: Findings, figures: Figures) -> str:
         for word, run in (("Planned", found.planned), ("Driven", found.actual))
     ]
     more = comparisons.above(found.actual.energy_kwh, found.planned.energy_kwh)
-    late, error = words.delay(found.delay_s), words.stop_error(found.stop_error_m)
-    text = f"{more} energy, {late} s, stopping error {error} m."
-    events = ""
+    events = Markup()
     if isinstance(found, DisturbedRun):
-        learned = [
-            f"At {words.number(place, 0)} m, after {words.time(time)} s: {notice}."
-            for place, time, notice in found.notices
-        ]
-        events = "".join(f"<li>{html.escape(sentence)}</li>" for sentence in [*learned, *found.notes])
-        events = f'<ul class="notes">{events}</ul>' if events else ""
+        events = listed([*(words.notice(*told) for told in found.notices), *found.notes])
     if isinstance(found, FieldOrientedRun):
-        notes = "".join(f"<li>{html.escape(sentence)}</li>" for sentence in found.notes)
         numbers = parts.figures(run_figures(found), stale=False)
-        events = f'{numbers}{held_words(found)}<ul class="notes">{notes}</ul>{parts_table(found)}'
-    plots = "".join(figure_element(plot) for plot in figures.plots("reality"))
-    runs = parts.table("Planned and actual", ("Run", "kWh", "s", "km/h", "recuperated, kWh"), rows)
-    return section("reality", title, f"<p>{text}</p>{events}{plots}{runs}")
+        events = joined([numbers, held_words(found), listed(found.notes), parts_table(found)])
+    return section(
+        "reality",
+        title,
+        markup("<p>{}</p>", words.outcome(str(more), found.delay_s, found.stop_error_m)),
+        events,
+        plots(figures, "reality"),
+        parts.table("Planned and actual", ("Run", "kWh", "s", "km/h", "recuperated, kWh"), rows),
+    )
 
 
-def robustness(findings: Findings, figures: Figures) -> str:
+def robustness(findings: Findings, figures: Figures) -> Markup:
     """Return what a wrong load and a wrong place cost."""
     title = "What a wrong load and a position error cost"
     if findings.table is None:
-        return section("robustness", title, f'<p class="note">{html.escape(findings.table_refusal)}</p>')
-    return section("robustness", title, sensitivity_table(findings.table) + surface_element(figures, "costs"))
+        return section("robustness", title, note(findings.table_refusal))
+    return section("robustness", title, sensitivity_table(findings.table), surface_element(figures, "costs"))
 
 
-def sensitivity_table(found: SensitivityTable) -> str:
+def sensitivity_table(found: SensitivityTable) -> Markup:
     """Return the overconsumption over load and position error."""
     head = ("Load, %", *(f"{words.signed(error, 0)} m" for error in found.coordinate_errors_m))
     rows = [
@@ -262,36 +289,32 @@ def sensitivity_table(found: SensitivityTable) -> str:
     ]
     ways = "in both directions" if found.both_directions else "in one direction"
     load = words.setting(found.scenario.vehicle.load_factor)
-    note = (
-        f'<p class="note">The plan for a load of {load} % is followed {ways} with another load, by a train that '
-        f"assumes to be farther on by the error; planned: {words.energy(found.planned_kwh)} kWh. "
-        "Energy against the plan, %.</p>"
+    told = (
+        f"The plan for a load of {load} % is followed {ways} with another load, by a train that assumes to be farther "
+        f"on by the error; planned: {words.energy(found.planned_kwh)} kWh. Energy against the plan, %."
     )
-    return f"{parts.table('Overconsumption, %, over load and position error', head, rows)}{note}"
+    return parts.table("Overconsumption, %, over load and position error", head, rows) + note(told)
 
 
 # ---- scenario, file
 
 
-def scenario(findings: Findings, figures: Figures) -> str:
+def scenario(findings: Findings, figures: Figures) -> Markup:
     """Return the scenario as tables."""
-    content = f'<div class="columns narrow">{scenario_tables(findings.scenario)}</div>'
-    return section("scenario-tables", "Scenario", content)
+    tables = markup('<div class="columns narrow">{}</div>', scenario_tables(findings.scenario))
+    return section("scenario-tables", "Scenario", tables)
 
 
-def about_file(findings: Findings, figures: Figures) -> str:
+def about_file(findings: Findings, figures: Figures) -> Markup:
     """Return versions, how to load the file again, and the scenario's TOML."""
-    text = (
-        "This file works offline. railjoule opens it instead of the scenario's file, as the scenario below is "
-        "part of it; saved as scenario.toml it gives the same numbers on the command line: "
-        "<code>railjoule compare scenario.toml</code>."
+    toml = markup(
+        '<details><summary>The scenario as TOML</summary><pre tabindex="0">{}</pre></details>',
+        format_scenario(findings.scenario),
     )
-    toml = html.escape(format_scenario(findings.scenario))
-    pre = f'<details><summary>The scenario as TOML</summary><pre tabindex="0">{toml}</pre></details>'
-    return section("file", "About this file", f'<p class="prose">{text}</p>{versions_table()}{pre}')
+    return section("file", "About this file", ABOUT, versions_table(), toml)
 
 
-def versions_table() -> str:
+def versions_table() -> Markup:
     """Return the versions of what made the report."""
     versions: Sequence[tuple[str, str]] = [
         *((name, importlib.metadata.version(name)) for name in PACKAGES),

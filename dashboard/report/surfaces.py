@@ -1,6 +1,5 @@
 """The surfaces of a report: what they show, and their places; a script of its own draws and turns them."""
 
-import html
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -10,6 +9,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.studies.sensitivity import SensitivityTable
 from railjoule.dashboard.look import words
+from railjoule.dashboard.look.markup import Markup, markup
 from railjoule.dashboard.look.tokens import COST_SCALES, ThemeName
 from railjoule.dashboard.store.report import Findings
 from railjoule.dashboard.store.trade_off import EnocMap
@@ -52,13 +52,17 @@ class Surface:
     scale: Mapping[ThemeName, Sequence[str]]
 
     @property
-    def element(self) -> str:
+    def element(self) -> Markup:
         """Its place in the file."""
-        caption = html.escape(self.caption)
         low, high = (self.show[1](float(edge)) for edge in (np.nanmin(self.z), np.nanmax(self.z)))
-        told = f"{caption}, from {low} to {high}; the arrow keys turn it"
-        canvas = f'<canvas data-surface="{self.name}" tabindex="0" role="img" aria-label="{told}"></canvas>'
-        return f'<figure class="surface"><figcaption>{caption}</figcaption>{canvas}</figure>'
+        return markup(
+            '<figure class="surface"><figcaption>{caption}</figcaption><canvas data-surface="{name}" tabindex="0" '
+            'role="img" aria-label="{caption}, from {low} to {high}; the arrow keys turn it"></canvas></figure>',
+            caption=self.caption,
+            name=self.name,
+            low=low,
+            high=high,
+        )
 
     @property
     def data(self) -> dict[str, Any]:

@@ -132,7 +132,7 @@ def chance_table(table: MonteCarloTable) -> str:
     text = f"{words.number(table.done, 0)} of {words.number(table.runs, 0)} runs, seed {seed}."
     text += f" In {words.number(stuck, 0)} of them the train comes to a stand." if stuck else ""
     quantiles = parts.table("Monte Carlo", ("Result", "least", *QUANTILES.values(), "most"), rows)
-    return f'<div style="padding:0 6px">{quantiles}<p class="note">{text}</p></div>'
+    return parts.inset(quantiles, parts.note_paragraphs([text]))
 
 
 class LoadScatter(Chart):

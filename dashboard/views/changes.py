@@ -1,16 +1,21 @@
 """The sidebar's last line: how many keys differ from the preset, which, and a way back for each."""
 
-import html
 from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
 
 from railjoule.core import RailjouleError
+from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.models.kept import short
 from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.views.parts import html_pane, stack
+
+ROW = (
+    '<div class="row small" style="flex-direction: column; gap: 0; overflow-wrap: anywhere">'
+    "<span>{}</span><span>{} \u2192 {}</span></div>"
+)
 
 
 class Changes:
@@ -53,7 +58,6 @@ class Changes:
 
     def _row(self, key: str, value: Any) -> pn.Row:
         before = short(self.state.scenario.original(key))
-        words = f"<span>{html.escape(key)}</span><span>{html.escape(before)} \u2192 {html.escape(short(value))}</span>"
         take_back = pmui.IconButton(
             icon="undo",
             description=f"Undo {key}",
@@ -62,9 +66,8 @@ class Changes:
             color="default",
             on_click=lambda _: self._take_back(key),
         )
-        style = "flex-direction: column; gap: 0; overflow-wrap: anywhere"
         return pn.Row(
-            html_pane(f'<div class="row small" style="{style}">{words}</div>'),
+            html_pane(markup(ROW, key, before, short(value))),
             take_back,
             margin=0,
             sizing_mode="stretch_width",

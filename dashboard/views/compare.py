@@ -193,7 +193,9 @@ class CompareView(PageView):
         title = state.run.scenario.title
         self.heading.object = parts.heading(self.page, title, f"{len(among)} runs, {pinned}", "")
         self._show_table()
-        self.empty.object = f'<div class="block"><h2>Pinned runs</h2>{"" if count else f"<p>{NO_PIN}</p>"}</div>'
+        self.empty.object = parts.markup(
+            '<div class="block"><h2>Pinned runs</h2>{}</div>', "" if count else parts.markup("<p>{}</p>", NO_PIN)
+        )
         for row in self.rows:
             row.show()
         self.differences.object = differences(state.pins, reference)
@@ -202,16 +204,16 @@ class CompareView(PageView):
         """Show the numbers of the runs, which change with their bound alone, too."""
         among = contenders(self.state)
         if among:
-            self.table.object = f"{comparison_table(among, reference_of(self.state, among))}{self._refusals()}"
+            self.table.object = comparison_table(among, reference_of(self.state, among)) + self._refusals()
 
-    def _refusals(self) -> str:
+    def _refusals(self) -> parts.Markup:
         """Return why strategies do not take the scenario, as sentences."""
         runs = self.state.compared if self.state.compare_all else self.state.runs
         refused = {} if runs is None else runs.refused
         return parts.note_paragraphs(f"{words.STRATEGY_WORDS[name]}: {reason}" for name, reason in refused.items())
 
 
-def differences(pins: Sequence[Pin], reference: Contender) -> str:
+def differences(pins: Sequence[Pin], reference: Contender) -> parts.Markup:
     """Return by what the scenarios of pinned runs differ from that of the reference, as HTML."""
     items = []
     for pin in pins:
@@ -219,8 +221,11 @@ def differences(pins: Sequence[Pin], reference: Contender) -> str:
             continue
         told = difference_words(pin.trajectory.scenario, reference.run.scenario)
         text = "; ".join(told) if told else "the same scenario"
-        items.append(f"<li><b>{parts.escaped(f'{pin.number} {pin.name}')}</b>: {parts.escaped(text)}.</li>")
+        items.append(parts.markup("<li><b>{} {}</b>: {}.</li>", pin.number, pin.name, text))
     if not items:
-        return ""
-    title = f"How pinned scenarios differ from that of {parts.escaped(reference.name)}"
-    return f'<div class="block"><h2>{title}</h2><ul class="differences">{"".join(items)}</ul></div>'
+        return parts.Markup()
+    return parts.markup(
+        '<div class="block"><h2>How pinned scenarios differ from that of {}</h2><ul class="differences">{}</ul></div>',
+        reference.name,
+        parts.joined(items),
+    )

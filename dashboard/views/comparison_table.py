@@ -9,15 +9,15 @@ from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.models.contenders import Contender
 from railjoule.dashboard.views import parts
 
-HINT = '<p class="note scroll-hint">Swipe sideways for more columns.</p>'
+HINT = parts.Markup('<p class="note scroll-hint">Swipe sideways for more columns.</p>')
 
 
-def comparison_table(among: Sequence[Contender], reference: Contender) -> str:
+def comparison_table(among: Sequence[Contender], reference: Contender) -> parts.Markup:
     """Return the table as HTML; the reference is its chosen row, and losses that no run has are left out."""
     losses = [contender.run.energy.losses_j for contender in among]
     kinds = [kind for kind in dict.fromkeys(kind for each in losses for kind in each) if _any(losses, kind)]
     header = ["Run", "kWh", "vs ref., kWh", "%", "s", "vs ref., s", "km/h", "recuperated"]
-    header += [parts.LOSS_WORDS[kind].lower() for kind in kinds]
+    header += [words.LOSS_WORDS[kind].lower() for kind in kinds]
     header.append("above bound, %")
     buttons = [parts.markup('<button type="button" class="sort" data-act="sort">{}</button>', word) for word in header]
     rows = []
@@ -28,7 +28,8 @@ def comparison_table(among: Sequence[Contender], reference: Contender) -> str:
     title = "Runs side by side, energies in kWh"
     table = parts.table(title, buttons, rows)
     notes = parts.other_times(contender.run for contender in among if contender.key in STRATEGIES)
-    return f'<div class="wide-table" tabindex="0" role="region" aria-label="{title}">{table}</div>{HINT}{notes}'
+    template = '<div class="wide-table" tabindex="0" role="region" aria-label="{}">{}</div>{}{}'
+    return parts.markup(template, title, table, HINT, notes)
 
 
 def _any(losses: Sequence[Mapping[str, float]], kind: str) -> bool:

@@ -66,7 +66,8 @@ class DisturbancesView(PageView):
             on_click=lambda _: add_stop(state),
         )
         self.invitation = parts.html_pane(
-            f'<p role="status" style="padding:10px 20px 0;font-size:13.5px">{NO_EVENT}</p>', visible=False
+            parts.markup('<p role="status" style="padding:10px 20px 0;font-size:13.5px">{}</p>', NO_EVENT),
+            visible=False,
         )
         spacer = pn.Spacer(sizing_mode="stretch_width")
         tools = pn.Row(self.dropping, self.add, spacer, self.over, margin=0, stylesheets=[parts.WRAP_CSS])
@@ -208,7 +209,7 @@ class DisturbancesView(PageView):
             )
             rows.append((cells, reaction == "computer"))
         header = ("Run", "kWh", "more, %", "late, s", "top, km/h", "saved per extra second, Wh")
-        return f'<div style="padding:0 6px">{parts.table("Who reacts", header, rows)}</div>'
+        return parts.inset(parts.table("Who reacts", header, rows))
 
 
 def told(rides: Rides) -> list[str]:

@@ -204,7 +204,7 @@ class DriveView(PageView):
             self.figures.object = parts.run_figures(runs, run, self.state.pinned, stale=False)
         elif not is_same_plan(actual, run):
             run = actual.planned
-        self.notes.object = f'<div class="block"><h2>What is proven</h2>{parts.notes(run)}</div>'
+        self.notes.object = parts.markup('<div class="block"><h2>What is proven</h2>{}</div>', parts.notes(run))
         self.proof.show(run, hidden=actual is not None)
 
     def _column_px(self, width: float) -> float:
@@ -226,7 +226,7 @@ class DriveView(PageView):
     def _show_texts(self, run: Trajectory, runs: Runs, actual: ActualRun | None) -> None:
         state = self.state
         vehicle = run.scenario.vehicle
-        subtitle = f"{words.distance(run.distance_m)} km, {vehicle.name}, {words.load(vehicle.load_factor)}"
+        subtitle = words.subtitle(run.distance_m, vehicle.name, vehicle.load_factor)
         solved = (
             f"solved in {words.number(1e3 * run.solve_time_s)} ms, {run.iterations} iterations, {runs.cell_count} cells"
         )

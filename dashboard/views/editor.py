@@ -10,21 +10,14 @@ from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.messages import added_to
-from railjoule.dashboard.models.editor import (
-    GROUPS,
-    Look,
-    Refusal,
-    drive_kinds,
-    preset_options,
-    words_of,
-)
-from railjoule.dashboard.models.fields_of import Field, Table, parts_of
+from railjoule.dashboard.models.editor import GROUPS, Look, Refusal, drive_kinds, preset_options
+from railjoule.dashboard.models.fields_of import Field, Table, parts_of, words_of
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.views.charts import Axis, Chart
 from railjoule.dashboard.views.drawing import DrawingQueue
 from railjoule.dashboard.views.failures import failure_words
 from railjoule.dashboard.views.forms import Disclosure, EditorHead, FieldsForm, TableForm
-from railjoule.dashboard.views.parts import html_pane, stack
+from railjoule.dashboard.views.parts import html_pane, markup, note_paragraphs, stack
 from railjoule.dashboard.views.profile_charts import LimitStepsChart, ProfileChart
 
 WIDTH_PX, BAR_PX, LAYER = 520, 49, 1100
@@ -175,7 +168,8 @@ class Group:
             for heading, parts in self.editor.parts(table, look.now):
                 text = heading or (HEADINGS.get(table, words_of(table)) if several else "")
                 if text:
-                    made.append(html_pane(f'<h4 class="section" style="margin:0;padding-left:32px">{text}</h4>'))
+                    template = '<h4 class="section" style="margin:0;padding-left:32px">{}</h4>'
+                    made.append(html_pane(markup(template, text)))
                 made += self.forms(parts)
         return made
 
@@ -416,7 +410,7 @@ class LineGroup(Group):
         self.profile.show(partial(self.profile.draw, line))
         self.steps.show(partial(self.steps.draw, line, most))
         turned = "Charts and tables show the track as in its file; the train runs from its end to its start."
-        self.way.object = f'<p class="note" style="padding-left:32px">{turned}</p>' if line.reverse else ""
+        self.way.object = note_paragraphs([turned], "padding-left:32px") if line.reverse else ""
         self.settle()
 
     def settle(self) -> None:

@@ -19,8 +19,8 @@ def ink_on(colour: str) -> str:
 
 def captioned(text: str, f: figure) -> pn.Column:
     """Return a figure under its caption."""
-    caption = parts.html_pane(f'<div style="font-size:12px;color:var(--rj-ink2);padding:2px 0 0 50px">{text}</div>')
-    return parts.stack(caption, pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_width"))
+    caption = parts.markup('<div style="font-size:12px;color:var(--rj-ink2);padding:2px 0 0 50px">{}</div>', text)
+    return parts.stack(parts.html_pane(caption), pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_width"))
 
 
 def empty_figure(

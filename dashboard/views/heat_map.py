@@ -234,7 +234,7 @@ class CostSurface(Chart):
                     "showscale": False,
                     "lighting": LIGHTING,
                     # plotly refines a small table before it draws it, and what it then points at has no text of ours
-                    "hovertemplate": f"%{{x:.0f}} m, load %{{y:.0f}} %: %{{z:.1f}} {measure.unit}<extra></extra>",
+                    "hovertemplate": "%{x:.0f} m, load %{y:.0f} %: %{z:.1f} " + measure.unit + "<extra></extra>",
                 }
             ],
             "layout": self._layout(bottom - 0.05 * room, top + 0.05 * room),
@@ -273,4 +273,4 @@ def printed_table(table: SensitivityTable) -> str:
             )
         rows.append((cells, False))
     title = f"{entry['place']} of Liashenko 2025: ours, %, printed, %, difference in percentage points"
-    return f'<div class="dense">{parts.table(title, header, rows)}</div>'
+    return parts.markup('<div class="dense">{}</div>', parts.table(title, header, rows))

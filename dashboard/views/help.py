@@ -3,6 +3,7 @@
 from panel.viewable import Viewable
 
 from railjoule.dashboard.look.glossary import GROUPS, Term
+from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.models.pages import KEYED, PAGES
 from railjoule.dashboard.views import parts
@@ -85,47 +86,47 @@ class HelpView(PageView):
         return parts.stack(heading, parts.html_pane(help_html(), stylesheets=[parts_css(), HELP_CSS]))
 
 
-def help_html() -> str:
+def help_html() -> Markup:
     """Return the page below its heading."""
-    return f'<div class="help">{keys_html()}{pages_html()}{proof_html()}{glossary_html()}</div>'
+    return markup('<div class="help">{}{}{}{}</div>', keys_html(), pages_html(), proof_html(), glossary_html())
 
 
-def keys_html() -> str:
+def keys_html() -> Markup:
     """Return what the keys do."""
-    rows = "".join(f"<tr><td><kbd>{key}</kbd></td><td>{does}</td></tr>" for key, does in KEYS)
-    note = '<p class="note">The keys ?, 1 to 9 and P do nothing while you type in a field.</p>'
-    return f'<h2 id="keys">Keys</h2><table><tbody>{rows}</tbody></table>{note}'
+    rows = joined(markup("<tr><td><kbd>{}</kbd></td><td>{}</td></tr>", key, does) for key, does in KEYS)
+    note = "The keys ?, 1 to 9 and P do nothing while you type in a field."
+    template = '<h2 id="keys">Keys</h2><table><tbody>{}</tbody></table>{}'
+    return markup(template, rows, parts.note_paragraphs([note]))
 
 
-def pages_html() -> str:
+def pages_html() -> Markup:
     """Return the pages with their questions and keys."""
     rows = []
     for name, entry in PAGES.items():
-        key = f"<kbd>{KEYED.index(name) + 1}</kbd>" if name in KEYED else "<kbd>?</kbd>" if name == "Help" else ""
-        button = f'<button type="button" class="open-page" data-open="{name}">{name}</button>'
-        rows.append(f"<tr><td>{button}</td><td>{key}</td><td>{entry.question}</td></tr>")
-    return f'<h2 id="pages">Pages</h2><table><tbody>{"".join(rows)}</tbody></table>'
+        key = str(KEYED.index(name) + 1) if name in KEYED else "?" if name == "Help" else ""
+        button = markup('<button type="button" class="open-page" data-open="{0}">{0}</button>', name)
+        pressed = markup("<kbd>{}</kbd>", key) if key else ""
+        rows.append(markup("<tr><td>{}</td><td>{}</td><td>{}</td></tr>", button, pressed, entry.question))
+    return markup('<h2 id="pages">Pages</h2><table><tbody>{}</tbody></table>', joined(rows))
 
 
-def proof_html() -> str:
+def proof_html() -> Markup:
     """Return how to read a proof."""
-    told = "".join(f"<h3>{title}</h3><p>{text}</p>" for title, text in PROOF)
-    return f'<h2 id="proof">How to read a proof</h2><div class="proof">{told}</div>'
+    told = joined(markup("<h3>{}</h3><p>{}</p>", title, text) for title, text in PROOF)
+    return markup('<h2 id="proof">How to read a proof</h2><div class="proof">{}</div>', told)
 
 
-def glossary_html() -> str:
+def glossary_html() -> Markup:
     """Return all terms by group."""
-    groups = "".join(
-        f"<h3>{group}</h3><dl>{''.join(entry_html(term) for term in terms)}</dl>" for group, terms in GROUPS.items()
+    groups = joined(
+        markup("<h3>{}</h3><dl>{}</dl>", group, joined(map(entry_html, terms))) for group, terms in GROUPS.items()
     )
-    return f'<h2 id="terms">All terms</h2><div class="columns">{groups}</div>'
+    return markup('<h2 id="terms">All terms</h2><div class="columns">{}</div>', groups)
 
 
-def entry_html(term: Term) -> str:
+def entry_html(term: Term) -> Markup:
     """Return one term with what else it is called on the pages."""
     others = ", ".join(term.labels)
-    also = f" <span>\u00b7 {parts.escaped(others)}</span>" if others else ""
-    return (
-        f'<div id="term-{term.slug}" tabindex="-1"><dt>{parts.escaped(term.name)}{also}</dt>'
-        f"<dd>{parts.escaped(term.text)}</dd></div>"
-    )
+    also = markup(" <span>\u00b7 {}</span>", others) if others else ""
+    template = '<div id="term-{}" tabindex="-1"><dt>{}{}</dt><dd>{}</dd></div>'
+    return markup(template, term.slug, term.name, also, term.text)

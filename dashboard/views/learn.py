@@ -82,10 +82,11 @@ class LessonView:
         field.view.param.update(**SLIDER)
         number = [known.name for known in LESSONS].index(name) + 1
         styles = [parts_css(), TEXT_CSS]
-        text = f"<h2>{number}. {parts.escaped(lesson.title)}</h2><p>{parts.escaped(lesson.text)}</p>"
-        question = (
-            f'<p class="try">Try: {parts.escaped(lesson.question)}</p>'
-            f"<details><summary>Answer</summary><p>{parts.escaped(lesson.answer)}</p></details>"
+        text = parts.markup("<h2>{}. {}</h2><p>{}</p>", number, lesson.title, lesson.text)
+        question = parts.markup(
+            '<p class="try">Try: {}</p><details><summary>Answer</summary><p>{}</p></details>',
+            lesson.question,
+            lesson.answer,
         )
         left = parts.stack(
             parts.html_pane(text, stylesheets=styles), field.view, parts.html_pane(question, stylesheets=styles)

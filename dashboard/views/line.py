@@ -244,15 +244,14 @@ def figure_cells(runs: LineRuns) -> list[str]:
     ]
 
 
-def key_words() -> str:
+def key_words() -> parts.Markup:
     """Return what the colours of lines and bars mean."""
-    bars = "".join(
-        f'<span style="margin-right:16px"><span class="patch" style="background:var(--rj-{token})"></span>'
-        f"{SHARING_WORDS[sharing]}</span>"
-        for sharing, token in SHARING_TOKENS.items()
+    bar = '<span style="margin-right:16px"><span class="patch" style="background:var(--rj-{})"></span>{}</span>'
+    return parts.markup(
+        '<p class="small" style="padding:2px 20px 0;color:var(--rj-ink2)">{}numbers above bars: {}</p>',
+        parts.joined(parts.markup(bar, token, SHARING_WORDS[sharing]) for sharing, token in SHARING_TOKENS.items()),
+        SHARING_WORDS["optimum"],
     )
-    above = f"numbers above bars: {SHARING_WORDS['optimum']}"
-    return f'<p class="small" style="padding:2px 20px 0;color:var(--rj-ink2)">{bars}{above}</p>'
 
 
 def legs_table(runs: LineRuns) -> str:

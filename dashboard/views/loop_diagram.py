@@ -4,13 +4,13 @@ A block under the pointer or with the keyboard's focus lights up together with t
 figure under the pointer lights its block. A press on a block brings its first figure into sight.
 """
 
-import html
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import param
 from panel.custom import JSComponent
 
+from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.scripts import module
 
 BLOCK_HEIGHT, RADIUS, LINE_PX, HEAD_PX = 44.0, 5.0, 15.0, 6.0
@@ -206,43 +206,50 @@ class LoopDiagram(JSComponent):
         )
 
 
-def diagram(drawing: Drawing) -> str:
+def diagram(drawing: Drawing) -> Markup:
     """Return a diagram as SVG."""
     width, height = drawing.size
-    lines = "".join(f'<path class="wire" d="{path}"/>{arrow_head(path)}' for path in drawing.lines)
-    signals = "".join(signal(x, y, name) for x, y, name in drawing.signals)
+    lines = (markup('<path class="wire" d="{}"/>{}', path, arrow_head(path)) for path in drawing.lines)
+    signals = (signal(x, y, name) for x, y, name in drawing.signals)
     # in the order of the loop, which is that of the tab key
-    blocks = "".join(block_shape(name, *drawing.places[name], drawing.block_width) for name in BLOCKS)
-    return (
-        f'<svg class="{drawing.kind}" viewBox="0 0 {width:g} {height:g}" role="group" '
-        f'aria-label="Block diagram of the control loop">{lines}{signals}{blocks}</svg>'
+    blocks = (block_shape(name, *drawing.places[name], drawing.block_width) for name in BLOCKS)
+    return markup(
+        '<svg class="{}" viewBox="0 0 {} {}" role="group" aria-label="Block diagram of the control loop">{}</svg>',
+        drawing.kind,
+        f"{width:g}",
+        f"{height:g}",
+        joined((*lines, *signals, *blocks)),
     )
 
 
-def block_shape(name: str, x: float, y: float, width: float) -> str:
+def block_shape(name: str, x: float, y: float, width: float) -> Markup:
     """Return a block that can be focused and pressed."""
     block = BLOCKS[name]
-    label = html.escape(f"{' '.join(block.words).replace('- ', '-')} {block.does}; show its chart")
     middle = y + 0.5 * BLOCK_HEIGHT - 0.5 * LINE_PX * (len(block.words) - 1)
-    text = "".join(
-        f'<text x="{x + 0.5 * width:g}" y="{middle + k * LINE_PX + 0.36 * FONT_PX:g}" font-size="{FONT_PX}">'
-        f"{html.escape(line)}</text>"
+    rect = f'<rect x="{x:g}" y="{y:g}" width="{width:g}" height="{BLOCK_HEIGHT:g}" rx="{RADIUS:g}"/>'
+    lines = (
+        (f'<text x="{x + 0.5 * width:g}" y="{middle + k * LINE_PX + 0.36 * FONT_PX:g}" font-size="{FONT_PX:g}">', line)
         for k, line in enumerate(block.words)
     )
-    return (
-        f'<g class="block" role="button" tabindex="0" data-block="{name}" aria-label="{label}">'
-        f'<rect x="{x:g}" y="{y:g}" width="{width:g}" height="{BLOCK_HEIGHT:g}" rx="{RADIUS:g}"/>{text}</g>'
+    return markup(
+        '<g class="block" role="button" tabindex="0" data-block="{}" aria-label="{} {}; show its chart">{}{}</g>',
+        name,
+        " ".join(block.words).replace("- ", "-"),
+        block.does,
+        Markup(rect),
+        joined(markup("{}{}</text>", Markup(tag), line) for tag, line in lines),
     )
 
 
-def signal(x: float, y: float, name: str) -> str:
+def signal(x: float, y: float, name: str) -> Markup:
     """Return the name of a signal."""
     symbol, _, index = name.partition("_")
-    below = f'<tspan dy="3" font-size="{SIGNAL_PX - 2:g}">{html.escape(index)}</tspan>' if index else ""
-    return f'<text class="signal" x="{x:g}" y="{y:g}" font-size="{SIGNAL_PX:g}">{html.escape(symbol)}{below}</text>'
+    tag = Markup(f'<text class="signal" x="{x:g}" y="{y:g}" font-size="{SIGNAL_PX:g}">')
+    small = Markup(f'<tspan dy="3" font-size="{SIGNAL_PX - 2:g}">')
+    return markup("{}{}{}</text>", tag, symbol, markup("{}{}</tspan>", small, index) if index else "")
 
 
-def arrow_head(path: str) -> str:
+def arrow_head(path: str) -> Markup:
     """Return the head of the arrow in which a path of M, H and V ends."""
     start_x, start_y, *steps = path[1:].split()
     before = end = float(start_x), float(start_y)
@@ -254,4 +261,4 @@ def arrow_head(path: str) -> str:
     back_x, back_y = x - HEAD_PX * along_x, y - HEAD_PX * along_y
     side_x, side_y = 0.5 * HEAD_PX * along_y, 0.5 * HEAD_PX * along_x
     corners = ((x, y), (back_x + side_x, back_y + side_y), (back_x - side_x, back_y - side_y))
-    return f'<polygon class="head" points="{" ".join(f"{a:g},{b:g}" for a, b in corners)}"/>'
+    return markup('<polygon class="head" points="{}"/>', " ".join(f"{a:g},{b:g}" for a, b in corners))

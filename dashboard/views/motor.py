@@ -10,6 +10,7 @@ from railjoule.core import load_scenario
 from railjoule.core.simulate.field_oriented import FieldOrientedRun
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import words
+from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.motor import PAGE
 from railjoule.dashboard.store import MACHINE_SCENARIO
 from railjoule.dashboard.views import parts
@@ -69,14 +70,6 @@ DIAGRAM_CSS = """
 @media (max-width: 899px) { :host { position: static; padding: 10px 14px 8px; } }
 """
 COLUMN_CSS = ":host { row-gap: 6px; }"
-PART_WORDS = {
-    "shaft": "Shaft",
-    "stator_copper": "Stator copper, torque current",
-    "rotor_copper": "Rotor copper",
-    "magnetising": "Stator copper, magnetising",
-    "iron": "Iron",
-    "stored": "Stored in the magnetic fields",
-}
 QUESTION = (
     '<div style="padding:8px 6px 0 50px"><h2>A wrong rotor resistance</h2><p class="note">The controller computes '
     "the flux from the rotor resistance, which rises by up to half as the rotor warms up. The study runs the plan with "
@@ -294,29 +287,30 @@ def run_figures(run: FieldOrientedRun) -> list[str]:
     ]
 
 
-def held_words(run: FieldOrientedRun) -> str:
+def held_words(run: FieldOrientedRun) -> Markup:
     """Return where a limit held the drive and by how much it fell behind; nothing where none did."""
-    rows = [
-        f'<p class="note"><span class="open">{LIMIT_WORDS[span.what]}</span> limited the motors from '
-        f"{words.number(span.start_s)} to {words.number(span.end_s)} s: "
-        f"{' '.join(length(max(span.lag_m, 0.0)))} behind the plan at most.</p>"
+    rows = joined(
+        markup(
+            '<p class="note"><span class="open">{}</span> limited the motors from {} to {} s: {} behind the plan at '
+            "most.</p>",
+            LIMIT_WORDS[span.what],
+            words.number(span.start_s),
+            words.number(span.end_s),
+            " ".join(length(max(span.lag_m, 0.0))),
+        )
         for span in run.saturated
-    ]
-    return f'<div role="status" style="padding:0 20px 6px">{"".join(rows)}</div>' if rows else ""
+    )
+    return markup('<div role="status" style="padding:0 20px 6px">{}</div>', rows) if rows else rows
 
 
-def parts_table(run: FieldOrientedRun) -> str:
+def parts_table(run: FieldOrientedRun) -> Markup:
     """Return the parts of the energy, and their sum beside the integral of input power."""
     total = sum(run.parts_j.values())
-    rows = [
-        ((PART_WORDS.get(name, name.replace("_", " ").capitalize()), *_amount(joules, total)), False)
-        for name, joules in run.parts_j.items()
-    ]
+    rows = [((words.PART_WORDS[name], *_amount(joules, total)), False) for name, joules in run.parts_j.items()]
     rows.append((("Sum of parts", *_amount(total, total)), True))
     by_input = float(run.energy_by_input_power_j[-1])
     rows.append((("Input power, integrated", *_amount(by_input, total)), True))
-    table = parts.table("Where the energy goes", ("Part", "kWh", "%"), rows)
-    return f'<div style="padding:0 6px">{table}</div>'
+    return parts.inset(parts.table("Where the energy goes", ("Part", "kWh", "%"), rows))
 
 
 def _amount(joules: float, total: float) -> tuple[str, str]:

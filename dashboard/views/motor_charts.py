@@ -184,4 +184,4 @@ def storage_table(storage: StorageCurve) -> str:
         f"{words.number(need.cycles_per_day, 0)} full cycles of the size needed in an 18-hour day."
     )
     table = parts.table("Recovered braking energy, kWh", ("Absorbed by", "from the supply", "saved", "%"), rows)
-    return f'<div style="padding:0 6px">{table}<p class="note">{note}</p></div>'
+    return parts.inset(table, parts.note_paragraphs([note]))

@@ -385,4 +385,4 @@ def detuning_table(table: DetuningTable) -> str:
         rows.append((cells, factor == 1))
     title = "Controller with a wrong rotor resistance"
     header = ("Assumed / true", "energy, %", "peak, A", "peak, V", "tracking error")
-    return f'<div style="padding:0 6px">{parts.table(title, header, rows)}</div>'
+    return parts.inset(parts.table(title, header, rows))

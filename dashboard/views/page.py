@@ -8,6 +8,7 @@ from panel.viewable import Viewable
 
 from railjoule.core import RailjouleError
 from railjoule.dashboard.browser import Browser
+from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.messages import unfrozen
 from railjoule.dashboard.models.workbench import Workbench
@@ -142,7 +143,7 @@ class PageView:
         self.settle()
         self._error.visible = any(part.failed for part in self._parts)
         if self._error.visible:
-            self._error.object = f'<div class="message" role="alert">{NOT_SHOWN}</div>'
+            self._error.object = markup('<div class="message" role="alert">{}</div>', NOT_SHOWN)
 
     def _run(self, part: "_Part") -> None:
         try:

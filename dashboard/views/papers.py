@@ -14,6 +14,7 @@ from railjoule.core.validation import COMPARISONS, Erratum, Row, Table
 from railjoule.core.validation.papers import citation, printed_numbers
 from railjoule.core.validation.table import CLOSE_PERCENT
 from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.store import PaperTables
 from railjoule.dashboard.views import parts
@@ -105,7 +106,7 @@ class PapersView(PageView):
         self.all.disabled = busy
         if busy:
             self._tell_progress()
-        self.origin.object = f'<p class="note">{COMPUTED if model.is_current else COMPUTED_BEFORE}</p>'
+        self.origin.object = parts.note_paragraphs([COMPUTED if model.is_current else COMPUTED_BEFORE])
         if model.results:
             self.figures.object = parts.figures(figure_cells(model.results.values()))
         for name, section in self.sections.items():
@@ -122,7 +123,7 @@ class PapersView(PageView):
             if last is None
             else f"{AUTHORS[last.name]}: table {len(last.validation.tables) + 1} of {last.table_count}"
         )
-        self.progress_words.object = f'<p role="status" class="muted small">{text}</p>'
+        self.progress_words.object = parts.markup('<p role="status" class="muted small">{}</p>', text)
 
 
 class PaperSection:
@@ -141,11 +142,11 @@ class PaperSection:
             **SMALL,
         )
         styles = [parts_css(), TABLE_CSS]
-        cited = parts.escaped(citation(printed_numbers(FILES[name])))
-        title = parts.html_pane(f'<h2>{AUTHORS[name]}</h2><p class="citation small">{cited}</p>', stylesheets=styles)
+        cited = citation(printed_numbers(FILES[name]))
+        title = markup('<h2>{}</h2><p class="citation small">{}</p>', AUTHORS[name], cited)
         self.tables = parts.html_pane(stylesheets=styles)
         tools = pn.FlexBox(self.button, self.download, margin=0)
-        self.view = parts.stack(title, tools, self.tables, css=PAPER_CSS)
+        self.view = parts.stack(parts.html_pane(title, stylesheets=styles), tools, self.tables, css=PAPER_CSS)
 
     def show(self, paper: PaperTables | None, busy: bool) -> None:
         """Show the tables that are done."""
@@ -174,27 +175,29 @@ def tables_csv(tables: tuple[Table, ...]) -> str:
     return file.getvalue()
 
 
-def paper_html(paper: PaperTables) -> str:
+def paper_html(paper: PaperTables) -> Markup:
     """Return the tables of a paper that are done, and what must be corrected in it."""
-    tables = "".join(table_html(table, number == 0) for number, table in enumerate(paper.validation.tables))
+    tables = joined(table_html(table, number == 0) for number, table in enumerate(paper.validation.tables))
     left = paper.table_count - len(paper.validation.tables)
-    rest = f'<p class="note">{left} more to compute.</p>' if left else errata_html(paper.validation.errata)
-    return f'<div class="tables">{tables}{rest}</div>'
+    rest = parts.note_paragraphs([f"{left} more to compute."]) if left else errata_html(paper.validation.errata)
+    return markup('<div class="tables">{}{}</div>', tables, rest)
 
 
-def table_html(table: Table, opened: bool) -> str:
+def table_html(table: Table, opened: bool) -> Markup:
     """Return one table, with the reasons of its differences beneath it."""
     notes = list(dict.fromkeys(row.note for row in table.rows if row.note))
     rows = [(row_cells(row, notes), False) for row in table.rows]
     header = ("Case", "Quantity", table.reference, "ours", "difference", "in words", "")
-    place = f", {parts.escaped(table.place)}" if table.place else ""
-    body = parts.table("", header, rows, table.title)
-    listed = "".join(f"<li>{parts.escaped(note)}</li>" for note in notes)
-    reasons = f"<ol>{listed}</ol>" if notes else ""
-    scroll = f'<div class="scroll" tabindex="0" role="region" aria-label="{parts.escaped(table.title)}">{body}</div>'
-    return (
-        f"<details{' open' if opened else ''}><summary>{parts.escaped(table.title)}"
-        f"<span>{place}, {summary_words(table)}</span></summary>{scroll}{reasons}</details>"
+    listed = joined(markup("<li>{}</li>", note) for note in notes)
+    return markup(
+        '<details{open}><summary>{title}<span>{place}, {summary}</span></summary><div class="scroll" tabindex="0" '
+        'role="region" aria-label="{title}">{body}</div>{reasons}</details>',
+        open=" open" if opened else "",
+        title=table.title,
+        place=f", {table.place}" if table.place else "",
+        summary=summary_words(table),
+        body=parts.table("", header, rows, table.title),
+        reasons=markup("<ol>{}</ol>", listed) if notes else "",
     )
 
 
@@ -264,15 +267,11 @@ def figure_cells(papers: Iterable[PaperTables]) -> list[str]:
     ]
 
 
-def errata_html(errata: tuple[Erratum, ...]) -> str:
+def errata_html(errata: tuple[Erratum, ...]) -> Markup:
     """Return what must be corrected in a paper."""
-    items = "".join(
-        f"<li>{parts.escaped(erratum.place)}: printed {parts.escaped(erratum.printed)}, corrected: "
-        f"{parts.escaped(erratum.corrected)}. {parts.escaped(erratum.reason)}</li>"
-        for erratum in errata
-    )
-    return (
-        f"<details><summary>Corrections <span>{len(errata)}</span></summary><ol>{items}</ol></details>"
-        if errata
-        else ""
-    )
+    if not errata:
+        return Markup()
+    template = "<li>{}: printed {}, corrected: {}. {}</li>"
+    items = joined(markup(template, each.place, each.printed, each.corrected, each.reason) for each in errata)
+    template = "<details><summary>Corrections <span>{}</span></summary><ol>{}</ol></details>"
+    return markup(template, len(errata), items)

@@ -1,15 +1,13 @@
 """Pieces of text, numbers and tables, as HTML.
 
-Whatever stands in one is escaped, unless it is itself a piece of this module's making (`Markup`).
+Whatever stands in one is escaped, unless it is itself HTML: see `railjoule.dashboard.look.markup`.
 """
 
-import html
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any
 
 import panel as pn
-from markupsafe import Markup
 
 from railjoule.core import Phase, Trajectory
 from railjoule.core.advice import AT_REST_MS
@@ -17,6 +15,7 @@ from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.insides import Words
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.glossary import info
+from railjoule.dashboard.look.markup import Markup, escaped, joined, markup, safe
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.look.tokens import DASHES, PIN_DASHES, line_width
 from railjoule.dashboard.models.pages import PAGES
@@ -28,18 +27,6 @@ LEAST_BAR = 0.004
 """Share of the whole that a bar takes at least, so that it is seen."""
 MOST_IN_SIGHT = 10
 """So many instructions stand above the charts; more are scrolled."""
-LOSS_WORDS = {
-    "drive": "Powertrain losses",
-    "copper": "Copper loss",
-    "magnetising": "Magnetising loss",
-    "iron": "Iron loss",
-    "mechanical": "Friction in the motors",
-    "motors_and_inverters": "Motors and inverters",
-    "gear": "Gears",
-    "standstill_brake": "Standstill brake",
-    "brake_resistors": "Brake resistors",
-    "friction_brakes": "Friction brakes",
-}
 PROVEN = Markup('<span class="proven">\u2713 proven</span>')
 NO_SWATCH = Markup('<svg width="22" height="8" aria-hidden="true"></svg>')
 WRAP_CSS = "@media (max-width: 899px) { :host { flex-wrap: wrap; } }"
@@ -56,26 +43,6 @@ def stack(*objects: Any, css: str = "", **params: Any) -> pn.Column:
     # the library's button for scrolling, which is never seen, would take a place in a grid
     free = ":host { max-height: none; } .scroll-button { display: none; }"
     return pn.Column(*objects, **{"margin": 0, "sizing_mode": "stretch_width", "stylesheets": [free + css], **params})
-
-
-def markup(template: str, *values: object, **named: object) -> Markup:
-    """Return HTML in which values take the places of braces; each is escaped, unless it is HTML already."""
-    return Markup(template.format(*map(_safe, values), **{name: _safe(value) for name, value in named.items()}))
-
-
-def joined(pieces: Iterable[str], between: str = "") -> Markup:
-    """Return pieces one after the other; those that are no HTML are escaped."""
-    return Markup(between.join(map(_safe, pieces)))
-
-
-def _safe(value: object) -> str:
-    """Return a value as HTML, several times faster than Markup does: each move of a slider writes hundreds."""
-    return value if isinstance(value, Markup) else html.escape(str(value))
-
-
-def escaped(text: str) -> Markup:
-    """Return a text that may come from a user, fit for HTML."""
-    return markup("{}", text)
 
 
 def swatch(name: str) -> Markup:
@@ -128,7 +95,7 @@ def figure(label: str, value: str, unit: str, detail: str, kind: str = "", whole
         kind=kind,
         title=markup(' title="{}"', whole) if whole else "",
         label=label,
-        info=Markup(info(term or label)),
+        info=info(term or label),
         value=value,
         unit=unit,
         detail=detail,
@@ -152,11 +119,11 @@ def figures_in_place(cells: Iterable[str], former: Iterable[str]) -> Markup:
     )
 
 
-def change(now: float, before: float) -> str:
+def change(now: float, before: float) -> Markup:
     """Return by how much an energy [kWh] has changed against the pinned one, as HTML."""
     amount = comparisons.above(now, before)
     if amount.is_none:
-        return f"as pinned, {words.energy(before)}"
+        return markup("as pinned, {}", words.energy(before))
     sign, kind = ("\u25bc", "better") if amount.is_less else ("\u25b2", "worse")
     return markup(
         '<span class="{}">{} {} {}</span> against pinned {}',
@@ -288,9 +255,9 @@ def account(run: Trajectory) -> Markup:
     ]
     uses = [
         ("Auxiliaries", energy.auxiliary_j),
-        ("Running resistance", energy.running_resistance_j),
-        ("Curves", energy.curve_resistance_j),
-        *((LOSS_WORDS[kind], joules) for kind, joules in energy.losses_j.items()),
+        (words.LOSS_WORDS["running_resistance"], energy.running_resistance_j),
+        (words.LOSS_WORDS["curve_resistance"], energy.curve_resistance_j),
+        *((words.LOSS_WORDS[kind], joules) for kind, joules in energy.losses_j.items()),
         ("Height gained", energy.potential_j),
         ("Speed gained", energy.kinetic_j),
         ("Stored in the magnetic field", energy.magnetic_field_j),
@@ -345,12 +312,14 @@ def flow_bar(word: str, amount: str, left: float, width: float, colour: str, str
 
 def plain_table(header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]]) -> Markup:
     """Return a table; a row may be the chosen one."""
-    head = "".join(f'<th scope="col">{_safe(cell)}</th>' for cell in header)
+    # the widest tables have thousands of cells, so each is not a template of its own; nor is text added to a piece of
+    # HTML, which would escape it
+    head = '</th><th scope="col">'.join(map(safe, header))
     body = "".join(
-        f"<tr{' class=chosen' if chosen else ''}>{''.join(f'<td>{_safe(cell)}</td>' for cell in cells)}</tr>"
+        ("<tr class=chosen><td>" if chosen else "<tr><td>") + "</td><td>".join(map(safe, cells)) + "</td></tr>"
         for cells, chosen in rows
     )
-    return Markup(f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>")
+    return Markup('<table><thead><tr><th scope="col">' + head + "</th></tr></thead><tbody>" + body + "</tbody></table>")
 
 
 def table(title: str, header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]], name: str = "") -> Markup:
@@ -413,6 +382,11 @@ def phase_table(run: Trajectory) -> Markup:
         # the phases' energies and this make the net energy
         rows.append((("Auxiliaries", "", "", "", words.energy(run.energy.auxiliary_j / J_PER_KWH)), False))
     return table("Phases", ("Phase", "from, m", "s", "to, km/h", "kWh"), rows)
+
+
+def inset(*pieces: str) -> Markup:
+    """Return pieces with a little room at both sides, as beneath a chart."""
+    return markup('<div style="padding:0 6px">{}</div>', joined(pieces))
 
 
 def notes(run: Trajectory) -> Markup:

@@ -8,8 +8,9 @@ from railjoule.core.bounds import ProofStep
 from railjoule.core.trajectory import Bound
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.glossary import info
+from railjoule.dashboard.look.markup import Markup, markup
 from railjoule.dashboard.models.workbench import Workbench
-from railjoule.dashboard.views.parts import escaped, html_pane
+from railjoule.dashboard.views.parts import html_pane
 
 ROW_CSS = """
 :host { display: grid; grid-template-columns: minmax(0, 1fr) auto; column-gap: 12px; align-items: start;
@@ -55,6 +56,7 @@ class ProofRow:
         if not shown or run is None or bound is None:
             return
         known = self.model.of(run.scenario)
+        end: str
         if own and stage:
             end = progress(self.model.step)
         elif own and known is not None and known.is_complete:
@@ -69,21 +71,25 @@ class ProofRow:
     @property
     def _failure(self) -> str:
         failure = self.model.failure
-        return "" if failure is None else escaped(f"The proof has ended: {failure}")
+        return "" if failure is None else f"The proof has ended: {failure}"
 
 
-def proof_text(bound: Bound, end: str) -> str:
+def proof_text(bound: Bound, end: str) -> Markup:
     """Return what a bound proves, as HTML, and at its end how far the proof is."""
     # how many boxes are used is not read aloud at every step, what is proven is
-    sentence = escaped(comparisons.proof_sentence(bound))
-    told = f'<span role="status" aria-live="polite">{sentence}</span>{info("Proof")}'
-    return f'<div class="proof-row">{told} <span class="muted">{end}</span></div>'
+    return markup(
+        '<div class="proof-row"><span role="status" aria-live="polite">{}</span>{} <span class="muted">{}</span></div>',
+        comparisons.proof_sentence(bound),
+        info("Proof"),
+        end,
+    )
 
 
-def progress(step: ProofStep | None) -> str:
+def progress(step: ProofStep | None) -> Markup:
     """Return how many boxes of its budget a proof has used, as HTML; None where it waits for others."""
     share, told = 0.0, "begins"
     if step is not None:
         share = step.share
         told = f"{words.number(step.boxes / BOXES)} of {words.number(step.budget / BOXES)} million boxes"
-    return f'<progress max="1" value="{share:.3f}" aria-label="Share of the boxes looked at"></progress>{told}'
+    bar = '<progress max="1" value="{}" aria-label="Share of the boxes looked at"></progress>{}'
+    return markup(bar, f"{share:.3f}", told)

@@ -1,6 +1,5 @@
 """Energy as a Sankey diagram: from the line through the drive to the train, to its losses, and back."""
 
-import html
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -8,6 +7,7 @@ from railjoule.core import Trajectory
 from railjoule.core.energy_flow import EnergyFlow, energy_flow
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import words
+from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import FONT, Tokens
 from railjoule.dashboard.views import parts
@@ -84,7 +84,7 @@ class SankeyChart(Chart):
         self.pane.object = sankey(energy_flow(run), self.palette.tokens, min(width_px, WIDEST_PX), self.words)
 
 
-def sankey(flow: EnergyFlow, tokens: Tokens, width_px: float, title: str) -> str:
+def sankey(flow: EnergyFlow, tokens: Tokens, width_px: float, title: str) -> Markup:
     """Return the diagram as HTML: a caption, an SVG with literal colours, and its numbers as a table for all who ask.
 
     Parameters
@@ -102,7 +102,8 @@ def sankey(flow: EnergyFlow, tokens: Tokens, width_px: float, title: str) -> str
     svg = Drawing(links, tokens, width_px).svg(title)
     rows = [((link.source, link.target, kwh(link.joules)), False) for link in links]
     table = parts.plain_table(("From", "To", "kWh"), rows)
-    return f'<div class="caption">{title}</div><div class="sankey">{svg}</div><div class="hidden">{table}</div>'
+    template = '<div class="caption">{}</div><div class="sankey">{}</div><div class="hidden">{}</div>'
+    return markup(template, title, svg, table)
 
 
 class Drawing:
@@ -176,19 +177,25 @@ class Drawing:
         drawn = [*self._ribbons(), *(self._knot(knot) for knot in KNOTS if self._through(knot))]
         drawn += [self._end(link) for link in self.ends] + [self._source(link) for link in self.sources]
         height = self.bottom + 6
-        label = html.escape(f"{title}: {spoken}")
         back = next((link for link in self.links if link.target == BACK), None)
         if back is not None:
             drawn.append(self._back(back))
             height += self.px_per_j * back.joules + 2 * BEND_PX + 20
-        return (
-            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {self.width:.0f} {height:.0f}" '
-            f'width="{self.width:.0f}" height="{height:.0f}" role="img" aria-label="{label}" '
-            f'data-figure="{html.escape(title)}" font-family="{html.escape(FONT)}" font-size="{self.size}" '
-            f'fill="{self.tokens["ink2"]}">{"".join(drawn)}</svg>'
+        return markup(
+            '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}" '
+            'role="img" aria-label="{title}: {spoken}" data-figure="{title}" font-family="{font}" font-size="{size}" '
+            'fill="{ink}">{drawn}</svg>',
+            width=f"{self.width:.0f}",
+            height=f"{height:.0f}",
+            title=title,
+            spoken=spoken,
+            font=FONT,
+            size=self.size,
+            ink=self.tokens["ink2"],
+            drawn=joined(drawn),
         )
 
-    def _ribbons(self) -> list[str]:
+    def _ribbons(self) -> list[Markup]:
         """Return the ribbons; at a knot they leave and arrive from top to bottom in the order of the links."""
         left = {knot: self.tops[knot] for knot in KNOTS}
         right = dict(left)
@@ -210,25 +217,26 @@ class Drawing:
             ribbons.append(self._ribbon(x0, y0, x1, y1, max(height, 0.8), link.token))
         return ribbons
 
-    def _ribbon(self, x0: float, y0: float, x1: float, y1: float, height: float, token: str) -> str:
+    def _ribbon(self, x0: float, y0: float, x1: float, y1: float, height: float, token: str) -> Markup:
         middle = 0.5 * (x0 + x1)
         upper = f"M{x0:.1f} {y0:.1f}C{middle:.1f} {y0:.1f} {middle:.1f} {y1:.1f} {x1:.1f} {y1:.1f}"
         lower = (
             f"v{height:.1f}C{middle:.1f} {y1 + height:.1f} {middle:.1f} {y0 + height:.1f} {x0:.1f} {y0 + height:.1f}Z"
         )
-        return f'<path d="{upper}{lower}" fill="{self.tokens[token]}" fill-opacity="0.45"/>'
+        return markup('<path d="{}{}" fill="{}" fill-opacity="0.45"/>', upper, lower, self.tokens[token])
 
-    def _knot(self, knot: str) -> str:
+    def _knot(self, knot: str) -> Markup:
         x, y, height = self._x(knot), self.tops[knot], max(self.px_per_j * self._through(knot), 1.0)
-        bar = f'<rect x="{x:.1f}" y="{y:.1f}" width="{KNOT_PX}" height="{height:.1f}" fill="{self.tokens["ink3"]}"/>'
+        box = f'<rect x="{x:.1f}" y="{y:.1f}" width="{KNOT_PX:g}" height="{height:.1f}" '
+        bar = markup('{}fill="{}"/>', Markup(box), self.tokens["ink3"])
         name = self._text(x, y - 17, knot, strong=True)
         return bar + name + self._text(x, y - 4, kwh(self._through(knot)))
 
-    def _end(self, link: Link) -> str:
+    def _end(self, link: Link) -> Markup:
         y = self.end_tops[link.target] + 0.5 * self.px_per_j * link.joules + 4
         return self._text(self.end_x + 6, y, f"{link.target} {kwh(link.joules)}")
 
-    def _source(self, link: Link) -> str:
+    def _source(self, link: Link) -> Markup:
         x, y = self._x(DRIVE), self.source_tops[link.source] + 0.5 * self.px_per_j * link.joules + 4
         text = f"{link.source} {kwh(link.joules)}"
         if not self.narrow:
@@ -237,11 +245,12 @@ class Drawing:
         upper = self._text(x + KNOT_PX - 4, y - 7, first, anchor="end")
         return upper + self._text(x + KNOT_PX - 4, y + 6, rest, anchor="end")
 
-    def _text(self, x: float, y: float, text: str, strong: bool = False, anchor: str = "start") -> str:
-        weight = ' font-weight="600"' if strong else ""
-        return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"{weight}>{html.escape(text)}</text>'
+    def _text(self, x: float, y: float, text: str, strong: bool = False, anchor: str = "start") -> Markup:
+        weight = Markup(' font-weight="600"') if strong else ""
+        template = '<text x="{}" y="{}" text-anchor="{}"{}>{}</text>'
+        return markup(template, f"{x:.1f}", f"{y:.1f}", anchor, weight, text)
 
-    def _back(self, link: Link) -> str:
+    def _back(self, link: Link) -> Markup:
         """Return the ribbon that leads back beneath everything, with its arrow at the line."""
         thick = max(self.px_per_j * link.joules, 1.5)
         radius = 0.5 * thick + BEND_PX
@@ -259,7 +268,13 @@ class Drawing:
         arrow = f"M{arrow_x - half:.1f} {tip + 9:.1f}h{2 * half:.1f}L{arrow_x:.1f} {tip:.1f}Z"
         accent = self.tokens["accent"]
         label = self._text(0.5 * (x0 + x1), y1 - 0.5 * thick - 4, f"{BACK} {kwh(link.joules)}", anchor="middle")
-        return (
-            f'<path d="{path}" fill="none" stroke="{accent}" stroke-opacity="0.3" stroke-width="{thick:.1f}"/>'
-            f'<path d="{arrow}" fill="{accent}" fill-opacity="0.6"/>{label}'
+        return markup(
+            '<path d="{}" fill="none" stroke="{}" stroke-opacity="0.3" stroke-width="{}"/>'
+            '<path d="{}" fill="{}" fill-opacity="0.6"/>{}',
+            path,
+            accent,
+            f"{thick:.1f}",
+            arrow,
+            accent,
+            label,
         )

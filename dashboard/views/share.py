@@ -1,6 +1,5 @@
 """Undo and redo, and what leaves the page: its link, its program, its command line, its file."""
 
-import html
 import re
 from typing import Any
 
@@ -9,6 +8,7 @@ import panel_material_ui as pmui
 
 from railjoule.core import RailjouleError
 from railjoule.dashboard.keeping import Keeping
+from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.models.recipes import Recipe, as_command, as_python, as_toml, recipe_of
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.views.parts import html_pane, refusal, stack
@@ -80,9 +80,7 @@ class Share:
             return
         for pane, title, make in ((self.python, "Python", as_python), (self.command, "Command line", as_command)):
             text = self._made(make)
-            pane.object = (
-                f'<h2>{title}</h2><pre class="code" tabindex="0" aria-label="{title}">{html.escape(text)}</pre>'
-            )
+            pane.object = markup('<h2>{0}</h2><pre class="code" tabindex="0" aria-label="{0}">{1}</pre>', title, text)
 
     def _made(self, make: Any) -> str:
         """Return a text about the scenario as it stands, or why there is none."""

@@ -14,6 +14,7 @@ from bokeh.model import Model
 from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.insides import keep_colours, leave_busy, name_sheets
 from railjoule.dashboard.look import glossary
+from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.scripts import source
 from railjoule.dashboard.look.theme import document_css, material_theme
 from railjoule.dashboard.messages import added_to, one_message, unfrozen
@@ -149,7 +150,7 @@ class Shell:
         return Page(
             title="",
             meta_title="railjoule",
-            main=[self.share.view, self.main, self.browser, self.saving, self.editor],
+            main=[self.share.view, self.main, self.starting.behind, self.browser, self.saving, self.editor],
             sidebar=[self.sidebar.view],
             sidebar_width=272,
             sidebar_open=self._beside,
@@ -229,8 +230,8 @@ class Shell:
         except Exception as error:
             self.state.faults.note(error, f"the page {name} could not be opened")
             self._failed.add(name)
-            text = f'{heading(name, "", "", "")}<div class="message" role="alert">{NOT_OPENED}</div>'
-            return html_pane(text)
+            failed = markup('<div class="message" role="alert">{}</div>', NOT_OPENED)
+            return html_pane(heading(name, "", "", "") + failed)
         self._failed.discard(name)
         return view
 

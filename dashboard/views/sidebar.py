@@ -1,6 +1,5 @@
 """The sidebar: the scenario's editor, and the strategies."""
 
-import html
 from collections.abc import Callable, Mapping
 from functools import cache
 from typing import Any, Protocol
@@ -14,6 +13,7 @@ from railjoule.core.strategies.enoc import best_acceleration_time
 from railjoule.dashboard.insides import SmallFile
 from railjoule.dashboard.keeping import Keeping
 from railjoule.dashboard.look import words
+from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.messages import added_to, unfrozen
 from railjoule.dashboard.models.dropped import LARGEST_REPORT_BYTES, NO_TEXT, TOO_LARGE
 from railjoule.dashboard.models.pages import PAGES
@@ -162,17 +162,15 @@ class Sidebar:
     def _describe(self, *_: Any) -> None:
         """Say which vehicle and line these are."""
         base = self.state.scenario.edited
-        name = html.escape(base.vehicle.name)
-        self.vehicle.object = f'<div class="section">Vehicle <span>\u00b7 {name}</span></div>'
-        self.line.object = f'<div class="section">Track</div>{line_rows(self.state)}'
+        self.vehicle.object = markup('<div class="section">Vehicle <span>\u00b7 {}</span></div>', base.vehicle.name)
+        self.line.object = markup('<div class="section">Track</div>{}', line_rows(self.state))
 
     def _show_runs(self, *_: Any) -> None:
         runs = self.state.runs
         if runs is not None:
             shortest = words.number(runs.shortest_time_s)
-            self.shortest.object = (
-                f'<div class="row small"><span class="muted">shortest possible</span><span>{shortest} s</span></div>'
-            )
+            template = '<div class="row small"><span class="muted">shortest possible</span><span>{} s</span></div>'
+            self.shortest.object = markup(template, shortest)
 
 
 @cache
@@ -226,7 +224,7 @@ class PageFields:
                     self.view[:] = [self.make(self.state).view]
             except Exception as error:
                 self.state.faults.note(error, f"the fields of {self.page} could not be shown")
-                self.view[:] = [html_pane(f'<p class="error" role="alert">{NOT_SHOWN}</p>')]
+                self.view[:] = [html_pane(markup('<p class="error" role="alert">{}</p>', NOT_SHOWN))]
 
 
 class EnocField:
@@ -277,7 +275,7 @@ OWN_FIELDS: Mapping[str, Callable[[Workbench], HasView]] = {
 """Fields that one page alone has, by its name."""
 
 
-def line_rows(state: Workbench) -> str:
+def line_rows(state: Workbench) -> Markup:
     """Return what the line is like, in rows."""
     line = state.scenario.edited.line.in_running_order()
     gradients = [section.gradient_permille for section in line.sections]
@@ -285,10 +283,12 @@ def line_rows(state: Workbench) -> str:
         level = "level" if gradients[0] == 0 else f"{words.signed(gradients[0], 0)} {words.PER_MILLE}"
     else:
         level = f"{words.signed(min(gradients), 0)} to {words.signed(max(gradients), 0)} {words.PER_MILLE}"
-    rows = [f"<div class='row'><span>{words.distance(line.length_m)} km, {level}</span></div>"]
+    rows = [markup('<div class="row"><span>{} km, {}</span></div>', words.distance(line.length_m), level)]
     rows += [
-        f"<div class='row'><span>Limit {limit.limit_kmh:g} km/h</span>"
-        f"<span>{limit.from_m:g}\u2013{limit.to_m:g} m</span></div>"
+        markup(
+            '<div class="row"><span>Limit {} km/h</span><span>{}\u2013{} m</span></div>',
+            *(f"{value:g}" for value in (limit.limit_kmh, limit.from_m, limit.to_m)),
+        )
         for limit in line.speed_limits
     ]
-    return "".join(rows)
+    return joined(rows)

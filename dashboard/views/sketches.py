@@ -1,7 +1,8 @@
 """Grey sketches: what stands where a chart will be until it is drawn, and the words for one that cannot be."""
 
-import html
 from typing import Literal
+
+from railjoule.dashboard.look.markup import Markup, joined, markup
 
 SketchKind = Literal["lines", "bars", "map", "strip"]
 COMPUTING = "Computing"
@@ -12,7 +13,7 @@ STRIPS = ((0, 9), (10, 46), (57, 17), (75, 25))
 """Start and width of each part of a strip [%]."""
 
 
-def sketch(kind: SketchKind, words: str, name: str, height: int, told: str = COMPUTING) -> str:
+def sketch(kind: SketchKind, words: str, name: str, height: int, told: str = COMPUTING) -> Markup:
     """Return the sketch of a chart under its caption, as HTML.
 
     Parameters
@@ -28,47 +29,55 @@ def sketch(kind: SketchKind, words: str, name: str, height: int, told: str = COM
     told : str
         What is going on; empty where nothing is.
     """
-    caption = f'<div class="caption">{html.escape(words)}</div>' if words else ""
-    heard = f"{'Being computed' if told else 'Not drawn'}: {name}"
-    text = f"<p>{html.escape(told)}</p>" if told and kind != "strip" else ""
-    return (
-        f'{caption}<div class="sketch {kind}" role="img" aria-label="{html.escape(heard)}" style="height:{height}px">'
-        f'<svg viewBox="0 0 100 100" preserveAspectRatio="none" aria-hidden="true">{shapes(kind)}</svg>{text}</div>'
+    return markup(
+        '{caption}<div class="sketch {kind}" role="img" aria-label="{heard}: {name}" style="height:{height}px">'
+        '<svg viewBox="0 0 100 100" preserveAspectRatio="none" aria-hidden="true">{shapes}</svg>{text}</div>',
+        caption=_caption(words),
+        kind=kind,
+        heard="Being computed" if told else "Not drawn",
+        name=name,
+        height=height,
+        shapes=shapes(kind),
+        text=markup("<p>{}</p>", told) if told and kind != "strip" else "",
     )
 
 
-def shapes(kind: SketchKind) -> str:
+def _caption(words: str) -> Markup:
+    return markup('<div class="caption">{}</div>', words) if words else Markup()
+
+
+def shapes(kind: SketchKind) -> Markup:
     """Return the shapes of a sketch in a square of 100 by 100, stretched to its place."""
     if kind == "bars":
         width = 100 / len(BAR_HEIGHTS)
-        return "".join(
-            f'<rect x="{k * width + 1.5:g}" y="{100 - high:g}" width="{width - 3:g}" height="{high:g}"/>'
+        return Markup().join(
+            Markup(f'<rect x="{k * width + 1.5:g}" y="{100 - high:g}" width="{width - 3:g}" height="{high:g}"/>')
             for k, high in enumerate(BAR_HEIGHTS)
         )
     if kind == "map":
         wide, high = 100 / MAP_COLUMNS, 100 / MAP_ROWS
-        return "".join(
-            f'<rect x="{column * wide + 0.4:g}" y="{row * high + 0.8:g}" width="{wide - 0.8:g}" '
-            f'height="{high - 1.6:g}" fill-opacity="{0.45 + 0.55 * ((3 * row + 2 * column) % 5) / 4:g}"/>'
+        return Markup().join(
+            Markup(
+                f'<rect x="{column * wide + 0.4:g}" y="{row * high + 0.8:g}" width="{wide - 0.8:g}" '
+                f'height="{high - 1.6:g}" fill-opacity="{0.45 + 0.55 * ((3 * row + 2 * column) % 5) / 4:g}"/>'
+            )
             for row in range(MAP_ROWS)
             for column in range(MAP_COLUMNS)
         )
     if kind == "strip":
-        return "".join(f'<rect x="{start}" y="8" width="{width}" height="84"/>' for start, width in STRIPS)
-    return '<path d="M0 98 C4 40 8 16 18 16 L78 16 C90 16 96 46 100 98"/><path d="M0 99 H100"/>'
+        bar = '<rect x="{}" y="8" width="{}" height="84"/>'
+        return joined(markup(bar, start, width) for start, width in STRIPS)
+    return Markup('<path d="M0 98 C4 40 8 16 18 16 L78 16 C90 16 96 46 100 98"/><path d="M0 99 H100"/>')
 
 
-def numbers_sketch(count: int = 5) -> str:
+def numbers_sketch(count: int = 5) -> Markup:
     """Return the sketch of a row of numbers, as high as the row."""
-    lines = "".join(f'<div class="{line}"><i></i></div>' for line in ("label", "value", "detail"))
-    cell = f'<div class="figure">{lines}</div>'
-    return f'<div class="figures sketched" role="img" aria-label="Being computed: numbers">{cell * count}</div>'
+    lines = joined(markup('<div class="{}"><i></i></div>', line) for line in ("label", "value", "detail"))
+    cells = markup('<div class="figure">{}</div>', lines) * count
+    return markup('<div class="figures sketched" role="img" aria-label="Being computed: numbers">{}</div>', cells)
 
 
-def not_drawn(words: str, height: int) -> str:
+def not_drawn(words: str, height: int) -> Markup:
     """Return what stands in the place of a chart that could not be drawn."""
-    caption = f'<div class="caption">{html.escape(words)}</div>' if words else ""
-    return (
-        f'{caption}<div class="sketch failed" role="alert" style="min-height:{height}px"><p>{html.escape(NOT_DRAWN)}'
-        "</p></div>"
-    )
+    failed = '{}<div class="sketch failed" role="alert" style="min-height:{}px"><p>{}</p></div>'
+    return markup(failed, _caption(words), height, NOT_DRAWN)

@@ -301,4 +301,4 @@ def sections_table(run: LimitRun) -> str:
         cells = (str(number), words.number(start, 0), words.number(end, 0), words.number(float(limit)), top)
         rows.append((cells, False))
     table = parts.table("Sections", ("Section", "from, m", "to, m", "limit, km/h", "top, km/h"), rows)
-    return f'<div style="padding:0 6px">{table}</div>'
+    return parts.inset(table)

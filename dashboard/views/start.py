@@ -9,6 +9,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.insides import Words
 from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.models.pages import PAGES
 from railjoule.dashboard.store import Card, Runs, outlines
@@ -67,11 +68,11 @@ GOOD_FOR = {
 WIDTH, HEIGHT = 1000.0, 240.0
 SMALL_WIDTH, SMALL_HEIGHT = 240.0, 54.0
 MOST_POINTS, MOST_TICKS = 160, 6
-SKETCHED_LINE = (
+SKETCHED_LINE = Markup(
     '<path d="M2 53 C 8 20 14 8 32 8 L 196 8 C 222 8 232 30 238 53" fill="none" stroke="var(--rj-line2)" '
     'stroke-width="1.8" vector-effect="non-scaling-stroke"/>'
 )
-HERO_SKETCH = (
+HERO_SKETCH = Markup(
     '<path d="M0 9.6 C.3 4 .6 1.5 1.6 1.5 L8 1.5 C9.2 1.5 9.6 5 10 9.6 M0 9.7 H10" fill="none" '
     'stroke="var(--rj-line2)" stroke-width="2" vector-effect="non-scaling-stroke"/>'
 )
@@ -152,7 +153,7 @@ class StartView(PageView):
 
     def _laid_out(self, title: str, shows: str, names: tuple[str, ...]) -> tuple[Viewable, Viewable]:
         """Return the heading of a group of cards, and its cards."""
-        heading = f'<h2 class="begin">{title} <span class="muted">{shows}</span></h2>'
+        heading = markup('<h2 class="begin">{} <span class="muted">{}</span></h2>', title, shows)
         cards = parts.stack(*(self.cards[name] for name in names), css=GRID_CSS)
         return parts.html_pane(heading, stylesheets=[parts_css(), START_CSS]), cards
 
@@ -177,64 +178,63 @@ class StartView(PageView):
             self.state.page = "Drive"
 
 
-def hero(runs: Runs | None) -> str:
+def hero(runs: Runs | None) -> Markup:
     """Return the sentence, and the picture of the present optimum beside the fastest run once it is there."""
-    text = f"<h1>{PAGES['Start'].question}</h1><p>{LEAD} {MORE}</p>"
+    text = markup("<h1>{}</h1><p>{} {}</p>", PAGES["Start"].question, LEAD, MORE)
     if runs is None:
-        return (
-            f'<div class="hero">{text}<svg role="img" aria-label="Being computed: the first run" viewBox="0 0 10 10" '
-            f'preserveAspectRatio="none">{HERO_SKETCH}</svg><div class="key">Computing</div></div>'
+        return markup(
+            '<div class="hero">{}<svg role="img" aria-label="Being computed: the first run" viewBox="0 0 10 10" '
+            'preserveAspectRatio="none">{}</svg><div class="key">Computing</div></div>',
+            text,
+            HERO_SKETCH,
         )
     run, fastest = runs.best, runs.runs.get("fastest")
     phases = dict.fromkeys(phase.phase for phase in run.phases)
+    told = (words.energy(run.energy_kwh), words.time(run.travel_time_s))
     key = [
-        f"<span><b>{parts.escaped(run.scenario.title)}</b>, {words.distance(run.distance_m)} km</span>",
-        f"<span>{words.strategy(run.strategy)}: <b>{words.energy(run.energy_kwh)} kWh</b> "
-        f"in {words.time(run.travel_time_s)} s</span>",
+        markup("<span><b>{}</b>, {} km</span>", run.scenario.title, words.distance(run.distance_m)),
+        markup("<span>{}: <b>{} kWh</b> in {} s</span>", words.strategy(run.strategy), *told),
     ]
     if fastest is not None:
-        key.append(
-            f"<span>dotted: fastest possible, {words.energy(fastest.energy_kwh)} kWh in "
-            f"{words.time(fastest.travel_time_s)} s</span>"
-        )
-    key += [
-        f'<span><i style="background:var(--rj-{name.replace("_", "-")})"></i>{words.PHASE_WORDS[name]}</span>'
-        for name in phases
-    ]
+        told = (words.energy(fastest.energy_kwh), words.time(fastest.travel_time_s))
+        key.append(markup("<span>dotted: fastest possible, {} kWh in {} s</span>", *told))
+    patch = '<span><i style="background:var(--rj-{})"></i>{}</span>'
+    key += [markup(patch, name.replace("_", "-"), words.PHASE_WORDS[name]) for name in phases]
     alternative = f"Speed over distance of the optimum of {run.scenario.title}: " + ", ".join(
         words.advice_in_words(run.advice)
     )
-    return (
-        f'<div class="hero">{text}<div class="name">Speed, km/h</div><div class="plot">'
-        f'<svg role="img" aria-label="{parts.escaped(alternative)}" '
-        f'viewBox="0 0 {WIDTH:g} {HEIGHT:g}" preserveAspectRatio="none">{picture(run, fastest)}</svg>'
-        f'{axes(run, fastest)}</div><div class="key">{"".join(key)}</div></div>'
+    return markup(
+        '<div class="hero">{text}<div class="name">Speed, km/h</div><div class="plot">'
+        '<svg role="img" aria-label="{alternative}" viewBox="0 0 {width} {height}" preserveAspectRatio="none">'
+        '{picture}</svg>{axes}</div><div class="key">{key}</div></div>',
+        text=text,
+        alternative=alternative,
+        width=f"{WIDTH:g}",
+        height=f"{HEIGHT:g}",
+        picture=picture(run, fastest),
+        axes=axes(run, fastest),
+        key=joined(key),
     )
 
 
-def picture(run: Trajectory, fastest: Trajectory | None) -> str:
+def picture(run: Trajectory, fastest: Trajectory | None) -> Markup:
     """Return the area under the speed, phase by phase, and the line of the fastest run, as SVG."""
     top = top_kmh(run, fastest)
-    shapes = [
-        f'<path d="M0 {HEIGHT * (1 - speed / top):.1f} H{WIDTH:g}" stroke="var(--rj-grid)" '
-        'vector-effect="non-scaling-stroke"/>'
-        for speed in ticks(top)[1:]
-    ]
+    line = '<path d="M0 {} H{}" stroke="var(--rj-{})" vector-effect="non-scaling-stroke"/>'
+    shapes = [markup(line, f"{HEIGHT * (1 - speed / top):.1f}", f"{WIDTH:g}", "grid") for speed in ticks(top)[1:]]
     for phase in run.phases:
         inside = (run.position_m >= phase.start_m - 1e-9) & (run.position_m <= phase.end_m + 1e-9)
         x, y = scaled(run.position_m[inside], run.speed_ms[inside] / MS_PER_KMH, run.distance_m, top, WIDTH, HEIGHT)
         if len(x) < 2:
             continue
         area = f"M{x[0]:.1f} {HEIGHT:g} " + " ".join(f"L{a:.1f} {b:.1f}" for a, b in zip(x, y, strict=True))
-        colour = f"var(--rj-{phase.phase.replace('_', '-')})"
-        shapes.append(f'<path d="{area} L{x[-1]:.1f} {HEIGHT:g} Z" fill="{colour}" fill-opacity="0.8"/>')
+        outline, token = f"{area} L{x[-1]:.1f} {HEIGHT:g} Z", phase.phase.replace("_", "-")
+        shapes.append(markup('<path d="{}" fill="var(--rj-{})" fill-opacity="0.8"/>', outline, token))
     if fastest is not None:
-        shapes.append(speed_line(fastest, top, WIDTH, HEIGHT, "var(--rj-ink3)", 1.4, 'stroke-dasharray="2 4"'))
+        shapes.append(speed_line(fastest, top, WIDTH, HEIGHT, "var(--rj-ink3)", 1.4, Markup('stroke-dasharray="2 4"')))
     shapes.append(speed_line(run, top, WIDTH, HEIGHT, "var(--rj-accent)", 2.8))
-    shapes.append(
-        f'<path d="M0 {HEIGHT - 0.5:g} H{WIDTH:g}" stroke="var(--rj-groundline)" vector-effect="non-scaling-stroke"/>'
-    )
-    return "".join(shapes)
+    shapes.append(markup(line, f"{HEIGHT - 0.5:g}", f"{WIDTH:g}", "groundline"))
+    return joined(shapes)
 
 
 def top_kmh(run: Trajectory, fastest: Trajectory | None) -> float:
@@ -248,35 +248,45 @@ def ticks(end: float) -> list[float]:
     return [step * k for k in range(int(end / step + 1e-9) + 1)]
 
 
-def axes(run: Trajectory, fastest: Trajectory | None) -> str:
+def axes(run: Trajectory, fastest: Trajectory | None) -> Markup:
     """Return the numbers and the title of the picture's axes."""
     top, length_km = top_kmh(run, fastest), run.distance_m / 1000
-    speeds = "".join(
-        f'<span class="y" style="top:calc((100% - 36px) * {1 - speed / top:.4f})">{speed:g}</span>'
-        for speed in ticks(top)
+    speed_name = '<span class="y" style="top:calc((100% - 36px) * {})">{}</span>'
+    place_name = '<span class="x" style="left:{}%">{}</span>'
+    return joined(
+        (
+            *(markup(speed_name, f"{1 - speed / top:.4f}", f"{speed:g}") for speed in ticks(top)),
+            *(markup(place_name, f"{100 * place / length_km:.2f}", f"{place:g}") for place in ticks(length_km)),
+            Markup('<span class="title">Distance, km</span>'),
+        )
     )
-    places = "".join(
-        f'<span class="x" style="left:{100 * place / length_km:.2f}%">{place:g}</span>' for place in ticks(length_km)
-    )
-    return f'{speeds}{places}<span class="title">Distance, km</span>'
 
 
-def card_html(card: Card) -> str:
+def card_html(card: Card) -> Markup:
     """Return what a scenario is, and energy and time of its run with its strategy where that is not the optimum."""
     stops = f", {card.stations} stations on the way" if card.stations else ""
-    line, name, cost = _run_words(card.run)
-    return (
-        f'<div class="card"><button type="button" data-scenario="{parts.escaped(card.name)}">'
-        f"{parts.escaped(card.title)}</button><p>{parts.escaped(card.vehicle)}</p>"
-        f'<svg role="img" aria-label="{name}" viewBox="0 0 {SMALL_WIDTH:g} {SMALL_HEIGHT:g}" '
-        f'preserveAspectRatio="none">{line}<path d="M0 {SMALL_HEIGHT - 0.5:g} H{SMALL_WIDTH:g}" '
-        'stroke="var(--rj-line2)" vector-effect="non-scaling-stroke"/></svg>'
-        f'<p class="for">{GOOD_FOR.get(card.name, "")}</p>'
-        f"<p>{words.distance(card.length_m)}\u00a0km{stops}</p><p>{cost}</p></div>"
+    line, shown, cost = _run_words(card.run)
+    return markup(
+        '<div class="card"><button type="button" data-scenario="{name}">{title}</button><p>{vehicle}</p>'
+        '<svg role="img" aria-label="{shown}" viewBox="0 0 {width} {height}" preserveAspectRatio="none">{line}'
+        '<path d="M0 {bottom} H{width}" stroke="var(--rj-line2)" vector-effect="non-scaling-stroke"/></svg>'
+        '<p class="for">{use}</p><p>{length}\u00a0km{stops}</p><p>{cost}</p></div>',
+        name=card.name,
+        title=card.title,
+        vehicle=card.vehicle,
+        shown=shown,
+        width=f"{SMALL_WIDTH:g}",
+        height=f"{SMALL_HEIGHT:g}",
+        bottom=f"{SMALL_HEIGHT - 0.5:g}",
+        line=line,
+        use=GOOD_FOR.get(card.name, ""),
+        length=words.distance(card.length_m),
+        stops=stops,
+        cost=cost,
     )
 
 
-def _run_words(run: Trajectory | None) -> tuple[str, str, str]:
+def _run_words(run: Trajectory | None) -> tuple[Markup, str, str]:
     """Return the line of a card's run, what it shows, and the run's strategy, energy and time."""
     if run is None:
         return SKETCHED_LINE, "Being computed: speed over distance", "computing"
@@ -290,13 +300,17 @@ def _run_words(run: Trajectory | None) -> tuple[str, str, str]:
 
 def speed_line(
     run: Trajectory, top_kmh: float, width: float, height: float, colour: str, stroke: float, dash: str = ""
-) -> str:
+) -> Markup:
     """Return the speed of a run as a line of SVG."""
     x, y = scaled(run.position_m, run.speed_ms / MS_PER_KMH, run.distance_m, top_kmh, width, height)
     points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
-    return (
-        f'<polyline points="{points}" fill="none" stroke="{colour}" stroke-width="{stroke:g}" {dash} '
-        'vector-effect="non-scaling-stroke" stroke-linejoin="round"/>'
+    return markup(
+        '<polyline points="{}" fill="none" stroke="{}" stroke-width="{}" {} vector-effect="non-scaling-stroke" '
+        'stroke-linejoin="round"/>',
+        points,
+        colour,
+        stroke,
+        dash,
     )
 
 

@@ -1,6 +1,5 @@
 """The strategies beside a page: which one all numbers speak of, which are drawn, and what each of them needs."""
 
-import html
 from typing import Any
 
 import param
@@ -10,6 +9,7 @@ from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.glossary import info
+from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.scripts import module
 from railjoule.dashboard.look.theme import strategies_css
 from railjoule.dashboard.models.pages import PAGES
@@ -68,11 +68,11 @@ class StrategyList(JSComponent):
 def strategy_numbers(runs: Runs, name: StrategyName) -> str:
     """Return a strategy's energy and by how much it lies above the best known run, or why it refuses."""
     if name in runs.refused:
-        return f'<span class="reason">{html.escape(runs.refused[name].rstrip("."))}</span>'
+        return markup('<span class="reason">{}</span>', runs.refused[name].rstrip("."))
     if name not in runs.runs:
-        return f"<span></span><span>{words.UNKNOWN}</span>"
+        return markup("<span></span><span>{}</span>", words.UNKNOWN)
     run = runs.runs[name]
     amount = comparisons.above_reference(run)
     # the column's head says kWh, and there is no room for it
     above = words.UNKNOWN if amount is None else str(amount).removesuffix(" kWh")
-    return f"<span>{words.energy(run.energy_kwh)}</span><span>{above}</span>"
+    return markup("<span>{}</span><span>{}</span>", words.energy(run.energy_kwh), above)

@@ -227,7 +227,7 @@ class TradeOffView(PageView):
             for k in np.flatnonzero(np.abs(times - time) < 0.05):
                 rows.append(enoc_row("ENOC as printed", float(ramps[k]), float(energies[k])))
         header = ("Strategy", "kWh", "above optimal, %", "top, km/h", "accelerates, s")
-        return f'<div style="padding:0 6px">{parts.table(f"At {words.time(time)} s", header, rows)}</div>'
+        return parts.inset(parts.table(f"At {words.time(time)} s", header, rows))
 
 
 def enoc_refusal(trade_off: TradeOff, time: float) -> str:

@@ -9,7 +9,7 @@ from playwright.sync_api import BrowserContext, expect
 from browser.server import Server
 from browser.user import User
 
-CANARY = "<img src=x onerror='window.pwned=true'>"
+CANARY = "</style></script><script>window.pwned=true</script><img src=x onerror='window.pwned=true'>"
 GOOD = """
 title = "Own line"
 [vehicle]
@@ -101,5 +101,7 @@ def test_markup_in_a_file_stays_text(user: User, tmp_path: Path) -> None:
     user.open_file(path)
     expect(user.scenario(CANARY)).to_be_visible()
     user.page.get_by_role("button", name="Pin run").click()
-    user.turn_to("Trade-off")
+    for page in ("Trade-off", "Compare", "Line", "Start"):
+        user.turn_to(page)
+        expect(user.page.get_by_text("onerror").first).to_be_attached()
     assert user.page.evaluate("window.pwned") is None

@@ -391,7 +391,9 @@ def test_a_missing_package_of_the_dashboard_is_named(capsys, monkeypatch):
     monkeypatch.delattr("railjoule.dashboard.app", raising=False)
     monkeypatch.delitem(sys.modules, "railjoule.dashboard.app", raising=False)
     monkeypatch.setitem(sys.modules, "panel", None)
-    assert complaint(capsys, "serve") == "the dashboard needs panel, which is not installed."
+    assert complaint(capsys, "serve") == (
+        "the dashboard needs panel, which is not installed: pip install 'railjoule[page]'."
+    )
 
 
 # ---- bad input

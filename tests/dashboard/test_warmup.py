@@ -1,7 +1,14 @@
+import os
 import subprocess
 import sys
+from pathlib import Path
 
-from railjoule.dashboard.warmup import Warmup, all_kernels
+import pytest
+
+from railjoule.dashboard import warmup as module
+from railjoule.dashboard.models.scenario import FIRST_SCENARIO
+from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.warmup import APART, FIRST, FIRST_KERNELS, FIRST_STRATEGIES, Warmup, all_kernels, begun
 
 EVERY_STRATEGY = """
 from railjoule.core import compare, load_scenario
@@ -54,5 +61,85 @@ def test_nothing_is_left_to_compile_after_the_warm_up() -> None:
 
 def test_progress_counts_kernels() -> None:
     done, count = Warmup().progress
-    assert 0 <= done <= count
-    assert count == len(list(all_kernels())) > 10
+    assert 0 <= done <= count == FIRST_KERNELS < len(list(all_kernels()))
+
+
+def test_the_first_page_is_the_one_with_which_a_page_opens() -> None:
+    assert FIRST == FIRST_SCENARIO
+    assert set(FIRST_STRATEGIES) == set(Workbench().drawn)
+
+
+class Helper:
+    """A process that compiles elsewhere, as the warm-up sees it."""
+
+    def __init__(self, *parts: str) -> None:
+        self.parts, self.killed = parts, False
+
+    def wait(self) -> int:
+        return 1  # what it could not do, the process itself does
+
+    def kill(self) -> None:
+        self.killed = True
+
+
+@pytest.mark.parametrize("filled", [False, True])
+def test_other_processes_compile_behind_the_first_page_where_the_cache_is_empty(
+    monkeypatch: pytest.MonkeyPatch, filled: bool
+) -> None:
+    done: list[str] = []
+    helpers: list[Helper] = []
+    one = Warmup()
+
+    def begin(*parts: str) -> list[Helper]:
+        helpers.append(Helper(*parts))
+        return helpers[-1:]
+
+    monkeypatch.setattr(module, "is_filled", lambda: filled)
+    monkeypatch.setattr(module, "begun", begin)
+    monkeypatch.setattr(module, "drive_first", lambda: done.append(f"first {one.first.is_set()}"))
+    monkeypatch.setattr(module, "drive_all", lambda: done.append(f"all {one.first.is_set()} {one.ready.is_set()}"))
+    one.start()
+    assert one.ready.wait(30)
+    assert done == ["first False", "all True False"]
+    assert [helper.parts for helper in helpers] == ([] if filled else [(APART,), ()])
+    one.wait()
+    assert all(helper.killed for helper in helpers)
+
+
+def test_a_page_opens_even_where_the_kernels_cannot_be_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail() -> None:
+        raise OSError
+
+    monkeypatch.setattr(module, "is_filled", lambda: True)
+    monkeypatch.setattr(module, "drive_first", fail)
+    one = Warmup()
+    one.start()
+    assert one.ready.wait(30)
+    assert one.first.is_set()
+
+
+def test_one_core_compiles_in_one_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(os, "cpu_count", lambda: 1)
+    assert begun() == []
+
+
+def test_a_filled_cache_is_known_again(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    assert not module.is_filled()
+    module.tell_done()
+    assert module.is_filled()
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "missing"))
+    module.tell_done()
+    assert not module.is_filled()
+
+
+def test_a_process_that_compiles_ends_with_its_parent() -> None:
+    # the parent ends at once; its child, which would sleep for a minute, holds the output open until it ends
+    child = "import time; from railjoule.dashboard.warmup import help_out; help_out({parent}); time.sleep(60)"
+    parent = (
+        "import os, subprocess, sys; child = sys.argv[1].format(parent=os.getpid());"
+        "print(subprocess.Popen([sys.executable, '-c', child]).pid)"
+    )
+    command = [sys.executable, "-c", parent, child]
+    told = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True, timeout=50)
+    assert told.stdout.strip().isdigit()

@@ -60,6 +60,25 @@ def test_a_field_of_a_time_takes_it_as_on_a_clock() -> None:
     assert "2:30" not in steps.help_words
 
 
+def test_bounds_beside_none_and_within_a_list_are_read() -> None:
+    parts = {part.key: part for table in ("vehicle.traction", "search") for part in parts_of(table)}
+    effort, boundaries, curve = (
+        parts[key] for key in ("vehicle.traction.max_effort_kn", "search.boundaries_m", "vehicle.traction.curve")
+    )
+    assert isinstance(effort, Field)
+    assert (effort.above, effort.most, effort.optional) == (0, 1e4, True)
+    assert isinstance(boundaries, Field)
+    assert (boundaries.kind, boundaries.above, boundaries.most, boundaries.count) == ("numbers", 0, 1e7, (0, 50))
+    assert isinstance(curve, Table)
+    assert [(column.least, column.most) for column in curve.columns] == [(0, 600), (0, 1e4)]
+    assert (curve.of_lists, curve.fewest, curve.most) == (True, 2, 1000)
+
+
+def test_a_field_has_the_name_that_the_pages_have() -> None:
+    (error,) = [part for part in parts_of("disturbance") if part.key.endswith("coordinate_error_m")]
+    assert error.label == "Position error, m"
+
+
 @pytest.mark.parametrize(
     ("name", "words", "unit"),
     [

@@ -14,7 +14,7 @@ from railjoule.dashboard.report.sections import certificate
 from railjoule.dashboard.store.report import Findings, ReportRequest, compute_findings
 
 MADE_AT = datetime(2026, 3, 9, 14, 5, tzinfo=UTC)
-CANARY = "<img src=x onerror='window.pwned=true'></script>"
+CANARY = "</style></script></title><img src=x onerror='window.pwned=true'>\"&"
 LARGEST_BYTES = 10_000_000
 """The issue's bar."""
 
@@ -65,9 +65,12 @@ def data(page: str) -> dict:
 
 def test_no_text_of_a_user_becomes_markup(page: str) -> None:
     shown = without_scripts(page)
-    assert "<img" not in shown
-    assert "<script" not in shown
+    for sign in ("<img", "<script", "</style", "x onerror='", "true'>\""):
+        assert sign not in shown
     assert shown.count("&lt;img src=x") >= 5  # both titles, vehicle, line, station
+    # what scripts read: no text in it ends their element
+    for name in ("figures", "data", "surfaces"):
+        assert "<" not in page.partition(f'id="{name}">')[2].partition("</script>")[0]
 
 
 def test_it_is_one_file_that_asks_for_nothing(page: str) -> None:

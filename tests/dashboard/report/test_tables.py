@@ -1,6 +1,7 @@
 import re
 
 from railjoule.core import load_scenario
+from railjoule.dashboard.models.fields_of import Field, parts_of
 from railjoule.dashboard.report.tables import MOST_ROWS, scenario_tables
 
 
@@ -14,17 +15,29 @@ def rows(markup: str) -> list[list[str]]:
 def test_quantities_have_their_values_and_units() -> None:
     told = rows(scenario_tables(load_scenario("liashenko-ii", {"vehicle.load_factor": 0.5})))
     # 160 t empty, half of 1385 passengers of 74.9745 kg
-    assert ["Mass of the empty vehicle", "160\u202f000", "kg"] in told
+    assert ["Tare Mass of the empty vehicle.", "160\u202f000", "kg"] in told
     assert ["Mass with passengers", "211\u202f920", "kg"] in told
-    assert ["Absolute, quadratic in speed", "1.7463", "N/(km/h)\u00b2"] in told
+    assert ["Quadratic Absolute, quadratic in speed.", "1.7463", "N/(km/h)\u00b2"] in told
+
+
+def test_a_field_has_the_editors_name_and_unit() -> None:
+    told = [row for row in rows(scenario_tables(load_scenario("tram-950m"))) if row]
+    fields = [field for field in parts_of("drive", "induction") if isinstance(field, Field)]
+    of_numbers = [field for field in fields if field.kind in {"number", "whole"}]
+    assert len(of_numbers) > 15
+    for field in of_numbers:
+        assert [f"{field.quantity} {field.meaning}", field.unit] in [[row[0], row[-1]] for row in told]
+    assert ["Kind", "Induction", ""] in told
+    assert len({tuple(row) for row in told}) == len(told)  # two losses of one value and meaning are told apart
 
 
 def test_a_line_is_told_in_running_order() -> None:
     sections = [{"length_m": 300.0, "gradient_permille": 4.0}, {"length_m": 500.0, "speed_limit_kmh": 60.0}]
     changes = {"line.preset": None, "line.sections": sections, "line.reverse": True}
     told = rows(scenario_tables(load_scenario("liashenko-0", changes)))
-    assert ["0", "500", "0.0", "60", ""] in told
-    assert ["500", "800", "\u22124.0", "", ""] in told
+    # neither curves nor tunnels: no columns of nothing
+    assert ["0", "500", "0.0", "60"] in told
+    assert ["500", "800", "\u22124.0", ""] in told
 
 
 def test_a_long_table_says_how_much_it_leaves_out() -> None:
@@ -38,4 +51,4 @@ def test_what_goes_as_planned_is_not_told() -> None:
     stop = [{"position_m": 400.0, "duration_s": 5.0}]
     told = scenario_tables(load_scenario("liashenko-0", {"disturbance.stops": stop}))
     assert "Event: stop 1" in told
-    assert ["Duration of the stop", "5", "s"] in rows(told)
+    assert ["Duration Duration of the stop.", "5", "s"] in rows(told)

@@ -9,6 +9,7 @@ from railjoule.core import load_scenario, solve
 from railjoule.core.best_known import with_best_known
 from railjoule.core.trajectory import Trajectory
 from railjoule.dashboard.look import words
+from railjoule.dashboard.look.markup import Markup
 from railjoule.dashboard.models.pins import Pin, Recipe
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import Runs, RunsRequest, compute_runs
@@ -49,6 +50,14 @@ def pinned(runs: Runs, name: str) -> Pin:
 def test_texts_of_users_are_escaped(markup: str) -> None:
     assert "<img" not in markup
     assert "&lt;img" in markup
+
+
+def test_pieces_of_html_in_a_table_stay_html() -> None:
+    piece = Markup("<b>5</b>")
+    assert parts.plain_table([piece, "<"], [([piece, "<"], True)]) == (
+        '<table><thead><tr><th scope="col"><b>5</b></th><th scope="col">&lt;</th></tr></thead>'
+        "<tbody><tr class=chosen><td><b>5</b></td><td>&lt;</td></tr></tbody></table>"
+    )
 
 
 def test_pieces_of_html_stay_html_and_are_sent_as_they_are() -> None:
@@ -122,7 +131,7 @@ def test_the_bars_of_the_account_add_up(runs: Runs) -> None:
 
 @pytest.mark.parametrize("drive", DRIVES)
 def test_every_loss_of_every_drive_has_words(drive: str) -> None:
-    assert set(solve(train(drive), "fastest").energy.losses_j) <= set(parts.LOSS_WORDS)
+    assert set(solve(train(drive), "fastest").energy.losses_j) <= set(words.LOSS_WORDS)
 
 
 def test_a_run_downhill_shows_the_height_that_it_lost() -> None:
