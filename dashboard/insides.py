@@ -81,6 +81,17 @@ class SmallFile(pmui.FileInput):
 # ---- panel 1.9.4: panes
 
 
+def share_sheets(doc: Document | None, properties: dict[str, Any]) -> dict[str, Any]:
+    """Return the properties of a model with style sheets that other models of the document have too."""
+    if doc is not None and "stylesheets" in properties:
+        known = SHEETS.setdefault(doc, {})
+        properties["stylesheets"] = [
+            known.setdefault(sheet, InlineStyleSheet(css=sheet)) if isinstance(sheet, str) else sheet
+            for sheet in properties["stylesheets"]
+        ]
+    return properties
+
+
 class Words(pn.pane.HTML):
     """HTML that changes often: only the new text goes to the browser.
 
@@ -88,14 +99,7 @@ class Words(pn.pane.HTML):
     """
 
     def _get_properties(self, doc: Document | None) -> dict[str, Any]:
-        properties: dict[str, Any] = super()._get_properties(doc)
-        if doc is not None and "stylesheets" in properties:
-            known = SHEETS.setdefault(doc, {})
-            properties["stylesheets"] = [
-                known.setdefault(sheet, InlineStyleSheet(css=sheet)) if isinstance(sheet, str) else sheet
-                for sheet in properties["stylesheets"]
-            ]
-        return properties
+        return share_sheets(doc, super()._get_properties(doc))
 
     def _transform_object(self, obj: Any) -> dict[str, Any]:
         # the library escapes what it sends, which pieces of HTML would refuse

@@ -5,7 +5,7 @@ from typing import Any
 import param
 
 from railjoule.core import RailjouleError, Scenario
-from railjoule.dashboard.models.numbers import TypedParameters
+from railjoule.dashboard.models.numbers import TypedNumber, TypedParameters
 from railjoule.dashboard.store import LineRuns
 
 LATEST_S = 86_400.0
@@ -20,9 +20,9 @@ class StationModel(TypedParameters):
     number = param.Integer(default=0, bounds=(0, None), doc="Number, counted from 0.")
     station = param.String(default="", doc="Name.")
     position_m = param.Number(default=0.0, bounds=(0, None), doc="Where the train stops, m")
-    dwell_s = param.Number(default=0.0, bounds=(0, LATEST_S), doc="Dwell, s")
+    dwell_s = TypedNumber("Dwell, s", "s", default=0.0, bounds=(0, LATEST_S))
     fixed = param.Boolean(default=False, doc="Whether the timetable fixes the arrival.")
-    arrival_s = param.Number(default=0.0, bounds=(0, LATEST_S), doc="Arrival, s")
+    arrival_s = TypedNumber("Arrives after, s", "s", 1, default=0.0, bounds=(0, LATEST_S))
 
 
 class LineModel(TypedParameters):
