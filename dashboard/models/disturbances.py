@@ -5,9 +5,10 @@ from typing import Any
 
 import param
 
-from railjoule.core import RailjouleError, Scenario
+from railjoule.core import Scenario
 from railjoule.core.scenario.disturbance import Event, UnplannedLimit, UnplannedStop, VoltageChange
 from railjoule.dashboard.models.numbers import TypedNumber, TypedParameters
+from railjoule.dashboard.models.page_model import PageModel, result
 from railjoule.dashboard.store import LateArrivals, Rides
 
 KINDS = ("stop", "limit", "voltage", "recuperation")
@@ -49,7 +50,7 @@ class EventModel(TypedParameters):
         return {key: self.share_percent / 100, **noticed}
 
 
-class DisturbancesModel(TypedParameters):
+class DisturbancesModel(TypedParameters, PageModel):
     """The events of the page and their results."""
 
     kept = ("events", "accepted_delay_s")
@@ -61,11 +62,8 @@ class DisturbancesModel(TypedParameters):
     )
     dropping = param.Selector(default="stop", objects=["stop", "limit"], doc="What a click on the track adds.")
 
-    rides = param.ClassSelector(class_=Rides, default=None, allow_None=True, doc="The last good rides.")
-    late = param.ClassSelector(class_=LateArrivals, default=None, allow_None=True, doc="Energy over lateness so far.")
-    failure = param.ClassSelector(
-        class_=RailjouleError, default=None, allow_None=True, doc="Why the last request failed."
-    )
+    rides = result(Rides, "The last good rides.")
+    late = result(LateArrivals, "Energy over lateness so far.")
     changed = param.Event(doc="An event has other numbers.")
 
     def take(self, scenario: Scenario) -> None:

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import param
 
-from railjoule.core import RailjouleError
 from railjoule.dashboard.models.numbers import TypedNumber, TypedParameters
+from railjoule.dashboard.models.page_model import PageModel
 
 
 @dataclass(frozen=True)
@@ -124,7 +124,7 @@ LESSONS = (
 """In the order in which they are read."""
 
 
-class LearnModel(TypedParameters):
+class LearnModel(TypedParameters, PageModel):
     """Where the sliders stand, and what the lessons show."""
 
     kept = tuple(lesson.name for lesson in LESSONS)
@@ -132,6 +132,3 @@ class LearnModel(TypedParameters):
 
     coasting, multiplier, recuperation, gradient, load = (lesson.number for lesson in LESSONS)
     shown = param.Dict(default={}, doc="What each lesson shows.")
-    failure = param.ClassSelector(
-        class_=RailjouleError, default=None, allow_None=True, doc="Why a lesson could not be computed."
-    )

@@ -5,11 +5,12 @@ from typing import Any
 
 import param
 
-from railjoule.core import RailjouleError, Scenario
+from railjoule.core import Scenario
 from railjoule.core.scenario.options import SimulationOptions
 from railjoule.core.simulate.field_oriented import FieldOrientedRun, Ripple
 from railjoule.core.studies.detuning import DetuningTable
 from railjoule.dashboard.models.numbers import TypedInteger, TypedNumber, TypedParameters
+from railjoule.dashboard.models.page_model import PageModel, result
 from railjoule.dashboard.store import Limits, LoopRivals, MachineMap, limit_changes, limits_of
 
 LOOP = SimulationOptions()
@@ -27,7 +28,7 @@ CONTROL_FIELDS = (
 """What a run depends on, besides its plan."""
 
 
-class MotorModel(TypedParameters):
+class MotorModel(TypedParameters, PageModel):
     """The settings of the page and its results, in the units that it shows."""
 
     kept = (*CONTROL_FIELDS, "ripple_at_s")
@@ -47,17 +48,14 @@ class MotorModel(TypedParameters):
         "Ripple at t, s", "s", 1, default=20.0, bounds=(0.0, 86_400.0), softbounds=(0, 100), step=0.5
     )
 
-    run = param.ClassSelector(class_=FieldOrientedRun, default=None, allow_None=True, doc="The last good run.")
-    rivals = param.ClassSelector(class_=LoopRivals, default=None, allow_None=True, doc="Run to compare it with.")
-    machine_map = param.ClassSelector(class_=MachineMap, default=None, allow_None=True, doc="Efficiency and run.")
-    ripple = param.ClassSelector(class_=Ripple, default=None, allow_None=True, doc="Current under switched voltage.")
-    detuning = param.ClassSelector(class_=DetuningTable, default=None, allow_None=True, doc="The study so far.")
+    run = result(FieldOrientedRun, "The last good run.")
+    rivals = result(LoopRivals, "Run to compare it with.")
+    machine_map = result(MachineMap, "Efficiency and run.")
+    ripple = result(Ripple, "Current under switched voltage.")
+    detuning = result(DetuningTable, "The study so far.")
     studying = param.Boolean(default=False, doc="Whether the study of detuning is under way.")
     study = param.Event(doc="Start that study.")
     stop_study = param.Event(doc="Stop it; results so far are kept.")
-    failure = param.ClassSelector(
-        class_=RailjouleError, default=None, allow_None=True, doc="Why the last request failed."
-    )
     no_machine = param.String(default="", doc="Why this scenario has no motor to show.")
 
     def take(self, scenario: Scenario) -> None:

@@ -5,12 +5,13 @@ from typing import Any, get_args
 
 import param
 
-from railjoule.core import RailjouleError, Scenario
+from railjoule.core import Scenario
 from railjoule.core.scenario.options import MonteCarloOptions, SimulationOptions
 from railjoule.core.scenario.vehicle import MOST_LOAD_FACTOR
 from railjoule.core.studies.montecarlo import MonteCarloTable
 from railjoule.core.studies.sensitivity import Knows, SensitivityTable
 from railjoule.dashboard.models.numbers import TypedInteger, TypedNumber, TypedParameters
+from railjoule.dashboard.models.page_model import PageModel, result
 from railjoule.dashboard.store import Reality
 
 SENSORS = SimulationOptions()
@@ -21,7 +22,7 @@ PREVIEW_RUNS, FULL_RUNS = 500, 10_000
 MEASURES = ("over_replanned", "overconsumption", "delay_s", "stop_error_m")
 
 
-class RobustnessModel(TypedParameters):
+class RobustnessModel(TypedParameters, PageModel):
     """The settings of the page and its results, in the units that it shows."""
 
     kept = (
@@ -73,16 +74,13 @@ class RobustnessModel(TypedParameters):
     knows = param.Selector(default="nothing", objects=list(get_args(Knows)), doc="What the train knows.")
     measure = param.Selector(default="over_replanned", objects=list(MEASURES), doc="What the table shows.")
 
-    reality = param.ClassSelector(class_=Reality, default=None, allow_None=True, doc="The last good run.")
-    table = param.ClassSelector(class_=SensitivityTable, default=None, allow_None=True, doc="The table so far.")
-    chance = param.ClassSelector(class_=MonteCarloTable, default=None, allow_None=True, doc="Random runs so far.")
+    reality = result(Reality, "The last good run.")
+    table = result(SensitivityTable, "The table so far.")
+    chance = result(MonteCarloTable, "Random runs so far.")
     most_load_percent = param.Number(default=100.0, doc="The vehicle's crush load, % of capacity.")
     drawing = param.Boolean(default=False, doc="Whether Monte Carlo runs are being drawn.")
     draw_all = param.Event(doc="Draw all Monte Carlo runs.")
     stop_drawing = param.Event(doc="Stop drawing; the runs so far are kept.")
-    failure = param.ClassSelector(
-        class_=RailjouleError, default=None, allow_None=True, doc="Why the last request failed."
-    )
 
     def take(self, scenario: Scenario) -> None:
         """Take over what a scenario's file says of reality."""

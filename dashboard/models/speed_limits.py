@@ -6,12 +6,13 @@ from typing import Any, get_args
 import numpy as np
 import param
 
-from railjoule.core import RailjouleError, Scenario
+from railjoule.core import Scenario
 from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.scenario.options import SearchOptions
 from railjoule.core.strategies.speed_limits import LEAST_LIMIT_KMH, MOST_SECTIONS
 from railjoule.core.studies.motor_map import MotorMap
 from railjoule.dashboard.models.numbers import TypedInteger, TypedNumber, TypedParameters
+from railjoule.dashboard.models.page_model import PageModel, result
 from railjoule.dashboard.store import LimitRun, LimitTrip, StorageCurve
 
 REGULATORS = get_args(SearchOptions.model_fields["regulator"].annotation)
@@ -31,7 +32,7 @@ class SectionModel(TypedParameters):
     to_m = TypedNumber("ends at, m", "m", default=1000.0, bounds=(1.0, LONGEST_M))
 
 
-class SpeedLimitsModel(TypedParameters):
+class SpeedLimitsModel(TypedParameters, PageModel):
     """The sections of the page, the search's settings, and the results, in the units that the page shows."""
 
     kept = (
@@ -66,15 +67,12 @@ class SpeedLimitsModel(TypedParameters):
     discharging_percent = TypedNumber("Discharging efficiency, %", "%", 1, default=95.0, bounds=(1.0, 100.0))
     shown_map = param.Selector(default="drive", objects=list(MAPS), doc="Which efficiency is shown.")
 
-    run = param.ClassSelector(class_=LimitRun, default=None, allow_None=True, doc="The last good run.")
-    path = param.ClassSelector(class_=LimitRun, default=None, allow_None=True, doc="The last run searched for.")
-    trip = param.ClassSelector(class_=LimitTrip, default=None, allow_None=True, doc="The trip while a step moves.")
-    storage = param.ClassSelector(class_=StorageCurve, default=None, allow_None=True, doc="Energy saved by storages.")
-    motor_map = param.ClassSelector(class_=MotorMap, default=None, allow_None=True, doc="Efficiency of the powertrain.")
+    run = result(LimitRun, "The last good run.")
+    path = result(LimitRun, "The last run searched for.")
+    trip = result(LimitTrip, "The trip while a step moves.")
+    storage = result(StorageCurve, "Energy saved by storages.")
+    motor_map = result(MotorMap, "Efficiency of the powertrain.")
     no_map = param.String(default="", doc="Why there is no such map.")
-    failure = param.ClassSelector(
-        class_=RailjouleError, default=None, allow_None=True, doc="Why the last request failed."
-    )
     moving = param.Boolean(default=False, doc="Whether a step is being moved.")
     moved = param.Event(doc="A step has been moved a little further.")
 
