@@ -5,10 +5,8 @@ from typing import Any
 
 import panel as pn
 import param
-from bokeh.document import Document
-from panel.custom import JSComponent
 
-from railjoule.dashboard.insides import share_sheets
+from railjoule.dashboard.insides import LightComponent
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.scripts import module
@@ -18,7 +16,7 @@ from railjoule.dashboard.models.numbers import TypedParameters
 Ends = tuple[float, float]
 
 
-class NumberField(JSComponent):
+class NumberField(LightComponent):
     """One number of a model, as the model declares it; it has a slider where the model names a step for one.
 
     The browser writes the numbers down: of a move of the slider it hears nothing more, as it knows what it has sent.
@@ -58,8 +56,6 @@ class NumberField(JSComponent):
 
     _esm = module("number_field")
     _stylesheets = [number_css()]  # noqa: RUF012
-    # the browser sends no more than is wanted; a busy server still takes the last of several values alone
-    _debounce = 5
 
     def __init__(
         self,
@@ -67,7 +63,7 @@ class NumberField(JSComponent):
         field: str,
         *,
         ends: Ends | None = None,
-        check: Callable[[float], float] = float,
+        check: Callable[[float], float] = lambda number: number,
         take: Callable[[float], None] | None = None,
         **params: Any,
     ) -> None:
@@ -117,9 +113,6 @@ class NumberField(JSComponent):
             else:
                 self._take(number)
             self.param.update(refusal=refusal, answers=self.answers + 1)
-
-    def _get_properties(self, doc: Document | None) -> dict[str, Any]:
-        return share_sheets(doc, super()._get_properties(doc))
 
     def _handle_msg(self, data: Any) -> None:
         if isinstance(data, dict) and isinstance(data.get("text"), str):

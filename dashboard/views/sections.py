@@ -35,6 +35,7 @@ class SectionFields:
         model.param.watch(self._list_sections, "sections")
         model.param.watch(self._suggest, ["storage", "storage_size_kwh", "storage_power_kw"])
         self._list_sections()
+        self._suggest()
 
     def _suggest(self, *_: Any) -> None:
         """Show the storage that holds as long as none is named."""

@@ -2,6 +2,7 @@ import pytest
 from bokeh.document import Document
 from panel.io.state import set_curdoc
 
+from railjoule.dashboard.models.robustness import RobustnessModel
 from railjoule.dashboard.models.scenario import ScenarioModel
 from railjoule.dashboard.views.fields import LoadField, NumberField
 
@@ -126,6 +127,15 @@ def test_a_plain_number_has_no_slider_and_may_be_checked_and_taken_otherwise(mod
     assert (taken, field.refusal) == ([], "Not that one.")
     field.type("14")
     assert (taken, field.refusal, field.of) == ([14.0], "", "Train: ")
+
+
+def test_a_whole_number_stays_one() -> None:
+    model = RobustnessModel()
+    field = NumberField(model, "seed")
+    field.type("7")
+    assert (model.seed, type(model.seed), field.refusal) == (7, int, "")
+    field.type("7.5")
+    assert (model.seed, field.refusal) == (7, "A whole number.")
 
 
 def test_style_sheets_are_sent_once(model: ScenarioModel) -> None:
