@@ -24,7 +24,8 @@ export const shown = (number, digits) => {
 // How far the rail of a slider goes: where its end is no whole number of steps from its start, to the step beyond it.
 export const rail_end = ({start, end, step}) => start + Math.ceil((end - start) / step - 1e-9) * step;
 
-// Gives on the first of some values at once, and then the last one every so often; `flush` gives on what waits.
+// Gives on the first of some values at once, and then the last one every so often. `flush` gives on what waits, and
+// `waiting` tells it.
 export const throttled = (give, every_ms) => {
   let waiting = [], timer = null;
   const flush = () => {
@@ -40,7 +41,7 @@ export const throttled = (give, every_ms) => {
     waiting = [value];
     if (timer === null) { flush(); }
   };
-  return {put, flush};
+  return {put, flush, waiting: () => waiting[0]};
 };
 
 // The rail: `move` is told each number that it is moved to, `rest` when it is let go.
@@ -95,6 +96,8 @@ export function render({model}) {
   const note = make("div", {class: "note", hidden: true});
   const refusal = make("div", {id: "refusal", class: "refusal", role: "alert", hidden: true});
   const sender = throttled((number) => { model.value = number; }, SEND_EVERY_MS);
+  // what the server says meanwhile, of the number or of something else, must not take a step back from who slides
+  const now = () => sender.waiting() ?? model.value ?? model.suggested;
   const with_unit = (number) => `${shown(number, model.digits)} ${model.unit}`.trimEnd();
   // what the script has written, or sent: where the field holds something else, somebody is typing
   let known = "";
@@ -113,20 +116,20 @@ export function render({model}) {
     mark.setAttribute("aria-label", mark.title);
   };
   const show = () => {
-    if (slider?.held) { return; }
-    const number = model.value ?? model.suggested;
-    // what was refused stays to be mended
-    if (!model.refusal && !is_typing()) { write(number); }
-    draw(number);
+    const number = now();
     refusal.textContent = model.refusal && number !== null ? `${model.refusal} Kept: ${with_unit(number)}.` : model.refusal;
     refusal.hidden = !model.refusal;
     text.setAttribute("aria-invalid", Boolean(model.refusal));
     note.textContent = model.note;
     note.hidden = !model.note;
+    if (slider?.held) { return; }
+    // what was refused stays to be mended
+    if (!model.refusal && !is_typing()) { write(number); }
+    draw(number);
   };
   text.addEventListener("change", () => { known = text.value; model.send_msg({text: text.value}); });
   text.addEventListener("keydown", (event) => {
-    const number = model.value ?? model.suggested;
+    const number = now();
     if (event.key !== "Escape" || text.value === (number === null ? "" : shown(number, model.digits))) { return; }
     // what was typed goes first, what the key closes otherwise with the next press
     event.stopPropagation();
@@ -137,7 +140,7 @@ export function render({model}) {
   for (const name of ["value", "suggested", "original", "start", "end", "tick", "note", "refusal", "answers"]) {
     model.on(name, show);
   }
-  write(model.value ?? model.suggested);
+  write(now());
   show();
   const explained = filled("span", "explained", model.info);
   const kind = `number${has_slider ? "" : " plain"}${model.narrow ? " narrow" : ""}`;

@@ -227,7 +227,9 @@ def test_a_slider_writes_its_number_and_sends_the_first_and_the_last_of_many(pag
       Object.defineProperty(model, "value", {{get: () => value, set: (next) => {{ given.push(next); value = next; }}}});
       const before = [mark.hidden, text.value, slider.getAttribute("aria-valuetext")];
       for (const to of [180, 181, 182.5]) {{ slide(to); }}
-      const at_once = [...given];
+      // what the server has to say of the first
+      change({{note: "heavy"}});
+      const at_once = [...given, slider.value, text.value];
       await rest(150);
       const after = [mark.hidden, text.value, slider.getAttribute("aria-valuetext"), mark.title];
       slide(400);
@@ -239,7 +241,7 @@ def test_a_slider_writes_its_number_and_sends_the_first_and_the_last_of_many(pag
     seen = run(page, "number_field", code, NUMBER)
     assert seen == {
         "before": [True, "170.0", "170.0 s"],
-        "at_once": [180],
+        "at_once": [180, "182.5", "182.5"],
         "after": [False, "182.5", "182.5 s", "changed: was 170.0 s"],
         # the end is no whole number of steps away from the start
         "given": [180, 182.5, 341.25, 300],
@@ -301,12 +303,12 @@ def test_the_server_does_not_move_a_thumb_that_is_held(page: Page) -> None:
       {FIELD}
       slider.dispatchEvent(new Event("pointerdown"));
       slide(180);
-      change({{value: 190}});
-      const held = [slider.value, text.value];
+      change({{value: 190, note: "heavy"}});
+      const held = [slider.value, text.value, host.querySelector(".note").textContent];
       window.dispatchEvent(new Event("pointerup"));
       return [...held, slider.value, text.value];
     """
-    assert run(page, "number_field", code, NUMBER) == ["180", "180.0", "190", "190.0"]
+    assert run(page, "number_field", code, NUMBER) == ["180", "180.0", "heavy", "190", "190.0"]
 
 
 def test_a_number_that_is_not_set_and_one_without_a_slider(page: Page) -> None:
