@@ -95,7 +95,9 @@ class NumberField(LightComponent):
 
     def set_ends(self, ends: Ends) -> None:
         """Move the ends of the slider; a number beyond them is not cut off."""
-        self.param.update(**around(ends, self.suggested if self.value is None else self.value))
+        # the model's own: where both change at once, this field may not have it yet
+        number = getattr(self.model, self.field)
+        self.param.update(**around(ends, self.suggested if number is None else number))
 
     def suggest(self, number: float) -> None:
         """Show a number that holds as long as the model names none."""

@@ -84,7 +84,7 @@ class Sidebar:
             html_pane('<div class="section">Plan <span>\u00b7 what the timetable expects</span></div>'),
             self.travel_time,
             self.shortest,
-            LoadField(scenario, "load_percent", ["preset", "opened", "edits"]),
+            LoadField(scenario, "load_percent", ["preset", "opened", "edits", "travel_time_range_s"]),
             NumberField(scenario, "recuperation_percent"),
             *own,
             self.vehicle,

@@ -2,9 +2,13 @@ import pytest
 from bokeh.document import Document
 from panel.io.state import set_curdoc
 
+from railjoule.dashboard.keeping import Keeping
+from railjoule.dashboard.lifeline import Lifeline
 from railjoule.dashboard.models.robustness import RobustnessModel
 from railjoule.dashboard.models.scenario import ScenarioModel
+from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.views.fields import LoadField, NumberField
+from railjoule.dashboard.views.sidebar import Sidebar
 
 
 @pytest.fixture
@@ -112,6 +116,15 @@ def test_a_load_above_the_capacity_is_told_and_bounded_by_the_vehicle(model: Sce
     assert field.end == 150
     field.type("121")
     assert model.load_percent == 121
+
+
+def test_another_scenario_brings_its_own_ends() -> None:
+    state = Workbench()
+    sidebar = Sidebar(state, Keeping(state, Lifeline()))
+    for name in ("metro-10-stations", "metro-with-limit"):
+        state.scenario.choose(name)
+        assert (sidebar.travel_time.start, sidebar.travel_time.end) == state.scenario.travel_time_range_s
+        assert sidebar.travel_time.value == state.scenario.travel_time_s
 
 
 def test_a_plain_number_has_no_slider_and_may_be_checked_and_taken_otherwise(model: ScenarioModel) -> None:
