@@ -9,7 +9,7 @@ import param
 from railjoule.dashboard.insides import LightComponent
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.glossary import info
-from railjoule.dashboard.look.scripts import module
+from railjoule.dashboard.look.scripts import borrowed
 from railjoule.dashboard.look.theme import number_css
 from railjoule.dashboard.models.numbers import TypedParameters
 
@@ -54,7 +54,7 @@ class NumberField(LightComponent):
     refusal = param.String(default="", doc="Why the last text was not taken.")
     answers = param.Integer(default=0, doc="Counts the texts that were answered.")
 
-    _esm = module("number_field")
+    _esm = borrowed("number_field")
     _stylesheets = [number_css()]  # noqa: RUF012
 
     def __init__(

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, Route
 
-from railjoule.dashboard.look.scripts import SCRIPTS, function, imported, module, source
+from railjoule.dashboard.look.scripts import SCRIPTS, borrowed, function, imported, lent, module, source
 
 ADDRESS = "http://scripts.invalid/"
 NAMES = sorted(path.name.removesuffix(".js") for path in SCRIPTS.iterdir() if path.name.endswith(".js"))
@@ -67,6 +67,17 @@ def test_a_module_is_sent_as_one(page: Page, name: str) -> None:
         text,
     )
     assert set(exports) == exports_of(name)
+
+
+def test_a_component_of_which_there_are_many_is_sent_once(page: Page) -> None:
+    page.evaluate("text => { new Function(text)(); }", lent("number_field"))
+    code = f"""
+      {MODEL}
+      const text = {borrowed("number_field")!r};
+      const m = await import(URL.createObjectURL(new Blob([text], {{type: "text/javascript"}})));
+      return shown(m.render({{model}})).querySelector("[type=text]").value;
+    """
+    assert page.evaluate(f"async (a) => {{ {code} }}", NUMBER) == "170.0"
 
 
 @pytest.mark.parametrize("name", sorted(set(NAMES) - set(MODULES)))
