@@ -25,6 +25,7 @@ from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.motor import Motor
 from railjoule.dashboard.not_found import NotFoundHandler
+from railjoule.dashboard.page_work import PageWork
 from railjoule.dashboard.papers import Papers
 from railjoule.dashboard.pins import Pins
 from railjoule.dashboard.proving import Proving
@@ -88,6 +89,22 @@ VIEWS: dict[str, type[PageView]] = {
 """What draws each page."""
 
 
+WORKS: tuple[Callable[[Workbench], PageWork[Any]], ...] = (
+    Compare,
+    Robustness,
+    Disturbances,
+    Actual,
+    Proving,
+    SpeedLimits,
+    Motor,
+    Start,
+    WholeLines,
+    Learn,
+    Papers,
+)
+"""What each page asks for."""
+
+
 class Session:
     """One open page: its state, its work, its views."""
 
@@ -109,18 +126,9 @@ class Session:
             self.state.marks("Trade-off"),
             about=self.state.scenario.identity,
         )
-        self.compare = Compare(self.state)
         self.pins = Pins(self.state)
-        self.robustness = Robustness(self.state)
-        self.disturbances = Disturbances(self.state)
-        self.actual = Actual(self.state)
-        self.proving = Proving(self.state)
-        self.speed_limits = SpeedLimits(self.state)
-        self.motor = Motor(self.state)
-        self.start = Start(self.state)
-        self.lines = WholeLines(self.state)
-        self.learn = Learn(self.state)
-        self.papers = Papers(self.state)
+        # before the page is read from its address: the works hear of what that changes
+        self.works = [work(self.state) for work in WORKS]
         self.lifeline = Lifeline()
         self.keeping = Keeping(self.state, self.lifeline)
         self.keeping.begin(address_query())
@@ -160,14 +168,8 @@ class Session:
     def _end(self) -> None:
         """End what still runs: the page is gone."""
         LOG.info("a page was open for %.0f s, at last %s", time.monotonic() - self._opened_s, self.state.page)
-        self.compare.end()
-        self.robustness.end()
-        self.disturbances.end()
-        self.motor.end()
-        self.start.end()
-        self.papers.end()
-        self.proving.end()
-        self.reporting.end()
+        for work in (*self.works, self.reporting):
+            work.end()
 
     def _make(self, view: type[PageView]) -> Callable[[], pn.viewable.Viewable]:
         def make() -> pn.viewable.Viewable:

@@ -16,6 +16,7 @@ from bokeh.document import Document
 from bokeh.embed.util import standalone_docs_json_and_render_items
 from bokeh.model import Model
 from bokeh.models import InlineStyleSheet
+from panel.custom import JSComponent
 from panel.io.resources import LOCAL_DIST
 from panel.viewable import Viewable
 
@@ -78,7 +79,31 @@ class SmallFile(pmui.FileInput):
             super()._handle_msg(msg)
 
 
-# ---- panel 1.9.4: panes
+# ---- panel 1.9.4: components and panes
+
+
+def share_sheets(doc: Document | None, properties: dict[str, Any]) -> dict[str, Any]:
+    """Return the properties of a model with style sheets that other models of the document have too."""
+    if doc is not None and "stylesheets" in properties:
+        known = SHEETS.setdefault(doc, {})
+        properties["stylesheets"] = [
+            known.setdefault(sheet, InlineStyleSheet(css=sheet)) if isinstance(sheet, str) else sheet
+            for sheet in properties["stylesheets"]
+        ]
+    return properties
+
+
+class LightComponent(JSComponent):
+    """A component of which a page has many: it shares its style sheets, and what the browser tells is taken at once.
+
+    The library waits 50 ms for more to come. A script that sends no more often than that needs no such wait; where the
+    server is busy, it still takes the last of several values alone, as it reads all that has come before it acts.
+    """
+
+    _debounce = 5
+
+    def _get_properties(self, doc: Document | None) -> dict[str, Any]:
+        return share_sheets(doc, super()._get_properties(doc))
 
 
 class Words(pn.pane.HTML):
@@ -88,14 +113,7 @@ class Words(pn.pane.HTML):
     """
 
     def _get_properties(self, doc: Document | None) -> dict[str, Any]:
-        properties: dict[str, Any] = super()._get_properties(doc)
-        if doc is not None and "stylesheets" in properties:
-            known = SHEETS.setdefault(doc, {})
-            properties["stylesheets"] = [
-                known.setdefault(sheet, InlineStyleSheet(css=sheet)) if isinstance(sheet, str) else sheet
-                for sheet in properties["stylesheets"]
-            ]
-        return properties
+        return share_sheets(doc, super()._get_properties(doc))
 
     def _transform_object(self, obj: Any) -> dict[str, Any]:
         # the library escapes what it sends, which pieces of HTML would refuse

@@ -19,6 +19,7 @@ from railjoule.dashboard.models.kept import Kept
 from railjoule.dashboard.models.link import LinkTooLongError, ReadLink, read_link, sentence, write_link
 from railjoule.dashboard.models.opened import outcome_of
 from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.page_work import Items
 from railjoule.dashboard.store.worker import SLOW_THREADS
 
 LOG = logging.getLogger(__name__)
@@ -49,7 +50,7 @@ class Keeping(param.Parameterized):
         self.state, self.lifeline = state, lifeline
         self._scheduled = self._laying = False
         self._noted_s = 0.0
-        self._watched: list[Kept] = []
+        self._items = Items(self._schedule)
         self._base: tuple[Any, ...] = ()
         self._originals: Document = {}
         for model in (state, *state.models.values()):
@@ -227,10 +228,7 @@ class Keeping(param.Parameterized):
             for item in getattr(model, field)
             if isinstance(item, Kept)
         ]
-        for item in items:
-            if not any(item is known for known in self._watched):
-                item.param.watch(self._schedule, list(item.kept))
-        self._watched = items
+        self._items.follow(items, lambda item: item.kept)
 
     def _publish(self, document: Document) -> None:
         """Show a document in the address, mark what differs from the preset, and say what can be undone."""

@@ -3,20 +3,21 @@
 from functools import partial
 from typing import Any
 
-from railjoule.core import RailjouleError
-from railjoule.dashboard.models.learn import LESSONS
+from railjoule.dashboard.models.learn import LESSONS, LearnModel
 from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.page_work import PageWork
 from railjoule.dashboard.store import LessonRequest, LessonResult, Worker, compute_lesson
 
-PAGE = "Learn"
 
-
-class Learn:
+class Learn(PageWork[LearnModel]):
     """Asks for what the lessons of one page show, while it is in sight."""
 
+    page = "Learn"
+
     def __init__(self, state: Workbench) -> None:
-        self.state, self.model = state, state.learn
-        self.workers = {lesson.name: Worker(compute_lesson, self._take, self._take_failure) for lesson in LESSONS}
+        super().__init__(state, state.learn)
+        # lessons have scenarios of their own: their results hold whatever becomes of the one beside the pages
+        self.workers = {lesson.name: Worker(compute_lesson, self._take, self.take_failure) for lesson in LESSONS}
         state.param.watch(self._ask_all, "page")
         for lesson in LESSONS:
             self.model.param.watch(partial(self._ask, lesson.name), lesson.name)
@@ -27,11 +28,8 @@ class Learn:
                 self._ask(name)
 
     def _ask(self, name: str, *_: Any) -> None:
-        if self.state.page == PAGE:
+        if self.in_sight:
             self.workers[name].ask(LessonRequest(name, float(getattr(self.model, name))))
 
     def _take(self, result: LessonResult) -> None:
         self.model.param.update(shown={**self.model.shown, result.request.lesson: result}, failure=None)
-
-    def _take_failure(self, failure: RailjouleError) -> None:
-        self.model.failure = failure

@@ -5,17 +5,16 @@ from typing import Any
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.simulate.field_oriented import Ripple
 from railjoule.core.studies.detuning import DetuningTable
-from railjoule.dashboard.models.motor import CONTROL_FIELDS
+from railjoule.dashboard.models.motor import CONTROL_FIELDS, MotorModel
 from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.page_work import PageWork
 from railjoule.dashboard.store import (
     LoopRequest,
     LoopRivals,
     LoopRun,
     MachineMap,
     RippleRequest,
-    Study,
-    Worker,
     compute_detuning,
     compute_loop_run,
     compute_machine_map,
@@ -28,28 +27,25 @@ from railjoule.dashboard.store import (
 PAGE = "Motor"
 
 
-class Motor:
+class Motor(PageWork[MotorModel]):
     """Asks for the run of one page through the control loop, and for what hangs on it, while it is in sight."""
 
+    page = PAGE
+    at_rest = {"studying": False}  # noqa: RUF012
+
     def __init__(self, state: Workbench) -> None:
-        self.state, self.model = state, state.motor
-        self.run = Worker(
+        super().__init__(state, state.motor)
+        self.run = self.worker(
             compute_loop_run,
             self._take_run,
-            self._take_failure,
-            state.marks(PAGE),
+            marked=True,
             is_slow=lambda request: is_slow(request.scenario, request.strategy),
-            about=state.scenario.identity,
         )
-        about = state.scenario.identity
-        self.rivals = Worker(compute_rivals, self._take_rivals, self._take_failure, about=about)
-        self.map = Worker(compute_machine_map, self._take_map, self._take_failure, about=about)
-        self.ripple = Worker(compute_ripple, self._take_ripple, self._take_no_ripple, about=about)
-        self.detuning = Study(compute_detuning, self._take_detuning, self._take_failure)
-        self._asked: LoopRequest | None = None
-        self._quiet = False
+        self.rivals = self.worker(compute_rivals, self._take_rivals)
+        self.map = self.worker(compute_machine_map, self._take_map)
+        self.ripple = self.worker(compute_ripple, self._take_ripple, self._take_no_ripple)
+        self.detuning = self.study(compute_detuning, self._take_detuning)
         self._taken: Any = None
-        state.scenario.param.watch(self._take_scenario, ["preset", "opened"])
         state.scenario.param.watch(self._take_edits, "edits")
         state.scenario.param.watch(self._ask, [*PLAN_FIELDS, "acceleration_time_s"])
         state.param.watch(self._ask, ["page", "chosen"])
@@ -57,27 +53,22 @@ class Motor:
         self.model.param.watch(self._ask_ripple, "ripple_at_s")
         self.model.param.watch(self._study, "study")
         self.model.param.watch(self._stop, "stop_study")
-        self._take_scenario()
+        self.forget()
 
-    def end(self) -> None:
-        """End the study: the page is gone."""
-        self.detuning.stop()
-
-    def _take_scenario(self, *_: Any) -> None:
-        """Take over a scenario; what was found or asked for the one before goes."""
-        self._quiet, self._asked = True, None
-        self._stop()
-        self.model.param.update(run=None, rivals=None, machine_map=None, ripple=None, detuning=None, failure=None)
-        self._take(self.state.scenario.base)
-        self._quiet = False
+    def forget(self, *_: Any) -> None:
+        """Take over another scenario; what was found or asked for of the one before goes."""
+        super().forget()
+        with self.quiet():
+            self._stop()
+            self.model.param.update(run=None, rivals=None, machine_map=None, ripple=None, detuning=None, failure=None)
+            self._take(self.state.scenario.base)
 
     def _take_edits(self, *_: Any) -> None:
         """Take over a drive or a controller that was edited elsewhere."""
         scenario = self.state.scenario.edited
         if self._taken != (scenario.vehicle.drive, scenario.simulation):
-            self._quiet = True
-            self._take(scenario)
-            self._quiet = False
+            with self.quiet():
+                self._take(scenario)
 
     def _take(self, scenario: Scenario) -> None:
         self._taken = scenario.vehicle.drive, scenario.simulation
@@ -87,17 +78,15 @@ class Motor:
         return LoopRequest(self.state.scenario.scenario(), self.state.chosen, self.model.changes)
 
     def _ask(self, *_: Any) -> None:
-        if self.state.page != PAGE or self._quiet:
+        if not self.in_sight or self._quiet:
             return
         self.model.no_machine = machine_refusal(self.state.scenario.scenario())
         request = self._request()
-        if request == self._asked:
-            return
-        self._asked = request
-        self._stop()
-        self.model.detuning = None
-        if not self.model.no_machine:
-            self.run.ask(request)
+        if self.is_new(request):
+            self._stop()
+            self.model.detuning = None
+            if not self.model.no_machine:
+                self.run.ask(request)
 
     def _take_run(self, loop: LoopRun) -> None:
         """Take a run, unless its scenario has gone meanwhile, and ask for what hangs on it."""
@@ -138,6 +127,3 @@ class Motor:
 
     def _take_detuning(self, table: DetuningTable, last: bool) -> None:
         self.model.param.update(detuning=table, studying=not last)
-
-    def _take_failure(self, failure: RailjouleError) -> None:
-        self.model.param.update(failure=failure, studying=False)

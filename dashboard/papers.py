@@ -1,23 +1,26 @@
 """The work behind the page Papers: what was computed for this release is shown; other code computes it when asked."""
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
-from railjoule.core import RailjouleError
 from railjoule.core.validation import COMPARISONS
+from railjoule.dashboard.models.papers import PapersModel
 from railjoule.dashboard.models.workbench import Workbench
-from railjoule.dashboard.store import PaperTables, Study, compute_papers, shipped_tables
+from railjoule.dashboard.page_work import PageWork
+from railjoule.dashboard.store import PaperTables, compute_papers, shipped_tables
 from railjoule.dashboard.warmup import warmup
 
-PAGE = "Papers"
 
-
-class Papers:
+class Papers(PageWork[PapersModel]):
     """Shows what is shipped; compares papers when it is asked to or the code is another, and stops when it is told."""
 
+    page = "Papers"
+    at_rest: ClassVar[Mapping[str, Any]] = {"asked": []}
+
     def __init__(self, state: Workbench) -> None:
-        self.state, self.model = state, state.papers
+        super().__init__(state, state.papers)
         self._begun, self._computed = False, set[str]()
-        self.study = Study(compute_papers, self._take, self._take_failure)
+        self.papers = self.study(compute_papers, self._take)
         self.model.param.watch(self._ask, "compare")
         self.model.param.watch(self._stop, "stop")
         state.param.watch(self._begin, "page")
@@ -25,7 +28,7 @@ class Papers:
 
     def _begin(self, *_: Any) -> None:
         """Take the shipped comparisons, and compute them anew where the code is not the one that has made them."""
-        if self.state.page != PAGE or self._begun:
+        if not self.in_sight or self._begun:
             return
         shipped = shipped_tables()
         self._begun = shipped.is_current or warmup().ready.is_set()
@@ -33,17 +36,13 @@ class Papers:
         if not shipped.is_current and self._begun:
             self.model.compare = list(COMPARISONS)
 
-    def end(self) -> None:
-        """End what still runs: the page is gone."""
-        self.study.stop()
-
     def _ask(self, event: Any) -> None:
         if event.new:
             self.model.param.update(asked=event.new, compare=[], failure=None)
-            self.study.ask(tuple(event.new))
+            self.papers.ask(tuple(event.new))
 
     def _stop(self, *_: Any) -> None:
-        self.study.stop()
+        self.papers.stop()
         self.model.asked = []
 
     def _take(self, results: dict[str, PaperTables], last: bool) -> None:
@@ -56,6 +55,3 @@ class Papers:
             self.model.asked = []
             self._computed |= {name for name, paper in results.items() if paper.complete}
             self.model.is_current |= self._computed == set(COMPARISONS)
-
-    def _take_failure(self, failure: RailjouleError) -> None:
-        self.model.param.update(failure=failure, asked=[])

@@ -10,8 +10,8 @@ from railjoule.core import RailjouleError
 from railjoule.dashboard.models.recipes import Recipe, recipe_of
 from railjoule.dashboard.models.reporting import ReportingModel
 from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.page_work import PageWork
 from railjoule.dashboard.report.document import report_html
-from railjoule.dashboard.store import Study
 from railjoule.dashboard.store.report import ReportRequest, compute_findings
 
 LONGEST_NAME = 60
@@ -48,22 +48,24 @@ def _note(recipe: Recipe) -> str:
     return f"{recipe.untold} The numbers of this report are those of the scenario below." if told else ""
 
 
-class Reporting:
+class Reporting(PageWork[ReportingModel]):
     """Makes the report of one page when it is asked for."""
 
+    at_rest = {"busy": False}  # noqa: RUF012
+
     def __init__(self, state: Workbench) -> None:
-        self.state, self.model = state, ReportingModel()
-        self.study = Study(draft_report, self._take, self._fail)
+        super().__init__(state, ReportingModel())
+        self.report = self.study(draft_report, self._take)
         self.model.param.watch(self._ask, "wanted")
         self.model.param.watch(self.end, "unwanted")
-        state.param.watch(self._forget, "runs")
+        state.param.watch(self._forgive, "runs")
 
     def end(self, *_: Any) -> None:
-        """End the work under way."""
-        self.study.stop()
+        """End the work under way; there will be no report."""
+        super().end()
         self.model.busy = False
 
-    def _forget(self, *_: Any) -> None:
+    def _forgive(self, *_: Any) -> None:
         """Say no more why there was no report, as there are new runs."""
         self.model.failure = None
 
@@ -74,17 +76,14 @@ class Reporting:
             known = self.state.proof.of(scenario)
             request = ReportRequest(scenario, bound=known.bound if known is not None else None, note=_note(recipe))
         except RailjouleError as error:
-            self._fail(error)
+            self.take_failure(error)
             return
         self.model.param.update(
             busy=True, share=0.0, failure=None, name_of_file=file_name(scenario.title or self.state.scenario.preset)
         )
-        self.study.ask(request)
+        self.report.ask(request)
 
     def _take(self, draft: Draft, last: bool) -> None:
         self.model.share = draft.share
         if last:
             self.model.param.update(busy=False, text=draft.text)
-
-    def _fail(self, failure: RailjouleError) -> None:
-        self.model.param.update(busy=False, failure=failure)

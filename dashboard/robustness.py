@@ -3,19 +3,18 @@
 from collections.abc import Mapping
 from typing import Any
 
-from railjoule.core import RailjouleError, Scenario
+from railjoule.core import Scenario
 from railjoule.core.studies.montecarlo import MonteCarloTable
 from railjoule.core.studies.sensitivity import SensitivityTable
 from railjoule.dashboard.models.programs import page_run
-from railjoule.dashboard.models.robustness import FULL_RUNS, PREVIEW_RUNS
+from railjoule.dashboard.models.robustness import FULL_RUNS, PREVIEW_RUNS, RobustnessModel
 from railjoule.dashboard.models.scenario import PLAN_FIELDS
 from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.page_work import PageWork
 from railjoule.dashboard.store import (
     Reality,
     RealityRequest,
-    Study,
     TableRequest,
-    Worker,
     compute_chance,
     compute_reality,
     compute_table,
@@ -44,25 +43,24 @@ TABLE = ("both_directions", "knows")
 NOTHING_WRONG = {"disturbance.actual_load_factor": 0.0, "disturbance.coordinate_error_m": 0.0}
 
 
-class Robustness:
+class Robustness(PageWork[RobustnessModel]):
     """Asks for the run, the table and the draws of one page, while it is in sight."""
 
+    page = PAGE
+    at_rest = {"drawing": False}  # noqa: RUF012
+
     def __init__(self, state: Workbench) -> None:
-        self.state, self.model = state, state.robustness
-        self.run = Worker(
+        super().__init__(state, state.robustness)
+        self.run = self.worker(
             compute_reality,
             self._take_run,
-            self._take_failure,
-            state.marks(PAGE),
+            marked=True,
             is_slow=lambda request: is_slow(request.scenario, request.scenario.strategy),
-            about=state.scenario.identity,
         )
-        self.table = Study(compute_table, self._take_table, self._take_failure, state.marks(PAGE))
-        self.chance = Study(compute_chance, self._take_chance, self._take_failure, state.marks(PAGE))
-        self._asked: dict[str, Any] = {}
+        self.table = self.study(compute_table, self._take_table, marked=True)
+        self.chance = self.study(compute_chance, self._take_chance, marked=True)
         self._all = False
         self._waiting: dict[str, Any] = {}
-        state.scenario.param.watch(self._forget, ["preset", "opened"])
         state.scenario.follow(lambda scenario: (scenario.disturbance, scenario.simulation), self.model.take)
         state.scenario.follow(lambda scenario: scenario.vehicle.crush_load_factor, self._take_crush_load)
         self._take_crush_load()
@@ -72,17 +70,12 @@ class Robustness:
         self.model.param.watch(self._draw_all, "draw_all")
         self.model.param.watch(self._stop, "stop_drawing")
 
-    def end(self) -> None:
-        """End all studies: the page is gone."""
-        self.table.stop()
-        self.chance.stop()
-
-    def _forget(self, *_: Any) -> None:
-        """Forget what was asked for: what comes of it is dropped, as the scenario has gone."""
+    def forget(self, *_: Any) -> None:
+        """Forget what was asked for and end it, as the scenario has gone."""
+        super().forget()
         self.table.stop()
         self._stop()
         self._waiting.clear()
-        self._asked.clear()
 
     def _take_crush_load(self, *_: Any) -> None:
         self.model.most_load_percent = self.state.scenario.most_load_percent
@@ -99,7 +92,7 @@ class Robustness:
 
         The run comes first, then the table, then chance: each waits until the one before is done.
         """
-        if self.state.page != PAGE:
+        if not self.in_sight:
             self._rest()
             return
         scenario, changes = self.state.scenario.scenario(), page_run(self.state).changes
@@ -108,13 +101,13 @@ class Robustness:
         plan = RealityRequest(scenario, {**changes, **NOTHING_WRONG})
         table = TableRequest(plan, self.model.both_directions, self.model.knows)
         draws = self._draws(scenario, PREVIEW_RUNS)
-        if self._news("table", table):
+        if self.is_new(table, "table"):
             self.table.stop()
             self._waiting["table"] = table
-        if self._news("chance", draws):
+        if self.is_new(draws, "chance"):
             self.chance.stop()
             self._waiting["chance"] = draws
-        if self._news("run", run):
+        if self.is_new(run):
             self.run.ask(run)
         else:
             self._go_on()
@@ -141,11 +134,6 @@ class Robustness:
         elif "chance" in self._waiting and not self.table.busy:
             self._draw(self._waiting.pop("chance"))
 
-    def _news(self, kind: str, request: Any) -> bool:
-        """Return whether a request differs from the last one of its kind."""
-        before, self._asked[kind] = self._asked.get(kind), request
-        return bool(before != request)
-
     def _draw(self, request: RealityRequest, all_runs: bool = False) -> None:
         self._all = all_runs
         self.model.drawing = True
@@ -170,6 +158,3 @@ class Robustness:
 
     def _take_chance(self, chance: MonteCarloTable, last: bool) -> None:
         self.model.param.update(chance=chance, drawing=not last)
-
-    def _take_failure(self, failure: RailjouleError) -> None:
-        self.model.param.update(failure=failure, drawing=False)

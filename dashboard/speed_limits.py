@@ -5,47 +5,41 @@ from typing import Any
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.studies.motor_map import MotorMap, motor_map
 from railjoule.dashboard.models.scenario import PLAN_FIELDS
-from railjoule.dashboard.models.speed_limits import STORAGE_FIELDS, SectionModel
+from railjoule.dashboard.models.speed_limits import STORAGE_FIELDS, SpeedLimitsModel
 from railjoule.dashboard.models.workbench import Workbench
+from railjoule.dashboard.page_work import Items, PageWork
 from railjoule.dashboard.store import (
     LimitRun,
     LimitsRequest,
     LimitTrip,
     StorageCurve,
     StorageRequest,
-    Worker,
     compute_limit_run,
     compute_limit_trip,
     compute_storage,
     is_slow,
 )
 
-PAGE = "Speed limits"
 SEARCH = ("found", "regulator", "free_borders", "time_window_percent", "stop_deceleration_ms2")
 
 
-class SpeedLimits:
+class SpeedLimits(PageWork[SpeedLimitsModel]):
     """Asks for the run under the limits of one page, and for what hangs on it, while it is in sight."""
 
+    page = "Speed limits"
+
     def __init__(self, state: Workbench) -> None:
-        self.state, self.model = state, state.speed_limits
-        self.run = Worker(
+        super().__init__(state, state.speed_limits)
+        self.run = self.worker(
             compute_limit_run,
             self._take_run,
-            self._take_failure,
-            state.marks("Speed limits"),
+            marked=True,
             is_slow=lambda request: is_slow(request.scenario, "speed_limits"),
-            about=state.scenario.identity,
         )
-        about = state.scenario.identity
-        self.trip = Worker(compute_limit_trip, self._take_trip, self._take_failure, about=about)
-        self.storage = Worker(compute_storage, self._take_storage, self._take_failure, about=about)
-        self.motor = Worker(motor_map, self._take_map, self._take_no_map, about=about)
-        self._asked: LimitsRequest | None = None
-        self._vehicle: Any = None
-        self._watched: list[SectionModel] = []
-        self._quiet = False
-        state.scenario.param.watch(self._forget, ["preset", "opened"])
+        self.trip = self.worker(compute_limit_trip, self._take_trip)
+        self.storage = self.worker(compute_storage, self._take_storage)
+        self.motor = self.worker(motor_map, self._take_map, self._take_no_map)
+        self._sections = Items(self._take_section)
         state.scenario.follow(_what_sections_depend_on, self._take_scenario)
         state.scenario.param.watch(self._ask, list(PLAN_FIELDS))
         state.param.watch(self._ask, "page")
@@ -57,47 +51,35 @@ class SpeedLimits:
         self.model.param.watch(self._ask_storage, list(STORAGE_FIELDS))
         self._take_scenario(state.scenario.edited)
 
-    def _forget(self, *_: Any) -> None:
-        """Forget what was asked for: what comes of it is dropped, as the scenario has gone."""
-        self._asked = self._vehicle = None
-
     def _take_scenario(self, scenario: Scenario) -> None:
-        self._quiet = True
-        self.model.take(scenario)
-        self._quiet = False
+        with self.quiet():
+            self.model.take(scenario)
 
     def _watch_sections(self, *_: Any) -> None:
-        """Listen to sections that are new."""
-        for section in self.model.sections:
-            if not any(section is known for known in self._watched):
-                section.param.watch(self._take_section, ["limit_kmh", "to_m"])
-        self._watched = list(self.model.sections)
+        self._sections.follow(self.model.sections, lambda _: ("limit_kmh", "to_m"))
         self._ask()
 
     def _take_section(self, *_: Any) -> None:
         """Drive under a limit that was typed."""
         if not self._quiet and not self.model.moving:
-            self._quiet = True
-            self.model.found = False
-            self._quiet = False
+            with self.quiet():
+                self.model.found = False
             self._ask()
 
     def _cut(self, *_: Any) -> None:
         if not self._quiet and self.model.section_count != len(self.model.sections):
-            self._quiet = True
-            self.model.cut(self.model.section_count)
-            self._quiet = False
+            with self.quiet():
+                self.model.cut(self.model.section_count)
             self._ask()
 
     def _request(self) -> LimitsRequest:
         return LimitsRequest(self.state.scenario.scenario(), self.model.changes)
 
     def _ask(self, *_: Any) -> None:
-        if self.state.page != PAGE or self._quiet or self.model.moving:
+        if not self.in_sight or self._quiet or self.model.moving:
             return
         request = self._request()
-        if request != self._asked:
-            self._asked = request
+        if self.is_new(request):
             self.run.ask(request)
 
     def _ask_trip(self, *_: Any) -> None:
@@ -117,19 +99,17 @@ class SpeedLimits:
         """Take a run; a search also sets the limits, unless others were asked for meanwhile."""
         searched = run.run.scenario.search.limits_kmh is None
         if searched and self.model.found and len(run.limits_kmh) == len(self.model.sections):
-            self._quiet = True
-            self.model.set(run.limits_kmh.tolist(), run.borders_m.tolist())
-            self._quiet = False
+            with self.quiet():
+                self.model.set(run.limits_kmh.tolist(), run.borders_m.tolist())
             # where the search moves borders, those that it found are no new request
-            self._asked = self._request()
+            self.is_new(self._request())
         self.model.param.update(run=run, failure=None, **({"path": run} if searched else {}))
         self._ask_storage()
         self._ask_map(run.run.scenario)
 
     def _ask_map(self, scenario: Scenario) -> None:
         vehicle = scenario.vehicle.drive, scenario.vehicle.traction, scenario.vehicle.braking
-        if vehicle != self._vehicle:
-            self._vehicle = vehicle
+        if self.is_new(vehicle, "map"):
             self.motor.ask(scenario)
 
     def _take_trip(self, trip: LimitTrip | None) -> None:
@@ -144,9 +124,6 @@ class SpeedLimits:
 
     def _take_no_map(self, refusal: RailjouleError) -> None:
         self.model.param.update(motor_map=None, no_map=str(refusal))
-
-    def _take_failure(self, failure: RailjouleError) -> None:
-        self.model.failure = failure
 
 
 def _what_sections_depend_on(scenario: Scenario) -> object:

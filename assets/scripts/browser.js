@@ -122,7 +122,7 @@ const colours = () => {
   // components change their colours one after the other: they are done when none has the one that it had
   const wait = () => new Promise((resolve) => {
     const limit = performance.now() + SWITCHED_WITHIN_MS;
-    const before = deep(".MuiButtonBase-root, .MuiFormLabel-root, .MuiInputBase-input, .MuiSlider-root")
+    const before = deep(".MuiButtonBase-root, .MuiFormLabel-root, .MuiInputBase-input")
       .map((element) => [element, ink(element)]);
     const look = () => {
       const done = before.every(([element, colour]) => !element.isConnected || ink(element) !== colour);

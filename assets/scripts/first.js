@@ -47,6 +47,8 @@
     deep: (selector) => open().flatMap((one) => [...one.querySelectorAll(selector)]),
     // calls back shortly after anything was added to the page or taken off it
     listen: (listener) => { listeners.add(listener); return () => listeners.delete(listener); },
+    // what draws the components of which a page has many, by the names of their modules
+    components: {},
     // the name of the chart whose place an element is, as charts.py writes it into a class of the place
     chart_of: (element) => [...element.classList].find((name) => name.startsWith("rj-chart-"))?.slice(9),
   };

@@ -27,6 +27,17 @@ def module(name: str) -> str:
     return COMMENT.sub("", IMPORT.sub("", "".join([*needed, source(name)])))
 
 
+@cache
+def lent(name: str) -> str:
+    """Return a plain script that keeps a component ready for the page: it is sent once, not with each of many."""
+    return f'railjoule.components.{name} = (() => {{\n"use strict";\n{function(name, "render")}}})();\n'
+
+
+def borrowed(name: str) -> str:
+    """Return a module that draws a component with what the page has ready."""
+    return f"export const render = (given) => window.railjoule.components.{name}(given);\n"
+
+
 def imported(name: str) -> list[str]:
     """Return the names of all modules that one needs, those that need no others first."""
     found: list[str] = []

@@ -12,16 +12,27 @@ DURATIONS = ("shortest", "shorter", "short", "standard", "complex", "enteringScr
 """Of the movements of panel-material-ui."""
 
 
+def _with_info(name: str) -> str:
+    """Return a style sheet of the assets with that of the buttons which explain a term."""
+    return "".join((ASSETS / "css" / sheet).read_text(encoding="utf-8") for sheet in ("info.css", f"{name}.css"))
+
+
 @cache
 def parts_css() -> str:
     """Return the style sheet of all pieces of text, numbers and tables."""
-    return "".join((ASSETS / "css" / name).read_text(encoding="utf-8") for name in ("parts.css", "info.css"))
+    return _with_info("parts")
 
 
 @cache
 def strategies_css() -> str:
     """Return the style sheet of the sidebar's strategies."""
-    return "".join((ASSETS / "css" / name).read_text(encoding="utf-8") for name in ("strategies.css", "info.css"))
+    return _with_info("strategies")
+
+
+@cache
+def number_css() -> str:
+    """Return the style sheet of the field of a number."""
+    return _with_info("number_field")
 
 
 @cache
@@ -107,19 +118,6 @@ def _material(name: ThemeName, t: Tokens) -> dict[str, Any]:
             "MuiButton": {
                 "defaultProps": {"disableElevation": True},
                 "styleOverrides": {"root": {"fontSize": 13, "padding": "3px 10px", "minWidth": 0}},
-            },
-            "MuiSlider": {
-                "styleOverrides": {
-                    "rail": {"opacity": 1, "backgroundColor": t["line2"], "height": 3},
-                    "track": {"height": 3, "border": 0},
-                    "thumb": {
-                        "width": 14,
-                        "height": 14,
-                        "backgroundColor": t["surface"],
-                        "border": f"2px solid {t['accent']}",
-                        "boxShadow": "none",
-                    },
-                }
             },
             "MuiFormLabel": root(fontSize=13, color=t["ink2"]),
             "MuiDrawer": {

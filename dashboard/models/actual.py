@@ -9,28 +9,26 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import param
 
-from railjoule.core import RailjouleError, Scenario
+from railjoule.core import Scenario
 from railjoule.core.scenario.disturbance import Reaction
 from railjoule.core.scenario.line import SHORTEST_DISTANCE_M
 from railjoule.core.simulate.actual_run import ActualRun
 from railjoule.dashboard.models.disturbances import EventModel
 from railjoule.dashboard.models.numbers import TypedParameters
+from railjoule.dashboard.models.page_model import PageModel, result
 
 if TYPE_CHECKING:
     from railjoule.dashboard.models.workbench import Workbench
 
 
-class ActualModel(TypedParameters):
+class ActualModel(TypedParameters, PageModel):
     """Whether the actual run is drawn beside the plan, and who reacts to its events."""
 
     kept = ("on", "reaction")
 
     on = param.Boolean(default=False, doc="Whether the actual run is drawn beside the plan.")
     reaction = param.Selector(default="driver", objects=list(get_args(Reaction)), doc="Who reacts to an event.")
-    run = param.ClassSelector(class_=ActualRun, default=None, allow_None=True, doc="The last good actual run.")
-    failure = param.ClassSelector(
-        class_=RailjouleError, default=None, allow_None=True, doc="Why the last one could not be had."
-    )
+    run = result(ActualRun, "The last good actual run.")
 
     def take(self, scenario: Scenario) -> None:
         """Take over who reacts in a scenario's file."""

@@ -5,9 +5,10 @@ from typing import Any
 
 import param
 
-from railjoule.core import RailjouleError, Scenario
+from railjoule.core import Scenario
 from railjoule.core.scenario.disturbance import Event, UnplannedLimit, UnplannedStop, VoltageChange
-from railjoule.dashboard.models.numbers import TypedParameters
+from railjoule.dashboard.models.numbers import TypedNumber, TypedParameters
+from railjoule.dashboard.models.page_model import PageModel, result
 from railjoule.dashboard.store import LateArrivals, Rides
 
 KINDS = ("stop", "limit", "voltage", "recuperation")
@@ -29,12 +30,12 @@ class EventModel(TypedParameters):
     kept = ("kind", "position_m", "to_m", "duration_s", "limit_kmh", "share_percent", "noticed_at_m")
 
     kind = param.Selector(default="stop", objects=list(KINDS), doc="What happens.")
-    position_m = param.Number(default=300.0, bounds=(0.0, LONGEST_M), doc="Where, m")
-    to_m = param.Number(default=400.0, bounds=(0.0, LONGEST_M), doc="Until, m")
-    duration_s = param.Number(default=5.0, bounds=(0.0, 86_400.0), doc="Stands, s")
-    limit_kmh = param.Number(default=30.0, bounds=(0.0, 600.0), doc="Limit, km/h")
-    share_percent = param.Number(default=80.0, bounds=(0.0, 200.0), doc="Share, %")
-    noticed_at_m = param.Number(default=70.0, bounds=(0.0, LONGEST_M), doc="Noticed at, m")
+    position_m = TypedNumber("at, m", "m", default=300.0, bounds=(0.0, LONGEST_M))
+    to_m = TypedNumber("to, m", "m", default=400.0, bounds=(0.0, LONGEST_M))
+    duration_s = TypedNumber("stops for, s", "s", default=5.0, bounds=(0.0, 86_400.0))
+    limit_kmh = TypedNumber("km/h", "km/h", default=30.0, bounds=(0.0, 600.0))
+    share_percent = TypedNumber("of nominal, %", "%", default=80.0, bounds=(0.0, 200.0))
+    noticed_at_m = TypedNumber("noticed at, m", "m", default=70.0, bounds=(0.0, LONGEST_M))
 
     @property
     def document(self) -> dict[str, Any]:
@@ -49,21 +50,20 @@ class EventModel(TypedParameters):
         return {key: self.share_percent / 100, **noticed}
 
 
-class DisturbancesModel(TypedParameters):
+class DisturbancesModel(TypedParameters, PageModel):
     """The events of the page and their results."""
 
     kept = ("events", "accepted_delay_s")
     passing = ("dropping",)
 
     events = param.List(default=[], item_type=EventModel, doc="What happens on the way.")
-    accepted_delay_s = param.Number(default=0.0, bounds=(0.0, 86_400.0), doc="Accepted delay, s")
+    accepted_delay_s = TypedNumber(
+        "Accepted delay, s", "s", default=0.0, bounds=(0.0, 86_400.0), softbounds=(0, 60), step=1
+    )
     dropping = param.Selector(default="stop", objects=["stop", "limit"], doc="What a click on the track adds.")
 
-    rides = param.ClassSelector(class_=Rides, default=None, allow_None=True, doc="The last good rides.")
-    late = param.ClassSelector(class_=LateArrivals, default=None, allow_None=True, doc="Energy over lateness so far.")
-    failure = param.ClassSelector(
-        class_=RailjouleError, default=None, allow_None=True, doc="Why the last request failed."
-    )
+    rides = result(Rides, "The last good rides.")
+    late = result(LateArrivals, "Energy over lateness so far.")
     changed = param.Event(doc="An event has other numbers.")
 
     def take(self, scenario: Scenario) -> None:

@@ -1,12 +1,11 @@
 """The lessons of Learn: their texts, where their sliders stand, and what they show."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import param
 
-from railjoule.core import RailjouleError
-from railjoule.dashboard.models.numbers import TypedParameters
+from railjoule.dashboard.models.numbers import TypedNumber, TypedParameters
+from railjoule.dashboard.models.page_model import PageModel
 
 
 @dataclass(frozen=True)
@@ -20,13 +19,8 @@ class Lesson:
         What the lesson explains, at most 150 words.
     question, answer : str
         What to try with the slider, and the result.
-    label, unit : str
-        Of the slider, the unit included in the label.
-    ends : tuple of float
-        Of the slider.
-    first : float
-        Where it stands at first.
-    step : float
+    number : TypedNumber
+        What the slider moves.
     """
 
     name: str
@@ -34,11 +28,18 @@ class Lesson:
     text: str
     question: str
     answer: str
-    label: str
-    unit: str
-    ends: tuple[float, float]
-    first: float
-    step: float = 1.0
+    number: TypedNumber
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """Of the slider."""
+        first, last = self.number.bounds
+        return float(first), float(last)
+
+
+def _slider(label: str, unit: str, ends: tuple[float, float], first: float) -> TypedNumber:
+    """Return the number of a lesson, which its slider shows as far as it goes."""
+    return TypedNumber(label, unit, default=first, bounds=ends, softbounds=ends, step=1)
 
 
 LESSONS = (
@@ -55,10 +56,7 @@ LESSONS = (
         "Allow more travel time. Does coasting save a larger or a smaller share?",
         "A larger one: 9.8 % at 95 s, 15.2 % at 160 s. A slower train coasts farther: running resistance uses up more "
         "of its kinetic energy, and the brakes waste less.",
-        "Travel time, s",
-        "s",
-        (95.0, 160.0),
-        115.0,
+        _slider("Travel time, s", "s", (95.0, 160.0), 115.0),
     ),
     Lesson(
         "multiplier",
@@ -73,10 +71,7 @@ LESSONS = (
         "Shorten the travel time by 30 s, then by 10 s more. How does the energy saved per extra second grow?",
         "At 200 s, one extra second saves 152 Wh, at 170 s 293 Wh, at 160 s 505 Wh. The last seconds cost most: a "
         "little slack in the timetable is the cheapest way to save energy.",
-        "Travel time, s",
-        "s",
-        (158.0, 270.0),
-        200.0,
+        _slider("Travel time, s", "s", (158.0, 270.0), 200.0),
     ),
     Lesson(
         "recuperation",
@@ -93,10 +88,7 @@ LESSONS = (
         "At 0 % the motors are switched off after 2.6 of 6 km, at 100 % after 3.9 km, and 16.6 % of the energy is "
         "saved. The train still coasts for 2 km: two conversions at 85 % would lose energy that coasting turns into "
         "distance.",
-        "Recuperation, %",
-        "%",
-        (0.0, 100.0),
-        70.0,
+        _slider("Recuperation, %", "%", (0.0, 100.0), 70.0),
     ),
     Lesson(
         "gradient",
@@ -111,10 +103,7 @@ LESSONS = (
         "From which gradient on does the plan without gradients need twice the energy of the plan with gradients?",
         "From about 24 per mille. At 20 per mille the plan with gradients saves 45 %, at 30 per mille 57 %, although "
         "both runs arrive at the same time.",
-        "Gradient of the hump, \u2030",
-        "\u2030",
-        (0.0, 30.0),
-        15.0,
+        _slider("Gradient of the hump, \u2030", "\u2030", (0.0, 30.0), 15.0),
     ),
     Lesson(
         "load",
@@ -129,32 +118,17 @@ LESSONS = (
         "Which costs more than its own best plan: an empty or a full train?",
         "Both cost about the same: the empty one needs 3.3 % more than its own best plan and is on time, the full one "
         "3.5 % more and arrives 2.2 s late.",
-        "Actual load, % of capacity",
-        "%",
-        (0.0, 100.0),
-        100.0,
+        _slider("Actual load, % of capacity", "%", (0.0, 100.0), 100.0),
     ),
 )
 """In the order in which they are read."""
 
 
-class LearnModel(TypedParameters):
+class LearnModel(TypedParameters, PageModel):
     """Where the sliders stand, and what the lessons show."""
 
     kept = tuple(lesson.name for lesson in LESSONS)
     passing = ("shown",)
 
-    coasting = param.Number(default=115.0, doc="Travel time, s")
-    multiplier = param.Number(default=200.0, doc="Travel time, s")
-    recuperation = param.Number(default=70.0, doc="Recuperation, %")
-    gradient = param.Number(default=15.0, doc="Gradient of the hump, per mille")
-    load = param.Number(default=100.0, doc="Actual load, % of capacity")
+    coasting, multiplier, recuperation, gradient, load = (lesson.number for lesson in LESSONS)
     shown = param.Dict(default={}, doc="What each lesson shows.")
-    failure = param.ClassSelector(
-        class_=RailjouleError, default=None, allow_None=True, doc="Why a lesson could not be computed."
-    )
-
-    def __init__(self, **params: Any) -> None:
-        for lesson in LESSONS:
-            self.param[lesson.name].bounds = lesson.ends
-        super().__init__(**params)

@@ -4,8 +4,9 @@ from typing import Any
 
 import param
 
-from railjoule.core import RailjouleError, Scenario
-from railjoule.dashboard.models.numbers import TypedParameters
+from railjoule.core import Scenario
+from railjoule.dashboard.models.numbers import TypedNumber, TypedParameters
+from railjoule.dashboard.models.page_model import PageModel, result
 from railjoule.dashboard.store import LineRuns
 
 LATEST_S = 86_400.0
@@ -20,22 +21,19 @@ class StationModel(TypedParameters):
     number = param.Integer(default=0, bounds=(0, None), doc="Number, counted from 0.")
     station = param.String(default="", doc="Name.")
     position_m = param.Number(default=0.0, bounds=(0, None), doc="Where the train stops, m")
-    dwell_s = param.Number(default=0.0, bounds=(0, LATEST_S), doc="Dwell, s")
+    dwell_s = TypedNumber("Dwell, s", "s", default=0.0, bounds=(0, LATEST_S))
     fixed = param.Boolean(default=False, doc="Whether the timetable fixes the arrival.")
-    arrival_s = param.Number(default=0.0, bounds=(0, LATEST_S), doc="Arrival, s")
+    arrival_s = TypedNumber("Arrives after, s", "s", 1, default=0.0, bounds=(0, LATEST_S))
 
 
-class LineModel(TypedParameters):
+class LineModel(TypedParameters, PageModel):
     """The stations and the runs over the line."""
 
     kept = ("stations", "other")
 
     stations = param.List(default=[], item_type=StationModel, doc="The stations between the ends, in running order.")
     other = param.Selector(default="proportional", objects=list(OTHERS), doc="Rule to compare the optimum with.")
-    runs = param.ClassSelector(class_=LineRuns, default=None, allow_None=True, doc="The last good runs.")
-    failure = param.ClassSelector(
-        class_=RailjouleError, default=None, allow_None=True, doc="Why the last request failed."
-    )
+    runs = result(LineRuns, "The last good runs.")
 
     def take(self, scenario: Scenario) -> None:
         """Take over the stations of a scenario; those that stay where they are keep their fixed arrivals."""

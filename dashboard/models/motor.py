@@ -5,11 +5,12 @@ from typing import Any
 
 import param
 
-from railjoule.core import RailjouleError, Scenario
+from railjoule.core import Scenario
 from railjoule.core.scenario.options import SimulationOptions
 from railjoule.core.simulate.field_oriented import FieldOrientedRun, Ripple
 from railjoule.core.studies.detuning import DetuningTable
-from railjoule.dashboard.models.numbers import TypedParameters
+from railjoule.dashboard.models.numbers import TypedInteger, TypedNumber, TypedParameters
+from railjoule.dashboard.models.page_model import PageModel, result
 from railjoule.dashboard.store import Limits, LoopRivals, MachineMap, limit_changes, limits_of
 
 LOOP = SimulationOptions()
@@ -27,35 +28,34 @@ CONTROL_FIELDS = (
 """What a run depends on, besides its plan."""
 
 
-class MotorModel(TypedParameters):
+class MotorModel(TypedParameters, PageModel):
     """The settings of the page and its results, in the units that it shows."""
 
     kept = (*CONTROL_FIELDS, "ripple_at_s")
     passing = ("studying", "no_machine")
 
     precompensator = param.Boolean(default=True, doc="Whether the reference leads by the lag of the loop.")
-    bandwidth_rads = param.Number(default=LOOP.bandwidth_rads, bounds=(1.0, 50.0), doc="Bandwidth of the loop, rad/s")
-    rotor_resistance_factor = param.Number(
-        default=LOOP.rotor_resistance_factor, bounds=(0.2, 5.0), doc="Assumed / true rotor resistance."
+    bandwidth_rads = TypedNumber("Bandwidth, rad/s", "rad/s", 1, default=LOOP.bandwidth_rads, bounds=(1.0, 50.0))
+    rotor_resistance_factor = TypedNumber(
+        "Assumed / true resistance", "", 2, default=LOOP.rotor_resistance_factor, bounds=(0.2, 5.0), doc="Of the rotor."
     )
     flux = param.Selector(default=LOOP.flux, objects=list(FLUXES), doc="How the rotor flux is chosen.")
-    speed_noise_rads = param.Number(default=0.0, bounds=(0.0, 100.0), doc="Noise of the measured speed, rad/s")
-    noise_seed = param.Integer(default=LOOP.noise_seed, bounds=(0, 2**31), doc="Seed of the noise")
-    max_phase_voltage_v = param.Number(default=None, allow_None=True, bounds=(1.0, 1e5), doc="Largest voltage, V")
-    max_current_a = param.Number(default=None, allow_None=True, bounds=(1.0, 1e5), doc="Largest current, A")
-    ripple_at_s = param.Number(default=20.0, bounds=(0.0, 86_400.0), doc="Ripple at t, s")
+    speed_noise_rads = TypedNumber("Speed noise, rad/s", "rad/s", 2, default=0.0, bounds=(0.0, 100.0))
+    noise_seed = TypedInteger("Seed", default=LOOP.noise_seed, bounds=(0, 2**31), doc="Of the noise.")
+    max_phase_voltage_v = TypedNumber("Phase voltage, V", "V", default=None, allow_None=True, bounds=(1.0, 1e5))
+    max_current_a = TypedNumber("Current, A", "A", default=None, allow_None=True, bounds=(1.0, 1e5))
+    ripple_at_s = TypedNumber(
+        "Ripple at t, s", "s", 1, default=20.0, bounds=(0.0, 86_400.0), softbounds=(0, 100), step=0.5
+    )
 
-    run = param.ClassSelector(class_=FieldOrientedRun, default=None, allow_None=True, doc="The last good run.")
-    rivals = param.ClassSelector(class_=LoopRivals, default=None, allow_None=True, doc="Run to compare it with.")
-    machine_map = param.ClassSelector(class_=MachineMap, default=None, allow_None=True, doc="Efficiency and run.")
-    ripple = param.ClassSelector(class_=Ripple, default=None, allow_None=True, doc="Current under switched voltage.")
-    detuning = param.ClassSelector(class_=DetuningTable, default=None, allow_None=True, doc="The study so far.")
+    run = result(FieldOrientedRun, "The last good run.")
+    rivals = result(LoopRivals, "Run to compare it with.")
+    machine_map = result(MachineMap, "Efficiency and run.")
+    ripple = result(Ripple, "Current under switched voltage.")
+    detuning = result(DetuningTable, "The study so far.")
     studying = param.Boolean(default=False, doc="Whether the study of detuning is under way.")
     study = param.Event(doc="Start that study.")
     stop_study = param.Event(doc="Stop it; results so far are kept.")
-    failure = param.ClassSelector(
-        class_=RailjouleError, default=None, allow_None=True, doc="Why the last request failed."
-    )
     no_machine = param.String(default="", doc="Why this scenario has no motor to show.")
 
     def take(self, scenario: Scenario) -> None:

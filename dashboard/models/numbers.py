@@ -2,6 +2,7 @@
 
 import math
 import re
+from typing import TYPE_CHECKING, Any
 
 import param
 
@@ -90,6 +91,39 @@ def clock(seconds: float) -> str:
     return f"{hours}:{minute:02d}:{second:02d}{tenths}" if hours else f"{minute}:{second:02d}{tenths}"
 
 
+class TypedNumber(param.Number):
+    """A parameter that has a field on a page: all that is said of it stands here, once.
+
+    Parameters
+    ----------
+    label : str
+        Beside the field: quantity and unit.
+    unit : str
+        In sentences; empty where the number has none.
+    digits : int
+        Decimals in the field, where nobody has typed more.
+    **params
+        As for any number. With a `step` the field has a slider, from one of the `softbounds` to the other; what is
+        beyond them can be typed, as far as the `bounds` go.
+    """
+
+    __slots__ = ("digits", "unit")
+
+    def __init__(self, label: str, unit: str = "", digits: int = 0, **params: Any) -> None:
+        super().__init__(label=label, **params)
+        self.unit, self.digits = unit, digits
+
+    if TYPE_CHECKING:
+
+        def __get__(self, instance: object, owner: type | None = None) -> Any: ...
+
+        def __set__(self, instance: object, value: float | None) -> None: ...
+
+
+class TypedInteger(TypedNumber, param.Integer):
+    """A whole number that has a field on a page."""
+
+
 class TypedParameters(Kept):
     """Parameters whose numbers can be typed."""
 
@@ -103,7 +137,8 @@ class TypedParameters(Kept):
         """
         bounds = self.bounds_of(field)
         if field.endswith("_s"):
-            number = parse_time(text, bounds, str(self.param[field].doc).split(",")[0])
+            name = self.param[field].label.split(",")[0]
+            number = parse_time(text, bounds, name[:1].upper() + name[1:])
         else:
             number = parse_number(text, bounds)
         if not isinstance(self.param[field], param.Integer):

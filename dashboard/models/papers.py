@@ -2,10 +2,10 @@
 
 import param
 
-from railjoule.core import RailjouleError
+from railjoule.dashboard.models.page_model import PageModel
 
 
-class PapersModel(param.Parameterized):
+class PapersModel(PageModel):
     """The comparisons so far."""
 
     results = param.Dict(default={}, doc="Tables of each paper so far.")
@@ -14,6 +14,3 @@ class PapersModel(param.Parameterized):
     asked = param.List(default=[], doc="The papers that are being compared, in their order.")
     compare = param.List(default=[], doc="Set to names of papers to compare them.")
     stop = param.Event(doc="Stop; what is done stands.")
-    failure = param.ClassSelector(
-        class_=RailjouleError, default=None, allow_None=True, doc="Why a paper could not be compared."
-    )

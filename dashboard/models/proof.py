@@ -5,9 +5,10 @@ from typing import Any
 
 import param
 
-from railjoule.core import RailjouleError, Scenario, Trajectory
+from railjoule.core import Scenario, Trajectory
 from railjoule.core.bounds import ProofStep, with_tighter_bound
 from railjoule.core.trajectory import Bound
+from railjoule.dashboard.models.page_model import PageModel, result
 from railjoule.dashboard.store import FURTHER_BOXES, Runs, same_plan
 
 MOST_KNOWN = 16
@@ -29,14 +30,13 @@ class Proven:
         return self.step.reached or self.step.exhausted or self.done_boxes >= FURTHER_BOXES
 
 
-class ProofModel(param.Parameterized):
+class ProofModel(PageModel):
     """What is proven of the plans of one page; a bound that is looser than one known of the same plan is dropped."""
 
     go_on = param.Event(doc="The user asks to prove further.")
     stop = param.Event(doc="The user has waited long enough.")
     stage = param.Selector(default="", objects=["", "first", "further"], doc="The stage that is under way.")
-    step = param.ClassSelector(class_=ProofStep, default=None, allow_None=True, doc="How far that stage is.")
-    failure = param.ClassSelector(class_=RailjouleError, default=None, allow_None=True, doc="Why a proof ended early.")
+    step = result(ProofStep, "How far that stage is.")
 
     def __init__(self, **params: Any) -> None:
         super().__init__(**params)

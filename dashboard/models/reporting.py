@@ -2,10 +2,10 @@
 
 import param
 
-from railjoule.core import RailjouleError
+from railjoule.dashboard.models.page_model import PageModel
 
 
-class ReportingModel(param.Parameterized):
+class ReportingModel(PageModel):
     """Whether a report is wanted, how far it is, and what came out."""
 
     wanted = param.Event(doc="The user asks for a report.")
@@ -14,4 +14,3 @@ class ReportingModel(param.Parameterized):
     share = param.Magnitude(default=0.0, doc="How much of the work is done.")
     name_of_file = param.String(default="report.html", doc="What the file will be called.")
     text = param.String(default="", doc="The report, until it is handed to the browser.")
-    failure = param.ClassSelector(class_=RailjouleError, default=None, allow_None=True, doc="Why there is no report.")

@@ -5,12 +5,13 @@ from typing import Any, get_args
 
 import param
 
-from railjoule.core import RailjouleError, Scenario
+from railjoule.core import Scenario
 from railjoule.core.scenario.options import MonteCarloOptions, SimulationOptions
 from railjoule.core.scenario.vehicle import MOST_LOAD_FACTOR
 from railjoule.core.studies.montecarlo import MonteCarloTable
 from railjoule.core.studies.sensitivity import Knows, SensitivityTable
-from railjoule.dashboard.models.numbers import TypedParameters
+from railjoule.dashboard.models.numbers import TypedInteger, TypedNumber, TypedParameters
+from railjoule.dashboard.models.page_model import PageModel, result
 from railjoule.dashboard.store import Reality
 
 SENSORS = SimulationOptions()
@@ -21,7 +22,7 @@ PREVIEW_RUNS, FULL_RUNS = 500, 10_000
 MEASURES = ("over_replanned", "overconsumption", "delay_s", "stop_error_m")
 
 
-class RobustnessModel(TypedParameters):
+class RobustnessModel(TypedParameters, PageModel):
     """The settings of the page and its results, in the units that it shows."""
 
     kept = (
@@ -45,40 +46,41 @@ class RobustnessModel(TypedParameters):
     )
     passing = ("drawing", "most_load_percent")
 
-    actual_load_percent = param.Number(
-        default=FIRST_LOAD_PERCENT, bounds=(0, 100 * MOST_LOAD_FACTOR), doc="Actual load, % of capacity"
+    actual_load_percent = TypedNumber(
+        "Actual load, % of capacity", "%", default=FIRST_LOAD_PERCENT, bounds=(0, 100 * MOST_LOAD_FACTOR), step=1
     )
-    coordinate_error_m = param.Number(default=FIRST_ERROR_M, bounds=(-10_000, 10_000), doc="Position error, m")
-    speed_error_percent = param.Number(default=0.0, bounds=(-50, 50), doc="Speed error, %")
+    coordinate_error_m = TypedNumber(
+        "Position error, m", "m", default=FIRST_ERROR_M, bounds=(-10_000, 10_000), softbounds=(-25, 25), step=1
+    )
+    speed_error_percent = TypedNumber(
+        "Speed error, %", "%", 1, default=0.0, bounds=(-50, 50), softbounds=(-5, 5), step=0.1
+    )
     target_braking = param.Boolean(default=False, doc="Whether the train brakes along the target curve.")
-    reset_sensor_m = param.Number(default=SENSORS.reset_sensor_m, bounds=(0.0, 1e5), doc="D1, m before the stop")
-    calibration_length_m = param.Number(
-        default=SENSORS.calibration_length_m, bounds=(0.0, 1e5), doc="D1 to D2, m of calibration"
+    reset_sensor_m = TypedNumber("D1, resets position", "m", default=SENSORS.reset_sensor_m, bounds=(0.0, 1e5))
+    calibration_length_m = TypedNumber(
+        "D1 to D2, calibrates", "m", default=SENSORS.calibration_length_m, bounds=(0.0, 1e5)
     )
-    stop_sensor_m = param.Number(default=SENSORS.stop_sensor_m, bounds=(0.0, 1e5), doc="D3, m before the stop")
-    target_deceleration_ms2 = param.Number(
-        default=SENSORS.target_deceleration_ms2, bounds=(0.0, 10), doc="Target braking, m/s\u00b2"
+    stop_sensor_m = TypedNumber("D3, resets position", "m", default=SENSORS.stop_sensor_m, bounds=(0.0, 1e5))
+    target_deceleration_ms2 = TypedNumber(
+        "Target curve, m/s\u00b2", "m/s\u00b2", 2, default=SENSORS.target_deceleration_ms2, bounds=(0.0, 10)
     )
-    load_deviation_percent = param.Number(default=18.0, bounds=(0.01, 100), doc="Load, \u00b1 %")
-    error_deviation_m = param.Number(default=5.0, bounds=(0.01, 1000), doc="Position error, \u00b1 m")
-    resistance_deviation_percent = param.Number(default=8.0, bounds=(0.01, 100), doc="Resistance, \u00b1 %")
-    voltage_deviation_percent = param.Number(default=3.0, bounds=(0.01, 50), doc="Supply voltage, \u00b1 %")
-    mean_departure_delay_s = param.Number(default=0.0, bounds=(0, 3600), doc="Departure delay, mean, s")
-    seed = param.Integer(default=CHANCE.seed, bounds=(0, 2**31), doc="Seed")
+    load_deviation_percent = TypedNumber("Load, \u00b1 %", "%", default=18.0, bounds=(0.01, 100))
+    error_deviation_m = TypedNumber("Position error, \u00b1 m", "m", 1, default=5.0, bounds=(0.01, 1000))
+    resistance_deviation_percent = TypedNumber("Resistance, \u00b1 %", "%", 1, default=8.0, bounds=(0.01, 100))
+    voltage_deviation_percent = TypedNumber("Supply voltage, \u00b1 %", "%", 1, default=3.0, bounds=(0.01, 50))
+    mean_departure_delay_s = TypedNumber("Departure delay, mean, s", "s", default=0.0, bounds=(0, 3600))
+    seed = TypedInteger("Seed", default=CHANCE.seed, bounds=(0, 2**31))
     both_directions = param.Boolean(default=False, doc="Whether the table covers both directions.")
     knows = param.Selector(default="nothing", objects=list(get_args(Knows)), doc="What the train knows.")
     measure = param.Selector(default="over_replanned", objects=list(MEASURES), doc="What the table shows.")
 
-    reality = param.ClassSelector(class_=Reality, default=None, allow_None=True, doc="The last good run.")
-    table = param.ClassSelector(class_=SensitivityTable, default=None, allow_None=True, doc="The table so far.")
-    chance = param.ClassSelector(class_=MonteCarloTable, default=None, allow_None=True, doc="Random runs so far.")
+    reality = result(Reality, "The last good run.")
+    table = result(SensitivityTable, "The table so far.")
+    chance = result(MonteCarloTable, "Random runs so far.")
     most_load_percent = param.Number(default=100.0, doc="The vehicle's crush load, % of capacity.")
     drawing = param.Boolean(default=False, doc="Whether Monte Carlo runs are being drawn.")
     draw_all = param.Event(doc="Draw all Monte Carlo runs.")
     stop_drawing = param.Event(doc="Stop drawing; the runs so far are kept.")
-    failure = param.ClassSelector(
-        class_=RailjouleError, default=None, allow_None=True, doc="Why the last request failed."
-    )
 
     def take(self, scenario: Scenario) -> None:
         """Take over what a scenario's file says of reality."""

@@ -11,7 +11,7 @@ from railjoule.core.scenario import preset_names
 from railjoule.core.scenario.vehicle import MOST_LOAD_FACTOR
 from railjoule.core.strategies import prepare_task
 from railjoule.dashboard.models.draft import FIELD_KEYS, Edited, ScenarioDraft, shipped
-from railjoule.dashboard.models.numbers import TypedParameters
+from railjoule.dashboard.models.numbers import TypedNumber, TypedParameters
 from railjoule.dashboard.models.opened import open_scenario
 
 FIRST_SCENARIO = "metro-with-limit"
@@ -35,10 +35,14 @@ class ScenarioModel(TypedParameters):
     preset = param.Selector(default=FIRST_SCENARIO, objects=list(preset_names("scenarios")), doc="Shipped scenario.")
     opened = param.ClassSelector(class_=Scenario, default=None, allow_None=True, doc="The scenario of a file.")
     toml = param.String(default=None, allow_None=True, doc="That scenario as a text.")
-    travel_time_s = param.Number(default=100.0, doc="Travel time, s")
-    load_percent = param.Number(default=0.0, bounds=(0, 100 * MOST_LOAD_FACTOR), doc="Load, % of capacity")
-    recuperation_percent = param.Number(default=0.0, bounds=(0, 100), doc="Recuperation, %")
-    acceleration_time_s = param.Number(default=None, allow_None=True, doc="Acceleration time, s")
+    travel_time_s = TypedNumber("Travel time, s", "s", 1, default=100.0, step=0.5)
+    load_percent = TypedNumber("Load, % of capacity", "%", default=0.0, bounds=(0, 100 * MOST_LOAD_FACTOR), step=1)
+    recuperation_percent = TypedNumber(
+        "Recuperation, %", "%", default=0.0, bounds=(0, 100), softbounds=(0, 100), step=1
+    )
+    acceleration_time_s = TypedNumber(
+        "Acceleration time, s", "s", 1, default=None, allow_None=True, softbounds=(15, 110), step=0.1
+    )
     travel_time_range_s = param.Range(default=(50.0, 200.0), doc="Ends of the travel time's slider.")
     edits = param.Dict(default={}, doc="Other edited keys of the file, with their values.")
 

@@ -6,12 +6,13 @@ from typing import Any, get_args
 import numpy as np
 import param
 
-from railjoule.core import RailjouleError, Scenario
+from railjoule.core import Scenario
 from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.scenario.options import SearchOptions
 from railjoule.core.strategies.speed_limits import LEAST_LIMIT_KMH, MOST_SECTIONS
 from railjoule.core.studies.motor_map import MotorMap
-from railjoule.dashboard.models.numbers import TypedParameters
+from railjoule.dashboard.models.numbers import TypedInteger, TypedNumber, TypedParameters
+from railjoule.dashboard.models.page_model import PageModel, result
 from railjoule.dashboard.store import LimitRun, LimitTrip, StorageCurve
 
 REGULATORS = get_args(SearchOptions.model_fields["regulator"].annotation)
@@ -27,11 +28,11 @@ class SectionModel(TypedParameters):
 
     kept = ("limit_kmh", "to_m")
 
-    limit_kmh = param.Number(default=80.0, bounds=(LEAST_LIMIT_KMH, 600.0), doc="Limit, km/h")
-    to_m = param.Number(default=1000.0, bounds=(1.0, LONGEST_M), doc="Ends at, m")
+    limit_kmh = TypedNumber("limit, km/h", "km/h", 1, default=80.0, bounds=(LEAST_LIMIT_KMH, 600.0))
+    to_m = TypedNumber("ends at, m", "m", default=1000.0, bounds=(1.0, LONGEST_M))
 
 
-class SpeedLimitsModel(TypedParameters):
+class SpeedLimitsModel(TypedParameters, PageModel):
     """The sections of the page, the search's settings, and the results, in the units that the page shows."""
 
     kept = (
@@ -51,24 +52,27 @@ class SpeedLimitsModel(TypedParameters):
     found = param.Boolean(default=True, doc="Whether the search finds the set speeds, instead of given ones.")
     regulator = param.Selector(default="coast", objects=list(REGULATORS), doc="The regulator under the limits.")
     free_borders = param.Boolean(default=False, doc="Whether the search can move the section ends.")
-    section_count = param.Integer(default=FIRST_SECTIONS, bounds=(1, MOST_SECTIONS), doc="Sections")
-    time_window_percent = param.Number(default=1.0, bounds=(0.0, 50.0), doc="Time window, \u00b1 %")
-    stop_deceleration_ms2 = param.Number(default=0.8, bounds=(0.0, 20.0), doc="Braking for stops, m/s\u00b2")
-    storage_size_kwh = param.Number(default=None, allow_None=True, bounds=(0.0, 1e4), doc="Storage, kWh")
-    storage_power_kw = param.Number(default=None, allow_None=True, bounds=(0.0, 1e5), doc="Power, kW")
-    charging_percent = param.Number(default=95.0, bounds=(1.0, 100.0), doc="Charging efficiency, %")
-    discharging_percent = param.Number(default=95.0, bounds=(1.0, 100.0), doc="Discharging efficiency, %")
+    section_count = TypedInteger("Sections", default=FIRST_SECTIONS, bounds=(1, MOST_SECTIONS))
+    time_window_percent = TypedNumber("Time window, \u00b1 %", "%", 1, default=1.0, bounds=(0.0, 50.0))
+    stop_deceleration_ms2 = TypedNumber(
+        "Braking, m/s\u00b2", "m/s\u00b2", 2, default=0.8, bounds=(0.0, 20.0), doc="For stops."
+    )
+    storage_size_kwh = TypedNumber(
+        "Storage, kWh", "kWh", 2, default=None, allow_None=True, bounds=(0.0, 1e4), softbounds=(0, 5), step=0.01
+    )
+    storage_power_kw = TypedNumber(
+        "Power, kW", "kW", default=None, allow_None=True, bounds=(0.0, 1e5), softbounds=(0, 5000), step=10
+    )
+    charging_percent = TypedNumber("Charging efficiency, %", "%", 1, default=95.0, bounds=(1.0, 100.0))
+    discharging_percent = TypedNumber("Discharging efficiency, %", "%", 1, default=95.0, bounds=(1.0, 100.0))
     shown_map = param.Selector(default="drive", objects=list(MAPS), doc="Which efficiency is shown.")
 
-    run = param.ClassSelector(class_=LimitRun, default=None, allow_None=True, doc="The last good run.")
-    path = param.ClassSelector(class_=LimitRun, default=None, allow_None=True, doc="The last run searched for.")
-    trip = param.ClassSelector(class_=LimitTrip, default=None, allow_None=True, doc="The trip while a step moves.")
-    storage = param.ClassSelector(class_=StorageCurve, default=None, allow_None=True, doc="Energy saved by storages.")
-    motor_map = param.ClassSelector(class_=MotorMap, default=None, allow_None=True, doc="Efficiency of the powertrain.")
+    run = result(LimitRun, "The last good run.")
+    path = result(LimitRun, "The last run searched for.")
+    trip = result(LimitTrip, "The trip while a step moves.")
+    storage = result(StorageCurve, "Energy saved by storages.")
+    motor_map = result(MotorMap, "Efficiency of the powertrain.")
     no_map = param.String(default="", doc="Why there is no such map.")
-    failure = param.ClassSelector(
-        class_=RailjouleError, default=None, allow_None=True, doc="Why the last request failed."
-    )
     moving = param.Boolean(default=False, doc="Whether a step is being moved.")
     moved = param.Event(doc="A step has been moved a little further.")
 

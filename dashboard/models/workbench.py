@@ -6,7 +6,7 @@ from typing import Any
 
 import param
 
-from railjoule.core import RailjouleError, Scenario, Trajectory
+from railjoule.core import Scenario, Trajectory
 from railjoule.core.bounds import with_tighter_bound
 from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
@@ -19,6 +19,7 @@ from railjoule.dashboard.models.kept import Kept
 from railjoule.dashboard.models.learn import LearnModel
 from railjoule.dashboard.models.line import LineModel
 from railjoule.dashboard.models.motor import MotorModel
+from railjoule.dashboard.models.page_model import PageModel, result
 from railjoule.dashboard.models.pages import PAGES
 from railjoule.dashboard.models.papers import PapersModel
 from railjoule.dashboard.models.pins import MOST_PINS, TOO_MANY, KeptPin, Pin, Recipe, make_pin, recipe_of
@@ -32,7 +33,7 @@ from railjoule.dashboard.store import Runs, TradeOff, same_plan
 COLOURS = ("system", "light", "dark")
 
 
-class Workbench(Kept):
+class Workbench(Kept, PageModel):
     """Everything that the views of one open page draw; they write to it, and the store fills in the results."""
 
     kept = (
@@ -56,19 +57,16 @@ class Workbench(Kept):
     colours = param.Selector(default="system", objects=list(COLOURS), doc="Whose request the colours follow.")
     dark = param.Boolean(default=False, doc="Dark colours.")
     notice = param.String(default="", doc="What is to be told of a link or a file, until it has been read.")
-    runs = param.ClassSelector(class_=Runs, default=None, allow_None=True, doc="The last good runs.")
-    trade_off = param.ClassSelector(class_=TradeOff, default=None, allow_None=True, doc="The last good trade-off.")
+    runs = result(Runs, "The last good runs.")
+    trade_off = result(TradeOff, "The last good trade-off.")
     trade_off_duration_s = param.Number(default=0.0, doc="How long its computation took.")
     wide_map = param.Boolean(default=False, doc="Show ENOC's map up to 5000 s.")
     copper_weight = param.Number(default=1.0, bounds=(0.01, 100.0), doc="Copper loss of ENOC's map over its own.")
     pins = param.ClassSelector(class_=tuple, default=(), doc="The pinned runs, the last one pinned last.")
     kept_pins = param.List(default=[], item_type=KeptPin, doc="The same without their runs, as the address has them.")
-    compared = param.ClassSelector(class_=Runs, default=None, allow_None=True, doc="The last runs of all strategies.")
+    compared = result(Runs, "The last runs of all strategies.")
     compare_all = param.Boolean(default=True, doc="Compare all strategies, not only those that are ticked.")
     reference = param.String(default="", doc="Strategy or pin that others are compared with; empty for the usual one.")
-    failure = param.ClassSelector(
-        class_=RailjouleError, default=None, allow_None=True, doc="Why the last request failed."
-    )
     tightened = param.Event(doc="The bound of the runs has become greater, and nothing else has changed.")
     late = param.ClassSelector(
         class_=frozenset, default=frozenset(), doc="Pages that show what is from before the last change."

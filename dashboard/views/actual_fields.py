@@ -1,5 +1,6 @@
 """The sidebar's part of Drive: what differs from the plan on the day."""
 
+from functools import partial
 from typing import Any
 
 import panel as pn
@@ -16,28 +17,8 @@ from railjoule.dashboard.models.actual import (
 from railjoule.dashboard.models.disturbances import EventModel
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.views.events import event_sign
-from railjoule.dashboard.views.fields import CrushLoad, NumberField, TypedNumber, tie
+from railjoule.dashboard.views.fields import LoadField, NumberField, tie
 from railjoule.dashboard.views.parts import html_pane, stack
-
-ERROR_ENDS_M = (-25.0, 25.0)
-SLIDER_INSET_PX = 22
-"""From the sidebar's edge to the end of a slider's rail."""
-
-
-class StopPlace(TypedNumber):
-    """Where an unplanned stop lies."""
-
-    def __init__(self, state: Workbench, stop: EventModel, of: str) -> None:
-        self.state, self.stop = state, stop
-        super().__init__(stop, "position_m", "at, m", digits=0, unit="m", of=of)
-
-    def parse(self, text: str) -> float:
-        """Return the place that a text gives, if a train can stop there."""
-        return checked_place(self.state, self.stop, super().parse(text))
-
-    def take(self, number: float) -> None:
-        """Move the stop, and where it is noticed with it."""
-        move_stop(self.stop, number)
 
 
 class ActualFields:
@@ -49,15 +30,7 @@ class ActualFields:
         self.switch = pmui.Switch(
             label="Actual run", value=self.model.on, size="small", margin=(10, 16, 0, 16), sizing_mode="stretch_width"
         )
-        self.load = NumberField(
-            reality, "actual_load_percent", "Actual load, %", step=1, digits=0, unit="%", ends=(0, 100)
-        )
-        self.load_tick = Tick(self.load)
-        self.crush = CrushLoad(self.load)
-        self.place = NumberField(
-            reality, "coordinate_error_m", "Position error, m", step=1, digits=0, unit="m", ends=ERROR_ENDS_M
-        )
-        self.place_tick = Tick(self.place)
+        self.load = LoadField(reality, "actual_load_percent", ["most_load_percent"], label="Actual load, %")
         self.stops = stack()
         self.others = html_pane()
         self.add = pmui.Button(
@@ -81,9 +54,8 @@ class ActualFields:
             sizing_mode="stretch_width",
         )
         self.body = stack(
-            self.load.view,
-            self.crush.view,
-            self.place.view,
+            self.load,
+            NumberField(reality, "coordinate_error_m", tick=0.0),
             head,
             self.stops,
             self.others,
@@ -95,24 +67,17 @@ class ActualFields:
         tie(self.switch, self.model, "on")
         tie(self.reaction, self.model, "reaction")
         self.model.param.watch(self._unfold, "on")
-        reality.param.watch(self._move_load, "most_load_percent")
-        state.scenario.param.watch(self._tick, ["load_percent", "edits", "preset", "opened"])
+        state.scenario.param.watch(self._mark_planned, "load_percent")
         state.disturbances.param.watch(self._list, ["events", "changed"])
         self._listed: list[EventModel] = []
-        self._move_load()
+        self._mark_planned()
         self._list()
 
     def _unfold(self, *_: Any) -> None:
         self.body.visible = self.model.on
 
-    def _move_load(self, *_: Any) -> None:
-        self.load.set_ends((0, self.state.robustness.most_load_percent))
-        self._tick()
-
-    def _tick(self, *_: Any) -> None:
-        """Mark the planned values."""
-        self.load_tick.show(self.state.scenario.load_percent)
-        self.place_tick.show(0.0)
+    def _mark_planned(self, *_: Any) -> None:
+        self.load.tick = self.state.scenario.load_percent
 
     def _list(self, *_: Any) -> None:
         events = self.state.disturbances.events
@@ -127,8 +92,15 @@ class ActualFields:
 
     def _row(self, number: int, stop: EventModel) -> pn.Row:
         name = f"Stop {number}: "
-        place = StopPlace(self.state, stop, name)
-        lasts = TypedNumber(stop, "duration_s", "for, s", digits=0, unit="s", of=name)
+        place = NumberField(
+            stop,
+            "position_m",
+            of=name,
+            narrow=True,
+            check=partial(checked_place, self.state, stop),
+            take=partial(move_stop, stop),
+        )
+        lasts = NumberField(stop, "duration_s", label="for, s", of=name, narrow=True)
         remove = pmui.IconButton(
             icon="close",
             size="small",
@@ -137,32 +109,4 @@ class ActualFields:
             on_click=lambda _: self.state.disturbances.remove(stop),
             color="default",
         )
-        for field in (place, lasts):
-            field.text.width = 48
-        return pn.Row(
-            place.view, lasts.view, remove, margin=(0, 4, 0, 0), sizing_mode="stretch_width", css_classes=["rj-stop"]
-        )
-
-
-class Tick:
-    """The planned value on the rail of a slider."""
-
-    def __init__(self, field: NumberField) -> None:
-        self.slider = field.slider
-        self.mark = html_pane("", width=2, height=10, sizing_mode="fixed")
-        field.view.append(self.mark)
-
-    def show(self, planned: float) -> None:
-        """Mark a value, if the rail has it."""
-        start, end = self.slider.start, self.slider.end
-        inside = start <= planned <= end
-        self.mark.visible = inside
-        if inside:
-            share = (planned - start) / (end - start)
-            self.mark.object = '<span class="tick" title="planned"></span>'
-            self.mark.styles = {
-                "position": "absolute",
-                "top": "30px",
-                "left": f"calc({SLIDER_INSET_PX}px + {share:.4f} * (100% - {2 * SLIDER_INSET_PX}px))",
-                "pointer-events": "none",
-            }
+        return pn.Row(place, lasts, remove, margin=(0, 4, 0, 0), sizing_mode="stretch_width", css_classes=["rj-stop"])

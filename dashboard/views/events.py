@@ -8,16 +8,16 @@ import panel_material_ui as pmui
 from railjoule.dashboard.look import words
 from railjoule.dashboard.models.disturbances import EventModel
 from railjoule.dashboard.models.workbench import Workbench
-from railjoule.dashboard.views.fields import NumberField, TypedNumber
+from railjoule.dashboard.views.fields import NumberField
 from railjoule.dashboard.views.parts import html_pane, stack
 
 FIELDS = {
-    "stop": (("position_m", "at, m", 0, "m"), ("duration_s", "stops for, s", 0, "s")),
-    "limit": (("position_m", "from, m", 0, "m"), ("to_m", "to, m", 0, "m"), ("limit_kmh", "km/h", 0, "km/h")),
-    "voltage": (("share_percent", "of nominal, %", 0, "%"),),
-    "recuperation": (("share_percent", "recuperated, %", 0, "%"),),
+    "stop": {"position_m": "at, m", "duration_s": "stops for, s"},
+    "limit": {"position_m": "from, m", "to_m": "to, m", "limit_kmh": "km/h"},
+    "voltage": {"share_percent": "of nominal, %"},
+    "recuperation": {"share_percent": "recuperated, %"},
 }
-NOTICED = ("noticed_at_m", "noticed at, m", 0, "m")
+"""Of each kind of event, with what they are called there."""
 KIND_WORDS = {"stop": "Stop", "limit": "Limit", "voltage": "Supply voltage", "recuperation": "Recuperation"}
 
 
@@ -27,9 +27,6 @@ class EventFields:
     def __init__(self, state: Workbench) -> None:
         self.state, self.model = state, state.disturbances
         self.list = stack()
-        self.delay = NumberField(
-            self.model, "accepted_delay_s", "Accepted delay, s", step=1, digits=0, unit="s", ends=(0, 60)
-        )
         adders = [
             pmui.Button(
                 label=f"+ {word.lower()}", variant="text", size="small", margin=(0, 2), on_click=self._adder(kind)
@@ -40,7 +37,7 @@ class EventFields:
             html_pane('<div class="section">Events <span>\u00b7 click the track to add one</span></div>'),
             self.list,
             pn.FlexBox(*adders, margin=(4, 8)),
-            self.delay.view,
+            NumberField(self.model, "accepted_delay_s"),
             html_pane('<hr class="rule">'),
         )
         self.model.param.watch(self._list_events, "events")
@@ -57,10 +54,8 @@ class EventFields:
 
     def _rows(self, number: int, event: EventModel) -> pn.Column:
         name = f"{number} {KIND_WORDS[event.kind]}"
-        fields = [
-            TypedNumber(event, field, label, digits=digits, unit=unit, of=f"{name}: ")
-            for field, label, digits, unit in (*FIELDS[event.kind], NOTICED)
-        ]
+        of = f"{name}: "
+        fields = [NumberField(event, field, label=label, of=of) for field, label in FIELDS[event.kind].items()]
         remove = pmui.IconButton(
             icon="close",
             size="small",
@@ -75,7 +70,7 @@ class EventFields:
             margin=(4, 8, 0, 0),
             sizing_mode="stretch_width",
         )
-        return stack(head, *(field.view for field in fields))
+        return stack(head, *fields, NumberField(event, "noticed_at_m", of=of))
 
 
 def event_sign(event: EventModel) -> str:

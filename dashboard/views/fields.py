@@ -1,270 +1,181 @@
-"""A number with its text field, perhaps a slider, and the sentence that says why a text was not taken."""
+"""The field of a number: a text field, perhaps a slider, and the sentence that says why a text was not taken."""
 
-import html
-from collections.abc import Mapping
-from typing import Any, Protocol
+from collections.abc import Callable, Sequence
+from typing import Any
 
 import panel as pn
-import panel_material_ui as pmui
 import param
-from panel.viewable import Viewable
 
+from railjoule.dashboard.insides import LightComponent
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.glossary import info
-from railjoule.dashboard.views.parts import html_pane
+from railjoule.dashboard.look.scripts import borrowed
+from railjoule.dashboard.look.theme import number_css
+from railjoule.dashboard.models.numbers import TypedParameters
 
-MOST_TYPED_DIGITS, ROUNDING = 6, 1e-12
-"""More decimals than these nobody types; by less than the second, as a share, binary numbers miss decimal ones."""
-HIDDEN_LABEL = {"position": "absolute", "clipPath": "inset(50%)", "width": "1px", "height": "1px", "overflow": "hidden"}
-
-
-INFO_PLACE = {"position": "absolute", "right": "68px", "top": "0", "z-index": "1"}
+Ends = tuple[float, float]
 
 
-class Numbers(Protocol):
-    """A model that holds numbers and knows how they may be typed."""
+class NumberField(LightComponent):
+    """One number of a model, as the model declares it; it has a slider where the model names a step for one.
 
-    @property
-    def param(self) -> Any:
-        """The parameters."""
-
-    @property
-    def originals(self) -> Mapping[str, Any]:
-        """The numbers of the scenario as it is shipped, by field."""
-
-    def parse(self, field: str, text: str) -> float:
-        """Return the number that a text gives; raises ValueError with a sentence."""
-
-
-def shown(number: float, digits: int) -> str:
-    """Return a number with `digits` decimals, and with more where somebody has typed them.
-
-    A number that a computation gave has no end in sight; it is rounded.
-    """
-    for more in range(digits, MOST_TYPED_DIGITS + 1):
-        if abs(round(number, more) - number) <= ROUNDING * max(abs(number), 1.0):
-            return words.number(number, more)
-    return words.number(number, digits)
-
-
-class TypedNumber:
-    """A text field for one number of a model, its label beside it.
+    The browser writes the numbers down: of a move of the slider it hears nothing more, as it knows what it has sent.
 
     Parameters
     ----------
-    model : Numbers
+    model : TypedParameters
         Holds the number.
     field : str
         Its name there.
-    label : str
-        Quantity and unit.
-    digits : int
-        Decimals in the text field.
-    unit : str
-        Unit in the sentence about what was kept.
-    of : str
-        What the number belongs to, where the label alone does not tell; for those who listen.
+    ends : tuple of float, optional
+        Ends of the slider, where they are not those that the model declares.
+    check : callable, optional
+        Returns a number that was typed, or raises ValueError with a sentence.
+    take : callable, optional
+        Gives the model a number that was typed, where more changes than the number.
+    **params
+        Of the component: `label` where it is not the model's, `of` for what the number belongs to, `narrow`.
     """
 
-    def __init__(self, model: Numbers, field: str, label: str, *, digits: int, unit: str, of: str = "") -> None:
-        self.model, self.field, self.label, self.digits, self.unit = model, field, label, digits, unit
-        self._quiet = False
-        number = getattr(model, field)
-        self.text = pmui.TextInput(
-            label=f"{of}{label}, as a number",
-            value="" if number is None else shown(number, digits),
-            variant="standard",
-            size="small",
-            width=74,
-            margin=0,
-            styles={"position": "absolute", "right": "16px", "top": "0"},
-            sx={
-                "& .MuiInputBase-input": {
-                    "textAlign": "right",
-                    "fontWeight": 600,
-                    "fontSize": "13px",
-                    "padding": "1px 0",
-                },
-                "& .MuiFormLabel-root": HIDDEN_LABEL,
-                "& .MuiInput-root": {"marginTop": "0 !important"},
-                "& .MuiInput-root:before": {"borderBottomColor": "text.secondary"},
-            },
+    label = param.String(default="", doc="Quantity and unit.")
+    of = param.String(default="", doc="What the number belongs to, for those who listen.")
+    unit = param.String(default="", doc="Unit in sentences.")
+    digits = param.Integer(default=0, doc="Decimals, where nobody has typed more.")
+    info = param.String(default="", doc="The button that explains the label, as HTML.")
+    narrow = param.Boolean(default=False, doc="Whether it stands beside others.")
+    value = param.Number(default=None, allow_None=True, doc="The model's number.")
+    suggested = param.Number(default=None, allow_None=True, doc="What holds as long as the model names none.")
+    original = param.List(default=[], doc="The scenario's own number; nothing where none is known.")
+    start = param.Number(default=None, allow_None=True, doc="Where the slider begins.")
+    end = param.Number(default=None, allow_None=True, doc="Where it ends.")
+    step = param.Number(default=None, allow_None=True, doc="Its step; None where there is no slider.")
+    tick = param.Number(default=None, allow_None=True, doc="What is marked on its rail: the planned value.")
+    note = param.String(default="", doc="What is to be told of the number.")
+    refusal = param.String(default="", doc="Why the last text was not taken.")
+    answers = param.Integer(default=0, doc="Counts the texts that were answered.")
+
+    _esm = borrowed("number_field")
+    _stylesheets = [number_css()]  # noqa: RUF012
+
+    def __init__(
+        self,
+        model: TypedParameters,
+        field: str,
+        *,
+        ends: Ends | None = None,
+        check: Callable[[float], float] = lambda number: number,
+        take: Callable[[float], None] | None = None,
+        **params: Any,
+    ) -> None:
+        declared, number = model.param[field], getattr(model, field)
+        label = params.get("label", declared.label)
+        slider: dict[str, Any] = {}
+        if declared.step is not None:
+            slider = {"step": declared.step, **around(ends or declared.softbounds, number)}
+        super().__init__(
+            **{
+                "label": label,
+                "unit": declared.unit,
+                "digits": declared.digits,
+                "info": info(label),
+                "value": number,
+                "margin": 0,
+                "sizing_mode": "stretch_width",
+                "css_classes": ["rj-term"],
+                **slider,
+                **params,
+            }
         )
-        self.error = html_pane("", visible=False)
-        self.mark = html_pane(
-            "", visible=False, width=8, height=16, sizing_mode="fixed", styles={"position": "absolute", "right": "5px"}
-        )
-        # over the left end of the number's field, which is wider than most numbers
-        sign = info(label)
-        explained = [html_pane(sign, width=24, height=24, sizing_mode="fixed", styles=INFO_PLACE)] if sign else []
-        self.view = pn.Column(
-            self.beside(),
-            self.text,
-            self.mark,
-            *explained,
-            self.error,
-            margin=(4, 0, 0, 0),
-            sizing_mode="stretch_width",
-            styles={"position": "relative"},
-            css_classes=["rj-term"],
-        )
-        self.text.param.watch(self._type, "value")
+        self.model, self.field = model, field
+        self._check, self._take = check, take or self._set
+        self.param.watch(self._slide, "value")
         model.param.watch(self._follow, field)
-        model.param.watch(self._mark, [field, "originals"])
-        self._mark()
+        model.param.watch(self._compare, "originals")
+        self._compare()
 
-    def beside(self) -> Viewable:
-        """Return what stands beside the text field."""
-        return html_pane(f'<div class="row">{html.escape(self.label)}</div>', height=25)
+    def set_ends(self, ends: Ends) -> None:
+        """Move the ends of the slider; a number beyond them is not cut off."""
+        # the model's own: where both change at once, this field may not have it yet
+        number = getattr(self.model, self.field)
+        self.param.update(**around(ends, self.suggested if number is None else number))
 
-    def _kept(self) -> float:
-        return float(getattr(self.model, self.field))
+    def suggest(self, number: float) -> None:
+        """Show a number that holds as long as the model names none."""
+        if self.value is None:
+            self.param.update(suggested=number, **self._wide_enough(number))
 
-    def _mark(self, *_: Any) -> None:
-        """Mark a number that is not the scenario's own."""
-        now = getattr(self.model, self.field)
-        before = self.model.originals.get(self.field, now)
-        self.mark.visible = now != before
-        if now != before:
-            was = "not set" if before is None else f"{shown(before, self.digits)} {self.unit}".rstrip()
-            text = html.escape(f"changed: was {was}")
-            self.mark.object = f'<span class="dot" role="img" title="{text}" aria-label="{text}"></span>'
-
-    def _type(self, event: param.parameterized.Event) -> None:
-        if self._quiet:
-            return
-        try:
-            number = self.parse(event.new)
-        except ValueError as error:
-            kept = f"{shown(self._kept(), self.digits)} {self.unit}".rstrip()
-            sentence = f"{error} Kept: {kept}."
-            self.error.param.update(
-                object=f'<div class="error" role="alert">{html.escape(sentence)}</div>', visible=True
-            )
-            return
+    def type(self, text: str) -> None:
+        """Take a text that was typed, or say why not; the browser is answered in any case."""
+        refusal = ""
         with pn.io.hold():
-            self.take(number)
-            self._follow()
+            try:
+                number = self._check(self.model.parse(self.field, text))
+            except ValueError as error:
+                refusal = str(error)
+            else:
+                self._take(number)
+            self.param.update(refusal=refusal, answers=self.answers + 1)
 
-    def parse(self, text: str) -> float:
-        """Return the number that a text gives; raises ValueError with a sentence."""
-        return self.model.parse(self.field, text)
+    def _handle_msg(self, data: Any) -> None:
+        if isinstance(data, dict) and isinstance(data.get("text"), str):
+            self.type(data["text"])
 
-    def take(self, number: float) -> None:
-        """Give the model a number that was typed."""
+    def _set(self, number: float) -> None:
         setattr(self.model, self.field, number)
+
+    def _slide(self, event: param.parameterized.Event) -> None:
+        """Give the model what the slider says; what the field has of the model is no news to it."""
+        if event.new is not None and event.new != getattr(self.model, self.field):
+            # whatever follows the number reaches the browser as one message
+            with pn.io.hold():
+                self._set(float(event.new))
 
     def _follow(self, *_: Any) -> None:
         """Show the number that the model holds."""
         number = getattr(self.model, self.field)
-        if number is not None:
-            self._quiet = True
-            try:
-                self._show(number)
-            finally:
-                self._quiet = False
+        self.param.update(value=number, refusal="", **self._wide_enough(number))
 
-    def _show(self, number: float) -> None:
-        self.error.visible = False
-        self.text.value = shown(number, self.digits)
+    def _wide_enough(self, number: float | None) -> dict[str, float]:
+        """Return ends of the slider, where there is one, moved apart as far as a number needs."""
+        return {} if self.step is None else around((self.start, self.end), number)
 
-
-class NumberField(TypedNumber):
-    """A text field with a slider.
-
-    Parameters
-    ----------
-    model, field, label, digits, unit
-        As in `TypedNumber`.
-    step : float
-        Step of the slider.
-    ends : tuple of float
-        Ends of the slider.
-    """
-
-    def __init__(
-        self,
-        model: Numbers,
-        field: str,
-        label: str,
-        *,
-        step: float,
-        digits: int,
-        unit: str,
-        ends: tuple[float, float],
-    ) -> None:
-        number = getattr(model, field)
-        number = ends[0] if number is None else number
-        start, end = min(ends[0], number), max(ends[1], number)
-        self.slider = pmui.FloatSlider(
-            label=label,
-            value=number,
-            start=start,
-            end=end,
-            step=step,
-            show_value=False,
-            tooltips=False,
-            size="small",
-            margin=(0, 16, 0, 16),
-            sizing_mode="stretch_width",
-            sx={"& .MuiSlider-root": {"marginX": "6px", "width": "calc(100% - 12px)"}},
-        )
-        super().__init__(model, field, label, digits=digits, unit=unit)
-        self.suggest(number)
-        self.slider.param.watch(self._slide, "value")
-
-    def beside(self) -> Viewable:
-        """Return the slider with its label."""
-        return self.slider
-
-    def set_ends(self, ends: tuple[float, float]) -> None:
-        """Move the ends of the slider."""
-        number = self._kept()
-        self._quiet = True
-        self.slider.param.update(start=min(ends[0], number), end=max(ends[1], number), value=number)
-        self._quiet = False
-
-    def suggest(self, number: float) -> None:
-        """Show a number that holds as long as the model names none."""
-        if getattr(self.model, self.field) is None:
-            self._quiet = True
-            self._show(number)
-            self._quiet = False
-
-    def _kept(self) -> float:
-        number = getattr(self.model, self.field)
-        return float(self.slider.value if number is None else number)
-
-    def _slide(self, event: param.parameterized.Event) -> None:
-        if not self._quiet:
-            # the number, its mark and whatever else follows the slider reach the browser as one message
-            with pn.io.hold():
-                setattr(self.model, self.field, round(event.new, 6))
-
-    def _show(self, number: float) -> None:
-        super()._show(number)
-        self.slider.param.update(start=min(self.slider.start, number), end=max(self.slider.end, number), value=number)
+    def _compare(self, *_: Any) -> None:
+        """Tell the browser what the scenario's own number is."""
+        originals = self.model.originals
+        self.original = [originals[self.field]] if self.field in originals else []
 
 
-class CrushLoad:
-    """The mark beneath a load above the capacity.
+class LoadField(NumberField):
+    """The load of a vehicle: beyond its capacity it is told, and the vehicle's crush load is the end of the slider.
 
     Parameters
     ----------
-    field : NumberField
-        The load, % of capacity.
+    model, field, **params
+        As for `NumberField`; the model has the crush load too, as `most_load_percent`.
+    follows : sequence of str
+        The parameters of the model on which that depends.
     """
 
-    def __init__(self, field: NumberField) -> None:
-        self.field = field
-        self.view = html_pane(visible=False)
-        field.model.param.watch(self._show, field.field)
-        self._show()
+    def __init__(self, model: Any, field: str, follows: Sequence[str], **params: Any) -> None:
+        super().__init__(model, field, ends=(0.0, model.most_load_percent), **params)
+        model.param.watch(self._tell, field)
+        model.param.watch(lambda *_: self.set_ends((0.0, model.most_load_percent)), list(follows))
+        self._tell()
 
-    def _show(self, *_: Any) -> None:
-        factor = getattr(self.field.model, self.field.field) / 100
-        self.view.visible = factor > 1
-        self.view.object = f'<div class="row small open">{html.escape(words.load(factor))}</div>' if factor > 1 else ""
+    def _tell(self, *_: Any) -> None:
+        factor = getattr(self.model, self.field) / 100
+        self.note = words.load(factor) if factor > 1 else ""
+
+
+def around(ends: Ends, number: float | None) -> dict[str, float]:
+    """Return the ends of a slider, moved apart where a number lies beyond them."""
+    inside = ends if number is None else (*ends, number)
+    return {"start": min(inside), "end": max(inside)}
+
+
+def number_fields(model: TypedParameters, *fields: str, **params: Any) -> list[NumberField]:
+    """Return the fields of some numbers of a model."""
+    return [NumberField(model, field, **params) for field in fields]
 
 
 def tie(widget: Any, model: Any, field: str) -> None:

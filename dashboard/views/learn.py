@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from functools import partial
+from typing import Any
 
 from panel.viewable import Viewable
 
@@ -60,7 +61,7 @@ FIGURES_CSS = """
 }
 @media (max-width: 899px) { .figures { margin-left: 0; } }
 """
-SLIDER = {"margin": (10, 0, 0, -16), "max_width": 430}
+SLIDER: dict[str, Any] = {"margin": (10, 0, 0, -16), "max_width": 430}
 
 
 class LessonView:
@@ -76,10 +77,7 @@ class LessonView:
         if name in WITH_PLANE:
             self.more = (*self.more, PhasePlaneChart(name, PLANE_HEIGHTS[0], palette))
         self.figures = parts.html_pane(stylesheets=[parts_css(), FIGURES_CSS])
-        field = NumberField(
-            state.learn, name, lesson.label, step=lesson.step, digits=0, unit=lesson.unit, ends=lesson.ends
-        )
-        field.view.param.update(**SLIDER)
+        field = NumberField(state.learn, name, **SLIDER)
         number = [known.name for known in LESSONS].index(name) + 1
         styles = [parts_css(), TEXT_CSS]
         text = parts.markup("<h2>{}. {}</h2><p>{}</p>", number, lesson.title, lesson.text)
@@ -89,7 +87,7 @@ class LessonView:
             lesson.answer,
         )
         left = parts.stack(
-            parts.html_pane(text, stylesheets=styles), field.view, parts.html_pane(question, stylesheets=styles)
+            parts.html_pane(text, stylesheets=styles), field, parts.html_pane(question, stylesheets=styles)
         )
         # two charts more are side by side beneath: one column of three would leave half of the page empty
         beside = (self.speed, *self.more) if len(self.more) < 2 else (self.speed,)

@@ -15,7 +15,7 @@ from railjoule.dashboard.store import LineRuns
 from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.charts import Axis, Chart
 from railjoule.dashboard.views.drive_charts import LineStrip
-from railjoule.dashboard.views.fields import TypedNumber
+from railjoule.dashboard.views.fields import number_fields
 from railjoule.dashboard.views.line_charts import (
     SHARING_TOKENS,
     SHARING_WORDS,
@@ -194,8 +194,7 @@ class LineView(PageView):
 def station_row(station: StationModel) -> pn.Column:
     """Return the fields of a station: its dwell, and its arrival where that is fixed."""
     of = f"{station.station or 'Station'}: "
-    dwell = TypedNumber(station, "dwell_s", "Dwell, s", digits=0, unit="s", of=of)
-    arrival = TypedNumber(station, "arrival_s", "Arrives after, s", digits=1, unit="s", of=of)
+    dwell, arrival = number_fields(station, "dwell_s", "arrival_s", of=of)
     fixed = pmui.Checkbox(
         label=f"{station.station or f'Station {station.number + 2}'}: arrival fixed",
         value=station.fixed,
@@ -205,7 +204,7 @@ def station_row(station: StationModel) -> pn.Column:
     )
 
     def show(*_: Any) -> None:
-        arrival.view.visible = station.fixed
+        arrival.visible = station.fixed
 
     def tick(event: Any) -> None:
         station.fixed = event.new
@@ -213,7 +212,7 @@ def station_row(station: StationModel) -> pn.Column:
     fixed.param.watch(tick, "value")
     station.param.watch(show, "fixed")
     show()
-    return parts.stack(fixed, dwell.view, arrival.view, css=STATION_CSS)
+    return parts.stack(fixed, dwell, arrival, css=STATION_CSS)
 
 
 def figure_cells(runs: LineRuns) -> list[str]:

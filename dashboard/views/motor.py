@@ -115,7 +115,7 @@ class MotorView(PageView):
         self.map = MotorMapChart(HEIGHTS["machine_map"][0], palette, "machine_map")
         self.ripple = RippleChart(HEIGHTS["ripple"][0], palette)
         self.detuning = DetuningChart(HEIGHTS["detuning"][0], palette)
-        self.at = NumberField(self.model, "ripple_at_s", "Ripple at t, s", step=0.5, digits=1, unit="s", ends=(0, 100))
+        self.at = NumberField(self.model, "ripple_at_s")
         self.open = pmui.Button(
             label=f"Open {load_scenario(MACHINE_SCENARIO).title}",
             variant="outlined",
@@ -160,7 +160,7 @@ class MotorView(PageView):
             self.refusals,
             self.map.place,
             self.ripple.place,
-            self.at.view,
+            self.at,
             css=COLUMN_CSS,
         )
         diagram = parts.stack(self.diagram, css=DIAGRAM_CSS)

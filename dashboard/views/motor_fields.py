@@ -6,7 +6,7 @@ import panel_material_ui as pmui
 
 from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.models.workbench import Workbench
-from railjoule.dashboard.views.fields import TypedNumber
+from railjoule.dashboard.views.fields import number_fields, tie
 from railjoule.dashboard.views.parts import html_pane, stack
 
 FLUX_WORDS = {"Constant": "constant", "Least loss": "least_loss"}
@@ -33,36 +33,22 @@ class MotorFields:
             margin=(8, 16, 4, 16),
             sizing_mode="stretch_width",
         )
-        self.control = [
-            TypedNumber(model, "bandwidth_rads", "Bandwidth, rad/s", digits=1, unit="rad/s"),
-            TypedNumber(model, "rotor_resistance_factor", "Assumed / true resistance", digits=2, unit=""),
-            TypedNumber(model, "speed_noise_rads", "Speed noise, rad/s", digits=2, unit="rad/s"),
-            TypedNumber(model, "noise_seed", "Seed", digits=0, unit=""),
-        ]
-        self.limits = [
-            TypedNumber(model, "max_phase_voltage_v", "Phase voltage, V", digits=0, unit="V"),
-            TypedNumber(model, "max_current_a", "Current, A", digits=0, unit="A"),
-        ]
         self.view = stack(
             html_pane('<div class="section">Controller <span>\u00b7 with a rotor resistance of its own</span></div>'),
             self.precompensator,
             self.flux,
-            *(field.view for field in self.control),
+            *number_fields(model, "bandwidth_rads", "rotor_resistance_factor", "speed_noise_rads", "noise_seed"),
             html_pane(
                 f'<div class="row small"><span>From its resistance it computes the slip.{info("Slip")}</span></div>'
             ),
             html_pane('<div class="section">Inverter <span>\u00b7 at most, each phase</span></div>'),
-            *(field.view for field in self.limits),
+            *number_fields(model, "max_phase_voltage_v", "max_current_a"),
             html_pane('<hr class="rule">'),
             visible=not model.no_machine,
         )
-        self.precompensator.param.watch(lambda event: setattr(model, "precompensator", event.new), "value")
-        self.flux.param.watch(lambda event: setattr(model, "flux", event.new), "value")
-        model.param.watch(self._follow, ["precompensator", "flux"])
+        tie(self.precompensator, model, "precompensator")
+        tie(self.flux, model, "flux")
         model.param.watch(self._show, "no_machine")
 
     def _show(self, *_: Any) -> None:
         self.view.visible = not self.model.no_machine
-
-    def _follow(self, *_: Any) -> None:
-        self.precompensator.value, self.flux.value = self.model.precompensator, self.model.flux

@@ -7,12 +7,10 @@ import panel as pn
 
 from railjoule.dashboard.models.speed_limits import SectionModel
 from railjoule.dashboard.models.workbench import Workbench
-from railjoule.dashboard.views.fields import NumberField, TypedNumber
+from railjoule.dashboard.views.fields import NumberField, number_fields
 from railjoule.dashboard.views.parts import html_pane, stack
 
 PAGE = "Speed limits"
-SIZE_ENDS, POWER_ENDS = (0.0, 5.0), (0.0, 5000.0)
-"""Ends of the sliders [kWh, kW]; a storage beyond them can be typed."""
 
 
 class SectionFields:
@@ -22,33 +20,22 @@ class SectionFields:
         self.state, self.model = state, state.speed_limits
         model = self.model
         self.list = stack()
-        self.search = [
-            TypedNumber(model, "section_count", "Sections", digits=0, unit=""),
-            TypedNumber(model, "time_window_percent", "Time window, \u00b1 %", digits=1, unit="%"),
-            TypedNumber(model, "stop_deceleration_ms2", "Braking, m/s\u00b2", digits=2, unit="m/s\u00b2"),
-        ]
-        self.size = NumberField(
-            model, "storage_size_kwh", "Storage, kWh", step=0.01, digits=2, unit="kWh", ends=SIZE_ENDS
-        )
-        self.power = NumberField(model, "storage_power_kw", "Power, kW", step=10, digits=0, unit="kW", ends=POWER_ENDS)
-        self.shares = [
-            TypedNumber(model, "charging_percent", "Charging efficiency, %", digits=1, unit="%"),
-            TypedNumber(model, "discharging_percent", "Discharging efficiency, %", digits=1, unit="%"),
-        ]
+        self.size, self.power = number_fields(model, "storage_size_kwh", "storage_power_kw")
         self.view = stack(
             html_pane('<div class="section">Sections <span>\u00b7 limit and end of each</span></div>'),
             self.list,
             html_pane('<div class="section">Search</div>'),
-            *(field.view for field in self.search),
+            *number_fields(model, "section_count", "time_window_percent", "stop_deceleration_ms2"),
             html_pane('<div class="section">Storage on board <span>\u00b7 at first as needed</span></div>'),
-            self.size.view,
-            self.power.view,
-            *(field.view for field in self.shares),
+            self.size,
+            self.power,
+            *number_fields(model, "charging_percent", "discharging_percent"),
             html_pane('<hr class="rule">'),
         )
         model.param.watch(self._list_sections, "sections")
         model.param.watch(self._suggest, ["storage", "storage_size_kwh", "storage_power_kw"])
         self._list_sections()
+        self._suggest()
 
     def _suggest(self, *_: Any) -> None:
         """Show the storage that holds as long as none is named."""
@@ -63,8 +50,6 @@ class SectionFields:
         self.list[:] = [self._row(k, section, k == len(sections)) for k, section in enumerate(sections, 1)]
 
     def _row(self, number: int, section: SectionModel, last: bool) -> pn.Column:
-        limit = TypedNumber(section, "limit_kmh", f"{number}: limit, km/h", digits=1, unit="km/h", of="Section ")
-        if last:
-            return stack(limit.view)
-        end = TypedNumber(section, "to_m", f"{number}: ends at, m", digits=0, unit="m", of="Section ")
-        return stack(limit.view, end.view)
+        fields = ["limit_kmh"] if last else ["limit_kmh", "to_m"]
+        labels = {field: f"{number}: {section.param[field].label}" for field in fields}
+        return stack(*(NumberField(section, field, label=label, of="Section ") for field, label in labels.items()))

@@ -15,7 +15,7 @@ from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.insides import keep_colours, leave_busy, name_sheets
 from railjoule.dashboard.look import glossary
 from railjoule.dashboard.look.markup import markup
-from railjoule.dashboard.look.scripts import source
+from railjoule.dashboard.look.scripts import lent, source
 from railjoule.dashboard.look.theme import document_css, material_theme
 from railjoule.dashboard.messages import added_to, one_message, unfrozen
 from railjoule.dashboard.models.pages import PAGES, bar_entries
@@ -58,7 +58,7 @@ def first_paint() -> dict[str, Any]:
     """Return what the document shows and does before its scripts are read."""
     return {
         "first": source("first"),
-        "mends": "".join(source(name) for name in ("follow", "mends", "glossary")),
+        "mends": "".join(source(name) for name in ("follow", "mends", "glossary")) + lent("number_field"),
         "opening": source("opening"),
         "glossary": json.dumps(glossary.texts()).replace("<", "\\u003c"),
         "css": asset("css", "first.css"),

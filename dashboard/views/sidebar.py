@@ -21,7 +21,7 @@ from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.views.actual_fields import ActualFields
 from railjoule.dashboard.views.changes import Changes
 from railjoule.dashboard.views.events import EventFields
-from railjoule.dashboard.views.fields import CrushLoad, NumberField
+from railjoule.dashboard.views.fields import LoadField, NumberField
 from railjoule.dashboard.views.motor_fields import MotorFields
 from railjoule.dashboard.views.parts import html_pane, stack
 from railjoule.dashboard.views.reality import RealityFields
@@ -67,22 +67,7 @@ class Sidebar:
             on_click=lambda _: setattr(state.editor, "open", not state.editor.open),
             css_classes=["rj-edit"],
         )
-        self.travel_time = NumberField(
-            scenario, "travel_time_s", "Travel time, s", step=0.5, digits=1, unit="s", ends=scenario.travel_time_range_s
-        )
-        self.load = NumberField(
-            scenario,
-            "load_percent",
-            "Load, % of capacity",
-            step=1,
-            digits=0,
-            unit="%",
-            ends=(0, scenario.most_load_percent),
-        )
-        self.crush = CrushLoad(self.load)
-        self.recuperation = NumberField(
-            scenario, "recuperation_percent", "Recuperation, %", step=1, digits=0, unit="%", ends=(0, 100)
-        )
+        self.travel_time = NumberField(scenario, "travel_time_s", ends=scenario.travel_time_range_s)
         self.shortest = html_pane()
         self.vehicle = html_pane()
         own = [PageFields(state, page, make).view for page, make in OWN_FIELDS.items()]
@@ -97,11 +82,10 @@ class Sidebar:
             self.file,
             self.edit,
             html_pane('<div class="section">Plan <span>\u00b7 what the timetable expects</span></div>'),
-            self.travel_time.view,
+            self.travel_time,
             self.shortest,
-            self.load.view,
-            self.crush.view,
-            self.recuperation.view,
+            LoadField(scenario, "load_percent", ["preset", "opened", "edits", "travel_time_range_s"]),
+            NumberField(scenario, "recuperation_percent"),
             *own,
             self.vehicle,
             self.line,
@@ -117,7 +101,6 @@ class Sidebar:
         scenario.param.watch(self._name_scenario, ["preset", "opened"])
         scenario.param.watch(self._describe, ["preset", "opened", "edits"])
         scenario.param.watch(self._move_ends, "travel_time_range_s")
-        scenario.param.watch(self._move_load, ["preset", "opened", "edits"])
         state.param.watch(self._show_runs, "runs")
         state.param.watch(self._fit_page, "page")
         self._fit_page()
@@ -155,9 +138,6 @@ class Sidebar:
 
     def _move_ends(self, *_: Any) -> None:
         self.travel_time.set_ends(self.state.scenario.travel_time_range_s)
-
-    def _move_load(self, *_: Any) -> None:
-        self.load.set_ends((0, self.state.scenario.most_load_percent))
 
     def _describe(self, *_: Any) -> None:
         """Say which vehicle and line these are."""
@@ -232,15 +212,13 @@ class EnocField:
 
     def __init__(self, state: Workbench) -> None:
         self.state = state
-        self.field = NumberField(
-            state.scenario, "acceleration_time_s", "Acceleration time, s", step=0.1, digits=1, unit="s", ends=(15, 110)
-        )
+        self.field = NumberField(state.scenario, "acceleration_time_s")
         self.best = pmui.Button(
             label="Use the best", variant="text", size="small", margin=(0, 8), on_click=self._use_best
         )
         self.view = pn.Column(
             html_pane('<div class="section">ENOC</div>'),
-            self.field.view,
+            self.field,
             self.best,
             margin=0,
             sizing_mode="stretch_width",

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, Route
 
-from railjoule.dashboard.look.scripts import SCRIPTS, function, imported, module, source
+from railjoule.dashboard.look.scripts import SCRIPTS, borrowed, function, imported, lent, module, source
 
 ADDRESS = "http://scripts.invalid/"
 NAMES = sorted(path.name.removesuffix(".js") for path in SCRIPTS.iterdir() if path.name.endswith(".js"))
@@ -69,6 +69,17 @@ def test_a_module_is_sent_as_one(page: Page, name: str) -> None:
     assert set(exports) == exports_of(name)
 
 
+def test_a_component_of_which_there_are_many_is_sent_once(page: Page) -> None:
+    page.evaluate("text => { new Function(text)(); }", lent("number_field"))
+    code = f"""
+      {MODEL}
+      const text = {borrowed("number_field")!r};
+      const m = await import(URL.createObjectURL(new Blob([text], {{type: "text/javascript"}})));
+      return shown(m.render({{model}})).querySelector("[type=text]").value;
+    """
+    assert page.evaluate(f"async (a) => {{ {code} }}", NUMBER) == "170.0"
+
+
 @pytest.mark.parametrize("name", sorted(set(NAMES) - set(MODULES)))
 def test_a_plain_script_is_strict_and_parses(page: Page, name: str) -> None:
     assert '"use strict";' in source(name)
@@ -122,6 +133,24 @@ EventTarget.prototype.removeEventListener = function (name, listener, options) {
 """
 LISTENED = "Object.assign(EventTarget.prototype, {addEventListener, removeEventListener});"
 ENTRIES = [{"name": name, "place": "bar", "group": group} for name, group in (("Start", ""), ("Drive", "Run"))]
+NUMBER: dict[str, Any] = {
+    "label": "Travel time, s",
+    "of": "",
+    "unit": "s",
+    "digits": 1,
+    "info": "",
+    "narrow": False,
+    "value": 170.0,
+    "suggested": None,
+    "original": [170.0],
+    "start": 147.0,
+    "end": 341.25,
+    "step": 0.5,
+    "tick": 200.0,
+    "note": "",
+    "refusal": "",
+    "answers": 0,
+}
 VALUES: dict[str, dict[str, Any]] = {
     "browser": {"pages": ["Start"], "bare": [], "questions": {}, "page": "Start", "charts_in_sight": []},
     "disclosure": {"label": "Vehicle", "note": "", "open": False, "changed": False},
@@ -130,6 +159,7 @@ VALUES: dict[str, dict[str, Any]] = {
     "lifeline": {"address": ""},
     "loop_diagram": {"drawing": "<svg></svg>", "charts": {}},
     "navigation": {"page": "Start", "entries": ENTRIES, "keyed": ["Start", "Drive"], "brand": ""},
+    "number_field": NUMBER,
     "saving": {},
     "strategies": {"strategies": [], "chosen": "", "ticked": [], "results": {}, "above": "", "draws": True},
     "table_form": {"table": {"columns": [], "rows": [], "label": "", "help": "", "more": ""}, "version": 0},
@@ -185,6 +215,154 @@ def test_a_field_tells_what_was_typed_and_takes_it_back_by_escape(page: Page) ->
         "name": "Reset Tare, kg to 160000",
         "described": "field0-help field0-error",
     }
+
+
+FIELD = f"""
+  {MODEL}
+  const host = shown(m.render({{model}}));
+  const slider = host.querySelector("[type=range]"), text = host.querySelector("[type=text]");
+  const error = host.querySelector("[role=alert]"), mark = host.querySelector("[role=img]");
+  const slide = (to) => {{ slider.value = to; slider.dispatchEvent(new Event("input")); }};
+  const type = (words) => {{ text.focus(); text.value = words; text.dispatchEvent(new Event("change")); }};
+  const key = (element, name, more = {{}}) =>
+    element.dispatchEvent(new KeyboardEvent("keydown", {{key: name, bubbles: true, cancelable: true, ...more}}));
+  const rest = (milliseconds) => new Promise((resolve) => setTimeout(resolve, milliseconds));
+"""
+
+
+def test_a_slider_writes_its_number_and_sends_the_first_and_the_last_of_many(page: Page) -> None:
+    code = f"""
+      {FIELD}
+      const given = [];
+      let value = model.value;
+      Object.defineProperty(model, "value", {{get: () => value, set: (next) => {{ given.push(next); value = next; }}}});
+      const before = [mark.hidden, text.value, slider.getAttribute("aria-valuetext")];
+      for (const to of [180, 181, 182.5]) {{ slide(to); }}
+      // what the server has to say of the first
+      change({{note: "heavy"}});
+      const at_once = [...given, slider.value, text.value];
+      await rest(150);
+      const after = [mark.hidden, text.value, slider.getAttribute("aria-valuetext"), mark.title];
+      slide(400);
+      // a step back is of what the slider was moved to
+      slide(300);
+      key(slider, "z", {{ctrlKey: true}});
+      return {{before, at_once, after, given, label: host.querySelector("label").control === slider}};
+    """
+    seen = run(page, "number_field", code, NUMBER)
+    assert seen == {
+        "before": [True, "170.0", "170.0 s"],
+        "at_once": [180, "182.5", "182.5"],
+        "after": [False, "182.5", "182.5 s", "changed: was 170.0 s"],
+        # the end is no whole number of steps away from the start
+        "given": [180, 182.5, 341.25, 300],
+        "label": True,
+    }
+
+
+def test_ten_steps_of_a_slider_by_the_shift_key(page: Page) -> None:
+    code = f"""
+      {FIELD}
+      const moved = ["ArrowUp", "ArrowLeft", "ArrowLeft", "Home"].map((name) => {{
+        const taken = !key(slider, name, {{shiftKey: true}});
+        return [taken, model.value, text.value];
+      }});
+      await rest(100);
+      return [...moved, model.value];
+    """
+    assert run(page, "number_field", code, NUMBER) == [
+        [True, 175, "175.0"],
+        [True, 175, "170.0"],
+        [True, 175, "165.0"],
+        [False, 175, "165.0"],
+        165,
+    ]
+
+
+def test_a_text_is_told_and_a_refused_one_stays(page: Page) -> None:
+    code = f"""
+      {FIELD}
+      type("9999");
+      change({{refusal: "At most 300.", answers: 1}});
+      const refused = [text.value, error.textContent, text.ariaInvalid, error.hidden, slider.value];
+      type("2:30");
+      change({{value: 150, refusal: "", answers: 2}});
+      const taken = [text.value, error.hidden, text.ariaInvalid, slider.value];
+      text.value = "15";
+      change({{value: 160, answers: 2}});
+      const typing = [text.value, slider.value];
+      let closes = 0;
+      document.body.addEventListener("keydown", () => closes++);
+      key(text, "Escape");
+      const back = text.value;
+      key(text, "Escape");
+      return {{refused, taken, typing, back, closes, told, name: text.ariaLabel}};
+    """
+    assert run(page, "number_field", code, NUMBER) == {
+        "refused": ["9999", "At most 300. Kept: 170.0 s.", "true", False, "170"],
+        "taken": ["150.0", True, "false", "150"],
+        "typing": ["15", "160"],
+        "back": "160.0",
+        "closes": 1,
+        "told": [{"text": "9999"}, {"text": "2:30"}],
+        "name": "Travel time, s, as a number",
+    }
+
+
+def test_the_server_does_not_move_a_thumb_that_is_held(page: Page) -> None:
+    code = f"""
+      {FIELD}
+      slider.dispatchEvent(new Event("pointerdown"));
+      slide(180);
+      change({{value: 190, note: "heavy"}});
+      const held = [slider.value, text.value, host.querySelector(".note").textContent];
+      window.dispatchEvent(new Event("pointerup"));
+      return [...held, slider.value, text.value];
+    """
+    assert run(page, "number_field", code, NUMBER) == ["180", "180.0", "heavy", "190", "190.0"]
+
+
+def test_a_number_that_is_not_set_and_one_without_a_slider(page: Page) -> None:
+    nothing = {**NUMBER, "value": None, "original": [None]}
+    code = f"""
+      {FIELD}
+      const empty = [text.value, slider.value, mark.hidden];
+      change({{suggested: 160}});
+      const suggested = [text.value, slider.value, mark.hidden];
+      change({{value: 150}});
+      return [...empty, ...suggested, mark.title];
+    """
+    seen = run(page, "number_field", code, nothing)
+    assert seen == ["", "147", True, "160.0", "160", True, "changed: was not set"]
+    plain = {**NUMBER, "start": None, "end": None, "step": None, "of": "Stop 1: ", "note": "heavy", "original": []}
+    code = f"""
+      {FIELD}
+      return [slider, text.ariaLabel, host.querySelector("label").control === text, mark.hidden,
+        host.querySelector(".note").textContent];
+    """
+    assert run(page, "number_field", code, plain) == [
+        None,
+        "Stop 1: Travel time, s, as a number",
+        True,
+        True,
+        "heavy",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("number", "digits", "text"),
+    [
+        (50.5, 0, "50.5"),
+        (33.25, 0, "33.25"),
+        (7.1, 0, "7.1"),
+        (50, 1, "50.0"),
+        (100 / 3, 0, "33"),
+        (100 * 0.29, 0, "29"),  # 28.999999999999996
+        (-12345.678, 0, "\u221212\u202f345.678"),
+    ],
+)
+def test_typed_decimals_are_shown_and_computed_ones_rounded(page: Page, number: float, digits: int, text: str) -> None:
+    assert run(page, "number_field", "return m.shown(a.number, a.digits)", {"number": number, "digits": digits}) == text
 
 
 def test_a_table_tells_its_cell_and_moves_by_key(page: Page) -> None:

@@ -70,11 +70,8 @@ class Visitor:
         """Give a slider a value, and return after how many seconds a text comes back."""
         self.text = ""
         started = time.perf_counter()
-        events = [
-            {"kind": "ModelChanged", "model": {"id": model}, "attr": name, "new": value}
-            for name in ("value", "value_throttled")
-        ]
-        await self._send("PATCH-DOC", {"events": events})
+        change = {"kind": "ModelChanged", "model": {"id": model}, "attr": "value", "new": value}
+        await self._send("PATCH-DOC", {"events": [change]})
         while until not in self.text:
             self._heard.clear()
             await asyncio.wait_for(self._heard.wait(), PATIENCE_S)

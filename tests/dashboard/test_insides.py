@@ -13,8 +13,10 @@ import pytest
 from bokeh.document import Document
 from bokeh.document.locking import UnlockedDocumentProxy
 from bokeh.models import Div
+from panel.reactive import Syncable
 
 from railjoule.dashboard.insides import (
+    LightComponent,
     SmallFile,
     Words,
     attach,
@@ -116,6 +118,11 @@ def test_a_pane_sends_its_text_alone() -> None:
     assert "2" in root.text
     assert sent in ([], [{"text"}])
     assert root.stylesheets[-1] is same.stylesheets[-1]
+
+
+def test_a_light_component_is_heard_sooner_than_others() -> None:
+    assert 0 < LightComponent._debounce < Syncable._debounce
+    assert "_debounce" in inspect.getsource(Syncable._server_change)
 
 
 def test_a_frozen_document_finds_new_models_when_it_thaws() -> None:

@@ -19,7 +19,7 @@ from railjoule.dashboard.motor import Motor
 from railjoule.dashboard.robustness import Robustness
 from railjoule.dashboard.speed_limits import SpeedLimits
 from railjoule.dashboard.views.changes import Changes
-from railjoule.dashboard.views.fields import TypedNumber
+from railjoule.dashboard.views.fields import NumberField
 from railjoule.dashboard.views.share import file_name
 
 
@@ -107,13 +107,15 @@ def test_a_dropped_file_is_opened_or_refused(keeping: Keeping) -> None:
 
 def test_changed_fields_are_marked_against_the_preset(keeping: Keeping) -> None:
     scenario = keeping.state.scenario
-    field = TypedNumber(scenario, "load_percent", "Load, %", digits=0, unit="%")
-    assert not field.mark.visible
-    scenario.load_percent = 30.0
-    assert field.mark.visible
-    assert "changed: was 50 %" in field.mark.object
-    scenario.restore()
-    assert not field.mark.visible
+    field = NumberField(scenario, "recuperation_percent")
+    (original,) = field.original
+    assert original == scenario.recuperation_percent
+    scenario.recuperation_percent = original / 2
+    keeping.note()
+    assert field.original == [original]
+    scenario.choose("liashenko-i")
+    keeping.note()
+    assert field.original == [scenario.recuperation_percent] != [original]
 
 
 def test_changed_keys_can_be_taken_back_one_by_one(state: Workbench) -> None:

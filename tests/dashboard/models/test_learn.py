@@ -22,7 +22,7 @@ def test_each_lesson_has_a_slider_and_a_figure() -> None:
     model = LearnModel()
     assert [lesson.name for lesson in LESSONS] == list(COMPUTED)
     for lesson in LESSONS:
-        assert getattr(model, lesson.name) == lesson.first
+        assert getattr(model, lesson.name) == lesson.number.default
         with pytest.raises(ValueError, match="At most"):
             model.parse(lesson.name, str(lesson.ends[1] + 1))
 

@@ -189,7 +189,7 @@ def test_all_that_leaves_a_page_gives_its_number(
     assert float(capsys.readouterr().out) == pytest.approx(energy_kwh, rel=1e-9)
     asked: list[ReportRequest] = []
     reporting = Reporting(state)
-    monkeypatch.setattr(reporting.study, "ask", asked.append)
+    monkeypatch.setattr(reporting.report, "ask", asked.append)
     reporting.model.param.trigger("wanted")
     (request,) = asked
     if not case.told:
