@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
 from bokeh.document import Document
 
 from railjoule.core import Trajectory
@@ -23,7 +24,7 @@ from railjoule.dashboard.views.drive_charts import (
     EnergyChart,
     LineStrip,
     PhaseStrip,
-    PowerChart,
+    power_chart,
 )
 from railjoule.dashboard.views.driven_charts import DrivenEffortChart, DrivenSpeedChart
 from railjoule.dashboard.views.scene import RunChart, Scene, SceneChart
@@ -31,8 +32,8 @@ from railjoule.dashboard.views.speed_chart import SpeedChart
 
 WIDTH_PX = 640
 """Words are left out that have no room in figures of this width, about that of a printed page."""
-ENERGY_ROOM, CELLS_ROOM = 0.06, 0.08
-"""Shares of their ranges that axes leave free at both ends, as in the charts themselves."""
+EXACT = np.float64
+"""Lines are written into the file with all their digits."""
 COLOUR_COLUMNS = ("colour", "fill", "ink")
 
 
@@ -74,17 +75,16 @@ class Figures:
     # ---- drawing
 
     def _run_charts(self) -> list[DistanceChart]:
-        lines = tuple(STRATEGIES)
-        axis, run = Axis(self.palette), self.findings.run
+        axis, run = Axis(self.palette, EXACT), self.findings.run
         common = (axis, self.palette)
         charts: list[SceneChart] = [
-            SpeedChart(270, *common, lines),
+            SpeedChart(270, *common),
             PhaseStrip(26, *common),
             LineStrip(104, *common),
-            EnergyChart(160, *common, lines),
-            EffortChart(120, *common, lines),
-            *([CurrentChart(120, *common, lines)] if run.current_a is not None else []),
-            PowerChart(150, *common, lines),
+            EnergyChart(160, *common),
+            EffortChart(120, *common),
+            *([CurrentChart(120, *common)] if run.current_a is not None else []),
+            power_chart(150, *common),
         ]
         scene = self._scene()
         axis.fit(scene.end, roomy=True)
@@ -124,7 +124,7 @@ class Figures:
         reality = self.findings.reality
         if reality is None:
             return []
-        axis = Axis(self.palette)
+        axis = Axis(self.palette, EXACT)
         axis.fit(max(run.position_m[-1] for run in (reality.planned, reality.actual)), roomy=False)
         speed, effort = DrivenSpeedChart(220, axis, self.palette), DrivenEffortChart(130, axis, self.palette)
         for chart in (speed, effort):
@@ -223,15 +223,27 @@ class Figures:
                 "caption": chart.told["caption"].id,
                 "range": chart.y_range.id,
                 "fits": isinstance(chart, RunChart) and not isinstance(chart, SpeedChart),
-                "room": ENERGY_ROOM if isinstance(chart, EnergyChart) else CELLS_ROOM,
+                "room": chart.form.room if isinstance(chart, RunChart) else 0.0,
                 "names": "ends" if isinstance(chart, EnergyChart) else "names",
-                "lines": [chart.sources[name].id for name in self._line_names(chart)],
+                "lines": self._lines(chart),
                 "sources": {name: source.id for name, source in chart.sources.items()},
             }
             for group in self.groups.values()
             for chart in group
             if chart.figure is not None
         }
+
+    def runs(self) -> dict[str, str]:
+        """Return the sources of the runs by the names of their lines, which all charts over the distance share."""
+        speed = self.groups["runs"][0]
+        return {name: speed.axis.columns(name).source.id for name in STRATEGIES}
+
+    def _lines(self, chart: DistanceChart) -> list[tuple[str, str]]:
+        """Return source and column of all lines that a chart shows."""
+        shown = []
+        if isinstance(chart, RunChart):
+            shown = [(drawn.data_source.id, chart.quantity.name) for drawn in chart.renderers.values() if drawn.visible]
+        return shown + [(chart.sources[name].id, "y") for name in ("largest",) if name in chart.sources]
 
     def names_of(self, optima: Sequence[Trajectory]) -> list[dict[str, dict[str, list[object]]]]:
         """Return for each optimum the columns of the names in the charts of speed and energy, by chart."""
@@ -260,6 +272,3 @@ class Figures:
             for renderer in chart.figure.renderers
             if renderer.data_source is chart.sources[name]
         ]
-
-    def _line_names(self, chart: DistanceChart) -> list[str]:
-        return [name for name in (*STRATEGIES, "largest") if name in chart.sources]

@@ -16,7 +16,7 @@ from railjoule.dashboard.views.charts import Axis, Chart
 from railjoule.dashboard.views.driven_charts import reality_words
 from railjoule.dashboard.views.fields import tie
 from railjoule.dashboard.views.page import PageView
-from railjoule.dashboard.views.ride_charts import LateChart, RideEnergyChart, RideSpeedChart, saved_by
+from railjoule.dashboard.views.ride_charts import LateChart, RideSpeedChart, ride_energy_chart, saved_by
 
 HEIGHTS = {"ride_speed": (300, 380, 240), "ride_energy": (170, 200, 150), "late_arrival": (240, 280, 210)}
 """Of each chart [px]: in usual, wide and narrow windows."""
@@ -55,7 +55,7 @@ class DisturbancesView(PageView):
         )
         self.axis = Axis(palette)
         self.speed = RideSpeedChart(HEIGHTS["ride_speed"][0], self.axis, palette, self._drop)
-        self.energy = RideEnergyChart(HEIGHTS["ride_energy"][0], self.axis, palette)
+        self.energy = ride_energy_chart(HEIGHTS["ride_energy"][0], self.axis, palette)
         self.late = LateChart(HEIGHTS["late_arrival"][0], palette)
         self.add = pmui.Button(
             label="Add a stop",

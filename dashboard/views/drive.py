@@ -9,7 +9,6 @@ from panel.viewable import Viewable
 
 from railjoule.core import TimetableError, Trajectory
 from railjoule.core.simulate.actual_run import ActualRun
-from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import words
 from railjoule.dashboard.store import Runs
 from railjoule.dashboard.views import parts
@@ -22,7 +21,7 @@ from railjoule.dashboard.views.drive_charts import (
     EnergyChart,
     LineStrip,
     PhaseStrip,
-    PowerChart,
+    power_chart,
 )
 from railjoule.dashboard.views.fields import tie
 from railjoule.dashboard.views.law_chart import LawChart
@@ -125,17 +124,16 @@ class DriveView(PageView):
         return parts.stack(chart.place, self.no_current) if chart.name == "current" else chart.place
 
     def _scene_charts(self) -> dict[str, SceneChart]:
-        lines = tuple(STRATEGIES)
         common = (self.axis, self.palette)
         charts: list[SceneChart] = [
-            SpeedChart(HEIGHTS["speed"][0], *common, lines),
+            SpeedChart(HEIGHTS["speed"][0], *common),
             PhaseStrip(HEIGHTS["phases"][0], *common),
             LineStrip(HEIGHTS["line"][0], *common),
-            CurrentChart(HEIGHTS["current"][0], *common, lines),
-            EnergyChart(HEIGHTS["energy"][0], *common, lines),
+            CurrentChart(HEIGHTS["current"][0], *common),
+            EnergyChart(HEIGHTS["energy"][0], *common),
             DifferenceChart(HEIGHTS["difference"][0], *common),
-            EffortChart(HEIGHTS["effort"][0], *common, lines),
-            PowerChart(HEIGHTS["power"][0], *common, lines),
+            EffortChart(HEIGHTS["effort"][0], *common),
+            power_chart(HEIGHTS["power"][0], *common),
         ]
         return {chart.name: chart for chart in charts}
 

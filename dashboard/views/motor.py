@@ -30,7 +30,7 @@ from railjoule.dashboard.views.motor_run_charts import (
     VOLTAGE,
     DetuningChart,
     LoopChart,
-    PlaceChart,
+    LoopDistanceChart,
     RippleChart,
     detuning_table,
     length,
@@ -100,7 +100,7 @@ class MotorView(PageView):
         )
         self.diagram = LoopDiagram()
         self.axis = Axis(palette)
-        quantities = (
+        loops = (
             SPEED,
             TRACKING,
             TRACKING_FINE,
@@ -113,12 +113,10 @@ class MotorView(PageView):
             RIVAL_ENERGY,
         )
         self.loops = {
-            quantity.name: LoopChart(
-                quantity, HEIGHTS[quantity.name][0], self.axis, palette, last=quantity in (ENERGY, RIVAL_ENERGY)
-            )
-            for quantity in quantities
+            loop.name: LoopChart(loop, HEIGHTS[loop.name][0], self.axis, palette, last=loop in (ENERGY, RIVAL_ENERGY))
+            for loop in loops
         }
-        self.place = PlaceChart(HEIGHTS["loop_place"][0], palette)
+        self.place = LoopDistanceChart(HEIGHTS["loop_place"][0], palette)
         self.map = MotorMapChart(HEIGHTS["machine_map"][0], palette, "machine_map")
         self.ripple = RippleChart(HEIGHTS["ripple"][0], palette)
         self.detuning = DetuningChart(HEIGHTS["detuning"][0], palette)

@@ -18,7 +18,7 @@ from railjoule.dashboard.views.driven_charts import (
     BrakingChart,
     DrivenEffortChart,
     DrivenSpeedChart,
-    PlaceErrorChart,
+    PositionErrorChart,
     reality_words,
 )
 from railjoule.dashboard.views.fields import tie
@@ -97,7 +97,7 @@ class RobustnessView(PageView):
         self.speed = DrivenSpeedChart(HEIGHTS["driven_speed"][0], self.axis, palette)
         self.effort = DrivenEffortChart(HEIGHTS["driven_effort"][0], self.axis, palette)
         self.braking = BrakingChart(HEIGHTS["braking"][0], palette)
-        self.place = PlaceErrorChart(HEIGHTS["place"][0], palette)
+        self.place = PositionErrorChart(HEIGHTS["place"][0], palette)
         note = '<p class="note" style="margin:10px 0 0 12px">Click a cell to see its run.</p>'
         left = parts.stack(
             pn.Row(self.measure, self.ways, margin=0, sizing_mode="stretch_width", stylesheets=[parts.WRAP_CSS]),

@@ -12,9 +12,10 @@ from railjoule.dashboard.store import LimitRun
 from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.charts import Axis, Chart
 from railjoule.dashboard.views.drive_charts import LineStrip
-from railjoule.dashboard.views.limit_charts import LimitEffortChart, LimitEnergyChart, LimitSpeedChart
+from railjoule.dashboard.views.limit_charts import LimitChart, LimitSpeedChart, both
 from railjoule.dashboard.views.motor_charts import MotorMapChart, StorageChart, storage_table
 from railjoule.dashboard.views.page import NARROW_PX, PageView
+from railjoule.dashboard.views.quantities import EFFORT, ENERGY
 from railjoule.dashboard.views.scene import Scene
 from railjoule.dashboard.views.search_charts import SearchPathChart, SearchPlaneChart, search_words
 from railjoule.dashboard.views.sections import PAGE
@@ -61,8 +62,8 @@ class SpeedLimitsView(PageView):
         self.axis = Axis(palette)
         self.speed = LimitSpeedChart(HEIGHTS["limit_speed"][0], self.axis, palette, model.move, self._release)
         self.line = LineStrip(HEIGHTS["line"][0], self.axis, palette)
-        self.effort = LimitEffortChart(HEIGHTS["limit_effort"][0], self.axis, palette)
-        self.energy = LimitEnergyChart(HEIGHTS["limit_energy"][0], self.axis, palette)
+        self.effort = LimitChart(EFFORT, HEIGHTS["limit_effort"][0], self.axis, palette)
+        self.energy = LimitChart(ENERGY, HEIGHTS["limit_energy"][0], self.axis, palette, last=True)
         self.plane = SearchPlaneChart(HEIGHTS["search_plane"][0], palette)
         self.path = SearchPathChart(HEIGHTS["search_path"][0], palette)
         self.map = MotorMapChart(HEIGHTS["motor_map"][0], palette)
@@ -149,8 +150,8 @@ class SpeedLimitsView(PageView):
         self.axis.fit(run.run.distance_m, roomy=False)
         if not self.model.moving:
             self.speed.show(partial(self.speed.draw, run, *self._steps()))
-        self.effort.show(partial(self.effort.draw, run))
-        self.energy.show(partial(self.energy.draw, run))
+        self.effort.show(partial(self.effort.draw, both(run)))
+        self.energy.show(partial(self.energy.draw, both(run)))
         self.line.show(partial(self.line.draw, self._scene(run)))
         self._show_texts(run)
         self._show_map()
