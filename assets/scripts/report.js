@@ -95,7 +95,7 @@
     const {largest, ...columns} = run.lines;
     // at its own place of the slider a run has no lines of its own here: the figures show theirs again
     const draw = (id, data) => { const start = keep(id); model(id).data = data ? {...start, ...data} : start; };
-    draw(data.runs.optimal, run.lines.position && columns);
+    draw(data.optimum, run.lines.position && columns);
     for (const [name, chart] of charts) {
       if (chart.sources.largest) { draw(chart.sources.largest, largest && {x: columns.position, y: largest}); }
       if (chart.sources.borders && name !== "line") {

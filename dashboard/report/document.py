@@ -63,7 +63,7 @@ def report_html(findings: Findings, made_at: datetime) -> str:
     data = {
         **figures.paints(),
         "charts": figures.handles(),
-        "runs": figures.runs(),
+        "optimum": figures.optimum,
         "spare": figures.spare_texts(),
         "distance": max(run.distance_m for run in findings.runs.runs.values()),
         "phases": _phases(findings.run),

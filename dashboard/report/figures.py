@@ -9,7 +9,6 @@ from bokeh.document import Document
 
 from railjoule.core import Trajectory
 from railjoule.core.simulate.field_oriented import FieldOrientedRun
-from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.insides import written_down
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
@@ -27,7 +26,8 @@ from railjoule.dashboard.views.drive_charts import (
     power_chart,
 )
 from railjoule.dashboard.views.driven_charts import DrivenEffortChart, DrivenSpeedChart
-from railjoule.dashboard.views.scene import RunChart, Scene, SceneChart
+from railjoule.dashboard.views.run_lines import RunLines
+from railjoule.dashboard.views.scene import Scene, SceneChart
 from railjoule.dashboard.views.speed_chart import SpeedChart
 
 WIDTH_PX = 640
@@ -146,21 +146,8 @@ class Figures:
 
     def alternative(self, chart: DistanceChart) -> str:
         """Return in words what a figure shows."""
-        run, runs = self.findings.run, self.findings.runs.runs
-        names = ", ".join(words.STRATEGY_WORDS[name] for name in runs)
-        if isinstance(chart, SpeedChart):
-            return (
-                f"Speed over distance of {names}; {words.STRATEGY_WORDS[self._scene().chosen]} reaches "
-                f"{words.number(run.max_speed_kmh)} km/h and takes {words.number(run.travel_time_s)} s. "
-                "A table of the phases follows."
-            )
-        if isinstance(chart, PhaseStrip):
-            return "Phases: " + ", ".join(words.advice_in_words(run.advice))
-        if isinstance(chart, LineStrip):
-            return "Gradient and height of the track; a table of the sections follows."
-        if isinstance(chart, EnergyChart):
-            ends = ", ".join(f"{words.STRATEGY_WORDS[name]} {words.energy(r.energy_kwh)}" for name, r in runs.items())
-            return f"Energy drawn so far over distance; at the end, in kWh: {ends}."
+        if isinstance(chart, SceneChart):
+            return chart.alternative(self._scene())
         if isinstance(chart, TimeChart):
             first, last = self.findings.optima[0], self.findings.optima[-1]
             return (
@@ -168,8 +155,7 @@ class Figures:
                 f"{words.number(first.travel_time_s)} s, {words.energy(last.energy_kwh)} kWh at "
                 f"{words.number(last.travel_time_s)} s; a table follows."
             )
-        of = "as planned and as driven" if isinstance(chart, DrivenSpeedChart | DrivenEffortChart) else f"of {names}"
-        return f"{chart.words}, over distance, {of}."
+        return f"{chart.words}, over distance, as planned and as driven."
 
     def plots(self, group: str) -> list[Plot]:
         """Return the figures of a group in their order."""
@@ -222,9 +208,9 @@ class Figures:
                 "figure": chart.figure.id,
                 "caption": chart.told["caption"].id,
                 "range": chart.y_range.id,
-                "fits": isinstance(chart, RunChart) and not isinstance(chart, SpeedChart),
-                "room": chart.form.room if isinstance(chart, RunChart) else 0.0,
-                "names": "ends" if isinstance(chart, EnergyChart) else "names",
+                "fits": isinstance(chart, SceneChart) and chart.fits,
+                "room": chart.form.room if isinstance(chart, RunLines) else 0.0,
+                "names": chart.names_in if isinstance(chart, SceneChart) else "names",
                 "lines": self._lines(chart),
                 "sources": {name: source.id for name, source in chart.sources.items()},
             }
@@ -233,15 +219,15 @@ class Figures:
             if chart.figure is not None
         }
 
-    def runs(self) -> dict[str, str]:
-        """Return the sources of the runs by the names of their lines, which all charts over the distance share."""
-        speed = self.groups["runs"][0]
-        return {name: speed.axis.columns(name).source.id for name in STRATEGIES}
+    @property
+    def optimum(self) -> str:
+        """The source of the optimum, whose columns all charts over the distance draw."""
+        return str(self.groups["runs"][0].axis.columns("optimal").source.id)
 
     def _lines(self, chart: DistanceChart) -> list[tuple[str, str]]:
         """Return source and column of all lines that a chart shows."""
         shown = []
-        if isinstance(chart, RunChart):
+        if isinstance(chart, RunLines):
             shown = [(drawn.data_source.id, chart.quantity.name) for drawn in chart.renderers.values() if drawn.visible]
         return shown + [(chart.sources[name].id, "y") for name in ("largest",) if name in chart.sources]
 
@@ -254,7 +240,7 @@ class Figures:
             told = {}
             for chart in charts:
                 chart.draw(replace(scene, runs=runs))
-                source = chart.sources["ends" if isinstance(chart, EnergyChart) else "names"]
+                source = chart.sources[chart.names_in]
                 told[chart.name] = {key: list(values) for key, values in source.data.items() if key != "colour"}
             result.append(told)
         self._draw(charts)

@@ -67,6 +67,10 @@ class PhaseStrip(SceneChart):
         centred = {"text_align": "center", "text_baseline": "middle", **text_style(11)}
         self.glyphs("text", "phases", "middle", 0.5, "text", paint={}, text_color="ink", **centred)
 
+    def alternative(self, scene: Scene) -> str:
+        """Return in words what it shows, for who cannot see it."""
+        return "Phases: " + ", ".join(words.advice_in_words(scene.run.advice))
+
     def draw(self, scene: Scene) -> None:
         """Draw the bands, each with as many words as fit."""
         phases, tokens = scene.run.phases, self.palette.tokens
@@ -107,6 +111,10 @@ class LineStrip(SceneChart):
         sides = ("left", "right", "bottom", "top")
         self.glyphs("quad", "curves", *sides, paint=hatched, fill_color=None, hatch_pattern="/")
         self.signs("signs", "ink2", text_align="center")
+
+    def alternative(self, scene: Scene) -> str:
+        """Return in words what it shows, for who cannot see it."""
+        return "Gradient and height of the track; a table of the sections follows."
 
     def draw(self, scene: Scene) -> None:
         """Draw height above the start of the run, changes of gradient and the gradients that have room."""
@@ -149,6 +157,8 @@ def curve_words(gradient: str, radius_m: float, room_px: float) -> str:
 class EnergyChart(RunChart):
     """Energy drawn so far."""
 
+    names_in = "ends"
+
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
         super().__init__(ENERGY, height, axis, palette)
 
@@ -160,6 +170,12 @@ class EnergyChart(RunChart):
     def above(self) -> None:
         """Write the names of the lines."""
         self.add_names("ends")
+
+    def alternative(self, scene: Scene) -> str:
+        """Return in words what it shows, for who cannot see it."""
+        energies = ((words.STRATEGY_WORDS[name], words.energy(run.energy_kwh)) for name, run in scene.runs.items())
+        ends = ", ".join(f"{name} {energy}" for name, energy in energies)
+        return f"Energy drawn so far over distance; at the end, in kWh: {ends}."
 
     def draw(self, scene: Scene) -> None:
         """Draw the energies with their names at the ends."""

@@ -107,6 +107,16 @@ STROKES: Mapping[str, Line] = {name: Line(name, style_of(name)) for name in (PIN
 class SceneChart(DistanceChart):
     """A chart of Drive."""
 
+    fits = False
+    """Whether its axis follows its lines, so that a report must fit it anew where they move."""
+    names_in = "names"
+    """The source of the names at its lines."""
+
+    def alternative(self, scene: Scene) -> str:
+        """Return in words what it shows, for who cannot see it."""
+        names = ", ".join(words.STRATEGY_WORDS[name] for name in scene.runs)
+        return f"{self.words}, over distance, of {names}."
+
     def draw(self, scene: Scene) -> None:
         """Draw a scene."""
         raise NotImplementedError
@@ -115,6 +125,7 @@ class SceneChart(DistanceChart):
 class RunChart(RunLines, SceneChart):
     """A chart of Drive with a line for each run."""
 
+    fits = True
     with_fastest = False
     """Whether the fastest run is drawn where another one's numbers are shown: it needs more than all others."""
 

@@ -24,7 +24,7 @@ SIGN_LIFTS_PX = {"signs": 2, "stops": 5, "late": 3}
 class SpeedChart(RunChart):
     """Speed of all runs under the limits."""
 
-    with_fastest = True
+    fits, with_fastest = False, True
 
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
         super().__init__(SPEED, height, axis, palette, form=Form(ticks=5))
@@ -66,6 +66,15 @@ class SpeedChart(RunChart):
         self._tell_cursor(scene)
         self._draw_day(scene)
         self._draw_names(scene, lines)
+
+    def alternative(self, scene: Scene) -> str:
+        """Return in words what it shows, for who cannot see it."""
+        run, names = scene.run, ", ".join(words.STRATEGY_WORDS[name] for name in scene.runs)
+        return (
+            f"Speed over distance of {names}; {words.STRATEGY_WORDS[scene.chosen]} reaches "
+            f"{words.number(run.max_speed_kmh)} km/h and takes {words.number(run.travel_time_s)} s. "
+            "A table of the phases follows."
+        )
 
     def _tell_cursor(self, scene: Scene) -> None:
         """Let the cursor write when or where it stands, the limit, the gradient and the fastest run's speed too."""
