@@ -254,6 +254,12 @@ class Chart:
         self.sources[name] = ColumnDataSource({column: [] for column in columns or ("x", "y")}, name=name)
         return self.sources[name]
 
+    def put(self, name: str, columns: Mapping[str, Any]) -> None:
+        """Have these columns in the source of a name; what stands there already is not sent again."""
+        source = self.sources[name]
+        if source.data.keys() != columns.keys() or not all(same(source.data[key], columns[key]) for key in columns):
+            source.data = dict(columns)
+
     def glyphs(self, kind: str, name: str, *fields: Any, paint: Mapping[str, str], **style: Any) -> GlyphRenderer:
         """Let the figure draw glyphs of a kind from the source of a name, which is made where there is none.
 
@@ -312,7 +318,7 @@ class Chart:
         size: int = 12,
     ) -> None:
         """Write the names of lines where there is room for them."""
-        self.sources[source].data = placed_names(self.frame_now, lines, names, taken, size)
+        self.put(source, placed_names(self.frame_now, lines, names, taken, size))
 
     @property
     def frame_now(self) -> Frame:
@@ -499,6 +505,15 @@ def clear(source: ColumnDataSource) -> None:
     """Empty a source without changing its columns."""
     if any(len(column) for column in source.data.values()):
         source.data = {key: [] for key in source.data}
+
+
+def same(one: Any, other: Any) -> bool:
+    """Return whether two columns hold the same; pictures, which are long, count as different."""
+    if len(one) != len(other) or any(isinstance(value, np.ndarray) for column in (one, other) for value in column[:1]):
+        return False
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        return np.array_equal(one, other)
+    return list(one) == list(other)
 
 
 def columns(**arrays: FloatArray) -> dict[str, FloatArray | list[float]]:

@@ -40,15 +40,18 @@ class LawChart(DistanceChart):
         """Draw the law and the run that follows it."""
         image, top = sampled(law)
         self.mapper.palette = diverging(self.palette)
-        self.sources["map"].data = {
-            "image": [image],
-            "x": [float(law.position_m[0])],
-            "y": [0.0],
-            "dw": [float(law.position_m[-1] - law.position_m[0])],
-            "dh": [top / MS_PER_KMH],
-        }
+        self.put(
+            "map",
+            {
+                "image": [image],
+                "x": [float(law.position_m[0])],
+                "y": [0.0],
+                "dw": [float(law.position_m[-1] - law.position_m[0])],
+                "dh": [top / MS_PER_KMH],
+            },
+        )
         run = scene.runs["bellman"]
-        self.sources["run"].data = xy(POSITION.values(run), SPEED.values(run))
+        self.put("run", xy(POSITION.values(run), SPEED.values(run)))
         self.told["sources"] = [["run", self.sources["run"], "x", "y"]]
         self.set_range(0, top / MS_PER_KMH)
 

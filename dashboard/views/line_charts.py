@@ -77,12 +77,15 @@ class LineSpeedChart(RunLines):
         draw_stations(self, stations(best.legs))
         stops = [(best.legs[0].start_m, best.legs[0].departs_from), *((leg.end_m, leg.arrives_at) for leg in best.legs)]
         chosen = fitting(stops, best.run.distance_m / width_px)
-        self.sources["names"].data = {
-            "x": [place for place, _, _ in chosen],
-            "y": [top] * len(chosen),
-            "text": [name for _, name, _ in chosen],
-            "align": [align for _, _, align in chosen],
-        }
+        self.put(
+            "names",
+            {
+                "x": [place for place, _, _ in chosen],
+                "y": [top] * len(chosen),
+                "text": [name for _, name, _ in chosen],
+                "align": [align for _, _, align in chosen],
+            },
+        )
 
 
 class PathChart(RunLines):
@@ -147,7 +150,7 @@ class LegBars(DistanceChart):
         """Draw the bars."""
         bars = [bar_columns(runs.runs[sharing], place, self.value) for place, sharing in enumerate(SHARING_TOKENS)]
         for sharing, (left, right, top) in zip(SHARING_TOKENS, bars, strict=True):
-            self.sources[sharing].data = columns(left=left, right=right, top=top)
+            self.put(sharing, columns(left=left, right=right, top=top))
         tallest = np.max([top for *_, top in bars], axis=0)
         low, high = min(0.0, *(float(top.min()) for *_, top in bars)), max(0.0, float(tallest.max()))
         self.set_range(*nice_range(low, high, 0.16) if low < 0 else (0.0, 1.22 * max(high, 1e-9)))
@@ -156,10 +159,13 @@ class LegBars(DistanceChart):
         texts = [self.show_value(value) for value in top]
         needed = np.array([0.8 + 0.6 * len(text) for text in texts]) * WORD_PX
         fits = (right - left) / runs.best.run.distance_m * width_px > needed
-        self.sources["signs"].data = {
-            **xy((0.5 * (left + right))[fits], np.maximum(tallest, 0.0)[fits]),
-            "text": [text for text, fit in zip(texts, fits, strict=True) if fit],
-        }
+        self.put(
+            "signs",
+            {
+                **xy((0.5 * (left + right))[fits], np.maximum(tallest, 0.0)[fits]),
+                "text": [text for text, fit in zip(texts, fits, strict=True) if fit],
+            },
+        )
 
 
 def bar_columns(

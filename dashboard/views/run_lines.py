@@ -223,9 +223,9 @@ def as_steps(borders: FloatArray, levels: FloatArray) -> Curve:
 def draw_limits(chart: Chart, borders: FloatArray, limits: FloatArray) -> Curve:
     """Draw the limits between borders, in the units of the axes; return their line."""
     steps = as_steps(borders, limits)
-    chart.sources["forbidden"].data = columns(left=borders[:-1], right=borders[1:], bottom=limits)
+    chart.put("forbidden", columns(left=borders[:-1], right=borders[1:], bottom=limits))
     if "limit" in chart.sources:
-        chart.sources["limit"].data = xy(*steps)
+        chart.put("limit", xy(*steps))
     return steps
 
 
@@ -236,4 +236,4 @@ def add_stations(chart: Chart) -> None:
 
 def draw_stations(chart: Chart, places_m: Sequence[float]) -> None:
     """Draw the hairlines of the stations."""
-    chart.sources["stations"].data = columns(x=np.array(places_m))
+    chart.put("stations", columns(x=np.array(places_m)))

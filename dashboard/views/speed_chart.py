@@ -49,15 +49,18 @@ class SpeedChart(RunChart):
     def _draw_day(self, scene: Scene) -> None:
         """Draw the signs of the actual run; on a narrow screen its lateness stands in the numbers alone."""
         stops, actual = scene.stops, scene.actual
-        self.sources["stops"].data = {
-            **xy(np.array([x for x, _ in stops]), np.zeros(len(stops))),
-            "text": [f"stop, {words.number(lasts, 0)} s" for _, lasts in stops],
-        }
+        self.put(
+            "stops",
+            {
+                **xy(np.array([x for x, _ in stops]), np.zeros(len(stops))),
+                "text": [f"stop, {words.number(lasts, 0)} s" for _, lasts in stops],
+            },
+        )
         if actual is None or scene.narrow or actual.delay_s < OTHER_TIME_S:
             self.clear("late")
             return
         end = float(scene.x(actual.actual)[-1])
-        self.sources["late"].data = {"x": [end], "y": [0.0], "text": [f"{words.time(actual.delay_s)} s late"]}
+        self.put("late", {"x": [end], "y": [0.0], "text": [f"{words.time(actual.delay_s)} s late"]})
 
     def draw(self, scene: Scene) -> None:
         """Draw limits, runs and names."""
@@ -82,7 +85,7 @@ class SpeedChart(RunChart):
         other, x = along(not scene.over_time), along(scene.over_time)
         self.axis.columns(scene.chosen).take(run, {other.name: other.values(run)})
         gradients = np.array([section.gradient_permille for section in line.sections])
-        self.sources["gradient"].data = xy(*as_steps(scene.x_of_place(section_borders(line)), gradients))
+        self.put("gradient", xy(*as_steps(scene.x_of_place(section_borders(line)), gradients)))
         self.told["sources"] += [
             self.read(scene.chosen, "", other.unit, other.digits, y=other.name),
             ["limit", self.sources["limit"], "x", "y", self.unit, 0],
@@ -102,10 +105,13 @@ class SpeedChart(RunChart):
         texts = [f"limit {words.number(limit, 0)}" for limit in limits]
         room = np.diff(self.frame_now.x_px(x))
         fits = np.array([text_width_px(text, SIGN_PX) + 8 < px for text, px in zip(texts, room, strict=True)])
-        self.sources["signs"].data = {
-            **xy(x[:-1][fits], limits[fits]),
-            "text": [text for text, fit in zip(texts, fits, strict=True) if fit],
-        }
+        self.put(
+            "signs",
+            {
+                **xy(x[:-1][fits], limits[fits]),
+                "text": [text for text, fit in zip(texts, fits, strict=True) if fit],
+            },
+        )
 
     def _draw_names(self, scene: Scene, lines: Mapping[str, Curve]) -> None:
         """Name the lines where nothing else is, the chosen one first."""
