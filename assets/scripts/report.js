@@ -94,7 +94,7 @@
     at("phases").innerHTML = run.table;
     const {largest, ...columns} = run.lines;
     // at its own place of the slider a run has no lines of its own here: the figures show theirs again
-    const draw = (id, data) => { const start = keep(id); model(id).data = data ? {...start, ...data} : start; };
+    const draw = (id, moved) => { const start = keep(id); model(id).data = moved ? {...start, ...moved} : start; };
     draw(data.optimum, run.lines.position && columns);
     for (const [name, chart] of charts) {
       if (chart.sources.largest) { draw(chart.sources.largest, largest && {x: columns.position, y: largest}); }

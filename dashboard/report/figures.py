@@ -27,7 +27,7 @@ from railjoule.dashboard.views.drive_charts import (
 )
 from railjoule.dashboard.views.driven_charts import DrivenEffortChart, DrivenSpeedChart
 from railjoule.dashboard.views.run_lines import RunLines
-from railjoule.dashboard.views.scene import Scene, SceneChart
+from railjoule.dashboard.views.scene import RunScene, SceneChart
 from railjoule.dashboard.views.speed_chart import SpeedChart
 
 WIDTH_PX = 640
@@ -94,10 +94,12 @@ class Figures:
         axis.settle("m", 0)
         return list(charts)
 
-    def _scene(self) -> Scene:
+    def _scene(self) -> RunScene:
         runs = self.findings.runs.runs
         chosen = next(name for name, run in runs.items() if run is self.findings.run)
-        return Scene(chosen, runs, None, over_time=False, narrow=False, width_px=WIDTH_PX, fastest=runs.get("fastest"))
+        return RunScene(
+            chosen, runs, None, over_time=False, narrow=False, width_px=WIDTH_PX, fastest=runs.get("fastest")
+        )
 
     def _draw(self, charts: Iterable[DistanceChart]) -> None:
         scene = self._scene()
@@ -155,12 +157,12 @@ class Figures:
                 f"{words.number(first.travel_time_s)} s, {words.energy(last.energy_kwh)} kWh at "
                 f"{words.number(last.travel_time_s)} s; a table follows."
             )
-        return f"{chart.words}, over distance, as planned and as driven."
+        return f"{chart.caption}, over distance, as planned and as driven."
 
     def plots(self, group: str) -> list[Plot]:
         """Return the figures of a group in their order."""
         return [
-            Plot(chart.name, self.places[chart], chart.height, chart.words, self.alternative(chart))
+            Plot(chart.name, self.places[chart], chart.height, chart.caption, self.alternative(chart))
             for chart in self.groups[group]
         ]
 

@@ -33,9 +33,9 @@ class HistogramChart(LoneChart):
     kind = "bars"
 
     def __init__(
-        self, name: str, words: str, quantity: str, show: Callable[[float], str], height: int, palette: Palette
+        self, name: str, caption: str, quantity: str, show: Callable[[float], str], height: int, palette: Palette
     ) -> None:
-        super().__init__(name, words, height, palette)
+        super().__init__(name, caption, height, palette)
         self.quantity, self.show_value = quantity, show
 
     def build(self) -> None:

@@ -145,8 +145,8 @@ class Chart:
     ----------
     name : str
         A short name, part of the style classes.
-    words : str
-        Quantity and unit, the caption.
+    caption : str
+        Quantity and unit.
     height : int
         Height of the figure [px].
     """
@@ -160,12 +160,12 @@ class Chart:
     digits = 1
     palette: Palette
 
-    def __init__(self, name: str, words: str, height: int) -> None:
-        self.name, self.words, self.height = name, words, height
+    def __init__(self, name: str, caption: str, height: int) -> None:
+        self.name, self.caption, self.height = name, caption, height
         self.sources: dict[str, ColumnDataSource] = {}
         """What is drawn, each under the name that a saved table gives it."""
         self.sketch = parts.html_pane()
-        self.place = pn.Column(
+        self.host = pn.Column(
             self.sketch,
             css_classes=["rj-chart", f"rj-chart-{name}", UNDRAWN],
             sizing_mode="stretch_width",
@@ -184,19 +184,19 @@ class Chart:
 
     @property
     def _tall(self) -> int:
-        return self.height + (CAPTION_PX if self.words else 0)
+        return self.height + (CAPTION_PX if self.caption else 0)
 
     @property
     def is_drawn(self) -> bool:
         """Whether it stands on the page, and not its sketch."""
-        return self.content is not None and list(self.place) == [self.content]
+        return self.content is not None and list(self.host) == [self.content]
 
     def resize(self, height: int) -> None:
         """Change the height of the figure [px]."""
         if height == self.height:
             return
         self.height = height
-        self.place.height = self._tall
+        self.host.height = self._tall
         if self.figure is not None:
             self.figure.height = height
         if not self.is_drawn:
@@ -204,7 +204,7 @@ class Chart:
 
     def wait(self, told: str = COMPUTING) -> None:
         """Say on the sketch what is going on."""
-        self.sketch.object = sketch(self.kind, self.words, self.words or self.title or self.name, self.height, told)
+        self.sketch.object = sketch(self.kind, self.caption, self.caption or self.title or self.name, self.height, told)
 
     def show(self, draw: Callable[[], None]) -> None:
         """Draw what is asked for last: at once if the chart is in sight, else when the page has time for it."""
@@ -226,8 +226,8 @@ class Chart:
             draw()
         # only now: whatever changes within the document makes Bokeh search all of it
         if not self.is_drawn:
-            self.place.css_classes = [name for name in self.place.css_classes if name != UNDRAWN]
-            self.place[:] = [self.content]
+            self.host.css_classes = [name for name in self.host.css_classes if name != UNDRAWN]
+            self.host[:] = [self.content]
 
     def frame_over(self, x: tuple[float, float], y: tuple[float, float]) -> Frame:
         """Return the part of the figure that is drawn in, as large as it is at least."""
@@ -240,8 +240,8 @@ class Chart:
     def fail(self) -> None:
         """Say in the chart's place that it could not be drawn; what is drawn next is drawn anew."""
         self.content = self.figure = None
-        self.sketch.object = not_drawn(self.words, self.height)
-        self.place[:] = [self.sketch]
+        self.sketch.object = not_drawn(self.caption, self.height)
+        self.host[:] = [self.sketch]
 
     def build(self) -> None:
         """Make `figure` and `content`; subclasses add what they draw."""
@@ -378,8 +378,8 @@ def required(kind: Any) -> tuple[str, ...]:
 class DistanceChart(Chart):
     """A chart over the page's shared axis."""
 
-    def __init__(self, name: str, words: str, height: int, axis: Axis, palette: Palette, left: int = 50) -> None:
-        super().__init__(name, words, height)
+    def __init__(self, name: str, caption: str, height: int, axis: Axis, palette: Palette, left: int = 50) -> None:
+        super().__init__(name, caption, height)
         self.axis, self.palette, self.left = axis, palette, left
         self.y_range = Range1d(0, 1)
 
@@ -397,7 +397,7 @@ class DistanceChart(Chart):
             min_border_right=RIGHT_BORDER_PX,
             min_border_top=2,
             min_border_bottom=7,
-            html_attributes={"role": "img", "aria-label": self.words or self.name},
+            html_attributes={"role": "img", "aria-label": self.caption or self.name},
         )
         f.toolbar.logo = None
         dress(f, self.palette, ticks, digits)
@@ -413,7 +413,11 @@ class DistanceChart(Chart):
         f.js_on_event("mouseleave", self.axis.follow)
         self.figure = f
         caption = Div(
-            text=self.words, stylesheets=[parts_css()], margin=0, visible=bool(self.words), css_classes=["rj-caption"]
+            text=self.caption,
+            stylesheets=[parts_css()],
+            margin=0,
+            visible=bool(self.caption),
+            css_classes=["rj-caption"],
         )
         caption.styles = {"padding": f"4px 0 0 {self.left}px", "font-size": "12px", "color": "var(--rj-ink2)"}
         self.content = pn.pane.Bokeh(
@@ -421,7 +425,7 @@ class DistanceChart(Chart):
         )
         self.told = {
             "caption": caption,
-            "words": self.words,
+            "words": self.caption,
             "sources": [],
             "stepped": self.stepped,
             "unit": self.unit,
@@ -431,14 +435,14 @@ class DistanceChart(Chart):
         self.axis.add(self.name, self.told)
         return f
 
-    def rename(self, words: str) -> None:
+    def rename(self, caption: str) -> None:
         """Give the chart another caption."""
-        self.words = self.told["words"] = words
-        caption = self.told["caption"]
-        if isinstance(caption, Div) and caption.text != words:
-            caption.text = words
+        self.caption = self.told["words"] = caption
+        above = self.told["caption"]
+        if isinstance(above, Div) and above.text != caption:
+            above.text = caption
         if self.figure is not None:
-            self.figure.html_attributes = {"role": "img", "aria-label": words}
+            self.figure.html_attributes = {"role": "img", "aria-label": caption}
 
     @property
     def frame_now(self) -> Frame:

@@ -33,9 +33,9 @@ class ComparedChart(RunLines):
     """A quantity of all runs."""
 
     def __init__(
-        self, quantity: Quantity, words: str, height: int, axis: Axis, palette: Palette, form: Form = PLAIN
+        self, quantity: Quantity, caption: str, height: int, axis: Axis, palette: Palette, form: Form = PLAIN
     ) -> None:
-        super().__init__(f"compared_{quantity.name}", quantity, LINES, height, axis, palette, words, form)
+        super().__init__(f"compared_{quantity.name}", quantity, LINES, height, axis, palette, caption, form)
         self._over_time = False
 
     def fill_all(self, among: Sequence[Contender], reference: Contender, over_time: bool) -> dict[str, Curve]:
@@ -49,7 +49,9 @@ class ComparedChart(RunLines):
     def tell_left_out(self, among: Sequence[Contender], drawn: Sequence[Contender]) -> None:
         """Say in the caption which runs would need another scale."""
         left_out = [contender.name for contender in among if contender not in drawn]
-        told = f"{self.words}; {' and '.join(left_out)} needs more than this scale shows" if left_out else self.words
+        told = (
+            f"{self.caption}; {' and '.join(left_out)} needs more than this scale shows" if left_out else self.caption
+        )
         self.told["words"] = self.told["caption"].text = told
 
     def name_lines(

@@ -72,8 +72,8 @@ class DisturbancesView(PageView):
         tools = pn.Row(self.dropping, self.add, spacer, self.over, margin=0, stylesheets=[parts.WRAP_CSS])
         tools.sizing_mode = "stretch_width"
         self.reactions = parts.stack(self.table, self.notes)
-        lower = parts.stack(self.reactions, self.late.place, css=LOWER_CSS)
-        body = parts.stack(self.speed.place, self.energy.place, lower, css=BODY_CSS)
+        lower = parts.stack(self.reactions, self.late.host, css=LOWER_CSS)
+        body = parts.stack(self.speed.host, self.energy.host, lower, css=BODY_CSS)
         tie(self.dropping, model, "dropping")
         tie(self.over, state, "over_time")
         self.shows(self._show, (state, ["over_time"]), (model, ["rides", "failure", "events"]))
@@ -97,7 +97,7 @@ class DisturbancesView(PageView):
         self.tell(self.model.failure, "Shown: the last runs that could be computed." if rides is not None else "")
         none = not self.model.events
         self.invitation.visible, self.figures.visible = none, not none
-        self.reactions.visible = self.late.place.visible = not none
+        self.reactions.visible = self.late.host.visible = not none
         if rides is None:
             return
         over_time = self.state.over_time

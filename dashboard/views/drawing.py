@@ -84,7 +84,7 @@ class DrawingQueue:
 
     @property
     def _waiting(self) -> list[Chart]:
-        return [chart for chart in self._charts if chart.waiting is not None and chart.place.visible]
+        return [chart for chart in self._charts if chart.waiting is not None and chart.host.visible]
 
     def _next_in_sight(self) -> Chart | None:
         """Return the first chart in sight that waits; before the browser has told, one of the first on the page."""
@@ -108,7 +108,7 @@ class DrawingQueue:
 
     def _draw(self, chart: Chart, alone: bool = False) -> None:
         # charts that are drawn together settle together, once: each column of their runs goes to the browser once
-        with pn.io.hold() if chart.is_drawn else added_to(chart.place):
+        with pn.io.hold() if chart.is_drawn else added_to(chart.host):
             try:
                 with unfrozen():
                     chart.settle()

@@ -26,7 +26,7 @@ from railjoule.dashboard.views.scene import (
     PINNED,
     CellChart,
     RunChart,
-    Scene,
+    RunScene,
     SceneChart,
     draw_borders,
     line_words,
@@ -41,7 +41,7 @@ END_WORDS = {PINNED: "pinned", "fastest": "fastest", "speed_limits": "set speeds
 """What stands at the end of a line, beside its number, where the whole name has no room."""
 
 
-def end_words(name: str, scene: Scene) -> str:
+def end_words(name: str, scene: RunScene) -> str:
     """Return what stands at the end of a line, beside its number."""
     short = None if scene.actual is not None and name == scene.chosen else END_WORDS.get(name)
     return short or line_words(name, scene)
@@ -67,11 +67,11 @@ class PhaseStrip(SceneChart):
         centred = {"text_align": "center", "text_baseline": "middle", **text_style(11)}
         self.glyphs("text", "phases", "middle", 0.5, "text", paint={}, text_color="ink", **centred)
 
-    def alternative(self, scene: Scene) -> str:
+    def alternative(self, scene: RunScene) -> str:
         """Return in words what it shows, for who cannot see it."""
         return "Phases: " + ", ".join(words.advice_in_words(scene.run.advice))
 
-    def draw(self, scene: Scene) -> None:
+    def draw(self, scene: RunScene) -> None:
         """Draw the bands, each with as many words as fit."""
         phases, tokens = scene.run.phases, self.palette.tokens
         left = np.array([phase.start_s if scene.over_time else phase.start_m for phase in phases])
@@ -115,11 +115,11 @@ class LineStrip(SceneChart):
         self.glyphs("quad", "curves", *sides, paint=hatched, fill_color=None, hatch_pattern="/")
         self.signs("signs", "ink2", text_align="center")
 
-    def alternative(self, scene: Scene) -> str:
+    def alternative(self, scene: RunScene) -> str:
         """Return in words what it shows, for who cannot see it."""
         return "Gradient and height of the track; a table of the sections follows."
 
-    def draw(self, scene: Scene) -> None:
+    def draw(self, scene: RunScene) -> None:
         """Draw height above the start of the run, changes of gradient and the gradients that have room."""
         line = scene.run.scenario.line.in_running_order()
         gradients = np.array([section.gradient_permille for section in line.sections])
@@ -177,13 +177,13 @@ class EnergyChart(RunChart):
         """Write the names of the lines."""
         self.add_names("ends")
 
-    def alternative(self, scene: Scene) -> str:
+    def alternative(self, scene: RunScene) -> str:
         """Return in words what it shows, for who cannot see it."""
         energies = ((words.STRATEGY_WORDS[name], words.energy(run.energy_kwh)) for name, run in scene.runs.items())
         ends = ", ".join(f"{name} {energy}" for name, energy in energies)
         return f"Energy drawn so far over distance; at the end, in kWh: {ends}."
 
-    def draw(self, scene: Scene) -> None:
+    def draw(self, scene: RunScene) -> None:
         """Draw the energies with their names at the ends."""
         lines = self.draw_runs(scene)
         self.set_range(*nice_range(*ends_of(lines.values()), self.form.room))
@@ -199,7 +199,7 @@ class EnergyChart(RunChart):
             names.append(self._extra_name(scene, lines))
         self.place_names(lines, names, source="ends")
 
-    def _extra_name(self, scene: Scene, lines: Mapping[str, Curve]) -> Name:
+    def _extra_name(self, scene: RunScene, lines: Mapping[str, Curve]) -> Name:
         """Return what the actual run costs beyond the plan, between the ends of both."""
         assert scene.actual is not None
         (x, driven), (_, planned) = lines[ACTUAL], lines[scene.chosen]
@@ -207,7 +207,7 @@ class EnergyChart(RunChart):
         text = f"{words.energy_difference(scene.actual.extra_kwh)} kWh"
         return Name(ACTUAL, text, self.palette.tokens["overline"], point=(float(x[-1]), between))
 
-    def _draw_extra(self, scene: Scene) -> None:
+    def _draw_extra(self, scene: RunScene) -> None:
         """Tint what the actual run has taken more than the plan so far."""
         if scene.actual is None:
             self.clear("extra")
@@ -235,7 +235,7 @@ class DifferenceChart(SceneChart):
         self.line("run", "accent", line_width=1.8)
         self.add_names("ends")
 
-    def draw(self, scene: Scene) -> None:
+    def draw(self, scene: RunScene) -> None:
         """Draw the difference to the pinned run."""
         if scene.pinned is None:
             self.clear()
@@ -264,7 +264,7 @@ class EffortChart(CellChart):
         """Draw the largest effort."""
         self.line("largest", "ink3", line_width=1, line_dash=[2, 3])
 
-    def draw(self, scene: Scene) -> None:
+    def draw(self, scene: RunScene) -> None:
         """Draw the efforts and the largest one."""
         super().draw(scene)
         largest = LARGEST_EFFORT.values(scene.run)
@@ -283,7 +283,7 @@ class CurrentChart(CellChart):
         """Return whether a run has a current to draw."""
         return run.current_a is not None or run.line_current_a is not None
 
-    def draw(self, scene: Scene) -> None:
+    def draw(self, scene: RunScene) -> None:
         """Draw the currents, and say in the title which they are."""
         if scene.run.current_a is not None:
             self.quantity, at = MOTOR_CURRENT, ""

@@ -62,23 +62,23 @@ class LoneChart(Chart):
 
     Parameters
     ----------
-    name, words, height
+    name, caption, height
         As in `Chart`.
     palette : Palette
     x_range : Range1d or None
         That of another chart, where it shares it.
     """
 
-    def __init__(self, name: str, words: str, height: int, palette: Palette, x_range: Range1d | None = None) -> None:
-        super().__init__(name, words, height)
+    def __init__(self, name: str, caption: str, height: int, palette: Palette, x_range: Range1d | None = None) -> None:
+        super().__init__(name, caption, height)
         self.palette, self.x_range, self.y_range = palette, x_range or Range1d(0, 1), Range1d(0, 1)
 
     def frame(self, ticks: int = 6, digits: int = 0, x_title: str = "", y_title: str = "") -> figure:
         """Return the empty figure, and put it under its caption."""
         f = empty_figure(
-            self.height, self.x_range, self.y_range, self.words, self.palette, ticks, digits, x_title, y_title
+            self.height, self.x_range, self.y_range, self.caption, self.palette, ticks, digits, x_title, y_title
         )
-        self.figure, self.content = f, captioned(self.words, f)
+        self.figure, self.content = f, captioned(self.caption, f)
         return f
 
     def set_ranges(self, x: tuple[float, float], y: tuple[float, float]) -> None:

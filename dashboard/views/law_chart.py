@@ -10,7 +10,7 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.words import MINUS
 from railjoule.dashboard.views.charts import Axis, DistanceChart, xy
 from railjoule.dashboard.views.quantities import POSITION, SPEED
-from railjoule.dashboard.views.scene import Scene
+from railjoule.dashboard.views.scene import RunScene
 
 COLUMNS, ROWS = 180, 64
 STEPS = 10
@@ -36,7 +36,7 @@ class LawChart(DistanceChart):
         self.glyphs("image", "map", *sides, paint={}, color_mapper=self.mapper, level="underlay")
         self.line("run", "ink", line_width=2)
 
-    def draw(self, scene: Scene, law: ControlLaw) -> None:
+    def draw(self, scene: RunScene, law: ControlLaw) -> None:
         """Draw the law and the run that follows it."""
         image, top = sampled(law)
         self.mapper.palette = diverging(self.palette)

@@ -110,7 +110,7 @@ class LegBars(DistanceChart):
 
     Parameters
     ----------
-    name, words : str
+    name, caption : str
         As in `Chart`.
     value : callable
         What is drawn of a leg.
@@ -123,7 +123,7 @@ class LegBars(DistanceChart):
     def __init__(
         self,
         name: str,
-        words: str,
+        caption: str,
         height: int,
         axis: Axis,
         palette: Palette,
@@ -131,7 +131,7 @@ class LegBars(DistanceChart):
         show: Callable[[float], str],
         last: bool = False,
     ) -> None:
-        super().__init__(name, words, height, axis, palette)
+        super().__init__(name, caption, height, axis, palette)
         self.value, self.show_value, self.last = value, show, last
 
     def build(self) -> None:

@@ -116,7 +116,7 @@ class MotorView(PageView):
             loop.name: LoopChart(loop, HEIGHTS[loop.name][0], self.axis, palette, last=loop in (ENERGY, RIVAL_ENERGY))
             for loop in loops
         }
-        self.place = LoopDistanceChart(HEIGHTS["loop_place"][0], palette)
+        self.over_distance = LoopDistanceChart(HEIGHTS["loop_place"][0], palette)
         self.map = MotorMapChart(HEIGHTS["machine_map"][0], palette, "machine_map")
         self.ripple = RippleChart(HEIGHTS["ripple"][0], palette)
         self.detuning = DetuningChart(HEIGHTS["detuning"][0], palette)
@@ -157,14 +157,14 @@ class MotorView(PageView):
         return parts.stack(self.heading, self.missing, self.message, self.body)
 
     def _laid_out(self) -> pn.Column:
-        left = parts.stack(*(self.loops[name].place for name in LEFT), self.account, css=COLUMN_CSS)
-        rivals = (self.loops[name].place for name in OF_STRATEGIES)
+        left = parts.stack(*(self.loops[name].host for name in LEFT), self.account, css=COLUMN_CSS)
+        rivals = (self.loops[name].host for name in OF_STRATEGIES)
         right = parts.stack(
-            self.place.place,
+            self.over_distance.host,
             *rivals,
             self.refusals,
-            self.map.place,
-            self.ripple.place,
+            self.map.host,
+            self.ripple.host,
             self.at.view,
             css=COLUMN_CSS,
         )
@@ -173,7 +173,7 @@ class MotorView(PageView):
             self.question,
             pn.Row(self.study, self.stop, margin=0, sizing_mode="stretch_width"),
             self.progress,
-            self.detuning.place,
+            self.detuning.host,
             css=COLUMN_CSS,
         )
         notes = parts.stack(self.notes, css=":host { padding: 0 20px 16px; }")
@@ -183,7 +183,7 @@ class MotorView(PageView):
     @property
     def charts(self) -> tuple[Chart, ...]:
         """All charts of the page."""
-        return *self.loops.values(), self.place, self.map, self.ripple, self.detuning
+        return *self.loops.values(), self.over_distance, self.map, self.ripple, self.detuning
 
     def settle(self) -> None:
         """Tell the cursor of the runs that it may meet new charts."""
@@ -205,7 +205,7 @@ class MotorView(PageView):
         self.at.set_ends((0.0, float(run.time_s[-1])))
         for name in OF_RUN:
             self.loops[name].show(partial(self.loops[name].draw, {"run": run}))
-        self.place.show(partial(self.place.draw, run))
+        self.over_distance.show(partial(self.over_distance.draw, run))
         self._show_texts(run)
 
     def _show_heading(self) -> None:
@@ -220,7 +220,7 @@ class MotorView(PageView):
         if rivals is None:
             return
         for name in OF_STRATEGIES:
-            self.loops[name].place.visible = bool(rivals.strategies)
+            self.loops[name].host.visible = bool(rivals.strategies)
         for name in (*(OF_STRATEGIES if rivals.strategies else ()), *OF_TRACKING):
             self.loops[name].show(partial(self.loops[name].draw, rivals.named))
         refused = (f"{words.STRATEGY_WORDS[name]}: {why}" for name, why in rivals.refused.items())
@@ -233,7 +233,7 @@ class MotorView(PageView):
 
     def _show_ripple(self) -> None:
         ripple = self.model.ripple
-        self.ripple.place.visible = ripple is not None or self.model.failure is None
+        self.ripple.host.visible = ripple is not None or self.model.failure is None
         if ripple is not None:
             self.ripple.show(partial(self.ripple.draw, ripple))
 
@@ -243,7 +243,7 @@ class MotorView(PageView):
         if studying:
             done = 0.0 if table is None else table.done / len(table.rotor_resistance_factors)
             self.progress.value = int(100 * done)
-        self.detuning.place.visible = self.costs.visible = table is not None
+        self.detuning.host.visible = self.costs.visible = table is not None
         if table is not None:
             self.costs.object = detuning_table(table)
             self.detuning.show(partial(self.detuning.draw, table))

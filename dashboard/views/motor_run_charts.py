@@ -174,15 +174,15 @@ class LoopChart(RunLines):
         spans = () if run is None else run.saturated
         self.put("bands", {"from": [s.start_s for s in spans], "to": [s.end_s for s in spans]})
 
-    def _name(self, words: list[str], height: float) -> None:
+    def _name(self, names: list[str], height: float) -> None:
         """Write the names side by side above the lines."""
         self.put(
             "names",
             {
-                "x": [(0.02 + 0.98 * k / len(words)) * self.axis.end for k in range(len(words))],
-                "y": [height] * len(words),
-                "text": words,
-                "colour": [self.palette.tokens[self.lines[word].token] for word in words],
+                "x": [(0.02 + 0.98 * k / len(names)) * self.axis.end for k in range(len(names))],
+                "y": [height] * len(names),
+                "text": names,
+                "colour": [self.palette.tokens[self.lines[word].token] for word in names],
             },
         )
 

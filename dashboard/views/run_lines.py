@@ -85,8 +85,8 @@ class RunLines(DistanceChart):
         By the name of each line, in the order of drawing.
     height, axis, palette
         As in `DistanceChart`.
-    words : str
-        The caption, where it is not that of the quantity.
+    caption : str
+        Where it is not that of the quantity.
     form : Form
     """
 
@@ -98,10 +98,10 @@ class RunLines(DistanceChart):
         height: int,
         axis: Axis,
         palette: Palette,
-        words: str = "",
+        caption: str = "",
         form: Form = PLAIN,
     ) -> None:
-        super().__init__(name, words or quantity.words, height, axis, palette)
+        super().__init__(name, caption or quantity.words, height, axis, palette)
         self.quantity, self.lines, self.form = quantity, lines, form
         self.unit, self.digits, self.stepped = quantity.unit, quantity.digits, quantity.stepped
         self._over = along(form.over_time)

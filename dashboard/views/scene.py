@@ -20,7 +20,7 @@ PINNED, ACTUAL = "pinned", "actual"
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class RunScene:
     """What the charts of Drive draw.
 
     Parameters
@@ -94,7 +94,7 @@ class Scene:
         return [(float(place), stop.duration_s) for place, stop in zip(x, events, strict=True)]
 
 
-def draw_borders(chart: Chart, scene: Scene) -> None:
+def draw_borders(chart: Chart, scene: RunScene) -> None:
     """Draw the hairlines between the phases of the chosen run."""
     ends = np.array([phase.end_s if scene.over_time else phase.end_m for phase in scene.run.phases[:-1]])
     chart.put("borders", columns(x=ends))
@@ -112,12 +112,12 @@ class SceneChart(DistanceChart):
     names_in = "names"
     """The source of the names at its lines."""
 
-    def alternative(self, scene: Scene) -> str:
+    def alternative(self, scene: RunScene) -> str:
         """Return in words what it shows, for who cannot see it."""
         names = ", ".join(words.STRATEGY_WORDS[name] for name in scene.runs)
-        return f"{self.words}, over distance, of {names}."
+        return f"{self.caption}, over distance, of {names}."
 
-    def draw(self, scene: Scene) -> None:
+    def draw(self, scene: RunScene) -> None:
         """Draw a scene."""
         raise NotImplementedError
 
@@ -130,15 +130,15 @@ class RunChart(RunLines, SceneChart):
     """Whether the fastest run is drawn where another one's numbers are shown: it needs more than all others."""
 
     def __init__(
-        self, quantity: Quantity, height: int, axis: Axis, palette: Palette, words: str = "", form: Form = PLAIN
+        self, quantity: Quantity, height: int, axis: Axis, palette: Palette, caption: str = "", form: Form = PLAIN
     ) -> None:
-        super().__init__(quantity.name, quantity, STROKES, height, axis, palette, words, form)
+        super().__init__(quantity.name, quantity, STROKES, height, axis, palette, caption, form)
 
     def beneath(self) -> None:
         """Draw the hairlines of the phases beneath the lines."""
         self.hairlines("borders", "line2", line_alpha=0.55, level="underlay")
 
-    def draw_runs(self, scene: Scene) -> dict[str, Curve]:
+    def draw_runs(self, scene: RunScene) -> dict[str, Curve]:
         """Draw the lines of all runs and the hairlines of the phases; return the lines, the chosen one last."""
         named = {
             name: run
@@ -165,12 +165,12 @@ class CellChart(RunChart):
         form = Form(ticks=3, digits=digits, zero=True, last=last, room=0.08)
         super().__init__(quantity, height, axis, palette, form=form)
 
-    def draw(self, scene: Scene) -> None:
+    def draw(self, scene: RunScene) -> None:
         """Draw the runs."""
         self.set_range(*nice_range(*ends_of(self.draw_runs(scene).values()), self.form.room))
 
 
-def line_words(name: str, scene: Scene) -> str:
+def line_words(name: str, scene: RunScene) -> str:
     """Return what a line is called in a chart."""
     if name == PINNED:
         assert scene.pinned is not None

@@ -13,7 +13,7 @@ from railjoule.dashboard.views.label_places import Box, text_width_px
 from railjoule.dashboard.views.line_names import Name
 from railjoule.dashboard.views.quantities import SPEED, along
 from railjoule.dashboard.views.run_lines import Curve, Form, add_limits, as_steps, draw_limits, limits_of
-from railjoule.dashboard.views.scene import ACTUAL, RunChart, Scene, line_words
+from railjoule.dashboard.views.scene import ACTUAL, RunChart, RunScene, line_words
 
 SIGN_PX = 11
 HEADROOM = 1.16
@@ -46,7 +46,7 @@ class SpeedChart(RunChart):
         self.signs("stops", ACTUAL, x_offset=7, y_offset=-SIGN_LIFTS_PX["stops"])
         self.signs("late", "overline", 12, x_offset=6, y_offset=-SIGN_LIFTS_PX["late"])
 
-    def _draw_day(self, scene: Scene) -> None:
+    def _draw_day(self, scene: RunScene) -> None:
         """Draw the signs of the actual run; on a narrow screen its lateness stands in the numbers alone."""
         stops, actual = scene.stops, scene.actual
         self.put(
@@ -62,7 +62,7 @@ class SpeedChart(RunChart):
         end = float(scene.x(actual.actual)[-1])
         self.put("late", {"x": [end], "y": [0.0], "text": [f"{words.time(actual.delay_s)} s late"]})
 
-    def draw(self, scene: Scene) -> None:
+    def draw(self, scene: RunScene) -> None:
         """Draw limits, runs and names."""
         self._draw_limits(scene)
         lines = self.draw_runs(scene)
@@ -70,7 +70,7 @@ class SpeedChart(RunChart):
         self._draw_day(scene)
         self._draw_names(scene, lines)
 
-    def alternative(self, scene: Scene) -> str:
+    def alternative(self, scene: RunScene) -> str:
         """Return in words what it shows, for who cannot see it."""
         run, names = scene.run, ", ".join(words.STRATEGY_WORDS[name] for name in scene.runs)
         return (
@@ -79,7 +79,7 @@ class SpeedChart(RunChart):
             "A table of the phases follows."
         )
 
-    def _tell_cursor(self, scene: Scene) -> None:
+    def _tell_cursor(self, scene: RunScene) -> None:
         """Let the cursor write when or where it stands, the limit, the gradient and the fastest run's speed too."""
         run, fastest, line = scene.run, scene.fastest, scene.run.scenario.line.in_running_order()
         other, x = along(not scene.over_time), along(scene.over_time)
@@ -96,7 +96,7 @@ class SpeedChart(RunChart):
             self.axis.columns("fastest").take(fastest, {x.name: x.values(fastest), SPEED.name: self.values(fastest)})
             self.told["sources"].append(self.read("fastest", "fastest"))
 
-    def _draw_limits(self, scene: Scene) -> None:
+    def _draw_limits(self, scene: RunScene) -> None:
         """Draw the limits, each with its number where there is room."""
         places, limits = limits_of(scene.run.scenario)
         x = scene.x_of_place(places)
@@ -113,7 +113,7 @@ class SpeedChart(RunChart):
             },
         )
 
-    def _draw_names(self, scene: Scene, lines: Mapping[str, Curve]) -> None:
+    def _draw_names(self, scene: RunScene, lines: Mapping[str, Curve]) -> None:
         """Name the lines where nothing else is, the chosen one first."""
         taken = [box for source, lift_px in SIGN_LIFTS_PX.items() for box in self._sign_boxes(source, lift_px)]
         names = [Name(name, line_words(name, scene), self.name_colour(name)) for name in reversed(list(lines))]

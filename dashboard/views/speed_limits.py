@@ -16,7 +16,7 @@ from railjoule.dashboard.views.limit_charts import LimitChart, LimitSpeedChart, 
 from railjoule.dashboard.views.motor_charts import MotorMapChart, StorageChart, storage_table
 from railjoule.dashboard.views.page import NARROW_PX, PageView
 from railjoule.dashboard.views.quantities import EFFORT, ENERGY
-from railjoule.dashboard.views.scene import Scene
+from railjoule.dashboard.views.scene import RunScene
 from railjoule.dashboard.views.search_charts import SearchPathChart, SearchPlaneChart, search_words
 from railjoule.dashboard.views.sections import PAGE
 
@@ -103,9 +103,9 @@ class SpeedLimitsView(PageView):
         tools = pn.FlexBox(
             self.regulator, self.free, self.search, align_items="center", margin=0, sizing_mode="stretch_width"
         )
-        body = parts.stack(*(chart.place for chart in (self.speed, self.line, self.effort, self.energy)), css=BODY_CSS)
-        left = parts.stack(self.table, self.plane.place, self.pair, self.path.place, self.search_text, css=GAP_CSS)
-        right = parts.stack(self.no_map, self.map.place, self.whose, self.storage.place, self.storage_text, css=GAP_CSS)
+        body = parts.stack(*(chart.host for chart in (self.speed, self.line, self.effort, self.energy)), css=BODY_CSS)
+        left = parts.stack(self.table, self.plane.host, self.pair, self.path.host, self.search_text, css=GAP_CSS)
+        right = parts.stack(self.no_map, self.map.host, self.whose, self.storage.host, self.storage_text, css=GAP_CSS)
         lower = parts.stack(left, right, css=LOWER_CSS)
         notes = parts.stack(self.notes, css=NOTES_CSS)
         return parts.stack(self.heading, self.message, self.figures, tools, body, lower, notes)
@@ -160,10 +160,10 @@ class SpeedLimitsView(PageView):
         """Return the limits and borders that stand now, be they possible or not."""
         return self.model.limits_kmh, self.model.borders_m
 
-    def _scene(self, run: LimitRun) -> Scene:
+    def _scene(self, run: LimitRun) -> RunScene:
         width = self.browser.window_width
         room = width - (80 if width < NARROW_PX else 360)
-        return Scene("speed_limits", {"speed_limits": run.run}, None, False, width < NARROW_PX, room)
+        return RunScene("speed_limits", {"speed_limits": run.run}, None, False, width < NARROW_PX, room)
 
     def _show_trip(self) -> None:
         """Show the trip of a step that is being moved: its speeds, time and energy; the rest waits."""
@@ -191,7 +191,7 @@ class SpeedLimitsView(PageView):
         if self.pair.options != pairs:
             self.pair.param.update(options=pairs, value=0)
         self.pair.visible = sections > 2
-        self.plane.place.visible = sections > 1
+        self.plane.host.visible = sections > 1
         if sections > 1:
             self.plane.show(partial(self.plane.draw, path.search, self.pair.value))
         self.path.show(partial(self.path.draw, path.search))
@@ -199,7 +199,7 @@ class SpeedLimitsView(PageView):
 
     def _show_map(self) -> None:
         found, run, refusal = self.model.motor_map, self.model.run, self.model.no_map
-        self.map.place.visible = not refusal
+        self.map.host.visible = not refusal
         self.whose.visible = found is not None and found.motor is not None
         self.no_map.visible = bool(refusal)
         if refusal:

@@ -54,7 +54,7 @@ class SurfacePane(Chart):
             margin=0,
         )
         style = f"font:12px {FONT};color:var(--rj-ink2);padding:2px 0 0 6px"
-        title = f'<div data-figure="{self.words}" style="{style}">{self.words}</div>'
+        title = f'<div data-figure="{self.caption}" style="{style}">{self.caption}</div>'
         self.content = parts.stack(pn.pane.HTML(title, margin=0), self.pane)
         self.figure = self.pane
 

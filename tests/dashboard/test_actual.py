@@ -169,7 +169,7 @@ def test_the_head_names_the_extra_energy_and_the_charts_have_the_dashed_line(pag
         chart = view.scenes[name]
         chart.settle()
         assert max(sent(chart, "actual")[0]) == run.actual.position_m[-1]
-    assert view.scenes["current"].words == "Current from the supply, A, at 750 V"
+    assert view.scenes["current"].caption == "Current from the supply, A, at 750 V"
 
 
 def test_a_failure_keeps_the_plan_and_says_why(pages):

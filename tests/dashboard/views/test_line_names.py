@@ -23,7 +23,7 @@ from railjoule.dashboard.views.drive_charts import EnergyChart
 from railjoule.dashboard.views.label_places import Box, text_width_px
 from railjoule.dashboard.views.line_names import LINE_HEIGHT, Frame
 from railjoule.dashboard.views.run_lines import RunLines
-from railjoule.dashboard.views.scene import RunChart, Scene
+from railjoule.dashboard.views.scene import RunChart, RunScene
 from railjoule.dashboard.views.speed_chart import SpeedChart
 
 SCENARIOS = ("metro-with-limit", "tram-950m-stop", "ftorek-300s", "liashenko-ii")
@@ -83,7 +83,7 @@ def test_no_name_of_drive_lies_on_anything(name: str, width: float, over_time: b
     palette = Palette(False)
     axis, lines = Axis(palette), tuple(STRATEGIES)
     charts: tuple[RunChart, ...] = (SpeedChart(250, axis, palette), EnergyChart(140, axis, palette))
-    scene = Scene("optimal", runs.runs, pinned, over_time, narrow=False, width_px=width)
+    scene = RunScene("optimal", runs.runs, pinned, over_time, narrow=False, width_px=width)
     axis.fit(scene.end, roomy=True)
     counts = []
     for chart in charts:

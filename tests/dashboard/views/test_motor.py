@@ -48,7 +48,7 @@ def test_charts_draw_the_run(view: MotorView) -> None:
     assert integrated[-1] == pytest.approx(parts[-1], rel=5e-4)
     assert list(charts["loop_speed"].sources["bands"].data["from"]) == []
     assert charts["loop_speed"].sources["names"].data["text"] == ["planned", "actual"]
-    assert len(view.place.sources["actual"].data["x"]) == len(run.position_m)
+    assert len(view.over_distance.sources["actual"].data["x"]) == len(run.position_m)
     assert 50 < len(view.map.sources["points"].data["x"]) <= 120
 
 
@@ -99,12 +99,12 @@ def test_a_scenario_without_machine_offers_one_that_has(view: MotorView) -> None
 
 
 def test_the_study_shows_what_came(view: MotorView) -> None:
-    assert not view.detuning.place.visible
+    assert not view.detuning.host.visible
     empty = next(compute_detuning(LoopRequest(view.state.scenario.scenario(), "enoc", {})))
     energy = np.full(len(empty.energy_kwh), np.nan)
     energy[:3] = 4.0, 4.4, 5.0
     view.model.detuning = replace(empty, energy_kwh=energy, done=3)
-    assert view.detuning.place.visible
+    assert view.detuning.host.visible
     # in the order of the factors, against the right one
     nearest = empty.rotor_resistance_factors[:3]
     assert view.detuning.sources["curve"].data["x"] == sorted(nearest)

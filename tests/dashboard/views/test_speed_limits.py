@@ -72,10 +72,10 @@ def test_pairs_of_sections_can_be_chosen(view: SpeedLimitsView) -> None:
 
 def test_one_section_has_no_plane(view: SpeedLimitsView) -> None:
     view.state.scenario.choose("liashenko-0")
-    assert view.plane.place.visible
+    assert view.plane.host.visible
     view.model.section_count = 1
     assert view.model.failure is None
-    assert not view.plane.place.visible
+    assert not view.plane.host.visible
     assert len(view.speed.sources["sections"].data["limit"]) == 1
 
 
@@ -88,10 +88,10 @@ def test_a_run_out_of_its_window_is_marked(view: SpeedLimitsView) -> None:
 
 
 def test_the_sentence_stands_where_the_map_is_missing(view: SpeedLimitsView) -> None:
-    assert view.map.place.visible
+    assert view.map.host.visible
     assert not view.no_map.visible
     view.state.scenario.choose("liashenko-ii")
-    assert not view.map.place.visible
+    assert not view.map.host.visible
     assert "has no efficiency map" in view.no_map.object
 
 
