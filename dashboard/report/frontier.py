@@ -52,14 +52,14 @@ class TimeChart(DistanceChart):
         levels = [steepest, float(energies.min()), *(run.energy_kwh for run in others.values())]
         low, high = nice_range(min(levels), max(levels))
         self.y_range.update(start=low, end=high)
-        self.put("optimal", xy(times, energies))
+        self.put("optimal", **xy(times, energies))
         self.told["sources"] = [["", self.sources["optimal"], "x", "y"]]
         colours = {name: self.palette.tokens[name] for name in others}
         places = {name: (run.travel_time_s, run.energy_kwh) for name, run in others.items()}
         own = (shown.travel_time_s, shown.energy_kwh)
-        self.put("runs", {**points(places.values()), "colour": list(colours.values())})
+        self.put("runs", **points(places.values()), colour=list(colours.values()))
         frame = self.frame_over((start - room, end + room), (low, high))
         dots = [frame.dot(*place) for place in (*places.values(), own)]
         names = [Name(name, words.STRATEGY_WORDS[name], colours[name], point=places[name]) for name in others]
-        self.put("names", placed_names(frame, {"optimal": (times, energies)}, names, dots))
-        self.put("point", points([own]))
+        self.put("names", **placed_names(frame, {"optimal": (times, energies)}, names, dots))
+        self.put("point", **points([own]))

@@ -58,7 +58,7 @@ class HistogramChart(LoneChart):
         low, high = nice_range(float(low), float(max(high, low + 1e-3)))
         counts, edges = np.histogram(values, bins=BINS, range=(low, high))
         most = float(max(counts.max(), 1))
-        self.put("bars", {"left": edges[:-1].tolist(), "right": edges[1:].tolist(), "top": counts.tolist()})
+        self.put("bars", left=edges[:-1].tolist(), right=edges[1:].tolist(), top=counts.tolist())
         self.x_range.update(start=low, end=high)
         self._mark(np.quantile(values, list(QUANTILES)).tolist(), (low, high), most)
 
@@ -78,15 +78,8 @@ class HistogramChart(LoneChart):
         self.y_range.update(start=0, end=most + room_px * per_px)
         levels = [most + (ROW_PX * row + 0.4 * ROW_PX) * per_px for row in rows]
         scale = (ends[1] - ends[0]) / frame.width_px
-        self.put("marks", {"x": places, "y": levels})
-        self.put(
-            "signs",
-            {
-                "x": [ends[0] + 0.5 * (left + right) * scale for left, right in spans],
-                "y": levels,
-                "text": texts,
-            },
-        )
+        self.put("marks", x=places, y=levels)
+        self.put("signs", x=[ends[0] + 0.5 * (left + right) * scale for left, right in spans], y=levels, text=texts)
 
 
 def chance_table(table: MonteCarloTable) -> str:
@@ -138,9 +131,9 @@ class LoadScatter(LoneChart):
         if not len(load):
             self.clear()
             return
-        self.put("points", xy(load[:MOST_POINTS], energy[:MOST_POINTS]))
+        self.put("points", **xy(load[:MOST_POINTS], energy[:MOST_POINTS]))
         order = np.argsort(load)[:: max(1, len(load) // 60)]
         knowing = table.replanned_kwh[: table.done][done][order]
-        self.put("line", xy(load[order], knowing))
+        self.put("line", **xy(load[order], knowing))
         low, high = nice_range(float(min(knowing.min(), energy.min())), float(np.quantile(energy, SHOWN[1])))
         self.set_ranges((0.0, 100.0), (low, high))

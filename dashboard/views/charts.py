@@ -233,8 +233,9 @@ class Chart:
         """Return the part of the figure that is drawn in, as large as it is at least."""
         f = self.figure
         assert f is not None
-        below = TICKS_PX + (TITLE_PX if f.xaxis[0].axis_label else 0) if f.xaxis[0].visible else BOTTOM_PX
-        left = f.min_border_left + (TITLE_PX if f.yaxis[0].axis_label else 0)
+        x_axis, y_axis = f.xaxis[0], f.yaxis[0]
+        below = TICKS_PX + (TITLE_PX if x_axis.axis_label else 0) if x_axis.visible else BOTTOM_PX
+        left = f.min_border_left + (TITLE_PX if y_axis.axis_label else 0)
         return Frame(max(self.width_px - left - RIGHT_PX, 1.0), max(self.height - below - 2.0, 1.0), x, y)
 
     def fail(self) -> None:
@@ -254,7 +255,7 @@ class Chart:
         self.sources[name] = ColumnDataSource({column: [] for column in columns or ("x", "y")}, name=name)
         return self.sources[name]
 
-    def put(self, name: str, columns: Mapping[str, Any]) -> None:
+    def put(self, name: str, /, **columns: Any) -> None:
         """Have these columns in the source of a name; what stands there already is not sent again."""
         source = self.sources[name]
         if source.data.keys() != columns.keys() or not all(same(source.data[key], columns[key]) for key in columns):
@@ -318,7 +319,7 @@ class Chart:
         size: int = 12,
     ) -> None:
         """Write the names of lines where there is room for them."""
-        self.put(source, placed_names(self.frame_now, lines, names, taken, size))
+        self.put(source, **placed_names(self.frame_now, lines, names, taken, size))
 
     @property
     def frame_now(self) -> Frame:
@@ -451,9 +452,12 @@ class DistanceChart(Chart):
 
     def set_range(self, low: float, high: float) -> None:
         """Set the ends of the y axis, and let the ticks of the x axis end with the run."""
-        if self.figure is not None and self.figure.xaxis[0].visible:
-            self.figure.xaxis[0].bounds = (0, self.axis.end)
-        self.y_range.update(start=low, end=high)
+        x_axis = None if self.figure is None else self.figure.xaxis[0]
+        # a change costs the library much more than a look at what there is
+        if x_axis is not None and x_axis.visible and x_axis.bounds != (0, self.axis.end):
+            x_axis.bounds = (0, self.axis.end)
+        if (self.y_range.start, self.y_range.end) != (low, high):
+            self.y_range.update(start=low, end=high)
 
 
 def dress(f: figure, palette: Palette, ticks: int, digits: int) -> None:

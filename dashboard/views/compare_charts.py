@@ -121,7 +121,7 @@ class ComparedSpeedChart(ComparedChart):
         places, limits = limits_of(first.scenario)
         x = np.interp(places, first.position_m, first.time_s) if over_time else places
         steps = as_steps(x, limits)
-        self.put("limit", xy(*steps))
+        self.put("limit", **xy(*steps))
         self.set_range(0, HEADROOM * max(ends_of(curves.values())[1], float(np.max(limits))))
         self.name_lines(curves, among, [c.sign for c in among], more={"limit": steps})
 

@@ -86,12 +86,10 @@ class PhaseStrip(SceneChart):
             texts.append(fitting if pixels > 1.6 * WORD_PX else "")
         self.put(
             "phases",
-            {
-                **columns(left=left, right=right, middle=0.5 * (left + right)),
-                "text": texts,
-                "fill": [tokens[phase.phase] for phase in phases],
-                "ink": [tokens[f"on_{phase.phase}"] for phase in phases],
-            },
+            **columns(left=left, right=right, middle=0.5 * (left + right)),
+            text=texts,
+            fill=[tokens[phase.phase] for phase in phases],
+            ink=[tokens[f"on_{phase.phase}"] for phase in phases],
         )
 
 
@@ -131,8 +129,8 @@ class LineStrip(SceneChart):
         x = scene.x_of_place(places)
         self.set_range(bottom - GROUND * relief, bottom + TOP * relief)
         base = np.full(len(places), bottom - GROUND * relief)
-        self.put("height", columns(x=x, y=np.interp(places, borders, height), base=base))
-        self.put("borders", columns(x=scene.x_of_place(borders[1:-1])))
+        self.put("height", **columns(x=x, y=np.interp(places, borders, height), base=base))
+        self.put("borders", **columns(x=scene.x_of_place(borders[1:-1])))
         ends = scene.x_of_place(borders)
         radii = np.array([section.curve_radius_m for section in line.sections])
         self._draw_curves(ends[:-1][radii > 0], ends[1:][radii > 0], bottom, relief)
@@ -142,16 +140,14 @@ class LineStrip(SceneChart):
         fits = np.array([len(text) * WORD_PX + 6 < pixels for text, pixels in zip(texts, room, strict=True)])
         self.put(
             "signs",
-            {
-                **xy((0.5 * (ends[1:] + ends[:-1]))[fits], np.full(int(fits.sum()), bottom + SIGNS * relief)),
-                "text": [text for text, fit in zip(texts, fits, strict=True) if fit],
-            },
+            **xy((0.5 * (ends[1:] + ends[:-1]))[fits], np.full(int(fits.sum()), bottom + SIGNS * relief)),
+            text=[text for text, fit in zip(texts, fits, strict=True) if fit],
         )
 
     def _draw_curves(self, left: FloatArray, right: FloatArray, bottom: float, relief: float) -> None:
         """Draw a hatched band over each curve."""
         low, high = (np.full(len(left), bottom + share * relief) for share in CURVES)
-        self.put("curves", columns(left=left, right=right, bottom=low, top=high))
+        self.put("curves", **columns(left=left, right=right, bottom=low, top=high))
 
 
 def curve_words(gradient: str, radius_m: float, room_px: float) -> str:
@@ -215,7 +211,7 @@ class EnergyChart(RunChart):
         actual = scene.actual.actual
         x = np.union1d(scene.x(scene.run), scene.x(actual))
         planned, driven = (np.interp(x, scene.x(run), self.values(run)) for run in (scene.run, actual))
-        self.put("extra", columns(x=x, low=planned, high=np.maximum(planned, driven)))
+        self.put("extra", **columns(x=x, low=planned, high=np.maximum(planned, driven)))
 
 
 class DifferenceChart(SceneChart):
@@ -243,7 +239,7 @@ class DifferenceChart(SceneChart):
         x, pinned = scene.x(scene.run), scene.pinned
         difference = ENERGY.values(scene.run) - np.interp(x, scene.x(pinned), ENERGY.values(pinned))
         self.set_range(*nice_range(min(float(difference.min()), 0), max(float(difference.max()), 0), 0.15))
-        self.put("run", xy(x, difference))
+        self.put("run", **xy(x, difference))
         self.told["sources"] = [["", self.sources["run"], "x", "y"]]
         draw_borders(self, scene)
         if scene.narrow:
@@ -268,7 +264,7 @@ class EffortChart(CellChart):
         """Draw the efforts and the largest one."""
         super().draw(scene)
         largest = LARGEST_EFFORT.values(scene.run)
-        self.put("largest", xy(scene.x(scene.run), largest))
+        self.put("largest", **xy(scene.x(scene.run), largest))
         self.set_range(min(self.y_range.start, -0.05 * largest.max()), max(self.y_range.end, 1.08 * largest.max()))
 
 

@@ -91,11 +91,11 @@ class BrakingChart(LoneChart):
         for name, run in both(following).items():
             near = run.position_m - stop >= first
             speed = SPEED.values(run)[near]
-            self.put(name, xy(run.position_m[near] - stop, speed))
+            self.put(name, **xy(run.position_m[near] - stop, speed))
             top = max(top, float(speed.max()))
         before = np.linspace(-zone, 0, 80) if options.target_braking and zone else np.zeros(0)
         target = np.sqrt(-2 * options.target_deceleration_ms2 * before) / MS_PER_KMH
-        self.put("target", xy(before, target))
+        self.put("target", **xy(before, target))
         self.set_ranges((first, last), (0.0, 1.3 * top))
         draw_sensors(self, [(s.from_m - stop, s.sensor) for s in course[1:]], 1.3 * top, 0.13 * top)
 
@@ -123,7 +123,7 @@ class PositionErrorChart(LoneChart):
                 errors += [stretch.estimated_m - stretch.from_m, stretch.estimated(until) - until]
             marks += [(stretch.from_m, stretch.sensor) for stretch in course[1:]]
         time = np.interp(places, run.position_m, run.time_s)
-        self.put("error", xy(time, np.array(errors)))
+        self.put("error", **xy(time, np.array(errors)))
         size = max(1.0, float(np.max(np.abs(errors))))
         self.set_ranges((0.0, run.travel_time_s), (-1.3 * size, 1.6 * size))
         passed = [(float(np.interp(place, run.position_m, run.time_s)), sensor) for place, sensor in marks]
@@ -143,13 +143,11 @@ def draw_sensors(chart: Chart, marks: list[tuple[float, str]], top: float, row: 
     left = [sensor == "D3" for _, sensor in marks]
     chart.put(
         "sensors",
-        {
-            "x": [place for place, _ in marks],
-            "y": [0.98 * top - row * (k % 3) for k in range(len(marks))],
-            "text": [sensor if short else SENSOR_WORDS[sensor] for _, sensor in marks],
-            "align": ["right" if aside else "left" for aside in left],
-            "offset": [-4 if aside else 4 for aside in left],
-        },
+        x=[place for place, _ in marks],
+        y=[0.98 * top - row * (k % 3) for k in range(len(marks))],
+        text=[sensor if short else SENSOR_WORDS[sensor] for _, sensor in marks],
+        align=["right" if aside else "left" for aside in left],
+        offset=[-4 if aside else 4 for aside in left],
     )
 
 

@@ -154,7 +154,7 @@ class HeatMapChart(Chart):
             float(np.interp(value, places, np.arange(len(places)), left=np.nan, right=np.nan))
             for value, places in ((load_factor, loads), (error_m, errors))
         )
-        self.put("frame", {"x": [column], "y": [row]})
+        self.put("frame", x=[column], y=[row])
 
     def _draw_cells(self, table: SensitivityTable, measure: Measure) -> None:
         assert self.figure is not None
@@ -167,24 +167,15 @@ class HeatMapChart(Chart):
             for number, known in zip(values.ravel(), done.ravel(), strict=True)
         ]
         texts = [text if known else "" for text, known in zip(measure.texts(table), done.ravel(), strict=True)]
-        self.put(
-            "cells",
-            {
-                "x": x.tolist(),
-                "y": y.tolist(),
-                "fill": fills,
-                "text": texts,
-                "ink": [ink_on(fill) for fill in fills],
-            },
-        )
+        self.put("cells", x=x.tolist(), y=y.tolist(), fill=fills, text=texts, ink=[ink_on(fill) for fill in fills])
         self._label(self.figure.xaxis[0], [words.signed(error, 0) for error in errors])
         self._label(self.figure.yaxis[0], [words.setting(load) for load in loads])
         planned = table.scenario.vehicle.load_factor
         if planned in loads and 0.0 in errors:
             row, column = loads.index(planned), errors.index(0.0)
-            self.put("plan", {"x": [column], "y": [row], "ink": [ink_on(fills[row * len(errors) + column])]})
+            self.put("plan", x=[column], y=[row], ink=[ink_on(fills[row * len(errors) + column])])
         else:
-            self.put("plan", {"x": [], "y": [], "ink": []})
+            self.put("plan", x=[], y=[], ink=[])
 
     def _label(self, axis: Any, labels: list[str]) -> None:
         told = dict(enumerate(labels))

@@ -42,16 +42,14 @@ class LawChart(DistanceChart):
         self.mapper.palette = diverging(self.palette)
         self.put(
             "map",
-            {
-                "image": [image],
-                "x": [float(law.position_m[0])],
-                "y": [0.0],
-                "dw": [float(law.position_m[-1] - law.position_m[0])],
-                "dh": [top / MS_PER_KMH],
-            },
+            image=[image],
+            x=[float(law.position_m[0])],
+            y=[0.0],
+            dw=[float(law.position_m[-1] - law.position_m[0])],
+            dh=[top / MS_PER_KMH],
         )
         run = scene.runs["bellman"]
-        self.put("run", xy(POSITION.values(run), SPEED.values(run)))
+        self.put("run", **xy(POSITION.values(run), SPEED.values(run)))
         self.told["sources"] = [["run", self.sources["run"], "x", "y"]]
         self.set_range(0, top / MS_PER_KMH)
 

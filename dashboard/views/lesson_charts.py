@@ -84,9 +84,9 @@ class PriceChart(LoneChart):
         slope = (run.price_of_time_w or 0.0) / J_PER_KWH
         reach = 0.12 * float(time[-1] - time[0])
         sides = np.array([-reach, reach])
-        self.put("curve", xy(time, energy))
-        self.put("tangent", xy(run.travel_time_s + sides, run.energy_kwh - slope * sides))
-        self.put("point", {"x": [run.travel_time_s], "y": [run.energy_kwh]})
+        self.put("curve", **xy(time, energy))
+        self.put("tangent", **xy(run.travel_time_s + sides, run.energy_kwh - slope * sides))
+        self.put("point", x=[run.travel_time_s], y=[run.energy_kwh])
         ends = nice_range(float(np.nanmin(energy)), max(steepest, run.energy_kwh))
         self.set_ranges((float(time[0]), float(time[-1])), ends)
 
@@ -126,7 +126,7 @@ class PhasePlaneChart(LoneChart):
             return
         speed = np.concatenate([curve.speed_ms for curve in result.plane]) / MS_PER_KMH
         worth = np.concatenate([curve.adjoint for curve in result.plane])
-        self.put("run", xy(speed, np.clip(worth, WORTH_ENDS[0] - 1, WORTH_ENDS[1] + 1)))
+        self.put("run", **xy(speed, np.clip(worth, WORTH_ENDS[0] - 1, WORTH_ENDS[1] + 1)))
         self.driving.location, self.braking.location = steady.driving_adjoint, steady.braking_adjoint
         self._draw_regions(steady)
         self._mark(steady)
@@ -136,20 +136,11 @@ class PhasePlaneChart(LoneChart):
         ends = (low - 1, steady.braking_adjoint, steady.driving_adjoint, high + 1)
         self.put(
             "bands",
-            {
-                **columns(bottom=np.array(ends[:-1]), top=np.array(ends[1:])),
-                "fill": [tokens[name] for name in ("brake", "coast", "part_power")],
-            },
+            **columns(bottom=np.array(ends[:-1]), top=np.array(ends[1:])),
+            fill=[tokens[name] for name in ("brake", "coast", "part_power")],
         )
         middles = (0.5 * (low + steady.braking_adjoint), 0.5 * sum(ends[1:3]), 0.5 * (high + steady.driving_adjoint))
-        self.put(
-            "regions",
-            {
-                "y": list(middles),
-                "text": ["brake", "coast", "full power"],
-                "ink": [tokens["ink2"]] * 3,
-            },
-        )
+        self.put("regions", y=list(middles), text=["brake", "coast", "full power"], ink=[tokens["ink2"]] * 3)
 
     def _mark(self, steady: SteadySpeeds) -> None:
         reaches = steady.highest_ms >= 0.999 * steady.hold_ms
@@ -162,7 +153,7 @@ class PhasePlaneChart(LoneChart):
             f"{word} {words.speed(steady.highest_ms, 1)} km/h",
             f"brake from {words.speed(steady.brake_ms, 1)} km/h",
         )
-        self.put("marks", points(switches))
+        self.put("marks", **points(switches))
         ink, ends = self.palette.tokens["ink"], np.array([0.0, MOST_KMH])
         names = [Name(text, text, ink, point=point) for text, point in zip(texts, switches, strict=True)]
         frame, regions = self.frame_now, self.sources["regions"].data

@@ -79,12 +79,10 @@ class LineSpeedChart(RunLines):
         chosen = fitting(stops, best.run.distance_m / width_px)
         self.put(
             "names",
-            {
-                "x": [place for place, _, _ in chosen],
-                "y": [top] * len(chosen),
-                "text": [name for _, name, _ in chosen],
-                "align": [align for _, _, align in chosen],
-            },
+            x=[place for place, _, _ in chosen],
+            y=[top] * len(chosen),
+            text=[name for _, name, _ in chosen],
+            align=[align for _, _, align in chosen],
         )
 
 
@@ -150,7 +148,7 @@ class LegBars(DistanceChart):
         """Draw the bars."""
         bars = [bar_columns(runs.runs[sharing], place, self.value) for place, sharing in enumerate(SHARING_TOKENS)]
         for sharing, (left, right, top) in zip(SHARING_TOKENS, bars, strict=True):
-            self.put(sharing, columns(left=left, right=right, top=top))
+            self.put(sharing, **columns(left=left, right=right, top=top))
         tallest = np.max([top for *_, top in bars], axis=0)
         low, high = min(0.0, *(float(top.min()) for *_, top in bars)), max(0.0, float(tallest.max()))
         self.set_range(*nice_range(low, high, 0.16) if low < 0 else (0.0, 1.22 * max(high, 1e-9)))
@@ -161,10 +159,8 @@ class LegBars(DistanceChart):
         fits = (right - left) / runs.best.run.distance_m * width_px > needed
         self.put(
             "signs",
-            {
-                **xy((0.5 * (left + right))[fits], np.maximum(tallest, 0.0)[fits]),
-                "text": [text for text, fit in zip(texts, fits, strict=True) if fit],
-            },
+            **xy((0.5 * (left + right))[fits], np.maximum(tallest, 0.0)[fits]),
+            text=[text for text, fit in zip(texts, fits, strict=True) if fit],
         )
 
 

@@ -55,7 +55,7 @@ class MotorMapChart(LoneChart):
         if operated is None:
             self.clear("points")
         else:
-            self.put("points", xy(operated.speed_rads, operated.torque_nm))
+            self.put("points", **xy(operated.speed_rads, operated.torque_nm))
 
     def _draw_map(self, found: MotorMap, efficiency: FloatArray) -> None:
         f = self.figure
@@ -67,13 +67,11 @@ class MotorMapChart(LoneChart):
         # a pixel stands around the place for which it was computed
         self.put(
             "map",
-            {
-                "image": [efficiency.astype(np.float32)],
-                "x": [float(speed[0] - 0.5 * step_x)],
-                "y": [float(torque[0] - 0.5 * step_y)],
-                "dw": [float(speed[-1] - speed[0] + step_x)],
-                "dh": [float(torque[-1] - torque[0] + step_y)],
-            },
+            image=[efficiency.astype(np.float32)],
+            x=[float(speed[0] - 0.5 * step_x)],
+            y=[float(torque[0] - 0.5 * step_y)],
+            dw=[float(speed[-1] - speed[0] + step_x)],
+            dh=[float(torque[-1] - torque[0] + step_y)],
         )
         self.set_ranges((float(speed[0]), float(speed[-1])), (float(torque[0]), float(torque[-1])))
         if self.levels is None:
@@ -101,7 +99,7 @@ class MotorMapChart(LoneChart):
                 signs["y"].append(place)
                 signs["text"].append(words.number(100 * level, 0))
                 signs["colour"].append(ink_on(CIVIDIS[round(share * (len(CIVIDIS) - 1))]))
-        self.put("signs", signs)
+        self.put("signs", **signs)
 
 
 class StorageChart(LoneChart):
@@ -127,17 +125,10 @@ class StorageChart(LoneChart):
         """Draw the curve, the size needed, the storage chosen and what a receptive line would save."""
         chosen, need = storage.chosen, storage.need.largest_drop_kwh
         most = chosen.with_resistors_kwh - chosen.with_receptive_line_kwh
-        self.put("curve", xy(storage.size_kwh, storage.saved_kwh))
-        self.put("chosen", points([(chosen.storage.size_kwh, chosen.saved_kwh)]))
-        self.put(
-            "most",
-            {
-                "x": [0.0],
-                "y": [most],
-                "text": [f"fully receptive supply: {words.energy(most)} kWh"],
-            },
-        )
-        self.put("need", {"x": [need], "y": [0.0], "text": [f"needed: {words.energy(need)} kWh"]})
+        self.put("curve", **xy(storage.size_kwh, storage.saved_kwh))
+        self.put("chosen", **points([(chosen.storage.size_kwh, chosen.saved_kwh)]))
+        self.put("most", x=[0.0], y=[most], text=[f"fully receptive supply: {words.energy(most)} kWh"])
+        self.put("need", x=[need], y=[0.0], text=[f"needed: {words.energy(need)} kWh"])
         _, high = nice_range(0.0, max(most, 1e-3), 0.2)
         self.set_ranges((0.0, float(storage.size_kwh[-1])), (0.0, high))
 

@@ -172,18 +172,16 @@ class LoopChart(RunLines):
         self.set_range(bottom, top)
         self._name([word for word in drawn if word], top)
         spans = () if run is None else run.saturated
-        self.put("bands", {"from": [s.start_s for s in spans], "to": [s.end_s for s in spans]})
+        self.put("bands", **{"from": [s.start_s for s in spans], "to": [s.end_s for s in spans]})
 
     def _name(self, names: list[str], height: float) -> None:
         """Write the names side by side above the lines."""
         self.put(
             "names",
-            {
-                "x": [(0.02 + 0.98 * k / len(names)) * self.axis.end for k in range(len(names))],
-                "y": [height] * len(names),
-                "text": names,
-                "colour": [self.palette.tokens[self.lines[word].token] for word in names],
-            },
+            x=[(0.02 + 0.98 * k / len(names)) * self.axis.end for k in range(len(names))],
+            y=[height] * len(names),
+            text=names,
+            colour=[self.palette.tokens[self.lines[word].token] for word in names],
         )
 
 
@@ -206,7 +204,7 @@ class LoopDistanceChart(LoneChart):
             for name, one in (("planned", run.planned), ("actual", run))
         }
         for name, curve in curves.items():
-            self.put(name, xy(*curve))
+            self.put(name, **xy(*curve))
         end = max(float(x[-1]) for x, _ in curves.values())
         self.set_ranges((0.0, (1 + BEYOND_END) * end), (0.0, 1.08 * ends_of(curves.values())[1]))
 
@@ -228,7 +226,7 @@ class RippleChart(LoneChart):
         time = MS_PER_S * (ripple.time_s - ripple.time_s[0])
         curves = {"switched": (time, ripple.phase_current_a), "averaged": (time, ripple.average_current_a)}
         for name, curve in curves.items():
-            self.put(name, xy(*curve))
+            self.put(name, **xy(*curve))
         self.set_ranges((0.0, float(time[-1])), nice_range(*ends_of(curves.values()), 0.1))
 
 
@@ -249,7 +247,7 @@ class DetuningChart(LoneChart):
     def draw(self, table: DetuningTable) -> None:
         """Draw what is known so far, against the controller that assumes the true resistance."""
         factors, more = detuning_cost(table)
-        self.put("curve", xy(factors, more))
+        self.put("curve", **xy(factors, more))
         ends = table.rotor_resistance_factors
         low, high = float(np.min(more, initial=0.0)), float(np.max(more, initial=1e-3))
         self.set_ranges((min(ends), max(ends)), nice_range(low, high, 0.1))

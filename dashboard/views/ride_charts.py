@@ -81,22 +81,18 @@ class RideSpeedChart(RunLines):
         shown = [] if over_time else [event for event in events if event.kind in {"stop", "limit"}]
         self.put(
             "events",
-            {
-                "x": [event.position_m for event in shown],
-                "y": [top * (0.99 - 0.08 * (k % 3)) for k in range(len(shown))],
-                "text": [event_sign(event) for event in shown],
-            },
+            x=[event.position_m for event in shown],
+            y=[top * (0.99 - 0.08 * (k % 3)) for k in range(len(shown))],
+            text=[event_sign(event) for event in shown],
         )
         limits = [event for event in shown if event.kind == "limit"]
         self.put(
             "limits",
-            {
-                "left": [event.position_m for event in limits],
-                "right": [event.to_m for event in limits],
-                "bottom": [event.limit_kmh for event in limits],
-            },
+            left=[event.position_m for event in limits],
+            right=[event.to_m for event in limits],
+            bottom=[event.limit_kmh for event in limits],
         )
-        self.put("notices", {"x": [] if over_time else [event.noticed_at_m for event in events]})
+        self.put("notices", x=[] if over_time else [event.noticed_at_m for event in events])
         self._draw_names(lines)
 
     def _draw_names(self, lines: Mapping[str, Curve]) -> None:
@@ -150,10 +146,10 @@ class LateChart(LoneChart):
             delay = late.delay_s[reaction]
             known = np.isfinite(energy)
             order = np.argsort(delay[known])
-            self.put(reaction, xy(delay[known][order], energy[known][order]))
+            self.put(reaction, **xy(delay[known][order], energy[known][order]))
             ends += delay[known].tolist()
             levels += energy[known].tolist()
-        self.put("present", points(present))
+        self.put("present", **points(present))
         if levels:
             self.set_ranges((min(0.0, *ends), max(ends) + 1e-6), nice_range(min(levels), max(levels)))
 

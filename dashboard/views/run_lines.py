@@ -163,11 +163,11 @@ class RunLines(DistanceChart):
         self.told["sources"] = [self.read(name, name) for name in names]
         return drawn
 
-    def read(self, name: str, word: str, *unit: Any, x: str = "", y: str = "") -> list[Any]:
+    def read(self, name: str, word: str, *unit: Any, y: str = "") -> list[Any]:
         """Return what the cursor needs of a line: its word, its source and columns, a unit and digits of its own."""
         line = self.lines[name]
         source = self.axis.columns(line.of or name).source
-        return [word, source, x or self._over.name, y or self._column(line), *unit]
+        return [word, source, self._over.name, y or self._column(line), *unit]
 
     def _lie_over(self, x: Quantity) -> None:
         """Draw the lines over time or distance; both are columns of the same sources."""
@@ -223,9 +223,9 @@ def as_steps(borders: FloatArray, levels: FloatArray) -> Curve:
 def draw_limits(chart: Chart, borders: FloatArray, limits: FloatArray) -> Curve:
     """Draw the limits between borders, in the units of the axes; return their line."""
     steps = as_steps(borders, limits)
-    chart.put("forbidden", columns(left=borders[:-1], right=borders[1:], bottom=limits))
+    chart.put("forbidden", **columns(left=borders[:-1], right=borders[1:], bottom=limits))
     if "limit" in chart.sources:
-        chart.put("limit", xy(*steps))
+        chart.put("limit", **xy(*steps))
     return steps
 
 
@@ -236,4 +236,4 @@ def add_stations(chart: Chart) -> None:
 
 def draw_stations(chart: Chart, places_m: Sequence[float]) -> None:
     """Draw the hairlines of the stations."""
-    chart.put("stations", columns(x=np.array(places_m)))
+    chart.put("stations", **columns(x=np.array(places_m)))

@@ -97,7 +97,7 @@ class RunScene:
 def draw_borders(chart: Chart, scene: RunScene) -> None:
     """Draw the hairlines between the phases of the chosen run."""
     ends = np.array([phase.end_s if scene.over_time else phase.end_m for phase in scene.run.phases[:-1]])
-    chart.put("borders", columns(x=ends))
+    chart.put("borders", **columns(x=ends))
 
 
 STROKES: Mapping[str, Line] = {name: Line(name, style_of(name)) for name in (PINNED, *reversed(STRATEGIES), ACTUAL)}

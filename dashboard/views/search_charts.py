@@ -57,13 +57,13 @@ class SearchPlaneChart(LoneChart):
         known, samples = np.isfinite(energy), stages(search) == "sample"
         self.figure.xaxis.axis_label = f"Section {first + 1}, km/h"
         self.figure.yaxis.axis_label = f"Section {first + 2}, km/h"
-        self.put("asked", xy(*asked[samples].T))
-        self.put("driven", columns(x=driven[known, 0], y=driven[known, 1], energy=energy[known]))
+        self.put("asked", **xy(*asked[samples].T))
+        self.put("driven", **columns(x=driven[known, 0], y=driven[known, 1], energy=energy[known]))
         if known.any():
             self.mapper.update(low=float(energy[known].min()), high=float(np.quantile(energy[known], DEAR)) + 1e-9)
-        self.put("path", xy(*driven[known & ~samples].T))
+        self.put("path", **xy(*driven[known & ~samples].T))
         start, end = driven[int(np.argmin(np.where(samples, energy, np.inf)))], search.best.limits_ms[pair] / MS_PER_KMH
-        self.put("ends", {"x": [start[0], end[0]], "y": [start[1], end[1]], "marker": ["circle", "diamond"]})
+        self.put("ends", x=[start[0], end[0]], y=[start[1], end[1]], marker=["circle", "diamond"])
         near = float(np.abs(start - end).max()) < 2
         top = 1.04 * float(max(asked.max(), driven[known].max() if known.any() else 0.0))
         self.set_ranges((0.0, top), (0.0, top))
@@ -113,23 +113,21 @@ class SearchPathChart(LoneChart):
             return
         for name in ("sample", "refine"):
             chosen = known & (stage == name)
-            self.put(name, xy(number[chosen], energy[chosen]))
+            self.put(name, **xy(number[chosen], energy[chosen]))
         best = np.minimum.accumulate(np.where(known, energy, np.inf))
         begun = np.isfinite(best)
-        self.put("best", xy(number[begun], best[begun]))
+        self.put("best", **xy(number[begun], best[begun]))
         low, high = nice_range(float(best[-1]), float(np.quantile(energy[known], DEAR)) + 1e-3)
         self.set_ranges((0.0, len(energy) + 1.0), (low, high))
         samples = int((stage == "sample").sum())
         aside = samples > 0.5 * len(energy)
         self.put(
             "border",
-            {
-                "x": [samples + 0.5],
-                "y": [high],
-                "text": [f"{samples} evenly spread, then {len(energy) - samples} of a simplex"],
-                "align": ["right" if aside else "left"],
-                "offset": [-5 if aside else 5],
-            },
+            x=[samples + 0.5],
+            y=[high],
+            text=[f"{samples} evenly spread, then {len(energy) - samples} of a simplex"],
+            align=["right" if aside else "left"],
+            offset=[-5 if aside else 5],
         )
 
 

@@ -10,7 +10,7 @@ from railjoule.dashboard.look.comparisons import OTHER_TIME_S
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.views.charts import Axis, xy
 from railjoule.dashboard.views.label_places import Box, text_width_px
-from railjoule.dashboard.views.line_names import Name
+from railjoule.dashboard.views.line_names import Frame, Name
 from railjoule.dashboard.views.quantities import SPEED, along
 from railjoule.dashboard.views.run_lines import Curve, Form, add_limits, as_steps, draw_limits, limits_of
 from railjoule.dashboard.views.scene import ACTUAL, RunChart, RunScene, line_words
@@ -51,16 +51,14 @@ class SpeedChart(RunChart):
         stops, actual = scene.stops, scene.actual
         self.put(
             "stops",
-            {
-                **xy(np.array([x for x, _ in stops]), np.zeros(len(stops))),
-                "text": [f"stop, {words.number(lasts, 0)} s" for _, lasts in stops],
-            },
+            **xy(np.array([x for x, _ in stops]), np.zeros(len(stops))),
+            text=[f"stop, {words.number(lasts, 0)} s" for _, lasts in stops],
         )
         if actual is None or scene.narrow or actual.delay_s < OTHER_TIME_S:
             self.clear("late")
             return
         end = float(scene.x(actual.actual)[-1])
-        self.put("late", {"x": [end], "y": [0.0], "text": [f"{words.time(actual.delay_s)} s late"]})
+        self.put("late", x=[end], y=[0.0], text=[f"{words.time(actual.delay_s)} s late"])
 
     def draw(self, scene: RunScene) -> None:
         """Draw limits, runs and names."""
@@ -85,7 +83,7 @@ class SpeedChart(RunChart):
         other, x = along(not scene.over_time), along(scene.over_time)
         self.axis.columns(scene.chosen).take(run, {other.name: other.values(run)})
         gradients = np.array([section.gradient_permille for section in line.sections])
-        self.put("gradient", xy(*as_steps(scene.x_of_place(section_borders(line)), gradients)))
+        self.put("gradient", **xy(*as_steps(scene.x_of_place(section_borders(line)), gradients)))
         self.told["sources"] += [
             self.read(scene.chosen, "", other.unit, other.digits, y=other.name),
             ["limit", self.sources["limit"], "x", "y", self.unit, 0],
@@ -106,22 +104,19 @@ class SpeedChart(RunChart):
         room = np.diff(self.frame_now.x_px(x))
         fits = np.array([text_width_px(text, SIGN_PX) + 8 < px for text, px in zip(texts, room, strict=True)])
         self.put(
-            "signs",
-            {
-                **xy(x[:-1][fits], limits[fits]),
-                "text": [text for text, fit in zip(texts, fits, strict=True) if fit],
-            },
+            "signs", **xy(x[:-1][fits], limits[fits]), text=[text for text, fit in zip(texts, fits, strict=True) if fit]
         )
 
     def _draw_names(self, scene: RunScene, lines: Mapping[str, Curve]) -> None:
         """Name the lines where nothing else is, the chosen one first."""
-        taken = [box for source, lift_px in SIGN_LIFTS_PX.items() for box in self._sign_boxes(source, lift_px)]
+        frame = self.frame_now
+        taken = [box for source, lift_px in SIGN_LIFTS_PX.items() for box in self._sign_boxes(frame, source, lift_px)]
         names = [Name(name, line_words(name, scene), self.name_colour(name)) for name in reversed(list(lines))]
         self.place_names({**lines, "limit": self._limits}, names, taken)
 
-    def _sign_boxes(self, source: str, lift_px: float) -> list[Box]:
+    def _sign_boxes(self, frame: Frame, source: str, lift_px: float) -> list[Box]:
         """Return the boxes of the signs that are written from a source."""
-        signs, frame = self.sources[source].data, self.frame_now
+        signs = self.sources[source].data
         return [
             frame.box(x, y, text, SIGN_PX, lift_px=lift_px)
             for x, y, text in zip(signs["x"], signs["y"], signs["text"], strict=True)

@@ -89,17 +89,17 @@ class FrontierChart(LoneChart):
             (shortest - BEFORE_SHARE * (time[-1] - shortest), float(time[-1]) * 1.005),
             nice_range(float(np.nanmin(energy)), max(steepest, run.energy_kwh), 0.08),
         )
-        self.put("impossible", {"left": [0.0], "right": [shortest]})
-        self.put("optimal", xy(time, energy))
+        self.put("impossible", left=[0.0], right=[shortest])
+        self.put("optimal", **xy(time, energy))
         enoc_time, enoc, below_enoc = enoc_curve(trade_off)
-        self.put("enoc", xy(enoc_time, enoc))
-        self.put("between", columns(x=enoc_time, low=below_enoc, high=enoc))
+        self.put("enoc", **xy(enoc_time, enoc))
+        self.put("between", **columns(x=enoc_time, low=below_enoc, high=enoc))
         sides = TANGENT_SHARE * float(time[-1] - time[0]) * np.array([-1.0, 1.0])
-        self.put("tangent", xy(now + sides, run.energy_kwh - price / J_PER_KWH * sides))
+        self.put("tangent", **xy(now + sides, run.energy_kwh - price / J_PER_KWH * sides))
         printed = printed_points(trade_off)
-        self.put("printed", {"x": printed[0], "y": printed[2]})
+        self.put("printed", x=printed[0], y=printed[2])
         self.now.location = now
-        self.put("point", points([(now, run.energy_kwh)]))
+        self.put("point", **points([(now, run.energy_kwh)]))
         self._draw_names(run, printed)
 
     def _draw_names(self, run: Trajectory, printed: tuple[FloatArray, ...]) -> None:
@@ -150,7 +150,7 @@ class ShareChart(LoneChart):
         share = 100 * share_above(enoc, optimal)
         drawn = time > trade_off.frontier.shortest_travel_time_s * (1 + STEEPEST_SHARE)
         self.y_range.update(start=0, end=float(np.ceil(np.max(share, where=drawn, initial=0.0) * 1.15 + 0.2)))
-        self.put("share", xy(time, share))
+        self.put("share", **xy(time, share))
         now = run.travel_time_s
         if now < time[0]:
             self.clear("names")
@@ -202,10 +202,10 @@ class ContourChart(LoneChart):
         if self.drawn is not enoc_map:
             self._draw_map(enoc_map)
         self.set_ranges((float(time[0]), float(time[-1])), (float(ramp[0]), float(ramp[-1])))
-        self.put("valley", xy(time, enoc_map.best_acceleration_s))
-        self.put("point", points([now[:2]] if now else []))
+        self.put("valley", **xy(time, enoc_map.best_acceleration_s))
+        self.put("point", **points([now[:2]] if now else []))
         printed = printed_points(trade_off, everywhere=True)
-        self.put("printed", columns(x=printed[0], y=printed[1], energy=printed[2]))
+        self.put("printed", **columns(x=printed[0], y=printed[1], energy=printed[2]))
 
     def _draw_map(self, enoc_map: EnocMap) -> None:
         """Draw the contours: with as many levels as before only their data change, which is far cheaper."""
@@ -246,7 +246,7 @@ class ContourChart(LoneChart):
                 taken.append(box)
                 for key, value in zip(signs, (x, y, text, ink_on(colours[k])), strict=True):
                     signs[key].append(value)
-        self.put("signs", signs)
+        self.put("signs", **signs)
 
 
 def _crossings(enoc_map: EnocMap, level: float) -> Iterator[tuple[float, float]]:
