@@ -155,10 +155,35 @@ const mend = () => {
   }
 };
 
+// A figure out of sight shares its axis, and the columns of its runs, with figures in sight: at each move it would be
+// painted with them. It rests after its first painting, and is painted when it comes into sight.
+const resting = () => {
+  const places = new WeakSet();
+  const figures_in = (place) =>
+    [...Bokeh.index.query((view) => view.model.type === "Figure" && within(view.el, place))];
+  const hold = (figures, on) => { for (const {model} of figures) { model.setv({hold_render: on}, {sync: false}); } };
+  return (place, in_sight) => {
+    if (in_sight === !places.has(place)) return;
+    const figures = figures_in(place);
+    if (in_sight) {
+      places.delete(place);
+      hold(figures, false);
+    } else if (figures.length && figures.every((view) => view.has_finished())) {
+      places.add(place);
+      hold(figures, true);
+    }
+  };
+};
+
 const watch = (model, signal) => {
-  const seen = new Map();
+  const seen = new Map(), rest = resting();
+  // what is on another page is not painted anyway, and is there at once when its page returns
+  const settle = (place) => { if (seen.get(place) || place.offsetHeight) { rest(place, seen.get(place)); } };
   const observer = new IntersectionObserver((entries) => {
-    for (const entry of entries) { seen.set(entry.target, entry.isIntersecting); }
+    for (const entry of entries) {
+      seen.set(entry.target, entry.isIntersecting);
+      settle(entry.target);
+    }
     const in_sight = [...seen].filter(([element, visible]) => visible && element.isConnected);
     const names = [...new Set(in_sight.map(([element]) => chart_of(element)))].sort();
     if (JSON.stringify(names) !== JSON.stringify(model.charts_in_sight)) { model.charts_in_sight = names; }
@@ -167,6 +192,7 @@ const watch = (model, signal) => {
     for (const element of deep(".rj-chart")) {
       if (!seen.has(element)) { seen.set(element, false); observer.observe(element); }
     }
+    for (const element of deep(".rj-chart:not(.rj-undrawn)")) { if (seen.has(element)) { settle(element); } }
     for (const element of seen.keys()) {
       if (!element.isConnected) { seen.delete(element); observer.unobserve(element); }
     }

@@ -20,9 +20,9 @@ export const value_at = ({x, y}, place, stepped) => {
 // The caption of a chart with the values of its lines at a place; small values have one digit more.
 export const caption_at = (chart, place) => {
   const values = chart.sources
-    .map(([word, source, unit, digits]) => {
-      const value = value_at(source.data, place, chart.stepped);
-      // a source may have a unit and digits of its own
+    .map(([word, {data}, x, y, unit, digits]) => {
+      const value = value_at({x: data[x], y: data[y]}, place, chart.stepped);
+      // a line may have a unit and digits of its own
       const shown = digits ?? chart.digits + (Math.abs(value) < chart.small ? 1 : 0);
       return Number.isFinite(value) ? `${word ? `${word} ` : ""}${written(value, shown)} ${unit ?? chart.unit}` : "";
     })

@@ -74,11 +74,10 @@
   const runs = data.optima.runs;
   const slider = at("time"), back = at("back"), shown = document.querySelector("output[for=time]");
   const own = data.optima.own;
-  const moving = new Set(runs.flatMap((run) => Object.keys(run.lines)));
   const first = new Map();
   const keep = (id) => { if (!first.has(id)) first.set(id, {...model(id).data}); return first.get(id); };
   const fit = (chart) => {
-    const ends = chart.lines.map((id) => model(id).data.y).filter((y) => y.length);
+    const ends = chart.lines.map(([id, column]) => model(id).data[column]).filter((y) => y.length);
     const low = Math.min(...ends.map((y) => y.reduce((a, b) => Math.min(a, b), Infinity)));
     const high = Math.max(...ends.map((y) => y.reduce((a, b) => Math.max(a, b), -Infinity)));
     const room = chart.room * Math.max(high - low, 1e-9);
@@ -93,15 +92,12 @@
     at("advice").innerHTML = run.advice;
     at("account").innerHTML = run.account;
     at("phases").innerHTML = run.table;
+    const {largest, ...columns} = run.lines;
+    // at its own place of the slider a run has no lines of its own here: the figures show theirs again
+    const draw = (id, moved) => { const start = keep(id); model(id).data = moved ? {...start, ...moved} : start; };
+    draw(data.optimum, run.lines.position && columns);
     for (const [name, chart] of charts) {
-      const lines = {optimal: run.lines[name], largest: name === "effort" ? run.lines.largest : undefined,
-        clock: name === "speed" ? run.lines.clock : undefined};
-      for (const [line, y] of Object.entries(lines)) {
-        const id = chart.sources[line];
-        if (!id || !moving.has(name)) continue;
-        const start = keep(id);
-        model(id).data = y ? {x: run.lines.place, y} : start;
-      }
+      if (chart.sources.largest) { draw(chart.sources.largest, largest && {x: columns.position, y: largest}); }
       if (chart.sources.borders && name !== "line") {
         model(chart.sources.borders).data = {x: run.phases.slice(0, -1).map((phase) => phase[2])};
       }

@@ -210,16 +210,34 @@ const source_points = (data) => {
   const count = Math.max(0, ...names.map((name) => data[name].length));
   return Array.from({length: count}, (_, k) => Object.fromEntries(names.map((name) => [name, data[name][k]])));
 };
+// the shortest number that a column of half the size cannot tell from the one that it holds
+export const shortest = (value) => {
+  for (const digits of [6, 7, 8]) {
+    const number = Number(value.toPrecision(digits));
+    if (Math.fround(number) === value) { return number; }
+  }
+  return value;
+};
+// the points of a line that draws two columns of all that its run has, as run_lines.py lets it; null for other glyphs
+export const line_points = ({data}, {type, x, y}) => {
+  if (!["Line", "Step"].includes(type) || y?.field === undefined || y.field === "y") return null;
+  const [places, values] = [x, y].map(({field}) => {
+    const column = data[field];
+    return column instanceof Float32Array ? Array.from(column, shortest) : [...column];
+  });
+  return places.map((place, k) => ({x: place, y: values[k]}));
+};
 const bokeh_series = (view, words) => {
   const seen = new Set();
   const series = [];
   for (const renderer of view.model.renderers) {
-    const source = renderer.data_source;
-    if (!source || NOT_DATA.has(source.name) || !renderer.visible || renderer.glyph?.type === "Text" || seen.has(source)) continue;
-    seen.add(source);
-    const points = source_points(Object.fromEntries(Object.entries(source.data)));
-    // charts.py calls each source by the key that it has in the chart
-    if (points.length) series.push([source.name ?? `series ${series.length + 1}`, points]);
+    const {data_source: source, glyph} = renderer;
+    if (!source || NOT_DATA.has(source.name) || !renderer.visible || glyph?.type === "Text" || seen.has(source)) continue;
+    const line = line_points(source, glyph);
+    if (!line) { seen.add(source); }
+    const points = line ?? source_points(Object.fromEntries(Object.entries(source.data)));
+    // charts.py calls each line and each source by the key that it has in the chart
+    if (points.length) series.push([renderer.name ?? source.name ?? `series ${series.length + 1}`, points]);
   }
   const x = x_words(view.model) || "x";
   const side = view.model.left.find((one) => one.axis_label)?.axis_label;

@@ -14,7 +14,6 @@ from jinja2 import Environment, StrictUndefined, Template
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import format_scenario
-from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined
 from railjoule.dashboard.look.scripts import source
@@ -24,6 +23,16 @@ from railjoule.dashboard.report.embedded import embedded
 from railjoule.dashboard.report.figures import Figures
 from railjoule.dashboard.store.report import Findings
 from railjoule.dashboard.views import parts
+from railjoule.dashboard.views.quantities import (
+    EFFORT,
+    ENERGY,
+    LARGEST_EFFORT,
+    MOTOR_CURRENT,
+    POSITION,
+    POWER,
+    SPEED,
+    TIME,
+)
 
 SECTIONS: Sequence[Callable[[Findings, Figures], Markup]] = (
     sections.result,
@@ -54,6 +63,7 @@ def report_html(findings: Findings, made_at: datetime) -> str:
     data = {
         **figures.paints(),
         "charts": figures.handles(),
+        "optimum": figures.optimum,
         "spare": figures.spare_texts(),
         "distance": max(run.distance_m for run in findings.runs.runs.values()),
         "phases": _phases(run),
@@ -142,18 +152,10 @@ def _point(run: Trajectory) -> list[float]:
 
 
 def _lines(run: Trajectory) -> dict[str, list[float]]:
-    """Return the lines of an optimum by the names of their charts; each node has the value of the cell before it."""
-    cells = {"effort": run.effort_n / 1e3, "power": run.line_power_w / 1e6, "largest": run.largest_effort_n / 1e3}
-    if run.current_a is not None:
-        cells["current"] = run.current_a
-    nodes = {
-        "place": run.position_m,
-        "clock": run.time_s,
-        "speed": run.speed_ms / MS_PER_KMH,
-        "energy": run.line_energy_j / J_PER_KWH,
-        **{name: np.append(values[:1], values) for name, values in cells.items()},
-    }
-    return {name: _rounded(values) for name, values in nodes.items()}
+    """Return the columns of an optimum that the figures draw."""
+    known = [MOTOR_CURRENT] if run.current_a is not None else []
+    drawn = [POSITION, TIME, SPEED, ENERGY, EFFORT, LARGEST_EFFORT, POWER, *known]
+    return {quantity.name: _rounded(quantity.values(run)) for quantity in drawn}
 
 
 def _rounded(values: FloatArray) -> list[float]:

@@ -4,11 +4,11 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
 from bokeh.document import Document
 
 from railjoule.core import Trajectory
 from railjoule.core.simulate.field_oriented import FieldOrientedRun
-from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.insides import written_down
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
@@ -23,16 +23,17 @@ from railjoule.dashboard.views.drive_charts import (
     EnergyChart,
     LineStrip,
     PhaseStrip,
-    PowerChart,
+    power_chart,
 )
 from railjoule.dashboard.views.driven_charts import DrivenEffortChart, DrivenSpeedChart
-from railjoule.dashboard.views.scene import RunChart, Scene, SceneChart
+from railjoule.dashboard.views.run_lines import RunLines
+from railjoule.dashboard.views.scene import RunScene, SceneChart
 from railjoule.dashboard.views.speed_chart import SpeedChart
 
 WIDTH_PX = 640
 """Words are left out that have no room in figures of this width, about that of a printed page."""
-ENERGY_ROOM, CELLS_ROOM = 0.06, 0.08
-"""Shares of their ranges that axes leave free at both ends, as in the charts themselves."""
+EXACT = np.float64
+"""Lines are written into the file with all their digits."""
 COLOUR_COLUMNS = ("colour", "fill", "ink")
 
 
@@ -74,17 +75,16 @@ class Figures:
     # ---- drawing
 
     def _run_charts(self) -> list[DistanceChart]:
-        lines = tuple(STRATEGIES)
-        axis, run = Axis(self.palette), self.findings.run
+        axis, run = Axis(self.palette, EXACT), self.findings.run
         common = (axis, self.palette)
         charts: list[SceneChart] = [
-            SpeedChart(270, *common, lines),
+            SpeedChart(270, *common),
             PhaseStrip(26, *common),
             LineStrip(104, *common),
-            EnergyChart(160, *common, lines),
-            EffortChart(120, *common, lines),
-            *([CurrentChart(120, *common, lines)] if run.current_a is not None else []),
-            PowerChart(150, *common, lines),
+            EnergyChart(160, *common),
+            EffortChart(120, *common),
+            *([CurrentChart(120, *common)] if run.current_a is not None else []),
+            power_chart(150, *common),
         ]
         scene = self._scene()
         axis.fit(scene.end, roomy=True)
@@ -94,10 +94,12 @@ class Figures:
         axis.settle("m", 0)
         return list(charts)
 
-    def _scene(self) -> Scene:
+    def _scene(self) -> RunScene:
         runs = self.findings.runs.runs
         chosen = next(name for name, run in runs.items() if run is self.findings.run)
-        return Scene(chosen, runs, None, over_time=False, narrow=False, width_px=WIDTH_PX, fastest=runs.get("fastest"))
+        return RunScene(
+            chosen, runs, None, over_time=False, narrow=False, width_px=WIDTH_PX, fastest=runs.get("fastest")
+        )
 
     def _draw(self, charts: Iterable[DistanceChart]) -> None:
         scene = self._scene()
@@ -124,7 +126,7 @@ class Figures:
         reality = self.findings.reality
         if reality is None:
             return []
-        axis = Axis(self.palette)
+        axis = Axis(self.palette, EXACT)
         axis.fit(max(run.position_m[-1] for run in (reality.planned, reality.actual)), roomy=False)
         speed, effort = DrivenSpeedChart(220, axis, self.palette), DrivenEffortChart(130, axis, self.palette)
         for chart in (speed, effort):
@@ -146,21 +148,8 @@ class Figures:
 
     def alternative(self, chart: DistanceChart) -> str:
         """Return in words what a figure shows."""
-        run, runs = self.findings.run, self.findings.runs.runs
-        names = ", ".join(words.STRATEGY_WORDS[name] for name in runs)
-        if isinstance(chart, SpeedChart):
-            return (
-                f"Speed over distance of {names}; {words.STRATEGY_WORDS[self._scene().chosen]} reaches "
-                f"{words.number(run.max_speed_kmh)} km/h and takes {words.number(run.travel_time_s)} s. "
-                "A table of the phases follows."
-            )
-        if isinstance(chart, PhaseStrip):
-            return "Phases: " + ", ".join(words.advice_in_words(run.advice))
-        if isinstance(chart, LineStrip):
-            return "Gradient and height of the track; a table of the sections follows."
-        if isinstance(chart, EnergyChart):
-            ends = ", ".join(f"{words.STRATEGY_WORDS[name]} {words.energy(r.energy_kwh)}" for name, r in runs.items())
-            return f"Energy drawn so far over distance; at the end, in kWh: {ends}."
+        if isinstance(chart, SceneChart):
+            return chart.alternative(self._scene())
         if isinstance(chart, TimeChart):
             first, last = self.findings.optima[0], self.findings.optima[-1]
             return (
@@ -168,13 +157,12 @@ class Figures:
                 f"{words.number(first.travel_time_s)} s, {words.energy(last.energy_kwh)} kWh at "
                 f"{words.number(last.travel_time_s)} s; a table follows."
             )
-        of = "as planned and as driven" if isinstance(chart, DrivenSpeedChart | DrivenEffortChart) else f"of {names}"
-        return f"{chart.words}, over distance, {of}."
+        return f"{chart.caption}, over distance, as planned and as driven."
 
     def plots(self, group: str) -> list[Plot]:
         """Return the figures of a group in their order."""
         return [
-            Plot(chart.name, self.places[chart], chart.height, chart.words, self.alternative(chart))
+            Plot(chart.name, self.places[chart], chart.height, chart.caption, self.alternative(chart))
             for chart in self.groups[group]
         ]
 
@@ -222,16 +210,28 @@ class Figures:
                 "figure": chart.figure.id,
                 "caption": chart.told["caption"].id,
                 "range": chart.y_range.id,
-                "fits": isinstance(chart, RunChart) and not isinstance(chart, SpeedChart),
-                "room": ENERGY_ROOM if isinstance(chart, EnergyChart) else CELLS_ROOM,
-                "names": "ends" if isinstance(chart, EnergyChart) else "names",
-                "lines": [chart.sources[name].id for name in self._line_names(chart)],
+                "fits": isinstance(chart, SceneChart) and chart.fits,
+                "room": chart.form.room if isinstance(chart, RunLines) else 0.0,
+                "names": chart.names_in if isinstance(chart, SceneChart) else "names",
+                "lines": self._lines(chart),
                 "sources": {name: source.id for name, source in chart.sources.items()},
             }
             for group in self.groups.values()
             for chart in group
             if chart.figure is not None
         }
+
+    @property
+    def optimum(self) -> str:
+        """The source of the optimum, whose columns all charts over the distance draw."""
+        return str(self.groups["runs"][0].axis.columns("optimal").source.id)
+
+    def _lines(self, chart: DistanceChart) -> list[tuple[str, str]]:
+        """Return source and column of all lines that a chart shows."""
+        shown = []
+        if isinstance(chart, RunLines):
+            shown = [(drawn.data_source.id, chart.quantity.name) for drawn in chart.renderers.values() if drawn.visible]
+        return shown + [(chart.sources[name].id, "y") for name in ("largest",) if name in chart.sources]
 
     def names_of(self, optima: Sequence[Trajectory]) -> list[dict[str, dict[str, list[object]]]]:
         """Return for each optimum the columns of the names in the charts of speed and energy, by chart."""
@@ -242,7 +242,7 @@ class Figures:
             told = {}
             for chart in charts:
                 chart.draw(replace(scene, runs=runs))
-                source = chart.sources["ends" if isinstance(chart, EnergyChart) else "names"]
+                source = chart.sources[chart.names_in]
                 told[chart.name] = {key: list(values) for key, values in source.data.items() if key != "colour"}
             result.append(told)
         self._draw(charts)
@@ -260,6 +260,3 @@ class Figures:
             for renderer in chart.figure.renderers
             if renderer.data_source is chart.sources[name]
         ]
-
-    def _line_names(self, chart: DistanceChart) -> list[str]:
-        return [name for name in (*STRATEGIES, "largest") if name in chart.sources]

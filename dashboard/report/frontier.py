@@ -3,13 +3,12 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from bokeh.models import ColumnDataSource
 
 from railjoule.core import Trajectory
 from railjoule.core.scenario import StrategyName
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.views.charts import Axis, DistanceChart, nice_range, style_of, xy
+from railjoule.dashboard.views.charts import Axis, DistanceChart, nice_range, points, style_of, xy
 from railjoule.dashboard.views.line_names import Name, placed_names
 
 STEEPEST_SHARE = 1.03
@@ -29,15 +28,11 @@ class TimeChart(DistanceChart):
         f = self.frame(with_axis=True, digits=1)
         f.xaxis.axis_label = "Travel time, s"
         self.palette.paint(f.xaxis[0], axis_line_color="line2")
-        self.sources["optimal"] = ColumnDataSource({"x": [], "y": []})
-        line = f.line("x", "y", source=self.sources["optimal"], **style_of("optimal"))
-        self.palette.paint(line.glyph, line_color="optimal")
-        self.sources["runs"] = ColumnDataSource({"x": [], "y": [], "colour": []})
-        f.scatter("x", "y", source=self.sources["runs"], size=7, fill_color="colour", line_color="colour")
+        self.line("optimal", "optimal", **style_of("optimal"))
+        self.source("runs", "x", "y", "colour")
+        self.glyphs("scatter", "runs", "x", "y", paint={}, size=7, fill_color="colour", line_color="colour")
         self.add_names()
-        self.sources["point"] = ColumnDataSource({"x": [], "y": []})
-        point = f.scatter("x", "y", source=self.sources["point"], size=11, line_width=2)
-        self.palette.paint(point.glyph, fill_color="accent", line_color="surface")
+        self.dots("point", size=11, line_width=2)
 
     def draw(self, optima: Sequence[Trajectory], runs: Mapping[StrategyName, Trajectory], shown: Trajectory) -> None:
         """Draw the optima as a line, the runs and the one that is shown as points."""
@@ -57,17 +52,14 @@ class TimeChart(DistanceChart):
         levels = [steepest, float(energies.min()), *(run.energy_kwh for run in others.values())]
         low, high = nice_range(min(levels), max(levels))
         self.y_range.update(start=low, end=high)
-        self.sources["optimal"].data = xy(times, energies)
-        self.told["sources"] = [["", self.sources["optimal"]]]
+        self.put("optimal", **xy(times, energies))
+        self.told["sources"] = [["", self.sources["optimal"], "x", "y"]]
         colours = {name: self.palette.tokens[name] for name in others}
-        points = {name: (run.travel_time_s, run.energy_kwh) for name, run in others.items()}
-        self.sources["runs"].data = {
-            "x": [x for x, _ in points.values()],
-            "y": [y for _, y in points.values()],
-            "colour": list(colours.values()),
-        }
+        places = {name: (run.travel_time_s, run.energy_kwh) for name, run in others.items()}
+        own = (shown.travel_time_s, shown.energy_kwh)
+        self.put("runs", **points(places.values()), colour=list(colours.values()))
         frame = self.frame_over((start - room, end + room), (low, high))
-        dots = [frame.dot(*place) for place in (*points.values(), (shown.travel_time_s, shown.energy_kwh))]
-        names = [Name(name, words.STRATEGY_WORDS[name], colours[name], point=points[name]) for name in others]
-        self.sources["names"].data = placed_names(frame, {"optimal": (times, energies)}, names, dots)
-        self.sources["point"].data = {"x": [shown.travel_time_s], "y": [shown.energy_kwh]}
+        dots = [frame.dot(*place) for place in (*places.values(), own)]
+        names = [Name(name, words.STRATEGY_WORDS[name], colours[name], point=places[name]) for name in others]
+        self.put("names", **placed_names(frame, {"optimal": (times, energies)}, names, dots))
+        self.put("point", **points([own]))

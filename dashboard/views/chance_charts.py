@@ -3,15 +3,14 @@
 from collections.abc import Callable
 
 import numpy as np
-from bokeh.models import ColumnDataSource, Range1d
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.studies.montecarlo import MonteCarloTable
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.charts import Chart, clear, nice_range, text_style, xy
-from railjoule.dashboard.views.figures import captioned, empty_figure
+from railjoule.dashboard.views.charts import nice_range, xy
+from railjoule.dashboard.views.figures import LoneChart
 from railjoule.dashboard.views.label_places import text_width_px
 from railjoule.dashboard.views.line_names import rows_of
 
@@ -28,61 +27,38 @@ def finite(values: FloatArray) -> FloatArray:
     return values[np.isfinite(values)]
 
 
-class HistogramChart(Chart):
+class HistogramChart(LoneChart):
     """How often a value came out, with 5 %, median and 95 % as hairlines."""
 
     kind = "bars"
 
     def __init__(
-        self, name: str, words: str, quantity: str, show: Callable[[float], str], height: int, palette: Palette
+        self, name: str, caption: str, quantity: str, show: Callable[[float], str], height: int, palette: Palette
     ) -> None:
-        super().__init__(name, words, height)
-        self.palette, self.quantity, self.show_value = palette, quantity, show
-        self.x_range, self.y_range = Range1d(0, 1), Range1d(0, 1)
+        super().__init__(name, caption, height, palette)
+        self.quantity, self.show_value = quantity, show
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(
-            self.height, self.x_range, self.y_range, self.words, self.palette, ticks=2, x_title=self.quantity
-        )
-        self.figure = f
+        f = self.frame(ticks=2, x_title=self.quantity)
         f.yaxis.visible = False
         f.ygrid.visible = False
-        self.bars = ColumnDataSource({"left": [], "right": [], "top": []})
-        self.marks, self.signs = (
-            ColumnDataSource({"x": [], "y": []}),
-            ColumnDataSource({"x": [], "y": [], "text": []}),
-        )
-        bar = f.quad("left", "right", 0, "top", source=self.bars, line_width=1)
-        self.palette.paint(bar.glyph, fill_color="line2", line_color="surface")
-        line = f.segment("x", 0, "x", "y", source=self.marks, line_width=1.2)
-        self.palette.paint(line.glyph, line_color="ink")
-        sign = f.text(
-            "x",
-            "y",
-            "text",
-            text_align="center",
-            source=self.signs,
-            y_offset=-2,
-            text_baseline="bottom",
-            **text_style(SIGN_PX),
-        )
-        self.palette.paint(sign.glyph, text_color="ink2")
-        self.content = captioned(self.words, f)
+        bars = {"fill_color": "line2", "line_color": "surface"}
+        self.glyphs("quad", "bars", "left", "right", 0, "top", paint=bars, line_width=1)
+        self.glyphs("segment", "marks", "x", 0, "x", "y", paint={"line_color": "ink"}, line_width=1.2)
+        self.signs("signs", "ink2", SIGN_PX, text_align="center", y_offset=-2, text_baseline="bottom")
 
     def draw(self, values: FloatArray) -> None:
         """Draw the values so far."""
         values = finite(values)
         if not len(values):
-            clear(self.bars)
-            clear(self.marks)
-            clear(self.signs)
+            self.clear()
             return
         low, high = np.quantile(values, SHOWN)
         low, high = nice_range(float(low), float(max(high, low + 1e-3)))
         counts, edges = np.histogram(values, bins=BINS, range=(low, high))
         most = float(max(counts.max(), 1))
-        self.bars.data = {"left": edges[:-1].tolist(), "right": edges[1:].tolist(), "top": counts.tolist()}
+        self.put("bars", left=edges[:-1].tolist(), right=edges[1:].tolist(), top=counts.tolist())
         self.x_range.update(start=low, end=high)
         self._mark(np.quantile(values, list(QUANTILES)).tolist(), (low, high), most)
 
@@ -102,12 +78,8 @@ class HistogramChart(Chart):
         self.y_range.update(start=0, end=most + room_px * per_px)
         levels = [most + (ROW_PX * row + 0.4 * ROW_PX) * per_px for row in rows]
         scale = (ends[1] - ends[0]) / frame.width_px
-        self.marks.data = {"x": places, "y": levels}
-        self.signs.data = {
-            "x": [ends[0] + 0.5 * (left + right) * scale for left, right in spans],
-            "y": levels,
-            "text": texts,
-        }
+        self.put("marks", x=places, y=levels)
+        self.put("signs", x=[ends[0] + 0.5 * (left + right) * scale for left, right in spans], y=levels, text=texts)
 
 
 def chance_table(table: MonteCarloTable) -> str:
@@ -135,28 +107,21 @@ def chance_table(table: MonteCarloTable) -> str:
     return parts.inset(quantiles, parts.note_paragraphs([text]))
 
 
-class LoadScatter(Chart):
+class LoadScatter(LoneChart):
     """Energy of each run over the load that it carried."""
 
     kind = "map"
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("scatter", "Monte Carlo: energy, kWh, over load; blue: a plan for the actual load", height)
-        self.palette, self.x_range, self.y_range = palette, Range1d(0, 100), Range1d(0, 1)
+        caption = "Monte Carlo: energy, kWh, over load; blue: a plan for the actual load"
+        super().__init__("scatter", caption, height, palette)
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(
-            self.height, self.x_range, self.y_range, self.words, self.palette, ticks=4, digits=1, x_title="Load, %"
-        )
-        self.figure = f
-        self.points = ColumnDataSource({"x": [], "y": []})
-        self.line = ColumnDataSource({"x": [], "y": []})
-        points = f.scatter("x", "y", source=self.points, size=3.5, fill_alpha=0.35, line_color=None)
-        self.palette.paint(points.glyph, fill_color="driven")
-        line = f.line("x", "y", source=self.line, line_width=1.8)
-        self.palette.paint(line.glyph, line_color="accent")
-        self.content = captioned(self.words, f)
+        self.frame(ticks=4, digits=1, x_title="Load, %")
+        driven = {"fill_color": "driven"}
+        self.glyphs("scatter", "points", "x", "y", paint=driven, size=3.5, fill_alpha=0.35, line_color=None)
+        self.line("line", "accent", line_width=1.8)
 
     def draw(self, table: MonteCarloTable) -> None:
         """Draw the runs so far, and the energy of plans for the actual load."""
@@ -164,13 +129,11 @@ class LoadScatter(Chart):
         load = 100 * table.drawn["load_factor"][: table.done][done]
         energy = table.energy_kwh[done]
         if not len(load):
-            for source in (self.points, self.line):
-                clear(source)
+            self.clear()
             return
-        self.points.data = xy(load[:MOST_POINTS], energy[:MOST_POINTS])
+        self.put("points", **xy(load[:MOST_POINTS], energy[:MOST_POINTS]))
         order = np.argsort(load)[:: max(1, len(load) // 60)]
         knowing = table.replanned_kwh[: table.done][done][order]
-        self.line.data = xy(load[order], knowing)
-        self.x_range.update(start=0, end=100)
+        self.put("line", **xy(load[order], knowing))
         low, high = nice_range(float(min(knowing.min(), energy.min())), float(np.quantile(energy, SHOWN[1])))
-        self.y_range.update(start=low, end=high)
+        self.set_ranges((0.0, 100.0), (low, high))

@@ -1,6 +1,6 @@
 """The shared bones of all charts: frame, axes, zoom, one cursor through all of them."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import cache
 from typing import Any, Protocol
 
@@ -36,7 +36,8 @@ from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.look.tokens import DASHES, FONT, line_width
 from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.label_places import Box
-from railjoule.dashboard.views.line_names import Frame, Name, name_source, placed_names
+from railjoule.dashboard.views.line_names import COLUMNS, Frame, Name, placed_names
+from railjoule.dashboard.views.run_columns import RunColumns, short
 from railjoule.dashboard.views.sketches import COMPUTING, SketchKind, not_drawn, sketch
 
 TICKS = function("ticks", "tick_words(tick, digits)")
@@ -47,7 +48,6 @@ PLACE_CSS = """
 @media (max-width: 899px) { :host { height: auto !important; } }
 """
 """On narrow screens a caption may take two lines."""
-SHORT_COLUMN = 40
 USUAL_WIDTH_PX = 640.0
 RIGHT_BORDER_PX = 20
 """Half of the last number of an axis stands in it."""
@@ -58,15 +58,24 @@ END_LABEL_SHARE = 0.125
 
 
 class Axis:
-    """The x axis that all charts of a page share: its range and its cursor."""
+    """The x axis that all charts of a page share: its range, its cursor and the columns of the runs over it.
 
-    def __init__(self, palette: Palette) -> None:
+    Parameters
+    ----------
+    palette : Palette
+    kind : type
+        In which numbers the columns are sent.
+    """
+
+    def __init__(self, palette: Palette, kind: type[np.floating[Any]] = np.float32) -> None:
         self.range = Range1d(0, 1, bounds=(0, 1))
         self.cursor = Span(dimension="height", line_alpha=0.55, line_width=1)
         self.follow = CustomJS(
             args={"charts": [], "range": self.range}, code=function("cursor", "follow({charts, range}, cb_obj)")
         )
         self._charts: dict[str, dict[str, object]] = {}
+        self._kind = kind
+        self._runs: dict[str, RunColumns] = {}
         self._extent = (0.0, 1.0)
         self._end = 1.0
         self._settled = 0
@@ -97,6 +106,12 @@ class Axis:
         """Where the longest run ends: no ticks lie beyond it."""
         return self._end
 
+    def columns(self, run: str) -> RunColumns:
+        """Return the columns of the run of a name, which all charts over this axis share."""
+        if run not in self._runs:
+            self._runs[run] = RunColumns(self._kind)
+        return self._runs[run]
+
     def settle_over(self, time: bool) -> None:
         """Settle an axis of times [s] or of places [m]."""
         if time:
@@ -105,10 +120,14 @@ class Axis:
             self.settle("m", 0)
 
     def settle(self, unit: str, digits: int) -> None:
-        """Tell the cursor all charts, and the unit in which it writes its place into the first caption.
+        """Send the columns that charts have taken; tell the cursor all charts, and the unit of its place.
 
-        To be called last within a batch of changes: the browser must know all charts by then.
+        To be called last within a batch of changes: each column goes once for all charts, and the browser must know all
+        charts by then. The tags of the range (a count, the unit, the end of the ticks) are what assets/scripts reads:
+        a changed tag calls the cursor, and a saved table has its unit from there.
         """
+        for run in self._runs.values():
+            run.send()
         charts = enumerate(self._charts.values())
         told = [dict(chart, place=None if index else [unit, digits]) for index, chart in charts]
         if told != self.follow.args["charts"]:
@@ -126,8 +145,8 @@ class Chart:
     ----------
     name : str
         A short name, part of the style classes.
-    words : str
-        Quantity and unit, the caption.
+    caption : str
+        Quantity and unit.
     height : int
         Height of the figure [px].
     """
@@ -139,11 +158,14 @@ class Chart:
     stepped = False
     unit = ""
     digits = 1
+    palette: Palette
 
-    def __init__(self, name: str, words: str, height: int) -> None:
-        self.name, self.words, self.height = name, words, height
+    def __init__(self, name: str, caption: str, height: int) -> None:
+        self.name, self.caption, self.height = name, caption, height
+        self.sources: dict[str, ColumnDataSource] = {}
+        """What is drawn, each under the name that a saved table gives it."""
         self.sketch = parts.html_pane()
-        self.place = pn.Column(
+        self.host = pn.Column(
             self.sketch,
             css_classes=["rj-chart", f"rj-chart-{name}", UNDRAWN],
             sizing_mode="stretch_width",
@@ -162,19 +184,19 @@ class Chart:
 
     @property
     def _tall(self) -> int:
-        return self.height + (CAPTION_PX if self.words else 0)
+        return self.height + (CAPTION_PX if self.caption else 0)
 
     @property
     def is_drawn(self) -> bool:
         """Whether it stands on the page, and not its sketch."""
-        return self.content is not None and list(self.place) == [self.content]
+        return self.content is not None and list(self.host) == [self.content]
 
     def resize(self, height: int) -> None:
         """Change the height of the figure [px]."""
         if height == self.height:
             return
         self.height = height
-        self.place.height = self._tall
+        self.host.height = self._tall
         if self.figure is not None:
             self.figure.height = height
         if not self.is_drawn:
@@ -182,7 +204,7 @@ class Chart:
 
     def wait(self, told: str = COMPUTING) -> None:
         """Say on the sketch what is going on."""
-        self.sketch.object = sketch(self.kind, self.words, self.words or self.title or self.name, self.height, told)
+        self.sketch.object = sketch(self.kind, self.caption, self.caption or self.title or self.name, self.height, told)
 
     def show(self, draw: Callable[[], None]) -> None:
         """Draw what is asked for last: at once if the chart is in sight, else when the page has time for it."""
@@ -196,9 +218,6 @@ class Chart:
         draw, self.waiting = self.waiting, None
         if self.content is None:
             self.build()
-            # what a saved table calls its lines
-            for name, source in getattr(self, "sources", {}).items():
-                source.name = name
             draw()
             if self.figure is not None and isinstance(self.figure, figure):
                 lighten(self.figure)
@@ -207,26 +226,110 @@ class Chart:
             draw()
         # only now: whatever changes within the document makes Bokeh search all of it
         if not self.is_drawn:
-            self.place.css_classes = [name for name in self.place.css_classes if name != UNDRAWN]
-            self.place[:] = [self.content]
+            self.host.css_classes = [name for name in self.host.css_classes if name != UNDRAWN]
+            self.host[:] = [self.content]
 
     def frame_over(self, x: tuple[float, float], y: tuple[float, float]) -> Frame:
         """Return the part of the figure that is drawn in, as large as it is at least."""
         f = self.figure
         assert f is not None
-        below = TICKS_PX + (TITLE_PX if f.xaxis[0].axis_label else 0) if f.xaxis[0].visible else BOTTOM_PX
-        left = f.min_border_left + (TITLE_PX if f.yaxis[0].axis_label else 0)
+        x_axis, y_axis = f.xaxis[0], f.yaxis[0]
+        below = TICKS_PX + (TITLE_PX if x_axis.axis_label else 0) if x_axis.visible else BOTTOM_PX
+        left = f.min_border_left + (TITLE_PX if y_axis.axis_label else 0)
         return Frame(max(self.width_px - left - RIGHT_PX, 1.0), max(self.height - below - 2.0, 1.0), x, y)
 
     def fail(self) -> None:
         """Say in the chart's place that it could not be drawn; what is drawn next is drawn anew."""
         self.content = self.figure = None
-        self.sketch.object = not_drawn(self.words, self.height)
-        self.place[:] = [self.sketch]
+        self.sketch.object = not_drawn(self.caption, self.height)
+        self.host[:] = [self.sketch]
 
     def build(self) -> None:
         """Make `figure` and `content`; subclasses add what they draw."""
         raise NotImplementedError
+
+    # ---- what is drawn in a figure
+
+    def source(self, name: str, *columns: str) -> ColumnDataSource:
+        """Return a new, empty source with these columns, or with those of a line."""
+        self.sources[name] = ColumnDataSource({column: [] for column in columns or ("x", "y")}, name=name)
+        return self.sources[name]
+
+    def put(self, name: str, /, **columns: Any) -> None:
+        """Have these columns in the source of a name; what stands there already is not sent again."""
+        source = self.sources[name]
+        if source.data.keys() != columns.keys() or not all(same(source.data[key], columns[key]) for key in columns):
+            source.data = dict(columns)
+
+    def glyphs(self, kind: str, name: str, *fields: Any, paint: Mapping[str, str], **style: Any) -> GlyphRenderer:
+        """Let the figure draw glyphs of a kind from the source of a name, which is made where there is none.
+
+        Parameters
+        ----------
+        kind : str
+            A method of Bokeh's figure.
+        name : str
+        fields : str or number
+            Names of columns, and values that all glyphs have.
+        paint : mapping
+            The tokens of its colours, by Bokeh's names of them; they follow the theme.
+        style
+            Further properties of the glyphs.
+        """
+        if name not in self.sources:
+            self.source(name, *(field for field in fields if isinstance(field, str)))
+        drawn: GlyphRenderer = getattr(self.figure, kind)(*fields, source=self.sources[name], **style)
+        self.palette.paint(drawn.glyph, **paint)
+        return drawn
+
+    def line(self, name: str, token: str, **style: Any) -> GlyphRenderer:
+        """Draw a line of a colour."""
+        return self.glyphs("line", name, "x", "y", paint={"line_color": token}, **style)
+
+    def dots(self, name: str, fill: str = "accent", edge: str = "surface", **style: Any) -> GlyphRenderer:
+        """Draw marks with an edge."""
+        return self.glyphs("scatter", name, "x", "y", paint={"fill_color": fill, "line_color": edge}, **style)
+
+    def hairlines(self, name: str, token: str, **style: Any) -> GlyphRenderer:
+        """Draw upright lines through the whole figure."""
+        return self.glyphs("vspan", name, "x", paint={"line_color": token}, **{"line_width": 1, **style})
+
+    def signs(self, name: str, token: str, size: int = 11, **style: Any) -> GlyphRenderer:
+        """Write texts in a colour."""
+        return self.glyphs("text", name, "x", "y", "text", paint={"text_color": token}, **text_style(size), **style)
+
+    def coloured_signs(self, name: str, size: int = 11, **style: Any) -> GlyphRenderer:
+        """Write texts, each in the colour that the source gives it."""
+        if name not in self.sources:
+            self.source(name, "x", "y", "text", "colour")
+        return self.glyphs("text", name, "x", "y", "text", text_color="colour", paint={}, **text_style(size), **style)
+
+    def add_names(self, source: str = "names", size: int = 12) -> None:
+        """Let the figure write the names of its lines, above all that is drawn."""
+        self.source(source, *COLUMNS)
+        placed = {"text_align": "align", "x_offset": "dx", "text_baseline": "middle"}
+        self.coloured_signs(source, size, **placed).level = "overlay"
+
+    def place_names(
+        self,
+        lines: Mapping[str, tuple[FloatArray, FloatArray]],
+        names: Sequence[Name],
+        taken: Sequence[Box] = (),
+        source: str = "names",
+        size: int = 12,
+    ) -> None:
+        """Write the names of lines where there is room for them."""
+        self.put(source, **placed_names(self.frame_now, lines, names, taken, size))
+
+    @property
+    def frame_now(self) -> Frame:
+        """The part of the figure that is drawn in, with what its axes span."""
+        raise NotImplementedError
+
+    def clear(self, *names: str) -> None:
+        """Empty the sources of these names; of all where none is named."""
+        for name in names or self.sources:
+            clear(self.sources[name])
 
 
 class Queue(Protocol):
@@ -276,10 +379,9 @@ def required(kind: Any) -> tuple[str, ...]:
 class DistanceChart(Chart):
     """A chart over the page's shared axis."""
 
-    def __init__(self, name: str, words: str, height: int, axis: Axis, palette: Palette, left: int = 50) -> None:
-        super().__init__(name, words, height)
+    def __init__(self, name: str, caption: str, height: int, axis: Axis, palette: Palette, left: int = 50) -> None:
+        super().__init__(name, caption, height)
         self.axis, self.palette, self.left = axis, palette, left
-        self.sources: dict[str, ColumnDataSource] = {}
         self.y_range = Range1d(0, 1)
 
     def frame(self, with_axis: bool = False, zoom: bool = True, ticks: int = 4, digits: int = 0) -> figure:
@@ -296,7 +398,7 @@ class DistanceChart(Chart):
             min_border_right=RIGHT_BORDER_PX,
             min_border_top=2,
             min_border_bottom=7,
-            html_attributes={"role": "img", "aria-label": self.words or self.name},
+            html_attributes={"role": "img", "aria-label": self.caption or self.name},
         )
         f.toolbar.logo = None
         dress(f, self.palette, ticks, digits)
@@ -312,7 +414,11 @@ class DistanceChart(Chart):
         f.js_on_event("mouseleave", self.axis.follow)
         self.figure = f
         caption = Div(
-            text=self.words, stylesheets=[parts_css()], margin=0, visible=bool(self.words), css_classes=["rj-caption"]
+            text=self.caption,
+            stylesheets=[parts_css()],
+            margin=0,
+            visible=bool(self.caption),
+            css_classes=["rj-caption"],
         )
         caption.styles = {"padding": f"4px 0 0 {self.left}px", "font-size": "12px", "color": "var(--rj-ink2)"}
         self.content = pn.pane.Bokeh(
@@ -320,7 +426,7 @@ class DistanceChart(Chart):
         )
         self.told = {
             "caption": caption,
-            "words": self.words,
+            "words": self.caption,
             "sources": [],
             "stepped": self.stepped,
             "unit": self.unit,
@@ -330,30 +436,14 @@ class DistanceChart(Chart):
         self.axis.add(self.name, self.told)
         return f
 
-    def rename(self, words: str) -> None:
+    def rename(self, caption: str) -> None:
         """Give the chart another caption."""
-        self.words = self.told["words"] = words
-        caption = self.told["caption"]
-        if isinstance(caption, Div) and caption.text != words:
-            caption.text = words
+        self.caption = self.told["words"] = caption
+        above = self.told["caption"]
+        if isinstance(above, Div) and above.text != caption:
+            above.text = caption
         if self.figure is not None:
-            self.figure.html_attributes = {"role": "img", "aria-label": words}
-
-    def add_names(self, source: str = "names", size: int = 12) -> None:
-        """Let the figure write the names of its lines."""
-        assert self.figure is not None
-        self.sources[source] = name_source()
-        write_names(self.figure, self.sources[source], size)
-
-    def place_names(
-        self,
-        lines: Mapping[str, tuple[FloatArray, FloatArray]],
-        names: Sequence[Name],
-        taken: Sequence[Box] = (),
-        source: str = "names",
-    ) -> None:
-        """Write the names of lines where there is room for them."""
-        self.sources[source].data = placed_names(self.frame_now, lines, names, taken)
+            self.figure.html_attributes = {"role": "img", "aria-label": caption}
 
     @property
     def frame_now(self) -> Frame:
@@ -362,9 +452,12 @@ class DistanceChart(Chart):
 
     def set_range(self, low: float, high: float) -> None:
         """Set the ends of the y axis, and let the ticks of the x axis end with the run."""
-        if self.figure is not None and self.figure.xaxis[0].visible:
-            self.figure.xaxis[0].bounds = (0, self.axis.end)
-        self.y_range.update(start=low, end=high)
+        x_axis = None if self.figure is None else self.figure.xaxis[0]
+        # a change costs the library much more than a look at what there is
+        if x_axis is not None and x_axis.visible and x_axis.bounds != (0, self.axis.end):
+            x_axis.bounds = (0, self.axis.end)
+        if (self.y_range.start, self.y_range.end) != (low, high):
+            self.y_range.update(start=low, end=high)
 
 
 def dress(f: figure, palette: Palette, ticks: int, digits: int) -> None:
@@ -405,22 +498,6 @@ def text_style(size: int = 12) -> dict[str, object]:
     return {"text_font": value(FONT), "text_font_size": value(f"{size}px")}
 
 
-def write_names(f: figure, source: ColumnDataSource, size: int = 12) -> None:
-    """Let a figure write the names that a source holds, above all that is drawn."""
-    names = f.text(
-        "x",
-        "y",
-        "text",
-        text_color="colour",
-        text_align="align",
-        x_offset="dx",
-        source=source,
-        text_baseline="middle",
-        **text_style(size),
-    )
-    names.level = "overlay"
-
-
 def style_of(name: str) -> dict[str, object]:
     """Return width and dash of a strategy's line, or of the pinned run's."""
     return {"line_width": line_width(name), "line_dash": DASHES[name]}  # type: ignore[index]
@@ -438,11 +515,25 @@ def clear(source: ColumnDataSource) -> None:
         source.data = {key: [] for key in source.data}
 
 
+def same(one: Any, other: Any) -> bool:
+    """Return whether two columns hold the same; pictures, which are long, count as different."""
+    if len(one) != len(other) or any(isinstance(value, np.ndarray) for column in (one, other) for value in column[:1]):
+        return False
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        return np.array_equal(one, other)
+    return list(one) == list(other)
+
+
 def columns(**arrays: FloatArray) -> dict[str, FloatArray | list[float]]:
     """Return the columns of a source; short ones as lists, which travel within the message instead of beside it."""
-    return {name: array.tolist() if len(array) <= SHORT_COLUMN else array for name, array in arrays.items()}
+    return {name: short(array) for name, array in arrays.items()}
 
 
 def xy(x: FloatArray, y: FloatArray) -> dict[str, FloatArray | list[float]]:
     """Return the columns of a line."""
     return columns(x=np.asarray(x), y=np.asarray(y))
+
+
+def points(places: Collection[tuple[float, float]]) -> dict[str, list[float]]:
+    """Return the columns of a few points."""
+    return {"x": [x for x, _ in places], "y": [y for _, y in places]}

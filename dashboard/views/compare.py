@@ -128,7 +128,7 @@ class CompareView(PageView):
         tools = pn.FlexBox(
             self.reference, self.which, self.over, align_items="flex-start", margin=0, sizing_mode="stretch_width"
         )
-        body = parts.stack(*(chart.place for chart in self.compared), css=BODY_CSS)
+        body = parts.stack(*(chart.host for chart in self.compared), css=BODY_CSS)
         pins = parts.stack(self.empty, *(row.view for row in self.rows), self.differences)
         texts = parts.stack(self.table, pins, css=TEXT_CSS)
         return parts.stack(self.heading, self.message, tools, body, texts)

@@ -16,7 +16,7 @@ from railjoule.dashboard.views.charts import Axis, Chart
 from railjoule.dashboard.views.driven_charts import reality_words
 from railjoule.dashboard.views.fields import tie
 from railjoule.dashboard.views.page import PageView
-from railjoule.dashboard.views.ride_charts import LateChart, RideEnergyChart, RideSpeedChart, saved_by
+from railjoule.dashboard.views.ride_charts import LateChart, RideSpeedChart, ride_energy_chart, saved_by
 
 HEIGHTS = {"ride_speed": (300, 380, 240), "ride_energy": (170, 200, 150), "late_arrival": (240, 280, 210)}
 """Of each chart [px]: in usual, wide and narrow windows."""
@@ -55,7 +55,7 @@ class DisturbancesView(PageView):
         )
         self.axis = Axis(palette)
         self.speed = RideSpeedChart(HEIGHTS["ride_speed"][0], self.axis, palette, self._drop)
-        self.energy = RideEnergyChart(HEIGHTS["ride_energy"][0], self.axis, palette)
+        self.energy = ride_energy_chart(HEIGHTS["ride_energy"][0], self.axis, palette)
         self.late = LateChart(HEIGHTS["late_arrival"][0], palette)
         self.add = pmui.Button(
             label="Add a stop",
@@ -73,8 +73,8 @@ class DisturbancesView(PageView):
         tools = pn.Row(self.dropping, self.add, spacer, self.over, margin=0, stylesheets=[parts.WRAP_CSS])
         tools.sizing_mode = "stretch_width"
         self.reactions = parts.stack(self.table, self.notes)
-        lower = parts.stack(self.reactions, self.late.place, css=LOWER_CSS)
-        body = parts.stack(self.speed.place, self.energy.place, lower, css=BODY_CSS)
+        lower = parts.stack(self.reactions, self.late.host, css=LOWER_CSS)
+        body = parts.stack(self.speed.host, self.energy.host, lower, css=BODY_CSS)
         tie(self.dropping, model, "dropping")
         tie(self.over, state, "over_time")
         self.shows(self._show, (state, ["over_time"]), (model, ["rides", "failure", "events"]))
@@ -98,7 +98,7 @@ class DisturbancesView(PageView):
         self.tell(self.model.failure, "Shown: the last runs that could be computed." if rides is not None else "")
         none = not self.model.events
         self.invitation.visible, self.figures.visible = none, not none
-        self.reactions.visible = self.late.place.visible = not none
+        self.reactions.visible = self.late.host.visible = not none
         if rides is None:
             return
         over_time = self.state.over_time

@@ -31,7 +31,8 @@ class DrawingQueue:
     in_sight : callable
         Returns whether the page is in sight.
     settle : callable
-        Called after charts were drawn, within the same message.
+        Called after a chart was drawn by itself, within the same message; who lets several draw at once settles after
+        the last of them.
     """
 
     def __init__(
@@ -83,7 +84,7 @@ class DrawingQueue:
 
     @property
     def _waiting(self) -> list[Chart]:
-        return [chart for chart in self._charts if chart.waiting is not None and chart.place.visible]
+        return [chart for chart in self._charts if chart.waiting is not None and chart.host.visible]
 
     def _next_in_sight(self) -> Chart | None:
         """Return the first chart in sight that waits; before the browser has told, one of the first on the page."""
@@ -102,15 +103,17 @@ class DrawingQueue:
         with set_curdoc(document) if document is not None else nullcontext():
             chart = self._next_in_sight() or self._next_out_of_sight() if self._in_sight() else None
             if chart is not None:
-                self._draw(chart)
+                self._draw(chart, alone=True)
             self.go_on()
 
-    def _draw(self, chart: Chart) -> None:
-        with pn.io.hold() if chart.is_drawn else added_to(chart.place):
+    def _draw(self, chart: Chart, alone: bool = False) -> None:
+        # charts that are drawn together settle together, once: each column of their runs goes to the browser once
+        with pn.io.hold() if chart.is_drawn else added_to(chart.host):
             try:
                 with unfrozen():
                     chart.settle()
             except Exception as error:
                 self.faults.note(error, f"the chart {chart.name!r} could not be drawn")
                 chart.fail()
-            self._settle()
+            if alone:
+                self._settle()

@@ -9,7 +9,6 @@ from panel.viewable import Viewable
 
 from railjoule.core import TimetableError, Trajectory
 from railjoule.core.simulate.actual_run import ActualRun
-from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import words
 from railjoule.dashboard.store import Runs
 from railjoule.dashboard.views import parts
@@ -22,14 +21,14 @@ from railjoule.dashboard.views.drive_charts import (
     EnergyChart,
     LineStrip,
     PhaseStrip,
-    PowerChart,
+    power_chart,
 )
 from railjoule.dashboard.views.fields import tie
 from railjoule.dashboard.views.law_chart import LawChart
 from railjoule.dashboard.views.page import NARROW_PX, WIDE_PX, PageView
 from railjoule.dashboard.views.proof import ProofRow
 from railjoule.dashboard.views.sankey import SankeyChart
-from railjoule.dashboard.views.scene import Scene, SceneChart
+from railjoule.dashboard.views.scene import RunScene, SceneChart
 from railjoule.dashboard.views.speed_chart import SpeedChart
 
 HEIGHTS = {
@@ -96,8 +95,8 @@ class DriveView(PageView):
         self.law = LawChart(HEIGHTS["law"][0], self.axis, self.palette)
         self.sankey = SankeyChart(HEIGHTS["sankey"][0], self.palette)
         for name in ("difference", "current"):
-            self.scenes[name].place.visible = False
-        self.law.place.visible = False
+            self.scenes[name].host.visible = False
+        self.law.host.visible = False
         self.causes = parts.html_pane(visible=False)
         self.no_current = parts.html_pane(NO_CURRENT, visible=False)
         column = parts.stack(*(self._beside(chart) for chart in self.charts))
@@ -121,21 +120,20 @@ class DriveView(PageView):
     def _beside(self, chart: Chart) -> Viewable:
         """Return a chart with what belongs to it."""
         if chart.name == "energy":
-            return parts.stack(chart.place, self.causes)
-        return parts.stack(chart.place, self.no_current) if chart.name == "current" else chart.place
+            return parts.stack(chart.host, self.causes)
+        return parts.stack(chart.host, self.no_current) if chart.name == "current" else chart.host
 
     def _scene_charts(self) -> dict[str, SceneChart]:
-        lines = tuple(STRATEGIES)
         common = (self.axis, self.palette)
         charts: list[SceneChart] = [
-            SpeedChart(HEIGHTS["speed"][0], *common, lines),
+            SpeedChart(HEIGHTS["speed"][0], *common),
             PhaseStrip(HEIGHTS["phases"][0], *common),
             LineStrip(HEIGHTS["line"][0], *common),
-            CurrentChart(HEIGHTS["current"][0], *common, lines),
-            EnergyChart(HEIGHTS["energy"][0], *common, lines),
+            CurrentChart(HEIGHTS["current"][0], *common),
+            EnergyChart(HEIGHTS["energy"][0], *common),
             DifferenceChart(HEIGHTS["difference"][0], *common),
-            EffortChart(HEIGHTS["effort"][0], *common, lines),
-            PowerChart(HEIGHTS["power"][0], *common, lines),
+            EffortChart(HEIGHTS["effort"][0], *common),
+            power_chart(HEIGHTS["power"][0], *common),
         ]
         return {chart.name: chart for chart in charts}
 
@@ -179,15 +177,15 @@ class DriveView(PageView):
         shown = {name: r for name, r in runs.runs.items() if name in state.ticked}
         shown[state.chosen_now] = run
         width = max(self.browser.window_width - (NARROW_MARGIN_PX if narrow else MARGIN_PX), LEAST_WIDTH_PX)
-        scene = Scene(
+        scene = RunScene(
             state.chosen_now, shown, state.pinned, state.over_time, narrow, width, actual, runs.runs.get("fastest")
         )
         self.axis.fit(scene.end, roomy=not narrow)
-        self.scenes["difference"].place.visible = state.pinned is not None
-        self.scenes["current"].place.visible = CurrentChart.knows(run)
+        self.scenes["difference"].host.visible = state.pinned is not None
+        self.scenes["current"].host.visible = CurrentChart.knows(run)
         self.no_current.visible = not CurrentChart.knows(run)
         law = None if state.over_time else runs.law
-        self.law.place.visible = law is not None
+        self.law.host.visible = law is not None
         for chart in self.scenes.values():
             chart.show(partial(chart.draw, scene))
         if law is not None:

@@ -397,7 +397,7 @@ class LineGroup(Group):
 
     def contents(self, look: Look) -> list[Any]:
         """Return the charts, then what a group has."""
-        charts = stack(*(chart.place for chart in self.charts), css=":host { padding: 0 8px 8px 14px; }")
+        charts = stack(*(chart.host for chart in self.charts), css=":host { padding: 0 8px 8px 14px; }")
         return [charts, self.way, *super().contents(look)]
 
     def show(self, look: Look) -> None:

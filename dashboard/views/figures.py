@@ -6,7 +6,8 @@ from bokeh.plotting import figure
 
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.charts import RIGHT_BORDER_PX, dress
+from railjoule.dashboard.views.charts import RIGHT_BORDER_PX, Chart, dress
+from railjoule.dashboard.views.line_names import Frame
 
 
 def ink_on(colour: str) -> str:
@@ -54,3 +55,39 @@ def empty_figure(
     palette.paint(f.xaxis[0], axis_line_color="line2")
     f.xaxis.axis_label, f.yaxis.axis_label = x_title or None, y_title or None
     return f
+
+
+class LoneChart(Chart):
+    """A chart with both axes of its own, for what does not lie over the page's shared axis.
+
+    Parameters
+    ----------
+    name, caption, height
+        As in `Chart`.
+    palette : Palette
+    x_range : Range1d or None
+        That of another chart, where it shares it.
+    """
+
+    def __init__(self, name: str, caption: str, height: int, palette: Palette, x_range: Range1d | None = None) -> None:
+        super().__init__(name, caption, height)
+        self.palette, self.x_range, self.y_range = palette, x_range or Range1d(0, 1), Range1d(0, 1)
+
+    def frame(self, ticks: int = 6, digits: int = 0, x_title: str = "", y_title: str = "") -> figure:
+        """Return the empty figure, and put it under its caption."""
+        f = empty_figure(
+            self.height, self.x_range, self.y_range, self.caption, self.palette, ticks, digits, x_title, y_title
+        )
+        self.figure, self.content = f, captioned(self.caption, f)
+        return f
+
+    def set_ranges(self, x: tuple[float, float], y: tuple[float, float]) -> None:
+        """Set the ends of both axes."""
+        self.x_range.update(start=x[0], end=x[1])
+        self.y_range.update(start=y[0], end=y[1])
+
+    @property
+    def frame_now(self) -> Frame:
+        """The part of the figure that is drawn in, with what its axes span."""
+        x, y = ((float(ends.start), float(ends.end)) for ends in (self.x_range, self.y_range))
+        return self.frame_over(x, y)

@@ -8,7 +8,7 @@ import numpy as np
 import panel as pn
 from bokeh.core.properties import value
 from bokeh.events import Tap
-from bokeh.models import ColumnDataSource, FixedTicker, Range1d
+from bokeh.models import FixedTicker, Range1d
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import load_scenario
@@ -121,16 +121,14 @@ class HeatMapChart(Chart):
         for axis, title in zip((f.xaxis, f.yaxis), titles, strict=True):
             axis.axis_line_color = None
             axis.axis_label = title
-        self.cells = ColumnDataSource({key: [] for key in ("x", "y", "fill", "text", "ink")})
-        self.frame = ColumnDataSource({"x": [], "y": []})
-        self.plan = ColumnDataSource({"x": [], "y": [], "ink": []})
-        f.rect("x", "y", CELL, CELL, source=self.cells, fill_color="fill", line_color=None)
-        style: dict[str, Any] = {"text_align": "center", "text_baseline": "middle"}
-        numbers = f.text("x", "y", "text", source=self.cells, text_color="ink", **style, **text_style(13))
-        self.numbers = numbers.glyph
-        f.text("x", "y", value("plan"), source=self.plan, text_color="ink", y_offset=16, **style, **text_style(11))
-        frame = f.rect("x", "y", CELL, CELL, source=self.frame, fill_color=None, line_width=2.5)
-        self.palette.paint(frame.glyph, line_color="accent")
+        self.source("cells", "x", "y", "fill", "text", "ink")
+        self.source("plan", "x", "y", "ink")
+        cell = ("x", "y", CELL, CELL)
+        self.glyphs("rect", "cells", *cell, paint={}, fill_color="fill", line_color=None)
+        style: dict[str, Any] = {"text_align": "center", "text_baseline": "middle", "text_color": "ink"}
+        self.numbers = self.glyphs("text", "cells", "x", "y", "text", paint={}, **style, **text_style(13)).glyph
+        self.glyphs("text", "plan", "x", "y", value("plan"), paint={}, y_offset=16, **style, **text_style(11))
+        self.glyphs("rect", "frame", *cell, paint={"line_color": "accent"}, fill_color=None, line_width=2.5)
         f.on_event(Tap, self._press)
         self._drawn = ()
         self.content = pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_width")
@@ -156,7 +154,7 @@ class HeatMapChart(Chart):
             float(np.interp(value, places, np.arange(len(places)), left=np.nan, right=np.nan))
             for value, places in ((load_factor, loads), (error_m, errors))
         )
-        self.frame.data = {"x": [column], "y": [row]}
+        self.put("frame", x=[column], y=[row])
 
     def _draw_cells(self, table: SensitivityTable, measure: Measure) -> None:
         assert self.figure is not None
@@ -169,21 +167,15 @@ class HeatMapChart(Chart):
             for number, known in zip(values.ravel(), done.ravel(), strict=True)
         ]
         texts = [text if known else "" for text, known in zip(measure.texts(table), done.ravel(), strict=True)]
-        self.cells.data = {
-            "x": x.tolist(),
-            "y": y.tolist(),
-            "fill": fills,
-            "text": texts,
-            "ink": [ink_on(fill) for fill in fills],
-        }
+        self.put("cells", x=x.tolist(), y=y.tolist(), fill=fills, text=texts, ink=[ink_on(fill) for fill in fills])
         self._label(self.figure.xaxis[0], [words.signed(error, 0) for error in errors])
         self._label(self.figure.yaxis[0], [words.setting(load) for load in loads])
         planned = table.scenario.vehicle.load_factor
         if planned in loads and 0.0 in errors:
             row, column = loads.index(planned), errors.index(0.0)
-            self.plan.data = {"x": [column], "y": [row], "ink": [ink_on(fills[row * len(errors) + column])]}
+            self.put("plan", x=[column], y=[row], ink=[ink_on(fills[row * len(errors) + column])])
         else:
-            self.plan.data = {"x": [], "y": [], "ink": []}
+            self.put("plan", x=[], y=[], ink=[])
 
     def _label(self, axis: Any, labels: list[str]) -> None:
         told = dict(enumerate(labels))

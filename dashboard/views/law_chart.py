@@ -1,7 +1,7 @@
 """What dynamic programming would do at any speed and place, with the run on it."""
 
 import numpy as np
-from bokeh.models import ColumnDataSource, LinearColorMapper
+from bokeh.models import LinearColorMapper
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.strategies.bellman import ControlLaw
@@ -9,7 +9,8 @@ from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.words import MINUS
 from railjoule.dashboard.views.charts import Axis, DistanceChart, xy
-from railjoule.dashboard.views.scene import Scene
+from railjoule.dashboard.views.quantities import POSITION, SPEED
+from railjoule.dashboard.views.scene import RunScene
 
 COLUMNS, ROWS = 180, 64
 STEPS = 10
@@ -30,27 +31,26 @@ class LawChart(DistanceChart):
         """Make the figure."""
         f = self.frame(ticks=4)
         f.ygrid.visible = False
-        self.map = ColumnDataSource({key: [] for key in ("image", "x", "y", "dw", "dh")})
         self.mapper = LinearColorMapper(palette=diverging(self.palette), low=-1, high=1, nan_color="rgba(0, 0, 0, 0)")
-        f.image("image", "x", "y", "dw", "dh", source=self.map, color_mapper=self.mapper, level="underlay")
-        self.sources["run"] = ColumnDataSource({"x": [], "y": []})
-        line = f.line("x", "y", source=self.sources["run"], line_width=2)
-        self.palette.paint(line.glyph, line_color="ink")
+        sides = ("image", "x", "y", "dw", "dh")
+        self.glyphs("image", "map", *sides, paint={}, color_mapper=self.mapper, level="underlay")
+        self.line("run", "ink", line_width=2)
 
-    def draw(self, scene: Scene, law: ControlLaw) -> None:
+    def draw(self, scene: RunScene, law: ControlLaw) -> None:
         """Draw the law and the run that follows it."""
         image, top = sampled(law)
         self.mapper.palette = diverging(self.palette)
-        self.map.data = {
-            "image": [image],
-            "x": [float(law.position_m[0])],
-            "y": [0.0],
-            "dw": [float(law.position_m[-1] - law.position_m[0])],
-            "dh": [top / MS_PER_KMH],
-        }
+        self.put(
+            "map",
+            image=[image],
+            x=[float(law.position_m[0])],
+            y=[0.0],
+            dw=[float(law.position_m[-1] - law.position_m[0])],
+            dh=[top / MS_PER_KMH],
+        )
         run = scene.runs["bellman"]
-        self.sources["run"].data = xy(run.position_m, run.speed_ms / MS_PER_KMH)
-        self.told["sources"] = [["run", self.sources["run"]]]
+        self.put("run", **xy(POSITION.values(run), SPEED.values(run)))
+        self.told["sources"] = [["run", self.sources["run"], "x", "y"]]
         self.set_range(0, top / MS_PER_KMH)
 
 

@@ -91,8 +91,8 @@ class LessonView:
         )
         # two charts more are side by side beneath: one column of three would leave half of the page empty
         beside = (self.speed, *self.more) if len(self.more) < 2 else (self.speed,)
-        right = parts.stack(self.figures, *(chart.place for chart in beside))
-        lower = [parts.stack(chart.place) for chart in self.more if chart not in beside]
+        right = parts.stack(self.figures, *(chart.host for chart in beside))
+        lower = [parts.stack(chart.host) for chart in self.more if chart not in beside]
         self.view = parts.stack(left, right, *lower, css=LESSON_CSS)
 
     @property

@@ -1,39 +1,50 @@
 """The run under limits beside the optimum: speed with limits that can be dragged, effort, energy."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from bokeh.events import PanEnd
-from bokeh.models import ColumnDataSource, CustomJS
+from bokeh.models import CustomJS
+from bokeh.plotting import figure
 
 from railjoule.core import Trajectory
-from railjoule.core.arrays import FloatArray
-from railjoule.core.motion.line_profile import limit_steps
 from railjoule.core.strategies.speed_limits import LEAST_LIMIT_KMH
-from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.scripts import function
 from railjoule.dashboard.store import LimitRun, LimitTrip
-from railjoule.dashboard.views.charts import Axis, add_zero, clear, nice_range, text_style, xy
+from railjoule.dashboard.views.charts import Axis, text_style
 from railjoule.dashboard.views.line_names import Name
-from railjoule.dashboard.views.run_lines import DRIVEN_DASH, RunLinesChart
+from railjoule.dashboard.views.quantities import POSITION, SPEED, Quantity
+from railjoule.dashboard.views.run_lines import (
+    DRIVEN_DASH,
+    Curve,
+    FittedRunLines,
+    Form,
+    Line,
+    RunLines,
+    add_tint,
+    draw_limits,
+    limits_of,
+)
 
-LINES: Mapping[str, tuple[str, dict[str, Any]]] = {
-    "optimum": ("optimal", {"line_width": 1.8, "line_dash": DRIVEN_DASH}),
-    "run": ("speed_limits", {"line_width": 2.4}),
+LINES: Mapping[str, Line] = {
+    "optimum": Line("optimal", {"line_width": 1.8, "line_dash": DRIVEN_DASH}),
+    "run": Line("speed_limits", {"line_width": 2.4}),
 }
+TRIP = "trip"
+"""The run as the chart of speeds has it: while a step is dragged it alone shows the trip, which has no efforts."""
 LINE_WORDS = {"optimum": "optimal in the same time", "run": "under the limits"}
 HEADROOM = 1.09
 GRIP_PX, SIGN_RISE_PX = 7.0, 8.0
 """Half the size of a handle, and how far above its step a limit is written."""
-FAR_ABOVE = 9e3
 LEAST_SECTION_M = 10
 """No border can be dragged closer to the next one."""
 
 
-class LimitSpeedChart(RunLinesChart):
+class LimitSpeedChart(RunLines):
     """Speeds, with the limits of the sections as steps that can be dragged.
 
     Parameters
@@ -44,8 +55,6 @@ class LimitSpeedChart(RunLinesChart):
         Called when it is let go.
     """
 
-    unit, digits, strokes = "km/h", 1, LINES
-
     def __init__(
         self,
         height: int,
@@ -54,50 +63,44 @@ class LimitSpeedChart(RunLinesChart):
         move: Callable[[Sequence[float], Sequence[float]], None],
         release: Callable[[], None],
     ) -> None:
-        super().__init__(
-            "limit_speed", "Speed, km/h: drag a step to change its limit, its end to move it", height, axis, palette
-        )
+        lines = {**LINES, "run": replace(LINES["run"], of=TRIP)}
+        caption = "Speed, km/h: drag a step to change its limit, its end to move it"
+        super().__init__("limit_speed", SPEED, lines, height, axis, palette, caption, Form(ticks=5))
         self._move, self._release = move, release
         self._drawing = False
 
-    def build(self) -> None:
-        """Make the figure."""
-        f = self.frame(ticks=5, zoom=False)
-        self.sources["forbidden"] = ColumnDataSource({"left": [], "right": [], "bottom": []})
-        area = f.quad(
-            "left", "right", "bottom", FAR_ABOVE, source=self.sources["forbidden"], fill_alpha=0.55, line_color=None
-        )
-        self.palette.paint(area.glyph, fill_color="ground")
-        self.add_lines()
-        self._add_steps()
-        self.add_names()
+    def frame(self, *args: Any, **style: Any) -> figure:
+        """Return the empty figure; it has no zoom, as a drag moves a step."""
+        return super().frame(*args, **{**style, "zoom": False})
 
-    def _add_steps(self) -> None:
+    def beneath(self) -> None:
+        """Tint what the line's own limits forbid."""
+        add_tint(self)
+
+    def above(self) -> None:
+        """Draw the steps with their handles and numbers, and let the browser drag them."""
         f = self.figure
         assert f is not None
-        sections = ColumnDataSource({key: [] for key in ("left", "right", "limit", "middle", "text", "most")})
-        borders, handles = ColumnDataSource({"x": [], "low": [], "high": []}), ColumnDataSource({"x": [], "y": []})
-        self.sources.update(sections=sections, borders=borders, handles=handles)
-        step = f.segment("left", "limit", "right", "limit", source=sections, line_width=2)
-        rise = f.segment("x", "low", "x", "high", source=borders, line_width=2)
-        grip = f.scatter("middle", "limit", source=sections, size=11, line_width=2)
-        square = f.scatter("x", "y", source=handles, size=10, line_width=2, marker="square")
-        sign = f.text(
+        sections = self.source("sections", "left", "right", "limit", "middle", "text", "most")
+        borders, handles = self.source("borders", "x", "low", "high"), self.source("handles")
+        red, grip = {"line_color": "limit"}, {"line_color": "limit", "fill_color": "surface"}
+        self.glyphs("segment", "sections", "left", "limit", "right", "limit", paint=red, line_width=2)
+        self.glyphs("segment", "borders", "x", "low", "x", "high", paint=red, line_width=2)
+        self.glyphs("scatter", "sections", "middle", "limit", paint=grip, size=11, line_width=2)
+        self.glyphs("scatter", "handles", "x", "y", paint=grip, size=10, line_width=2, marker="square")
+        self.glyphs(
+            "text",
+            "sections",
             "middle",
             "limit",
             "text",
-            source=sections,
+            paint={"text_color": "limit", "background_fill_color": "surface"},
             text_align="center",
             y_offset=-10,
             background_fill_alpha=0.8,
             padding=1,
             **text_style(),
         )
-        for drawn in (step, rise):
-            self.palette.paint(drawn.glyph, line_color="limit")
-        for drawn in (grip, square):
-            self.palette.paint(drawn.glyph, line_color="limit", fill_color="surface")
-        self.palette.paint(sign.glyph, text_color="limit", background_fill_color="surface")
         bounds = {"least": LEAST_LIMIT_KMH, "shortest": LEAST_SECTION_M}
         drag = CustomJS(
             args={"f": f, "sections": sections, "borders": borders, "handles": handles, **bounds},
@@ -107,39 +110,29 @@ class LimitSpeedChart(RunLinesChart):
             f.js_on_event(event, drag)
         sections.on_change("data", self._take)
         f.on_event(PanEnd, lambda _: self._release())
+        self.add_names()
 
     def _take(self, _attribute: str, _old: Any, new: Mapping[str, Any]) -> None:
         """Take the steps that the browser has moved."""
         if not self._drawing:
             self._move([float(limit) for limit in new["limit"]], [float(place) for place in new["right"]][:-1])
 
-    def values(self, run: Trajectory) -> FloatArray:
-        """Speed [km/h]."""
-        return run.speed_ms / MS_PER_KMH
-
     def draw(self, shown: LimitRun, limits_kmh: Sequence[float], borders_m: Sequence[float]) -> None:
         """Draw both runs under the limits that stand now."""
-        scenario, runs = shown.run.scenario, both(shown)
-        self.fill(runs)
-        if "optimum" not in runs:
-            clear(self.sources["optimum"])
+        scenario = shown.run.scenario
+        runs = both(shown)
+        curves = self.fill({TRIP if name == "run" else name: run for name, run in runs.items()})
+        self.told["sources"] = [self.read(name, name) for name in curves]
         most = scenario.vehicle.traction.max_speed_kmh
-        top = HEADROOM * most
-        self.set_range(0, top)
-        places, limits = limit_steps(scenario.line.in_running_order(), most)
-        self.sources["forbidden"].data = {
-            "left": places[:-1].tolist(),
-            "right": places[1:].tolist(),
-            "bottom": limits.tolist(),
-        }
+        self.set_range(0, HEADROOM * most)
+        line = draw_limits(self, *limits_of(scenario))
         self._draw_steps(limits_kmh, [0.0, *borders_m, scenario.line.length_m], most)
-        self._draw_names(runs, np.repeat(places, 2)[1:-1], np.repeat(limits, 2))
+        self._draw_names(curves, line)
 
-    def _draw_names(self, runs: Mapping[str, Trajectory], places_m: FloatArray, line_limits_kmh: FloatArray) -> None:
-        """Name the runs clear of the steps with their handles and signs."""
+    def _draw_names(self, curves: Mapping[str, Curve], line: Curve) -> None:
+        """Name the runs clear of the steps with their handles and signs, and of the limits of the line."""
         steps, frame = self.sources["sections"].data, self.frame_now
         ends = np.ravel([steps["left"], steps["right"]], order="F"), np.repeat(steps["limit"], 2)
-        lines = {name: (run.position_m, self.values(run)) for name, run in runs.items()}
         signs = [
             frame.box(x, limit, text, 12, "center", SIGN_RISE_PX)
             for x, limit, text in zip(steps["middle"], steps["limit"], steps["text"], strict=True)
@@ -149,8 +142,9 @@ class LimitSpeedChart(RunLinesChart):
             for data, column in ((steps, ("middle", "limit")), (self.sources["handles"].data, ("x", "y")))
             for x, y in zip(frame.x_px(data[column[0]]), frame.y_px(data[column[1]]), strict=True)
         ]
-        names = [Name(name, LINE_WORDS[name], self.palette.tokens[LINES[name][0]]) for name in reversed(list(runs))]
-        self.place_names({**lines, "steps": ends, "line": (places_m, line_limits_kmh)}, names, [*signs, *grips])
+        tokens = self.palette.tokens
+        names = [Name(name, LINE_WORDS[name], tokens[LINES[name].token]) for name in reversed(list(curves))]
+        self.place_names({**curves, "steps": ends, "line": line}, names, [*signs, *grips])
 
     def _draw_steps(self, limits_kmh: Sequence[float], ends_m: Sequence[float], most: float) -> None:
         left, right, limits = list(ends_m[:-1]), list(ends_m[1:]), [float(limit) for limit in limits_kmh]
@@ -169,64 +163,18 @@ class LimitSpeedChart(RunLinesChart):
 
     def draw_trip(self, trip: LimitTrip) -> None:
         """Draw the trip of the step as it is being moved."""
-        self.sources["run"].data = xy(trip.position_m, trip.speed_ms / MS_PER_KMH)
+        self.axis.columns(TRIP).take(trip, {POSITION.name: trip.position_m, SPEED.name: SPEED.values(trip)})
 
 
-class LimitEffortChart(RunLinesChart):
-    """Efforts in the cells."""
+class LimitChart(FittedRunLines):
+    """Another quantity of both runs."""
 
-    unit, digits, stepped, strokes = "kN", 0, True, LINES
-
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        super().__init__("limit_effort", "Tractive (+) and braking (\u2212) effort, kN", height, axis, palette)
-
-    def build(self) -> None:
-        """Make the figure."""
-        f = self.frame(ticks=3)
-        add_zero(f, self.palette)
-        self.add_lines()
-
-    def values(self, run: Trajectory) -> FloatArray:
-        """Effort [kN]; each node has that of the cell before it."""
-        return np.append(run.effort_n[:1], run.effort_n) / 1e3
-
-    def draw(self, shown: LimitRun) -> None:
-        """Draw both runs."""
-        self.set_range(*nice_range(*fill_both(self, shown), 0.08))
-
-
-class LimitEnergyChart(RunLinesChart):
-    """Energy drawn so far."""
-
-    unit, digits, strokes = "kWh", 2, LINES
-
-    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
-        super().__init__("limit_energy", "Energy drawn so far, kWh", height, axis, palette)
-
-    def build(self) -> None:
-        """Make the figure."""
-        f = self.frame(with_axis=True, ticks=3)
-        add_zero(f, self.palette)
-        f.xaxis.axis_label = "Distance, m"
-        self.add_lines()
-
-    def values(self, run: Trajectory) -> FloatArray:
-        """Line energy so far [kWh]."""
-        return run.line_energy_j / J_PER_KWH
-
-    def draw(self, shown: LimitRun) -> None:
-        """Draw both runs."""
-        self.set_range(*nice_range(*fill_both(self, shown), 0.08))
+    def __init__(self, quantity: Quantity, height: int, axis: Axis, palette: Palette, last: bool = False) -> None:
+        form = Form(ticks=3, zero=True, last=last, room=0.08)
+        super().__init__(f"limit_{quantity.name}", quantity, LINES, height, axis, palette, form=form)
 
 
 def both(shown: LimitRun) -> dict[str, Trajectory]:
     """Return the runs to draw by the names of their lines: the optimum only where there is one."""
     optimum = {} if shown.optimum is None else {"optimum": shown.optimum}
     return {**optimum, "run": shown.run}
-
-
-def fill_both(chart: RunLinesChart, shown: LimitRun) -> tuple[float, float]:
-    """Fill the lines of both runs; return the least and the greatest value."""
-    if shown.optimum is None:
-        clear(chart.sources["optimum"])
-    return chart.fill(both(shown))

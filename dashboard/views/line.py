@@ -26,7 +26,7 @@ from railjoule.dashboard.views.line_charts import (
     supplement_s,
 )
 from railjoule.dashboard.views.page import NARROW_PX, PageView
-from railjoule.dashboard.views.scene import Scene
+from railjoule.dashboard.views.scene import RunScene
 
 PAGE = "Line"
 SHIPPED, SHIPPED_TITLE = "metro-10-stations", "Metro, ten stations"
@@ -114,7 +114,7 @@ class LineView(PageView):
         return self._laid_out()
 
     def _laid_out(self) -> pn.Column:
-        body = parts.stack(*(chart.place for chart in self.charts), css=BODY_CSS)
+        body = parts.stack(*(chart.host for chart in self.charts), css=BODY_CSS)
         title = parts.html_pane('<div class="block"><h2>Timetable of the stations</h2></div>')
         lower = parts.stack(title, self.stations, self.table, self.download, self.notes, css=LOWER_CSS)
         self.full = parts.stack(self.figures, self.other, self.key, body, lower)
@@ -159,7 +159,7 @@ class LineView(PageView):
         self.axis.fit(runs.best.run.distance_m, roomy=False)
         self.speed.show(partial(self.speed.draw, runs, other, room))
         narrow = self.browser.window_width < NARROW_PX
-        scene = Scene("optimal", {"optimal": runs.best.run}, None, False, narrow, room)
+        scene = RunScene("optimal", {"optimal": runs.best.run}, None, False, narrow, room)
         self.line.show(partial(self.line.draw, scene))
         self.path.show(partial(self.path.draw, runs, other))
         self.supplements.show(partial(self.supplements.draw, runs, room))

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from bokeh.models import ColumnDataSource
 
 from railjoule.core.arrays import FloatArray
 from railjoule.dashboard.views.label_places import END_GAP_PX, Box, Label, place_labels, text_width_px
@@ -71,11 +70,6 @@ class Name:
     at_end: bool = False
     point: tuple[float, float] | None = None
     preferred: float = 0.4
-
-
-def name_source() -> ColumnDataSource:
-    """Return the empty source of names."""
-    return ColumnDataSource({column: [] for column in COLUMNS})
 
 
 def rows_of(spans: Sequence[tuple[float, float]], gap_px: float = 6.0) -> list[int]:

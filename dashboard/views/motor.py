@@ -31,7 +31,7 @@ from railjoule.dashboard.views.motor_run_charts import (
     VOLTAGE,
     DetuningChart,
     LoopChart,
-    PlaceChart,
+    LoopDistanceChart,
     RippleChart,
     detuning_table,
     length,
@@ -93,7 +93,7 @@ class MotorView(PageView):
         )
         self.diagram = LoopDiagram()
         self.axis = Axis(palette)
-        quantities = (
+        loops = (
             SPEED,
             TRACKING,
             TRACKING_FINE,
@@ -106,12 +106,10 @@ class MotorView(PageView):
             RIVAL_ENERGY,
         )
         self.loops = {
-            quantity.name: LoopChart(
-                quantity, HEIGHTS[quantity.name][0], self.axis, palette, last=quantity in (ENERGY, RIVAL_ENERGY)
-            )
-            for quantity in quantities
+            loop.name: LoopChart(loop, HEIGHTS[loop.name][0], self.axis, palette, last=loop in (ENERGY, RIVAL_ENERGY))
+            for loop in loops
         }
-        self.place = PlaceChart(HEIGHTS["loop_place"][0], palette)
+        self.over_distance = LoopDistanceChart(HEIGHTS["loop_place"][0], palette)
         self.map = MotorMapChart(HEIGHTS["machine_map"][0], palette, "machine_map")
         self.ripple = RippleChart(HEIGHTS["ripple"][0], palette)
         self.detuning = DetuningChart(HEIGHTS["detuning"][0], palette)
@@ -152,14 +150,14 @@ class MotorView(PageView):
         return parts.stack(self.heading, self.missing, self.message, self.body)
 
     def _laid_out(self) -> pn.Column:
-        left = parts.stack(*(self.loops[name].place for name in LEFT), self.account, css=COLUMN_CSS)
-        rivals = (self.loops[name].place for name in OF_STRATEGIES)
+        left = parts.stack(*(self.loops[name].host for name in LEFT), self.account, css=COLUMN_CSS)
+        rivals = (self.loops[name].host for name in OF_STRATEGIES)
         right = parts.stack(
-            self.place.place,
+            self.over_distance.host,
             *rivals,
             self.refusals,
-            self.map.place,
-            self.ripple.place,
+            self.map.host,
+            self.ripple.host,
             self.at,
             css=COLUMN_CSS,
         )
@@ -168,7 +166,7 @@ class MotorView(PageView):
             self.question,
             pn.Row(self.study, self.stop, margin=0, sizing_mode="stretch_width"),
             self.progress,
-            self.detuning.place,
+            self.detuning.host,
             css=COLUMN_CSS,
         )
         notes = parts.stack(self.notes, css=":host { padding: 0 20px 16px; }")
@@ -178,7 +176,7 @@ class MotorView(PageView):
     @property
     def charts(self) -> tuple[Chart, ...]:
         """All charts of the page."""
-        return *self.loops.values(), self.place, self.map, self.ripple, self.detuning
+        return *self.loops.values(), self.over_distance, self.map, self.ripple, self.detuning
 
     def settle(self) -> None:
         """Tell the cursor of the runs that it may meet new charts."""
@@ -200,7 +198,7 @@ class MotorView(PageView):
         self.at.set_ends((0.0, float(run.time_s[-1])))
         for name in OF_RUN:
             self.loops[name].show(partial(self.loops[name].draw, {"run": run}))
-        self.place.show(partial(self.place.draw, run))
+        self.over_distance.show(partial(self.over_distance.draw, run))
         self._show_texts(run)
 
     def _show_heading(self) -> None:
@@ -215,7 +213,7 @@ class MotorView(PageView):
         if rivals is None:
             return
         for name in OF_STRATEGIES:
-            self.loops[name].place.visible = bool(rivals.strategies)
+            self.loops[name].host.visible = bool(rivals.strategies)
         for name in (*(OF_STRATEGIES if rivals.strategies else ()), *OF_TRACKING):
             self.loops[name].show(partial(self.loops[name].draw, rivals.named))
         refused = (f"{words.STRATEGY_WORDS[name]}: {why}" for name, why in rivals.refused.items())
@@ -228,7 +226,7 @@ class MotorView(PageView):
 
     def _show_ripple(self) -> None:
         ripple = self.model.ripple
-        self.ripple.place.visible = ripple is not None or self.model.failure is None
+        self.ripple.host.visible = ripple is not None or self.model.failure is None
         if ripple is not None:
             self.ripple.show(partial(self.ripple.draw, ripple))
 
@@ -238,7 +236,7 @@ class MotorView(PageView):
         if studying:
             done = 0.0 if table is None else table.done / len(table.rotor_resistance_factors)
             self.progress.value = int(100 * done)
-        self.detuning.place.visible = self.costs.visible = table is not None
+        self.detuning.host.visible = self.costs.visible = table is not None
         if table is not None:
             self.costs.object = detuning_table(table)
             self.detuning.show(partial(self.detuning.draw, table))

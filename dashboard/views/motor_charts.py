@@ -1,7 +1,7 @@
 """What the drive makes of the run: efficiency over torque and speed, and what a storage on board would save."""
 
 import numpy as np
-from bokeh.models import ColumnDataSource, ContourRenderer, LinearColorMapper, Range1d
+from bokeh.models import ContourRenderer, LinearColorMapper
 from bokeh.plotting.contour import contour_data
 
 from railjoule.core.arrays import FloatArray
@@ -11,8 +11,8 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.store import StorageCurve
 from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.charts import Chart, add_zero, clear, nice_range, text_style, xy
-from railjoule.dashboard.views.figures import captioned, empty_figure, ink_on
+from railjoule.dashboard.views.charts import add_zero, nice_range, points, xy
+from railjoule.dashboard.views.figures import LoneChart, ink_on
 from railjoule.dashboard.views.surface import CIVIDIS
 
 POOR = 0.8
@@ -23,53 +23,39 @@ LABEL_PLACE = 0.6
 NEAR_NM_SHARE = 0.06
 
 
-class MotorMapChart(Chart):
+class MotorMapChart(LoneChart):
     """Efficiency over speed and torque of one motor, with the run's cells as points."""
 
     kind = "map"
 
     def __init__(self, height: int, palette: Palette, name: str = "motor_map") -> None:
-        super().__init__(name, "Efficiency, %, over torque and speed of one motor; points: the run", height)
-        self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
+        caption = "Efficiency, %, over torque and speed of one motor; points: the run"
+        super().__init__(name, caption, height, palette)
         self._drawn: FloatArray | None = None
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=5)
-        self.figure = f
+        f = self.frame(ticks=5, x_title="Speed, rad/s", y_title="Torque, N m")
         f.ygrid.visible = False
-        f.xaxis.axis_label, f.yaxis.axis_label = "Speed, rad/s", "Torque, N m"
-        self.map = ColumnDataSource({key: [] for key in ("image", "x", "y", "dw", "dh")})
         self.mapper = LinearColorMapper(palette=list(CIVIDIS), low=POOR, high=1, nan_color="rgba(0, 0, 0, 0)")
-        f.image("image", "x", "y", "dw", "dh", source=self.map, color_mapper=self.mapper, level="underlay")
+        sides = ("image", "x", "y", "dw", "dh")
+        self.glyphs("image", "map", *sides, paint={}, color_mapper=self.mapper, level="underlay")
         self.levels: ContourRenderer | None = None
         add_zero(f, self.palette)
-        self.points = ColumnDataSource({"x": [], "y": []})
-        points = f.scatter("x", "y", source=self.points, size=6, line_width=1)
-        self.palette.paint(points.glyph, fill_color="speed_limits", line_color="surface")
-        self.signs = ColumnDataSource({"x": [], "y": [], "text": [], "colour": []})
-        f.text(
-            "x",
-            "y",
-            "text",
-            text_color="colour",
-            source=self.signs,
-            text_align="center",
-            text_baseline="middle",
-            **text_style(11),
-        )
-        self.content = captioned(self.words, f)
+        self.dots("points", "speed_limits", size=6, line_width=1)
+        self.coloured_signs("signs", text_align="center", text_baseline="middle")
+        self._drawn = None
 
-    def draw(self, found: MotorMap, whose: str, points: OperatingPoints | None) -> None:
+    def draw(self, found: MotorMap, whose: str, operated: OperatingPoints | None) -> None:
         """Draw the map of motor or drive, and where the run works."""
         efficiency = found.motor if whose == "motor" and found.motor is not None else found.drive
         if efficiency is not self._drawn:
             self._drawn = efficiency
             self._draw_map(found, efficiency)
-        if points is None:
-            clear(self.points)
+        if operated is None:
+            self.clear("points")
         else:
-            self.points.data = xy(points.speed_rads, points.torque_nm)
+            self.put("points", **xy(operated.speed_rads, operated.torque_nm))
 
     def _draw_map(self, found: MotorMap, efficiency: FloatArray) -> None:
         f = self.figure
@@ -79,15 +65,15 @@ class MotorMapChart(Chart):
         self.mapper.high = best
         step_x, step_y = speed[1] - speed[0], torque[1] - torque[0]
         # a pixel stands around the place for which it was computed
-        self.map.data = {
-            "image": [efficiency.astype(np.float32)],
-            "x": [float(speed[0] - 0.5 * step_x)],
-            "y": [float(torque[0] - 0.5 * step_y)],
-            "dw": [float(speed[-1] - speed[0] + step_x)],
-            "dh": [float(torque[-1] - torque[0] + step_y)],
-        }
-        self.x_range.update(start=float(speed[0]), end=float(speed[-1]))
-        self.y_range.update(start=float(torque[0]), end=float(torque[-1]))
+        self.put(
+            "map",
+            image=[efficiency.astype(np.float32)],
+            x=[float(speed[0] - 0.5 * step_x)],
+            y=[float(torque[0] - 0.5 * step_y)],
+            dw=[float(speed[-1] - speed[0] + step_x)],
+            dh=[float(torque[-1] - torque[0] + step_y)],
+        )
+        self.set_ranges((float(speed[0]), float(speed[-1])), (float(torque[0]), float(torque[-1])))
         if self.levels is None:
             self.levels = f.contour(speed, torque, efficiency, list(LEVELS), line_color="#FFFFFF", line_alpha=0.5)
         else:
@@ -113,53 +99,38 @@ class MotorMapChart(Chart):
                 signs["y"].append(place)
                 signs["text"].append(words.number(100 * level, 0))
                 signs["colour"].append(ink_on(CIVIDIS[round(share * (len(CIVIDIS) - 1))]))
-        self.signs.data = signs
+        self.put("signs", **signs)
 
 
-class StorageChart(Chart):
+class StorageChart(LoneChart):
     """What storages of one power save against resistors."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("storage", "Saved by storage instead of brake resistors, kWh, over storage size, kWh", height)
-        self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
+        caption = "Saved by storage instead of brake resistors, kWh, over storage size, kWh"
+        super().__init__("storage", caption, height, palette)
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=4, digits=1)
-        self.figure = f
-        f.xaxis.axis_label = "Size, kWh"
-        self.curve, self.chosen = (ColumnDataSource({"x": [], "y": []}) for _ in range(2))
-        self.most, self.need = (
-            ColumnDataSource({"y": [], "x": [], "text": []}),
-            ColumnDataSource({"x": [], "y": [], "text": []}),
-        )
-        most = f.hspan("y", source=self.most, line_width=1.2, line_dash=[4, 3])
-        need = f.vspan("x", source=self.need, line_width=1)
-        self.palette.paint(most.glyph, line_color="good")
-        self.palette.paint(need.glyph, line_color="line2")
-        curve = f.line("x", "y", source=self.curve, line_width=2.2)
-        self.palette.paint(curve.glyph, line_color="accent")
-        point = f.scatter("x", "y", source=self.chosen, size=11, line_width=2)
-        self.palette.paint(point.glyph, fill_color="accent", line_color="surface")
-        sign = f.text("x", "y", "text", source=self.most, y_offset=-4, x_offset=6, **text_style(11))
-        self.palette.paint(sign.glyph, text_color="good")
-        sign = f.text(
-            "x", "y", "text", source=self.need, x_offset=-6, y_offset=-6, text_align="right", **text_style(11)
-        )
-        self.palette.paint(sign.glyph, text_color="ink2")
-        self.content = captioned(self.words, f)
+        self.frame(ticks=4, digits=1, x_title="Size, kWh")
+        self.source("most", "x", "y", "text")
+        self.source("need", "x", "y", "text")
+        self.glyphs("hspan", "most", "y", paint={"line_color": "good"}, line_width=1.2, line_dash=[4, 3])
+        self.hairlines("need", "line2")
+        self.line("curve", "accent", line_width=2.2)
+        self.dots("chosen", size=11, line_width=2)
+        self.signs("most", "good", y_offset=-4, x_offset=6)
+        self.signs("need", "ink2", x_offset=-6, y_offset=-6, text_align="right")
 
     def draw(self, storage: StorageCurve) -> None:
         """Draw the curve, the size needed, the storage chosen and what a receptive line would save."""
         chosen, need = storage.chosen, storage.need.largest_drop_kwh
         most = chosen.with_resistors_kwh - chosen.with_receptive_line_kwh
-        self.curve.data = xy(storage.size_kwh, storage.saved_kwh)
-        self.chosen.data = {"x": [chosen.storage.size_kwh], "y": [chosen.saved_kwh]}
-        self.most.data = {"x": [0.0], "y": [most], "text": [f"fully receptive supply: {words.energy(most)} kWh"]}
-        self.need.data = {"x": [need], "y": [0.0], "text": [f"needed: {words.energy(need)} kWh"]}
-        self.x_range.update(start=0, end=float(storage.size_kwh[-1]))
+        self.put("curve", **xy(storage.size_kwh, storage.saved_kwh))
+        self.put("chosen", **points([(chosen.storage.size_kwh, chosen.saved_kwh)]))
+        self.put("most", x=[0.0], y=[most], text=[f"fully receptive supply: {words.energy(most)} kWh"])
+        self.put("need", x=[need], y=[0.0], text=[f"needed: {words.energy(need)} kWh"])
         _, high = nice_range(0.0, max(most, 1e-3), 0.2)
-        self.y_range.update(start=0, end=high)
+        self.set_ranges((0.0, float(storage.size_kwh[-1])), (0.0, high))
 
 
 def storage_table(storage: StorageCurve) -> str:

@@ -1,187 +1,137 @@
 """A run through the control loop: quantities over time with its limits, speed over position, switched currents."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from bokeh.models import ColumnDataSource, Range1d
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.energy import share_above
+from railjoule.core.scenario import StrategyName
 from railjoule.core.simulate.field_oriented import FieldOrientedRun, Ripple
 from railjoule.core.studies.detuning import DetuningTable
-from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import DASHES
-from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.charts import Axis, Chart, DistanceChart, add_zero, clear, nice_range, text_style, xy
-from railjoule.dashboard.views.figures import captioned, empty_figure
-from railjoule.dashboard.views.run_lines import DRIVEN_DASH
+from railjoule.dashboard.views import parts, quantities
+from railjoule.dashboard.views.charts import Axis, add_zero, nice_range, xy
+from railjoule.dashboard.views.figures import LoneChart
+from railjoule.dashboard.views.quantities import POSITION, Quantity, read
+from railjoule.dashboard.views.run_lines import DRIVEN_DASH, Form, Line, RunLines, ends_of
 
 NAMES_PX, BORDERS_PX = 22, 9
 """Room above the lines for their names; what a figure takes above and below its frame."""
 BAND_ALPHA = 0.16
 BEYOND_END = 0.02
 """Share of the way beyond its end, for the last number of the axis."""
-MS_PER_S = 1e3
+MS_PER_S = MM_PER_M = 1e3
 SMALL_LENGTH_M = 0.1
 
-Values = Callable[[FieldOrientedRun], tuple[FloatArray, FloatArray]]
+DASHED: Mapping[str, Any] = {"line_width": 1.7, "line_dash": DRIVEN_DASH}
+SOLID: Mapping[str, Any] = {"line_width": 1.8}
+LIMIT: Mapping[str, Any] = {"line_width": 1.2}
+PLANNED: Mapping[str, Any] = {"line_width": 2.4}
 
 
 @dataclass(frozen=True)
-class Line:
-    """One line of a chart.
+class Loop:
+    """What a chart over time shows of runs in closed loop.
 
     Parameters
     ----------
-    word : str
-        Its name in the chart.
-    token : str
-        Its colour.
-    values : callable
-        Time [s] and quantity of a run.
-    of : str
-        Which of the runs.
-    stroke : mapping
-        Width and dash.
+    quantity : Quantity
+        That of its lines, where they have none of their own; its name is also the chart's.
+    lines : mapping of str to Line
+        From back to front, by their names in the chart; one without a name is alone.
+    ticks, tick_digits : int
+        As in `Form`.
     """
 
-    word: str
-    token: str
-    values: Values
-    of: str = "run"
-    stroke: Mapping[str, Any] = field(default_factory=lambda: {"line_width": 1.8})
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """What a chart over time shows.
-
-    Parameters
-    ----------
-    name, words, unit, digits
-        As in `Chart`.
-    lines : tuple of Line
-        From back to front.
-    ticks : int
-        Requested on the y axis.
-    tick_digits : int
-        Decimals of the ticks.
-    """
-
-    name: str
-    words: str
-    unit: str
-    digits: int
-    lines: tuple[Line, ...]
+    quantity: Quantity
+    lines: Mapping[str, Line]
     ticks: int = 4
     tick_digits: int = 0
 
-
-def over_time(name: str, factor: float = 1.0) -> Values:
-    """Return what reads a quantity of a run over time, times a factor."""
-
-    def values(run: FieldOrientedRun) -> tuple[FloatArray, FloatArray]:
-        quantity = np.asarray(getattr(run, name), dtype=float)
-        return run.time_s, factor * np.broadcast_to(quantity, run.time_s.shape)
-
-    return values
+    @property
+    def name(self) -> str:
+        """The chart's name."""
+        return self.quantity.name
 
 
-def planned_speed(run: FieldOrientedRun) -> tuple[FloatArray, FloatArray]:
-    """Time [s] and speed [km/h] of the plan."""
-    return run.planned.time_s, run.planned.speed_ms / MS_PER_KMH
+def column(name: str, attribute: str, divisor: float = 1.0) -> Quantity:
+    """Return one of several quantities of a chart: caption, unit and digits are the chart's."""
+    return Quantity(name, "", "", 0, read(attribute, divisor))
 
 
-DASHED: Mapping[str, Any] = {"line_width": 1.7, "line_dash": DRIVEN_DASH}
-LIMIT: Mapping[str, Any] = {"line_width": 1.2}
-EOC: Mapping[str, Any] = {"line_width": 1.8, "line_dash": DASHES["eoc"]}
-ENOC: Mapping[str, Any] = {"line_width": 1.8, "line_dash": DASHES["enoc"]}
+TORQUE_CURRENT = column("torque_current", "torque_current_a")
+INPUT_ENERGY = column("input_energy", "energy_by_input_power_j", J_PER_KWH)
 
 
-def rival_lines(name: str, factor: float = 1.0) -> tuple[Line, ...]:
+def of_rivals(quantity: Quantity) -> dict[str, Line]:
     """Return a line for each of the paper's two strategies."""
-    values = over_time(name, factor)
-    return Line("EOC", "eoc", values, "eoc", EOC), Line("ENOC", "enoc", values, "enoc", ENOC)
+    rivals: tuple[StrategyName, ...] = ("eoc", "enoc")
+    return {of.upper(): Line(of, {"line_width": 1.8, "line_dash": DASHES[of]}, of, quantity) for of in rivals}
 
 
-SPEED = Quantity(
-    "loop_speed",
-    "Speed over time, km/h",
-    "km/h",
-    2,
-    (
-        Line("planned", "accent", planned_speed, stroke={"line_width": 2.4}),
-        Line("actual", "driven", over_time("speed_ms", 1 / MS_PER_KMH), stroke=DASHED),
-    ),
+SPEED = Loop(
+    replace(quantities.SPEED, name="loop_speed", words="Speed over time, km/h", digits=2),
+    {
+        "planned": Line("accent", PLANNED, "planned", quantities.SPEED),
+        "actual": Line("driven", DASHED, "run", quantities.SPEED),
+    },
     ticks=5,
 )
-TRACKING = Quantity(
-    "tracking",
-    "Tracking error, m",
-    "m",
-    3,
-    (
-        Line("without pre-compensator", "driven", over_time("tracking_error_m"), "without", DASHED),
-        Line("with", "accent", over_time("tracking_error_m"), "with"),
-    ),
-    tick_digits=0,
+TRACKING = Loop(
+    Quantity("tracking", "Tracking error, m", "m", 3, read("tracking_error_m")),
+    {"without pre-compensator": Line("driven", DASHED, "without"), "with": Line("accent", SOLID, "with")},
 )
-TRACKING_FINE = Quantity(
-    "tracking_fine",
-    "Tracking error with pre-compensator, mm",
-    "mm",
-    3,
-    (Line("", "accent", over_time("tracking_error_m", 1e3), "with"),),
+TRACKING_FINE = Loop(
+    Quantity(
+        "tracking_fine", "Tracking error with pre-compensator, mm", "mm", 3, read("tracking_error_m", 1 / MM_PER_M)
+    ),
+    {"": Line("accent", SOLID, "with")},
     ticks=3,
 )
-CURRENTS = Quantity(
-    "loop_currents",
-    "Currents of one motor, A",
-    "A",
-    1,
-    (
-        Line("flux current", "phases", over_time("flux_current_a"), stroke=DASHED),
-        Line("torque current", "accent", over_time("torque_current_a")),
-    ),
+CURRENTS = Loop(
+    Quantity("loop_currents", "Currents of one motor, A", "A", 1, read("torque_current_a")),
+    {
+        "flux current": Line("phases", DASHED, "run", column("flux_current", "flux_current_a")),
+        "torque current": Line("accent", SOLID, "run", TORQUE_CURRENT),
+    },
 )
-VOLTAGE = Quantity(
-    "loop_voltage",
-    "Phase voltage of one motor, V",
-    "V",
-    0,
-    (
-        Line("limit", "limit", over_time("voltage_limit_v"), stroke=LIMIT),
-        Line("voltage", "accent", over_time("phase_voltage_v")),
-    ),
+VOLTAGE = Loop(
+    Quantity("loop_voltage", "Phase voltage of one motor, V", "V", 0, read("phase_voltage_v")),
+    {
+        "limit": Line("limit", LIMIT, "run", column("voltage_limit", "voltage_limit_v")),
+        "voltage": Line("accent", SOLID, "run", column("phase_voltage", "phase_voltage_v")),
+    },
 )
-FLUX = Quantity("loop_flux", "Rotor flux, V s", "V s", 3, (Line("", "accent", over_time("rotor_flux_vs")),), 3, 1)
-ENERGY = Quantity(
-    "loop_energy",
-    "Energy so far, kWh",
-    "kWh",
-    3,
-    (
-        Line("input power", "accent", over_time("energy_by_input_power_j", 1 / J_PER_KWH), stroke={"line_width": 3}),
-        Line("parts", "driven", over_time("energy_by_parts_j", 1 / J_PER_KWH), stroke=DASHED),
-    ),
+FLUX = Loop(
+    Quantity("loop_flux", "Rotor flux, V s", "V s", 3, read("rotor_flux_vs")),
+    {"": Line("accent", SOLID, "run")},
+    ticks=3,
     tick_digits=1,
 )
-RIVAL_SPEED = Quantity(
-    "rival_speed", "EOC and ENOC: speed, km/h", "km/h", 2, rival_lines("speed_ms", 1 / MS_PER_KMH), ticks=5
-)
-RIVAL_CURRENT = Quantity("rival_current", "Torque current of one motor, A", "A", 1, rival_lines("torque_current_a"))
-RIVAL_ENERGY = Quantity(
-    "rival_energy",
-    "Energy so far, kWh",
-    "kWh",
-    3,
-    rival_lines("energy_by_input_power_j", 1 / J_PER_KWH),
+ENERGY = Loop(
+    Quantity("loop_energy", "Energy so far, kWh", "kWh", 3, read("energy_by_input_power_j", J_PER_KWH)),
+    {
+        "input power": Line("accent", {"line_width": 3}, "run", INPUT_ENERGY),
+        "parts": Line("driven", DASHED, "run", column("energy_of_parts", "energy_by_parts_j", J_PER_KWH)),
+    },
     tick_digits=1,
 )
+RIVAL_SPEED = Loop(
+    replace(quantities.SPEED, name="rival_speed", words="EOC and ENOC: speed, km/h", digits=2),
+    of_rivals(quantities.SPEED),
+    ticks=5,
+)
+RIVAL_CURRENT = Loop(
+    Quantity("rival_current", "Torque current of one motor, A", "A", 1, read("torque_current_a")),
+    of_rivals(TORQUE_CURRENT),
+)
+RIVAL_ENERGY = Loop(replace(ENERGY.quantity, name="rival_energy"), of_rivals(INPUT_ENERGY), tick_digits=1)
 
 
 def length(metres: float) -> tuple[str, str]:
@@ -191,174 +141,116 @@ def length(metres: float) -> tuple[str, str]:
     return words.number(metres, 2), "m"
 
 
-class LoopChart(DistanceChart):
+class LoopChart(RunLines):
     """A quantity of one or more runs over time, with bands where a limit held the drive."""
 
-    def __init__(self, quantity: Quantity, height: int, axis: Axis, palette: Palette, last: bool = False) -> None:
-        self.quantity, self.last = quantity, last
-        self.unit, self.digits = quantity.unit, quantity.digits
-        super().__init__(quantity.name, quantity.words, height, axis, palette)
+    def __init__(self, loop: Loop, height: int, axis: Axis, palette: Palette, last: bool = False) -> None:
+        form = Form(loop.ticks, loop.tick_digits, zero=True, last=last, over_time=True)
+        super().__init__(loop.name, loop.quantity, loop.lines, height, axis, palette, form=form)
 
-    def build(self) -> None:
-        """Make the figure."""
-        f = self.frame(with_axis=self.last, ticks=self.quantity.ticks, digits=self.quantity.tick_digits)
-        self.sources["bands"] = ColumnDataSource({"from": [], "to": []})
-        bands = f.vstrip("from", "to", source=self.sources["bands"], fill_alpha=BAND_ALPHA, line_color=None)
-        self.palette.paint(bands.glyph, fill_color="limit")
-        add_zero(f, self.palette)
-        if self.last:
-            f.xaxis.axis_label = "Time, s"
-        for line in self.quantity.lines:
-            self.sources[line.word] = ColumnDataSource({"x": [], "y": []})
-            drawn = f.line("x", "y", source=self.sources[line.word], **line.stroke)
-            self.palette.paint(drawn.glyph, line_color=line.token)
-        self.sources["names"] = ColumnDataSource({"x": [], "y": [], "text": [], "colour": []})
-        f.text(
-            "x",
-            "y",
-            "text",
-            text_color="colour",
-            source=self.sources["names"],
-            text_baseline="top",
-            y_offset=2,
-            **text_style(),
+    def beneath(self) -> None:
+        """Draw the bands beneath the lines."""
+        self.glyphs(
+            "vstrip", "bands", "from", "to", paint={"fill_color": "limit"}, fill_alpha=BAND_ALPHA, line_color=None
         )
 
+    def above(self) -> None:
+        """Write the names of the lines."""
+        self.coloured_signs("names", 12, text_baseline="top", y_offset=2)
+
     def draw(self, runs: Mapping[str, FieldOrientedRun]) -> None:
-        """Draw the runs that there are; lines of others are cleared."""
-        low, high, drawn = 0.0, 0.0, []
-        for line in self.quantity.lines:
-            run = runs.get(line.of)
-            if run is None:
-                clear(self.sources[line.word])
-                continue
-            time, values = line.values(run)
-            self.sources[line.word].data = xy(time, values)
-            low, high = min(low, float(values.min())), max(high, float(values.max()))
-            drawn.append(line)
-        self.told["sources"] = [[line.word, self.sources[line.word]] for line in drawn]
+        """Draw the runs that there are."""
+        run = runs.get("run")
+        drawn = self.fill(runs if run is None else {"planned": run.planned, **runs}, over_time=True)
+        self.told["sources"] = [self.read(word, word) for word in drawn]
+        low, high = ends_of([*drawn.values(), (np.zeros(1), np.zeros(1))])
         bottom, top = nice_range(low, high)
         bottom = bottom if low < 0 else 0.0
-        if any(line.word for line in drawn):
+        if any(drawn):
             frame_px = self.height - BORDERS_PX
             top = high + (high - bottom) * NAMES_PX / (frame_px - NAMES_PX)
         self.set_range(bottom, top)
-        self._name(drawn, top)
-        self._mark(runs.get("run"))
-
-    def _name(self, lines: list[Line], height: float) -> None:
-        """Write the names side by side above the lines."""
-        named = [line for line in lines if line.word]
-        self.sources["names"].data = {
-            "x": [(0.02 + 0.98 * k / len(named)) * self.axis.end for k in range(len(named))],
-            "y": [height] * len(named),
-            "text": [line.word for line in named],
-            "colour": [self.palette.tokens[line.token] for line in named],
-        }
-
-    def _mark(self, run: FieldOrientedRun | None) -> None:
+        self._name([word for word in drawn if word], top)
         spans = () if run is None else run.saturated
-        self.sources["bands"].data = {"from": [s.start_s for s in spans], "to": [s.end_s for s in spans]}
+        self.put("bands", **{"from": [s.start_s for s in spans], "to": [s.end_s for s in spans]})
+
+    def _name(self, names: list[str], height: float) -> None:
+        """Write the names side by side above the lines."""
+        self.put(
+            "names",
+            x=[(0.02 + 0.98 * k / len(names)) * self.axis.end for k in range(len(names))],
+            y=[height] * len(names),
+            text=names,
+            colour=[self.palette.tokens[self.lines[word].token] for word in names],
+        )
 
 
-class PlaceChart(Chart):
-    """Speed over position, planned and actual."""
+class LoopDistanceChart(LoneChart):
+    """Speed over distance, planned and actual."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("loop_place", "Speed, km/h, over distance; dashed: actual", height)
-        self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
+        super().__init__("loop_place", "Speed, km/h, over distance; dashed: actual", height, palette)
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(
-            self.height, self.x_range, self.y_range, self.words, self.palette, ticks=5, x_title="Distance, m"
-        )
-        self.figure = f
-        self.planned, self.actual = (ColumnDataSource({"x": [], "y": []}) for _ in range(2))
-        planned = f.line("x", "y", source=self.planned, line_width=2.4)
-        actual = f.line("x", "y", source=self.actual, **DASHED)
-        self.palette.paint(planned.glyph, line_color="accent")
-        self.palette.paint(actual.glyph, line_color="driven")
-        self.content = captioned(self.words, f)
+        self.frame(ticks=5, x_title=POSITION.words)
+        for name, line in SPEED.lines.items():
+            self.line(name, line.token, **line.stroke)
 
     def draw(self, run: FieldOrientedRun) -> None:
         """Draw plan and run."""
-        self.planned.data = xy(run.planned.position_m, run.planned.speed_ms / MS_PER_KMH)
-        self.actual.data = xy(run.position_m, run.speed_ms / MS_PER_KMH)
-        top = max(float(run.planned.speed_ms.max()), float(run.speed_ms.max())) / MS_PER_KMH
-        end = float(max(run.planned.position_m[-1], run.position_m[-1]))
-        self.x_range.update(start=0, end=(1 + BEYOND_END) * end)
-        self.y_range.update(start=0, end=1.08 * top)
+        curves = {
+            name: (POSITION.values(one), quantities.SPEED.values(one))
+            for name, one in (("planned", run.planned), ("actual", run))
+        }
+        for name, curve in curves.items():
+            self.put(name, **xy(*curve))
+        end = max(float(x[-1]) for x, _ in curves.values())
+        self.set_ranges((0.0, (1 + BEYOND_END) * end), (0.0, 1.08 * ends_of(curves.values())[1]))
 
 
-class RippleChart(Chart):
+class RippleChart(LoneChart):
     """Current of one phase under switched voltage, and its average."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("ripple", "Switched current of one phase, A; dashed: averaged", height)
-        self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
+        super().__init__("ripple", "Switched current of one phase, A; dashed: averaged", height, palette)
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(self.height, self.x_range, self.y_range, self.words, self.palette, ticks=4, x_title="Time, ms")
-        self.figure = f
-        add_zero(f, self.palette)
-        self.switched, self.average = (ColumnDataSource({"x": [], "y": []}) for _ in range(2))
-        switched = f.line("x", "y", source=self.switched, line_width=1.6)
-        average = f.line("x", "y", source=self.average, **DASHED)
-        self.palette.paint(switched.glyph, line_color="accent")
-        self.palette.paint(average.glyph, line_color="driven")
-        self.content = captioned(self.words, f)
+        add_zero(self.frame(ticks=4, x_title="Time, ms"), self.palette)
+        self.line("switched", "accent", line_width=1.6)
+        self.line("averaged", "driven", **DASHED)
 
     def draw(self, ripple: Ripple) -> None:
         """Draw both currents."""
         time = MS_PER_S * (ripple.time_s - ripple.time_s[0])
-        self.switched.data = xy(time, ripple.phase_current_a)
-        self.average.data = xy(time, ripple.average_current_a)
-        self.x_range.update(start=0, end=float(time[-1]))
-        both = np.concatenate([ripple.phase_current_a, ripple.average_current_a])
-        low, high = nice_range(float(both.min()), float(both.max()), 0.1)
-        self.y_range.update(start=low, end=high)
+        curves = {"switched": (time, ripple.phase_current_a), "averaged": (time, ripple.average_current_a)}
+        for name, curve in curves.items():
+            self.put(name, **xy(*curve))
+        self.set_ranges((0.0, float(time[-1])), nice_range(*ends_of(curves.values()), 0.1))
 
 
-class DetuningChart(Chart):
+class DetuningChart(LoneChart):
     """What a rotor resistance costs that is not the one that the controller assumes."""
 
     def __init__(self, height: int, palette: Palette) -> None:
-        words = "Extra energy, %, over assumed / true rotor resistance"
-        super().__init__("detuning", words, height)
-        self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
+        super().__init__("detuning", "Extra energy, %, over assumed / true rotor resistance", height, palette)
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(
-            self.height,
-            self.x_range,
-            self.y_range,
-            self.words,
-            self.palette,
-            ticks=4,
-            digits=1,
-            x_title="Assumed / true rotor resistance, \u2013",
-        )
-        self.figure = f
+        f = self.frame(ticks=4, digits=1, x_title="Assumed / true rotor resistance, \u2013")
         f.xaxis[0].formatter.args = {"digits": 1}
         add_zero(f, self.palette)
-        self.curve = ColumnDataSource({"x": [], "y": []})
-        line = f.line("x", "y", source=self.curve, line_width=1.8)
-        points = f.scatter("x", "y", source=self.curve, size=8, line_width=1.5)
-        self.palette.paint(line.glyph, line_color="accent")
-        self.palette.paint(points.glyph, fill_color="accent", line_color="surface")
-        self.content = captioned(self.words, f)
+        self.line("curve", "accent", line_width=1.8)
+        self.dots("curve", size=8, line_width=1.5)
 
     def draw(self, table: DetuningTable) -> None:
         """Draw what is known so far, against the controller that assumes the true resistance."""
         factors, more = detuning_cost(table)
-        self.curve.data = xy(factors, more)
+        self.put("curve", **xy(factors, more))
         ends = table.rotor_resistance_factors
-        self.x_range.update(start=min(ends), end=max(ends))
-        low, high = nice_range(float(np.min(more, initial=0.0)), float(np.max(more, initial=1e-3)), 0.1)
-        self.y_range.update(start=low, end=high)
+        low, high = float(np.min(more, initial=0.0)), float(np.max(more, initial=1e-3))
+        self.set_ranges((min(ends), max(ends)), nice_range(low, high, 0.1))
 
 
 def detuning_cost(table: DetuningTable) -> tuple[FloatArray, FloatArray]:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from bokeh.models import ColumnDataSource, CustomJS
+from bokeh.models import CustomJS
 
 from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.core.scenario import Line
@@ -45,27 +45,24 @@ class ProfileChart(DistanceChart):
     def build(self) -> None:
         """Make the figure."""
         f = self.frame(zoom=False, ticks=3, digits=0)
-        nodes = ColumnDataSource({"x": [], "y": [], "base": []})
-        sign, dropped = ColumnDataSource({"x": [], "y": [], "text": []}), ColumnDataSource({"x": [], "y": []})
-        self.sources.update(nodes=nodes, dropped=dropped)
-        ground = f.varea("x", "base", "y", source=nodes)
-        edge = f.line("x", "y", source=nodes, line_width=1.6)
-        grips = f.scatter("x", "y", source=nodes, size=10, line_width=2)
-        words = f.text(
+        nodes, sign = self.source("nodes", "x", "y", "base"), self.source("sign", "x", "y", "text")
+        dropped = self.source("dropped")
+        self.glyphs("varea", "nodes", "x", "base", "y", paint={"fill_color": "ground"})
+        self.line("nodes", "groundline", line_width=1.6)
+        self.dots("nodes", "surface", "accent", size=10, line_width=2)
+        self.glyphs(
+            "text",
+            "sign",
             "x",
             "y",
             "text",
-            source=sign,
+            paint={"text_color": "ink", "background_fill_color": "surface"},
             text_align="center",
             y_offset=-12,
             background_fill_alpha=0.8,
             padding=2,
             **text_style(),
         )
-        self.palette.paint(ground.glyph, fill_color="ground")
-        self.palette.paint(edge.glyph, line_color="groundline")
-        self.palette.paint(grips.glyph, line_color="accent", fill_color="surface")
-        self.palette.paint(words.glyph, text_color="ink", background_fill_color="surface")
         bounds = {"steepest": STEEPEST_PERMILLE, "shortest": LEAST_SECTION_M}
         drag = CustomJS(
             args={"f": f, "nodes": nodes, "sign": sign, "dropped": dropped, **bounds},
@@ -116,20 +113,16 @@ class LimitStepsChart(DistanceChart):
         """Make the figure."""
         f = self.frame(with_axis=True, zoom=False, ticks=3)
         f.xaxis.axis_label = "Distance, m"
-        steps = ColumnDataSource({key: [] for key in ("left", "right", "limit", "middle", "text", "movable")})
-        dropped = ColumnDataSource({"left": [], "right": [], "limit": []})
-        self.sources.update(steps=steps, dropped=dropped)
-        bar = f.segment("left", "limit", "right", "limit", source=steps, line_width=2.4)
-        grip = f.scatter("middle", "limit", source=steps, size=10, line_width=2)
-        ends = [
-            f.scatter(end, "limit", source=steps, size="movable", line_width=2, marker="square")
-            for end in ("left", "right")
-        ]
-        words = f.text("middle", "limit", "text", source=steps, text_align="center", y_offset=-9, **text_style())
-        self.palette.paint(bar.glyph, line_color="limit")
-        for drawn in (grip, *ends):
-            self.palette.paint(drawn.glyph, line_color="limit", fill_color="surface")
-        self.palette.paint(words.glyph, text_color="limit")
+        steps = self.source("steps", "left", "right", "limit", "middle", "text", "movable")
+        dropped = self.source("dropped", "left", "right", "limit")
+        red, grip = {"line_color": "limit"}, {"line_color": "limit", "fill_color": "surface"}
+        self.glyphs("segment", "steps", "left", "limit", "right", "limit", paint=red, line_width=2.4)
+        self.glyphs("scatter", "steps", "middle", "limit", paint=grip, size=10, line_width=2)
+        for end in ("left", "right"):
+            square = {"size": "movable", "line_width": 2, "marker": "square"}
+            self.glyphs("scatter", "steps", end, "limit", paint=grip, **square)
+        sign = {"text_align": "center", "y_offset": -9, **text_style()}
+        self.glyphs("text", "steps", "middle", "limit", "text", paint={"text_color": "limit"}, **sign)
         bounds = {"shortest": LEAST_SECTION_M, "least": LEAST_LIMIT_KMH, "most": 600.0, "end": 1.0}
         self._drag = CustomJS(
             args={"f": f, "steps": steps, "dropped": dropped, **bounds},

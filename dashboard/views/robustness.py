@@ -18,7 +18,7 @@ from railjoule.dashboard.views.driven_charts import (
     BrakingChart,
     DrivenEffortChart,
     DrivenSpeedChart,
-    PlaceErrorChart,
+    PositionErrorChart,
     reality_words,
 )
 from railjoule.dashboard.views.fields import tie
@@ -97,20 +97,20 @@ class RobustnessView(PageView):
         self.speed = DrivenSpeedChart(HEIGHTS["driven_speed"][0], self.axis, palette)
         self.effort = DrivenEffortChart(HEIGHTS["driven_effort"][0], self.axis, palette)
         self.braking = BrakingChart(HEIGHTS["braking"][0], palette)
-        self.place = PlaceErrorChart(HEIGHTS["place"][0], palette)
+        self.position_error = PositionErrorChart(HEIGHTS["place"][0], palette)
         note = '<p class="note" style="margin:10px 0 0 12px">Click a cell to see its run.</p>'
         left = parts.stack(
             pn.Row(self.measure, self.ways, margin=0, sizing_mode="stretch_width", stylesheets=[parts.WRAP_CSS]),
-            self.heat_map.place,
+            self.heat_map.host,
             pn.Row(self.knows, parts.html_pane(note), margin=0, sizing_mode="stretch_width"),
-            self.costs.place,
+            self.costs.host,
             self.printed,
         )
-        right = parts.stack(self.speed.place, self.effort.place, self.braking.place, self.place.place)
+        right = parts.stack(self.speed.host, self.effort.host, self.braking.host, self.position_error.host)
         upper = parts.stack(left, right, css=LAYOUT_CSS)
         lower = parts.stack(
-            parts.stack(self.more.place, self.scatter.place),
-            parts.stack(self.late.place, self.chance_table),
+            parts.stack(self.more.host, self.scatter.host),
+            parts.stack(self.late.host, self.chance_table),
             css=LAYOUT_CSS,
         )
         tie(self.measure, model, "measure")
@@ -133,7 +133,7 @@ class RobustnessView(PageView):
             self.speed,
             self.effort,
             self.braking,
-            self.place,
+            self.position_error,
         )
 
     def _choose(self, load_factor: float, error_m: float) -> None:
@@ -155,7 +155,7 @@ class RobustnessView(PageView):
         self.speed.show(partial(self.speed.draw, following, name))
         self.effort.show(partial(self.effort.draw, following))
         self.braking.show(partial(self.braking.draw, following))
-        self.place.show(partial(self.place.draw, following))
+        self.position_error.show(partial(self.position_error.draw, following))
         self._draw_map()
         self._show_texts()
 

@@ -81,7 +81,7 @@ class SankeyChart(Chart):
 
     def draw(self, run: Trajectory, width_px: float) -> None:
         """Draw a run."""
-        self.pane.object = sankey(energy_flow(run), self.palette.tokens, min(width_px, WIDEST_PX), self.words)
+        self.pane.object = sankey(energy_flow(run), self.palette.tokens, min(width_px, WIDEST_PX), self.caption)
 
 
 def sankey(flow: EnergyFlow, tokens: Tokens, width_px: float, title: str) -> Markup:

@@ -1,23 +1,26 @@
-"""What the charts of Drive draw, and the bones of those that draw a line for each run."""
+"""What the charts of Drive draw, and those that draw a line for each run."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from bokeh.models import ColumnDataSource
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import StrategyName
 from railjoule.core.simulate.actual_run import ActualRun
+from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import words
-from railjoule.dashboard.views.charts import DistanceChart, add_zero, clear, columns, nice_range, style_of, xy
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.views.charts import Axis, Chart, DistanceChart, columns, nice_range, style_of
+from railjoule.dashboard.views.quantities import Quantity, along
+from railjoule.dashboard.views.run_lines import PLAIN, Curve, Form, Line, RunLines, ends_of
 
 PINNED, ACTUAL = "pinned", "actual"
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class RunScene:
     """What the charts of Drive draw.
 
     Parameters
@@ -56,7 +59,7 @@ class Scene:
 
     def x(self, run: Trajectory) -> FloatArray:
         """Return where a run's nodes lie on the axis."""
-        return run.time_s if self.over_time else run.position_m
+        return along(self.over_time).values(run)
 
     def x_of_place(self, place_m: FloatArray) -> FloatArray:
         """Return where places [m] lie on the axis, as the chosen run passes them."""
@@ -91,110 +94,83 @@ class Scene:
         return [(float(place), stop.duration_s) for place, stop in zip(x, events, strict=True)]
 
 
+def draw_borders(chart: Chart, scene: RunScene) -> None:
+    """Draw the hairlines between the phases of the chosen run."""
+    ends = np.array([phase.end_s if scene.over_time else phase.end_m for phase in scene.run.phases[:-1]])
+    chart.put("borders", **columns(x=ends))
+
+
+STROKES: Mapping[str, Line] = {name: Line(name, style_of(name)) for name in (PINNED, *reversed(STRATEGIES), ACTUAL)}
+"""The pinned run beneath, the optimum above all other strategies, what was driven on top."""
+
+
 class SceneChart(DistanceChart):
     """A chart of Drive."""
 
-    def draw(self, scene: Scene) -> None:
+    fits = False
+    """Whether its axis follows its lines, so that a report must fit it anew where they move."""
+    names_in = "names"
+    """The source of the names at its lines."""
+
+    def alternative(self, scene: RunScene) -> str:
+        """Return in words what it shows, for who cannot see it."""
+        names = ", ".join(words.STRATEGY_WORDS[name] for name in scene.runs)
+        return f"{self.caption}, over distance, of {names}."
+
+    def draw(self, scene: RunScene) -> None:
         """Draw a scene."""
         raise NotImplementedError
 
 
-class RunChart(SceneChart):
-    """A chart with a line for each run."""
+class RunChart(RunLines, SceneChart):
+    """A chart of Drive with a line for each run."""
 
-    lines: tuple[str, ...] = ()
+    fits = True
+    with_fastest = False
+    """Whether the fastest run is drawn where another one's numbers are shown: it needs more than all others."""
 
-    def add_lines(self) -> None:
-        """Add a line for each strategy and the pinned run, each from a source of its own."""
-        assert self.figure is not None
-        for name in (PINNED, *reversed(self.lines), ACTUAL):
-            draw = self.figure.step if self.stepped else self.figure.line
-            mode = {"mode": "before"} if self.stepped else {}
-            line = draw("x", "y", source=self.sources[name], **style_of(name), **mode)
-            self.palette.paint(line.glyph, line_color=name)
+    def __init__(
+        self, quantity: Quantity, height: int, axis: Axis, palette: Palette, caption: str = "", form: Form = PLAIN
+    ) -> None:
+        super().__init__(quantity.name, quantity, STROKES, height, axis, palette, caption, form)
 
-    def make_sources(self) -> None:
-        """Make the sources: one a line, and those that the cursor reads."""
-        for name in (PINNED, *self.lines, ACTUAL):
-            self.sources[name] = ColumnDataSource({"x": [], "y": []})
+    def beneath(self) -> None:
+        """Draw the hairlines of the phases beneath the lines."""
+        self.hairlines("borders", "line2", line_alpha=0.55, level="underlay")
 
-    def draw_lines(self, scene: Scene) -> None:
-        """Fill the lines of all runs; what is not drawn is emptied."""
-        named = scene.named()
-        for name in (PINNED, *self.lines, ACTUAL):
-            if name in named:
-                self.sources[name].data = xy(scene.x(named[name]), self.values(named[name]))
-            else:
-                clear(self.sources[name])
-        self.told["sources"] = [["planned" if scene.actual else "", self.sources[scene.chosen]]]
-        if scene.actual is not None:
-            self.told["sources"].append(["actual", self.sources[ACTUAL]])
-        if scene.pinned is not None:
-            self.told["sources"].append(["pinned", self.sources[PINNED]])
-
-    def values(self, run: Trajectory) -> FloatArray:
-        """Return what is drawn of a run, at its nodes."""
-        raise NotImplementedError
+    def draw_runs(self, scene: RunScene) -> dict[str, Curve]:
+        """Draw the lines of all runs and the hairlines of the phases; return the lines, the chosen one last."""
+        named = {
+            name: run
+            for name, run in scene.named().items()
+            if name != "fastest" or self.with_fastest or scene.chosen == "fastest"
+        }
+        drawn = self.fill(named, scene.over_time)
+        told = {scene.chosen: "planned" if scene.actual else "", ACTUAL: "actual", PINNED: "pinned"}
+        self.told["sources"] = [self.read(name, word) for name, word in told.items() if name in named]
+        draw_borders(self, scene)
+        return {name: drawn[name] for name in named}
 
     def name_colour(self, name: str) -> str:
         """Return the colour in which a line's name is written."""
         return self.palette.tokens["ink3" if name == PINNED else name]
 
-    def add_borders(self) -> None:
-        """Add the hairlines of the phases."""
-        assert self.figure is not None
-        self.sources["borders"] = ColumnDataSource({"x": []})
-        line = self.figure.vspan("x", source=self.sources["borders"], line_width=1, line_alpha=0.55, level="underlay")
-        self.palette.paint(line.glyph, line_color="line2")
-
-    def draw_borders(self, scene: Scene) -> None:
-        """Draw the hairlines of the phases."""
-        ends = np.array([phase.end_s if scene.over_time else phase.end_m for phase in scene.run.phases[:-1]])
-        self.sources["borders"].data = columns(x=ends)
-
-    def add_zero(self) -> None:
-        """Add the zero line."""
-        assert self.figure is not None
-        add_zero(self.figure, self.palette)
-
 
 class CellChart(RunChart):
     """A quantity that is constant in each cell."""
 
-    stepped = True
+    def __init__(
+        self, quantity: Quantity, height: int, axis: Axis, palette: Palette, last: bool = False, digits: int = 0
+    ) -> None:
+        form = Form(ticks=3, digits=digits, zero=True, last=last, room=0.08)
+        super().__init__(quantity, height, axis, palette, form=form)
 
-    def build(self) -> None:
-        """Make the figure."""
-        self.make_sources()
-        self.frame(with_axis=self.with_axis, ticks=3, digits=self.axis_digits)
-        self.add_zero()
-        self.add_borders()
-        self.add_lines()
-
-    with_axis = False
-    axis_digits = 0
-
-    def of_cells(self, run: Trajectory) -> FloatArray:
-        """Return what is drawn, in each cell."""
-        raise NotImplementedError
-
-    def values(self, run: Trajectory) -> FloatArray:
-        """Give each node the value of the cell before it."""
-        cells = self.of_cells(run)
-        return np.append(cells[:1], cells)
-
-    def draw(self, scene: Scene) -> None:
-        """Draw the runs; the fastest one only where its numbers are shown."""
-        self.draw_lines(scene)
-        if scene.chosen != "fastest":
-            clear(self.sources["fastest"])
-        named = [run for name, run in scene.named().items() if name != "fastest" or scene.chosen == "fastest"]
-        values = [self.values(run) for run in named]
-        self.set_range(*nice_range(min(v.min() for v in values), max(v.max() for v in values), 0.08))
-        self.draw_borders(scene)
+    def draw(self, scene: RunScene) -> None:
+        """Draw the runs."""
+        self.set_range(*nice_range(*ends_of(self.draw_runs(scene).values()), self.form.room))
 
 
-def line_words(name: str, scene: Scene) -> str:
+def line_words(name: str, scene: RunScene) -> str:
     """Return what a line is called in a chart."""
     if name == PINNED:
         assert scene.pinned is not None

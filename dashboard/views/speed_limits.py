@@ -12,10 +12,11 @@ from railjoule.dashboard.store import LimitRun
 from railjoule.dashboard.views import parts
 from railjoule.dashboard.views.charts import Axis, Chart
 from railjoule.dashboard.views.drive_charts import LineStrip
-from railjoule.dashboard.views.limit_charts import LimitEffortChart, LimitEnergyChart, LimitSpeedChart
+from railjoule.dashboard.views.limit_charts import LimitChart, LimitSpeedChart, both
 from railjoule.dashboard.views.motor_charts import MotorMapChart, StorageChart, storage_table
 from railjoule.dashboard.views.page import NARROW_PX, PageView
-from railjoule.dashboard.views.scene import Scene
+from railjoule.dashboard.views.quantities import EFFORT, ENERGY
+from railjoule.dashboard.views.scene import RunScene
 from railjoule.dashboard.views.search_charts import SearchPathChart, SearchPlaneChart, search_words
 from railjoule.dashboard.views.sections import PAGE
 
@@ -61,8 +62,8 @@ class SpeedLimitsView(PageView):
         self.axis = Axis(palette)
         self.speed = LimitSpeedChart(HEIGHTS["limit_speed"][0], self.axis, palette, model.move, self._release)
         self.line = LineStrip(HEIGHTS["line"][0], self.axis, palette)
-        self.effort = LimitEffortChart(HEIGHTS["limit_effort"][0], self.axis, palette)
-        self.energy = LimitEnergyChart(HEIGHTS["limit_energy"][0], self.axis, palette)
+        self.effort = LimitChart(EFFORT, HEIGHTS["limit_effort"][0], self.axis, palette)
+        self.energy = LimitChart(ENERGY, HEIGHTS["limit_energy"][0], self.axis, palette, last=True)
         self.plane = SearchPlaneChart(HEIGHTS["search_plane"][0], palette)
         self.path = SearchPathChart(HEIGHTS["search_path"][0], palette)
         self.map = MotorMapChart(HEIGHTS["motor_map"][0], palette)
@@ -102,9 +103,9 @@ class SpeedLimitsView(PageView):
         tools = pn.FlexBox(
             self.regulator, self.free, self.search, align_items="center", margin=0, sizing_mode="stretch_width"
         )
-        body = parts.stack(*(chart.place for chart in (self.speed, self.line, self.effort, self.energy)), css=BODY_CSS)
-        left = parts.stack(self.table, self.plane.place, self.pair, self.path.place, self.search_text, css=GAP_CSS)
-        right = parts.stack(self.no_map, self.map.place, self.whose, self.storage.place, self.storage_text, css=GAP_CSS)
+        body = parts.stack(*(chart.host for chart in (self.speed, self.line, self.effort, self.energy)), css=BODY_CSS)
+        left = parts.stack(self.table, self.plane.host, self.pair, self.path.host, self.search_text, css=GAP_CSS)
+        right = parts.stack(self.no_map, self.map.host, self.whose, self.storage.host, self.storage_text, css=GAP_CSS)
         lower = parts.stack(left, right, css=LOWER_CSS)
         notes = parts.stack(self.notes, css=NOTES_CSS)
         return parts.stack(self.heading, self.message, self.figures, tools, body, lower, notes)
@@ -149,8 +150,8 @@ class SpeedLimitsView(PageView):
         self.axis.fit(run.run.distance_m, roomy=False)
         if not self.model.moving:
             self.speed.show(partial(self.speed.draw, run, *self._steps()))
-        self.effort.show(partial(self.effort.draw, run))
-        self.energy.show(partial(self.energy.draw, run))
+        self.effort.show(partial(self.effort.draw, both(run)))
+        self.energy.show(partial(self.energy.draw, both(run)))
         self.line.show(partial(self.line.draw, self._scene(run)))
         self._show_texts(run)
         self._show_map()
@@ -159,10 +160,10 @@ class SpeedLimitsView(PageView):
         """Return the limits and borders that stand now, be they possible or not."""
         return self.model.limits_kmh, self.model.borders_m
 
-    def _scene(self, run: LimitRun) -> Scene:
+    def _scene(self, run: LimitRun) -> RunScene:
         width = self.browser.window_width
         room = width - (80 if width < NARROW_PX else 360)
-        return Scene("speed_limits", {"speed_limits": run.run}, None, False, width < NARROW_PX, room)
+        return RunScene("speed_limits", {"speed_limits": run.run}, None, False, width < NARROW_PX, room)
 
     def _show_trip(self) -> None:
         """Show the trip of a step that is being moved: its speeds, time and energy; the rest waits."""
@@ -190,7 +191,7 @@ class SpeedLimitsView(PageView):
         if self.pair.options != pairs:
             self.pair.param.update(options=pairs, value=0)
         self.pair.visible = sections > 2
-        self.plane.place.visible = sections > 1
+        self.plane.host.visible = sections > 1
         if sections > 1:
             self.plane.show(partial(self.plane.draw, path.search, self.pair.value))
         self.path.show(partial(self.path.draw, path.search))
@@ -198,7 +199,7 @@ class SpeedLimitsView(PageView):
 
     def _show_map(self) -> None:
         found, run, refusal = self.model.motor_map, self.model.run, self.model.no_map
-        self.map.place.visible = not refusal
+        self.map.host.visible = not refusal
         self.whose.visible = found is not None and found.motor is not None
         self.no_map.visible = bool(refusal)
         if refusal:

@@ -54,7 +54,7 @@ class SurfacePane(Chart):
             margin=0,
         )
         style = f"font:12px {FONT};color:var(--rj-ink2);padding:2px 0 0 6px"
-        title = parts.markup('<div data-figure="{0}" style="{1}">{0}</div>', self.words, style)
+        title = parts.markup('<div data-figure="{0}" style="{1}">{0}</div>', self.caption, style)
         # as plain text: the library escapes what it sends, and pieces of HTML would refuse
         self.content = parts.stack(pn.pane.HTML(str(title), margin=0), self.pane)
         self.figure = self.pane

@@ -77,8 +77,8 @@ class TradeOffView(PageView):
             max_width=360,
             visible=False,
         )
-        self.left = parts.stack(self.frontier.place, self.share.place, self.table)
-        self.right = parts.stack(self.map, self.surface.place, self.contour.place)
+        self.left = parts.stack(self.frontier.host, self.share.host, self.table)
+        self.right = parts.stack(self.map, self.surface.host, self.contour.host)
         self.body = parts.stack(self.left, self.right, css=LAYOUT_CSS)
         self.map.param.watch(self._choose_map, "value")
         state.param.watch(self._follow_map, ["wide_map", "copper_weight"])
@@ -111,7 +111,7 @@ class TradeOffView(PageView):
         now = self._present(trade_off, run.travel_time_s)
         self._show_texts(trade_off, run, now)
         plain = trade_off.enoc_map is not None
-        self.map.visible = self.right.visible = self.share.place.visible = plain
+        self.map.visible = self.right.visible = self.share.host.visible = plain
         self.body.css_classes = [] if plain else ["rj-single"]
         self.frontier.show(lambda: self.frontier.draw(trade_off, run))
         if not plain:

@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 from bokeh.events import Pan, Tap
-from bokeh.models import ColumnDataSource, ContourRenderer, Range1d, Span
+from bokeh.models import ContourRenderer, Range1d, Span
+from bokeh.plotting import figure
 from bokeh.plotting.contour import contour_data
 
 from railjoule.core import Trajectory
@@ -18,69 +19,60 @@ from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.store import EnocMap, TradeOff
-from railjoule.dashboard.views.charts import Chart, clear, nice_range, style_of, text_style, write_names, xy
-from railjoule.dashboard.views.figures import captioned, empty_figure, ink_on
+from railjoule.dashboard.views.charts import columns, nice_range, points, style_of, xy
+from railjoule.dashboard.views.figures import LoneChart, ink_on
 from railjoule.dashboard.views.label_places import Box
-from railjoule.dashboard.views.line_names import Name, clear_of, name_source, placed_names
+from railjoule.dashboard.views.line_names import Name, clear_of
 from railjoule.dashboard.views.surface import CIVIDIS, round_step
 
+TIME_TITLE = "Travel time, s"
 MOST_LEVELS = 10
 STEEPEST_SHARE = 0.04
 """The frontier is drawn from this share above the shortest time: nearer to it, it rises out of any scale."""
+BEFORE_SHARE, TANGENT_SHARE = 0.04, 0.09
+"""What is shown of the times that are too short, and how far the tangent reaches each way, of the range of times."""
+FAR_BELOW_AND_ABOVE = (-1e3, 1e4)
+"""Ends of the tint of impossible times, beyond any energy [kWh] to which the axis reaches."""
+MARK_PX = 6
+"""Half the size of the marks that names keep clear of."""
+SIGNED = (0.02, 0.93)
+"""Quantiles of the energies between which contours lie: beyond them the map rises so steeply that they would touch."""
 
 
-class FrontierChart(Chart):
+class FrontierChart(LoneChart):
     """Least energy over travel time; a click or a drag sets the travel time."""
 
     def __init__(self, height: int, state: Workbench, palette: Palette) -> None:
-        super().__init__("frontier", "Net energy, kWh, over travel time, s", height)
-        self.state, self.palette = state, palette
-        self.x_range, self.y_range = Range1d(0, 1), Range1d(0, 1)
-        self.sources: dict[str, ColumnDataSource] = {}
-
-    def source(self, name: str, *columns: str) -> ColumnDataSource:
-        """Return a new source of this chart."""
-        self.sources[name] = ColumnDataSource({column: [] for column in (columns or ("x", "y"))})
-        return self.sources[name]
+        super().__init__("frontier", "Net energy, kWh, over travel time, s", height, palette)
+        self.state = state
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(
-            self.height, self.x_range, self.y_range, self.words, self.palette, digits=1, x_title="Travel time, s"
-        )
-        self.figure = f
-        area = f.varea("x", "low", "high", source=self.source("between", "x", "low", "high"), fill_alpha=0.10)
-        self.palette.paint(area.glyph, fill_color="enoc")
-        closed = f.quad(
+        f = self.frame(digits=1, x_title=TIME_TITLE)
+        self.glyphs("varea", "between", "x", "low", "high", paint={"fill_color": "enoc"}, fill_alpha=0.10)
+        self.source("impossible", "left", "right")
+        self.glyphs(
+            "quad",
+            "impossible",
             "left",
             "right",
-            -1e3,
-            1e4,
-            source=self.source("impossible", "left", "right"),
+            *FAR_BELOW_AND_ABOVE,
+            paint={"fill_color": "ground", "hatch_color": "groundline"},
             line_color=None,
             fill_alpha=0.55,
             hatch_pattern="right_diagonal_line",
             hatch_scale=8,
             hatch_alpha=0.4,
         )
-        self.palette.paint(closed.glyph, fill_color="ground", hatch_color="groundline")
         for name in ("enoc", "optimal"):
-            line = f.line("x", "y", source=self.source(name), **style_of(name))
-            self.palette.paint(line.glyph, line_color=name)
-        tangent = f.line("x", "y", source=self.source("tangent"), line_width=1)
-        self.palette.paint(tangent.glyph, line_color="ink")
-        printed = f.scatter("x", "y", source=self.source("printed"), marker="diamond", size=10, line_width=1.5)
-        self.palette.paint(printed.glyph, fill_color="surface", line_color="enoc")
-        self.now = Span(location=-1, dimension="height", line_width=1)
-        self.palette.paint(self.now, line_color="line2")
-        f.add_layout(self.now)
-        point = f.scatter("x", "y", source=self.source("point"), size=11, line_width=2)
-        self.palette.paint(point.glyph, fill_color="accent", line_color="surface")
-        self.sources["names"] = name_source()
-        write_names(f, self.sources["names"])
+            self.line(name, name, **style_of(name))
+        self.line("tangent", "ink", line_width=1)
+        self.dots("printed", "surface", "enoc", marker="diamond", size=10, line_width=1.5)
+        self.now = upright(f, self.palette)
+        self.dots("point", size=11, line_width=2)
+        self.add_names()
         f.on_event(Tap, self._set_time)
         f.on_event(Pan, self._set_time)
-        self.content = captioned(self.words, f)
 
     def _set_time(self, event: Any) -> None:
         if event.x is not None and self.x_range.start < event.x < self.x_range.end:
@@ -93,164 +85,112 @@ class FrontierChart(Chart):
         shortest = frontier.shortest_travel_time_s
         steepest = float(np.interp(shortest * (1 + STEEPEST_SHARE), time, energy))
         now, price = run.travel_time_s, run.price_of_time_w or 0.0
-        low, high = nice_range(float(np.nanmin(energy)), max(steepest, run.energy_kwh), 0.08)
-        self.x_range.update(start=shortest - 0.04 * (time[-1] - shortest), end=float(time[-1]) * 1.005)
-        self.y_range.update(start=low, end=high)
-        self.sources["impossible"].data = {"left": [0.0], "right": [shortest]}
-        self.sources["optimal"].data = xy(time, energy)
+        self.set_ranges(
+            (shortest - BEFORE_SHARE * (time[-1] - shortest), float(time[-1]) * 1.005),
+            nice_range(float(np.nanmin(energy)), max(steepest, run.energy_kwh), 0.08),
+        )
+        self.put("impossible", left=[0.0], right=[shortest])
+        self.put("optimal", **xy(time, energy))
         enoc_time, enoc, below_enoc = enoc_curve(trade_off)
-        self.sources["enoc"].data = xy(enoc_time, enoc)
-        self.sources["between"].data = {"x": enoc_time, "low": below_enoc, "high": enoc}
-        reach = 0.09 * float(time[-1] - time[0])
-        slope = price / J_PER_KWH
-        self.sources["tangent"].data = {
-            "x": [now - reach, now + reach],
-            "y": [run.energy_kwh + slope * reach, run.energy_kwh - slope * reach],
-        }
+        self.put("enoc", **xy(enoc_time, enoc))
+        self.put("between", **columns(x=enoc_time, low=below_enoc, high=enoc))
+        sides = TANGENT_SHARE * float(time[-1] - time[0]) * np.array([-1.0, 1.0])
+        self.put("tangent", **xy(now + sides, run.energy_kwh - price / J_PER_KWH * sides))
         printed = printed_points(trade_off)
-        self.sources["printed"].data = {"x": printed[0], "y": printed[2]}
+        self.put("printed", x=printed[0], y=printed[2])
         self.now.location = now
-        self.sources["point"].data = {"x": [now], "y": [run.energy_kwh]}
-        self._draw_names(run, enoc_curve(trade_off), printed)
+        self.put("point", **points([(now, run.energy_kwh)]))
+        self._draw_names(run, printed)
 
-    def _draw_names(self, run: Trajectory, enoc: tuple[FloatArray, ...], printed: tuple[FloatArray, ...]) -> None:
+    def _draw_names(self, run: Trajectory, printed: tuple[FloatArray, ...]) -> None:
         """Name the curves, the present point and the printed ones where nothing else is."""
-        tokens, now = self.palette.tokens, (run.travel_time_s, run.energy_kwh)
-        optimal, tangent = self.sources["optimal"].data, self.sources["tangent"].data
+        tokens, now, frame = self.palette.tokens, (run.travel_time_s, run.energy_kwh), self.frame_now
         lines = {
-            "optimal": (np.asarray(optimal["x"]), np.asarray(optimal["y"])),
-            "tangent": (np.asarray(tangent["x"]), np.asarray(tangent["y"])),
-            "enoc": (enoc[0], enoc[1]),
-            "now": (np.full(2, now[0]), np.array([self.y_range.start, self.y_range.end], dtype=float)),
+            name: (np.asarray(self.sources[name].data["x"]), np.asarray(self.sources[name].data["y"]))
+            for name in ("optimal", "tangent", "enoc")
         }
         times, _, energies = printed
-        frame = self.frame_over(
-            (float(self.x_range.start), float(self.x_range.end)), (float(self.y_range.start), float(self.y_range.end))
-        )
-        dots = [frame.dot(*now, 6), *(frame.dot(*place, 6) for place in zip(times, energies, strict=True))]
+        places = [(float(x), float(y)) for x, y in zip(times, energies, strict=True)]
         point = f"{words.energy(now[1])} kWh at {words.time(now[0])} s"
+        price = f"saved per extra second: {words.price(run.price_of_time_w or 0.0)} Wh"
         names = [
             Name("now", point, tokens["optimal"], point=now),
-            Name(
-                "price",
-                f"saved per extra second: {words.price(run.price_of_time_w or 0.0)} Wh",
-                tokens["ink2"],
-                point=now,
-            ),
+            Name("price", price, tokens["ink2"], point=now),
             Name("optimal", "optimal", tokens["optimal"], preferred=0.8),
         ]
-        if len(enoc[0]):
+        if len(lines["enoc"][0]):
             names.append(Name("enoc", "ENOC", tokens["enoc"], preferred=0.5))
-        inside = [
-            place for place in zip(times, energies, strict=True) if self.x_range.start <= place[0] <= self.x_range.end
-        ]
+        inside = [place for place in places if frame.x[0] <= place[0] <= frame.x[1]]
         if inside:
-            last = float(inside[-1][0]), float(inside[-1][1])
-            names.append(Name("printed", "ENOC as printed, Table 2", tokens["enoc"], point=last))
-        self.sources["names"].data = placed_names(frame, lines, names, dots)
+            names.append(Name("printed", "ENOC as printed, Table 2", tokens["enoc"], point=inside[-1]))
+        dots = [frame.dot(*place, MARK_PX) for place in (now, *places)]
+        self.place_names({**lines, "now": frame.upright(now[0])}, names, dots)
 
 
-class ShareChart(Chart):
+class ShareChart(LoneChart):
     """By how much ENOC lies above the optimum."""
 
     def __init__(self, height: int, x_range: Range1d, palette: Palette) -> None:
-        super().__init__("share", "ENOC above the optimum, %", height)
-        self.palette, self.x_range, self.y_range = palette, x_range, Range1d(0, 1)
+        super().__init__("share", "ENOC above the optimum, %", height, palette, x_range)
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(
-            self.height, self.x_range, self.y_range, self.words, self.palette, ticks=3, x_title="Travel time, s"
-        )
-        self.figure = f
-        self.line, self.sign = ColumnDataSource({"x": [], "y": []}), name_source()
-        area = f.varea("x", 0, "y", source=self.line, fill_alpha=0.10)
-        line = f.line("x", "y", source=self.line, **style_of("enoc"))
-        write_names(f, self.sign)
-        self.palette.paint(area.glyph, fill_color="enoc")
-        self.palette.paint(line.glyph, line_color="enoc")
-        self.now = Span(location=-1, dimension="height", line_width=1)
-        self.palette.paint(self.now, line_color="line2")
-        f.add_layout(self.now)
-        self.content = captioned(self.words, f)
+        f = self.frame(ticks=3, x_title=TIME_TITLE)
+        self.glyphs("varea", "share", "x", 0, "y", paint={"fill_color": "enoc"}, fill_alpha=0.10)
+        self.line("share", "enoc", **style_of("enoc"))
+        self.add_names()
+        self.now = upright(f, self.palette)
 
     def draw(self, trade_off: TradeOff, run: Trajectory) -> None:
         """Draw the share over travel time."""
         time, enoc, optimal = enoc_curve(trade_off)
         if not len(time):
-            clear(self.line)
-            clear(self.sign)
+            self.clear()
             return
         share = 100 * share_above(enoc, optimal)
         drawn = time > trade_off.frontier.shortest_travel_time_s * (1 + STEEPEST_SHARE)
         self.y_range.update(start=0, end=float(np.ceil(np.max(share, where=drawn, initial=0.0) * 1.15 + 0.2)))
-        self.line.data = xy(time, share)
+        self.put("share", **xy(time, share))
         now = run.travel_time_s
         if now < time[0]:
-            clear(self.sign)
+            self.clear("names")
         else:
             more = comparisons.above(best_enoc_kwh(trade_off, now), run.energy_kwh)
             here = float(np.interp(now, time, share))
             name = Name("now", f"{more} at {words.time(now)} s", self.palette.tokens["enoc"], point=(now, here))
-            frame = self.frame_over(
-                (float(self.x_range.start), float(self.x_range.end)), (0.0, float(self.y_range.end))
-            )
-            self.sign.data = placed_names(frame, {"enoc": (time, share)}, [name])
+            self.place_names({"enoc": (time, share)}, [name])
         self.now.location = now
 
 
-class ContourChart(Chart):
+def upright(f: figure, palette: Palette) -> Span:
+    """Add the upright line of the present travel time to a figure, out of sight until it is drawn."""
+    now = Span(location=-1, dimension="height", line_width=1)
+    palette.paint(now, line_color="line2")
+    f.add_layout(now)
+    return now
+
+
+class ContourChart(LoneChart):
     """ENOC's energy over travel time and acceleration time, as contours."""
 
     kind = "map"
 
     def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("contour", "ENOC: energy, kWh, as contours", height)
-        self.palette, self.x_range, self.y_range = palette, Range1d(0, 1), Range1d(0, 1)
+        super().__init__("contour", "ENOC: energy, kWh, as contours", height, palette)
 
     def build(self) -> None:
         """Make the figure."""
-        f = empty_figure(
-            self.height,
-            self.x_range,
-            self.y_range,
-            self.words,
-            self.palette,
-            ticks=5,
-            x_title="Travel time, s",
-            y_title="Acceleration time, s",
-        )
-        self.figure = f
+        f = self.frame(ticks=5, x_title=TIME_TITLE, y_title="Acceleration time, s")
         f.ygrid.visible = False
-        self.valley, self.point = (ColumnDataSource({"x": [], "y": []}) for _ in range(2))
-        self.printed = ColumnDataSource({"x": [], "y": [], "energy": []})
-        self.signs = ColumnDataSource({"x": [], "y": [], "text": [], "colour": []})
         self.contours: ContourRenderer | None = None
         self.drawn: EnocMap | None = None
-        f.line("x", "y", source=self.valley, line_color="#FFFFFF", line_width=2)
-        f.scatter(
-            "x",
-            "y",
-            source=self.printed,
-            marker="diamond",
-            size=9,
-            fill_color=None,
-            line_color="#FFFFFF",
-            line_width=1.5,
-        )
-        f.text(
-            "x",
-            "y",
-            "text",
-            text_color="colour",
-            source=self.signs,
-            text_align="center",
-            text_baseline="middle",
-            **text_style(11),
-        )
-        point = f.scatter("x", "y", source=self.point, size=11, line_color="#FFFFFF", line_width=2)
-        self.palette.paint(point.glyph, fill_color="accent")
-        self.content = captioned(self.words, f)
+        white = {"line_color": "#FFFFFF"}
+        self.glyphs("line", "valley", "x", "y", paint={}, line_width=2, **white)
+        self.source("printed", "x", "y", "energy")
+        hollow = {"marker": "diamond", "fill_color": None, "line_width": 1.5}
+        self.glyphs("scatter", "printed", "x", "y", paint={}, size=9, **hollow, **white)
+        self.coloured_signs("signs", text_align="center", text_baseline="middle")
+        self.glyphs("scatter", "point", "x", "y", paint={"fill_color": "accent"}, size=11, line_width=2, **white)
 
     def draw(self, trade_off: TradeOff, now: tuple[float, float, float] | None) -> None:
         """Draw contours, valley, the present point and the printed ones."""
@@ -261,12 +201,11 @@ class ContourChart(Chart):
         time, ramp = enoc_map.travel_time_s, enoc_map.acceleration_time_s
         if self.drawn is not enoc_map:
             self._draw_map(enoc_map)
-        self.x_range.update(start=float(time[0]), end=float(time[-1]))
-        self.y_range.update(start=float(ramp[0]), end=float(ramp[-1]))
-        self.valley.data = xy(time, enoc_map.best_acceleration_s)
-        self.point.data = {"x": [now[0]], "y": [now[1]]} if now else {"x": [], "y": []}
+        self.set_ranges((float(time[0]), float(time[-1])), (float(ramp[0]), float(ramp[-1])))
+        self.put("valley", **xy(time, enoc_map.best_acceleration_s))
+        self.put("point", **points([now[:2]] if now else []))
         printed = printed_points(trade_off, everywhere=True)
-        self.printed.data = {"x": printed[0], "y": printed[1], "energy": printed[2]}
+        self.put("printed", **columns(x=printed[0], y=printed[1], energy=printed[2]))
 
     def _draw_map(self, enoc_map: EnocMap) -> None:
         """Draw the contours: with as many levels as before only their data change, which is far cheaper."""
@@ -307,7 +246,7 @@ class ContourChart(Chart):
                 taken.append(box)
                 for key, value in zip(signs, (x, y, text, ink_on(colours[k])), strict=True):
                     signs[key].append(value)
-        self.signs.data = signs
+        self.put("signs", **signs)
 
 
 def _crossings(enoc_map: EnocMap, level: float) -> Iterator[tuple[float, float]]:
@@ -363,7 +302,8 @@ def printed_points(trade_off: TradeOff, everywhere: bool = False) -> tuple[Float
 
 def contour_levels(energy_kwh: FloatArray) -> list[float]:
     """Return the multiples of a round step that most of the energies lie between, and ends beyond all of them."""
-    low, high = (float(level) for level in np.nanquantile(energy_kwh, (0.02, 0.93)))
+    low, high = (float(level) for level in np.nanquantile(energy_kwh, SIGNED))
     step = round_step((high - low) / MOST_LEVELS)
     inner = step * np.arange(np.ceil(low / step), np.floor(high / step) + 1)
+    # the first and the last level only close the lowest and the highest band: they must lie beyond all energies
     return [0.0, *(round(float(level), 9) for level in inner if level > 0), float(np.nanmax(energy_kwh)) * 10 + 1]

@@ -199,3 +199,36 @@ def test_nothing_overflows_and_the_sidebar_makes_room(server: Server, chromium: 
             expect(user.slider("Travel time, s")).to_be_visible(visible=width >= 900)
             user.rest(500)
             assert user.page.evaluate("document.documentElement.scrollWidth - window.innerWidth") <= 0
+
+
+def test_a_figure_out_of_sight_rests_until_it_comes_into_sight(chromium: Browser, server: Server) -> None:
+    find = """(label) => {
+      const name_of = ({html_attributes: a}) => a instanceof Map ? a.get("aria-label") : a["aria-label"];
+      const found = Bokeh.index.query(({model}) => model.type === "Figure" && name_of(model) === label);
+      const [{model, _render_count}] = [...found];
+      return {rests: model.hold_render, painted: _render_count};
+    }"""
+    with User.at(chromium, server.drive_url, height=500) as user:
+
+        def speed() -> dict[str, int]:
+            return dict(user.page.evaluate(find, "Speed, km/h"))
+
+        def power() -> dict[str, int]:
+            return dict(user.page.evaluate(find, "Power from the supply, MW"))
+
+        user.page.locator(".rj-chart-power:visible:not(.rj-undrawn)").wait_for(state="attached")
+        user.wait_until(lambda: bool(power()["rests"]))
+        assert power()["rests"]
+        before = speed()["painted"], power()["painted"]
+        user.push("Travel time, s", 2)
+        user.wait_until(lambda: speed()["painted"] > before[0])
+        assert speed()["painted"] > before[0]
+        assert power()["painted"] == before[1]
+        user.page.locator(".rj-chart-power:visible").scroll_into_view_if_needed()
+        user.wait_until(lambda: not power()["rests"] and power()["painted"] > before[1])
+        # it is in sight again, and follows
+        after = power()["painted"]
+        assert after > before[1]
+        user.push("Travel time, s", 2)
+        user.wait_until(lambda: power()["painted"] > after)
+        assert power()["painted"] > after

@@ -431,16 +431,31 @@ def test_the_value_of_a_line_beneath_the_mouse(page: Page) -> None:
     assert all(math.isnan(value) for value in run(page, "cursor", code, line)[4:])
 
 
+def test_a_saved_line_has_its_own_columns_and_no_digits_that_it_never_had(page: Page) -> None:
+    code = """
+      const half = (values) => Float32Array.from(values);
+      const source = {data: {position: half([0, 2300]), speed: half([0.1, 53.846153846]), energy: half([7, 8])}};
+      const [x, y] = [{field: "position"}, {field: "speed"}];
+      const others = [{type: "Scatter", x, y}, {type: "Line", x: {field: "x"}, y: {field: "y"}}];
+      return [m.line_points(source, {type: "Line", x, y}), others.map((glyph) => m.line_points(source, glyph))];
+    """
+    points, others = run(page, "saving", code)
+    # seven digits are what a number of four bytes holds: 53.846153846 is one of those that are nearest to 53.84615
+    assert points == [{"x": 0, "y": 0.1}, {"x": 2300, "y": 53.846153}]
+    assert others == [None, None]
+
+
 def test_each_axis_has_a_cursor_of_its_own(page: Page) -> None:
     chart = {"words": "Speed", "unit": "km/h", "digits": 1, "small": 0, "stepped": False, "place": ["m", 0]}
     code = """
-      const lines = () => [["", {data: {x: [0, 100], y: [0, 50]}}], ["clock", {data: {x: [], y: []}}]];
+      const lines = () => [["", {data: {place: [0, 100], speed: [0, 50]}}, "place", "speed"],
+        ["clock", {data: {x: [], y: []}}, "x", "y"]];
       const axis = () => ({range: {}, charts: [{...a, caption: {text: ""}, sources: lines()}]});
       const [one, other] = [axis(), axis()], text = ({charts}) => charts[0].caption.text;
       m.follow(one, {event_name: "mousemove", x: 20});
       const first = text(one);
       // both axes settle: only one of them has a mouse
-      one.charts[0].sources[0][1].data.y[1] = 100;
+      one.charts[0].sources[0][1].data.speed[1] = 100;
       m.follow(one, one.range);
       m.follow(other, other.range);
       const [moved, untouched] = [text(one), text(other)];

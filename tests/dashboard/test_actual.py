@@ -3,6 +3,7 @@
 from itertools import pairwise
 
 import pytest
+from lines import sent
 
 from railjoule.core import load_scenario
 from railjoule.core.simulate.actual_run import actual_run
@@ -167,8 +168,8 @@ def test_the_head_names_the_extra_energy_and_the_charts_have_the_dashed_line(pag
     for name in ("speed", "energy", "current"):
         chart = view.scenes[name]
         chart.settle()
-        assert max(chart.sources["actual"].data["x"]) == run.actual.position_m[-1]
-    assert view.scenes["current"].words == "Current from the supply, A, at 750 V"
+        assert max(sent(chart, "actual")[0]) == run.actual.position_m[-1]
+    assert view.scenes["current"].caption == "Current from the supply, A, at 750 V"
 
 
 def test_a_failure_keeps_the_plan_and_says_why(pages):

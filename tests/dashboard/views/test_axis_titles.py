@@ -41,7 +41,7 @@ def test_all_axes_are_named(page: str) -> None:
             named += 1
         if f.yaxis[0].visible and f.yaxis[0].major_label_text_alpha:
             # a caption stands at the upper end of the y axis, and names it
-            label = f.yaxis[0].axis_label or chart.words
+            label = f.yaxis[0].axis_label or chart.caption
             assert UNIT.search(label), f"y axis of {chart.name}: {label!r}"
             named += 1
     assert named or not view.charts

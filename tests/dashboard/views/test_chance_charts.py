@@ -12,10 +12,10 @@ def test_a_histogram_marks_its_quantiles() -> None:
     chart = HistogramChart("more", "More, %", "More, %", percent_difference, 190, Palette(dark=False))
     chart.build()
     chart.draw(np.append(np.linspace(0.0, 100.0, 1001), np.nan))
-    assert np.allclose(chart.marks.data["x"], [5.0, 50.0, 95.0])
-    assert chart.signs.data["text"][1] == "median: +50.0"
+    assert np.allclose(chart.sources["marks"].data["x"], [5.0, 50.0, 95.0])
+    assert chart.sources["signs"].data["text"][1] == "median: +50.0"
     chart.draw(np.array([np.nan]))
-    assert chart.bars.data["top"] == []
+    assert chart.sources["bars"].data["top"] == []
 
 
 def test_the_table_says_how_many_runs_there_are() -> None:

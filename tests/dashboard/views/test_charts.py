@@ -50,7 +50,7 @@ def test_a_chart_takes_the_place_of_its_sketch_once_it_is_drawn() -> None:
     chart.show(lambda: drawn.append("second"))
     assert (chart.built, drawn) == (1, ["first", "second"])
     assert chart.is_drawn
-    assert list(chart.place) == [chart.content]
+    assert list(chart.host) == [chart.content]
 
 
 def test_a_chart_that_fails_leaves_its_sketch_and_is_built_anew() -> None:

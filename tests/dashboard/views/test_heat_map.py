@@ -44,11 +44,11 @@ def test_cells_that_are_not_computed_yet_stay_empty() -> None:
     chart.build()
     table = sensitivity(load_scenario("liashenko-0"), both_directions=False)
     chart.draw(table, MEASURES["over_replanned"], 1.0, 5.0)
-    assert list(chart.cells.data["text"]).count("") == 0
-    assert chart.frame.data == {"x": [3.5], "y": [4.0]}
-    assert chart.plan.data["x"] == [3]
+    assert list(chart.sources["cells"].data["text"]).count("") == 0
+    assert chart.sources["frame"].data == {"x": [3.5], "y": [4.0]}
+    assert chart.sources["plan"].data["x"] == [3]
     chart.draw(table, MEASURES["over_replanned"], 1.2, 5.0)
-    assert np.isnan(chart.frame.data["y"]).all()  # a crush load has no row
+    assert np.isnan(chart.sources["frame"].data["y"]).all()  # a crush load has no row
 
     class Press:
         x, y = 5.2, 0.9

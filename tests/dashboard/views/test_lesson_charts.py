@@ -15,10 +15,10 @@ def result() -> LessonResult:
 def test_the_phase_plane_marks_the_switches(result: LessonResult) -> None:
     chart = PhasePlaneChart("multiplier", 250, Palette(False))
     chart.show(lambda: chart.draw(result))
-    assert chart.bands.data["top"][:2] == pytest.approx([0.0, 1 / 0.85])
+    assert chart.sources["bands"].data["top"][:2] == pytest.approx([0.0, 1 / 0.85])
     coast = next(phase for phase in result.runs["optimum"].phases if phase.phase == "coast")
     # the formula beside the run that the solver found
-    assert chart.marks.data["x"][1] == pytest.approx(coast.end_ms * 3.6, rel=5e-3)
+    assert chart.sources["marks"].data["x"][1] == pytest.approx(coast.end_ms * 3.6, rel=5e-3)
 
 
 def test_the_tangent_has_the_price_as_its_slope(result: LessonResult) -> None:
@@ -34,7 +34,7 @@ def test_the_tangent_has_the_price_as_its_slope(result: LessonResult) -> None:
 def test_both_runs_are_drawn_and_told_to_the_cursor(result: LessonResult) -> None:
     chart = LessonSpeedChart("multiplier", "Speed, km/h", 200, Palette(False))
     chart.show(lambda: chart.draw(result))
-    assert [name for name, _ in chart.told["sources"]] == ["optimum", "a second later"]
+    assert [name for name, *_ in chart.told["sources"]] == ["optimum", "a second later"]
     assert chart.y_range.end > result.runs["optimum"].max_speed_kmh
 
 

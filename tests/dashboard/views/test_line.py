@@ -1,4 +1,5 @@
 import pytest
+from lines import sent
 
 from railjoule.core import load_scenario
 from railjoule.dashboard.look import words
@@ -36,10 +37,10 @@ def test_only_the_chosen_other_is_drawn(runs: LineRuns) -> None:
     palette = Palette(False)
     chart = LineSpeedChart(230, Axis(palette), palette)
     chart.show(lambda: chart.draw(runs, "equal", 900.0))
-    assert len(chart.sources["equal"].data["x"]) > 100
-    assert len(chart.sources["proportional"].data["x"]) == 0
+    assert len(sent(chart, "equal")[0]) > 100
+    assert len(sent(chart, "proportional")[0]) == 0
     chart.draw(runs, "proportional", 900.0)
-    assert len(chart.sources["equal"].data["x"]) == 0
+    assert len(sent(chart, "equal")[0]) == 0
 
 
 def test_texts_name_the_stations_and_escape_them(runs: LineRuns) -> None:

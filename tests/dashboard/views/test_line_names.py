@@ -5,6 +5,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+from lines import sent
 
 from railjoule.core import load_scenario
 from railjoule.core.strategies import STRATEGIES
@@ -21,7 +22,8 @@ from railjoule.dashboard.views.compare_charts import (
 from railjoule.dashboard.views.drive_charts import EnergyChart
 from railjoule.dashboard.views.label_places import Box, text_width_px
 from railjoule.dashboard.views.line_names import LINE_HEIGHT, Frame
-from railjoule.dashboard.views.scene import RunChart, Scene
+from railjoule.dashboard.views.run_lines import RunLines
+from railjoule.dashboard.views.scene import RunChart, RunScene
 from railjoule.dashboard.views.speed_chart import SpeedChart
 
 SCENARIOS = ("metro-with-limit", "tram-950m-stop", "ftorek-300s", "liashenko-ii")
@@ -47,7 +49,7 @@ def boxes(chart: DistanceChart, source: str, frame: Frame) -> dict[str, Box]:
     return result
 
 
-def check(chart: DistanceChart, source: str, lines: tuple[str, ...]) -> dict[str, Box]:
+def check(chart: RunLines, source: str, lines: tuple[str, ...]) -> dict[str, Box]:
     frame = chart.frame_now
     placed = boxes(chart, source, frame)
     for left, bottom, right, top in placed.values():
@@ -60,7 +62,8 @@ def check(chart: DistanceChart, source: str, lines: tuple[str, ...]) -> dict[str
         beside = one[0] >= other[2] - 0.01 or other[0] >= one[2] - 0.01
         assert beside or one[1] >= other[3] - 0.01 or other[1] >= one[3] - 0.01
     for line in lines:
-        x, y = (np.asarray(chart.sources[line].data[key], dtype=float) for key in "xy")
+        source = chart.sources.get(line)
+        x, y = sent(chart, line) if source is None else (np.asarray(source.data[key], dtype=float) for key in "xy")
         if not len(x):
             continue
         steps = np.linspace(0, len(x) - 1, 30 * len(x))
@@ -79,8 +82,8 @@ def test_no_name_of_drive_lies_on_anything(name: str, width: float, over_time: b
     pinned = runs.runs["fastest"]
     palette = Palette(False)
     axis, lines = Axis(palette), tuple(STRATEGIES)
-    charts: tuple[RunChart, ...] = (SpeedChart(250, axis, palette, lines), EnergyChart(140, axis, palette, lines))
-    scene = Scene("optimal", runs.runs, pinned, over_time, narrow=False, width_px=width)
+    charts: tuple[RunChart, ...] = (SpeedChart(250, axis, palette), EnergyChart(140, axis, palette))
+    scene = RunScene("optimal", runs.runs, pinned, over_time, narrow=False, width_px=width)
     axis.fit(scene.end, roomy=True)
     counts = []
     for chart in charts:

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from lines import sent
 
 from railjoule.dashboard.browser import Browser
 from railjoule.dashboard.look.paint import Palette
@@ -41,24 +42,24 @@ def test_charts_draw_the_run(view: MotorView) -> None:
     run = view.model.run
     assert run is not None
     charts = view.loops
-    assert charts["loop_speed"].sources["planned"].data["y"][-1] == pytest.approx(0.0, abs=1e-6)
-    assert max(charts["loop_currents"].sources["torque current"].data["y"]) == pytest.approx(run.torque_current_a.max())
-    energy = charts["loop_energy"].sources
-    assert energy["input power"].data["y"][-1] == pytest.approx(energy["parts"].data["y"][-1], rel=5e-4)
+    assert sent(charts["loop_speed"], "planned")[1][-1] == pytest.approx(0.0, abs=1e-6)
+    assert max(sent(charts["loop_currents"], "torque current")[1]) == pytest.approx(run.torque_current_a.max())
+    (_, integrated), (_, parts) = (sent(charts["loop_energy"], name) for name in ("input power", "parts"))
+    assert integrated[-1] == pytest.approx(parts[-1], rel=5e-4)
     assert list(charts["loop_speed"].sources["bands"].data["from"]) == []
     assert charts["loop_speed"].sources["names"].data["text"] == ["planned", "actual"]
-    assert len(view.place.actual.data["x"]) == len(run.position_m)
-    assert 50 < len(view.map.points.data["x"]) <= 120
+    assert len(view.over_distance.sources["actual"].data["x"]) == len(run.position_m)
+    assert 50 < len(view.map.sources["points"].data["x"]) <= 120
 
 
 def test_the_precompensator_is_what_keeps_the_train_on_its_reference(view: MotorView) -> None:
-    lines = view.loops["tracking"].sources
+    lines = view.loops["tracking"]
     assert view.model.run is not None
     # a loop of third order with its poles at 10 rad/s lags by 3/10 s of its speed
     lag = 0.3 * view.model.run.planned.speed_ms.max()
-    assert np.abs(lines["without pre-compensator"].data["y"]).max() == pytest.approx(lag, rel=0.01)
-    assert np.abs(lines["with"].data["y"]).max() < 0.05
-    fine = view.loops["tracking_fine"].sources[""].data["y"]
+    assert np.abs(sent(lines, "without pre-compensator")[1]).max() == pytest.approx(lag, rel=0.01)
+    assert np.abs(sent(lines, "with")[1]).max() < 0.05
+    _, fine = sent(view.loops["tracking_fine"], "")
     assert np.abs(fine).max() < 50.0
     assert "mm" in view.figures.object
     view.model.precompensator = False
@@ -66,13 +67,11 @@ def test_the_precompensator_is_what_keeps_the_train_on_its_reference(view: Motor
 
 
 def test_both_strategies_of_the_paper_go_through_the_loop(view: MotorView) -> None:
-    currents = view.loops["rival_current"].sources
+    currents = {name: sent(view.loops["rival_current"], name)[1] for name in ("EOC", "ENOC")}
     # the optimum begins with more than a ramp needs
-    assert max(currents["EOC"].data["y"]) > 1.2 * max(currents["ENOC"].data["y"])
-    assert (
-        view.loops["rival_energy"].sources["EOC"].data["y"][-1]
-        < view.loops["rival_energy"].sources["ENOC"].data["y"][-1]
-    )
+    assert max(currents["EOC"]) > 1.2 * max(currents["ENOC"])
+    energies = {name: sent(view.loops["rival_energy"], name)[1] for name in ("EOC", "ENOC")}
+    assert energies["EOC"][-1] < energies["ENOC"][-1]
 
 
 def test_a_limit_that_holds_the_drive_is_told_and_marked(view: MotorView) -> None:
@@ -100,16 +99,16 @@ def test_a_scenario_without_machine_offers_one_that_has(view: MotorView) -> None
 
 
 def test_the_study_shows_what_came(view: MotorView) -> None:
-    assert not view.detuning.place.visible
+    assert not view.detuning.host.visible
     empty = next(compute_detuning(LoopRequest(view.state.scenario.scenario(), "enoc", {})))
     energy = np.full(len(empty.energy_kwh), np.nan)
     energy[:3] = 4.0, 4.4, 5.0
     view.model.detuning = replace(empty, energy_kwh=energy, done=3)
-    assert view.detuning.place.visible
+    assert view.detuning.host.visible
     # in the order of the factors, against the right one
     nearest = empty.rotor_resistance_factors[:3]
-    assert view.detuning.curve.data["x"] == sorted(nearest)
-    cost = dict(zip(view.detuning.curve.data["x"], view.detuning.curve.data["y"], strict=True))
+    assert view.detuning.sources["curve"].data["x"] == sorted(nearest)
+    cost = dict(zip(view.detuning.sources["curve"].data["x"], view.detuning.sources["curve"].data["y"], strict=True))
     assert [cost[factor] for factor in nearest] == pytest.approx([0.0, 10.0, 25.0])
     assert view.costs.object.count("<tr") == 4
 

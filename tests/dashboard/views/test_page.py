@@ -57,7 +57,7 @@ def shown(session: Session) -> str:
 def test_a_page_that_is_made_late_draws_what_is_there(session: Session) -> None:
     assert "DriveView" not in session.views
     session.state.page = "Drive"
-    assert all(chart.is_drawn for chart in drive(session).charts if chart.place.visible)
+    assert all(chart.is_drawn for chart in drive(session).charts if chart.host.visible)
     assert "7.8" in shown(session)
 
 
