@@ -7,6 +7,7 @@ import panel as pn
 import panel_material_ui as pmui
 
 from railjoule.dashboard.look import words
+from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.models.actual import (
     add_stop,
     as_planned,
@@ -86,7 +87,7 @@ class ActualFields:
             self._listed = stops
             self.stops[:] = [self._row(number, stop) for number, stop in enumerate(stops, 1)]
         others = [event_sign(event) for event in events if event.kind != "stop"]
-        self.others.object = f'<div class="row small muted">Also {", ".join(others)}</div>' if others else ""
+        self.others.object = markup('<div class="row small muted">Also {}</div>', ", ".join(others)) if others else ""
         self.others.visible = bool(others)
         self.reaction.visible = bool(events)
 

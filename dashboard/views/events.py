@@ -6,6 +6,7 @@ import panel as pn
 import panel_material_ui as pmui
 
 from railjoule.dashboard.look import words
+from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.models.disturbances import EventModel
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.views.fields import NumberField
@@ -65,7 +66,7 @@ class EventFields:
             color="default",
         )
         head = pn.Row(
-            html_pane(f'<div class="row"><b>{name}</b></div>', align="center"),
+            html_pane(markup('<div class="row"><b>{}</b></div>', name), align="center"),
             remove,
             margin=(4, 8, 0, 0),
             sizing_mode="stretch_width",

@@ -5,6 +5,7 @@ from typing import Any
 import panel_material_ui as pmui
 
 from railjoule.dashboard.look.glossary import info
+from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.models.workbench import Workbench
 from railjoule.dashboard.views.fields import number_fields, tie
 from railjoule.dashboard.views.parts import html_pane, stack
@@ -39,7 +40,10 @@ class MotorFields:
             self.flux,
             *number_fields(model, "bandwidth_rads", "rotor_resistance_factor", "speed_noise_rads", "noise_seed"),
             html_pane(
-                f'<div class="row small"><span>From its resistance it computes the slip.{info("Slip")}</span></div>'
+                markup(
+                    '<div class="row small"><span>From its resistance it computes the slip.{}</span></div>',
+                    info("Slip"),
+                )
             ),
             html_pane('<div class="section">Inverter <span>\u00b7 at most, each phase</span></div>'),
             *number_fields(model, "max_phase_voltage_v", "max_current_a"),
