@@ -148,6 +148,7 @@ class LimitSpeedChart(RunLines):
 
     def _draw_steps(self, limits_kmh: Sequence[float], ends_m: Sequence[float], most: float) -> None:
         left, right, limits = list(ends_m[:-1]), list(ends_m[1:]), [float(limit) for limit in limits_kmh]
+        # sent whatever stands there: the browser has dragged these steps, and may be ahead of what is known here
         self._drawing = True
         self.sources["borders"].data = {"x": right[:-1], "low": limits[:-1], "high": limits[1:]}
         self.sources["handles"].data = {"x": right[:-1], "y": [0.5 * (one + other) for one, other in pairwise(limits)]}
