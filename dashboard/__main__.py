@@ -2,6 +2,6 @@
 
 import sys
 
-from railjoule.dashboard.cli import main
+from railjoule.dashboard.command.cli import main
 
 sys.exit(main(sys.argv[1:] or ["serve"]))

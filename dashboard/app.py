@@ -9,57 +9,51 @@ import panel as pn
 from bokeh.settings import settings
 
 from railjoule.core import RailjouleError
-from railjoule.dashboard.actual import Actual
-from railjoule.dashboard.browser import Browser
-from railjoule.dashboard.compare import Compare
-from railjoule.dashboard.disturbances import Disturbances
+from railjoule.dashboard.actual.work import Actual
+from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.editor.view import EditorView
 from railjoule.dashboard.faults import handle
-from railjoule.dashboard.health import HealthHandler
-from railjoule.dashboard.keeping import Keeping
-from railjoule.dashboard.learn import Learn
-from railjoule.dashboard.lifeline import Lifeline
-from railjoule.dashboard.line import WholeLines
-from railjoule.dashboard.logs import keep_quiet, write_down
+from railjoule.dashboard.keep.keeping import Keeping
+from railjoule.dashboard.keep.lifeline import Lifeline
+from railjoule.dashboard.keep.pins import Pins
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.models.scenario import PLAN_FIELDS
-from railjoule.dashboard.models.workbench import Workbench
-from railjoule.dashboard.motor import Motor
-from railjoule.dashboard.not_found import NotFoundHandler
-from railjoule.dashboard.page_work import PageWork
-from railjoule.dashboard.papers import Papers
-from railjoule.dashboard.pins import Pins
-from railjoule.dashboard.proving import Proving
-from railjoule.dashboard.reporting import Reporting
-from railjoule.dashboard.robustness import Robustness
-from railjoule.dashboard.speed_limits import SpeedLimits
-from railjoule.dashboard.start import Start
-from railjoule.dashboard.store import (
-    Runs,
-    RunsRequest,
-    TradeOff,
-    TradeOffRequest,
-    Worker,
-    compute_runs,
-    compute_trade_off,
-)
-from railjoule.dashboard.views.compare import CompareView
-from railjoule.dashboard.views.disturbances import DisturbancesView
-from railjoule.dashboard.views.drive import DriveView
-from railjoule.dashboard.views.editor import EditorView
-from railjoule.dashboard.views.help import HelpView
-from railjoule.dashboard.views.learn import LearnView
-from railjoule.dashboard.views.line import LineView
-from railjoule.dashboard.views.motor import MotorView
-from railjoule.dashboard.views.page import PageView
-from railjoule.dashboard.views.papers import PapersView
-from railjoule.dashboard.views.reporting import ReportButton
-from railjoule.dashboard.views.robustness import RobustnessView
-from railjoule.dashboard.views.share import Share
-from railjoule.dashboard.views.shell import Page, Shell
-from railjoule.dashboard.views.speed_limits import SpeedLimitsView
-from railjoule.dashboard.views.start import StartView
-from railjoule.dashboard.views.trade_off import TradeOffView
-from railjoule.dashboard.warmup import warmup
+from railjoule.dashboard.pages.compare.view import CompareView
+from railjoule.dashboard.pages.compare.work import Compare
+from railjoule.dashboard.pages.disturbances.view import DisturbancesView
+from railjoule.dashboard.pages.disturbances.work import Disturbances
+from railjoule.dashboard.pages.drive.proof_work import Proving
+from railjoule.dashboard.pages.drive.view import DriveView
+from railjoule.dashboard.pages.help.view import HelpView
+from railjoule.dashboard.pages.learn.view import LearnView
+from railjoule.dashboard.pages.learn.work import Learn
+from railjoule.dashboard.pages.line.view import LineView
+from railjoule.dashboard.pages.line.work import WholeLines
+from railjoule.dashboard.pages.motor.view import MotorView
+from railjoule.dashboard.pages.motor.work import Motor
+from railjoule.dashboard.pages.page import PageView
+from railjoule.dashboard.pages.papers.view import PapersView
+from railjoule.dashboard.pages.papers.work import Papers
+from railjoule.dashboard.pages.robustness.view import RobustnessView
+from railjoule.dashboard.pages.robustness.work import Robustness
+from railjoule.dashboard.pages.speed_limits.view import SpeedLimitsView
+from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
+from railjoule.dashboard.pages.start.view import StartView
+from railjoule.dashboard.pages.start.work import Start
+from railjoule.dashboard.pages.trade_off.compute import TradeOff, TradeOffRequest, compute_trade_off
+from railjoule.dashboard.pages.trade_off.view import TradeOffView
+from railjoule.dashboard.report.button import ReportButton
+from railjoule.dashboard.report.work import Reporting
+from railjoule.dashboard.server.health import HealthHandler
+from railjoule.dashboard.server.logs import keep_quiet, write_down
+from railjoule.dashboard.server.not_found import NotFoundHandler
+from railjoule.dashboard.shell.share import Share
+from railjoule.dashboard.shell.shell import Page, Shell
+from railjoule.dashboard.state.page_work import PageWork
+from railjoule.dashboard.state.scenario import PLAN_FIELDS
+from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs
+from railjoule.dashboard.work.warmup import warmup
+from railjoule.dashboard.work.worker import Worker
 
 pn.extension("plotly", notifications=False, exception_handler=handle)
 keep_quiet()

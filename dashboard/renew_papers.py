@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from railjoule.core.validation import COMPARISONS, Table
-from railjoule.dashboard.store.papers import SHIPPED, code_hash
+from railjoule.dashboard.pages.papers.compute import SHIPPED, code_hash
 
 DIGITS = 10
 """Significant digits of our numbers in the file."""

@@ -57,7 +57,13 @@ def test_command_is_installed():
 USED_BY_PANEL = {"plotly"}
 """Packages that panel imports for us, but does not bring."""
 EXTRAS = PROJECT["project"]["optional-dependencies"]
-COMMAND_LINE = ("cli", "commands", "summary", "terminal", "warmup", "look/comparisons", "look/words", "report/embedded")
+COMMAND_LINE = (
+    *(f"command/{name}" for name in ("cli", "commands", "summary", "terminal")),
+    "keep/embedded",
+    "look/comparisons",
+    "look/words",
+    "work/warmup",
+)
 """Modules of the dashboard that need nothing of the page."""
 
 

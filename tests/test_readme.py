@@ -19,8 +19,8 @@ from railjoule.core import solve
 from railjoule.core.scenario import STRATEGY_NAMES, load_scenario, preset_names, scenario_from_document
 from railjoule.core.scenario.document import change_document
 from railjoule.core.strategies import STRATEGIES, prepare_task
-from railjoule.dashboard.models.pages import PAGES
-from railjoule.dashboard.views.help import PROOF
+from railjoule.dashboard.page_list import PAGES
+from railjoule.dashboard.pages.help.view import PROOF
 
 ROOT = Path(__file__).parents[1]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")

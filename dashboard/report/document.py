@@ -14,16 +14,7 @@ from jinja2 import Environment, StrictUndefined, Template
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import format_scenario
-from railjoule.dashboard.look import words
-from railjoule.dashboard.look.markup import Markup, joined
-from railjoule.dashboard.look.scripts import source
-from railjoule.dashboard.look.theme import report_css
-from railjoule.dashboard.report import sections
-from railjoule.dashboard.report.embedded import embedded
-from railjoule.dashboard.report.figures import Figures
-from railjoule.dashboard.store.report import Findings
-from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.quantities import (
+from railjoule.dashboard.charts.quantities import (
     EFFORT,
     ENERGY,
     LARGEST_EFFORT,
@@ -33,6 +24,15 @@ from railjoule.dashboard.views.quantities import (
     SPEED,
     TIME,
 )
+from railjoule.dashboard.keep.embedded import embedded
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.markup import Markup, joined
+from railjoule.dashboard.look.scripts import source
+from railjoule.dashboard.look.theme import report_css
+from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.report import sections
+from railjoule.dashboard.report.figures import Figures
+from railjoule.dashboard.report.findings import Findings
 
 SECTIONS: Sequence[Callable[[Findings, Figures], Markup]] = (
     sections.result,
@@ -53,7 +53,7 @@ def report_html(findings: Findings, made_at: datetime) -> str:
     Parameters
     ----------
     findings : Findings
-        The last ones of `railjoule.dashboard.store.report.compute_findings`.
+        The last ones of `railjoule.dashboard.report.findings.compute_findings`.
     made_at : datetime
         When the report was made, with its time zone.
     """

@@ -9,15 +9,9 @@ from bokeh.document import Document
 
 from railjoule.core import Trajectory
 from railjoule.core.simulate.field_oriented import FieldOrientedRun
-from railjoule.dashboard.insides import written_down
-from railjoule.dashboard.look import words
-from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.look.tokens import THEMES
-from railjoule.dashboard.report.frontier import TimeChart
-from railjoule.dashboard.report.surfaces import surfaces_of
-from railjoule.dashboard.store.report import Findings
-from railjoule.dashboard.views.charts import Axis, DistanceChart
-from railjoule.dashboard.views.drive_charts import (
+from railjoule.dashboard.charts.chart import Axis, DistanceChart
+from railjoule.dashboard.charts.driven import DrivenEffortChart, DrivenSpeedChart
+from railjoule.dashboard.charts.run_charts import (
     CurrentChart,
     EffortChart,
     EnergyChart,
@@ -25,10 +19,16 @@ from railjoule.dashboard.views.drive_charts import (
     PhaseStrip,
     power_chart,
 )
-from railjoule.dashboard.views.driven_charts import DrivenEffortChart, DrivenSpeedChart
-from railjoule.dashboard.views.run_lines import RunLines
-from railjoule.dashboard.views.scene import RunScene, SceneChart
-from railjoule.dashboard.views.speed_chart import SpeedChart
+from railjoule.dashboard.charts.run_lines import RunLines
+from railjoule.dashboard.charts.scene import RunScene, SceneChart
+from railjoule.dashboard.charts.speed import SpeedChart
+from railjoule.dashboard.insides import written_down
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look.tokens import THEMES
+from railjoule.dashboard.report.findings import Findings
+from railjoule.dashboard.report.frontier import TimeChart
+from railjoule.dashboard.report.surfaces import surfaces_of
 
 WIDTH_PX = 640
 """Words are left out that have no room in figures of this width, about that of a printed page."""

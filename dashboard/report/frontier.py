@@ -6,10 +6,10 @@ import numpy as np
 
 from railjoule.core import Trajectory
 from railjoule.core.scenario import StrategyName
+from railjoule.dashboard.charts.chart import Axis, DistanceChart, nice_range, points, style_of, xy
+from railjoule.dashboard.charts.line_names import Name, placed_names
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.views.charts import Axis, DistanceChart, nice_range, points, style_of, xy
-from railjoule.dashboard.views.line_names import Name, placed_names
 
 STEEPEST_SHARE = 1.03
 """The scale ends with the optimum at this multiple of the first time: nearer to it, energy rises out of any scale."""

@@ -15,11 +15,11 @@ from railjoule.core.studies.sensitivity import SensitivityTable
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup, joined, markup
+from railjoule.dashboard.pages.motor.view import held_words, parts_table, run_figures
+from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.report.figures import Figures, Plot
+from railjoule.dashboard.report.findings import Findings
 from railjoule.dashboard.report.tables import scenario_tables
-from railjoule.dashboard.store.report import Findings
-from railjoule.dashboard.views import parts
-from railjoule.dashboard.views.motor import held_words, parts_table, run_figures
 
 PACKAGES = ("railjoule", "numpy", "scipy", "numba", "bokeh")
 FRONTIER_ROWS = 10

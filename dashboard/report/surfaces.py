@@ -8,12 +8,12 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.studies.sensitivity import SensitivityTable
+from railjoule.dashboard.charts.surface import CIVIDIS, TALLEST, round_step
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, markup
 from railjoule.dashboard.look.tokens import COST_SCALES, ThemeName
-from railjoule.dashboard.store.report import Findings
-from railjoule.dashboard.store.trade_off import EnocMap
-from railjoule.dashboard.views.surface import CIVIDIS, TALLEST, round_step
+from railjoule.dashboard.pages.trade_off.compute import EnocMap
+from railjoule.dashboard.report.findings import Findings
 
 TICKS, CORNER_SHARE = 5, 0.06
 MOST_NODES = 40

@@ -10,10 +10,10 @@ from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.scenario import Line, Vehicle
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.scenario.line import Section, SpeedLimit, Station
+from railjoule.dashboard.editor.fields_of import Table, describe, words_of
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup
-from railjoule.dashboard.models.fields_of import Table, describe, words_of
-from railjoule.dashboard.views.parts import table
+from railjoule.dashboard.parts.html import table
 
 MOST_ROWS = 40
 """A table with more rows ends with how many are left out; all of them stand in the embedded scenario."""

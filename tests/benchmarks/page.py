@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 from playwright.sync_api import Page, sync_playwright
 
-from railjoule.dashboard.models.pages import PAGES
+from railjoule.dashboard.page_list import PAGES
 from tests.benchmarks.measurement import Measurement
 from tests.browser.chromium import ARGUMENTS, browser_path
 from tests.browser.server import Server, serving

@@ -8,7 +8,7 @@ from playwright.sync_api import Browser
 from browser.server import Server
 from browser.user import GROUND, GROUNDS, User
 from railjoule.dashboard.look.tokens import THEMES
-from railjoule.dashboard.models.pages import PAGES
+from railjoule.dashboard.page_list import PAGES
 
 PARTS = {"Start": "first_pages", "Line": "first_pages", "Learn": "first_pages", "Papers": "first_pages"}
 """Pages that are tested together with others."""

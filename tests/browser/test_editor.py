@@ -8,8 +8,8 @@ from playwright.sync_api import Browser, BrowserContext, Locator, expect
 from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User
-from railjoule.dashboard.views.charts import RIGHT_BORDER_PX
-from railjoule.dashboard.views.editor import LIMITS_PX, PROFILE_PX
+from railjoule.dashboard.charts.chart import RIGHT_BORDER_PX
+from railjoule.dashboard.editor.view import LIMITS_PX, PROFILE_PX
 
 LENGTH_M = 2300.0
 LEFT_PX, ABOVE_PX, BELOW_PX = 50.0, 2.0, 7.0

@@ -14,7 +14,7 @@ from browser.layout import layout_faults
 from browser.server import Server, serving
 from browser.sight import Sight
 from browser.user import User, open_page
-from railjoule.dashboard.models.pages import PAGES
+from railjoule.dashboard.page_list import PAGES
 
 THERE_WITHIN_S = 45.0
 LOOK_MS = 40

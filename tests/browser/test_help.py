@@ -9,7 +9,7 @@ from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User, open_page
 from railjoule.dashboard.look.glossary import TERMS, term_of
-from railjoule.dashboard.models.pages import PAGES
+from railjoule.dashboard.page_list import PAGES
 
 
 @pytest.fixture(scope="module")

@@ -11,7 +11,7 @@ from playwright.sync_api import Browser
 from browser.layout import layout_faults
 from browser.server import Server
 from browser.user import User
-from railjoule.dashboard.models.pages import PAGES
+from railjoule.dashboard.page_list import PAGES
 
 
 @pytest.mark.parametrize("width", [390, 1920])

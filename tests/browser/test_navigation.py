@@ -7,7 +7,7 @@ from playwright.sync_api import Browser, BrowserContext, Locator, expect
 
 from browser.server import Server
 from browser.user import User, open_page
-from railjoule.dashboard.models.pages import KEYED
+from railjoule.dashboard.page_list import KEYED
 
 
 @pytest.fixture(scope="module")

@@ -12,10 +12,10 @@ from browser.findings import grave_findings
 from browser.user import User
 from railjoule.core import load_scenario
 from railjoule.core.scenario import parse_scenario
+from railjoule.dashboard.keep.embedded import scenario_in_report
 from railjoule.dashboard.look.tokens import DARK, LIGHT
 from railjoule.dashboard.report.document import report_html
-from railjoule.dashboard.report.embedded import scenario_in_report
-from railjoule.dashboard.store.report import ReportRequest, compute_findings
+from railjoule.dashboard.report.findings import ReportRequest, compute_findings
 
 CANARY = "<img src=x onerror='window.pwned=true'></script><script>window.pwned=true</script>"
 MOST_PAGES = 8

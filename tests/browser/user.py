@@ -11,7 +11,7 @@ from playwright.sync_api import Browser, BrowserContext, Locator, Page, expect
 from browser.sight import Sight
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look.words import STRATEGY_WORDS
-from railjoule.dashboard.models.pages import PAGES
+from railjoule.dashboard.page_list import PAGES
 
 PATIENCE_MS = 90_000
 REST_MS = 400

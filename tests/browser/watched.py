@@ -7,8 +7,8 @@ import panel as pn
 from tornado.web import RequestHandler
 
 from railjoule.dashboard.app import EXTRA_PATTERNS, make_page
-from railjoule.dashboard.views.shell import Page
-from railjoule.dashboard.warmup import warmup
+from railjoule.dashboard.shell.shell import Page
+from railjoule.dashboard.work.warmup import warmup
 
 LOOKS_EVERY_MS = 1000
 

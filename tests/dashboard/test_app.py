@@ -4,8 +4,8 @@ import pytest
 
 from railjoule.core import Scenario
 from railjoule.dashboard.app import Session, make_page
-from railjoule.dashboard.views.shell import Page
-from railjoule.dashboard.warmup import warmup
+from railjoule.dashboard.shell.shell import Page
+from railjoule.dashboard.work.warmup import warmup
 
 
 @pytest.fixture(scope="module", autouse=True)

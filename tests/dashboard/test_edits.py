@@ -2,10 +2,10 @@
 
 import pytest
 
-from railjoule.dashboard.disturbances import Disturbances
-from railjoule.dashboard.models.workbench import Workbench
-from railjoule.dashboard.robustness import Robustness
-from railjoule.dashboard.speed_limits import SpeedLimits
+from railjoule.dashboard.pages.disturbances.work import Disturbances
+from railjoule.dashboard.pages.robustness.work import Robustness
+from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
+from railjoule.dashboard.state.workbench import Workbench
 
 
 @pytest.fixture

@@ -15,22 +15,22 @@ import pytest
 
 from railjoule.core.scenario import StrategyName, preset_names
 from railjoule.core.strategies import STRATEGIES
-from railjoule.dashboard.browser import Browser
-from railjoule.dashboard.cli import main
-from railjoule.dashboard.keeping import Keeping
-from railjoule.dashboard.lifeline import Lifeline
+from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.command.cli import main
+from railjoule.dashboard.keep.keeping import Keeping
+from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.words import STRATEGY_WORDS
-from railjoule.dashboard.models.workbench import Workbench
-from railjoule.dashboard.proving import Proving
+from railjoule.dashboard.pages.compare.view import CompareView
+from railjoule.dashboard.pages.drive.proof_work import Proving
+from railjoule.dashboard.pages.drive.view import DriveView
+from railjoule.dashboard.pages.start.compute import make_card
+from railjoule.dashboard.pages.start.view import card_html
 from railjoule.dashboard.report.document import report_html
-from railjoule.dashboard.store import RunsRequest, compute_runs, tightened_runs
-from railjoule.dashboard.store.cards import make_card
-from railjoule.dashboard.store.report import Findings
-from railjoule.dashboard.views.compare import CompareView
-from railjoule.dashboard.views.drive import DriveView
-from railjoule.dashboard.views.sidebar import Sidebar
-from railjoule.dashboard.views.start import card_html
+from railjoule.dashboard.report.findings import Findings
+from railjoule.dashboard.shell.sidebar import Sidebar
+from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work.runs import RunsRequest, compute_runs, tightened_runs
 
 FIGURE = re.compile(
     r'<div class="label"><span>(?P<label>.*?)</span>.*?</div>'

@@ -22,7 +22,7 @@ class Refused:
 
 PAGE, commands = json.loads(sys.argv[1])
 sys.meta_path.insert(0, Refused())
-from railjoule.dashboard.cli import main
+from railjoule.dashboard.command.cli import main
 
 answers = []
 for command in commands:

@@ -7,11 +7,11 @@ import pytest
 
 from railjoule.core import load_scenario, solve
 from railjoule.core.scenario import parse_scenario
+from railjoule.dashboard.keep.embedded import scenario_in_report
 from railjoule.dashboard.look import words
 from railjoule.dashboard.report.document import report_html
-from railjoule.dashboard.report.embedded import scenario_in_report
+from railjoule.dashboard.report.findings import Findings, ReportRequest, compute_findings
 from railjoule.dashboard.report.sections import certificate
-from railjoule.dashboard.store.report import Findings, ReportRequest, compute_findings
 
 MADE_AT = datetime(2026, 3, 9, 14, 5, tzinfo=UTC)
 CANARY = "</style></script></title><img src=x onerror='window.pwned=true'>\"&"

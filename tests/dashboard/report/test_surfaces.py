@@ -5,8 +5,8 @@ import pytest
 
 from railjoule.core import load_scenario
 from railjoule.core.studies.sensitivity import sensitivity
+from railjoule.dashboard.pages.trade_off.compute import compute_enoc_map
 from railjoule.dashboard.report.surfaces import MOST_NODES, cost_surface, enoc_surface
-from railjoule.dashboard.store.trade_off import compute_enoc_map
 
 
 @pytest.fixture(scope="module")

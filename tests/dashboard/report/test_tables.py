@@ -1,7 +1,7 @@
 import re
 
 from railjoule.core import load_scenario
-from railjoule.dashboard.models.fields_of import Field, parts_of
+from railjoule.dashboard.editor.fields_of import Field, parts_of
 from railjoule.dashboard.report.tables import MOST_ROWS, scenario_tables
 
 

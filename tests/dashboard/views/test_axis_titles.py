@@ -6,7 +6,7 @@ import pytest
 from bokeh.plotting import figure
 
 from railjoule.dashboard.app import VIEWS, Session
-from railjoule.dashboard.warmup import warmup
+from railjoule.dashboard.work.warmup import warmup
 
 UNIT = re.compile(r", (km/h|kWh|kN|MW|kW|A|V s|V|N m|rad/s|Wb|s|mm|m|ms|min|%|J|Hz|\u2030|\u2013)(?![a-z])")
 COUNTED = ("Trip",)

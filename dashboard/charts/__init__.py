@@ -1,0 +1,1 @@
+"""Charts that more than one page draws, and what they are made of."""

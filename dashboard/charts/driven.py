@@ -1,0 +1,156 @@
+"""The plan and what was driven: speed, effort, the last metres before the stop, the estimated position."""
+
+import numpy as np
+
+from railjoule.core import Trajectory
+from railjoule.core.simulate.following import Following, stops_of
+from railjoule.core.units import MS_PER_KMH
+from railjoule.dashboard.charts.chart import Axis, Chart, add_zero, nice_range, xy
+from railjoule.dashboard.charts.figures import LoneChart
+from railjoule.dashboard.charts.line_names import Name
+from railjoule.dashboard.charts.quantities import EFFORT, SPEED
+from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Form, Line, RunLines, ends_of
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.paint import Palette
+
+BEFORE_SENSOR_M, BEYOND_STOP_M = 60.0, 20.0
+"""How much of the way is drawn before the first sensor and beyond the stop [m]."""
+HEADROOM = 1.22
+SENSOR_ROW_PX = 15.0
+SENSOR_WORDS = {"D1": "D1 resets position", "D2": "D2 calibrates", "D3": "D3 resets position"}
+
+LINES = {
+    "planned": Line("accent", {"line_width": 2.2}),
+    "driven": Line("driven", {"line_width": 1.7, "line_dash": DRIVEN_DASH}),
+}
+"""The plan solid, what was driven dashed."""
+
+
+def both(following: Following) -> dict[str, Trajectory]:
+    """Return both runs by the names of their lines."""
+    return {"planned": following.planned, "driven": following.actual}
+
+
+class DrivenSpeedChart(RunLines):
+    """Speeds, with what was driven in words."""
+
+    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
+        super().__init__("driven_speed", SPEED, LINES, height, axis, palette, form=Form(ticks=5))
+
+    def above(self) -> None:
+        """Write the names of the lines."""
+        self.add_names()
+
+    def draw(self, following: Following, name: str) -> None:
+        """Draw both runs; `name` says what was driven."""
+        lines = self.fill(both(following))
+        self.set_range(0, HEADROOM * ends_of(lines.values())[1])
+        tokens = self.palette.tokens
+        names = [
+            Name("planned", "planned", tokens["accent"], preferred=0.25),
+            Name("driven", f"driven: {name}", tokens["driven"], preferred=0.7),
+        ]
+        self.place_names(lines, names)
+
+
+class DrivenEffortChart(RunLines):
+    """Efforts in the cells."""
+
+    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
+        form = Form(ticks=3, zero=True, last=True, room=0.08)
+        super().__init__("driven_effort", EFFORT, LINES, height, axis, palette, "Effort, kN", form)
+
+    def draw(self, following: Following) -> None:
+        """Draw both runs."""
+        self.set_range(*nice_range(*ends_of(self.fill(both(following)).values()), self.form.room))
+
+
+class BrakingChart(LoneChart):
+    """The last metres before the stop, with the sensors and the target curve."""
+
+    def __init__(self, height: int, palette: Palette) -> None:
+        super().__init__("braking", "Precision braking: speed, km/h, before the stop", height, palette)
+
+    def build(self) -> None:
+        """Make the figure."""
+        self.frame(ticks=4, x_title="Distance from the stop, m")
+        self.line("target", "ink3", line_width=1.2, line_dash=[2, 3])
+        for name, line in LINES.items():
+            self.line(name, line.token, **line.stroke)
+        add_sensors(self)
+
+    def draw(self, following: Following) -> None:
+        """Draw both runs near the last stop."""
+        scenario, course = following.actual.scenario, following.courses[-1]
+        stop = following.planned.position_m[-1]
+        options = scenario.simulation
+        zone = max([options.reset_sensor_m or 0.0, *(stop - stretch.from_m for stretch in course[1:])])
+        first = -min((zone or stop) + BEFORE_SENSOR_M, stop)
+        last = max(BEYOND_STOP_M, following.stop_error_m * 1.2)
+        top = 1.0
+        for name, run in both(following).items():
+            near = run.position_m - stop >= first
+            speed = SPEED.values(run)[near]
+            self.put(name, **xy(run.position_m[near] - stop, speed))
+            top = max(top, float(speed.max()))
+        before = np.linspace(-zone, 0, 80) if options.target_braking and zone else np.zeros(0)
+        target = np.sqrt(-2 * options.target_deceleration_ms2 * before) / MS_PER_KMH
+        self.put("target", **xy(before, target))
+        self.set_ranges((first, last), (0.0, 1.3 * top))
+        draw_sensors(self, [(s.from_m - stop, s.sensor) for s in course[1:]], 1.3 * top, 0.13 * top)
+
+
+class PositionErrorChart(LoneChart):
+    """By how much the train assumes to be farther on than it is, over time."""
+
+    def __init__(self, height: int, palette: Palette) -> None:
+        super().__init__("place", "Position error: assumed less actual position, m", height, palette)
+
+    def build(self) -> None:
+        """Make the figure."""
+        add_zero(self.frame(ticks=3, x_title="Time, s"), self.palette)
+        self.line("error", "driven", line_width=1.7)
+        add_sensors(self)
+
+    def draw(self, following: Following) -> None:
+        """Draw the error of the position; at a sensor it jumps."""
+        run, places, errors, marks = following.actual, [], [], []
+        ends = np.add(stops_of(run.scenario), following.stop_errors_m)
+        for course, end in zip(following.courses, ends, strict=True):
+            borders = [stretch.from_m for stretch in course[1:]]
+            for stretch, until in zip(course, [*borders, float(end)], strict=True):
+                places += [stretch.from_m, until]
+                errors += [stretch.estimated_m - stretch.from_m, stretch.estimated(until) - until]
+            marks += [(stretch.from_m, stretch.sensor) for stretch in course[1:]]
+        time = np.interp(places, run.position_m, run.time_s)
+        self.put("error", **xy(time, np.array(errors)))
+        size = max(1.0, float(np.max(np.abs(errors))))
+        self.set_ranges((0.0, run.travel_time_s), (-1.3 * size, 1.6 * size))
+        passed = [(float(np.interp(place, run.position_m, run.time_s)), sensor) for place, sensor in marks]
+        row = SENSOR_ROW_PX * 2.9 * size / self.frame_now.height_px
+        draw_sensors(self, passed, 1.6 * size, row, short=True)
+
+
+def add_sensors(chart: Chart) -> None:
+    """Add a hairline and a name for each sensor."""
+    chart.source("sensors", "x", "y", "text", "align", "offset")
+    chart.hairlines("sensors", "line2")
+    chart.signs("sensors", "ink2", text_align="align", x_offset="offset", text_baseline="top")
+
+
+def draw_sensors(chart: Chart, marks: list[tuple[float, str]], top: float, row: float, short: bool = False) -> None:
+    """Put the hairlines where the sensors are, their names one below the other; the last ones left of their lines."""
+    left = [sensor == "D3" for _, sensor in marks]
+    chart.put(
+        "sensors",
+        x=[place for place, _ in marks],
+        y=[0.98 * top - row * (k % 3) for k in range(len(marks))],
+        text=[sensor if short else SENSOR_WORDS[sensor] for _, sensor in marks],
+        align=["right" if aside else "left" for aside in left],
+        offset=[-4 if aside else 4 for aside in left],
+    )
+
+
+def reality_words(load_factor: float, error_m: float) -> str:
+    """Return the actual load and position error, such as 'load 100 %, +10 m'."""
+    return f"load {words.setting(load_factor)}\u00a0%, {words.signed(error_m, 0)}\u00a0m"

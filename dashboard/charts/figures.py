@@ -1,0 +1,93 @@
+"""Figures that stand alone: with both axes, without a shared cursor."""
+
+import panel as pn
+from bokeh.models import Range1d
+from bokeh.plotting import figure
+
+from railjoule.dashboard.charts.chart import RIGHT_BORDER_PX, Chart, dress
+from railjoule.dashboard.charts.line_names import Frame
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.parts import html as parts
+
+
+def ink_on(colour: str) -> str:
+    """Return black or white, whichever contrasts more with a colour."""
+    red, green, blue = (int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
+    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in (red, green, blue)]
+    luminance = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+    return "#161B22" if (luminance + 0.05) / 0.0603 > 1.05 / (luminance + 0.05) else "#FFFFFF"
+
+
+def captioned(text: str, f: figure) -> pn.Column:
+    """Return a figure under its caption."""
+    caption = parts.markup('<div style="font-size:12px;color:var(--rj-ink2);padding:2px 0 0 50px">{}</div>', text)
+    return parts.stack(parts.html_pane(caption), pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_width"))
+
+
+def empty_figure(
+    height: int,
+    x_range: Range1d,
+    y_range: Range1d,
+    name: str,
+    palette: Palette,
+    ticks: int = 6,
+    digits: int = 0,
+    x_title: str = "",
+    y_title: str = "",
+) -> figure:
+    """Return a figure with both axes and without tools; where the y axis has no title, the caption names it."""
+    f = figure(
+        height=height,
+        sizing_mode="stretch_width",
+        x_range=x_range,
+        y_range=y_range,
+        toolbar_location=None,
+        tools="",
+        outline_line_color=None,
+        min_border_left=50,
+        min_border_right=RIGHT_BORDER_PX,
+        min_border_top=2,
+        min_border_bottom=24,
+        html_attributes={"role": "img", "aria-label": name},
+    )
+    f.toolbar.logo = None
+    dress(f, palette, ticks, digits)
+    palette.paint(f.xaxis[0], axis_line_color="line2")
+    f.xaxis.axis_label, f.yaxis.axis_label = x_title or None, y_title or None
+    return f
+
+
+class LoneChart(Chart):
+    """A chart with both axes of its own, for what does not lie over the page's shared axis.
+
+    Parameters
+    ----------
+    name, caption, height
+        As in `Chart`.
+    palette : Palette
+    x_range : Range1d or None
+        That of another chart, where it shares it.
+    """
+
+    def __init__(self, name: str, caption: str, height: int, palette: Palette, x_range: Range1d | None = None) -> None:
+        super().__init__(name, caption, height)
+        self.palette, self.x_range, self.y_range = palette, x_range or Range1d(0, 1), Range1d(0, 1)
+
+    def frame(self, ticks: int = 6, digits: int = 0, x_title: str = "", y_title: str = "") -> figure:
+        """Return the empty figure, and put it under its caption."""
+        f = empty_figure(
+            self.height, self.x_range, self.y_range, self.caption, self.palette, ticks, digits, x_title, y_title
+        )
+        self.figure, self.content = f, captioned(self.caption, f)
+        return f
+
+    def set_ranges(self, x: tuple[float, float], y: tuple[float, float]) -> None:
+        """Set the ends of both axes."""
+        self.x_range.update(start=x[0], end=x[1])
+        self.y_range.update(start=y[0], end=y[1])
+
+    @property
+    def frame_now(self) -> Frame:
+        """The part of the figure that is drawn in, with what its axes span."""
+        x, y = ((float(ends.start), float(ends.end)) for ends in (self.x_range, self.y_range))
+        return self.frame_over(x, y)

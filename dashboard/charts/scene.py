@@ -1,0 +1,185 @@
+"""What the charts of Drive draw, and those that draw a line for each run."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from railjoule.core import Trajectory
+from railjoule.core.arrays import FloatArray
+from railjoule.core.scenario import StrategyName
+from railjoule.core.simulate.actual_run import ActualRun
+from railjoule.core.strategies import STRATEGIES
+from railjoule.dashboard.charts.chart import Axis, Chart, DistanceChart, columns, nice_range, style_of
+from railjoule.dashboard.charts.quantities import Quantity, along
+from railjoule.dashboard.charts.run_lines import PLAIN, Curve, Form, Line, RunLines, ends_of
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.paint import Palette
+
+PINNED, ACTUAL = "pinned", "actual"
+
+
+@dataclass(frozen=True, eq=False)
+class RunScene:
+    """What the charts of Drive draw.
+
+    Parameters
+    ----------
+    chosen : str
+        The strategy whose numbers are shown.
+    runs : mapping
+        The runs to draw, the chosen one among them.
+    pinned : Trajectory or None
+        The run to compare with.
+    over_time : bool
+        Over time instead of distance.
+    narrow : bool
+        On a narrow screen: no labels at the ends of lines.
+    width_px : float
+        How wide the charts are, about.
+    actual : ActualRun or None
+        The actual run, if it is drawn beside the plan.
+    fastest : Trajectory or None
+        The fastest run, drawn or not: the cursor tells its speed.
+    """
+
+    chosen: StrategyName
+    runs: Mapping[StrategyName, Trajectory]
+    pinned: Trajectory | None
+    over_time: bool
+    narrow: bool
+    width_px: float
+    actual: ActualRun | None = None
+    fastest: Trajectory | None = None
+
+    @property
+    def run(self) -> Trajectory:
+        """The run whose numbers are shown."""
+        return self.runs[self.chosen]
+
+    def x(self, run: Trajectory) -> FloatArray:
+        """Return where a run's nodes lie on the axis."""
+        return along(self.over_time).values(run)
+
+    def x_of_place(self, place_m: FloatArray) -> FloatArray:
+        """Return where places [m] lie on the axis, as the chosen run passes them."""
+        return np.interp(place_m, self.run.position_m, self.run.time_s) if self.over_time else np.asarray(place_m)
+
+    @property
+    def end(self) -> float:
+        """Where the longest run ends on the axis."""
+        drawn = [*self.runs.values(), *([self.pinned] if self.pinned else [])]
+        drawn += [self.actual.actual] if self.actual else []
+        return max(float(self.x(run)[-1]) for run in drawn)
+
+    def named(self) -> dict[str, Trajectory]:
+        """Return the runs by the names of their lines, the pinned one included; the chosen one last, on top."""
+        named: dict[str, Trajectory] = {PINNED: self.pinned} if self.pinned else {}
+        named.update({name: run for name, run in self.runs.items() if name != self.chosen})
+        named[self.chosen] = self.run
+        if self.actual is not None:
+            named[ACTUAL] = self.actual.actual
+        return named
+
+    @property
+    def stops(self) -> list[tuple[float, float]]:
+        """Where the actual run makes unplanned stops on the axis, and how long it stands there [s]."""
+        if self.actual is None or self.actual.disturbed is None:
+            return []
+        run = self.actual.actual
+        events = self.actual.scenario.disturbance.stops
+        places = np.array([stop.position_m for stop in events])
+        arrivals = np.searchsorted(run.position_m, places - 1e-6)
+        x = self.x(run)[np.minimum(arrivals, len(run.position_m) - 1)]
+        return [(float(place), stop.duration_s) for place, stop in zip(x, events, strict=True)]
+
+
+def draw_borders(chart: Chart, scene: RunScene) -> None:
+    """Draw the hairlines between the phases of the chosen run."""
+    ends = np.array([phase.end_s if scene.over_time else phase.end_m for phase in scene.run.phases[:-1]])
+    chart.put("borders", **columns(x=ends))
+
+
+STROKES: Mapping[str, Line] = {name: Line(name, style_of(name)) for name in (PINNED, *reversed(STRATEGIES), ACTUAL)}
+"""The pinned run beneath, the optimum above all other strategies, what was driven on top."""
+
+
+class SceneChart(DistanceChart):
+    """A chart of Drive."""
+
+    fits = False
+    """Whether its axis follows its lines, so that a report must fit it anew where they move."""
+    names_in = "names"
+    """The source of the names at its lines."""
+
+    def alternative(self, scene: RunScene) -> str:
+        """Return in words what it shows, for who cannot see it."""
+        names = ", ".join(words.STRATEGY_WORDS[name] for name in scene.runs)
+        return f"{self.caption}, over distance, of {names}."
+
+    def draw(self, scene: RunScene) -> None:
+        """Draw a scene."""
+        raise NotImplementedError
+
+
+class RunChart(RunLines, SceneChart):
+    """A chart of Drive with a line for each run."""
+
+    fits = True
+    with_fastest = False
+    """Whether the fastest run is drawn where another one's numbers are shown: it needs more than all others."""
+
+    def __init__(
+        self, quantity: Quantity, height: int, axis: Axis, palette: Palette, caption: str = "", form: Form = PLAIN
+    ) -> None:
+        super().__init__(quantity.name, quantity, STROKES, height, axis, palette, caption, form)
+
+    def beneath(self) -> None:
+        """Draw the hairlines of the phases beneath the lines."""
+        self.hairlines("borders", "line2", line_alpha=0.55, level="underlay")
+
+    def draw_runs(self, scene: RunScene) -> dict[str, Curve]:
+        """Draw the lines of all runs and the hairlines of the phases; return the lines, the chosen one last."""
+        named = {
+            name: run
+            for name, run in scene.named().items()
+            if name != "fastest" or self.with_fastest or scene.chosen == "fastest"
+        }
+        drawn = self.fill(named, scene.over_time)
+        told = {scene.chosen: "planned" if scene.actual else "", ACTUAL: "actual", PINNED: "pinned"}
+        self.told["sources"] = [self.read(name, word) for name, word in told.items() if name in named]
+        draw_borders(self, scene)
+        return {name: drawn[name] for name in named}
+
+    def name_colour(self, name: str) -> str:
+        """Return the colour in which a line's name is written."""
+        return self.palette.tokens["ink3" if name == PINNED else name]
+
+
+class CellChart(RunChart):
+    """A quantity that is constant in each cell."""
+
+    def __init__(
+        self, quantity: Quantity, height: int, axis: Axis, palette: Palette, last: bool = False, digits: int = 0
+    ) -> None:
+        form = Form(ticks=3, digits=digits, zero=True, last=last, room=0.08)
+        super().__init__(quantity, height, axis, palette, form=form)
+
+    def draw(self, scene: RunScene) -> None:
+        """Draw the runs."""
+        self.set_range(*nice_range(*ends_of(self.draw_runs(scene).values()), self.form.room))
+
+
+def line_words(name: str, scene: RunScene) -> str:
+    """Return what a line is called in a chart."""
+    if name == PINNED:
+        assert scene.pinned is not None
+        return f"pinned: {words.STRATEGY_WORDS[scene.pinned.strategy].lower()}"  # type: ignore[index]
+    if name == ACTUAL:
+        return "actual"
+    if name == scene.chosen and scene.actual is not None:
+        return "planned"
+    if name == "fastest":
+        return "fastest possible"
+    word = words.STRATEGY_WORDS[name]  # type: ignore[index]
+    return word if word.isupper() or name == "bellman" else word.lower()

@@ -1,0 +1,123 @@
+"""Speed of all runs under the limits."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from railjoule.core.motion.line_profile import section_borders
+from railjoule.dashboard.charts.chart import Axis, xy
+from railjoule.dashboard.charts.label_places import Box, text_width_px
+from railjoule.dashboard.charts.line_names import Frame, Name
+from railjoule.dashboard.charts.quantities import SPEED, along
+from railjoule.dashboard.charts.run_lines import Curve, Form, add_limits, as_steps, draw_limits, limits_of
+from railjoule.dashboard.charts.scene import ACTUAL, RunChart, RunScene, line_words
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.comparisons import OTHER_TIME_S
+from railjoule.dashboard.look.paint import Palette
+
+SIGN_PX = 11
+HEADROOM = 1.16
+SIGN_LIFTS_PX = {"signs": 2, "stops": 5, "late": 3}
+"""How far above its place each kind of sign is written."""
+
+
+class SpeedChart(RunChart):
+    """Speed of all runs under the limits."""
+
+    fits, with_fastest = False, True
+
+    def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
+        super().__init__(SPEED, height, axis, palette, form=Form(ticks=5))
+        self._limits: Curve = np.zeros(0), np.zeros(0)
+
+    def beneath(self) -> None:
+        """Draw the limits beneath the lines."""
+        add_limits(self)
+        super().beneath()
+
+    def above(self) -> None:
+        """Write the limits and the names of the lines; mark what happened to the actual run."""
+        self.signs("signs", "limit", SIGN_PX, x_offset=4, y_offset=-SIGN_LIFTS_PX["signs"])
+        self.source("gradient")
+        self.add_names()
+        self.source("stops", "x", "y", "text")
+        self.glyphs("scatter", "stops", "x", "y", paint={"fill_color": ACTUAL}, size=7, line_color=None)
+        self.hairlines("stops", "ink3", line_dash=[1, 3])
+        self.signs("stops", ACTUAL, x_offset=7, y_offset=-SIGN_LIFTS_PX["stops"])
+        self.signs("late", "overline", 12, x_offset=6, y_offset=-SIGN_LIFTS_PX["late"])
+
+    def _draw_day(self, scene: RunScene) -> None:
+        """Draw the signs of the actual run; on a narrow screen its lateness stands in the numbers alone."""
+        stops, actual = scene.stops, scene.actual
+        self.put(
+            "stops",
+            **xy(np.array([x for x, _ in stops]), np.zeros(len(stops))),
+            text=[f"stop, {words.number(lasts, 0)} s" for _, lasts in stops],
+        )
+        if actual is None or scene.narrow or actual.delay_s < OTHER_TIME_S:
+            self.clear("late")
+            return
+        end = float(scene.x(actual.actual)[-1])
+        self.put("late", x=[end], y=[0.0], text=[f"{words.time(actual.delay_s)} s late"])
+
+    def draw(self, scene: RunScene) -> None:
+        """Draw limits, runs and names."""
+        self._draw_limits(scene)
+        lines = self.draw_runs(scene)
+        self._tell_cursor(scene)
+        self._draw_day(scene)
+        self._draw_names(scene, lines)
+
+    def alternative(self, scene: RunScene) -> str:
+        """Return in words what it shows, for who cannot see it."""
+        run, names = scene.run, ", ".join(words.STRATEGY_WORDS[name] for name in scene.runs)
+        return (
+            f"Speed over distance of {names}; {words.STRATEGY_WORDS[scene.chosen]} reaches "
+            f"{words.number(run.max_speed_kmh)} km/h and takes {words.number(run.travel_time_s)} s. "
+            "A table of the phases follows."
+        )
+
+    def _tell_cursor(self, scene: RunScene) -> None:
+        """Let the cursor write when or where it stands, the limit, the gradient and the fastest run's speed too."""
+        run, fastest, line = scene.run, scene.fastest, scene.run.scenario.line.in_running_order()
+        other, x = along(not scene.over_time), along(scene.over_time)
+        self.axis.columns(scene.chosen).take(run, {other.name: other.values(run)})
+        gradients = np.array([section.gradient_permille for section in line.sections])
+        self.put("gradient", **xy(*as_steps(scene.x_of_place(section_borders(line)), gradients)))
+        self.told["sources"] += [
+            self.read(scene.chosen, "", other.unit, other.digits, y=other.name),
+            ["limit", self.sources["limit"], "x", "y", self.unit, 0],
+            ["gradient", self.sources["gradient"], "x", "y", words.PER_MILLE, 1],
+        ]
+        if fastest is not None and scene.chosen != "fastest":
+            # its line may be hidden: it is not drawn before it is ticked
+            self.axis.columns("fastest").take(fastest, {x.name: x.values(fastest), SPEED.name: self.values(fastest)})
+            self.told["sources"].append(self.read("fastest", "fastest"))
+
+    def _draw_limits(self, scene: RunScene) -> None:
+        """Draw the limits, each with its number where there is room."""
+        places, limits = limits_of(scene.run.scenario)
+        x = scene.x_of_place(places)
+        self.set_range(0, HEADROOM * max(float(np.max(limits)), *(run.max_speed_kmh for run in scene.named().values())))
+        self._limits = draw_limits(self, x, limits)
+        texts = [f"limit {words.number(limit, 0)}" for limit in limits]
+        room = np.diff(self.frame_now.x_px(x))
+        fits = np.array([text_width_px(text, SIGN_PX) + 8 < px for text, px in zip(texts, room, strict=True)])
+        self.put(
+            "signs", **xy(x[:-1][fits], limits[fits]), text=[text for text, fit in zip(texts, fits, strict=True) if fit]
+        )
+
+    def _draw_names(self, scene: RunScene, lines: Mapping[str, Curve]) -> None:
+        """Name the lines where nothing else is, the chosen one first."""
+        frame = self.frame_now
+        taken = [box for source, lift_px in SIGN_LIFTS_PX.items() for box in self._sign_boxes(frame, source, lift_px)]
+        names = [Name(name, line_words(name, scene), self.name_colour(name)) for name in reversed(list(lines))]
+        self.place_names({**lines, "limit": self._limits}, names, taken)
+
+    def _sign_boxes(self, frame: Frame, source: str, lift_px: float) -> list[Box]:
+        """Return the boxes of the signs that are written from a source."""
+        signs = self.sources[source].data
+        return [
+            frame.box(x, y, text, SIGN_PX, lift_px=lift_px)
+            for x, y, text in zip(signs["x"], signs["y"], signs["text"], strict=True)
+        ]

@@ -1,0 +1,419 @@
+"""What the commands of `railjoule` do; their words are read in `railjoule.dashboard.command.cli`."""
+
+import importlib.util
+import json
+import os
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+from railjoule.core import (
+    RailjouleError,
+    Scenario,
+    ScenarioError,
+    StrategyRefusedError,
+    check_run,
+    check_table,
+    compare,
+    load_scenario,
+)
+from railjoule.core import solve as solve_scenario
+from railjoule.core.bounds import LONGEST_PROOF_S
+from railjoule.core.scenario import STRATEGY_NAMES, StrategyName, parse_scenario, preset_names
+from railjoule.core.scenario.text_file import read_text
+from railjoule.core.scenario.toml_text import read_toml
+from railjoule.core.strategies import prepare_task
+from railjoule.dashboard.command import summary, terminal
+from railjoule.dashboard.keep.embedded import scenario_in_report
+
+if TYPE_CHECKING:
+    import pandas
+
+TABLE_SUFFIXES = (".csv", ".parquet")
+REPORT_SUFFIXES = (".html", ".htm")
+
+
+class CommandError(RailjouleError):
+    """Something that a command cannot do, in one sentence."""
+
+
+@dataclass(frozen=True)
+class Output:
+    """How a result is shown: as JSON or for people."""
+
+    as_json: bool
+
+    def show(self, values: Any, to_text: Callable[[Any], str]) -> None:
+        """Print plain values, as JSON or as the text that they become."""
+        print(json.dumps(values, indent=2, allow_nan=False) if self.as_json else to_text(values))
+
+
+def solve(
+    file: str,
+    changes: Mapping[str, Any],
+    strategy: str | None,
+    trajectory_file: str | None,
+    output: Output,
+    with_check: bool = False,
+    prove_seconds: float | None = None,
+) -> bool:
+    """Solve a scenario, write its trajectory if wanted, and show the result; return whether it passed its check.
+
+    Raises
+    ------
+    RailjouleError
+        If anything is wrong with the scenario or the file to write.
+    """
+    target = None if trajectory_file is None else table_file(trajectory_file)
+    scenario = load(file, changes)
+    announce_compilation()
+    with refusals_named(strategy or scenario.strategy):
+        # a name that is none is refused by the core, in its own words
+        trajectory = solve_scenario(scenario, cast("StrategyName | None", strategy), prove_seconds=prove_seconds)
+    if target is not None:
+        write_table(trajectory.to_dataframe(), target, index=False)
+    values = summary.summarise(trajectory, prepare_task(scenario).shortest_travel_time_s)
+    if not with_check:
+        output.show(values, terminal.solution_text)
+        return True
+    result = check_run(scenario, trajectory)
+    output.show({**values, "check": summary.summarise_check(result)}, terminal.checked_solution_text)
+    return result.ok
+
+
+def check(
+    run_file: str, scenario_file: str | None, changes: Mapping[str, Any], strategy: str | None, output: Output
+) -> bool:
+    """Check the run of a file against its scenario, and show the result; return whether it keeps every rule.
+
+    Raises
+    ------
+    RailjouleError
+        If the file holds no run, no scenario is named, or anything is wrong with it.
+    """
+    table = read_table(run_file)
+    if scenario_file is None:
+        raise CommandError("--scenario is missing: the file of a run does not contain its scenario.")
+    scenario = load(scenario_file, changes)
+    if strategy is not None and strategy not in STRATEGY_NAMES:
+        raise CommandError(f"--strategy {shortened(strategy)}: must be one of {', '.join(STRATEGY_NAMES)}.")
+    try:
+        result = check_table(scenario, cast("Mapping[str, Any]", table), strategy)
+    except ScenarioError as error:
+        raise CommandError(f"{shortened(run_file)} {error}") from None
+    output.show(summary.summarise_check(result), terminal.check_text)
+    return result.ok
+
+
+def compare_strategies(
+    file: str, changes: Mapping[str, Any], output: Output, prove_seconds: float | None = None
+) -> None:
+    """Run every strategy that takes a scenario, and show the results side by side.
+
+    Raises
+    ------
+    RailjouleError
+        If anything is wrong with the scenario.
+    """
+    scenario = load(file, changes)
+    announce_compilation()
+    runs, refused = compare(scenario, prove_seconds=prove_seconds)
+    values = summary.summarise_comparison(runs, refused, prepare_task(scenario).shortest_travel_time_s)
+    output.show(values, terminal.comparison_text)
+
+
+def simulate(file: str, changes: Mapping[str, Any], output: Output) -> None:
+    """Plan a scenario, drive it under its disturbance, and show both.
+
+    Raises
+    ------
+    RailjouleError
+        If anything is wrong with the scenario, or the real train cannot pass the line.
+    """
+    scenario = load(file, changes)
+    announce_compilation()
+    with refusals_named(scenario.strategy):
+        # each kind alone: all of them take a tenth of a second to import
+        if scenario.simulation.kind == "field_oriented":
+            from railjoule.core.simulate.field_oriented import simulate_field_oriented  # noqa: PLC0415
+
+            run = simulate_field_oriented(scenario)
+            output.show(summary.summarise_field_oriented(run), terminal.field_oriented_text)
+        elif scenario.disturbance.events:
+            from railjoule.core.simulate.actual_run import actual_run  # noqa: PLC0415
+
+            output.show(summary.summarise_actual(actual_run(scenario)), terminal.ride_text)
+        else:
+            from railjoule.core.simulate.following import simulate_following  # noqa: PLC0415
+
+            output.show(summary.summarise_following(simulate_following(scenario)), terminal.following_text)
+
+
+def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None:
+    """Solve many variants of a scenario, and write them as a labelled table.
+
+    Raises
+    ------
+    RailjouleError
+        If anything is wrong with the scenario or the file to write.
+    """
+    from railjoule.core.studies import energy_time_frontier, frontier_times, monte_carlo, sensitivity  # noqa: PLC0415
+
+    path = table_file(target, "-o", (".nc", *TABLE_SUFFIXES))
+    scenario = load(file, changes)
+    announce_compilation()
+    if name in {"sensitivity", "montecarlo"}:
+        compute = sensitivity if name == "sensitivity" else monte_carlo
+        with refusals_named(scenario.strategy):
+            table = compute(scenario).to_dataset()
+    else:
+        task = prepare_task(scenario)
+        frontier = energy_time_frontier(task, frontier_times(task), with_bounds=True)
+        table = frontier.to_dataframe().set_index("travel_time_s").to_xarray()
+        table.attrs["notes"] = " ".join(frontier.notes)
+    if path.suffix.lower() == ".nc":
+        with failures_named(path):
+            table.to_netcdf(path, engine="scipy")
+    else:
+        write_table(table.to_dataframe(), path, index=True)
+    shape = " x ".join(f"{size} {dimension}" for dimension, size in table.sizes.items())
+    print(f"{shortened(str(path))}: {shape}")
+
+
+def report(
+    file: str,
+    changes: Mapping[str, Any],
+    strategy: str | None,
+    target: str,
+    prove_seconds: float | None = None,
+) -> None:
+    """Write everything there is to tell of a scenario as one file of HTML.
+
+    Raises
+    ------
+    RailjouleError
+        If anything is wrong with the scenario or the file to write, or a package of the dashboard is missing.
+    """
+    path = table_file(target, "-o", REPORT_SUFFIXES)
+    scenario = load(file, changes if strategy is None else {**changes, "strategy": strategy})
+    with missing_named("a report"):
+        from railjoule.dashboard.report.document import report_html  # noqa: PLC0415
+        from railjoule.dashboard.report.findings import ReportRequest, compute_findings  # noqa: PLC0415
+    announce_compilation()
+    *_, findings = compute_findings(ReportRequest(scenario, prove_seconds=prove_seconds))
+    text = report_html(findings, datetime.now().astimezone())
+    with failures_named(path):
+        path.write_text(text, encoding="utf-8")
+    print(f"{shortened(str(path))}: {len(text.encode()) / 1e6:.1f} MB")
+
+
+def benchmark(output: Output) -> None:
+    """Show how long all solvers take on the shipped scenarios."""
+    from railjoule.core.validation.benchmark import benchmark as time_all  # noqa: PLC0415
+    from railjoule.core.validation.ipopt import is_installed  # noqa: PLC0415
+
+    announce_compilation()
+    values = summary.summarise_benchmark(list(time_all()))
+    output.show({**values, "ipopt": is_installed()}, terminal.benchmark_text)
+
+
+def validate(paper: str | None, output: Output) -> None:
+    """Show the printed numbers of one or all papers beside ours.
+
+    Raises
+    ------
+    CommandError
+        If the paper is not known.
+    """
+    from railjoule.core.validation import PAPERS  # noqa: PLC0415
+
+    if paper is not None and paper not in PAPERS:
+        raise CommandError(f"{paper!r} is not a paper of this version; choose one of {', '.join(PAPERS)}.")
+    announce_compilation()
+    chosen = PAPERS if paper is None else {paper: PAPERS[paper]}
+    papers = [summary.summarise_validation(compute()) for compute in chosen.values()]
+    output.show({"papers": papers}, terminal.validations_text)
+
+
+def serve(address: str, port: int) -> None:
+    """Serve the dashboard until it is interrupted.
+
+    Raises
+    ------
+    CommandError
+        If a package of the dashboard is missing, or the address cannot be served at.
+    """
+    with missing_named("the dashboard"):
+        from railjoule.dashboard import app  # noqa: PLC0415
+    try:
+        app.serve(address=address, port=port)
+    except OSError as error:
+        raise CommandError(f"cannot serve at {address}, port {port}: {error.strerror or error}.") from None
+
+
+def load(file: str, changes: Mapping[str, Any]) -> Scenario:
+    """Return the scenario of a file, of a report or the shipped one of that name, with changes.
+
+    Raises
+    ------
+    RailjouleError
+        If there is none, or anything in it is wrong.
+    """
+    try:
+        known = Path(file).exists() or file in preset_names("scenarios")
+        if not known and not Path(file).suffix:
+            shipped = ", ".join(preset_names("scenarios"))
+            raise CommandError(f"{file}: there is no such file or shipped scenario; choose one of {shipped}.")
+        if Path(file).suffix.lower() in REPORT_SUFFIXES:
+            name = Path(file).name
+            return parse_scenario(scenario_in_report(read_text(Path(file)), name), name, changes=changes)
+        return load_scenario(file, changes)
+    except OSError as error:
+        raise CommandError(f"{shortened(file)}: {error.strerror or error}.") from None
+
+
+def parsed_changes(words: Sequence[str]) -> dict[str, Any]:
+    """Return the changes that 'key=value' words ask for; the values are TOML, bare words are texts.
+
+    Raises
+    ------
+    CommandError
+        If a word has no key or no equals sign.
+    """
+    changes: dict[str, Any] = {}
+    for word in words:
+        key, equals, value = word.partition("=")
+        if not key.strip() or not equals:
+            raise CommandError(f"--set {shortened(word)}: must be KEY=VALUE, such as vehicle.load_factor=0.3.")
+        changes[key.strip()] = parsed_value(value)
+    return changes
+
+
+def parsed_seconds(text: str | None) -> float | None:
+    """Return how long to tighten a bound [s]; None where nothing is said of it.
+
+    Raises
+    ------
+    CommandError
+        If the text is no number, or one out of its bounds.
+    """
+    if text is None:
+        return None
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = -1.0
+    if not 0.0 <= seconds <= LONGEST_PROOF_S:
+        raise CommandError(
+            f"--prove-seconds {shortened(text)}: must be a number of seconds from 0 to {LONGEST_PROOF_S:g}."
+        )
+    return seconds
+
+
+def parsed_value(text: str) -> Any:
+    """Return the TOML value that a text gives, or the text itself."""
+    try:
+        document = read_toml(f"value = {text}", "--set")
+    except ScenarioError:
+        return text
+    return document["value"] if list(document) == ["value"] else text
+
+
+def table_file(name: str, option: str = "--trajectory", suffixes: Sequence[str] = TABLE_SUFFIXES) -> Path:
+    """Return where a table is to be written.
+
+    Raises
+    ------
+    CommandError
+        If the suffix is unknown, or what it needs is not installed.
+    """
+    path = Path(name)
+    if path.suffix.lower() not in suffixes:
+        raise CommandError(f"{option} {shortened(name)}: must end in {' or '.join(suffixes)}.")
+    if path.suffix.lower() == ".parquet" and importlib.util.find_spec("pyarrow") is None:
+        raise CommandError(f"{option} {shortened(name)}: parquet needs pyarrow: pip install pyarrow.")
+    return path
+
+
+def read_table(name: str) -> "pandas.DataFrame":
+    """Return the table of a file.
+
+    Raises
+    ------
+    CommandError
+        If there is none, or it cannot be read.
+    """
+    import pandas  # noqa: PLC0415  (slow to import, and seldom needed)
+
+    path = table_file(name, "RUN")
+    read = pandas.read_csv if path.suffix.lower() == ".csv" else pandas.read_parquet
+    try:
+        table: pandas.DataFrame = read(path)
+    except FileNotFoundError:
+        raise CommandError(f"{shortened(name)}: there is no such file.") from None
+    except OSError as error:
+        raise CommandError(f"{shortened(name)}: {error.strerror or error}.") from None
+    except ValueError as error:
+        words = " ".join(str(error).split()).rstrip(".")
+        raise CommandError(f"{shortened(name)} is not a table in {path.suffix[1:]}: {shortened(words)}.") from None
+    return table
+
+
+def write_table(table: "pandas.DataFrame", path: Path, index: bool) -> None:
+    """Write a table, with its index if asked for.
+
+    Raises
+    ------
+    CommandError
+        If the file cannot be written.
+    """
+    with failures_named(path):
+        if path.suffix.lower() == ".csv":
+            table.to_csv(path, index=index)
+        else:
+            table.to_parquet(path, index=index)
+
+
+@contextmanager
+def missing_named(what: str) -> Iterator[None]:
+    """Turn the lack of a package of the page into a sentence that says what to install."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        if str(error.name).partition(".")[0] == "railjoule":  # this package itself is broken
+            raise
+        sentence = f"{what} needs {error.name}, which is not installed: pip install 'railjoule[page]'."
+        raise CommandError(sentence) from None
+
+
+@contextmanager
+def failures_named(path: Path) -> Iterator[None]:
+    """Turn a failure to write a file into a sentence that names it."""
+    try:
+        yield
+    except OSError as error:
+        raise CommandError(f"{shortened(str(path))} cannot be written: {error.strerror or error}.") from None
+
+
+@contextmanager
+def refusals_named(strategy: str) -> Iterator[None]:
+    """Turn a strategy's refusal into a sentence that names it."""
+    try:
+        yield
+    except StrategyRefusedError as refusal:
+        raise CommandError(f"{strategy} {refusal}") from None
+
+
+def announce_compilation() -> None:
+    """Tell a person at a terminal why the first run ever takes so long."""
+    if sys.stderr.isatty() and not Path(os.environ["NUMBA_CACHE_DIR"]).is_dir():
+        print("Compiling the solver, only this once; this takes about a minute.", file=sys.stderr)
+
+
+def shortened(text: str) -> str:
+    """Return a text of at most 80 characters."""
+    return text if len(text) <= 80 else text[:77] + "..."

@@ -1,0 +1,437 @@
+"""Results as text for a terminal, made from the plain values of `railjoule.dashboard.command.summary`.
+
+Its numbers are those of the pages, from `railjoule.dashboard.look`, in characters that every terminal has.
+"""
+
+import shutil
+import textwrap
+from collections.abc import Iterable, Mapping, Sequence
+
+from railjoule.core.advice import Instruction
+from railjoule.core.trajectory import Reference
+from railjoule.core.units import J_PER_KWH, J_PER_WH
+from railjoule.dashboard.command.summary import Summary
+from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.words import CAUSE_WORDS, STRATEGY_WORDS, advice_in_words, decimals
+
+WIDEST = 110
+LABEL_WIDTH = 15
+
+Cell = tuple[str, ...]
+
+number = words.plain(words.number)
+energy = words.plain(words.energy)
+energy_difference = words.plain(words.energy_difference)
+share = words.plain(words.share)
+distance = words.plain(words.distance)
+time = words.plain(words.time)
+delay = words.plain(words.delay)
+load = words.plain(words.load)
+price = words.plain(words.price)
+notice = words.plain(words.notice)
+outcome = words.plain(words.outcome)
+
+
+def printable(text: str) -> str:
+    """Return a text of one line without control characters."""
+    return "".join(character if character.isprintable() else " " for character in text)
+
+
+def title_words(title: str) -> str:
+    """Return what a scenario is called."""
+    return words.title(printable(title))
+
+
+def solution_text(summary: Summary) -> str:
+    """Return one run for people: energy, proof, time, account, driver's advice."""
+    title = title_words(summary["title"])
+    lines = [
+        f"{title}: {STRATEGY_WORDS[summary['strategy']]}",
+        f"{distance(summary['distance_m'])} km in {time(summary['travel_time_s'])} s, "
+        f"at most {number(summary['max_speed_kmh'])} km/h",
+        *_crush_load_lines(summary),
+        "",
+        *_labelled("Energy", f"{energy(summary['energy_kwh'])} kWh from the supply, {verdict(summary)}"),
+        *_bound_lines(summary),
+        *_labelled("Time", _time_words(summary)),
+        *_price_lines(summary),
+        *_labelled("Driver", driver_words(summary["advice"])),
+        "",
+        "Account, kWh",
+        *_account_lines(summary),
+        "",
+        f"Solved in {number(1e3 * summary['solve_time_s'])} ms{_iteration_words(summary)}.",
+        *_wrapped(" ".join(summary["notes"])),
+    ]
+    return "\n".join(lines)
+
+
+def checked_solution_text(summary: Summary) -> str:
+    """Return one run for people, with the rules that it breaks, if any, and the verdict of its check."""
+    check = summary["check"]
+    broken = [each for each in check["checks"] if _is_broken(each)]
+    table = ["", *_check_lines(broken)] if broken else []
+    return "\n".join([solution_text(summary), *table, *_labelled("Check", check["verdict"])])
+
+
+def check_text(check: Summary) -> str:
+    """Return the rules that a run was checked against, those that could not be checked, and the verdict."""
+    lines = _check_lines(check["checks"])
+    for rule in check["not_checked"]:
+        lines += _wrapped(f"Not checked: {rule['name']}: {rule['reason']}.")
+    return "\n".join([*lines, "", *_wrapped(check["verdict"])])
+
+
+def comparison_text(comparison: Summary) -> str:
+    """Return several runs over one scenario as a table, and who refused it."""
+    results = comparison["results"]
+    lines = [*_comparison_table(results), *_crush_load_lines(results[0])] if results else []
+    for refusal in comparison["refused"]:
+        lines += _wrapped(words.about(STRATEGY_WORDS[refusal["strategy"]], refusal["reason"]))
+    for result in results:
+        word = STRATEGY_WORDS[result["strategy"]]
+        lines += [line for note in result["notes"] for line in _wrapped(words.about(word, note))]
+    return "\n".join(lines)
+
+
+def _crush_load_lines(summary: Summary) -> list[str]:
+    """Return the line that tells a load above the capacity."""
+    return [f"{load(summary['load_factor']).capitalize()}."] if summary["load_factor"] > 1 else []
+
+
+def following_text(following: Summary) -> str:
+    """Return a plan and the run that follows it."""
+    planned, actual = following["planned"], following["actual"]
+    return "\n".join(
+        [
+            f"{title_words(planned['title'])}: {STRATEGY_WORDS[planned['strategy']]}, followed",
+            "",
+            *_two_runs({"planned": planned, "driven": actual}),
+            *_crush_load_lines(actual),
+            "",
+            outcome(_more(planned, actual), following["delay_s"], following["stop_error_m"]),
+            f"Driver: {driver_words(actual['advice'])}",
+        ]
+    )
+
+
+def ride_text(ride: Summary) -> str:
+    """Return a plan, the events on the way, and the run."""
+    planned, actual = ride["planned"], ride["actual"]
+    learned = [notice(told["position_m"], told["time_s"], told["event"]) for told in ride["notices"]]
+    return "\n".join(
+        [
+            f"{title_words(planned['title'])}: {STRATEGY_WORDS[planned['strategy']]}, disturbed",
+            "",
+            *_two_runs({"undisturbed": planned, "driven": actual}),
+            *_crush_load_lines(actual),
+            "",
+            *learned,
+            f"{_more(planned, actual)} energy, {delay(ride['delay_s'])} s against the timetable.",
+            *_cause_lines(ride["causes_kwh"]),
+            *ride["notes"],
+            f"Driver: {driver_words(actual['advice'])}",
+        ]
+    )
+
+
+def _cause_lines(causes_kwh: Mapping[str, float]) -> list[str]:
+    """Return the line that tells what each cause adds, where there are several."""
+    told = (f"{CAUSE_WORDS[name].lower()} {energy_difference(kwh)} kWh" for name, kwh in causes_kwh.items())  # type: ignore[index]
+    return [f"Added in this order: {', '.join(told)}."] if len(causes_kwh) > 1 else []
+
+
+def field_oriented_text(run: Summary) -> str:
+    """Return a plan, how the machines drove it, and the current, voltage and energy that this took."""
+    planned, actual, parts = run["planned"], run["actual"], run["parts_kwh"]
+    rows = [(words.PART_WORDS[kind].lower(), energy(kwh)) for kind, kwh in parts.items()]
+    rows += [
+        ("sum of the parts", energy(run["energy_by_parts_kwh"])),
+        ("input power over time", energy(run["energy_by_input_power_kwh"])),
+    ]
+    tracking = number(run["max_tracking_error_m"], 3)
+    current, voltage = number(run["max_current_a"]), number(run["max_phase_voltage_v"], 0)
+    return "\n".join(
+        [
+            f"{title_words(planned['title'])}: {STRATEGY_WORDS[planned['strategy']]}, in closed loop",
+            "",
+            *_two_runs({"planned": planned, "driven": actual}),
+            *_crush_load_lines(actual),
+            "",
+            outcome(_more(planned, actual), run["delay_s"], run["stop_error_m"]),
+            f"At most {tracking} m from the planned position, at most {current} A and {voltage} V of "
+            f"{number(run['voltage_limit_v'], 0)} V per phase.",
+            "",
+            *table_lines(("energy of the machines", "kWh"), rows),
+            "",
+            *(line for note in run["notes"] for line in _wrapped(note)),
+        ]
+    )
+
+
+def _more(planned: Summary, actual: Summary) -> str:
+    """Return by how much the energy of a run is above that of its plan."""
+    return words.plain_text(str(comparisons.above(actual["energy_kwh"], planned["energy_kwh"])))
+
+
+def _two_runs(runs: dict[str, Summary]) -> list[str]:
+    rows = [
+        (
+            name,
+            energy(run["energy_kwh"]),
+            time(run["travel_time_s"]),
+            number(run["max_speed_kmh"]),
+            energy(run["recuperated_kwh"]),
+        )
+        for name, run in runs.items()
+    ]
+    return table_lines(("run", "kWh", "time, s", "top, km/h", "recuperated, kWh"), rows)
+
+
+def validations_text(validations: Summary) -> str:
+    """Return all papers' published numbers compared with ours."""
+    return "\n\n".join(validation_text(validation) for validation in validations["papers"])
+
+
+def validation_text(validation: Summary) -> str:
+    """Return a paper's published numbers compared with ours, with the reasons for differences as footnotes."""
+    lines = _wrapped(validation["citation"])
+    for table in validation["tables"]:
+        place = f" ({table['place']})" if table["place"] else ""
+        lines += ["", f"{table['title']}{place}"]
+        lines += _validation_table(table)
+    lines += ["", "Errata"]
+    for erratum in validation["errata"]:
+        told = f"{erratum['place']}: {erratum['printed']} must be {erratum['corrected']}: {erratum['reason']}."
+        lines += _wrapped(told, "  ")
+    return "\n".join(lines)
+
+
+def benchmark_text(benchmark: Summary) -> str:
+    """Return the times of all solvers, scenario by scenario."""
+    rows = []
+    results = benchmark["results"]
+    before = ""
+    for result in results:
+        rows.append(
+            (
+                result["scenario"] if result["scenario"] != before else "",
+                number(result["cell_count"], 0) if result["scenario"] != before else "",
+                STRATEGY_WORDS.get(result["solver"], result["solver"]),
+                f"{result['energy_kwh']:.4f}",
+                str(result["iterations"] or ""),
+                number(1e3 * result["median_s"], 2),
+            )
+        )
+        before = result["scenario"]
+    head = ("scenario", "cells", "solver", "kWh", "iterations", "median, ms")
+    lines = table_lines(head, rows, left={0, 2})
+    if not benchmark["ipopt"]:
+        lines.append("CasADi is not installed, so there is no comparison with IPOPT: pip install casadi.")
+    return "\n".join(lines)
+
+
+def verdict(summary: Summary) -> str:
+    """Return in words how far a run is from the best known one, or from its bound where it is that one itself."""
+    known = summary["reference"]
+    if known is None or (known["strategy"], known["energy_kwh"]) == (summary["strategy"], summary["energy_kwh"]):
+        return bound_words(summary)
+    reference = Reference(known["energy_kwh"] * J_PER_KWH, known["strategy"], known["within_s"], known["proven"])
+    more = comparisons.above(summary["energy_kwh"], known["energy_kwh"])
+    of = comparisons.reference_words(reference, summary["allowed_time_s"])
+    return words.plain_text(f"{more.sentence} the {of}")
+
+
+def bound_words(summary: Summary) -> str:
+    """Return in words how far a run is from its bound."""
+    amount = comparisons.above_bound(summary["energy_kwh"], summary["lower_bound_kwh"], summary["gap"])
+    if amount is None:
+        return "no bound known"
+    if comparisons.is_proven(summary["gap"]):
+        return "proven optimal"
+    return words.plain_text(f"{amount.sentence} the bound{' of another mesh' if amount.is_less else ''}")
+
+
+def driver_words(advice: Sequence[Summary]) -> str:
+    """Return what the driver is told, such as 'full power to 57.2 km/h, coast from 342 m'."""
+    return ", ".join(advice_in_words([Instruction(**told) for told in advice], number))
+
+
+def table_lines(head: Cell, rows: Sequence[Cell], left: Iterable[int] = (0,)) -> list[str]:
+    """Return the lines of a table with columns as wide as they need, numbers to the right."""
+    to_left = set(left)
+    widths = [max(len(row[column]) for row in (head, *rows)) for column in range(len(head))]
+
+    def line(cells: Cell) -> str:
+        words = [
+            cell.ljust(width) if column in to_left else cell.rjust(width)
+            for column, (cell, width) in enumerate(zip(cells, widths, strict=True))
+        ]
+        return "  ".join(words).rstrip()
+
+    return [line(head), "  ".join("-" * width for width in widths), *(line(row) for row in rows)]
+
+
+def _is_broken(check: Summary) -> bool:
+    return check["largest"] is None or bool(check["largest"] > check["allowed"])
+
+
+def _check_lines(checks: Sequence[Summary]) -> list[str]:
+    rows = [
+        (
+            check["name"],
+            "no number" if check["largest"] is None else f"{check['largest']:.2g}",
+            f"{check['allowed']:.2g}",
+            check["share_of"],
+            "" if check["at_m"] is None else number(check["at_m"]),
+            "broken" if _is_broken(check) else "",
+        )
+        for check in checks
+    ]
+    return table_lines(("rule", "largest deviation", "allowed", "share of", "position, m", ""), rows, left={0, 3, 5})
+
+
+def _comparison_table(results: Sequence[Summary]) -> list[str]:
+    first = results[0]
+    rows = [
+        (
+            STRATEGY_WORDS[result["strategy"]],
+            energy(result["energy_kwh"]),
+            _above_reference(result),
+            _above_bound(result),
+            time(result["travel_time_s"]),
+            number(result["max_speed_kmh"]),
+            energy(result["recuperated_kwh"]),
+            number(1e3 * result["solve_time_s"]),
+        )
+        for result in results
+    ]
+    of = comparisons.reference_name(first["reference"] is not None and first["reference"]["proven"])
+    above = (f"above {of}, %", "above bound, %")
+    head = ("strategy", "kWh", *above, "time, s", "top, km/h", "recuperated, kWh", "solved in, ms")
+    others = [(STRATEGY_WORDS[result["strategy"]], _other_time(result)) for result in results]
+    return [
+        title_words(first["title"]),
+        f"{distance(first['distance_m'])} km, {_time_words({**first, 'travel_time_s': first['allowed_time_s']})}",
+        "",
+        *table_lines(head, rows),
+        *_proof_lines(first),
+        *(f"{word}: {sentence}." for word, sentence in others if sentence),
+    ]
+
+
+def _proof_lines(first: Summary) -> list[str]:
+    """Return what is proven of a comparison, from its first run."""
+    known, bound = first["reference"], first["lower_bound_kwh"]
+    if known is None:
+        return []
+    best = f"{energy(known['energy_kwh'])} kWh by {STRATEGY_WORDS[known['strategy']]}"
+    if known["proven"]:
+        return [f"The optimum, {best}, is proven optimal."]
+    bounded = "no bound is known" if bound is None else f"the bound is {energy(bound)} kWh"
+    return [f"The best known run, {best}, is not proven: {bounded}."]
+
+
+def _above_reference(result: Summary) -> str:
+    known = result["reference"]
+    amount = None if known is None else comparisons.above(result["energy_kwh"], known["energy_kwh"])
+    return words.plain_text(comparisons.cell(amount))
+
+
+def _above_bound(result: Summary) -> str:
+    amount = comparisons.above_bound(result["energy_kwh"], result["lower_bound_kwh"], result["gap"])
+    return words.plain_text(comparisons.cell(amount))
+
+
+def _bound_lines(summary: Summary) -> list[str]:
+    if summary["lower_bound_kwh"] is None:
+        return []
+    return _labelled("Bound", f"{energy(summary['lower_bound_kwh'])} kWh. {summary['bound_statement']}")
+
+
+def _time_words(summary: Summary) -> str:
+    other, shortest = _other_time(summary), summary["shortest_time_s"]
+    taken = f"{time(summary['travel_time_s'])} s{f', {other}' if other else ''}"
+    if shortest is None:
+        return taken
+    slack = summary["allowed_time_s"] - shortest
+    return (
+        f"{taken}; shortest possible {time(shortest)} s, allowed {time(summary['allowed_time_s'])} s: "
+        f"slack {time(slack)} s ({share(slack / shortest)} %)"
+    )
+
+
+def _other_time(summary: Summary) -> str:
+    told = comparisons.other_time(summary["strategy"], summary["travel_time_s"], summary["allowed_time_s"])
+    return words.plain_text(told)
+
+
+def _price_lines(summary: Summary) -> list[str]:
+    saved = summary["price_of_time_wh_per_s"]
+    return [] if saved is None else _labelled("Extra second", f"would save {price(saved * J_PER_WH)} Wh")
+
+
+def _iteration_words(summary: Summary) -> str:
+    return f", {summary['iterations']} iterations" if summary["iterations"] else ""
+
+
+def _account_lines(summary: Summary) -> list[str]:
+    taken = [
+        ("traction", summary["traction_energy_kwh"]),
+        ("recuperated", -summary["recuperated_kwh"]),
+        ("auxiliaries", summary["auxiliary_kwh"]),
+    ]
+    spent = [(words.LOSS_WORDS[kind].lower(), kwh) for kind, kwh in summary["losses_kwh"].items()]
+    spent += [
+        ("kinetic, end minus start", summary["kinetic_kwh"]),
+        ("potential, end minus start", summary["potential_kwh"]),
+        ("magnetic field, end minus start", summary["magnetic_field_kwh"]),
+    ]
+    width = max(len(name) for name, _ in taken + spent)
+
+    def lines(entries: list[tuple[str, float]]) -> list[str]:
+        return [
+            f"  {name.ljust(width)}  {energy(kwh).rjust(10)}"
+            for name, kwh in entries
+            if abs(kwh) >= words.LEAST_ENERGY_KWH
+        ]
+
+    return [*lines(taken), "  traction minus recuperated goes to", *lines(spent)]
+
+
+def _validation_table(table: Summary) -> list[str]:
+    notes: list[str] = []
+    rows = []
+    for row in table["rows"]:
+        if row["note"] and row["note"] not in notes:
+            notes.append(row["note"])
+        mark = f"[{notes.index(row['note']) + 1}]" if row["note"] else ""
+        rows.append(
+            (
+                row["case"],
+                row["quantity"],
+                row["unit"],
+                "" if row["printed"] is None else number(row["printed"], decimals(row["printed"])),
+                number(row["ours"], decimals(row["printed"]) + 1),
+                words.plain_text(comparisons.printed_difference(row["difference_percent"], row["difference_points"])),
+                mark,
+            )
+        )
+    head = ("case", "quantity", "unit", table["reference"], "ours", "difference", "")
+    lines = table_lines(head, rows, left={0, 1, 2, 6})
+    for index, note in enumerate(notes, 1):
+        lines += _wrapped(f"[{index}] {note}", "  ")
+    return lines
+
+
+def _labelled(label: str, words: str) -> list[str]:
+    lines = textwrap.wrap(words, _width() - LABEL_WIDTH) or [""]
+    return [f"{(label if index == 0 else ''):{LABEL_WIDTH}}{line}" for index, line in enumerate(lines)]
+
+
+def _wrapped(words: str, indent: str = "") -> list[str]:
+    return textwrap.wrap(words, _width(), initial_indent=indent, subsequent_indent=indent + "  ")
+
+
+def _width() -> int:
+    return max(min(shutil.get_terminal_size((WIDEST, 40)).columns, WIDEST), 60)

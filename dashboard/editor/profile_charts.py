@@ -1,0 +1,159 @@
+"""The line as it can be dragged in the editor: its heights, and its speed limits."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from bokeh.models import CustomJS
+
+from railjoule.core.motion.line_profile import height_profile, section_borders
+from railjoule.core.scenario import Line
+from railjoule.dashboard.charts.chart import Axis, DistanceChart, text_style
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look.scripts import function
+
+STEEPEST_PERMILLE = 200.0
+LEAST_SECTION_M = 1.0
+"""No border can be dragged closer to the next one."""
+LEAST_LIMIT_KMH = 1.0
+ROOM_SHARE, LEAST_RELIEF = 0.35, 0.01
+"""Room above and below the line as a share of its relief, which counts as at least this share of its length."""
+LIMIT_ROOM = 1.15
+
+
+class ProfileChart(DistanceChart):
+    """Heights of the line, with borders of sections that can be dragged.
+
+    Parameters
+    ----------
+    drop : callable
+        Takes distances and heights [m] of all borders when one has been dragged.
+    """
+
+    unit = "m"
+
+    def __init__(
+        self,
+        height: int,
+        axis: Axis,
+        palette: Palette,
+        drop: Callable[[Sequence[float], Sequence[float]], None],
+    ) -> None:
+        super().__init__("edit_profile", "Height, m: drag a boundary between sections", height, axis, palette)
+        self._drop = drop
+
+    def build(self) -> None:
+        """Make the figure."""
+        f = self.frame(zoom=False, ticks=3, digits=0)
+        nodes, sign = self.source("nodes", "x", "y", "base"), self.source("sign", "x", "y", "text")
+        dropped = self.source("dropped")
+        self.glyphs("varea", "nodes", "x", "base", "y", paint={"fill_color": "ground"})
+        self.line("nodes", "groundline", line_width=1.6)
+        self.dots("nodes", "surface", "accent", size=10, line_width=2)
+        self.glyphs(
+            "text",
+            "sign",
+            "x",
+            "y",
+            "text",
+            paint={"text_color": "ink", "background_fill_color": "surface"},
+            text_align="center",
+            y_offset=-12,
+            background_fill_alpha=0.8,
+            padding=2,
+            **text_style(),
+        )
+        bounds = {"steepest": STEEPEST_PERMILLE, "shortest": LEAST_SECTION_M}
+        drag = CustomJS(
+            args={"f": f, "nodes": nodes, "sign": sign, "dropped": dropped, **bounds},
+            code=function("drag_heights", "drag_heights({f, nodes, sign, dropped, steepest, shortest}, cb_obj)"),
+        )
+        for event in ("panstart", "pan", "panend"):
+            f.js_on_event(event, drag)
+        dropped.on_change("data", self._take)
+
+    def _take(self, _attribute: str, _old: Any, new: Mapping[str, Any]) -> None:
+        if len(new["x"]):
+            self._drop([float(x) for x in new["x"]], [float(y) for y in new["y"]])
+
+    def draw(self, line: Line) -> None:
+        """Draw the line as its file describes it, not as it is run; heights count from where the run starts."""
+        x, y = section_borders(line), height_profile(line)
+        if line.reverse:
+            y = y - y[-1]
+        relief = max(float(np.ptp(y)), LEAST_RELIEF * float(x[-1]))
+        low, high = float(y.min()) - ROOM_SHARE * relief, float(y.max()) + ROOM_SHARE * relief
+        self.set_range(low, high)
+        self.sources["nodes"].data = {"x": x.tolist(), "y": y.tolist(), "base": [low - relief] * len(x)}
+
+
+class LimitStepsChart(DistanceChart):
+    """Speed limits of the line: those of sections can be dragged up and down, others by their ends too.
+
+    Parameters
+    ----------
+    drop : callable
+        Takes beginnings and ends [m] and limits [km/h] of all steps when one has been dragged.
+    """
+
+    unit = "km/h"
+
+    def __init__(
+        self,
+        height: int,
+        axis: Axis,
+        palette: Palette,
+        drop: Callable[[Sequence[float], Sequence[float], Sequence[float]], None],
+    ) -> None:
+        super().__init__("edit_limits", "Speed limits, km/h: drag a limit or its ends", height, axis, palette)
+        self._drop = drop
+        self._drag: CustomJS | None = None
+
+    def build(self) -> None:
+        """Make the figure."""
+        f = self.frame(with_axis=True, zoom=False, ticks=3)
+        f.xaxis.axis_label = "Distance, m"
+        steps = self.source("steps", "left", "right", "limit", "middle", "text", "movable")
+        dropped = self.source("dropped", "left", "right", "limit")
+        red, grip = {"line_color": "limit"}, {"line_color": "limit", "fill_color": "surface"}
+        self.glyphs("segment", "steps", "left", "limit", "right", "limit", paint=red, line_width=2.4)
+        self.glyphs("scatter", "steps", "middle", "limit", paint=grip, size=10, line_width=2)
+        for end in ("left", "right"):
+            square = {"size": "movable", "line_width": 2, "marker": "square"}
+            self.glyphs("scatter", "steps", end, "limit", paint=grip, **square)
+        sign = {"text_align": "center", "y_offset": -9, **text_style()}
+        self.glyphs("text", "steps", "middle", "limit", "text", paint={"text_color": "limit"}, **sign)
+        bounds = {"shortest": LEAST_SECTION_M, "least": LEAST_LIMIT_KMH, "most": 600.0, "end": 1.0}
+        self._drag = CustomJS(
+            args={"f": f, "steps": steps, "dropped": dropped, **bounds},
+            code=function("drag_limits", "drag_limits({f, steps, dropped, shortest, least, most, end}, cb_obj)"),
+        )
+        for event in ("panstart", "pan", "panend"):
+            f.js_on_event(event, self._drag)
+        dropped.on_change("data", self._take)
+
+    def _take(self, _attribute: str, _old: Any, new: Mapping[str, Any]) -> None:
+        if len(new["limit"]):
+            self._drop(*([float(value) for value in new[key]] for key in ("left", "right", "limit")))
+
+    def draw(self, line: Line, most_kmh: float) -> None:
+        """Draw the limits of sections, then the others, as the line's file describes them."""
+        borders = section_borders(line).tolist()
+        steps = [
+            (start, end, section.speed_limit_kmh, 0)
+            for start, end, section in zip(borders[:-1], borders[1:], line.sections, strict=True)
+            if section.speed_limit_kmh is not None
+        ]
+        steps += [(limit.from_m, limit.to_m, limit.limit_kmh, 9) for limit in line.speed_limits]
+        top = LIMIT_ROOM * max([most_kmh, *(limit for _, _, limit, _ in steps)])
+        self.set_range(0, top)
+        assert self._drag is not None
+        self._drag.args = {**self._drag.args, "most": float(np.floor(top)), "end": borders[-1]}
+        self.sources["steps"].data = {
+            "left": [start for start, _, _, _ in steps],
+            "right": [end for _, end, _, _ in steps],
+            "limit": [limit for _, _, limit, _ in steps],
+            "middle": [0.5 * (start + end) for start, end, _, _ in steps],
+            "text": [f"{limit:g}" for _, _, limit, _ in steps],
+            "movable": [size for _, _, _, size in steps],
+        }

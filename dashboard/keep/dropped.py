@@ -1,0 +1,50 @@
+"""The scenario in a file that a user brings: a TOML file, or a report that carries one."""
+
+import re
+from pathlib import PurePath
+
+from railjoule.core import RailjouleError, ScenarioError
+from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES
+from railjoule.core.scenario.toml_text import TomlError
+from railjoule.dashboard.keep.embedded import scenario_in_report
+from railjoule.dashboard.state.kept import LONGEST_TEXT
+
+PAGE = re.compile(r"\s*(<!doctype html|<html)", re.IGNORECASE)
+LARGEST_REPORT_BYTES, LARGEST_SCENARIO_BYTES = LARGEST_FILE_BYTES, LONGEST_TEXT
+REPORTS, SCENARIOS, TABLES = (".html", ".htm"), (".toml",), (".csv", ".tsv", ".xls", ".xlsx", ".ods")
+WHAT_CAN_BE_OPENED = "Only scenarios (.toml) and reports of railjoule (.html) can be opened"
+ELSEWHERE = "; paste a table of sections, limits or stations into its list in the editor"
+NO_SCENARIO, NO_TEXT = "it contains no scenario", "it is not UTF-8 text"
+TOO_LARGE = (
+    f"it is larger than the {LARGEST_SCENARIO_BYTES / 1e6:g} MB of a scenario or the {LARGEST_REPORT_BYTES / 1e6:g} MB "
+    "of a report"
+)
+
+
+def scenario_text(text: str, name: str) -> str:
+    """Return the TOML of a file: the file itself, or what a report embeds.
+
+    Raises
+    ------
+    ScenarioError
+        If the file is too large, or a page without a scenario.
+    """
+    if len(text) > LARGEST_REPORT_BYTES:
+        raise ScenarioError(refused_file(name, TOO_LARGE))
+    text = text.removeprefix("\ufeff")
+    toml = scenario_in_report(text, name) if PAGE.match(text) else text
+    if len(toml) > LARGEST_SCENARIO_BYTES:
+        raise ScenarioError(refused_file(name, TOO_LARGE))
+    return toml
+
+
+def words_of(refusal: RailjouleError, name: str) -> str:
+    """Return why the scenario of a file is refused; what is wrong in a TOML file only where it is meant to be one."""
+    foreign = PurePath(name).suffix.lower() not in {*SCENARIOS, *REPORTS}
+    return refused_file(name, NO_SCENARIO) if foreign and isinstance(refusal, TomlError) else str(refusal)
+
+
+def refused_file(name: str, reason: str) -> str:
+    """Return why a file cannot be opened, and what can."""
+    suffix = PurePath(name).suffix.lower()
+    return f"{name}: {reason}. {WHAT_CAN_BE_OPENED}{ELSEWHERE if suffix in TABLES else ''}."

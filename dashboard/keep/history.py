@@ -1,0 +1,94 @@
+"""Undo and redo over documents: the moves of one field within a moment are one step."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+from railjoule.dashboard.keep.snapshot import VIEW, Document, changed
+
+MOST_STEPS = 100
+ONE_MOVE_S = 1.5
+"""Changes of the same fields that follow each other within this time are one step."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """One change: the documents on both sides of it, without what only the view is, and when it ended [s]."""
+
+    before: Document
+    after: Document
+    page: str
+    ended_s: float
+
+    @property
+    def keys(self) -> frozenset[str]:
+        """The fields that it changes."""
+        return frozenset(changed(self.after, self.before))
+
+
+class History:
+    """The steps behind and ahead of a document.
+
+    Parameters
+    ----------
+    document : mapping
+        Where it begins.
+    clock : callable
+        Returns a time that only grows [s].
+    """
+
+    def __init__(self, document: Mapping[str, Any], clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
+        self._now = _without_view(document)
+        self._past: list[Step] = []
+        self._future: list[Step] = []
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a step behind."""
+        return bool(self._past)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is a step ahead."""
+        return bool(self._future)
+
+    def note(self, document: Mapping[str, Any]) -> None:
+        """Take note of a document; one that differs from the last is a step, or the rest of one."""
+        now = _without_view(document)
+        if now == self._now:
+            return
+        step = Step(self._now, now, document["page"], self._clock())
+        self._now = now
+        last = self._past[-1] if self._past and not self._future else None
+        if last is not None and last.keys == step.keys and step.ended_s - last.ended_s < ONE_MOVE_S:
+            step = replace(step, before=last.before)
+            self._past.pop()
+        self._future.clear()
+        if step.before != step.after:
+            self._past = [*self._past, step][-MOST_STEPS:]
+
+    def undo(self) -> Document | None:
+        """Go back a step, and return its document with the page on which it was made; None where there is none."""
+        if not self._past:
+            return None
+        step = self._past.pop()
+        self._future.append(step)
+        return {**step.before, "page": step.page}
+
+    def redo(self) -> Document | None:
+        """Go forth a step, as `undo` goes back."""
+        if not self._future:
+            return None
+        step = self._future.pop()
+        self._past.append(step)
+        return {**step.after, "page": step.page}
+
+    def settle(self, document: Mapping[str, Any]) -> None:
+        """Take a document for where the history stands now, without a step."""
+        self._now = _without_view(document)
+
+
+def _without_view(document: Mapping[str, Any]) -> Document:
+    return {key: value for key, value in document.items() if key not in VIEW}

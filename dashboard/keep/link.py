@@ -1,0 +1,227 @@
+"""A page's state in its address: short, readable, versioned, and checked value by value when it is read."""
+
+import base64
+import binascii
+import json
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+from urllib.parse import parse_qsl, quote_plus
+
+import param
+
+from railjoule.core import RailjouleError
+from railjoule.core.budget import PAGE
+from railjoule.dashboard.keep.snapshot import Document, changed, fields_of
+from railjoule.dashboard.state.kept import LONGEST_TEXT, Kept, short
+from railjoule.dashboard.state.workbench import Workbench
+
+VERSION = "1"
+LONGEST_QUERY, LONGEST_LINK = 1_500, 2_000_000
+"""Up to the first length a state stands in the query, which is sent to the server; a longer one stands behind `#`."""
+LONGEST_PLAIN = 200
+"""A longer text is packed."""
+MOST_FIELDS, MOST_TOLD = 500, 3
+MOST_KEYS, DEEPEST = 500, 12
+"""Keys of a table in a link, and tables and lists one in the other; the deepest real ones are 5."""
+PACKED, NOTHING, EMPTY = "~", "none", "[]"
+
+
+class LinkTooLongError(RailjouleError):
+    """A state that no address can hold, in one sentence."""
+
+
+@dataclass(frozen=True)
+class ReadLink:
+    """What a link opens, and one sentence on what of it cannot be opened."""
+
+    document: Document = field(default_factory=dict)
+    refusal: str = ""
+
+
+def write_link(document: Mapping[str, Any], originals: Mapping[str, Any]) -> str:
+    """Return the end of an address that opens a document: nothing, `?v=1&...` or `#v=1&...`.
+
+    Parameters
+    ----------
+    document : mapping
+        All that is kept of a page.
+    originals : mapping
+        The same of a new page with the same scenario and edits.
+
+    Raises
+    ------
+    LinkTooLongError
+        If it takes more characters than an address may have.
+    """
+    first = _template().keep() | _template().scenario.keep()
+    # the scenario and its edits are named against those of a new page, all else against the scenario
+    before = {**originals, **{key: first[key] for key in ("preset", "toml", "edits")}}
+    differs = changed(document, before)
+    if differs.get("toml") is not None:
+        differs.pop("preset", None)
+    if not differs:
+        return ""
+    parts = [f"{quote_plus(key)}={quote_plus(_text(value), safe=',:')}" for key, value in differs.items()]
+    text = "&".join([f"v={VERSION}", *parts])
+    if len(text) > LONGEST_LINK:
+        raise LinkTooLongError(
+            f"The page's state takes {len(text):,} characters; an address holds at most {LONGEST_LINK:,}. "
+            "Save it as TOML, because a reload will lose it."
+        )
+    return f"{'?' if len(text) <= LONGEST_QUERY else '#'}{text}"
+
+
+def read_link(query: str) -> ReadLink:
+    """Return the document that a query or a fragment holds; every value in it is of its kind and in its bounds.
+
+    It never fails: what cannot be read is left out, and told in one sentence. All of its values together have as many
+    characters as one text may have.
+    """
+    text = query.lstrip("?#")
+    if len(text) > LONGEST_LINK:
+        return ReadLink(refusal=f"The link is longer than the {LONGEST_LINK:,} characters allowed; it was not opened.")
+    try:
+        pairs = dict(parse_qsl(text, keep_blank_values=True, max_num_fields=MOST_FIELDS, errors="replace"))
+    except ValueError:
+        return ReadLink(refusal=f"The link has more than the {MOST_FIELDS} values allowed; it was not opened.")
+    known = {key: (model, name) for key, model, name in fields_of(_template())}
+    version = pairs.pop("v", None)
+    if version is None:
+        # an address without a version may carry anybody's values
+        pairs = {key: value for key, value in pairs.items() if key in known}
+    elif version != VERSION:
+        told = short(version)
+        sentence_of_version = f"The link has version {told}, but this page reads version {VERSION}; it was not opened."
+        return ReadLink(refusal=sentence_of_version)
+    document: Document = {}
+    refusals: list[str] = []
+    left = LONGEST_TEXT
+    for key, value in pairs.items():
+        if key not in known:
+            refusals.append(f"{short(key)} is not known")
+            continue
+        try:
+            value = _unpacked(value, left)  # noqa: PLW2901
+            left -= len(value)
+            document[key] = _value(*known[key], value)
+        except ValueError as refusal:
+            refusals.append(f"{key} = {short(value)} {refusal}")
+    return ReadLink(document, sentence(refusals))
+
+
+def sentence(refusals: list[str]) -> str:
+    """Return one sentence on what of a link was left out."""
+    if not refusals:
+        return ""
+    more = f" (and {len(refusals) - MOST_TOLD} more)" if len(refusals) > MOST_TOLD else ""
+    told = "; ".join(refusals[:MOST_TOLD])
+    return f"Parts of the link were ignored: {told}{more}{'' if told.endswith('?') and not more else '.'}"
+
+
+@lru_cache(maxsize=1)
+def _template() -> Workbench:
+    """Return a new page's state, which nobody changes."""
+    return Workbench()
+
+
+def _text(value: Any) -> str:
+    """Return a value as a link names it."""
+    if value is None:
+        return NOTHING
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, float):
+        return repr(int(value)) if value == int(value) and abs(value) < 1e15 else repr(value)
+    if isinstance(value, list) and all(isinstance(item, str) for item in value):
+        text = ",".join(value) or EMPTY
+    else:
+        text = value if isinstance(value, str) else json.dumps(value, separators=(",", ":"), ensure_ascii=False)
+    return _packed(text) if len(text) > LONGEST_PLAIN else text
+
+
+@lru_cache(maxsize=4)
+def _packed(text: str) -> str:
+    """Return a text packed; kept, as a long one takes a tenth of a second and is written at every change."""
+    return PACKED + base64.urlsafe_b64encode(zlib.compress(text.encode(), 9)).decode().rstrip("=")
+
+
+def _unpacked(text: str, longest: int) -> str:
+    """Return a text unpacked if it is packed; raises ValueError where it is longer than allowed."""
+    if not text.startswith(PACKED):
+        return text
+    packed = text.removeprefix(PACKED)
+    try:
+        raw = base64.urlsafe_b64decode(packed + "=" * (-len(packed) % 4))
+        unpacker = zlib.decompressobj()
+        content = unpacker.decompress(raw, max(longest, 1))
+        if unpacker.unconsumed_tail or not unpacker.eof:
+            raise ValueError("is too long or incomplete")
+        return content.decode()
+    except (binascii.Error, zlib.error, UnicodeError):
+        raise ValueError("is damaged") from None
+
+
+def _value(model: Kept, name: str, text: str) -> Any:
+    """Return the checked value that a link's text gives for a field.
+
+    Raises
+    ------
+    ValueError
+        With the end of a sentence that begins with field and text.
+    """
+    parameter = model.param[name]
+    if text == NOTHING and parameter.allow_None:
+        return None
+    if isinstance(parameter, param.Boolean):
+        return model.checked(name, {"true": True, "false": False}.get(text, text))
+    if isinstance(parameter, param.Number):
+        return model.checked(name, _number(text))
+    if isinstance(parameter, param.ListSelector):
+        return model.checked(name, [] if text == EMPTY else text.split(","))
+    if isinstance(parameter, param.Selector):
+        return model.checked(name, {_text(one): one for one in parameter.objects}.get(text, text))
+    if isinstance(parameter, param.String):
+        return model.checked(name, text)
+    return model.checked(name, _from_json(text))
+
+
+def _number(text: str) -> float:
+    try:
+        number = float(text)
+    except ValueError:
+        raise ValueError("must be a number") from None
+    return int(number) if abs(number) < 1e15 and number == int(number) else number
+
+
+def _from_json(text: str) -> Any:
+    def refuse(_: str) -> Any:
+        raise ValueError("must be finite")
+
+    try:
+        value = json.loads(text, parse_constant=refuse)
+    except (ValueError, RecursionError):
+        raise ValueError("is not a readable list or table") from None
+    _require_small(value)
+    return value
+
+
+def _require_small(value: Any) -> None:
+    """Raise ValueError if lists and tables are nested too deeply or have too many entries.
+
+    What copies and compares such values afterwards calls itself for each level, and is quick for a thousand rows.
+    """
+    level = [value] if isinstance(value, (list, dict)) else []
+    for _ in range(DEEPEST):
+        inner: list[Any] = []
+        for one in level:
+            most = PAGE.row_count if isinstance(one, list) else MOST_KEYS
+            if len(one) > most:
+                raise ValueError(f"has a list or table of {len(one):,} entries; the page takes at most {most:,}")
+            entries = one if isinstance(one, list) else one.values()
+            inner += [entry for entry in entries if isinstance(entry, (list, dict))]
+        level = inner
+    if level:
+        raise ValueError("is nested too deeply")

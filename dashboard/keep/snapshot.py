@@ -1,0 +1,123 @@
+"""The whole state of a page as one flat mapping of plain values, and back.
+
+Fields of the page and of the scenario stand under their own names, those of other models as `model.field`.
+"""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from railjoule.core import RailjouleError
+from railjoule.dashboard.state.kept import Kept
+from railjoule.dashboard.state.scenario import FIRST_SCENARIO
+from railjoule.dashboard.state.workbench import Workbench
+
+Document = dict[str, Any]
+BASE = ("preset", "toml")
+"""What names the scenario under all edits."""
+VIEW = ("page", "colours")
+"""What is looked at, and how: no step of undo and redo."""
+
+
+def fields_of(state: Workbench) -> Iterator[tuple[str, Kept, str]]:
+    """Yield the key of every kept field, the model that it belongs to, and its name there."""
+    for field in state.kept:
+        yield field, state, field
+    for name, model in state.models.items():
+        for field in model.kept:
+            yield field if model is state.scenario else f"{name}.{field}", model, field
+
+
+def document_of(state: Workbench) -> Document:
+    """Return all that is kept of a page."""
+    document = state.keep()
+    for name, model in state.models.items():
+        prefix = "" if model is state.scenario else f"{name}."
+        document |= {prefix + field: value for field, value in model.keep().items()}
+    return document
+
+
+def originals_of(document: Mapping[str, Any]) -> Document:
+    """Return the document of a new page with the scenario and the edits of another.
+
+    Raises
+    ------
+    RailjouleError
+        If there is no such scenario.
+    """
+    fresh = Workbench()
+    scenario = fresh.scenario
+    if document.get("toml"):
+        scenario.open(document["toml"], "the scenario")
+    elif document["preset"] != scenario.preset:
+        scenario.choose(document["preset"])
+    for model in fresh.models.values():
+        if hasattr(model, "take"):
+            model.take(scenario.base)
+    scenario.lay({"edits": document.get("edits", {})})
+    return document_of(fresh)
+
+
+def changed(document: Mapping[str, Any], before: Mapping[str, Any]) -> Document:
+    """Return what of a document is otherwise before."""
+    return {key: value for key, value in document.items() if key not in before or before[key] != value}
+
+
+def lay(state: Workbench, document: Mapping[str, Any]) -> tuple[str, ...]:
+    """Bring a page to the state of a document, and return sentences on what of it cannot be.
+
+    What the document does not name becomes as on a new page with its scenario. The page in sight turns last, so that
+    it asks for its results once.
+    """
+    refusals: list[str] = []
+    wanted = dict(document)
+    try:
+        _lay_base(state, wanted)
+    except RailjouleError as refusal:
+        refusals.append(_bare(refusal))
+        wanted = {key: wanted[key] for key in state.kept if key in wanted}
+    base = {"preset": state.scenario.preset, "toml": state.scenario.toml}
+    try:
+        originals = originals_of({**base, "edits": wanted.get("edits", {})})
+    except RailjouleError as refusal:
+        refusals.append(f"edits: {_bare(refusal)}")
+        wanted.pop("edits", None)
+        originals = originals_of(base)
+    values = {**originals, **wanted, **base}
+    named = state.models
+    parts = [(model, "" if model is state.scenario else f"{name}.") for name, model in named.items()]
+    for model, prefix in [*parts, (state, "")]:
+        kept = {field: values[prefix + field] for field in model.kept if prefix + field in values}
+        last = {"page": kept.pop("page")} if model is state and "page" in kept else {}
+        refusals += _lay_model(model, kept, prefix)
+        if last:
+            refusals += _lay_model(model, last, prefix)
+    return tuple(refusals)
+
+
+def _lay_base(state: Workbench, document: Mapping[str, Any]) -> None:
+    """Choose or open the scenario that a document names, where it is another one."""
+    scenario, toml = state.scenario, document.get("toml")
+    if toml:
+        if toml != scenario.toml:
+            scenario.open(toml, "the scenario of the link")
+    elif scenario.opened is not None or document.get("preset", FIRST_SCENARIO) != scenario.preset:
+        scenario.choose(document.get("preset", FIRST_SCENARIO))
+
+
+def _lay_model(model: Kept, values: Mapping[str, Any], prefix: str) -> list[str]:
+    """Lay values that the model takes as it stands, and return sentences on the others."""
+    refusals, taken = [], {}
+    for field, value in values.items():
+        try:
+            taken[field] = model.checked(field, value)
+        except ValueError as refusal:
+            refusals.append(f"{prefix}{field} {refusal}")
+    try:
+        model.lay(taken)
+    except (RailjouleError, ValueError) as refusal:
+        refusals.append(f"{prefix.rstrip('.') or 'the scenario'}: {_bare(refusal)}")
+    return refusals
+
+
+def _bare(refusal: Exception) -> str:
+    return str(refusal).rstrip(".")

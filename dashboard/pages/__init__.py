@@ -1,0 +1,1 @@
+"""The pages, one room each: its state, its work, what it computes and what it shows."""

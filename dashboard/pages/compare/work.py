@@ -1,0 +1,42 @@
+"""The work behind the page Compare: the runs of all strategies, while it is in sight."""
+
+from typing import Any
+
+from railjoule.core import RailjouleError
+from railjoule.core.scenario import StrategyName
+from railjoule.core.strategies import STRATEGIES
+from railjoule.dashboard.state.page_work import PageWork
+from railjoule.dashboard.state.scenario import PLAN_FIELDS
+from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs_in_steps
+
+PAGE = "Compare"
+SLOW: tuple[StrategyName, ...] = ("bellman", "speed_limits")
+"""What is still under way when the next scenario is asked for is left, so these come last."""
+REST_MS = 400
+"""While a slider moves, what is under way takes turns from the page."""
+IN_TURN = (*(name for name in STRATEGIES if name not in SLOW), *SLOW)
+
+
+class Compare(PageWork[Workbench]):
+    """Asks for the runs of all strategies; those that are ticked come sooner, from the work behind Drive."""
+
+    page = PAGE
+
+    def __init__(self, state: Workbench) -> None:
+        super().__init__(state, state)
+        self.runs = self.study(compute_runs_in_steps, self._take)
+        state.scenario.param.watch(self._ask, [*PLAN_FIELDS, "acceleration_time_s"])
+        state.param.watch(self._ask, ["page", "compare_all"])
+
+    def _ask(self, *_: Any) -> None:
+        self.end()
+        if self.in_sight and self.state.compare_all:
+            self.after(REST_MS, lambda: self.runs.ask(RunsRequest(self.state.scenario.scenario(), IN_TURN)))
+
+    def _take(self, runs: Runs, last: bool) -> None:
+        if last:
+            self.state.compared = self.state.proof.laid_on(runs)
+
+    def take_failure(self, failure: RailjouleError) -> None:
+        """Leave it to the work behind Drive to tell: it runs over the same scenario."""

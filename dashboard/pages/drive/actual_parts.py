@@ -1,0 +1,127 @@
+"""What Drive tells of the actual run: its numbers, and where its extra energy comes from."""
+
+from collections.abc import Sequence
+
+from markupsafe import Markup
+
+from railjoule.core import Trajectory
+from railjoule.core.scenario import Scenario
+from railjoule.core.simulate.actual_run import ActualRun, Cause
+from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.pages.drive.proof_compute import same_plan
+from railjoule.dashboard.parts.html import figure, figures, flow_bar, joined, markup, note_paragraphs, price_figure
+from railjoule.dashboard.work.runs import Runs
+
+CAUSES = '<div class="block causes"><h2>{}</h2>{}</div>'
+OPEN = '<span class="open">{}</span>'
+EQUAL = "The actual run equals the plan. Change load, position or add a stop."
+LEAST_STOP_ERROR_M = 0.05
+SAME_ENERGY = 1e-9
+"""Relatively: two ways to solve for the same plan."""
+
+
+def belongs_to(actual: ActualRun, run: Trajectory) -> bool:
+    """Return whether an actual run is that of the scenario and the strategy of a run."""
+    return actual.planned.strategy == run.strategy and same_plan(actual.scenario, run.scenario)
+
+
+def is_same_plan(actual: ActualRun, run: Trajectory) -> bool:
+    """Return whether an actual run starts from this run of Drive."""
+    return abs(actual.planned.energy.net_j - run.energy.net_j) <= SAME_ENERGY * abs(run.energy.net_j)
+
+
+def cause_words(cause: Cause, scenario: Scenario) -> str:
+    """Return what a cause is called: which way the load differs, how many stops there are."""
+    disturbance = scenario.disturbance
+    if cause.name == "load" and disturbance.actual_load_factor is not None:
+        heavier = disturbance.actual_load_factor > scenario.vehicle.load_factor
+        return "Heavier than planned" if heavier else "Lighter than planned"
+    if cause.name == "stops" and len(disturbance.stops) == 1:
+        return "Unplanned stop"
+    return words.CAUSE_WORDS[cause.name]
+
+
+def actual_figures(actual: ActualRun, runs: Runs, run: Trajectory) -> str:
+    """Return the numbers of Drive while an actual run stands beside the plan."""
+    largest = actual.largest_cause
+    cause = figure("Largest cause", words.UNKNOWN, "", "none", kind="cause")
+    if largest is not None:
+        told = cause_words(largest, actual.scenario)
+        added = words.energy_difference(largest.energy_kwh)
+        cause = figure("Largest cause", added, "kWh", told[0].lower() + told[1:], kind="cause")
+    return figures(
+        [
+            _main(actual),
+            _planned(actual, run),
+            figure("Travel time", words.time(actual.actual.travel_time_s), "s", late_words(actual)),
+            price_figure(run, runs.best),
+            cause,
+        ]
+    )
+
+
+def _main(actual: ActualRun) -> str:
+    planned, driven = actual.planned.energy_kwh, actual.actual.energy_kwh
+    label = "Actual run saves" if actual.extra_kwh < 0 and actual.causes else "Actual run costs"
+    amount = comparisons.above(driven, planned)
+    unit = markup('kWh <b class="over">{}</b>', amount) if amount.unit == "%" else "kWh "
+    detail = f"{words.energy(driven)} kWh against {words.energy(planned)} planned" if actual.causes else EQUAL
+    return figure(label, words.energy_difference(actual.extra_kwh), unit, detail, kind="main", term="Actual run costs")
+
+
+def _planned(actual: ActualRun, run: Trajectory) -> str:
+    energy = words.energy(actual.planned.energy_kwh)
+    if not is_same_plan(actual, run):
+        amount = comparisons.above(actual.planned.energy_kwh, run.energy_kwh)
+        detail = f"keeps to the target braking curve: {amount}"
+        whole = f"{amount.sentence} the run without it, {words.energy(run.energy_kwh)} kWh"
+        return figure("Planned run", energy, "kWh", detail, whole=whole)
+    if run.is_proven and comparisons.is_reference(run):
+        return figure("Planned run", energy, "kWh", Markup('<span class="proven">\u2713 proven optimum</span>'))
+    return figure("Planned run", energy, "kWh", words.strategy(run.strategy))
+
+
+def late_words(actual: ActualRun) -> str:
+    """Return how late a run arrives, and how far from its place it stands, as HTML."""
+    late, error = actual.delay_s, actual.stop_error_m
+    told: str = "on time" if abs(late) < comparisons.OTHER_TIME_S else f"{words.time(-late)} s early"
+    if late >= comparisons.OTHER_TIME_S:
+        told = markup(OPEN, f"{words.time(late)} s late")
+    if abs(error) >= LEAST_STOP_ERROR_M:
+        side = "beyond the stop" if error > 0 else "short of the stop"
+        told = joined([told, markup(OPEN, f"{words.number(abs(error))} m {side}")], ", ")
+    return told
+
+
+def causes_block(actual: ActualRun) -> str:
+    """Return where the extra energy comes from, as bars that follow one another and sum to the whole."""
+    if not actual.causes:
+        return markup(CAUSES, "Where the extra energy comes from", note_paragraphs([EQUAL]))
+    energies = [cause.energy_kwh for cause in actual.causes]
+    ends = _running(energies)
+    low, high = min(0.0, *ends), max(0.0, *ends)
+    scale = max(high - low, 1e-9)
+
+    def bar(name: str, start: float, length: float, colour: str, strong: bool = False) -> Markup:
+        left, amount = (min(start, start + length) - low) / scale, f"{words.energy_difference(length)} kWh"
+        return flow_bar(name, amount, left, abs(length) / scale, colour, strong)
+
+    rows = [
+        bar(cause_words(cause, actual.scenario), start, cause.energy_kwh, "var(--rj-costbar)")
+        for cause, start in zip(actual.causes, [0.0, *ends], strict=False)
+    ]
+    rows.append(bar("Together", 0.0, ends[-1], "var(--rj-pinned)", strong=True))
+    title = f"Where the extra {words.energy(abs(actual.extra_kwh))} kWh comes from"
+    if actual.extra_kwh < 0:
+        title = f"Where the saved {words.energy(abs(actual.extra_kwh))} kWh comes from"
+    order = ["Each cause is added to those above it."] if len(energies) > 1 else []
+    flow = markup('<div class="flow">{}</div>', joined(rows))
+    return markup(CAUSES, title, flow + note_paragraphs([*order, *actual.notes]))
+
+
+def _running(energies: Sequence[float]) -> list[float]:
+    ends, total = [], 0.0
+    for energy in energies:
+        total += energy
+        ends.append(total)
+    return ends

@@ -1,0 +1,95 @@
+"""What is proven of the run on Drive, in a sentence beneath its numbers, and the button that proves further."""
+
+import panel as pn
+import panel_material_ui as pmui
+
+from railjoule.core import Trajectory
+from railjoule.core.bounds import ProofStep
+from railjoule.core.trajectory import Bound
+from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.glossary import info
+from railjoule.dashboard.look.markup import Markup, markup
+from railjoule.dashboard.parts.html import html_pane
+from railjoule.dashboard.state.workbench import Workbench
+
+ROW_CSS = """
+:host { display: grid; grid-template-columns: minmax(0, 1fr) auto; column-gap: 12px; align-items: start;
+  padding: 6px 20px 0; box-sizing: border-box; }
+@media (max-width: 899px) { :host { grid-template-columns: minmax(0, 1fr); padding: 6px 14px 0; } }
+"""
+FURTHER, STOP = "Prove further", "Stop"
+BOXES = 1e6
+COMPLETE = "As close as the proof aims."
+EXHAUSTED = "The page proves no more; the command line does, with --prove-seconds."
+
+
+class ProofRow:
+    """The sentence and its button; a run that its first bound proves has neither, as its proof is complete."""
+
+    def __init__(self, state: Workbench) -> None:
+        self.state, self.model = state, state.proof
+        self.text = html_pane()
+        # one button, so that the keyboard's focus stays where it is
+        self.button = pmui.Button(
+            label=FURTHER,
+            variant="text",
+            size="small",
+            margin=0,
+            height=28,
+            width=110,
+            sx={"justifyContent": "flex-end", "@media (max-width: 899px)": {"justifyContent": "flex-start", "pl": 0}},
+            on_click=self._press,
+        )
+        self.view = pn.Column(
+            self.text, self.button, margin=0, sizing_mode="stretch_width", stylesheets=[ROW_CSS], visible=False
+        )
+
+    def _press(self, _: object) -> None:
+        self.model.param.trigger("stop" if self.model.stage == "further" else "go_on")
+
+    def show(self, run: Trajectory | None, hidden: bool) -> None:
+        """Show what is proven of a run."""
+        bound, stage, runs = None if run is None else run.bound, self.model.stage, self.state.runs
+        # what is proven of a run over other nodes or with a time of its own is another proof
+        own = bound is not None and runs is not None and runs.to_prove is not None and runs.to_prove.bound is bound
+        self.view.visible = shown = not hidden and bound is not None and (own or bound.switched_j is not None)
+        if not shown or run is None or bound is None:
+            return
+        known = self.model.of(run.scenario)
+        end: str
+        if own and stage:
+            end = progress(self.model.step)
+        elif own and known is not None and known.is_complete:
+            end = COMPLETE if known.step.reached else EXHAUSTED
+        else:
+            end = self._failure if own else ""
+        self.text.object = proof_text(bound, end)
+        self.button.visible = own and (known is None or not known.is_complete or bool(stage))
+        self.button.label = STOP if stage == "further" else FURTHER
+        self.button.disabled = stage == "first"
+
+    @property
+    def _failure(self) -> str:
+        failure = self.model.failure
+        return "" if failure is None else f"The proof has ended: {failure}"
+
+
+def proof_text(bound: Bound, end: str) -> Markup:
+    """Return what a bound proves, as HTML, and at its end how far the proof is."""
+    # how many boxes are used is not read aloud at every step, what is proven is
+    return markup(
+        '<div class="proof-row"><span role="status" aria-live="polite">{}</span>{} <span class="muted">{}</span></div>',
+        comparisons.proof_sentence(bound),
+        info("Proof"),
+        end,
+    )
+
+
+def progress(step: ProofStep | None) -> Markup:
+    """Return how many boxes of its budget a proof has used, as HTML; None where it waits for others."""
+    share, told = 0.0, "begins"
+    if step is not None:
+        share = step.share
+        told = f"{words.number(step.boxes / BOXES)} of {words.number(step.budget / BOXES)} million boxes"
+    bar = '<progress max="1" value="{}" aria-label="Share of the boxes looked at"></progress>{}'
+    return markup(bar, f"{share:.3f}", told)

@@ -1,0 +1,132 @@
+"""Help: the keys, what each page answers, how to read a proof, and the whole glossary."""
+
+from panel.viewable import Viewable
+
+from railjoule.dashboard.look.glossary import GROUPS, Term
+from railjoule.dashboard.look.markup import Markup, joined, markup
+from railjoule.dashboard.look.theme import parts_css
+from railjoule.dashboard.page_list import KEYED, PAGES
+from railjoule.dashboard.pages.page import PageView
+from railjoule.dashboard.parts import html as parts
+
+KEYS = (
+    ("?", "open this page"),
+    ("1 to 9", "open a page, in the order of the bar"),
+    ("P", "pin the run, or unpin it"),
+    ("Ctrl + Z", "undo"),
+    ("Ctrl + Shift + Z", "redo"),
+    ("Escape", "close an explanation or a list of pages"),
+    ("Left, right", "move a slider by one step; Home and End to its ends"),
+    ("Down", "open the list of a group of pages"),
+)
+"""What the keys do; letters, digits and signs only while nothing is typed."""
+PROOF = (
+    (
+        "What is proven",
+        "The solver finds a run, and separately a lower bound: an energy below which no run can stay that obeys the "
+        "same model, timetable and limits over the same mesh. Where both meet, a tick marks the run as proven.",
+    ),
+    (
+        "When there is a gap",
+        "A half circle stands for a gap. The true optimum lies between the bound and the run, so the gap is the most "
+        "that another run over the same mesh could still save. Such a run is called the best known, not the optimum.",
+    ),
+    (
+        "Where the bound tightens",
+        "A powertrain that takes power as soon as it is on has a first bound at once, and on Drive a better one half a "
+        "second later. Prove further goes on; the bound never falls. The sentence beneath the numbers says which runs "
+        "it covers: those with one effort in each cell of the mesh, or also those that switch within cells.",
+    ),
+    (
+        "What a finer mesh changes",
+        "The line is cut into cells. A run has one effort in each, whose energy is counted at its mean speed, and the "
+        "proof is of runs over these cells. Over shorter ones a run can change its effort more often and may need "
+        "less: where it was measured, the least energy over 1 m lies up to 0.04 % below that over 5 m, 0.15 % below "
+        "that over 10 m and 0.41 % below that over 20 m. The scenario sets the longest cell, under Strategy options.",
+    ),
+    (
+        "What a proof does not cover",
+        "It holds for the model: for this vehicle, line and timetable as entered. \u201cWhat is proven\u201d on Drive "
+        "says which runs it covers, and what it assumes of the powertrain. Other strategies are compared with the "
+        "proven run.",
+    ),
+)
+HELP_CSS = """
+.help { padding: 4px 20px 32px; max-width: 1240px; }
+.help h2 { font-size: 15px; margin: 22px 0 6px; }
+.help h3 { font-size: 13px; font-weight: 600; color: var(--rj-ink); margin: 14px 0 2px; break-after: avoid; }
+.help table { width: auto; font-size: 13px; }
+.help td { text-align: left; white-space: normal; padding: 4px 0 4px 20px; }
+.help td:first-child { min-width: 0; padding-left: 0; white-space: nowrap; }
+.help kbd { display: inline-block; min-width: 24px; box-sizing: border-box; padding: 1px 7px; border-radius: 4px;
+  border: 1px solid var(--rj-line2); font: 500 12px/1.5 var(--rj-font); text-align: center; }
+.help .open-page { min-height: 24px; padding: 0; border: 0; background: none; color: var(--rj-accent); cursor: pointer;
+  font: 600 13px/1.4 var(--rj-font); text-align: left; white-space: nowrap; }
+.help .open-page:hover { text-decoration: underline; }
+.help .columns { columns: 2; column-gap: 44px; }
+.help dl { margin: 0; }
+.help dl div { break-inside: avoid; padding: 5px 0; border-top: 1px solid var(--rj-line); }
+.help dl div:focus { outline: 2px solid var(--rj-accent); outline-offset: 3px; }
+.help dt { font-weight: 600; }
+.help dt span { font-weight: 400; color: var(--rj-ink3); }
+.help dd { margin: 0; max-width: 68ch; color: var(--rj-ink2); }
+.help .proof { max-width: 76ch; }
+@media (max-width: 899px) { .help { padding: 2px 14px 24px; } .help .columns { columns: 1; } }
+"""
+
+
+class HelpView(PageView):
+    """The page of words and keys."""
+
+    page = "Help"
+
+    def make(self) -> Viewable:
+        """Make the pieces of the page, and return them laid out."""
+        heading = parts.html_pane(parts.heading(self.page, "Keys, pages, proofs and all terms", "", ""))
+        return parts.stack(heading, parts.html_pane(help_html(), stylesheets=[parts_css(), HELP_CSS]))
+
+
+def help_html() -> Markup:
+    """Return the page below its heading."""
+    return markup('<div class="help">{}{}{}{}</div>', keys_html(), pages_html(), proof_html(), glossary_html())
+
+
+def keys_html() -> Markup:
+    """Return what the keys do."""
+    rows = joined(markup("<tr><td><kbd>{}</kbd></td><td>{}</td></tr>", key, does) for key, does in KEYS)
+    note = "The keys ?, 1 to 9 and P do nothing while you type in a field."
+    template = '<h2 id="keys">Keys</h2><table><tbody>{}</tbody></table>{}'
+    return markup(template, rows, parts.note_paragraphs([note]))
+
+
+def pages_html() -> Markup:
+    """Return the pages with their questions and keys."""
+    rows = []
+    for name, entry in PAGES.items():
+        key = str(KEYED.index(name) + 1) if name in KEYED else "?" if name == "Help" else ""
+        button = markup('<button type="button" class="open-page" data-open="{0}">{0}</button>', name)
+        pressed = markup("<kbd>{}</kbd>", key) if key else ""
+        rows.append(markup("<tr><td>{}</td><td>{}</td><td>{}</td></tr>", button, pressed, entry.question))
+    return markup('<h2 id="pages">Pages</h2><table><tbody>{}</tbody></table>', joined(rows))
+
+
+def proof_html() -> Markup:
+    """Return how to read a proof."""
+    told = joined(markup("<h3>{}</h3><p>{}</p>", title, text) for title, text in PROOF)
+    return markup('<h2 id="proof">How to read a proof</h2><div class="proof">{}</div>', told)
+
+
+def glossary_html() -> Markup:
+    """Return all terms by group."""
+    groups = joined(
+        markup("<h3>{}</h3><dl>{}</dl>", group, joined(map(entry_html, terms))) for group, terms in GROUPS.items()
+    )
+    return markup('<h2 id="terms">All terms</h2><div class="columns">{}</div>', groups)
+
+
+def entry_html(term: Term) -> Markup:
+    """Return one term with what else it is called on the pages."""
+    others = ", ".join(term.labels)
+    also = markup(" <span>\u00b7 {}</span>", others) if others else ""
+    template = '<div id="term-{}" tabindex="-1"><dt>{}{}</dt><dd>{}</dd></div>'
+    return markup(template, term.slug, term.name, also, term.text)

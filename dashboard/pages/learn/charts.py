@@ -1,0 +1,169 @@
+"""The charts of Learn: speeds of two runs, energy over time with the price of a second, the phase plane."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from bokeh.models import Span
+from bokeh.plotting import figure
+
+from railjoule.core.studies.steady import SteadySpeeds
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.dashboard.charts.chart import Axis, columns, nice_range, points, text_style, xy
+from railjoule.dashboard.charts.figures import LoneChart
+from railjoule.dashboard.charts.line_names import Name
+from railjoule.dashboard.charts.quantities import SPEED
+from railjoule.dashboard.charts.run_lines import DRIVEN_DASH, Form, Line, RunLines, ends_of
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.pages.learn.compute import LessonResult
+
+LINES: Mapping[str, Line] = {
+    "second": Line("driven", {"line_width": 1.8, "line_dash": DRIVEN_DASH}),
+    "first": Line("optimal", {"line_width": 2.6}),
+}
+WORTH_ENDS = (-0.7, 2.3)
+"""What of the phase plane is shown: near rest the worth of motion grows beyond all bounds."""
+STEEPEST_SHARE = 0.03
+MOST_KMH = 80.0
+TIME_TITLE = "Travel time, s"
+HEADROOM = 1.12
+
+
+class LessonSpeedChart(RunLines):
+    """Speeds of two runs.
+
+    Parameters
+    ----------
+    lesson, caption : str
+        The lesson's name, and what the lines are.
+    """
+
+    def __init__(self, lesson: str, caption: str, height: int, palette: Palette) -> None:
+        form = Form(last=True)
+        super().__init__(f"lesson_{lesson}", SPEED, LINES, height, Axis(palette), palette, caption, form)
+
+    def frame(self, *args: Any, **style: Any) -> figure:
+        """Return the empty figure, which stands alone and has no zoom."""
+        f = super().frame(*args, **{**style, "zoom": False})
+        self.palette.paint(f.xaxis[0], axis_line_color="line2")
+        return f
+
+    def draw(self, result: LessonResult) -> None:
+        """Draw both runs."""
+        first, second, *_ = result.runs.values()
+        self.axis.fit(max(first.position_m[-1], second.position_m[-1]), roomy=False)
+        _, high = ends_of(self.fill({"first": first, "second": second}).values())
+        self.set_range(0, HEADROOM * high)
+        names = dict(zip(("first", "second"), result.runs, strict=False))
+        self.told["sources"] = [self.read(line, name) for line, name in names.items()]
+        self.axis.settle("m", 0)
+
+
+class PriceChart(LoneChart):
+    """The least energy over travel time, with the price of a second as its slope."""
+
+    def __init__(self, height: int, palette: Palette) -> None:
+        caption = "Least energy, kWh; its slope: energy saved per extra second"
+        super().__init__("lesson_price", caption, height, palette)
+
+    def build(self) -> None:
+        """Make the figure."""
+        self.frame(ticks=4, x_title=TIME_TITLE)
+        self.line("curve", "optimal", line_width=2.6)
+        self.line("tangent", "ink", line_width=1.2)
+        self.dots("point", size=10, line_width=2)
+
+    def draw(self, result: LessonResult) -> None:
+        """Draw curve, point and tangent."""
+        frontier, run = result.frontier, result.runs["optimum"]
+        if frontier is None:
+            return
+        time, energy = frontier.travel_time_s, frontier.energy_kwh
+        steepest = float(np.interp(frontier.shortest_travel_time_s * (1 + STEEPEST_SHARE), time, energy))
+        slope = (run.price_of_time_w or 0.0) / J_PER_KWH
+        reach = 0.12 * float(time[-1] - time[0])
+        sides = np.array([-reach, reach])
+        self.put("curve", **xy(time, energy))
+        self.put("tangent", **xy(run.travel_time_s + sides, run.energy_kwh - slope * sides))
+        self.put("point", x=[run.travel_time_s], y=[run.energy_kwh])
+        ends = nice_range(float(np.nanmin(energy)), max(steepest, run.energy_kwh))
+        self.set_ranges((float(time[0]), float(time[-1])), ends)
+
+
+class PhasePlaneChart(LoneChart):
+    """What a joule of motion is worth over speed: above, between and below two lines the driver does other things."""
+
+    kind = "map"
+
+    def __init__(self, lesson: str, height: int, palette: Palette) -> None:
+        caption = "Phase plane: value of a joule of kinetic energy, J from the supply, over speed, km/h"
+        super().__init__(f"plane_{lesson}", caption, height, palette)
+        self.set_ranges((0, MOST_KMH), WORTH_ENDS)
+        self.driving, self.braking = (Span(dimension="width", line_width=1) for _ in range(2))
+
+    def build(self) -> None:
+        """Make the figure."""
+        f = self.frame(ticks=4, digits=1, x_title=SPEED.words, y_title="Worth, J")
+        # wider than any zoom: the regions have no ends along the speed
+        sides = (-10, 1e3, "top", "bottom")
+        self.source("bands", "bottom", "top", "fill")
+        self.glyphs("quad", "bands", *sides, paint={}, fill_color="fill", fill_alpha=0.35, line_color=None)
+        self.source("regions", "y", "text", "ink")
+        right = {"text_align": "right", "text_baseline": "middle", **text_style(11)}
+        self.glyphs("text", "regions", MOST_KMH - 1, "y", "text", paint={}, text_color="ink", **right)
+        for span in (self.driving, self.braking):
+            self.palette.paint(span, line_color="ink3")
+            f.add_layout(span)
+        self.line("run", "optimal", line_width=2.6)
+        self.dots("marks", size=8, line_width=2)
+        self.add_names(size=11)
+
+    def draw(self, result: LessonResult) -> None:
+        """Draw the three regions and the run through them."""
+        steady = result.steady
+        if steady is None:
+            return
+        speed = np.concatenate([curve.speed_ms for curve in result.plane]) / MS_PER_KMH
+        worth = np.concatenate([curve.adjoint for curve in result.plane])
+        self.put("run", **xy(speed, np.clip(worth, WORTH_ENDS[0] - 1, WORTH_ENDS[1] + 1)))
+        self.driving.location, self.braking.location = steady.driving_adjoint, steady.braking_adjoint
+        self._draw_regions(steady)
+        self._mark(steady)
+
+    def _draw_regions(self, steady: SteadySpeeds) -> None:
+        tokens, (low, high) = self.palette.tokens, WORTH_ENDS
+        ends = (low - 1, steady.braking_adjoint, steady.driving_adjoint, high + 1)
+        self.put(
+            "bands",
+            **columns(bottom=np.array(ends[:-1]), top=np.array(ends[1:])),
+            fill=[tokens[name] for name in ("brake", "coast", "part_power")],
+        )
+        middles = (0.5 * (low + steady.braking_adjoint), 0.5 * sum(ends[1:3]), 0.5 * (high + steady.driving_adjoint))
+        self.put("regions", y=list(middles), text=["brake", "coast", "full power"], ink=[tokens["ink2"]] * 3)
+
+    def _mark(self, steady: SteadySpeeds) -> None:
+        reaches = steady.highest_ms >= 0.999 * steady.hold_ms
+        word = "hold" if reaches else "motors off at"
+        switches = [
+            (steady.highest_ms / MS_PER_KMH, steady.driving_adjoint),
+            (steady.brake_ms / MS_PER_KMH, steady.braking_adjoint),
+        ]
+        texts = (
+            f"{word} {words.speed(steady.highest_ms, 1)} km/h",
+            f"brake from {words.speed(steady.brake_ms, 1)} km/h",
+        )
+        self.put("marks", **points(switches))
+        ink, ends = self.palette.tokens["ink"], np.array([0.0, MOST_KMH])
+        names = [Name(text, text, ink, point=point) for text, point in zip(texts, switches, strict=True)]
+        frame, regions = self.frame_now, self.sources["regions"].data
+        lines = {
+            "run": (np.asarray(self.sources["run"].data["x"]), np.asarray(self.sources["run"].data["y"])),
+            "driving": (ends, np.full(2, steady.driving_adjoint)),
+            "braking": (ends, np.full(2, steady.braking_adjoint)),
+        }
+        taken = [
+            frame.box(MOST_KMH - 1, y, text, align="right", lift_px=-7)
+            for y, text in zip(regions["y"], regions["text"], strict=True)
+        ]
+        self.place_names(lines, names, [*taken, *(frame.dot(*point) for point in switches)], size=11)

@@ -1,0 +1,222 @@
+"""A plan through the control loop of its motors, what it is compared with, and what a detuned controller costs."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from railjoule.core import Scenario, SolverError, StrategyRefusedError, TimetableError, Trajectory
+from railjoule.core.arrays import frozen_array
+from railjoule.core.scenario import StrategyName
+from railjoule.core.scenario.drive import CopperLoss, Induction
+from railjoule.core.simulate.field_oriented import (
+    FieldOrientedRun,
+    Ripple,
+    current_ripple,
+    simulate_field_oriented,
+)
+from railjoule.core.strategies import prepare_task, run_strategy
+from railjoule.core.studies.detuning import FACTORS, DetuningTable, detuning_steps
+from railjoule.core.studies.induction_map import induction_map, machine_points
+from railjoule.core.studies.motor_map import MotorMap, OperatingPoints
+from railjoule.dashboard.work.refusals import named_refusals
+
+MACHINE_SCENARIO = "ftorek-300s"
+"""A shipped scenario whose drive has a machine."""
+RIVALS: tuple[StrategyName, ...] = ("eoc", "enoc")
+"""The strategies that the paper compares."""
+DRAWN_POINTS = 120
+"""Of a run in its machine's map, at most."""
+NEAREST_FIRST = tuple(sorted(FACTORS, key=lambda factor: abs(math.log(factor))))
+"""Factors of the study, the right one first: the others are told against it."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What the inverter of one motor gives at most.
+
+    Parameters
+    ----------
+    max_phase_voltage_v, max_current_a : float
+        Amplitudes per phase [V, A].
+    """
+
+    max_phase_voltage_v: float
+    max_current_a: float
+
+
+def machine_refusal(scenario: Scenario) -> str:
+    """Return why a scenario has no motor that could be simulated; empty where it has one."""
+    if limits_of(scenario) is not None:
+        return ""
+    return (
+        f"This page simulates induction motors, and the data of {scenario.vehicle.name} describe none. The editor has "
+        "them under Powertrain; in a file they are the table drive.machine."
+    )
+
+
+def limits_of(scenario: Scenario) -> Limits | None:
+    """Return the limits of a scenario's inverter; None where its drive has no induction machine."""
+    drive = scenario.vehicle.drive
+    if isinstance(drive, Induction):
+        return Limits(drive.max_phase_voltage_v, max(drive.starting_current_a, drive.braking_current_a))
+    if isinstance(drive, CopperLoss) and drive.machine is not None:
+        return Limits(drive.machine.max_phase_voltage_v, drive.machine.max_current_a)
+    return None
+
+
+def limit_changes(scenario: Scenario, limits: Limits) -> Mapping[str, float]:
+    """Return limits of a scenario's inverter by the keys of its file.
+
+    Where driving and braking have currents of their own, the larger one is the limit, and bounds the other.
+    """
+    drive = scenario.vehicle.drive
+    if not isinstance(drive, Induction):
+        return {f"drive.machine.{name}": value for name, value in asdict(limits).items()}
+    currents = {
+        "drive.starting_current_a": drive.starting_current_a,
+        "drive.braking_current_a": drive.braking_current_a,
+    }
+    largest, limit = max(currents.values()), limits.max_current_a
+    return {
+        "drive.max_phase_voltage_v": limits.max_phase_voltage_v,
+        **{key: limit if own == largest else min(own, limit) for key, own in currents.items()},
+    }
+
+
+@dataclass(frozen=True)
+class LoopRequest:
+    """A scenario, the strategy that plans it, and controller and limits by the keys of the scenario's file."""
+
+    scenario: Scenario
+    strategy: StrategyName
+    changes: Mapping[str, Any]
+
+    def in_loop(self) -> Scenario:
+        """Return the scenario with its controller; raises ScenarioError if a value is out of its bounds."""
+        return self.scenario.with_(strategy=self.strategy, **self.changes)
+
+    def plan(self, strategy: StrategyName | None = None) -> Trajectory:
+        """Return a plan, which knows nothing of the limits that are tried in the loop."""
+        planned = self.scenario.with_(strategy=strategy or self.strategy)
+        with named_refusals(planned):
+            task = prepare_task(planned)
+            task.require_timetable()
+            return run_strategy(task, planned.strategy)
+
+
+@dataclass(frozen=True, eq=False)
+class LoopRun:
+    """What was asked for, and its run."""
+
+    request: LoopRequest
+    run: FieldOrientedRun
+
+
+def compute_loop_run(request: LoopRequest) -> LoopRun:
+    """Return a plan's run through the loop.
+
+    Raises
+    ------
+    RailjouleError
+        If a value is out of its bounds, there is no such plan, or the drive has no machine.
+    """
+    return LoopRun(request, simulate_field_oriented(request.in_loop(), request.plan()))
+
+
+@dataclass(frozen=True, eq=False)
+class LoopRivals:
+    """What a run is compared with.
+
+    Parameters
+    ----------
+    run : FieldOrientedRun
+        The run itself.
+    with_precompensator, without_precompensator : FieldOrientedRun
+        The run and its like, one of them with the pre-compensator, the other without.
+    strategies : mapping
+        The paper's strategies through the same loop, as far as they take the scenario.
+    refused : mapping
+        Why a strategy does not take it.
+    """
+
+    run: FieldOrientedRun
+    with_precompensator: FieldOrientedRun
+    without_precompensator: FieldOrientedRun
+    strategies: Mapping[StrategyName, FieldOrientedRun]
+    refused: Mapping[StrategyName, str]
+
+    @property
+    def named(self) -> Mapping[str, FieldOrientedRun]:
+        """All runs by the names that charts give them."""
+        return {
+            "run": self.run,
+            "with": self.with_precompensator,
+            "without": self.without_precompensator,
+            **{str(name): run for name, run in self.strategies.items()},
+        }
+
+
+def compute_rivals(loop: LoopRun) -> LoopRivals:
+    """Return what a run is compared with; errors as `compute_loop_run`."""
+    scenario, run = loop.request.in_loop(), loop.run
+    ahead = scenario.simulation.precompensator
+    other = simulate_field_oriented(scenario.with_(**{"simulation.precompensator": not ahead}), run.planned)
+    strategies: dict[StrategyName, FieldOrientedRun] = {}
+    refused: dict[StrategyName, str] = {}
+    for name in RIVALS:
+        if name == loop.request.strategy:
+            strategies[name] = run
+            continue
+        try:
+            strategies[name] = simulate_field_oriented(scenario, loop.request.plan(name))
+        except (StrategyRefusedError, SolverError, TimetableError) as refusal:
+            refused[name] = str(refusal)
+    with_it, without = (run, other) if ahead else (other, run)
+    return LoopRivals(run, with_it, without, strategies, refused)
+
+
+@dataclass(frozen=True, eq=False)
+class MachineMap:
+    """Efficiency of a machine over torque and speed, and where a run works in it."""
+
+    run: FieldOrientedRun
+    map: MotorMap
+    points: OperatingPoints
+
+
+def compute_machine_map(run: FieldOrientedRun) -> MachineMap:
+    """Return the map of a run's machine with the run in it."""
+    found = induction_map(run.scenario)
+    return MachineMap(run, found, spread_points(machine_points(run), found))
+
+
+def spread_points(points: OperatingPoints, over: MotorMap) -> OperatingPoints:
+    """Return fewer points that lie evenly along the way of a run through a map."""
+    sizes = np.ptp(over.torque_nm), np.ptp(over.speed_rads)
+    steps = np.hypot(np.diff(points.torque_nm) / sizes[0], np.diff(points.speed_rads) / sizes[1])
+    way = np.append(0.0, np.cumsum(steps))
+    chosen = np.unique(np.searchsorted(way, np.linspace(0.0, way[-1], DRAWN_POINTS)).clip(max=len(way) - 1))
+    return OperatingPoints(frozen_array(points.torque_nm[chosen]), frozen_array(points.speed_rads[chosen]))
+
+
+@dataclass(frozen=True)
+class RippleRequest:
+    """A run, and the time at which its switched currents are asked for."""
+
+    run: FieldOrientedRun
+    at_s: float
+
+
+def compute_ripple(request: RippleRequest) -> Ripple:
+    """Return currents under switched voltage around a time, which is kept within the run."""
+    return current_ripple(
+        request.run, min(max(request.at_s, float(request.run.time_s[0])), float(request.run.time_s[-1]))
+    )
+
+
+def compute_detuning(request: LoopRequest) -> Iterator[DetuningTable]:
+    """Yield what a wrong rotor resistance costs as it is computed; errors as `compute_loop_run`."""
+    yield from detuning_steps(request.in_loop(), NEAREST_FIRST, request.plan())

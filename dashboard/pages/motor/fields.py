@@ -1,0 +1,58 @@
+"""The sidebar's part of Motor: the controller, and the limits of the inverter."""
+
+from typing import Any
+
+import panel_material_ui as pmui
+
+from railjoule.dashboard.look.glossary import info
+from railjoule.dashboard.look.markup import markup
+from railjoule.dashboard.parts.html import html_pane, stack
+from railjoule.dashboard.parts.number_field import number_fields, tie
+from railjoule.dashboard.state.workbench import Workbench
+
+FLUX_WORDS = {"Constant": "constant", "Least loss": "least_loss"}
+
+
+class MotorFields:
+    """The fields of controller and inverter; in sight on Motor alone."""
+
+    def __init__(self, state: Workbench) -> None:
+        self.state, self.model = state, state.motor
+        model = self.model
+        self.precompensator = pmui.Checkbox(
+            label="Pre-compensator",
+            value=model.precompensator,
+            size="small",
+            margin=(0, 16, 0, 14),
+            sx={"& .MuiTypography-root": {"fontSize": "13px"}},
+        )
+        self.flux = pmui.Select(
+            label="Rotor flux",
+            options=FLUX_WORDS,
+            value=model.flux,
+            size="small",
+            margin=(8, 16, 4, 16),
+            sizing_mode="stretch_width",
+        )
+        self.view = stack(
+            html_pane('<div class="section">Controller <span>\u00b7 with a rotor resistance of its own</span></div>'),
+            self.precompensator,
+            self.flux,
+            *number_fields(model, "bandwidth_rads", "rotor_resistance_factor", "speed_noise_rads", "noise_seed"),
+            html_pane(
+                markup(
+                    '<div class="row small"><span>From its resistance it computes the slip.{}</span></div>',
+                    info("Slip"),
+                )
+            ),
+            html_pane('<div class="section">Inverter <span>\u00b7 at most, each phase</span></div>'),
+            *number_fields(model, "max_phase_voltage_v", "max_current_a"),
+            html_pane('<hr class="rule">'),
+            visible=not model.no_machine,
+        )
+        tie(self.precompensator, model, "precompensator")
+        tie(self.flux, model, "flux")
+        model.param.watch(self._show, "no_machine")
+
+    def _show(self, *_: Any) -> None:
+        self.view.visible = not self.model.no_machine

@@ -1,0 +1,16 @@
+"""What the page Papers asks for, and the comparisons that are there."""
+
+import param
+
+from railjoule.dashboard.state.page_model import PageModel
+
+
+class PapersModel(PageModel):
+    """The comparisons so far."""
+
+    results = param.Dict(default={}, doc="Tables of each paper so far.")
+    is_current = param.Boolean(default=True, doc="Whether this very code has computed all of them.")
+    under_way = param.Dict(default={}, doc="Tables of the comparisons that are being computed.")
+    asked = param.List(default=[], doc="The papers that are being compared, in their order.")
+    compare = param.List(default=[], doc="Set to names of papers to compare them.")
+    stop = param.Event(doc="Stop; what is done stands.")

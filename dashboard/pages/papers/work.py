@@ -1,0 +1,57 @@
+"""The work behind the page Papers: what was computed for this release is shown; other code computes it when asked."""
+
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+from railjoule.core.validation import COMPARISONS
+from railjoule.dashboard.pages.papers.compute import PaperTables, compute_papers, shipped_tables
+from railjoule.dashboard.pages.papers.model import PapersModel
+from railjoule.dashboard.state.page_work import PageWork
+from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work.warmup import warmup
+
+
+class Papers(PageWork[PapersModel]):
+    """Shows what is shipped; compares papers when it is asked to or the code is another, and stops when it is told."""
+
+    page = "Papers"
+    at_rest: ClassVar[Mapping[str, Any]] = {"asked": []}
+
+    def __init__(self, state: Workbench) -> None:
+        super().__init__(state, state.papers)
+        self._begun, self._computed = False, set[str]()
+        self.papers = self.study(compute_papers, self._take)
+        self.model.param.watch(self._ask, "compare")
+        self.model.param.watch(self._stop, "stop")
+        state.param.watch(self._begin, "page")
+        self._begin()
+
+    def _begin(self, *_: Any) -> None:
+        """Take the shipped comparisons, and compute them anew where the code is not the one that has made them."""
+        if not self.in_sight or self._begun:
+            return
+        shipped = shipped_tables()
+        self._begun = shipped.is_current or warmup().ready.is_set()
+        self.model.param.update(results={**shipped.papers, **self.model.results}, is_current=shipped.is_current)
+        if not shipped.is_current and self._begun:
+            self.model.compare = list(COMPARISONS)
+
+    def _ask(self, event: Any) -> None:
+        if event.new:
+            self.model.param.update(asked=event.new, compare=[], failure=None)
+            self.papers.ask(tuple(event.new))
+
+    def _stop(self, *_: Any) -> None:
+        self.papers.stop()
+        self.model.asked = []
+
+    def _take(self, results: dict[str, PaperTables], last: bool) -> None:
+        known = self.model.results
+        # what was computed before stands until all of the paper is there
+        whole = {name: paper for name, paper in results.items() if paper.complete or name not in known}
+        partly = {name: paper for name, paper in results.items() if name in known and not known[name].complete}
+        self.model.param.update(results={**known, **partly, **whole}, under_way=results)
+        if last:
+            self.model.asked = []
+            self._computed |= {name for name, paper in results.items() if paper.complete}
+            self.model.is_current |= self._computed == set(COMPARISONS)

@@ -1,0 +1,268 @@
+"""The table of loads and errors: as a map whose cells can be pressed, as a surface, and beside the printed one."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import panel as pn
+from bokeh.core.properties import value
+from bokeh.events import Tap
+from bokeh.models import FixedTicker, Range1d
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.scenario import load_scenario
+from railjoule.core.studies.sensitivity import COORDINATE_ERRORS_M, LOAD_FACTORS, SensitivityTable
+from railjoule.core.validation.papers import printed_numbers
+from railjoule.core.validation.table import CLOSE_PERCENT
+from railjoule.dashboard.charts.chart import Chart, text_style
+from railjoule.dashboard.charts.figures import empty_figure, ink_on
+from railjoule.dashboard.charts.surface import LIGHTING, NARROW_PX, scene_layout
+from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.parts import html as parts
+
+CELL = 0.96
+CAMERA_DISTANCE = 1.25
+"""How much further away than ENOC's surface this one stands: its column is narrower."""
+
+
+@dataclass(frozen=True)
+class Measure:
+    """What of the table is shown.
+
+    Parameters
+    ----------
+    words : str
+        Quantity and unit.
+    values : callable
+        Takes a table, gives an array of shape (loads, errors) in that unit.
+    show : callable
+        How a number of that array reads.
+    reference_kwh : callable or None
+        Takes a table, gives the energies that shares are of, in a shape that fits that of the array [kWh].
+    """
+
+    words: str
+    values: Callable[[SensitivityTable], FloatArray]
+    show: Callable[[float], str]
+    reference_kwh: Callable[[SensitivityTable], FloatArray] | None = None
+
+    @property
+    def unit(self) -> str:
+        """The unit alone."""
+        return self.words.rpartition(", ")[2]
+
+    def texts(self, table: SensitivityTable) -> list[str]:
+        """Return what each cell reads, row after row; where there is no share to tell, the difference in kWh."""
+        values, energies = self.values(table), table.energy_kwh
+        references = np.full(energies.shape, np.nan) if self.reference_kwh is None else self.reference_kwh(table)
+        cells = zip(values.ravel(), energies.ravel(), np.broadcast_to(references, energies.shape).ravel(), strict=True)
+        return [
+            "stands"
+            if not np.isfinite(energy)
+            else self.show(float(value))
+            if np.isfinite(value)
+            else comparisons.above(float(energy), float(reference)).cell
+            for value, energy, reference in cells
+        ]
+
+
+def percent_difference(percent: float) -> str:
+    """Return a relative difference that is in percent already."""
+    return words.share_difference(percent / 100)
+
+
+MEASURES = {
+    "over_replanned": Measure(
+        "Above a plan for this load, %",
+        lambda table: 100 * table.over_replanned,
+        percent_difference,
+        lambda table: table.replanned_kwh[:, None],
+    ),
+    "overconsumption": Measure(
+        "Extra energy against the plan, %",
+        lambda table: 100 * table.overconsumption,
+        percent_difference,
+        lambda table: np.array(table.planned_kwh),
+    ),
+    "delay_s": Measure("Delay at the stop, s", lambda table: table.delay_s, words.delay),
+    "stop_error_m": Measure("Overshoot, m", lambda table: table.stop_error_m, words.stop_error),
+}
+
+
+def colour_of(number: float, most: float, palette: Palette) -> str:
+    """Return the colour of a cell: the more, the warmer."""
+    if not np.isfinite(number):
+        return palette.tokens["ground"]
+    share = min(abs(number) / most, 1.0) if most > 0 else 0.0
+    return palette.costs[round(share * (len(palette.costs) - 1))]
+
+
+class HeatMapChart(Chart):
+    """Loads upwards, errors to the right, one number a cell; a click selects the cell."""
+
+    kind = "map"
+    title = "table of loads and position errors"
+
+    def __init__(self, height: int, palette: Palette, choose: Callable[[float, float], None]) -> None:
+        super().__init__("heatmap", "", height)
+        self.palette, self._choose = palette, choose
+        self._table: SensitivityTable | None = None
+        self._drawn: tuple[object, ...] = ()
+
+    def build(self) -> None:
+        """Make the figure."""
+        ranges = Range1d(-0.52, len(COORDINATE_ERRORS_M) - 0.48), Range1d(-0.52, len(LOAD_FACTORS) - 0.48)
+        f = empty_figure(self.height, *ranges, "Table of loads and position errors", self.palette)
+        self.figure = f
+        f.ygrid.visible = False
+        titles = "Position error, m (+: the train assumes it is farther on)", "Load, %"
+        for axis, title in zip((f.xaxis, f.yaxis), titles, strict=True):
+            axis.axis_line_color = None
+            axis.axis_label = title
+        self.source("cells", "x", "y", "fill", "text", "ink")
+        self.source("plan", "x", "y", "ink")
+        cell = ("x", "y", CELL, CELL)
+        self.glyphs("rect", "cells", *cell, paint={}, fill_color="fill", line_color=None)
+        style: dict[str, Any] = {"text_align": "center", "text_baseline": "middle", "text_color": "ink"}
+        self.numbers = self.glyphs("text", "cells", "x", "y", "text", paint={}, **style, **text_style(13)).glyph
+        self.glyphs("text", "plan", "x", "y", value("plan"), paint={}, y_offset=16, **style, **text_style(11))
+        self.glyphs("rect", "frame", *cell, paint={"line_color": "accent"}, fill_color=None, line_width=2.5)
+        f.on_event(Tap, self._press)
+        self._drawn = ()
+        self.content = pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_width")
+
+    def _press(self, event: Any) -> None:
+        table = self._table
+        if table is None or event.x is None:
+            return
+        column, row = round(event.x), round(event.y)
+        if 0 <= column < len(table.coordinate_errors_m) and 0 <= row < len(table.load_factors):
+            self._choose(table.load_factors[row], table.coordinate_errors_m[column])
+
+    def draw(self, table: SensitivityTable, measure: Measure, load_factor: float, error_m: float) -> None:
+        """Draw the table so far, and the frame around a load and an error."""
+        loads, errors = table.load_factors, table.coordinate_errors_m
+        self.numbers.text_font_size = value("10px" if self.width_px < NARROW_PX else "13px")
+        state = (table, measure, self.palette.costs)
+        if state != self._drawn:
+            self._table, self._drawn = table, state
+            self._draw_cells(table, measure)
+        # what lies beyond the table has no place in it
+        row, column = (
+            float(np.interp(value, places, np.arange(len(places)), left=np.nan, right=np.nan))
+            for value, places in ((load_factor, loads), (error_m, errors))
+        )
+        self.put("frame", x=[column], y=[row])
+
+    def _draw_cells(self, table: SensitivityTable, measure: Measure) -> None:
+        assert self.figure is not None
+        loads, errors, values = table.load_factors, table.coordinate_errors_m, measure.values(table)
+        most = float(np.nanmax(np.abs(values))) if np.any(np.isfinite(values)) else 0.0
+        done = np.arange(values.size).reshape(values.shape) < table.done
+        y, x = (index.ravel() for index in np.indices(values.shape))
+        fills = [
+            colour_of(number, most, self.palette) if known else self.palette.tokens["page"]
+            for number, known in zip(values.ravel(), done.ravel(), strict=True)
+        ]
+        texts = [text if known else "" for text, known in zip(measure.texts(table), done.ravel(), strict=True)]
+        self.put("cells", x=x.tolist(), y=y.tolist(), fill=fills, text=texts, ink=[ink_on(fill) for fill in fills])
+        self._label(self.figure.xaxis[0], [words.signed(error, 0) for error in errors])
+        self._label(self.figure.yaxis[0], [words.setting(load) for load in loads])
+        planned = table.scenario.vehicle.load_factor
+        if planned in loads and 0.0 in errors:
+            row, column = loads.index(planned), errors.index(0.0)
+            self.put("plan", x=[column], y=[row], ink=[ink_on(fills[row * len(errors) + column])])
+        else:
+            self.put("plan", x=[], y=[], ink=[])
+
+    def _label(self, axis: Any, labels: list[str]) -> None:
+        told = dict(enumerate(labels))
+        if axis.major_label_overrides != told:
+            axis.update(ticker=FixedTicker(ticks=list(told)), major_label_overrides=told)
+
+
+class CostSurface(Chart):
+    """The same table as a surface that can be turned."""
+
+    kind = "map"
+    title = "table of loads and position errors, as a surface"
+
+    def __init__(self, height: int, palette: Palette) -> None:
+        super().__init__("costs", "", height)
+        self.palette = palette
+        self._drawn: tuple[object, ...] = ()
+
+    def build(self) -> None:
+        """Make the pane."""
+        self.pane = pn.pane.Plotly(
+            config={"displayModeBar": False, "responsive": True},
+            sizing_mode="stretch_width",
+            height=self.height,
+            margin=0,
+        )
+        name = pn.pane.HTML('<span data-figure="Table of loads and position errors, as a surface"></span>', margin=0)
+        self._drawn = ()
+        self.content, self.figure = pn.Column(name, self.pane, margin=0, sizing_mode="stretch_width"), self.pane
+
+    def draw(self, table: SensitivityTable, measure: Measure) -> None:
+        """Draw a complete table."""
+        values, state = measure.values(table), (table, measure, self.palette.costs)
+        if state == self._drawn or not np.any(np.isfinite(values)):
+            return
+        self._drawn = state
+        bottom, top = float(np.nanmin(values)), float(np.nanmax(values))
+        room = max(top - bottom, 1e-6)
+        scale = self.palette.costs
+        self.pane.object = {
+            "data": [
+                {
+                    "type": "surface",
+                    "x": list(table.coordinate_errors_m),
+                    "y": [100 * load for load in table.load_factors],
+                    "z": values,
+                    "colorscale": [[k / (len(scale) - 1), colour] for k, colour in enumerate(scale)],
+                    "showscale": False,
+                    "lighting": LIGHTING,
+                    # plotly refines a small table before it draws it, and what it then points at has no text of ours
+                    "hovertemplate": "%{x:.0f} m, load %{y:.0f} %: %{z:.1f} " + measure.unit + "<extra></extra>",
+                }
+            ],
+            "layout": self._layout(bottom - 0.05 * room, top + 0.05 * room),
+        }
+
+    def _layout(self, bottom: float, top: float) -> dict[str, Any]:
+        return scene_layout(self.palette, ("Position error, m", "Load, %"), bottom, top, CAMERA_DISTANCE)
+
+
+def printed_table(table: SensitivityTable) -> str:
+    """Return the paper's table beside ours, or nothing where the paper has none for this table's scenario."""
+    scenario, paper = table.scenario, printed_numbers("liashenko-2025")
+    entry = next((entry for entry in paper["table"] if entry["scenario"] == scenario.line.preset), None)
+    if entry is None or not table.both_directions or table.knows != "nothing":
+        return ""
+    base = load_scenario(entry["scenario"])
+    if scenario.vehicle != base.vehicle or scenario.timetable != base.timetable:
+        return ""
+    header = ("Error, m", *(f"load {words.setting(load)} %" for load in paper["load_factors"]))
+    rows = []
+    for m, error in enumerate(paper["coordinate_errors_m"]):
+        column = table.coordinate_errors_m.index(float(error))
+        cells = [words.signed(error, 0)]
+        for k, load in enumerate(paper["load_factors"]):
+            ours = 100 * float(table.over_replanned[table.load_factors.index(load), column])
+            printed = entry["overconsumption_percent"][m][k]
+            kind = "open" if abs(ours - printed) > CLOSE_PERCENT else "muted"
+            cells.append(
+                parts.markup(
+                    '{} <span class="muted">{}</span> <span class="{}">{}</span>',
+                    percent_difference(ours),
+                    words.number(printed),
+                    kind,
+                    percent_difference(ours - printed),
+                )
+            )
+        rows.append((cells, False))
+    title = f"{entry['place']} of Liashenko 2025: ours, %, printed, %, difference in percentage points"
+    return parts.markup('<div class="dense">{}</div>', parts.table(title, header, rows))

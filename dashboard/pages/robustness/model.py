@@ -1,0 +1,147 @@
+"""What the page Robustness asks for: the reality that a plan meets, the table, and what chance draws."""
+
+from collections.abc import Mapping
+from typing import Any, get_args
+
+import param
+
+from railjoule.core import Scenario
+from railjoule.core.scenario.options import MonteCarloOptions, SimulationOptions
+from railjoule.core.scenario.vehicle import MOST_LOAD_FACTOR
+from railjoule.core.studies.montecarlo import MonteCarloTable
+from railjoule.core.studies.sensitivity import Knows, SensitivityTable
+from railjoule.dashboard.pages.robustness.compute import Reality
+from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters
+from railjoule.dashboard.state.page_model import PageModel, result
+
+SENSORS = SimulationOptions()
+CHANCE = MonteCarloOptions()
+FIRST_LOAD_PERCENT, FIRST_ERROR_M = 100.0, 10.0
+"""The reality shown at first, where the scenario names none: one in which something goes wrong."""
+PREVIEW_RUNS, FULL_RUNS = 500, 10_000
+MEASURES = ("over_replanned", "overconsumption", "delay_s", "stop_error_m")
+
+
+class RobustnessModel(TypedParameters, PageModel):
+    """The settings of the page and its results, in the units that it shows."""
+
+    kept = (
+        "actual_load_percent",
+        "coordinate_error_m",
+        "speed_error_percent",
+        "target_braking",
+        "reset_sensor_m",
+        "calibration_length_m",
+        "stop_sensor_m",
+        "target_deceleration_ms2",
+        "load_deviation_percent",
+        "error_deviation_m",
+        "resistance_deviation_percent",
+        "voltage_deviation_percent",
+        "mean_departure_delay_s",
+        "seed",
+        "both_directions",
+        "knows",
+        "measure",
+    )
+    passing = ("drawing", "most_load_percent")
+
+    actual_load_percent = TypedNumber(
+        "Actual load, % of capacity", "%", default=FIRST_LOAD_PERCENT, bounds=(0, 100 * MOST_LOAD_FACTOR), step=1
+    )
+    coordinate_error_m = TypedNumber(
+        "Position error, m", "m", default=FIRST_ERROR_M, bounds=(-10_000, 10_000), softbounds=(-25, 25), step=1
+    )
+    speed_error_percent = TypedNumber(
+        "Speed error, %", "%", 1, default=0.0, bounds=(-50, 50), softbounds=(-5, 5), step=0.1
+    )
+    target_braking = param.Boolean(default=False, doc="Whether the train brakes along the target curve.")
+    reset_sensor_m = TypedNumber("D1, resets position", "m", default=SENSORS.reset_sensor_m, bounds=(0.0, 1e5))
+    calibration_length_m = TypedNumber(
+        "D1 to D2, calibrates", "m", default=SENSORS.calibration_length_m, bounds=(0.0, 1e5)
+    )
+    stop_sensor_m = TypedNumber("D3, resets position", "m", default=SENSORS.stop_sensor_m, bounds=(0.0, 1e5))
+    target_deceleration_ms2 = TypedNumber(
+        "Target curve, m/s\u00b2", "m/s\u00b2", 2, default=SENSORS.target_deceleration_ms2, bounds=(0.0, 10)
+    )
+    load_deviation_percent = TypedNumber("Load, \u00b1 %", "%", default=18.0, bounds=(0.01, 100))
+    error_deviation_m = TypedNumber("Position error, \u00b1 m", "m", 1, default=5.0, bounds=(0.01, 1000))
+    resistance_deviation_percent = TypedNumber("Resistance, \u00b1 %", "%", 1, default=8.0, bounds=(0.01, 100))
+    voltage_deviation_percent = TypedNumber("Supply voltage, \u00b1 %", "%", 1, default=3.0, bounds=(0.01, 50))
+    mean_departure_delay_s = TypedNumber("Departure delay, mean, s", "s", default=0.0, bounds=(0, 3600))
+    seed = TypedInteger("Seed", default=CHANCE.seed, bounds=(0, 2**31))
+    both_directions = param.Boolean(default=False, doc="Whether the table covers both directions.")
+    knows = param.Selector(default="nothing", objects=list(get_args(Knows)), doc="What the train knows.")
+    measure = param.Selector(default="over_replanned", objects=list(MEASURES), doc="What the table shows.")
+
+    reality = result(Reality, "The last good run.")
+    table = result(SensitivityTable, "The table so far.")
+    chance = result(MonteCarloTable, "Random runs so far.")
+    most_load_percent = param.Number(default=100.0, doc="The vehicle's crush load, % of capacity.")
+    drawing = param.Boolean(default=False, doc="Whether Monte Carlo runs are being drawn.")
+    draw_all = param.Event(doc="Draw all Monte Carlo runs.")
+    stop_drawing = param.Event(doc="Stop drawing; the runs so far are kept.")
+
+    def take(self, scenario: Scenario) -> None:
+        """Take over what a scenario's file says of reality."""
+        disturbance, simulation = scenario.disturbance, scenario.simulation
+        named = disturbance.actual_load_factor is not None or disturbance.coordinate_error_m != 0
+        load = disturbance.actual_load_factor
+        load_percent = 100 * (scenario.vehicle.load_factor if load is None else load)
+        self.param.update(
+            actual_load_percent=load_percent if named else FIRST_LOAD_PERCENT,
+            coordinate_error_m=disturbance.coordinate_error_m if named else FIRST_ERROR_M,
+            speed_error_percent=100 * simulation.speed_error,
+            target_braking=simulation.target_braking,
+            target_deceleration_ms2=simulation.target_deceleration_ms2,
+            **{
+                name: getattr(simulation, name)
+                for name in ("reset_sensor_m", "calibration_length_m", "stop_sensor_m")
+                if getattr(simulation, name) is not None
+            },
+        )
+
+    def parse(self, field: str, text: str) -> float:
+        """Return the number that a text gives for a field; the load has the bound of the vehicle."""
+        number = super().parse(field, text)
+        if field == "actual_load_percent" and number > self.most_load_percent:
+            raise ValueError(f"At most {self.most_load_percent:g}, the vehicle's crush load.")
+        return number
+
+    @property
+    def changes(self) -> Mapping[str, Any]:
+        """The reality and the sensors, by the keys of the file."""
+        return {
+            "disturbance.actual_load_factor": self.actual_load_percent / 100,
+            "disturbance.coordinate_error_m": float(self.coordinate_error_m),
+            "simulation.speed_error": self.speed_error_percent / 100,
+            "simulation.target_braking": self.target_braking,
+            "simulation.target_deceleration_ms2": float(self.target_deceleration_ms2),
+            "simulation.reset_sensor_m": float(self.reset_sensor_m),
+            "simulation.calibration_length_m": float(self.calibration_length_m),
+            "simulation.stop_sensor_m": float(self.stop_sensor_m),
+        }
+
+    def chance_changes(self, runs: int) -> Mapping[str, Any]:
+        """Return the distributions, by the keys of the file: normal, but for resistance and departure."""
+
+        def normal(deviation: float) -> dict[str, Any]:
+            return {"distribution": "normal", "standard_deviation": deviation}
+
+        resistance = {
+            "distribution": "log_normal",
+            "median": 1.0,
+            "log_standard_deviation": self.resistance_deviation_percent / 100,
+        }
+        late = self.mean_departure_delay_s
+        departure = {"distribution": "exponential", "mean": late} if late else {"distribution": "fixed", "value": 0.0}
+        return {
+            **self.changes,
+            "montecarlo.runs": runs,
+            "montecarlo.seed": self.seed,
+            "montecarlo.load_factor": normal(self.load_deviation_percent / 100),
+            "montecarlo.coordinate_error_m": normal(float(self.error_deviation_m)),
+            "montecarlo.resistance_factor": resistance,
+            "montecarlo.line_voltage_factor": normal(self.voltage_deviation_percent / 100),
+            "montecarlo.departure_delay_s": departure,
+        }

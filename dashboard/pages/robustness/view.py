@@ -1,0 +1,245 @@
+"""Robustness: what a plan costs when load and place are not as planned, and what chance makes of it."""
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+import panel as pn
+import panel_material_ui as pmui
+from panel.viewable import Viewable
+
+from railjoule.dashboard.charts.chart import Axis, Chart
+from railjoule.dashboard.charts.driven import (
+    BrakingChart,
+    DrivenEffortChart,
+    DrivenSpeedChart,
+    PositionErrorChart,
+    reality_words,
+)
+from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.pages.page import PageView
+from railjoule.dashboard.pages.robustness.chance_charts import HistogramChart, LoadScatter, chance_table, finite
+from railjoule.dashboard.pages.robustness.compute import Reality
+from railjoule.dashboard.pages.robustness.heat_map import (
+    MEASURES,
+    CostSurface,
+    HeatMapChart,
+    percent_difference,
+    printed_table,
+)
+from railjoule.dashboard.pages.robustness.work import PAGE
+from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.parts.number_field import tie
+
+HEIGHTS = {
+    "heatmap": (350, 440, 320),
+    "costs": (410, 470, 270),
+    "more": (190, 220, 170),
+    "late": (190, 220, 170),
+    "scatter": (220, 260, 200),
+    "driven_speed": (250, 310, 220),
+    "driven_effort": (134, 150, 120),
+    "braking": (240, 280, 220),
+    "place": (150, 170, 140),
+}
+"""Of each chart [px]: in usual, wide and narrow windows."""
+LAYOUT_CSS = """
+:host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: 28px;
+  padding: 10px 20px 12px 14px; align-items: start; }
+@media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); padding: 8px 12px; } }
+"""
+KNOWS_WORDS = {
+    "none": "nothing",
+    "for the load": "load",
+    "for the position": "place",
+    "for both": "both",
+}
+SELECT: dict[str, Any] = {"size": "small", "margin": (6, 0, 6, 6), "sizing_mode": "stretch_width"}
+
+
+class RobustnessView(PageView):
+    """The page of what goes otherwise than planned."""
+
+    page = PAGE
+    heights = HEIGHTS
+    halves_from_px = 1100
+
+    def make(self) -> Viewable:
+        """Make the pieces of the page, and return them laid out."""
+        self.model = model = self.state.robustness
+        palette = self.palette
+        self.printed, self.chance_table = (parts.html_pane() for _ in range(2))
+        self.measure = pmui.Select(
+            label="Show",
+            options={m.words: key for key, m in MEASURES.items()},
+            value=model.measure,
+            min_width=270,
+            **SELECT,
+        )
+        self.knows = pmui.Select(label="Replanning", options=KNOWS_WORDS, value=model.knows, **SELECT)
+        self.ways = pmui.RadioButtonGroup(
+            options={"One direction": False, "Both directions": True},
+            value=model.both_directions,
+            size="small",
+            margin=(10, 0, 0, 12),
+            sx={"& .MuiToggleButton-root": {"whiteSpace": "nowrap"}},
+        )
+        self.axis = Axis(palette)
+        self.heat_map = HeatMapChart(HEIGHTS["heatmap"][0], palette, self._choose)
+        self.costs = CostSurface(HEIGHTS["costs"][0], palette)
+        more, late = (
+            "Monte Carlo: extra energy against a plan for the actual load, %",
+            "Monte Carlo: delay at the stop, s",
+        )
+        self.more = HistogramChart("more", more, "Extra energy, %", percent_difference, HEIGHTS["more"][0], palette)
+        self.late = HistogramChart("late", late, "Delay, s", words.delay, HEIGHTS["late"][0], palette)
+        self.scatter = LoadScatter(HEIGHTS["scatter"][0], palette)
+        self.speed = DrivenSpeedChart(HEIGHTS["driven_speed"][0], self.axis, palette)
+        self.effort = DrivenEffortChart(HEIGHTS["driven_effort"][0], self.axis, palette)
+        self.braking = BrakingChart(HEIGHTS["braking"][0], palette)
+        self.position_error = PositionErrorChart(HEIGHTS["place"][0], palette)
+        note = '<p class="note" style="margin:10px 0 0 12px">Click a cell to see its run.</p>'
+        left = parts.stack(
+            pn.Row(self.measure, self.ways, margin=0, sizing_mode="stretch_width", stylesheets=[parts.WRAP_CSS]),
+            self.heat_map.host,
+            pn.Row(self.knows, parts.html_pane(note), margin=0, sizing_mode="stretch_width"),
+            self.costs.host,
+            self.printed,
+        )
+        right = parts.stack(self.speed.host, self.effort.host, self.braking.host, self.position_error.host)
+        upper = parts.stack(left, right, css=LAYOUT_CSS)
+        lower = parts.stack(
+            parts.stack(self.more.host, self.scatter.host),
+            parts.stack(self.late.host, self.chance_table),
+            css=LAYOUT_CSS,
+        )
+        tie(self.measure, model, "measure")
+        tie(self.knows, model, "knows")
+        tie(self.ways, model, "both_directions")
+        self.shows(self._show_run, (model, ["reality", "failure"]))
+        self.shows(self._show_table, (model, ["table", "measure"]))
+        self.shows(self._show_chance, (model, ["chance", "drawing"]))
+        return parts.stack(self.heading, self.message, self.figures, upper, lower)
+
+    @property
+    def charts(self) -> tuple[Chart, ...]:
+        """All charts of the page."""
+        return (
+            self.heat_map,
+            self.costs,
+            self.more,
+            self.late,
+            self.scatter,
+            self.speed,
+            self.effort,
+            self.braking,
+            self.position_error,
+        )
+
+    def _choose(self, load_factor: float, error_m: float) -> None:
+        self.model.param.update(actual_load_percent=100 * load_factor, coordinate_error_m=error_m)
+
+    def settle(self) -> None:
+        """Tell the cursor of the runs that it may meet new charts."""
+        self.axis.settle("m", 0)
+
+    def _show_run(self) -> None:
+        reality = self.model.reality
+        self.tell(self.model.failure, "Shown: the last run that could be computed." if reality is not None else "")
+        if reality is None:
+            return
+        following = reality.following
+        disturbance = following.actual.scenario.disturbance
+        self.axis.fit(max(following.planned.position_m[-1], following.actual.position_m[-1]), roomy=False)
+        name = reality_words(disturbance.actual_load_factor or 0.0, disturbance.coordinate_error_m)
+        self.speed.show(partial(self.speed.draw, following, name))
+        self.effort.show(partial(self.effort.draw, following))
+        self.braking.show(partial(self.braking.draw, following))
+        self.position_error.show(partial(self.position_error.draw, following))
+        self._draw_map()
+        self._show_texts()
+
+    def _show_table(self) -> None:
+        table = self.model.table
+        if table is None or self.model.reality is None:
+            return
+        self._draw_map()
+        if table.done < table.energy_kwh.size:
+            self.costs.wait(f"Computing, {table.done} of {table.energy_kwh.size} runs")
+            return
+        measure = MEASURES[self.model.measure]
+        if np.any(np.isfinite(measure.values(table))):
+            self.costs.show(partial(self.costs.draw, table, measure))
+        self.printed.object = printed_table(table)
+        self._show_texts()
+
+    def _draw_map(self) -> None:
+        """Draw the map of the table with the run's cell framed."""
+        table, reality = self.model.table, self.model.reality
+        if table is not None and reality is not None:
+            disturbance = reality.following.actual.scenario.disturbance
+            framed = disturbance.actual_load_factor or 0.0, disturbance.coordinate_error_m
+            self.heat_map.show(partial(self.heat_map.draw, table, MEASURES[self.model.measure], *framed))
+
+    def _show_chance(self) -> None:
+        chance = self.model.chance
+        if chance is None:
+            return
+        self.more.show(partial(self.more.draw, 100 * chance.over_replanned))
+        self.late.show(partial(self.late.draw, chance.delay_s))
+        self.scatter.show(partial(self.scatter.draw, chance))
+        self._show_texts()
+        self.chance_table.object = f"{chance_table(chance)}{parts.note_paragraphs(chance.notes)}"
+
+    def _show_texts(self) -> None:
+        reality = self.model.reality
+        if reality is None:
+            return
+        planned = reality.following.planned
+        scenario = planned.scenario
+        runs = self.model.table.done if self.model.table else 0
+        what = (
+            f"{words.distance(planned.distance_m)} km in {words.time(planned.travel_time_s)} s, planned at "
+            f"{words.setting(scenario.vehicle.load_factor)} % load; actual load and position differ"
+        )
+        self.heading.object = parts.heading(self.page, scenario.title, what, f"{runs} cells")
+        self.figures.object = parts.figures(self._cells(reality), self.model.failure is not None)
+
+    def _cells(self, reality: Reality) -> list[str]:
+        following = reality.following
+        energy, planned = following.actual.energy_kwh, following.planned.energy_kwh
+        disturbance = following.actual.scenario.disturbance
+        reference = planned if reality.replanned_kwh is None else reality.replanned_kwh
+        against = "planned" if reality.replanned_kwh is None else "for the actual load"
+        cells: list[str] = [
+            parts.figure(
+                reality_words(disturbance.actual_load_factor or 0.0, disturbance.coordinate_error_m).capitalize(),
+                *comparisons.above(energy, reference),
+                f"{words.energy(energy)} kWh, {against} {words.energy(reference)}",
+                "main",
+                term="Extra energy",
+            ),
+            parts.figure(
+                "Against the plan",
+                words.energy_difference(energy - planned),
+                "kWh",
+                f"{comparisons.above(energy, planned)}, planned {words.energy(planned)}",
+            ),
+            parts.figure("Arrival", words.delay(following.delay_s), "s", "at the end"),
+            parts.figure("Overshoot", words.stop_error(following.stop_error_m), "m", "beyond the stop"),
+        ]
+        table = self.model.table
+        if table is not None and np.any(np.isfinite(table.over_replanned)):
+            k, m = np.unravel_index(np.nanargmax(table.over_replanned), table.over_replanned.shape)
+            worst = words.share_difference(float(table.over_replanned[k, m]))
+            place = reality_words(table.load_factors[k], table.coordinate_errors_m[m])
+            cells.append(parts.figure("Largest in table", worst, "%", place))
+        chance = self.model.chance
+        values = finite(chance.over_replanned) if chance is not None else np.zeros(0)
+        if chance is not None and len(values):
+            half, most = (words.share_difference(float(np.quantile(values, share))) for share in (0.5, 0.95))
+            drawn = f"of {words.number(chance.done, 0)} drawn"
+            cells.append(parts.figure("Median", f"< {half}", "%", drawn))
+            seed = f"seed {chance.scenario.montecarlo.seed}"
+            cells.append(parts.figure("95th percentile", f"< {most}", "%", seed))
+        return cells

@@ -1,0 +1,160 @@
+"""The work behind the page Robustness: what is asked for when, and where its results go."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from railjoule.core import Scenario
+from railjoule.core.studies.montecarlo import MonteCarloTable
+from railjoule.core.studies.sensitivity import SensitivityTable
+from railjoule.dashboard.pages.robustness.compute import (
+    Reality,
+    RealityRequest,
+    TableRequest,
+    compute_chance,
+    compute_reality,
+    compute_table,
+)
+from railjoule.dashboard.pages.robustness.model import FULL_RUNS, PREVIEW_RUNS, RobustnessModel
+from railjoule.dashboard.state.page_work import PageWork
+from railjoule.dashboard.state.programs import page_run
+from railjoule.dashboard.state.scenario import PLAN_FIELDS
+from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work.runs import is_slow
+
+PAGE = "Robustness"
+REALITY = ("actual_load_percent", "coordinate_error_m")
+FOLLOWER = (
+    "speed_error_percent",
+    "target_braking",
+    "reset_sensor_m",
+    "calibration_length_m",
+    "stop_sensor_m",
+    "target_deceleration_ms2",
+)
+CHANCE = (
+    "load_deviation_percent",
+    "error_deviation_m",
+    "resistance_deviation_percent",
+    "voltage_deviation_percent",
+    "mean_departure_delay_s",
+    "seed",
+)
+TABLE = ("both_directions", "knows")
+NOTHING_WRONG = {"disturbance.actual_load_factor": 0.0, "disturbance.coordinate_error_m": 0.0}
+
+
+class Robustness(PageWork[RobustnessModel]):
+    """Asks for the run, the table and the draws of one page, while it is in sight."""
+
+    page = PAGE
+    at_rest = {"drawing": False}  # noqa: RUF012
+
+    def __init__(self, state: Workbench) -> None:
+        super().__init__(state, state.robustness)
+        self.run = self.worker(
+            compute_reality,
+            self._take_run,
+            marked=True,
+            is_slow=lambda request: is_slow(request.scenario, request.scenario.strategy),
+        )
+        self.table = self.study(compute_table, self._take_table, marked=True)
+        self.chance = self.study(compute_chance, self._take_chance, marked=True)
+        self._all = False
+        self._waiting: dict[str, Any] = {}
+        state.scenario.follow(lambda scenario: (scenario.disturbance, scenario.simulation), self.model.take)
+        state.scenario.follow(lambda scenario: scenario.vehicle.crush_load_factor, self._take_crush_load)
+        self._take_crush_load()
+        state.scenario.param.watch(self._ask, list(PLAN_FIELDS))
+        state.param.watch(self._ask, ["page", "chosen"])
+        self.model.param.watch(self._ask, [*REALITY, *FOLLOWER, *CHANCE, *TABLE])
+        self.model.param.watch(self._draw_all, "draw_all")
+        self.model.param.watch(self._stop, "stop_drawing")
+
+    def forget(self, *_: Any) -> None:
+        """Forget what was asked for and end it, as the scenario has gone."""
+        super().forget()
+        self.table.stop()
+        self._stop()
+        self._waiting.clear()
+
+    def _take_crush_load(self, *_: Any) -> None:
+        self.model.most_load_percent = self.state.scenario.most_load_percent
+
+    def _with_strategy(self, changes: Mapping[str, Any]) -> Mapping[str, Any]:
+        return {"strategy": self.state.chosen, **changes}
+
+    def _draws(self, scenario: Scenario, runs: int) -> RealityRequest:
+        """Return the request for what chance draws."""
+        return RealityRequest(scenario, self._with_strategy({**self.model.chance_changes(runs), **NOTHING_WRONG}))
+
+    def _ask(self, *_: Any) -> None:
+        """Ask for what the last change concerns, and only while the page is in sight.
+
+        The run comes first, then the table, then chance: each waits until the one before is done.
+        """
+        if not self.in_sight:
+            self._rest()
+            return
+        scenario, changes = self.state.scenario.scenario(), page_run(self.state).changes
+        run = RealityRequest(scenario, changes)
+        # a table and what chance draws have loads and errors of their own
+        plan = RealityRequest(scenario, {**changes, **NOTHING_WRONG})
+        table = TableRequest(plan, self.model.both_directions, self.model.knows)
+        draws = self._draws(scenario, PREVIEW_RUNS)
+        if self.is_new(table, "table"):
+            self.table.stop()
+            self._waiting["table"] = table
+        if self.is_new(draws, "chance"):
+            self.chance.stop()
+            self._waiting["chance"] = draws
+        if self.is_new(run):
+            self.run.ask(run)
+        else:
+            self._go_on()
+
+    def _rest(self) -> None:
+        """Leave studies that nobody sees, as they take turns from the page in sight; they begin anew with it.
+
+        All runs that were asked for by hand go on.
+        """
+        for kind in self._waiting:
+            self._asked.pop(kind, None)
+        self._waiting.clear()
+        if self.table.busy:
+            self.table.stop()
+            self._asked.pop("table", None)
+        if self.chance.busy and not self._all:
+            self._stop()
+            self._asked.pop("chance", None)
+
+    def _go_on(self) -> None:
+        """Begin with the next study that waits."""
+        if "table" in self._waiting:
+            self.table.ask(self._waiting.pop("table"))
+        elif "chance" in self._waiting and not self.table.busy:
+            self._draw(self._waiting.pop("chance"))
+
+    def _draw(self, request: RealityRequest, all_runs: bool = False) -> None:
+        self._all = all_runs
+        self.model.drawing = True
+        self.chance.ask(request)
+
+    def _draw_all(self, *_: Any) -> None:
+        self._waiting.pop("chance", None)
+        self._draw(self._draws(self.state.scenario.scenario(), FULL_RUNS), all_runs=True)
+
+    def _stop(self, *_: Any) -> None:
+        self.chance.stop()
+        self.model.drawing = False
+
+    def _take_run(self, reality: Reality) -> None:
+        self.model.param.update(reality=reality, failure=None)
+        self._go_on()
+
+    def _take_table(self, table: SensitivityTable, last: bool) -> None:
+        self.model.table = table
+        if last:
+            self._go_on()
+
+    def _take_chance(self, chance: MonteCarloTable, last: bool) -> None:
+        self.model.param.update(chance=chance, drawing=not last)

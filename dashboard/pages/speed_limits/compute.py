@@ -1,0 +1,199 @@
+"""Runs under limits of sections, given or found by search, what the optimum needs, and what a storage would save."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from railjoule.core import Scenario, SolverError, StrategyRefusedError, TimetableError, Trajectory
+from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.limit_search.search import LimitSearch
+from railjoule.core.scenario.drive import GearedMotors
+from railjoule.core.strategies import prepare_task, run_strategy
+from railjoule.core.strategies.speed_limits import limit_problem_of, section_boundaries, speed_limits_with_search
+from railjoule.core.studies.motor_map import OperatingPoints, operating_points
+from railjoule.core.studies.storage import (
+    Storage,
+    StorageNeed,
+    StorageRun,
+    saving_over_size,
+    storage_need,
+    with_storage,
+)
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.dashboard.work.refusals import named_refusals
+
+LARGEST_SIZE_SHARE, SIZES = 1.5, 25
+"""The curve of storages ends at this many times the size needed."""
+
+
+@dataclass(frozen=True)
+class LimitsRequest:
+    """A scenario, and its sections and search by the keys of the scenario's file."""
+
+    scenario: Scenario
+    changes: Mapping[str, Any]
+
+    def limited(self) -> Scenario:
+        """Return the scenario with its sections; raises ScenarioError if a value is out of its bounds."""
+        return self.scenario.with_(**self.changes)
+
+
+@dataclass(frozen=True, eq=False)
+class LimitRun:
+    """A run under limits and the optimum over the same time.
+
+    Parameters
+    ----------
+    run : Trajectory
+    search : LimitSearch
+        How its limits were found; one trip alone where they were given.
+    optimum : Trajectory or None
+        In the time that the run takes.
+    no_optimum : str
+        Why there is none.
+    need : StorageNeed
+        What the run asks of a storage.
+    points : OperatingPoints or None
+        Where its motors work, if its drive tells.
+    planned_s : float
+        Travel time of the timetable [s].
+    """
+
+    run: Trajectory
+    search: LimitSearch
+    optimum: Trajectory | None
+    no_optimum: str
+    need: StorageNeed
+    points: OperatingPoints | None
+    planned_s: float
+
+    @property
+    def limits_kmh(self) -> FloatArray:
+        """Limits of the sections [km/h]."""
+        return self.search.best.limits_ms / MS_PER_KMH
+
+    @property
+    def borders_m(self) -> FloatArray:
+        """Borders between the sections [m]."""
+        return self.search.best.boundaries_m
+
+
+def compute_limit_run(request: LimitsRequest) -> LimitRun:
+    """Return the run under limits, given or found by search.
+
+    Raises
+    ------
+    RailjouleError
+        If a limit or border is out of bounds, the timetable cannot be kept or the line not be passed.
+    """
+    scenario = request.limited()
+    with named_refusals(scenario):
+        run, search = speed_limits_with_search(prepare_task(scenario))
+    optimum, reason = optimum_over(scenario, run.travel_time_s)
+    return LimitRun(
+        run=run,
+        search=search,
+        optimum=optimum,
+        no_optimum=reason,
+        need=storage_need(run),
+        points=operating_points(run) if isinstance(scenario.vehicle.drive, GearedMotors) else None,
+        planned_s=scenario.travel_time_s,
+    )
+
+
+def optimum_over(scenario: Scenario, travel_time_s: float) -> tuple[Trajectory | None, str]:
+    """Return the optimum of a scenario over another time, or None and why there is none."""
+    try:
+        task = prepare_task(scenario.with_(**{"timetable.travel_time_s": travel_time_s}))
+        task.require_timetable()
+        return run_strategy(task, "optimal"), ""
+    except (TimetableError, SolverError, StrategyRefusedError) as refusal:
+        return None, str(refusal)
+
+
+@dataclass(frozen=True, eq=False)
+class LimitTrip:
+    """One trip under limits while they are moved.
+
+    Parameters
+    ----------
+    position_m, speed_ms : array of shape (n,)
+        Where it is how fast [m, m/s].
+    energy_kwh, travel_time_s : float
+        Energy at the line [kWh] and time [s].
+    """
+
+    position_m: FloatArray
+    speed_ms: FloatArray
+    energy_kwh: float
+    travel_time_s: float
+
+
+def compute_limit_trip(request: LimitsRequest) -> LimitTrip | None:
+    """Return the trip under given limits, or None where only a whole run can tell it.
+
+    Raises
+    ------
+    RailjouleError
+        If a limit or border is out of bounds or the line cannot be passed.
+    """
+    scenario = request.limited()
+    limits, options = scenario.search.limits_kmh, scenario.search
+    if limits is None or options.regulator == "literal":
+        return None
+    task = prepare_task(scenario)
+    problem = limit_problem_of(task)
+    given = np.array(limits) * MS_PER_KMH, section_boundaries(scenario)
+    trip = problem.as_given(*given)
+    if not np.isfinite(trip.running_time_s):
+        return None
+    position, speed2 = problem.nodes_of(*given)
+    return LimitTrip(position, np.sqrt(speed2), trip.energy_j / J_PER_KWH, trip.running_time_s + task.dwell_s)
+
+
+@dataclass(frozen=True, eq=False)
+class StorageRequest:
+    """A run, and the storage on board; what it does not name is as the run needs it."""
+
+    run: LimitRun
+    size_kwh: float | None
+    power_kw: float | None
+    charging_efficiency: float
+    discharging_efficiency: float
+
+
+@dataclass(frozen=True, eq=False)
+class StorageCurve:
+    """What storages of one power save.
+
+    Parameters
+    ----------
+    size_kwh, saved_kwh : array of shape (k,)
+        What they hold, and what they save against resistors [kWh].
+    chosen : StorageRun
+        With the storage asked for.
+    need : StorageNeed
+        What the run asks of a storage.
+    """
+
+    size_kwh: FloatArray
+    saved_kwh: FloatArray
+    chosen: StorageRun
+    need: StorageNeed
+
+
+def compute_storage(request: StorageRequest) -> StorageCurve:
+    """Return what storages save over a run; raises ScenarioError if a size or power is negative."""
+    need = request.run.need
+    size = need.largest_drop_kwh if request.size_kwh is None else request.size_kwh
+    power = max(need.charging_peak_kw, need.discharging_peak_kw) if request.power_kw is None else request.power_kw
+    efficiencies = request.charging_efficiency, request.discharging_efficiency
+    sizes = np.linspace(0.0, max(LARGEST_SIZE_SHARE * need.largest_drop_kwh, 1.1 * size, 1e-3), SIZES)
+    return StorageCurve(
+        size_kwh=frozen_array(sizes),
+        saved_kwh=saving_over_size(request.run.run, sizes, power, *efficiencies),
+        chosen=with_storage(request.run.run, Storage(size, power, *efficiencies)),
+        need=need,
+    )

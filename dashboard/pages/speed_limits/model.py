@@ -1,0 +1,195 @@
+"""What the page Speed limits asks for: sections with their limits, who drives under them, a storage on board."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, get_args
+
+import numpy as np
+import param
+
+from railjoule.core import Scenario
+from railjoule.core.motion.line_profile import section_borders
+from railjoule.core.scenario.options import SearchOptions
+from railjoule.core.strategies.speed_limits import LEAST_LIMIT_KMH, MOST_SECTIONS
+from railjoule.core.studies.motor_map import MotorMap
+from railjoule.dashboard.pages.speed_limits.compute import LimitRun, LimitTrip, StorageCurve
+from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters
+from railjoule.dashboard.state.page_model import PageModel, result
+
+REGULATORS = get_args(SearchOptions.model_fields["regulator"].annotation)
+FIRST_SECTIONS = 2
+"""Of a scenario that names no borders; as in the paper."""
+LONGEST_M = 1e7
+MAPS = ("drive", "motor")
+STORAGE_FIELDS = ("storage_size_kwh", "storage_power_kw", "charging_percent", "discharging_percent")
+
+
+class SectionModel(TypedParameters):
+    """One section: its limit, and where it ends."""
+
+    kept = ("limit_kmh", "to_m")
+
+    limit_kmh = TypedNumber("limit, km/h", "km/h", 1, default=80.0, bounds=(LEAST_LIMIT_KMH, 600.0))
+    to_m = TypedNumber("ends at, m", "m", default=1000.0, bounds=(1.0, LONGEST_M))
+
+
+class SpeedLimitsModel(TypedParameters, PageModel):
+    """The sections of the page, the search's settings, and the results, in the units that the page shows."""
+
+    kept = (
+        "section_count",
+        "sections",
+        "found",
+        "regulator",
+        "free_borders",
+        "time_window_percent",
+        "stop_deceleration_ms2",
+        *STORAGE_FIELDS,
+        "shown_map",
+    )
+    passing = ("no_map", "moving")
+
+    sections = param.List(default=[], item_type=SectionModel, doc="From the start to the end of the line.")
+    found = param.Boolean(default=True, doc="Whether the search finds the set speeds, instead of given ones.")
+    regulator = param.Selector(default="coast", objects=list(REGULATORS), doc="The regulator under the limits.")
+    free_borders = param.Boolean(default=False, doc="Whether the search can move the section ends.")
+    section_count = TypedInteger("Sections", default=FIRST_SECTIONS, bounds=(1, MOST_SECTIONS))
+    time_window_percent = TypedNumber("Time window, \u00b1 %", "%", 1, default=1.0, bounds=(0.0, 50.0))
+    stop_deceleration_ms2 = TypedNumber(
+        "Braking, m/s\u00b2", "m/s\u00b2", 2, default=0.8, bounds=(0.0, 20.0), doc="For stops."
+    )
+    storage_size_kwh = TypedNumber(
+        "Storage, kWh", "kWh", 2, default=None, allow_None=True, bounds=(0.0, 1e4), softbounds=(0, 5), step=0.01
+    )
+    storage_power_kw = TypedNumber(
+        "Power, kW", "kW", default=None, allow_None=True, bounds=(0.0, 1e5), softbounds=(0, 5000), step=10
+    )
+    charging_percent = TypedNumber("Charging efficiency, %", "%", 1, default=95.0, bounds=(1.0, 100.0))
+    discharging_percent = TypedNumber("Discharging efficiency, %", "%", 1, default=95.0, bounds=(1.0, 100.0))
+    shown_map = param.Selector(default="drive", objects=list(MAPS), doc="Which efficiency is shown.")
+
+    run = result(LimitRun, "The last good run.")
+    path = result(LimitRun, "The last run searched for.")
+    trip = result(LimitTrip, "The trip while a step moves.")
+    storage = result(StorageCurve, "Energy saved by storages.")
+    motor_map = result(MotorMap, "Efficiency of the powertrain.")
+    no_map = param.String(default="", doc="Why there is no such map.")
+    moving = param.Boolean(default=False, doc="Whether a step is being moved.")
+    moved = param.Event(doc="A step has been moved a little further.")
+
+    _length_m, _most_kmh = LONGEST_M, 600.0
+
+    def take(self, scenario: Scenario) -> None:
+        """Take over what a scenario's file says of sections and search."""
+        options, length = scenario.search, scenario.line.length_m
+        most = scenario.vehicle.traction.max_speed_kmh
+        own_borders = section_borders(scenario.line.in_running_order())[1:-1].tolist()
+        limits = options.limits_kmh
+        borders = list(options.boundaries_m) or (own_borders if limits else even_borders(length, FIRST_SECTIONS))
+        if limits is not None and len(limits) != len(borders) + 1:
+            limits = None
+        self._length_m, self._most_kmh = length, most
+        # a search without borders takes those of the line
+        self.param.section_count.bounds = (2 if own_borders else 1, max(MOST_SECTIONS, len(borders) + 1))
+        self.param.update(
+            sections=self._made_of(limits or [most] * (len(borders) + 1), borders),
+            section_count=len(borders) + 1,
+            found=limits is None,
+            regulator=options.regulator,
+            free_borders=options.free_boundaries,
+            time_window_percent=100 * options.time_window,
+            stop_deceleration_ms2=options.stop_deceleration_ms2,
+            storage_size_kwh=None,
+            storage_power_kw=None,
+        )
+
+    def _made_of(self, limits_kmh: Sequence[float], borders_m: Sequence[float]) -> list[SectionModel]:
+        """Return sections whose fields know the vehicle's own limit."""
+        made = []
+        for limit, end in zip(limits_kmh, [*borders_m, self._length_m], strict=True):
+            section = SectionModel(to_m=float(end))
+            section.param.limit_kmh.bounds = (LEAST_LIMIT_KMH, self._most_kmh)
+            section.limit_kmh = float(np.clip(limit, *section.param.limit_kmh.bounds))
+            made.append(section)
+        return made
+
+    def keep(self) -> dict[str, Any]:
+        """Return the kept values by field; without limits and borders that the search finds anew."""
+        values = super().keep()
+        if self.found:
+            borders = [{"to_m": section["to_m"]} for section in values["sections"]]
+            values["sections"] = [] if self.free_borders else borders
+        if values["sections"]:
+            values["sections"][-1].pop("to_m")  # that is where the line ends
+        return values
+
+    def lay(self, values: Mapping[str, Any]) -> None:
+        """Take over checked values by field; sections that are not named are cut anew.
+
+        Raises
+        ------
+        ValueError
+            If there are too few or too many sections; then nothing changes.
+        """
+        before = self.keep()
+        named, count = values.get("sections") or [], values.get("section_count", self.section_count)
+        new = {field: value for field, value in values.items() if field not in before or value != before[field]}
+        new.pop("section_count", None)
+        if new.pop("sections", []):
+            low, high = self.param.section_count.bounds
+            if not low <= len(named) <= high:
+                raise ValueError(f"sections must be {low} to {high}, not {len(named)}")
+            limits = [section.get("limit_kmh", self._most_kmh) for section in named]
+            borders = [section.get("to_m", self._length_m) for section in named[:-1]]
+            new.update(sections=self._made_of(limits, borders), section_count=len(named))
+        elif not named and count != self.section_count:
+            self.cut(count)
+            new["section_count"] = count
+        self.param.update(**new)
+
+    def cut(self, count: int) -> None:
+        """Cut the line into equal sections, whose limits the search shall find."""
+        borders = even_borders(self._length_m, count)
+        self.param.update(sections=self._made_of([self._most_kmh] * count, borders), found=True)
+
+    def move(self, limits_kmh: Sequence[float], borders_m: Sequence[float]) -> None:
+        """Set limits [km/h] and borders [m] while a step is being moved."""
+        self.moving = True
+        self.set(limits_kmh, borders_m)
+        self.found = False
+        self.param.trigger("moved")
+
+    def set(self, limits_kmh: Sequence[float], borders_m: Sequence[float]) -> None:
+        """Set all limits [km/h] and borders [m] of the sections that there are."""
+        for section, limit in zip(self.sections, limits_kmh, strict=True):
+            section.limit_kmh = float(limit)
+        for section, border in zip(self.sections, borders_m, strict=False):
+            section.to_m = float(border)
+
+    @property
+    def limits_kmh(self) -> tuple[float, ...]:
+        """The limits of the sections [km/h]."""
+        return tuple(float(section.limit_kmh) for section in self.sections)
+
+    @property
+    def borders_m(self) -> tuple[float, ...]:
+        """The borders between the sections [m]."""
+        return tuple(float(section.to_m) for section in self.sections[:-1])
+
+    @property
+    def changes(self) -> Mapping[str, Any]:
+        """Sections and search by the keys of the file; limits are given unless the search finds them."""
+        return {
+            "strategy": "speed_limits",
+            "search.regulator": self.regulator,
+            "search.boundaries_m": list(self.borders_m),
+            "search.free_boundaries": self.free_borders,
+            "search.limits_kmh": None if self.found else list(self.limits_kmh),
+            "search.time_window": self.time_window_percent / 100,
+            "search.stop_deceleration_ms2": float(self.stop_deceleration_ms2),
+        }
+
+
+def even_borders(length_m: float, count: int) -> list[float]:
+    """Return the borders of equal sections of a line, in whole metres where these are long enough [m]."""
+    borders = [length_m * number / count for number in range(1, count)]
+    return [float(round(border)) for border in borders] if length_m > 10 * count else borders

@@ -1,0 +1,1 @@
+"""Pieces of HTML and fields that pages are put together from."""

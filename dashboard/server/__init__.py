@@ -1,0 +1,1 @@
+"""What the server answers beside its pages: its health, addresses that lead nowhere; and its log."""

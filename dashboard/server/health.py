@@ -1,0 +1,24 @@
+"""A health check that means something: it solves a small scenario."""
+
+from tornado.web import RequestHandler
+
+from railjoule.core import load_scenario, solve
+from railjoule.dashboard.work.warmup import SCENARIOS, warmup
+
+SERVICE_UNAVAILABLE = 503
+
+
+class HealthHandler(RequestHandler):
+    """Answers 200 with the energy of a small run, 503 while kernels compile: the first page may be open by then."""
+
+    def _log(self) -> None:
+        """Write down nothing: who waits for the server asks often."""
+
+    def get(self) -> None:
+        """Solve, once the kernels are ready."""
+        if not warmup().ready.is_set():
+            self.set_status(SERVICE_UNAVAILABLE)
+            self.finish({"status": "starting"})
+            return
+        run = solve(load_scenario(SCENARIOS[0]))
+        self.finish({"status": "ok", "energy_kwh": run.energy_kwh, "solve_time_s": run.solve_time_s})

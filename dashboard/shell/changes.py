@@ -1,0 +1,80 @@
+"""The sidebar's last line: how many keys differ from the preset, which, and a way back for each."""
+
+from typing import Any
+
+import panel as pn
+import panel_material_ui as pmui
+
+from railjoule.core import RailjouleError
+from railjoule.dashboard.look.markup import markup
+from railjoule.dashboard.parts.html import html_pane, stack
+from railjoule.dashboard.state.kept import short
+from railjoule.dashboard.state.scenario import PLAN_FIELDS
+from railjoule.dashboard.state.workbench import Workbench
+
+ROW = (
+    '<div class="row small" style="flex-direction: column; gap: 0; overflow-wrap: anywhere">'
+    "<span>{}</span><span>{} \u2192 {}</span></div>"
+)
+
+
+class Changes:
+    """The changed keys; the list opens at a press."""
+
+    def __init__(self, state: Workbench) -> None:
+        self.state = state
+        self.unchanged = html_pane('<div class="row small" style="padding-top:8px"><span>Unchanged</span></div>')
+        self.count = pmui.Button(
+            variant="text", size="small", margin=(0, 0, 0, 6), icon="expand_more", on_click=self._turn
+        )
+        self.back = pmui.Button(
+            label="Undo all",
+            variant="text",
+            size="small",
+            margin=(0, 4),
+            on_click=lambda _: state.scenario.restore(),
+        )
+        self.list = stack(visible=False)
+        self.view = stack(
+            pn.FlexBox(self.unchanged, self.count, self.back, margin=0, sizing_mode="stretch_width"), self.list
+        )
+        state.scenario.param.watch(self._show, ["preset", "opened", *PLAN_FIELDS, "acceleration_time_s"])
+        self._show()
+
+    def _turn(self, *_: Any) -> None:
+        self.list.visible = not self.list.visible
+        self._show()
+
+    def _show(self, *_: Any) -> None:
+        changes = self.state.scenario.changes
+        number = len(changes)
+        self.count.visible = self.back.visible = number > 0
+        self.unchanged.visible = number == 0
+        if number == 0:
+            self.list.visible = False
+        self.count.icon = "expand_less" if self.list.visible else "expand_more"
+        self.count.label = f"{number} field{'' if number == 1 else 's'} changed"
+        self.list[:] = [self._row(key, value) for key, value in changes.items()] if self.list.visible else []
+
+    def _row(self, key: str, value: Any) -> pn.Row:
+        before = short(self.state.scenario.original(key))
+        take_back = pmui.IconButton(
+            icon="undo",
+            description=f"Undo {key}",
+            size="small",
+            margin=0,
+            color="default",
+            on_click=lambda _: self._take_back(key),
+        )
+        return pn.Row(
+            html_pane(markup(ROW, key, before, short(value))),
+            take_back,
+            margin=0,
+            sizing_mode="stretch_width",
+        )
+
+    def _take_back(self, key: str) -> None:
+        try:
+            self.state.scenario.take_back(key)
+        except RailjouleError as refusal:
+            self.state.failure = refusal

@@ -1,0 +1,78 @@
+"""The strategies beside a page: which one all numbers speak of, which are drawn, and what each of them needs."""
+
+from typing import Any
+
+import param
+from panel.custom import JSComponent
+
+from railjoule.core.scenario import StrategyName
+from railjoule.core.strategies import STRATEGIES
+from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.glossary import info
+from railjoule.dashboard.look.markup import markup
+from railjoule.dashboard.look.scripts import module
+from railjoule.dashboard.look.theme import strategies_css
+from railjoule.dashboard.page_list import PAGES
+from railjoule.dashboard.parts.html import swatch
+from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work.runs import Runs
+
+
+class StrategyList(JSComponent):
+    """A row for each strategy: a radio button for "this run", a box for "draw", its line, its name, its numbers.
+
+    Parameters
+    ----------
+    state : Workbench
+    """
+
+    strategies = param.List(default=[], doc="Name, label, line and glossary button of each strategy.")
+    chosen = param.String(default="", doc="The strategy of all numbers.")
+    ticked = param.List(default=[], doc="The strategies that are drawn.")
+    results = param.Dict(default={}, doc="What each strategy needs, as HTML.")
+    above = param.String(default="", doc="What the second number of each row is.")
+    draws = param.Boolean(default=True, doc="Whether the page in sight draws strategies.")
+
+    _esm = module("strategies")
+    _stylesheets = [strategies_css()]  # noqa: RUF012
+
+    def __init__(self, state: Workbench) -> None:
+        rows = [
+            {"name": name, "label": label, "swatch": swatch(name), "info": info(label)}
+            for name, label in words.STRATEGY_WORDS.items()
+        ]
+        super().__init__(strategies=rows, sizing_mode="stretch_width", margin=0)
+        self.state = state
+        state.param.watch(self._show, ["runs", "chosen", "ticked", "page"])
+        self._show()
+
+    def _show(self, *_: Any) -> None:
+        runs, use = self.state.runs, PAGES[self.state.page].strategies
+        numbers: dict[str, Any] = {}
+        if runs is not None:
+            results = {name: strategy_numbers(runs, name) for name in STRATEGIES}
+            numbers = {"results": results, "above": f"above {comparisons.reference_name(runs.is_proven)}"}
+        self.param.update(chosen=self.state.chosen, ticked=list(self.state.ticked), draws=use == "draw", **numbers)
+
+    def _handle_msg(self, data: Any) -> None:
+        kind, name = (data.get("kind"), data.get("name")) if isinstance(data, dict) else (None, None)
+        if name not in STRATEGIES:
+            return
+        if kind == "choose":
+            self.state.chosen = name
+        elif kind == "draw":
+            drawn = {*self.state.ticked, name} if data.get("on") else {*self.state.ticked} - {name}
+            self.state.ticked = [other for other in STRATEGIES if other in drawn]
+
+
+def strategy_numbers(runs: Runs, name: StrategyName) -> str:
+    """Return a strategy's energy and by how much it lies above the best known run, or why it refuses."""
+    if name in runs.refused:
+        return markup('<span class="reason">{}</span>', runs.refused[name].rstrip("."))
+    if name not in runs.runs:
+        return markup("<span></span><span>{}</span>", words.UNKNOWN)
+    run = runs.runs[name]
+    amount = comparisons.above_reference(run)
+    # the column's head says kWh, and there is no room for it
+    above = words.UNKNOWN if amount is None else str(amount).removesuffix(" kWh")
+    return markup("<span>{}</span><span>{}</span>", words.energy(run.energy_kwh), above)

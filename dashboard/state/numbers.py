@@ -1,0 +1,148 @@
+"""Numbers as people type them."""
+
+import math
+import re
+from typing import TYPE_CHECKING, Any
+
+import param
+
+from railjoule.dashboard.state.kept import Kept
+
+CLOCK = re.compile(r"(?:(?P<h>\d+):(?=\d\d:))?(?P<min>\d+):(?P<s>\d\d(?:\.\d+)?)")
+WORDED = re.compile(
+    r"(?=.*\d)(?:(?P<h>\d+(?:\.\d+)?)\s*h(?:ours?)?\s*)?(?:(?P<min>\d+(?:\.\d+)?)\s*(?:min(?:utes?)?|m)\s*)?"
+    r"(?:(?P<s>\d+(?:\.\d+)?)\s*(?:s|sec|seconds?)?)?"
+)
+"""Times as on a clock, and with the names of their units; what ends a worded one without a name is seconds."""
+SIXTY = 60
+LONGEST_SHOWN = 30
+
+
+def parse_number(text: str, bounds: tuple[float | None, float | None]) -> float:
+    """Return the number that a text gives.
+
+    Raises
+    ------
+    ValueError
+        With a sentence that names the bound that it misses.
+    """
+    try:
+        value = float(_plain(text))
+    except ValueError:
+        raise ValueError("Not a number.") from None
+    if not math.isfinite(value):
+        raise ValueError("Not a number.")
+    low, high = bounds
+    if low is not None and value < low:
+        raise ValueError(f"At least {low:g}.")
+    if high is not None and value > high:
+        raise ValueError(f"At most {high:g}.")
+    return value
+
+
+def parse_time(text: str, bounds: tuple[float | None, float | None], name: str = "") -> float:
+    """Return the time that a text gives [s]: seconds, or as 2:30, 1:02:03 or 2 min 30 s.
+
+    Parameters
+    ----------
+    text : str
+        What was typed.
+    bounds : tuple of float or None
+        The least and the greatest time [s].
+    name : str
+        What the time is, where nothing else in sight tells.
+
+    Raises
+    ------
+    ValueError
+        With a sentence that names the text and the forms that it may have, or the bound that it misses.
+    """
+    no_time = _no_time(text, name)
+    plain = _plain(text).strip().lower()
+    found = CLOCK.fullmatch(plain) or WORDED.fullmatch(plain)
+    if found is None:
+        try:
+            return parse_number(plain, bounds)
+        except ValueError as error:
+            raise no_time if str(error) == "Not a number." else error from None
+    hours, minutes, seconds = (float(found[part] or 0) for part in ("h", "min", "s"))
+    on_clock = ":" in plain
+    if on_clock and (seconds >= SIXTY or (found["h"] is not None and minutes >= SIXTY)):
+        raise no_time
+    return parse_number(repr(hours * SIXTY**2 + minutes * SIXTY + seconds), bounds)
+
+
+def _no_time(text: str, name: str) -> ValueError:
+    shown = text if len(text) <= LONGEST_SHOWN else text[: LONGEST_SHOWN - 3] + "..."
+    about = f"{name}: " if name else ""
+    return ValueError(f"{about}{shown!r} is not a time: write seconds, min:s or h:min:s, such as 150, 2:30 or 1:02:03.")
+
+
+def _plain(text: str) -> str:
+    return text.replace("\u202f", "").replace("\u2212", "-").replace(",", ".")
+
+
+def clock(seconds: float) -> str:
+    """Return a time [s] as on a clock: 2:30, or 1:02:03 from an hour on."""
+    whole, rest = divmod(round(seconds, 1), 1)
+    minutes, second = divmod(int(whole), SIXTY)
+    hours, minute = divmod(minutes, SIXTY)
+    tenths = f"{rest:.1f}".removeprefix("0") if rest >= 0.05 else ""
+    return f"{hours}:{minute:02d}:{second:02d}{tenths}" if hours else f"{minute}:{second:02d}{tenths}"
+
+
+class TypedNumber(param.Number):
+    """A parameter that has a field on a page: all that is said of it stands here, once.
+
+    Parameters
+    ----------
+    label : str
+        Beside the field: quantity and unit.
+    unit : str
+        In sentences; empty where the number has none.
+    digits : int
+        Decimals in the field, where nobody has typed more.
+    **params
+        As for any number. With a `step` the field has a slider, from one of the `softbounds` to the other; what is
+        beyond them can be typed, as far as the `bounds` go.
+    """
+
+    __slots__ = ("digits", "unit")
+
+    def __init__(self, label: str, unit: str = "", digits: int = 0, **params: Any) -> None:
+        super().__init__(label=label, **params)
+        self.unit, self.digits = unit, digits
+
+    if TYPE_CHECKING:
+
+        def __get__(self, instance: object, owner: type | None = None) -> Any: ...
+
+        def __set__(self, instance: object, value: float | None) -> None: ...
+
+
+class TypedInteger(TypedNumber, param.Integer):
+    """A whole number that has a field on a page."""
+
+
+class TypedParameters(Kept):
+    """Parameters whose numbers can be typed."""
+
+    def parse(self, field: str, text: str) -> float:
+        """Return the number that a text gives for a field.
+
+        Raises
+        ------
+        ValueError
+            With a sentence that names the bound that it misses; of a time also the text and its forms.
+        """
+        bounds = self.bounds_of(field)
+        if field.endswith("_s"):
+            name = self.param[field].label.split(",")[0]
+            number = parse_time(text, bounds, name[:1].upper() + name[1:])
+        else:
+            number = parse_number(text, bounds)
+        if not isinstance(self.param[field], param.Integer):
+            return number
+        if number != int(number):
+            raise ValueError("A whole number.")
+        return int(number)

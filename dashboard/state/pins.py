@@ -1,0 +1,157 @@
+"""Pinned runs: what was run, by which strategy, and how it comes about again."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import param
+
+from railjoule.core import Scenario, Trajectory
+from railjoule.core.scenario import (
+    StrategyName,
+    document_of,
+    format_scenario,
+    preset_names,
+    scenario_from_document,
+)
+from railjoule.core.scenario.document import Document
+from railjoule.core.strategies import STRATEGIES
+from railjoule.dashboard.look import words
+from railjoule.dashboard.state.draft import shipped
+from railjoule.dashboard.state.kept import Kept
+from railjoule.dashboard.state.opened import open_scenario
+from railjoule.dashboard.state.scenario import ScenarioModel
+
+MOST_PINS = 6
+PIN_KEYS = tuple(f"pin_{number}" for number in range(1, MOST_PINS + 1))
+"""Colours and strokes of the pins, by the tokens of the look."""
+TOO_MANY = f"At most {MOST_PINS} runs can be pinned; unpin one first."
+LONGEST_NAME = 60
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """How a run comes about.
+
+    Parameters
+    ----------
+    preset : str or None
+        The shipped scenario that it starts from; None where it starts from a document.
+    document : mapping or None
+        The scenario that it starts from, as a nested dictionary, where it is not a shipped one.
+    changes : mapping
+        Keys of the file with their changed values.
+    strategy : str
+        Who drives.
+    """
+
+    preset: str | None
+    document: Document | None
+    changes: Mapping[str, Any]
+    strategy: StrategyName
+
+    def scenario(self) -> Scenario:
+        """Return the scenario of the run.
+
+        Raises
+        ------
+        ScenarioError
+            If the shipped scenario or the document does not take the changes.
+        """
+        base = shipped(self.preset) if self.preset else scenario_from_document(self.document or {})
+        return base.with_(**self.changes) if self.changes else base
+
+
+@dataclass(frozen=True, eq=False)
+class Pin:
+    """A run kept to compare others with.
+
+    Parameters
+    ----------
+    name : str
+        Name given by the user.
+    trajectory : Trajectory
+        The run.
+    colour : str
+        Its colour and stroke, one of PIN_KEYS.
+    recipe : Recipe
+        How it comes about again.
+    """
+
+    name: str
+    trajectory: Trajectory
+    colour: str
+    recipe: Recipe
+
+    @property
+    def number(self) -> int:
+        """The number that stands at its lines."""
+        return PIN_KEYS.index(self.colour) + 1
+
+    def renamed(self, name: str) -> "Pin":
+        """Return the pin under another name; an empty one gives back the name that tells what was run."""
+        return replace(self, name=" ".join(name.split())[:LONGEST_NAME] or pin_name(self.trajectory))
+
+
+class KeptPin(Kept):
+    """A pin without its run, as an address holds it."""
+
+    kept = ("called", "strategy", "preset", "toml", "changes", "colour")
+
+    called = param.String(default="", doc="Name given by the user.")
+    strategy = param.Selector(default="optimal", objects=list(STRATEGIES), doc="The strategy.")
+    preset = param.Selector(
+        default=None, allow_None=True, objects=list(preset_names("scenarios")), doc="Shipped scenario."
+    )
+    toml = param.String(default=None, allow_None=True, doc="The scenario, if it is not a shipped one.")
+    changes = param.Dict(default={}, doc="Keys of the file with their changed values.")
+    colour = param.Selector(default=PIN_KEYS[0], objects=list(PIN_KEYS), doc="Colour and stroke.")
+
+    @classmethod
+    def of(cls, pin: Pin) -> "KeptPin":
+        """Return what is kept of a pin."""
+        recipe = pin.recipe
+        return cls(
+            called=pin.name,
+            strategy=recipe.strategy,
+            preset=recipe.preset,
+            toml=None if recipe.document is None else format_scenario(scenario_from_document(recipe.document)),
+            changes=dict(recipe.changes),
+            colour=pin.colour,
+        )
+
+    def recipe(self) -> Recipe:
+        """Return how its run comes about.
+
+        Raises
+        ------
+        RailjouleError
+            If its text is no scenario.
+        """
+        document = None if self.toml is None else document_of(open_scenario(self.toml, "the pinned run").scenario)
+        return Recipe(self.preset, document, dict(self.changes), self.strategy)
+
+
+def pin_name(run: Trajectory) -> str:
+    """Return what a pin is called until it is renamed, such as 'Optimal, 170.0 s, load 50 %, recuperation 40 %'."""
+    strategy, vehicle = words.strategy(run.strategy), run.scenario.vehicle
+    load = words.load(vehicle.load_factor)
+    recuperation = words.setting(vehicle.drive.recuperation_factor)
+    return f"{strategy}, {words.time(run.travel_time_s)} s, {load}, recuperation {recuperation} %"
+
+
+def recipe_of(model: ScenarioModel, scenario: Scenario, strategy: StrategyName) -> Recipe:
+    """Return how a run over `scenario` comes about, from what the page edits where that is the same scenario."""
+    if model.scenario() != scenario:
+        # the page has moved on while the run was computed, or what it asks for cannot be run
+        return Recipe(None, document_of(scenario), {}, strategy)
+    if model.opened is not None:
+        return Recipe(None, document_of(model.opened), dict(model.changes), strategy)
+    return Recipe(model.preset, None, dict(model.changes), strategy)
+
+
+def make_pin(pins: Sequence[Pin], run: Trajectory, recipe: Recipe, name: str = "") -> Pin:
+    """Return a pin with a colour that none of `pins` has; there must be less than MOST_PINS."""
+    taken = {pin.colour for pin in pins}
+    colour = next(key for key in PIN_KEYS if key not in taken)
+    return Pin(name or pin_name(run), run, colour, recipe)

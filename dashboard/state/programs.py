@@ -1,0 +1,205 @@
+"""What each page computes, in one table: what it lays over the scenario, and the program that gives its number.
+
+Share, the report and the copied command line read it here, so that none of them tells another run than the page shows.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from railjoule.core.scenario.disturbance import Disturbance
+from railjoule.dashboard.actual.model import actual_changes, event_changes
+from railjoule.dashboard.pages.disturbances.model import TABLES
+from railjoule.dashboard.pages.learn.model import LESSONS
+from railjoule.dashboard.pages.motor.compute import Limits, limits_of
+from railjoule.dashboard.state.workbench import Workbench
+
+
+@dataclass(frozen=True)
+class Program:
+    """What turns a scenario into the number of a page.
+
+    Parameters
+    ----------
+    imports : mapping of str to str
+        What it needs, by the name of what is imported; the module is the value.
+    body : str
+        Python, which finds the scenario as `scenario` and prints an energy [kWh].
+    command : str
+        The command of `railjoule` that does the same with a scenario; empty where none does.
+    of_scenario : bool
+        Whether it runs the page's scenario at all.
+    """
+
+    imports: Mapping[str, str]
+    body: str
+    command: str
+    of_scenario: bool = True
+
+
+@dataclass(frozen=True)
+class PageRun:
+    """What a page computes.
+
+    Parameters
+    ----------
+    program : Program
+    changes : mapping
+        What it lays over the scenario, by the keys of the file.
+    untold : str
+        A sentence on what of it no scenario file can say; empty where one says all.
+    """
+
+    program: Program
+    changes: Mapping[str, Any] = field(default_factory=dict)
+    untold: str = ""
+
+
+def _simulation(name: str, module: str) -> Program:
+    body = "ride = simulate(scenario)\nprint(ride.actual.energy_kwh)\n"
+    return Program({f"{name} as simulate": f"railjoule.core.simulate.{module}"}, body, "simulate")
+
+
+SOLVE = Program({"solve": "railjoule.core"}, "run = solve(scenario)\nprint(run.energy_kwh)\n", "solve")
+ACTUAL_RUN = _simulation("actual_run", "actual_run")
+FOLLOWING = _simulation("simulate_following", "following")
+IN_CLOSED_LOOP = _simulation("simulate_field_oriented", "field_oriented")
+VALIDATION = Program(
+    {"PAPERS": "railjoule.core.validation"},
+    "for paper, compute in PAPERS.items():\n    print(paper, compute())\n",
+    "validate",
+    of_scenario=False,
+)
+NO_EVENTS: Mapping[str, Any] = {f"disturbance.{table}": [] for table in TABLES.values()}
+
+
+def page_run(state: Workbench) -> PageRun:
+    """Return what the page in sight computes."""
+    return PAGE_RUNS[state.page](state)
+
+
+def _plan(state: Workbench) -> PageRun:
+    return PageRun(SOLVE, {"strategy": state.chosen_now})
+
+
+def _drive(state: Workbench) -> PageRun:
+    if not state.actual.on:
+        return _plan(state)
+    return _actual_run(state, {"strategy": state.chosen_now, **actual_changes(state)})
+
+
+def _disturbances(state: Workbench) -> PageRun:
+    return _actual_run(state, {"strategy": state.chosen, **event_changes(state)})
+
+
+def _actual_run(state: Workbench, changes: Mapping[str, Any]) -> PageRun:
+    """Return the run of a day; where nothing is otherwise than planned, that is the plan.
+
+    The commands would follow that plan all the same, and under target braking curves if the scenario has them.
+    """
+    if not _is_as_planned(state, changes):
+        return PageRun(ACTUAL_RUN, {**_followed(state), **changes})
+    nothing_else: Mapping[str, Any] = {"disturbance": {}} if state.scenario.edited.disturbance != Disturbance() else {}
+    return PageRun(SOLVE, {"strategy": changes["strategy"], **_followed(state), **nothing_else})
+
+
+def _is_as_planned(state: Workbench, changes: Mapping[str, Any]) -> bool:
+    """Return whether nothing of a day differs from the plan: a later departure shifts the run and nothing else."""
+    day, measured = state.scenario.edited.disturbance, state.scenario.edited.simulation
+    load = changes.get("disturbance.actual_load_factor", day.actual_load_factor)
+    return (
+        not state.disturbances.events
+        and load in {None, state.scenario.load_percent / 100}
+        and changes.get("disturbance.coordinate_error_m", day.coordinate_error_m) == 0
+        and changes.get("simulation.speed_error", measured.speed_error) == 0
+        and not any(measured.sensor_errors_m)
+        and day.resistance_factor == day.line_voltage_factor == 1
+    )
+
+
+def _robustness(state: Workbench) -> PageRun:
+    # the page leaves the events of a file to Disturbances; the command drives all that a file names
+    events = NO_EVENTS if state.scenario.edited.disturbance.events else {}
+    return PageRun(FOLLOWING, {"strategy": state.chosen, **_followed(state), **events, **state.robustness.changes})
+
+
+def _followed(state: Workbench) -> Mapping[str, Any]:
+    """Return what keeps a command from simulating the control loop that a file may ask for."""
+    in_loop = state.scenario.edited.simulation.kind == "field_oriented"
+    return {"simulation.kind": "following"} if in_loop else {}
+
+
+def _speed_limits(state: Workbench) -> PageRun:
+    return PageRun(SOLVE, state.speed_limits.changes)
+
+
+def _motor(state: Workbench) -> PageRun:
+    model, scenario = state.motor, state.scenario
+    own = limits_of(scenario.edited)
+    if own is None or model.max_phase_voltage_v is None or model.max_current_a is None:
+        return _plan(state)
+    changes = {"strategy": state.chosen, **model.changes}
+    tried = Limits(model.max_phase_voltage_v, model.max_current_a)
+    # of these drives alone the plan depends on what the inverter gives
+    if tried == own or "drive.max_phase_voltage_v" not in changes:
+        return PageRun(IN_CLOSED_LOOP, changes)
+    body = (
+        f"loop = scenario.with_(**{dict(model.changes)!r})\n"
+        "ride = simulate(loop, solve(scenario))\nprint(ride.actual.energy_kwh)\n"
+    )
+    program = Program({**SOLVE.imports, **IN_CLOSED_LOOP.imports}, body, "")
+    untold = (
+        f"The page tries {tried.max_phase_voltage_v:g} V and {tried.max_current_a:g} A on a plan that does not know of "
+        "them. A scenario file has one set of limits, for the plan and for the motors."
+    )
+    return PageRun(program, {"strategy": state.chosen}, untold)
+
+
+def _line(state: Workbench) -> PageRun:
+    arrivals = dict(state.line.arrivals_s)
+    if not arrivals:
+        return PageRun(SOLVE, {"strategy": "optimal"})
+    program = Program(
+        {"whole_line": "railjoule.core.studies.whole_line"},
+        f'line = whole_line(scenario, "optimum", {arrivals!r})\nprint(line.run.energy_kwh)\n',
+        "",
+    )
+    names = ", ".join(
+        f"{s.station or f'station {s.number + 1}'} {s.arrival_s:g} s" for s in state.line.stations if s.fixed
+    )
+    untold = f"The page fixes arrivals: {names}. A scenario file cannot fix them."
+    return PageRun(program, {"strategy": "optimal"}, untold)
+
+
+def _learn(state: Workbench) -> PageRun:
+    values = {lesson.name: float(getattr(state.learn, lesson.name)) for lesson in LESSONS}
+    body = (
+        f"for lesson, value in {values!r}.items():\n"
+        "    for name, run in compute_lesson(LessonRequest(lesson, value)).runs.items():\n"
+        '        print(f"{lesson}, {name}: {run.energy_kwh} kWh")\n'
+    )
+    module = "railjoule.dashboard.pages.learn.compute"
+    program = Program({"LessonRequest": module, "compute_lesson": module}, body, "", of_scenario=False)
+    untold = "The lessons have scenarios of their own, which no command runs."
+    return PageRun(program, {"strategy": state.chosen_now}, untold)
+
+
+def _papers(state: Workbench) -> PageRun:
+    return PageRun(VALIDATION, {"strategy": state.chosen_now})
+
+
+PAGE_RUNS: Mapping[str, Callable[[Workbench], PageRun]] = {
+    "Start": _plan,
+    "Drive": _drive,
+    "Compare": _plan,
+    "Trade-off": _plan,
+    "Robustness": _robustness,
+    "Disturbances": _disturbances,
+    "Speed limits": _speed_limits,
+    "Motor": _motor,
+    "Line": _line,
+    "Learn": _learn,
+    "Papers": _papers,
+    "Help": _plan,
+}
+"""By the name of the page."""

@@ -1,0 +1,123 @@
+"""What the page in sight computes, as a scenario file, as a Python program and as a command line.
+
+All three give the same numbers as the page.
+"""
+
+import json
+import re
+import shlex
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from railjoule.core import Scenario
+from railjoule.core.scenario import format_scenario
+from railjoule.dashboard.state.programs import Program, page_run
+from railjoule.dashboard.state.workbench import Workbench
+
+FILE = "scenario.toml"
+LONGEST_LINE = 100
+BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """A scenario with changes, by the keys of the file, and the program that gives the page's number.
+
+    `untold` says what of it a scenario file cannot; empty where one says all.
+    """
+
+    preset: str
+    opened: Scenario | None
+    base: Scenario
+    changes: Mapping[str, Any]
+    program: Program
+    untold: str = ""
+
+    @property
+    def scenario(self) -> Scenario:
+        """The scenario with its changes.
+
+        Raises
+        ------
+        ScenarioError
+            If they are impossible together.
+        """
+        return self.base.with_(**self.changes)
+
+
+def recipe_of(state: Workbench) -> Recipe:
+    """Return what the page in sight computes."""
+    scenario, computed = state.scenario, page_run(state)
+    changes = {**scenario.changes, **computed.changes}
+    if changes.get("strategy") == scenario.base.strategy:
+        del changes["strategy"]
+    return Recipe(scenario.preset, scenario.opened, scenario.base, changes, computed.program, computed.untold)
+
+
+def as_toml(recipe: Recipe) -> str:
+    """Return the scenario file."""
+    return format_scenario(recipe.scenario)
+
+
+def as_python(recipe: Recipe) -> str:
+    """Return a program that prints the energy [kWh]."""
+    program = recipe.program
+    names: dict[str, list[str]] = {}
+    lines = []
+    if program.of_scenario:
+        if recipe.opened is None:
+            names["railjoule.core"] = ["load_scenario"]
+            lines = [f'scenario = load_scenario("{recipe.preset}")']
+        else:
+            names["railjoule.core.scenario"] = ["parse_scenario"]
+            lines = [f"scenario = parse_scenario({_triple(format_scenario(recipe.opened))})"]
+        if recipe.changes:
+            changes = "".join(f"    {key!r}: {value!r},\n" for key, value in recipe.changes.items())
+            lines.append(f"scenario = scenario.with_(**{{\n{changes}}})")
+    for name, module in program.imports.items():
+        names.setdefault(module, []).append(name)
+    imports = [f"from {module} import {', '.join(imported)}" for module, imported in sorted(names.items())]
+    return "\n".join([*imports, "", *lines, program.body])
+
+
+def as_command(recipe: Recipe) -> str:
+    """Return the command line; what only a file can say is written into one first."""
+    command = recipe.program.command
+    if not command:
+        # a name of a stranger's scenario must not end the comment: what follows it would be a command
+        return f"# No command line gives this: {' '.join(recipe.untold.split())}\n# The Python program does.\n"
+    if not recipe.program.of_scenario:
+        return f"railjoule {command}\n"
+    removes = any(value is None for value in recipe.changes.values())
+    if recipe.opened is not None or removes:
+        text = as_toml(recipe)
+        return f"cat > {FILE} <<'END_OF_FILE'\n{text}END_OF_FILE\nrailjoule {command} {FILE}\n"
+    words = [shlex.quote(f"{key}={toml_value(value)}") for key, value in recipe.changes.items()]
+    head = f"railjoule {command} {recipe.preset}"
+    if not words:
+        return f"{head}\n"
+    line = f"{head} --set {' '.join(words)}"
+    return f"{line}\n" if len(line) <= LONGEST_LINE else f"{head} --set \\\n  " + " \\\n  ".join(words) + "\n"
+
+
+def toml_value(value: Any) -> str:
+    """Return a plain value as TOML in one line."""
+    if isinstance(value, Mapping):
+        pairs = (f"{_key(key)} = {toml_value(one)}" for key, one in value.items() if one is not None)
+        return "{" + ", ".join(pairs) + "}"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(toml_value(one) for one in value) + "]"
+    if isinstance(value, (bool, str)):
+        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+    return repr(value)
+
+
+def _key(key: str) -> str:
+    return key if BARE_KEY.fullmatch(key) else toml_value(key)
+
+
+def _triple(text: str) -> str:
+    """Return a text as a Python literal of several lines."""
+    escaped = text.replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
+    return f'"""\\\n{escaped}"""'

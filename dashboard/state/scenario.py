@@ -1,0 +1,237 @@
+"""The scenario that a page edits: a shipped one and the fields that differ from it."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import param
+
+from railjoule.core import Scenario, ScenarioError
+from railjoule.core.budget import PAGE, within
+from railjoule.core.scenario import preset_names
+from railjoule.core.scenario.vehicle import MOST_LOAD_FACTOR
+from railjoule.core.strategies import prepare_task
+from railjoule.dashboard.state.draft import FIELD_KEYS, Edited, ScenarioDraft, shipped
+from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters
+from railjoule.dashboard.state.opened import open_scenario
+
+FIRST_SCENARIO = "metro-with-limit"
+TIME_FIELDS = {"travel_time_s": (1.0, 86_400.0), "acceleration_time_s": (1.0, 43_200.0)}
+"""Bounds of the fields that a slider shows only in part [s]."""
+PLAN_FIELDS = ("travel_time_s", "load_percent", "recuperation_percent", "edits")
+"""What every plan depends on."""
+LEAST_RANGE, TIMETABLE_RANGE = 0.97, 2.0
+"""The slider of the travel time begins and ends at these times the shortest time."""
+
+
+class ScenarioModel(TypedParameters):
+    """A shipped scenario, or one from a file, with edited keys and the values of the page's sliders laid over it.
+
+    The sliders' values are in the units that the page shows, those of other keys in the units of the file.
+    """
+
+    kept = ("preset", "toml", *FIELD_KEYS.values(), "edits")
+    passing = ("travel_time_range_s",)
+
+    preset = param.Selector(default=FIRST_SCENARIO, objects=list(preset_names("scenarios")), doc="Shipped scenario.")
+    opened = param.ClassSelector(class_=Scenario, default=None, allow_None=True, doc="The scenario of a file.")
+    toml = param.String(default=None, allow_None=True, doc="That scenario as a text.")
+    travel_time_s = TypedNumber("Travel time, s", "s", 1, default=100.0, step=0.5)
+    load_percent = TypedNumber("Load, % of capacity", "%", default=0.0, bounds=(0, 100 * MOST_LOAD_FACTOR), step=1)
+    recuperation_percent = TypedNumber(
+        "Recuperation, %", "%", default=0.0, bounds=(0, 100), softbounds=(0, 100), step=1
+    )
+    acceleration_time_s = TypedNumber(
+        "Acceleration time, s", "s", 1, default=None, allow_None=True, softbounds=(15, 110), step=0.1
+    )
+    travel_time_range_s = param.Range(default=(50.0, 200.0), doc="Ends of the travel time's slider.")
+    edits = param.Dict(default={}, doc="Other edited keys of the file, with their values.")
+
+    def __init__(self, **params: Any) -> None:
+        self._draft: ScenarioDraft | None = None
+        super().__init__(**params)
+        self.restore()
+
+    @property
+    def draft(self) -> ScenarioDraft:
+        """The scenario as it stands, with all that was derived from it since the last change."""
+        base = self.opened or shipped(self.preset)
+        sliders = {field: getattr(self, field) for field in FIELD_KEYS.values()}
+        known = self._draft
+        if known is None or known.base is not base or known.plan.edits is not self.edits:
+            known = ScenarioDraft(Edited(base, self.edits), sliders)
+        elif known.sliders != sliders:
+            known = known.slid(sliders)
+        self._draft = known
+        return known
+
+    def choose(self, preset: str) -> None:
+        """Take a shipped scenario."""
+        self.param.update(preset=preset, opened=None, toml=None, edits={})
+        self.restore()
+
+    def open(self, text: str, name: str) -> None:
+        """Take the scenario of a file.
+
+        Parameters
+        ----------
+        text : str
+            The TOML.
+        name : str
+            What the file is called.
+
+        Raises
+        ------
+        RailjouleError
+            If it cannot be read, is too large for a page, or no train can run it; then nothing changes.
+        """
+        found = open_scenario(text, name)
+        self.param.update(opened=found.scenario, toml=found.toml, edits={})
+        self.restore()
+
+    def restore(self) -> None:
+        """Take over the values of the shipped scenario or the file."""
+        self._take(self.base, {})
+
+    def edit(self, changes: Mapping[str, Any]) -> None:
+        """Lay values over keys of the file, all of them or none.
+
+        Parameters
+        ----------
+        changes : mapping
+            Dotted keys with their values; None takes a key away, and a whole table replaces what was edited in it.
+
+        Raises
+        ------
+        RailjouleError
+            If a value is out of its bounds, or no train can run what comes out; then nothing changes.
+        """
+        self._change(self.draft.with_changes(changes))
+
+    def take_back(self, *keys: str) -> None:
+        """Give keys the values of the shipped scenario or the file again.
+
+        Raises
+        ------
+        RailjouleError
+            If no train can run what is left.
+        """
+        self._change(self.draft.without(*keys))
+
+    def lay(self, values: Mapping[str, Any]) -> None:
+        """Take over edits and sliders of the base that is there; the base itself is chosen or opened.
+
+        Raises
+        ------
+        RailjouleError
+            If no train can run what comes out; then nothing changes. If the load is more than the vehicle carries; then
+            all but the load is taken over.
+        """
+        edits = values["edits"]
+        if edits != self.edits:
+            self._take(self.base.with_(**edits), edits)
+        fields = {field: values[field] for field in FIELD_KEYS.values() if field in values}
+        load, most = fields.get("load_percent", 0.0), self.most_load_percent
+        if load > most:
+            fields.pop("load_percent")
+        self.param.update(**fields)
+        if load > most:
+            raise ScenarioError(f"load_percent = {load:g} must be at most {most:g}, the crush load of the vehicle.")
+
+    def follow(self, part: Callable[[Scenario], object], take: Callable[[Scenario], None]) -> None:
+        """Tell who has fields of its own when the scenario is another one, or that part of it was edited.
+
+        Parameters
+        ----------
+        part : callable
+            Returns what its fields depend on.
+        take : callable
+            Called with the scenario, its edits included.
+        """
+        known = part(self.edited)
+
+        def look(*events: param.parameterized.Event) -> None:
+            nonlocal known
+            scenario = self.edited
+            before, known = known, part(scenario)
+            if known != before or any(event.name != "edits" for event in events):
+                take(scenario)
+
+        self.param.watch(look, ["preset", "opened", "edits"])
+
+    def _change(self, changes: Mapping[str, Any]) -> None:
+        """Let these be all changes of the base."""
+        edits = {key: value for key, value in changes.items() if key not in FIELD_KEYS}
+        self._take(self.base.with_(**changes), edits)
+
+    def _take(self, scenario: Scenario, edits: Mapping[str, Any]) -> None:
+        """Show a scenario that comes from edits of the base."""
+        with within(PAGE):
+            shortest = prepare_task(scenario).shortest_travel_time_s
+        # whole seconds at both ends, as those stand at them: a little less than can be driven, so that one sees where
+        # it ends, and at least one and a half times the timetable, however tight that is
+        start = float(int(LEAST_RANGE * shortest))
+        end = float(int(TIMETABLE_RANGE * max(shortest, 0.75 * scenario.travel_time_s)) + 1)
+        self.param.update(
+            edits=dict(edits),
+            travel_time_range_s=(start, end),
+            travel_time_s=round(scenario.travel_time_s, 1),
+            load_percent=100 * scenario.vehicle.load_factor,
+            recuperation_percent=100 * scenario.vehicle.drive.recuperation_factor,
+            acceleration_time_s=scenario.enoc.acceleration_time_s,
+        )
+        # another scenario may have the same values in all fields: its runs are asked for all the same
+        self.param.trigger("travel_time_s")
+
+    @property
+    def is_shipped(self) -> bool:
+        """Whether it is a shipped scenario of which nothing but the sliders' values was changed."""
+        return self.opened is None and not self.edits
+
+    @property
+    def base(self) -> Scenario:
+        """The shipped scenario, or that of the file."""
+        return self.draft.base
+
+    def identity(self) -> Scenario:
+        """Return an object that is another one for each scenario that is chosen or opened, whatever is edited in it."""
+        return self.base
+
+    def original(self, key: str) -> Any:
+        """Return what the base has at a key of the file; None where it has nothing."""
+        return self.draft.original(key)
+
+    @property
+    def edited(self) -> Scenario:
+        """The base with its edited keys, without the sliders' values."""
+        return self.draft.edited
+
+    @property
+    def changes(self) -> Mapping[str, Any]:
+        """The keys of the file that differ from the base, in the order in which they count."""
+        return self.draft.changes
+
+    def scenario(self) -> Scenario:
+        """Return the scenario as it stands.
+
+        Raises
+        ------
+        ScenarioError
+            If a value is out of its bounds.
+        """
+        return self.draft.scenario
+
+    @property
+    def most_load_percent(self) -> float:
+        """The vehicle's crush load, % of capacity."""
+        return float(round(100 * self.edited.vehicle.crush_load_factor, 6))
+
+    def parse(self, field: str, text: str) -> float:
+        """Return the number that a text gives for a field; the load has the bound of the vehicle."""
+        number = super().parse(field, text)
+        if field == "load_percent" and number > self.most_load_percent:
+            raise ValueError(f"At most {self.most_load_percent:g}, the vehicle's crush load.")
+        return number
+
+    def bounds_of(self, field: str) -> tuple[float | None, float | None]:
+        """Return the least and the largest number that a field takes, ends included."""
+        return TIME_FIELDS.get(field) or super().bounds_of(field)

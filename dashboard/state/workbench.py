@@ -1,0 +1,196 @@
+"""The state of one open page: its scenario, what it shows, what was computed, what is pinned."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import param
+
+from railjoule.core import Scenario, Trajectory
+from railjoule.core.bounds import with_tighter_bound
+from railjoule.core.scenario import StrategyName
+from railjoule.core.strategies import STRATEGIES
+from railjoule.core.trajectory import Bound
+from railjoule.dashboard.actual.model import ActualModel
+from railjoule.dashboard.editor.model import EditorModel
+from railjoule.dashboard.faults import Faults
+from railjoule.dashboard.page_list import PAGES
+from railjoule.dashboard.pages.disturbances.model import DisturbancesModel
+from railjoule.dashboard.pages.drive.proof_compute import same_plan
+from railjoule.dashboard.pages.drive.proof_model import ProofModel
+from railjoule.dashboard.pages.learn.model import LearnModel
+from railjoule.dashboard.pages.line.model import LineModel
+from railjoule.dashboard.pages.motor.model import MotorModel
+from railjoule.dashboard.pages.papers.model import PapersModel
+from railjoule.dashboard.pages.robustness.model import RobustnessModel
+from railjoule.dashboard.pages.speed_limits.model import SpeedLimitsModel
+from railjoule.dashboard.pages.start.model import StartModel
+from railjoule.dashboard.pages.trade_off.compute import TradeOff
+from railjoule.dashboard.state.kept import Kept
+from railjoule.dashboard.state.page_model import PageModel, result
+from railjoule.dashboard.state.pins import MOST_PINS, TOO_MANY, KeptPin, Pin, Recipe, make_pin, recipe_of
+from railjoule.dashboard.state.scenario import ScenarioModel
+from railjoule.dashboard.work.runs import Runs
+
+COLOURS = ("system", "light", "dark")
+
+
+class Workbench(Kept, PageModel):
+    """Everything that the views of one open page draw; they write to it, and the store fills in the results."""
+
+    kept = (
+        "page",
+        "ticked",
+        "chosen",
+        "over_time",
+        "wide_map",
+        "copper_weight",
+        "colours",
+        "compare_all",
+        "reference",
+        "kept_pins",
+    )
+    passing = ("dark", "trade_off_duration_s", "notice")
+
+    page = param.Selector(default="Start", objects=list(PAGES), doc="The page in sight.")
+    ticked = param.ListSelector(default=["optimal", "fastest"], objects=list(STRATEGIES), doc="Strategies drawn.")
+    chosen = param.Selector(default="optimal", objects=list(STRATEGIES), doc="The strategy whose numbers are shown.")
+    over_time = param.Boolean(default=False, doc="Draw over time instead of distance.")
+    colours = param.Selector(default="system", objects=list(COLOURS), doc="Whose request the colours follow.")
+    dark = param.Boolean(default=False, doc="Dark colours.")
+    notice = param.String(default="", doc="What is to be told of a link or a file, until it has been read.")
+    runs = result(Runs, "The last good runs.")
+    trade_off = result(TradeOff, "The last good trade-off.")
+    trade_off_duration_s = param.Number(default=0.0, doc="How long its computation took.")
+    wide_map = param.Boolean(default=False, doc="Show ENOC's map up to 5000 s.")
+    copper_weight = param.Number(default=1.0, bounds=(0.01, 100.0), doc="Copper loss of ENOC's map over its own.")
+    pins = param.ClassSelector(class_=tuple, default=(), doc="The pinned runs, the last one pinned last.")
+    kept_pins = param.List(default=[], item_type=KeptPin, doc="The same without their runs, as the address has them.")
+    compared = result(Runs, "The last runs of all strategies.")
+    compare_all = param.Boolean(default=True, doc="Compare all strategies, not only those that are ticked.")
+    reference = param.String(default="", doc="Strategy or pin that others are compared with; empty for the usual one.")
+    tightened = param.Event(doc="The bound of the runs has become greater, and nothing else has changed.")
+    late = param.ClassSelector(
+        class_=frozenset, default=frozenset(), doc="Pages that show what is from before the last change."
+    )
+
+    def __init__(self, **params: Any) -> None:
+        self.faults = Faults(self._tell_fault)
+        self._late: dict[object, tuple[str, ...]] = {}
+        self.scenario = ScenarioModel()
+        self.editor = EditorModel(self.scenario)
+        self.start = StartModel()
+        self.robustness = RobustnessModel()
+        self.disturbances = DisturbancesModel()
+        self.actual = ActualModel()
+        self.speed_limits = SpeedLimitsModel()
+        self.motor = MotorModel()
+        self.line = LineModel()
+        self.learn = LearnModel()
+        self.papers = PapersModel()
+        self.proof = ProofModel()
+        super().__init__(**params)
+        self.scenario.param.watch(self._take_strategy, ["preset", "opened"])
+
+    def _tell_fault(self, sentence: str) -> None:
+        self.notice = sentence
+
+    def marks(self, *pages: str) -> Callable[[bool], None]:
+        """Return what a piece of work calls when these pages wait for it, and when they no longer do."""
+        key = object()
+
+        def mark(late: bool) -> None:
+            if late:
+                self._late[key] = pages
+            else:
+                self._late.pop(key, None)
+            self.late = frozenset(page for waiting in self._late.values() for page in waiting)
+
+        return mark
+
+    def _take_strategy(self, *_: Any) -> None:
+        """Show the strategy that a scenario's file names."""
+        if self.scenario.base.strategy in STRATEGIES:
+            self.chosen = self.scenario.base.strategy
+
+    @property
+    def models(self) -> dict[str, Kept]:
+        """The models of the scenario and of all pages, by name."""
+        return {name: model for name, model in vars(self).items() if isinstance(model, Kept)}
+
+    @property
+    def drawn(self) -> tuple[StrategyName, ...]:
+        """The strategies to draw and to compute, the one whose numbers are shown included."""
+        return tuple(name for name in STRATEGIES if name in self.ticked or name == self.chosen)
+
+    @property
+    def chosen_now(self) -> StrategyName:
+        """The strategy whose numbers are shown: the optimum where the chosen one refuses the scenario."""
+        chosen: StrategyName = self.chosen
+        if self.runs is None or chosen in self.runs.runs:
+            return chosen
+        return next(name for name, run in self.runs.runs.items() if run is self.runs.best)
+
+    @property
+    def run(self) -> Trajectory | None:
+        """The run whose numbers are shown."""
+        return None if self.runs is None else self.runs.runs[self.chosen_now]
+
+    @property
+    def pinned(self) -> Trajectory | None:
+        """The run to compare with: the one pinned last."""
+        return self.pins[-1].trajectory if self.pins else None
+
+    @property
+    def recipe(self) -> Recipe | None:
+        """How the run whose numbers are shown comes about."""
+        return None if self.runs is None else recipe_of(self.scenario, self.runs.scenario, self.chosen_now)
+
+    @property
+    def pin_of_run(self) -> Pin | None:
+        """The pin of the run whose numbers are shown, if it is pinned."""
+        run = self.run
+        if run is None:
+            return None
+        same = (pin for pin in self.pins if pin.trajectory.strategy == run.strategy)
+        return next((pin for pin in same if pin.trajectory.scenario == run.scenario), None)
+
+    def pin(self) -> None:
+        """Pin the run whose numbers are shown; where there are as many pins as there may be, say so."""
+        run, recipe = self.run, self.recipe
+        if run is None or recipe is None or self.pin_of_run is not None:
+            return
+        if len(self.pins) >= MOST_PINS:
+            self.notice = TOO_MANY
+        else:
+            self.param.update(pins=(*self.pins, make_pin(self.pins, run, recipe)), notice="")
+
+    def unpin(self, pin: Pin) -> None:
+        """Let go of a pinned run."""
+        self.param.update(pins=tuple(other for other in self.pins if other is not pin), notice="")
+
+    def rename(self, pin: Pin, name: str) -> None:
+        """Give a pinned run another name."""
+        self.pins = tuple(pin.renamed(name) if other is pin else other for other in self.pins)
+
+    def take_bound(self, scenario: Scenario, bound: Bound) -> None:
+        """Give a greater bound to all runs of a scenario's plan that are shown or pinned."""
+        pins = tuple(
+            replace(pin, trajectory=with_tighter_bound(pin.trajectory, bound))
+            if same_plan(pin.trajectory.scenario, scenario)
+            else pin
+            for pin in self.pins
+        )
+        runs, compared = (
+            known.with_bound(bound) if known is not None and same_plan(known.scenario, scenario) else known
+            for known in (self.runs, self.compared)
+        )
+        # what draws runs need not draw them again for a bound: who shows one watches `tightened`
+        with param.parameterized.discard_events(self):
+            self.param.update(runs=runs, compared=compared, pins=pins)
+        self.param.trigger("tightened")
+
+    @property
+    def stale(self) -> bool:
+        """Whether what is shown is the last good run, not the one asked for."""
+        return self.failure is not None

@@ -1,1 +1,0 @@
-"""What is drawn: one page a file, and the parts that they share."""

@@ -1,0 +1,210 @@
+"""The actual run on Drive is that of Robustness and Disturbances; no expected number is written down here."""
+
+from itertools import pairwise
+
+import pytest
+from lines import sent
+
+from railjoule.core import load_scenario
+from railjoule.core.simulate.actual_run import actual_run
+from railjoule.dashboard.actual.model import add_stop, as_planned, checked_place, move_stop, occupied_m
+from railjoule.dashboard.actual.work import Actual
+from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.keep.snapshot import document_of, lay
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.pages.disturbances.work import Disturbances
+from railjoule.dashboard.pages.drive.view import DriveView
+from railjoule.dashboard.pages.robustness.work import Robustness
+from railjoule.dashboard.state.recipes import as_command, as_python, recipe_of
+from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work.runs import RunsRequest, compute_runs
+
+
+class Pages:
+    """The work of the three pages over one state, all done in the test's own turn."""
+
+    def __init__(self, preset="metro-with-limit"):
+        self.state = Workbench()
+        self.robustness, self.disturbances = Robustness(self.state), Disturbances(self.state)
+        self.actual = Actual(self.state)
+        if preset != self.state.scenario.preset:
+            self.state.scenario.choose(preset)
+        if not self.state.disturbances.events:
+            add_stop(self.state)
+        self.state.page = "Drive"
+
+    def run(self):
+        self.state.page = "Drive"
+        return self.state.actual.run
+
+    def draw(self):
+        state = self.state
+        state.runs = compute_runs(RunsRequest(state.scenario.scenario(), state.drawn))
+        return DriveView(state, Browser(), Palette(dark=False))
+
+
+@pytest.fixture
+def pages():
+    return Pages()
+
+
+def test_it_is_off_until_it_is_switched_on(pages):
+    assert pages.run() is None
+    pages.state.actual.on = True
+    assert pages.run() is not None
+
+
+@pytest.mark.parametrize("preset", ["metro-with-limit", "liashenko-fig-3"])
+def test_without_events_it_is_the_run_of_robustness(preset):
+    pages = Pages(preset)
+    pages.state.actual.on = True
+    pages.state.disturbances.events = []
+    run = pages.run()
+    pages.state.page = "Robustness"
+    following = pages.state.robustness.reality.following
+    assert run.actual.energy_kwh == following.actual.energy_kwh
+    assert run.planned.energy_kwh == following.planned.energy_kwh
+    assert run.delay_s == following.delay_s
+
+
+@pytest.mark.parametrize("reaction", ["driver", "computer", "known"])
+def test_it_is_the_ride_of_disturbances_with_all_that_differs(pages, reaction):
+    state = pages.state
+    state.actual.param.update(on=True, reaction=reaction)
+    state.robustness.param.update(actual_load_percent=80.0, coordinate_error_m=10.0)
+    run = pages.run()
+    state.page = "Disturbances"
+    ride = state.disturbances.rides.rides[reaction]
+    assert ride.actual.energy_kwh == run.actual.energy_kwh
+    assert ride.planned.energy_kwh == run.planned.energy_kwh
+    assert ride.delay_s == pytest.approx(run.delay_s)
+    assert [cause.name for cause in run.causes] == ["load", "position", "stops"]
+
+
+def test_switched_off_disturbances_has_its_events_alone(pages):
+    state = pages.state
+    state.page = "Disturbances"
+    alone = state.disturbances.rides.rides["driver"]
+    state.actual.on = True
+    as_planned_but_events = state.disturbances.rides.rides["driver"]
+    assert as_planned_but_events.actual.energy_kwh != alone.actual.energy_kwh
+    state.robustness.param.update(actual_load_percent=state.scenario.load_percent, coordinate_error_m=0.0)
+    assert state.disturbances.rides.rides["driver"].actual.energy_kwh == pytest.approx(alone.actual.energy_kwh)
+
+
+@pytest.mark.parametrize(
+    ("model", "field", "value"),
+    [
+        ("scenario", "travel_time_s", 200.0),
+        ("scenario", "load_percent", 20.0),
+        ("scenario", "recuperation_percent", 80.0),
+        ("robustness", "actual_load_percent", 70.0),
+        ("robustness", "coordinate_error_m", -15.0),
+    ],
+)
+def test_each_widget_acts(pages, model, field, value):
+    pages.state.actual.on = True
+    before = pages.run()
+    setattr(getattr(pages.state, model), field, value)
+    after = pages.run()
+    assert after is not before
+    assert after.extra_kwh != before.extra_kwh
+
+
+def test_a_stop_more_costs_more(pages):
+    state = pages.state
+    state.actual.on = True
+    before = pages.run().extra_kwh
+    add_stop(state)
+    assert pages.run().extra_kwh > before
+    state.disturbances.remove(state.disturbances.events[-1])
+    assert pages.run().extra_kwh == before
+
+
+def test_as_planned_there_is_nothing_extra(pages):
+    state = pages.state
+    state.actual.on = True
+    as_planned(state)
+    run = pages.run()
+    assert (run.extra_kwh, run.causes) == (0.0, ())
+    assert "The actual run equals the plan" in pages.draw().figures.object
+
+
+def test_a_stop_is_added_in_the_middle_of_the_longest_free_stretch():
+    state = Pages("metro-10-stations").state
+    state.disturbances.events = []
+    places = occupied_m(state)
+    longest = max(after - before for before, after in pairwise(places))
+    add_stop(state)
+    (stop,) = state.disturbances.events
+    assert min(abs(stop.position_m - place) for place in places) == pytest.approx(0.5 * longest, abs=0.5)
+    assert stop.noticed_at_m < stop.position_m
+
+
+def test_a_moved_stop_is_noticed_as_far_ahead_as_before(pages):
+    (stop,) = pages.state.disturbances.events
+    ahead = stop.position_m - stop.noticed_at_m
+    move_stop(stop, 1450.0)
+    assert (stop.position_m, stop.noticed_at_m) == (1450.0, 1450.0 - ahead)
+
+
+def test_a_stop_beyond_the_line_or_at_another_is_refused(pages):
+    state = pages.state
+    add_stop(state)
+    first, second = state.disturbances.events
+    with pytest.raises(ValueError, match=r"2310 m lies beyond the line, 2300 m"):
+        checked_place(state, second, 2310.0)
+    with pytest.raises(ValueError, match=f"from the one at {first.position_m:g} m"):
+        checked_place(state, second, first.position_m)
+    assert checked_place(state, second, second.position_m) == second.position_m
+
+
+def test_the_head_names_the_extra_energy_and_the_charts_have_the_dashed_line(pages):
+    pages.state.actual.on = True
+    run, view = pages.run(), pages.draw()
+    assert "Actual run costs" in view.figures.object
+    assert "proven optimum" in view.figures.object
+    assert "Heavier than planned" in view.causes.object
+    for name in ("speed", "energy", "current"):
+        chart = view.scenes[name]
+        chart.settle()
+        assert max(sent(chart, "actual")[0]) == run.actual.position_m[-1]
+    assert view.scenes["current"].caption == "Current from the supply, A, at 750 V"
+
+
+def test_a_failure_keeps_the_plan_and_says_why(pages):
+    state = pages.state
+    state.actual.on = True
+    state.disturbances.events[0].position_m = 5000.0
+    assert "must lie before the end of the line" in str(state.actual.failure)
+    view = pages.draw()
+    assert "must lie before the end" in view.message.object
+    assert "Energy from the supply" in view.figures.object
+
+
+def test_the_recipe_gives_the_same_number(pages):
+    state = pages.state
+    state.actual.on = True
+    recipe = recipe_of(state)
+    assert actual_run(recipe.scenario).actual.energy_kwh == pages.run().actual.energy_kwh
+    assert as_command(recipe).startswith("railjoule simulate metro-with-limit")
+    assert "actual_run" in as_python(recipe)
+
+
+def test_link_and_undo_keep_it(pages):
+    state = pages.state
+    state.actual.param.update(on=True, reaction="computer")
+    add_stop(state)
+    document = document_of(state)
+    other = Pages().state
+    assert lay(other, document) == ()
+    assert (other.actual.on, other.actual.reaction) == (True, "computer")
+    assert [event.document for event in other.disturbances.events] == [e.document for e in state.disturbances.events]
+
+
+def test_a_preset_with_a_disturbance_opens_with_its_plan_and_shows_the_disturbance_once_switched_on():
+    pages = Pages("liashenko-fig-3")
+    assert pages.run() is None
+    pages.state.actual.on = True
+    assert pages.run().scenario.disturbance.actual_load_factor == 1.0
+    assert load_scenario("liashenko-fig-3").disturbance.coordinate_error_m == 10.0

@@ -1,0 +1,109 @@
+import json
+from dataclasses import replace
+
+import pytest
+
+from railjoule.core import Bound, compare, load_scenario, solve
+from railjoule.core.advice import Instruction
+from railjoule.core.scenario import preset_names
+from railjoule.core.validation.table import Erratum, Row, Table, Validation
+from railjoule.dashboard.command.summary import summarise, summarise_comparison, summarise_validation
+
+CONTRACT = [
+    "title", "strategy", "energy_kwh", "traction_energy_kwh", "recuperated_kwh", "auxiliary_kwh", "losses_kwh",
+    "travel_time_s", "distance_m", "max_speed_kmh", "lower_bound_kwh", "gap", "solve_time_s", "phases", "notes",
+]  # fmt: skip
+"""Keys that the design promises to other programs."""
+PHASE_KEYS = ["phase", "start_m", "end_m", "start_s", "end_s", "start_kmh", "end_kmh", "energy_kwh"]
+
+
+@pytest.fixture(scope="module")
+def run():
+    return solve(load_scenario("liashenko-ii"))
+
+
+@pytest.fixture(scope="module")
+def summary(run):
+    return summarise(run, 76.9)
+
+
+def test_it_has_the_keys_of_the_contract(summary):
+    assert set(CONTRACT) <= set(summary)
+    assert all(list(phase) == PHASE_KEYS for phase in summary["phases"])
+
+
+def test_numbers_are_those_of_the_trajectory(run, summary):
+    assert summary["title"] == "Metro, profile II"
+    assert summary["strategy"] == "optimal"
+    assert summary["energy_kwh"] == run.energy_kwh
+    assert summary["gap"] == run.gap
+    assert summary["price_of_time_wh_per_s"] == pytest.approx(run.price_of_time_w / 3600)
+    assert summary["shortest_time_s"] == 76.9
+    assert summary["phases"][0]["end_kmh"] == pytest.approx(run.phases[0].end_ms * 3.6)
+
+
+@pytest.mark.parametrize("name", preset_names("scenarios"))
+def test_the_account_closes_for_every_strategy(name):
+    changes = {"drive.recuperation_factor": 0.5, "vehicle.auxiliary_power_kw": 20.0}
+    runs, _ = compare(load_scenario(name, changes))
+    for result in summarise_comparison(runs, {})["results"]:
+        taken = result["traction_energy_kwh"] - result["recuperated_kwh"]
+        stored = (result[f"{kind}_kwh"] for kind in ("kinetic", "potential", "magnetic_field"))
+        spent = sum(result["losses_kwh"].values()) + sum(stored)
+        # the bar of the project's first issue: 1e-6 relative
+        assert spent == pytest.approx(taken, abs=1e-6 * result["traction_energy_kwh"])
+        assert result["energy_kwh"] == pytest.approx(taken + result["auxiliary_kwh"], rel=1e-12)
+        assert {"running_resistance", "curve_resistance"} <= set(result["losses_kwh"])
+
+
+def test_phases_cover_the_run(summary):
+    phases = summary["phases"]
+    assert phases[0]["start_m"] == 0
+    assert phases[-1]["end_m"] == summary["distance_m"]
+    own = summary["energy_kwh"] - summary["auxiliary_kwh"]
+    assert sum(phase["energy_kwh"] for phase in phases) == pytest.approx(own)
+
+
+def test_the_advice_is_told_with_the_numbers_that_are_printed(run, summary):
+    assert [Instruction(**told) for told in summary["advice"]] == list(run.advice)
+    assert len(summary["advice"]) == len(summary["phases"])
+    assert all(told["from_m"] == round(told["from_m"]) for told in summary["advice"])
+
+
+def test_what_is_not_known_is_null(run):
+    plain = summarise(replace(run, bound=None, price_of_time_w=None))
+    unknown = ("lower_bound_kwh", "gap", "bound_statement", "price_of_time_wh_per_s", "shortest_time_s")
+    assert [plain[key] for key in unknown] == [None] * 5
+
+
+def test_an_infinite_bound_is_null(run):
+    endless = summarise(run.with_bound(Bound(float("-inf"), "None.", run.nodes_m, run.travel_time_s)))
+    assert endless["lower_bound_kwh"] is None
+    assert endless["gap"] is None
+    json.dumps(endless, allow_nan=False)
+
+
+def test_a_comparison_holds_results_and_refusals(run):
+    values = summarise_comparison([run], {"enoc": "needs a line without limits."})
+    assert [result["strategy"] for result in values["results"]] == ["optimal"]
+    assert values["refused"] == [{"strategy": "enoc", "reason": "needs a line without limits."}]
+
+
+def test_a_validation_holds_rows_with_their_differences():
+    row = Row("T_m = 300 s", "W_T", "Wh", 200.0, 201.0, "Why.")
+    table = Table("Table", (row,), "Table 1")
+    values = summarise_validation(Validation("p", "P.", (table,), (Erratum("(1)", "a", "b", "c"),)))
+    assert values["tables"][0]["rows"] == [
+        {
+            "case": "T_m = 300 s",
+            "quantity": "W_T",
+            "unit": "Wh",
+            "printed": 200.0,
+            "ours": 201.0,
+            "difference_percent": pytest.approx(0.5),
+            "difference_points": None,
+            "close": True,
+            "note": "Why.",
+        }
+    ]
+    assert values["errata"] == [{"place": "(1)", "printed": "a", "corrected": "b", "reason": "c"}]

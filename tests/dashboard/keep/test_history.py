@@ -1,0 +1,82 @@
+import pytest
+
+from railjoule.dashboard.keep.history import MOST_STEPS, ONE_MOVE_S, History
+
+
+class Clock:
+    """A clock that is set by hand."""
+
+    now = 0.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+@pytest.fixture
+def clock() -> Clock:
+    return Clock()
+
+
+def document(page: str = "Drive", **values: float) -> dict[str, object]:
+    return {"page": page, "colours": "system", "load": 50, "time": 170, **values}
+
+
+def test_steps_are_taken_back_and_again(clock: Clock) -> None:
+    history = History(document(), clock)
+    history.note(document(load=60))
+    history.note(document(load=60, time=180))
+    first, second = history.undo(), history.undo()
+    assert first is not None
+    assert second is not None
+    assert (first["load"], first["time"]) == (60, 170)
+    assert (second["load"], second["time"]) == (50, 170)
+    assert history.undo() is None
+    again = history.redo()
+    assert again is not None
+    assert (again["load"], again["time"]) == (60, 170)
+
+
+def test_moves_of_one_slider_are_one_step(clock: Clock) -> None:
+    history = History(document(), clock)
+    for load in (55, 60, 65):
+        clock.now += 0.5 * ONE_MOVE_S
+        history.note(document(load=load))
+    clock.now += 2 * ONE_MOVE_S
+    history.note(document(load=90))
+    back = history.undo()
+    assert back is not None
+    assert back["load"] == 65
+    further = history.undo()
+    assert further is not None
+    assert further["load"] == 50
+
+
+def test_turning_a_page_is_no_step_and_undo_turns_to_where_it_was_made(clock: Clock) -> None:
+    history = History(document(), clock)
+    history.note(document("Robustness"))
+    assert not history.can_undo
+    history.note(document("Robustness", load=60))
+    history.note(document("Drive", load=60))
+    back = history.undo()
+    assert back is not None
+    assert back["page"] == "Robustness"
+
+
+def test_a_new_step_forgets_those_ahead(clock: Clock) -> None:
+    history = History(document(), clock)
+    history.note(document(load=60))
+    history.undo()
+    history.settle(document())
+    history.note(document(load=70))
+    assert not history.can_redo
+
+
+def test_the_oldest_steps_are_forgotten(clock: Clock) -> None:
+    history = History(document(), clock)
+    for step in range(MOST_STEPS + 20):
+        clock.now += 2 * ONE_MOVE_S
+        history.note(document(load=step))
+    count = 0
+    while history.undo() is not None:
+        count += 1
+    assert count == MOST_STEPS

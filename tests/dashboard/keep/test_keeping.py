@@ -1,0 +1,205 @@
+import json
+import tracemalloc
+from urllib.parse import urlencode
+
+import pytest
+from panel.io.state import set_curdoc
+from turns import Page
+
+from railjoule.core import load_scenario
+from railjoule.core.scenario import format_scenario
+from railjoule.dashboard.keep.keeping import Keeping
+from railjoule.dashboard.keep.lifeline import Lifeline
+from railjoule.dashboard.keep.link import _packed
+from railjoule.dashboard.keep.snapshot import document_of
+from railjoule.dashboard.pages.disturbances.work import Disturbances
+from railjoule.dashboard.pages.line.work import WholeLines
+from railjoule.dashboard.pages.motor.work import Motor
+from railjoule.dashboard.pages.robustness.work import Robustness
+from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
+from railjoule.dashboard.parts.number_field import NumberField
+from railjoule.dashboard.shell.changes import Changes
+from railjoule.dashboard.shell.share import file_name
+from railjoule.dashboard.state.workbench import Workbench
+
+
+@pytest.fixture
+def state() -> Workbench:
+    """The state of a page with the work behind it, none of whose pages with work of its own is in sight."""
+    state = Workbench()
+    for work in (Robustness, Disturbances, SpeedLimits, Motor, WholeLines):
+        work(state)
+    return state
+
+
+@pytest.fixture
+def keeping(state: Workbench) -> Keeping:
+    keeping = Keeping(state, Lifeline())
+    keeping.begin("")
+    return keeping
+
+
+def test_a_new_page_has_a_bare_address_and_nothing_to_undo(keeping: Keeping) -> None:
+    assert keeping.lifeline.address == ""
+    assert not keeping.can_undo
+    for preset in ("liashenko-ii", "tram-950m-stop", "ftorek-300s"):
+        keeping.state.scenario.choose(preset)
+        keeping.note()
+        assert keeping.lifeline.address == f"?v=1&preset={preset}"
+
+
+def test_steps_back_and_forth_change_state_and_address(keeping: Keeping) -> None:
+    scenario, limits = keeping.state.scenario, keeping.state.speed_limits
+    scenario.load_percent = 30.0
+    keeping.note()
+    limits.section_count = 4
+    keeping.note()
+    scenario.choose("liashenko-ii")
+    keeping.note()
+    keeping.undo()
+    assert (scenario.preset, scenario.load_percent) == (Workbench().scenario.preset, 30.0)
+    assert len(limits.sections) == limits.section_count == 4
+    keeping.undo()
+    assert len(limits.sections) == limits.section_count == 2
+    keeping.undo()
+    assert keeping.lifeline.address == ""
+    assert not keeping.can_undo
+    keeping.redo()
+    keeping.redo()
+    keeping.redo()
+    assert keeping.lifeline.address == "?v=1&preset=liashenko-ii"
+    assert not keeping.can_redo
+
+
+def test_a_change_is_noted_with_its_runs_but_not_with_each_of_many(
+    keeping: Keeping, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    state, now_s = keeping.state, [100.0]
+    monkeypatch.setattr("railjoule.dashboard.keep.keeping.time.monotonic", lambda: now_s[0])
+    for later_s, time_s, noted in ((1.0, 140.0, "140"), (0.05, 141.0, "140"), (0.2, 142.0, "142")):
+        now_s[0] += later_s
+        with set_curdoc(Page().document):
+            state.scenario.travel_time_s = time_s
+            state.param.trigger("runs")
+        assert keeping.lifeline.address == f"?v=1&travel_time_s={noted}"
+
+
+def test_a_page_begins_with_the_state_of_its_address(state: Workbench) -> None:
+    keeping = Keeping(state, Lifeline())
+    keeping.begin("?v=1&preset=liashenko-i&load_percent=30&robustness.seed=7&load=2")
+    assert (state.scenario.preset, state.scenario.load_percent, state.robustness.seed) == ("liashenko-i", 30, 7)
+    assert state.notice == "Parts of the link were ignored: load is not known."
+    assert keeping.lifeline.address == "?v=1&preset=liashenko-i&load_percent=30&robustness.seed=7"
+    assert not keeping.can_undo
+
+
+def test_a_dropped_file_is_opened_or_refused(keeping: Keeping) -> None:
+    text = format_scenario(load_scenario("ftorek-300s").with_(title="Mine"))
+    keeping.open_file("mine.toml", text)
+    assert keeping.state.scenario.base.title == "Mine"
+    keeping.note()
+    keeping.open_file("other.toml", "railjoule = 99")
+    assert keeping.state.notice.startswith("other.toml: ")
+    assert keeping.state.scenario.base.title == "Mine"
+    keeping.undo()
+    assert keeping.state.scenario.opened is None
+
+
+def test_changed_fields_are_marked_against_the_preset(keeping: Keeping) -> None:
+    scenario = keeping.state.scenario
+    field = NumberField(scenario, "recuperation_percent")
+    (original,) = field.original
+    assert original == scenario.recuperation_percent
+    scenario.recuperation_percent = original / 2
+    keeping.note()
+    assert field.original == [original]
+    scenario.choose("liashenko-i")
+    keeping.note()
+    assert field.original == [scenario.recuperation_percent] != [original]
+
+
+def test_changed_keys_can_be_taken_back_one_by_one(state: Workbench) -> None:
+    changes = Changes(state)
+    state.scenario.edit({"vehicle.auxiliary_power_kw": 40.0, "vehicle.load_factor": 0.3})
+    changes.count.clicks += 1
+    assert changes.count.label == "2 fields changed"
+    before = state.scenario.base.vehicle.auxiliary_power_kw
+    assert f"{before:g} \u2192 40" in changes.list[0][0].object
+    changes.list[0][1].clicks += 1
+    assert dict(state.scenario.changes) == {"vehicle.load_factor": 0.3}
+
+
+@pytest.mark.parametrize(
+    ("title", "name"),
+    [("Metro, profile II + I", "metro-profile-ii-i.toml"), ("<b>../..", "b.toml"), ("\u4e16\u754c", "scenario.toml")],
+)
+def test_a_file_s_name_is_made_of_letters_and_digits(title: str, name: str) -> None:
+    assert file_name(title) == name
+
+
+TOML = """
+[vehicle]
+preset = "metro-81-7036"
+[line]
+sections = [{length_m = 900}]
+[timetable]
+travel_time_s = 400
+"""
+DOTTED = ".".join("a" * 50_000)
+HOSTILE = {
+    "key of many parts": {"toml": f"{DOTTED} = 1"},
+    "fine mesh": {"edits": json.dumps({"solver.mesh_m": 0.05})},
+    "nested": {"edits": '{"a":' + "[" * 900 + "]" * 900 + "}"},
+    "edit of many parts": {"edits": json.dumps({DOTTED: 1})},
+    "edit of many rows": {"edits": json.dumps({"line.sections": [{"length_m": 1}] * 100_000})},
+    "many edits": {"edits": json.dumps({f"line.a{number}": 1 for number in range(100_000)})},
+    "many sections": {"toml": TOML.replace("sections = [", "sections = [" + "{length_m = 1}, " * 100_000)},
+}
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_a_hostile_address_opens_a_page_that_says_so(name: str) -> None:
+    state = Workbench()
+    keeping = Keeping(state, Lifeline())
+    packed = {key: _packed(text) for key, text in HOSTILE[name].items()}
+    tracemalloc.start()
+    keeping.begin(f"?{urlencode({'v': 1, 'page': 'Drive', **packed})}")
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert state.notice.startswith("Parts of the link were ignored: ")
+    assert len(state.notice) < 300
+    assert (state.page, state.scenario.preset) == ("Drive", Workbench().scenario.preset)
+    assert keeping.lifeline.address == "?v=1&page=Drive"
+    assert peak < (200e6 if name == "many sections" else 50e6)
+
+
+@pytest.mark.parametrize("error", [MemoryError, RecursionError, RuntimeError])
+def test_an_address_that_breaks_something_opens_the_plain_page(
+    state: Workbench, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, error: type[Exception]
+) -> None:
+    keeping, before = Keeping(state, Lifeline()), document_of(state)
+
+    def break_down(*_: object) -> None:
+        state.scenario.load_percent = 77.0
+        state.page = "Learn"
+        raise error
+
+    monkeypatch.setattr(keeping, "_open", break_down)
+    keeping.begin("?v=1&page=Drive")
+    assert document_of(state) == before
+    assert state.notice == "The link could not be opened; the server's log has the details."
+    assert len(caplog.records) == 1
+    assert keeping.lifeline.address == ""
+
+
+def test_a_long_scenario_is_read_in_a_thread(state: Workbench) -> None:
+    page, keeping = Page(), Keeping(state, Lifeline())
+    sections = "{length_m = 1.0}, " * 4000
+    long = TOML.replace("sections = [", f"sections = [{sections}")
+    with set_curdoc(page.document):
+        keeping.begin("")
+        keeping.open_file("long.toml", long)
+        assert state.scenario.opened is None
+    page.take_turn()
+    assert state.scenario.opened is not None
+    assert len(state.scenario.opened.line.sections) == 4001

@@ -1,0 +1,90 @@
+import re
+
+import pytest
+from lines import sent
+
+from railjoule.dashboard.app import Session
+from railjoule.dashboard.pages.compare.view import CompareView
+from railjoule.dashboard.pages.compare.work import PAGE
+from railjoule.dashboard.work.warmup import warmup
+
+HOSTILE = '<img src=x onerror="alert(1)">'
+
+
+@pytest.fixture(scope="module")
+def session() -> Session:
+    """A page with one pinned run, turned to Compare."""
+    warmup().start()
+    assert warmup().ready.wait(240)
+    session = Session()
+    session.state.pin()
+    session.state.page = PAGE
+    return session
+
+
+@pytest.fixture
+def view(session: Session) -> CompareView:
+    view = session.views["CompareView"]
+    assert isinstance(view, CompareView)
+    return view
+
+
+def text(markup: str) -> str:
+    return " ".join(re.sub(r"<[^>]+>", " ", markup).split())
+
+
+def test_all_strategies_are_run_only_while_the_page_is_in_sight(session: Session) -> None:
+    state = session.state
+    assert state.compared is not None
+    assert list(state.compared.runs) == ["optimal", "fastest", "bellman", "speed_limits"]
+    assert set(state.compared.refused) == {"eoc", "enoc", "phases"}
+    before = state.compared
+    state.page = "Drive"
+    state.scenario.load_percent = 60.0
+    assert state.compared is before
+    state.page = PAGE
+    assert state.compared.scenario.vehicle.load_factor == 0.6
+
+
+def test_the_table_and_the_words_follow_the_scenario(session: Session, view: CompareView) -> None:
+    session.state.scenario.load_percent = 60.0
+    table = text(view.table.object)
+    assert "Bellman" in table
+    assert "1 Optimal, 170.0 s, load 50 %, recuperation 40 %" in table
+    assert "Four phases: needs a line whose gradient and curve stay the same." in table
+    session.state.reference = "optimal"
+    assert "load 50 % instead of 60 %" in text(view.differences.object)
+    session.state.reference = ""
+
+
+def test_names_of_pins_are_text(session: Session, view: CompareView) -> None:
+    session.state.rename(session.state.pins[0], HOSTILE)
+    session.state.reference = "optimal"
+    for pane in (view.table, view.differences):
+        assert "<img" not in pane.object
+        assert "&lt;img" in pane.object
+    session.state.rename(session.state.pins[0], "")
+    session.state.reference = ""
+
+
+def test_the_fastest_run_does_not_press_the_energies_of_others_together(session: Session, view: CompareView) -> None:
+    chart = next(chart for chart in view.compared if chart.name == "compared_energy")
+    assert session.state.runs is not None
+    most = max(run.line_energy_j.max() / 3.6e6 for name, run in session.state.runs.runs.items() if name != "fastest")
+    assert most < chart.y_range.end < 1.5 * most
+    assert len(sent(chart, "fastest")[0]) == 0
+    session.state.reference = "fastest"
+    assert len(sent(chart, "fastest")[0]) > 0
+    session.state.reference = ""
+
+
+def test_the_pin_button_lets_go_of_the_run_that_is_pinned(session: Session) -> None:
+    session.state.scenario.load_percent = 50.0
+    shell = session.shell
+    assert shell.pin.label == "Unpin"
+    session.state.chosen = "fastest"
+    assert shell.pin.label == "Pin run"
+    session.state.chosen = "optimal"
+    shell._pin()
+    assert session.state.pins == ()
+    assert shell.pin.label == "Pin run"

@@ -1,0 +1,68 @@
+import numpy as np
+import pytest
+
+from railjoule.core import ScenarioError
+from railjoule.dashboard.pages.disturbances.work import Disturbances
+from railjoule.dashboard.state.workbench import Workbench
+
+
+@pytest.fixture(scope="module")
+def state() -> Workbench:
+    """A workbench whose page Disturbances is in sight; all work is done in the test's own turn."""
+    state = Workbench()
+    Disturbances(state)
+    state.scenario.choose("liashenko-ii")
+    state.page = "Disturbances"
+    # without an event there is the plan, and nothing to catch up
+    assert state.disturbances.rides is not None
+    assert state.disturbances.late is None
+    state.disturbances.drop("stop", 433.0)
+    return state
+
+
+def test_the_page_brings_the_rides_and_what_later_arrivals_save(state: Workbench) -> None:
+    model = state.disturbances
+    assert model.rides is not None
+    assert list(model.rides.rides) == ["driver", "computer", "known"]
+    assert model.late is not None
+    energy = model.late.energy_kwh["computer"]
+    assert np.all(np.isfinite(energy))
+    assert np.all(np.diff(energy) < 0)
+
+
+def test_an_event_with_other_numbers_is_driven_anew(state: Workbench) -> None:
+    model = state.disturbances
+    before = model.rides
+    model.events[0].duration_s = 35.0
+    assert model.rides is not before
+    assert model.rides is not None
+    standing = np.diff(model.rides.rides["known"].actual.time_s)
+    assert standing.max() == pytest.approx(35.0)
+
+
+def test_an_event_that_cannot_be_is_told_and_the_last_rides_stay(state: Workbench) -> None:
+    model = state.disturbances
+    before, place = model.rides, model.events[0].position_m
+    model.events[0].position_m = 5000.0
+    assert isinstance(model.failure, ScenarioError)
+    assert "must lie before the end of the line" in str(model.failure)
+    assert model.rides is before
+    model.events[0].position_m = place
+    assert model.failure is None
+
+
+def test_a_dropped_limit_is_kept_to(state: Workbench) -> None:
+    model = state.disturbances
+    model.drop("limit", 900.0)
+    assert model.rides is not None
+    run = model.rides.rides["computer"].actual
+    inside = (run.position_m >= 900) & (run.position_m <= 1000)
+    assert run.speed_ms[inside].max() * 3.6 <= 30 * (1 + 1e-6)
+    model.remove(model.events[-1])
+    assert len(model.events) == 1
+
+
+def test_the_strategy_of_a_file_is_the_one_that_plans() -> None:
+    state = Workbench()
+    state.scenario.choose("tram-950m-stop")
+    assert state.chosen == "phases"

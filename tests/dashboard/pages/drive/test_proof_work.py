@@ -1,0 +1,217 @@
+"""The bound on Drive as it tightens: stale proofs are dropped, no bound falls, and Stop stops."""
+
+import re
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+
+import pytest
+from panel.io.state import set_curdoc
+from turns import PATIENCE_S, Page
+
+from railjoule.core import load_scenario
+from railjoule.core.bounds import FIRST_STAGE_BOXES, ProofStep
+from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.pages.compare.view import CompareView
+from railjoule.dashboard.pages.drive import proof_work as proving
+from railjoule.dashboard.pages.drive.proof_compute import FURTHER_BOXES, ProofRequest
+from railjoule.dashboard.pages.drive.proof_work import Proving
+from railjoule.dashboard.pages.drive.view import DriveView
+from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs
+
+TRAM = "tram-950m-recuperating"
+
+
+class Prover:
+    """Proves at once, by steps that a test sets: how much of the gap to the run each of them closes."""
+
+    def __init__(self) -> None:
+        self.shares = [0.3, 0.6]
+        self.asked: list[int] = []
+        self.reached = False
+        self.may_go_on, self.ended = threading.Event(), threading.Event()
+        self.may_go_on.set()
+
+    def __call__(self, request: ProofRequest) -> Iterator[ProofStep]:
+        self.asked.append(request.budget)
+        bound = request.run.bound
+        assert bound is not None
+        for number, share in enumerate(self.shares, 1):
+            energy = first_j(request) + share * (request.run.energy.net_j - first_j(request))
+            step = replace(bound, energy_j=max(energy, bound.energy_j))
+            yield ProofStep(step, number * 1000, request.budget, self.reached, exhausted=False)
+            if number == len(self.shares) - 1:
+                assert self.may_go_on.wait(PATIENCE_S)
+                self.ended.set()
+
+
+def first_j(request: ProofRequest) -> float:
+    """Return the first bound of a request [J]: what is proven of runs that switch within cells stays that."""
+    bound = request.run.bound
+    assert bound is not None
+    assert bound.switched_j is not None
+    return bound.switched_j
+
+
+@cache
+def runs_of(name: str, travel_time_s: float) -> Runs:
+    """Return the optimum and the fastest run of a scenario, computed once for all tests."""
+    scenario = load_scenario(name).with_(**{"timetable.travel_time_s": travel_time_s})
+    return compute_runs(RunsRequest(scenario, ("optimal", "fastest")))
+
+
+class Desk:
+    """A page turned to Drive, with its proofs."""
+
+    def __init__(self) -> None:
+        self.state = Workbench()
+        self.proving = Proving(self.state)
+        self.view = DriveView(self.state, Browser(), Palette(dark=False))
+        self.state.scenario.choose(TRAM)
+        self.state.param.update(page="Drive", chosen="optimal")
+
+    def run(self) -> None:
+        """Take the runs of the scenario as it stands."""
+        scenario = self.state.scenario.scenario()
+        self.state.runs = self.state.proof.laid_on(runs_of(self.state.scenario.preset, scenario.travel_time_s))
+
+    @property
+    def closed(self) -> float:
+        """How much of the first gap is closed."""
+        run = self.state.run
+        return (run.bound.energy_j - run.bound.switched_j) / (run.energy.net_j - run.bound.switched_j)
+
+    @property
+    def words(self) -> str:
+        return " ".join(re.sub(r"<[^>]+>", " ", self.view.proof.text.object).split())
+
+
+@pytest.fixture
+def prover(monkeypatch: pytest.MonkeyPatch) -> Prover:
+    prover = Prover()
+    monkeypatch.setattr(proving, "compute_proof", prover)
+    return prover
+
+
+@pytest.fixture
+def desk(prover: Prover) -> Desk:
+    desk = Desk()
+    desk.run()
+    return desk
+
+
+def test_the_first_stage_follows_the_run(desk: Desk, prover: Prover) -> None:
+    assert prover.asked == [FIRST_STAGE_BOXES]
+    assert desk.closed == pytest.approx(0.6)
+    assert desk.state.proof.stage == ""
+    assert desk.words.startswith("No run with one effort in each cell of up to 5 m needs less than ")
+    assert desk.view.proof.button.visible
+    assert desk.view.proof.button.label == "Prove further"
+    # all runs that it covers have it, so that one number has one value
+    assert desk.state.runs.runs["fastest"].bound is desk.state.run.bound
+    assert desk.state.run.bound.statement in desk.view.notes.object.replace("&#x27;", "'")
+
+
+def test_runs_that_come_again_keep_what_is_proven_of_them(desk: Desk, prover: Prover) -> None:
+    """As when another strategy is ticked."""
+    desk.run()
+    assert desk.closed == pytest.approx(0.6)
+    assert prover.asked == [FIRST_STAGE_BOXES]
+
+
+def test_a_looser_bound_replaces_none(desk: Desk, prover: Prover) -> None:
+    prover.shares = [0.1, 0.2]
+    desk.state.proof.param.trigger("go_on")
+    assert prover.asked == [FIRST_STAGE_BOXES, FURTHER_BOXES]
+    assert desk.closed == pytest.approx(0.6)
+    assert not desk.view.proof.button.visible
+    assert "--prove-seconds" in desk.words
+
+
+def test_prove_further_ends_where_the_proof_aims(desk: Desk, prover: Prover) -> None:
+    prover.shares, prover.reached = [0.9], True
+    desk.view.proof.button.param.trigger("clicks")
+    assert desk.closed == pytest.approx(0.9)
+    assert desk.words.endswith("As close as the proof aims.")
+    assert not desk.view.proof.button.visible
+
+
+def test_pins_and_compared_runs_have_the_same_bound(desk: Desk, prover: Prover) -> None:
+    desk.state.pin()
+    desk.state.compared = desk.state.runs
+    compare = CompareView(desk.state, Browser(), Palette(dark=False))
+    desk.state.page = "Compare"
+    before = compare.table.object
+    desk.state.page = "Drive"
+    prover.shares = [0.8]
+    desk.state.proof.param.trigger("go_on")
+    bounds = {desk.state.run.bound, desk.state.pins[0].trajectory.bound, desk.state.compared.runs["optimal"].bound}
+    assert len(bounds) == 1
+    desk.state.page = "Compare"
+    assert compare.table.object != before
+
+
+def test_a_pin_that_is_run_again_has_what_is_proven(desk: Desk) -> None:
+    first = runs_of(TRAM, desk.state.scenario.travel_time_s).runs["optimal"]
+    assert desk.state.proof.bounded(first).bound is desk.state.run.bound
+    other = runs_of(TRAM, desk.state.scenario.travel_time_s + 5).runs["optimal"]
+    assert desk.state.proof.bounded(other) is other
+
+
+def test_another_scenario_has_a_proof_of_its_own_and_undo_needs_none(desk: Desk, prover: Prover) -> None:
+    time = desk.state.scenario.travel_time_s
+    prover.shares = [0.5]
+    desk.state.scenario.travel_time_s = time + 5
+    assert desk.closed == pytest.approx(0.6), "what is shown is still the last run"
+    desk.run()
+    assert desk.closed == pytest.approx(0.5)
+    desk.state.scenario.travel_time_s = time
+    desk.run()
+    assert desk.closed == pytest.approx(0.6)
+    assert prover.asked == [FIRST_STAGE_BOXES] * 2
+
+
+def test_smooth_drives_and_other_pages_need_no_proof(prover: Prover) -> None:
+    desk = Desk()
+    desk.state.page = "Trade-off"
+    desk.run()
+    assert prover.asked == []
+    desk.state.page = "Drive"
+    assert prover.asked == [FIRST_STAGE_BOXES]
+    desk.state.scenario.choose("metro-with-limit")
+    desk.run()
+    assert prover.asked == [FIRST_STAGE_BOXES]
+    assert not desk.view.proof.view.visible
+
+
+@pytest.mark.parametrize("how", ["scenario", "page", "stop", "end"])
+def test_what_comes_too_late_is_dropped(desk: Desk, prover: Prover, how: str) -> None:
+    page = Page()
+    prover.shares = [0.7, 0.9]
+    prover.may_go_on.clear()
+    prover.ended.clear()
+    with set_curdoc(page.document):
+        desk.state.proof.param.trigger("go_on")
+        assert desk.state.proof.stage == "further"
+        assert desk.view.proof.button.label == "Stop"
+        # a step is on its way when the work ends
+        while not page.is_due:
+            time.sleep(0.01)
+        if how == "scenario":
+            desk.state.scenario.travel_time_s += 5
+        elif how == "page":
+            desk.state.page = "Papers"
+        elif how == "stop":
+            desk.view.proof.button.param.trigger("clicks")
+        else:
+            desk.proving.end()
+    assert desk.state.proof.stage == ""
+    prover.may_go_on.set()
+    assert prover.ended.wait(PATIENCE_S)
+    while page.is_due:
+        page.take_turn()
+    assert desk.closed == pytest.approx(0.6)

@@ -1,0 +1,44 @@
+import numpy as np
+import pytest
+
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.pages.learn.charts import LessonSpeedChart, PhasePlaneChart, PriceChart
+from railjoule.dashboard.pages.learn.compute import LessonRequest, LessonResult, compute_lesson
+from railjoule.dashboard.pages.learn.view import CELLS
+
+
+@pytest.fixture(scope="module")
+def result() -> LessonResult:
+    return compute_lesson(LessonRequest("multiplier", 200.0))
+
+
+def test_the_phase_plane_marks_the_switches(result: LessonResult) -> None:
+    chart = PhasePlaneChart("multiplier", 250, Palette(False))
+    chart.show(lambda: chart.draw(result))
+    assert chart.sources["bands"].data["top"][:2] == pytest.approx([0.0, 1 / 0.85])
+    coast = next(phase for phase in result.runs["optimum"].phases if phase.phase == "coast")
+    # the formula beside the run that the solver found
+    assert chart.sources["marks"].data["x"][1] == pytest.approx(coast.end_ms * 3.6, rel=5e-3)
+
+
+def test_the_tangent_has_the_price_as_its_slope(result: LessonResult) -> None:
+    chart = PriceChart(200, Palette(False))
+    chart.show(lambda: chart.draw(result))
+    x, y = chart.sources["tangent"].data["x"], chart.sources["tangent"].data["y"]
+    time, energy = chart.sources["curve"].data["x"], chart.sources["curve"].data["y"]
+    slope = (y[1] - y[0]) / (x[1] - x[0])
+    k = int(np.searchsorted(time, 200.0))
+    assert slope == pytest.approx((energy[k] - energy[k - 1]) / (time[k] - time[k - 1]), rel=0.1)
+
+
+def test_both_runs_are_drawn_and_told_to_the_cursor(result: LessonResult) -> None:
+    chart = LessonSpeedChart("multiplier", "Speed, km/h", 200, Palette(False))
+    chart.show(lambda: chart.draw(result))
+    assert [name for name, *_ in chart.told["sources"]] == ["optimum", "a second later"]
+    assert chart.y_range.end > result.runs["optimum"].max_speed_kmh
+
+
+def test_a_second_more_saves_about_the_multiplier(result: LessonResult) -> None:
+    cells = "".join(CELLS["multiplier"](result))
+    assert "152<span>Wh/s" in cells
+    assert "150<span>Wh" in cells

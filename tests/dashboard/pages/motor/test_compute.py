@@ -1,0 +1,94 @@
+from itertools import islice
+
+import numpy as np
+import pytest
+
+from railjoule.core import ScenarioError, StrategyRefusedError, load_scenario, solve
+from railjoule.dashboard.pages.motor.compute import (
+    LoopRequest,
+    LoopRivals,
+    LoopRun,
+    RippleRequest,
+    compute_detuning,
+    compute_loop_run,
+    compute_machine_map,
+    compute_ripple,
+    compute_rivals,
+    machine_refusal,
+)
+
+# with the ramps of the paper
+SUBURBAN = load_scenario("ftorek-300s").with_(**{"enoc.acceleration_time_s": 62.713})
+
+
+@pytest.fixture(scope="module")
+def loop() -> LoopRun:
+    return compute_loop_run(LoopRequest(SUBURBAN, "enoc", {}))
+
+
+@pytest.fixture(scope="module")
+def rivals(loop: LoopRun) -> LoopRivals:
+    return compute_rivals(loop)
+
+
+def test_the_plan_is_that_of_the_strategy(loop: LoopRun) -> None:
+    assert loop.run.planned.strategy == "enoc"
+    assert loop.run.planned.energy_kwh == pytest.approx(solve(SUBURBAN, "enoc").energy_kwh, rel=1e-9)
+    assert loop.run.saturated == ()
+    # Table 2 of the paper, ENOC at 300 s; corners of the speed add a little
+    assert loop.run.torque_current_a.max() == pytest.approx(196.2, rel=0.01)
+
+
+def test_a_run_is_compared_with_its_like_and_with_the_paper_s_strategies(loop: LoopRun, rivals: LoopRivals) -> None:
+    assert rivals.with_precompensator is loop.run
+    # a loop of third order with its poles at 10 rad/s lags by 3/10 s of its speed; with the pre-compensator by 5 cm
+    lag = 0.3 * loop.run.planned.speed_ms.max()
+    assert rivals.without_precompensator.max_tracking_error_m == pytest.approx(lag, rel=0.01)
+    assert loop.run.max_tracking_error_m < 0.05
+    assert rivals.strategies["enoc"] is loop.run
+    assert rivals.strategies["eoc"].planned.strategy == "eoc"
+    assert rivals.refused == {}
+
+
+def test_a_lower_limit_holds_the_drive_but_not_its_plan() -> None:
+    weak = compute_loop_run(LoopRequest(SUBURBAN, "enoc", {"drive.machine.max_phase_voltage_v": 400.0}))
+    assert weak.run.planned.energy_kwh == pytest.approx(solve(SUBURBAN, "enoc").energy_kwh, rel=1e-9)
+    assert {span.what for span in weak.run.saturated} >= {"voltage"}
+    assert weak.run.max_phase_voltage_v <= 400.0 * (1 + 1e-9)
+
+
+def test_strategies_that_refuse_a_line_are_told() -> None:
+    hilly = SUBURBAN.with_(line={"sections": [{"length_m": 5000.0, "gradient_permille": 2.0}]})
+    hilly = hilly.with_(**{"line.speed_limits": [{"from_m": 1000.0, "to_m": 1500.0, "limit_kmh": 40.0}]})
+    rivals = compute_rivals(compute_loop_run(LoopRequest(hilly, "optimal", {})))
+    assert set(rivals.refused) == {"eoc", "enoc"}
+    with pytest.raises(StrategyRefusedError, match=r"^ENOC: "):
+        compute_loop_run(LoopRequest(hilly, "enoc", {}))
+
+
+def test_the_map_holds_the_run(loop: LoopRun) -> None:
+    found = compute_machine_map(loop.run)
+    assert found.points.torque_nm.max() <= found.map.torque_nm.max()
+    assert found.points.speed_rads.max() <= found.map.speed_rads.max()
+
+
+def test_ripple_is_asked_for_within_the_run(loop: LoopRun) -> None:
+    ripple = compute_ripple(RippleRequest(loop.run, 1e6))
+    assert np.all(np.isfinite(ripple.phase_current_a))
+    assert ripple.time_s[0] <= loop.run.time_s[-1]
+
+
+def test_detuning_comes_step_by_step() -> None:
+    tables = list(islice(compute_detuning(LoopRequest(SUBURBAN, "enoc", {})), 3))
+    assert [table.done for table in tables] == [0, 1, 2]
+    # the right resistance comes first, and costs least
+    assert tables[0].rotor_resistance_factors[0] == 1.0
+    assert tables[2].energy_kwh[1] > tables[2].energy_kwh[0]
+
+
+def test_scenarios_without_a_machine_say_so() -> None:
+    assert machine_refusal(SUBURBAN) == ""
+    assert machine_refusal(load_scenario("tram-950m")) == ""
+    assert "simulates induction motors" in machine_refusal(load_scenario("liashenko-ii"))
+    with pytest.raises(ScenarioError, match="max_phase_voltage_v"):
+        compute_loop_run(LoopRequest(SUBURBAN, "enoc", {"drive.machine.max_phase_voltage_v": -1.0}))

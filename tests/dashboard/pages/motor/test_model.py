@@ -1,0 +1,64 @@
+import pytest
+
+from railjoule.core import ScenarioError, load_scenario
+from railjoule.dashboard.pages.motor.model import MotorModel
+
+SUBURBAN = load_scenario("ftorek-300s")
+
+
+@pytest.fixture
+def model() -> MotorModel:
+    model = MotorModel()
+    model.take(SUBURBAN)
+    return model
+
+
+def test_what_a_file_says_comes_back_as_it_was(model: MotorModel) -> None:
+    # both limits of the vehicle's file
+    assert (model.max_phase_voltage_v, model.max_current_a) == (1732.0, 810.0)
+    again = SUBURBAN.with_(**model.changes)
+    assert again.vehicle == SUBURBAN.vehicle
+    assert again.simulation.kind == "field_oriented"
+    detuned = SUBURBAN.with_(**{"simulation.rotor_resistance_factor": 1.5, "simulation.precompensator": False})
+    model.take(detuned)
+    assert SUBURBAN.with_(**model.changes).simulation.rotor_resistance_factor == 1.5
+    assert not model.precompensator
+
+
+def test_the_limits_of_a_tram_are_keys_of_its_drive() -> None:
+    model, tram = MotorModel(), load_scenario("tram-950m")
+    model.take(tram)
+    assert model.max_phase_voltage_v == tram.vehicle.drive.max_phase_voltage_v
+    assert tram.with_(**model.changes).vehicle == tram.vehicle
+    model.max_phase_voltage_v = 250.0
+    model.max_current_a = 140.0
+    drive = tram.with_(**model.changes).vehicle.drive
+    assert drive.max_phase_voltage_v == 250.0
+    # braking has less of its own, and bends to a limit below that
+    assert (drive.starting_current_a, drive.braking_current_a) == (140.0, 140.0)
+
+
+def test_a_drive_without_machine_has_no_limits() -> None:
+    model, metro = MotorModel(), load_scenario("liashenko-ii")
+    model.take(metro)
+    assert model.max_phase_voltage_v is None
+    assert metro.with_(**model.changes).vehicle == metro.vehicle
+
+
+def test_bounds_are_those_of_the_file(model: MotorModel) -> None:
+    for field, text, bound in (
+        ("bandwidth_rads", "0.5", "At least 1"),
+        ("bandwidth_rads", "51", "At most 50"),
+        ("rotor_resistance_factor", "0.1", r"At least 0\.2"),
+        ("speed_noise_rads", "-1", "At least 0"),
+        ("noise_seed", "1.5", "A whole number"),
+        ("max_phase_voltage_v", "0", "At least 1"),
+    ):
+        with pytest.raises(ValueError, match=bound):
+            model.parse(field, text)
+    for field in ("bandwidth_rads", "rotor_resistance_factor", "speed_noise_rads"):
+        for end in model.param[field].bounds:
+            SUBURBAN.with_(**{f"simulation.{field}": float(end)})
+    model.max_current_a = 100.0
+    with pytest.raises(ScenarioError, match="max_current_a = 100"):
+        SUBURBAN.with_(**model.changes)

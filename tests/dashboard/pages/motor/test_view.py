@@ -1,0 +1,120 @@
+"""The page Motor without a browser: what its charts, numbers and sentences show."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from lines import sent
+
+from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.pages.motor.charts import length
+from railjoule.dashboard.pages.motor.compute import LoopRequest, compute_detuning
+from railjoule.dashboard.pages.motor.view import HEIGHTS, MotorView
+from railjoule.dashboard.pages.motor.work import Motor
+from railjoule.dashboard.state.workbench import Workbench
+
+SHORT = {"line": {"sections": [{"length_m": 1000.0}]}, "timetable.travel_time_s": 75.0}
+"""A run that takes little time to compute."""
+
+
+@pytest.fixture(scope="module")
+def opened() -> MotorView:
+    """The page with all its charts in sight."""
+    state = Workbench()
+    Motor(state)
+    state.scenario.choose("ftorek-300s")
+    state.chosen = "enoc"
+    state.scenario.edit(SHORT)
+    state.page = "Motor"
+    return MotorView(state, Browser(started=True, charts_in_sight=sorted(HEIGHTS)), Palette(dark=False))
+
+
+@pytest.fixture
+def view(opened: MotorView) -> Iterator[MotorView]:
+    """The same page; what a test changes is put back."""
+    yield opened
+    opened.model.param.update(precompensator=True, max_phase_voltage_v=1732.0)
+
+
+def test_charts_draw_the_run(view: MotorView) -> None:
+    run = view.model.run
+    assert run is not None
+    charts = view.loops
+    assert sent(charts["loop_speed"], "planned")[1][-1] == pytest.approx(0.0, abs=1e-6)
+    assert max(sent(charts["loop_currents"], "torque current")[1]) == pytest.approx(run.torque_current_a.max())
+    (_, integrated), (_, parts) = (sent(charts["loop_energy"], name) for name in ("input power", "parts"))
+    assert integrated[-1] == pytest.approx(parts[-1], rel=5e-4)
+    assert list(charts["loop_speed"].sources["bands"].data["from"]) == []
+    assert charts["loop_speed"].sources["names"].data["text"] == ["planned", "actual"]
+    assert len(view.over_distance.sources["actual"].data["x"]) == len(run.position_m)
+    assert 50 < len(view.map.sources["points"].data["x"]) <= 120
+
+
+def test_the_precompensator_is_what_keeps_the_train_on_its_reference(view: MotorView) -> None:
+    lines = view.loops["tracking"]
+    assert view.model.run is not None
+    # a loop of third order with its poles at 10 rad/s lags by 3/10 s of its speed
+    lag = 0.3 * view.model.run.planned.speed_ms.max()
+    assert np.abs(sent(lines, "without pre-compensator")[1]).max() == pytest.approx(lag, rel=0.01)
+    assert np.abs(sent(lines, "with")[1]).max() < 0.05
+    _, fine = sent(view.loops["tracking_fine"], "")
+    assert np.abs(fine).max() < 50.0
+    assert "mm" in view.figures.object
+    view.model.precompensator = False
+    assert '<span>m</span></div><div class="detail">' in view.figures.object
+
+
+def test_both_strategies_of_the_paper_go_through_the_loop(view: MotorView) -> None:
+    currents = {name: sent(view.loops["rival_current"], name)[1] for name in ("EOC", "ENOC")}
+    # the optimum begins with more than a ramp needs
+    assert max(currents["EOC"]) > 1.2 * max(currents["ENOC"])
+    energies = {name: sent(view.loops["rival_energy"], name)[1] for name in ("EOC", "ENOC")}
+    assert energies["EOC"][-1] < energies["ENOC"][-1]
+
+
+def test_a_limit_that_holds_the_drive_is_told_and_marked(view: MotorView) -> None:
+    assert view.held.object == ""
+    view.model.max_phase_voltage_v = 400.0
+    assert "The voltage limit</span> limited the motors from" in view.held.object
+    assert len(view.loops["loop_voltage"].sources["bands"].data["from"]) > 0
+
+
+def test_parts_of_the_energy_are_listed_with_the_magnetising_loss_by_name(view: MotorView) -> None:
+    assert "Stator copper, magnetising" in view.account.object
+    assert "Magnetising loss" in view.figures.object
+    assert "Input power, integrated" in view.account.object
+
+
+def test_a_scenario_without_machine_offers_one_that_has(view: MotorView) -> None:
+    view.state.scenario.choose("liashenko-ii")
+    assert view.missing.visible
+    assert not view.body.visible
+    assert "simulates induction motors" in view.no_machine.object
+    view.open.clicks += 1
+    assert not view.missing.visible
+    assert view.body.visible
+    assert view.model.run is not None
+
+
+def test_the_study_shows_what_came(view: MotorView) -> None:
+    assert not view.detuning.host.visible
+    empty = next(compute_detuning(LoopRequest(view.state.scenario.scenario(), "enoc", {})))
+    energy = np.full(len(empty.energy_kwh), np.nan)
+    energy[:3] = 4.0, 4.4, 5.0
+    view.model.detuning = replace(empty, energy_kwh=energy, done=3)
+    assert view.detuning.host.visible
+    # in the order of the factors, against the right one
+    nearest = empty.rotor_resistance_factors[:3]
+    assert view.detuning.sources["curve"].data["x"] == sorted(nearest)
+    cost = dict(zip(view.detuning.sources["curve"].data["x"], view.detuning.sources["curve"].data["y"], strict=True))
+    assert [cost[factor] for factor in nearest] == pytest.approx([0.0, 10.0, 25.0])
+    assert view.costs.object.count("<tr") == 4
+
+
+@pytest.mark.parametrize(
+    ("metres", "expected"), [(5.5e-5, ("0.06", "mm")), (0.05, ("50.00", "mm")), (7.175, ("7.17", "m"))]
+)
+def test_small_lengths_are_told_in_millimetres(metres: float, expected: tuple[str, str]) -> None:
+    assert length(metres) == expected

@@ -1,0 +1,63 @@
+import csv
+from io import StringIO
+
+import pytest
+
+from railjoule.core.validation import Row, Table
+from railjoule.dashboard.pages.papers.view import difference_words, summary_words, table_html, tables_csv
+
+TABLE = Table(
+    "Energies & <times>",
+    (
+        Row("a", "W", "Wh", 100.0, 100.01),
+        Row("b", "W", "Wh", 100.0, 103.0, "A <b>reason</b>."),
+        Row("c", "W", "Wh", None, 7.0),
+    ),
+    "Table 1",
+)
+
+
+@pytest.mark.parametrize(
+    ("printed", "ours", "sentence"),
+    [
+        (100.0, 100.04, "the same"),
+        (100.0, 99.5, "a little smaller"),
+        (-100.0, -105.0, "larger"),
+        (100.0, 120.0, "much larger"),
+        (1.0, -1.0, "opposite sign"),
+        (0.0, 1.0, "printed as zero"),
+        (None, 1.0, "none printed"),
+    ],
+)
+def test_differences_in_words(printed: float | None, ours: float, sentence: str) -> None:
+    assert difference_words(Row("", "", "", printed, ours)) == sentence
+
+
+def test_a_table_says_how_close_it_is_and_escapes_its_texts() -> None:
+    text = table_html(TABLE, opened=True)
+    assert "1 of 2 within 1 %" in text
+    assert '<span class="open">+3.0 %</span>' in text
+    assert "Energies &amp; &lt;times&gt;" in text
+    assert "A &lt;b&gt;reason&lt;/b&gt;." in text
+
+
+PERCENTAGES = (Row("d", "more", "%", 0.1, 2.2), Row("e", "more", "%", 0.0, 0.4))
+
+
+def test_percentages_are_told_by_points() -> None:
+    text = table_html(Table("Overconsumption", PERCENTAGES), opened=True)
+    assert '<span class="open">+2.1 pp</span>' in text
+    assert "+0.40 pp" in text
+    assert "1 of 2 within 1 percentage point<" in text
+
+
+def test_a_table_of_both_names_both_measures() -> None:
+    text = summary_words(Table("Both", (*TABLE.rows, *PERCENTAGES)))
+    assert text == "2 of 4 within 1 %, percentages within 1 percentage point"
+
+
+def test_the_csv_holds_every_row() -> None:
+    rows = list(csv.DictReader(StringIO(tables_csv((TABLE, TABLE)))))
+    assert len(rows) == 6
+    assert rows[1]["difference_percent"].startswith("3.0")
+    assert rows[2]["printed"] == ""

@@ -1,0 +1,48 @@
+import numpy as np
+import pytest
+
+from railjoule.core import InfeasibleLineError, ScenarioError, load_scenario
+from railjoule.core.simulate.following import plan_for
+from railjoule.dashboard.pages.robustness.compute import (
+    RealityRequest,
+    TableRequest,
+    compute_chance,
+    compute_reality,
+    compute_table,
+)
+
+HEAVY = {"disturbance.actual_load_factor": 1.0, "disturbance.coordinate_error_m": 10.0}
+
+
+def test_reality_is_measured_against_a_plan_that_knows_the_load() -> None:
+    scenario = load_scenario("liashenko-ii")
+    reality = compute_reality(RealityRequest(scenario, HEAVY))
+    known = plan_for(scenario.with_(**{"vehicle.load_factor": 1.0}))
+    assert reality.replanned_kwh == pytest.approx(known.energy_kwh, rel=1e-9)
+    assert reality.following.actual.energy_kwh > known.energy_kwh
+
+
+def test_sensors_out_of_order_are_refused() -> None:
+    request = RealityRequest(load_scenario("liashenko-ii"), {**HEAVY, "simulation.stop_sensor_m": 250.0})
+    with pytest.raises(ScenarioError, match="order D1, D2, D3"):
+        compute_reality(request)
+
+
+def test_an_error_beyond_the_line_is_refused() -> None:
+    request = RealityRequest(load_scenario("liashenko-ii"), {**HEAVY, "disturbance.coordinate_error_m": 5000.0})
+    with pytest.raises(ScenarioError, match="less than the shortest distance between two stops, 1300 m"):
+        compute_reality(request)
+
+
+def test_a_train_that_cannot_climb_is_told() -> None:
+    changes = {"vehicle.capacity_passengers": 20_000, "disturbance.actual_load_factor": 1.0}
+    with pytest.raises(InfeasibleLineError, match="comes to a stand"):
+        compute_reality(RealityRequest(load_scenario("liashenko-iii").with_(**{"vehicle.load_factor": 0.0}), changes))
+
+
+def test_the_table_and_chance_come_step_by_step() -> None:
+    request = RealityRequest(load_scenario("liashenko-0"), {"montecarlo.runs": 90})
+    *_, table = compute_table(TableRequest(request, both_directions=False, knows="place"))
+    assert table.knows == "place"
+    assert np.all(np.isfinite(table.energy_kwh))
+    assert [step.done for step in compute_chance(request)][-1] == 90

@@ -1,0 +1,57 @@
+import numpy as np
+
+from railjoule.core import load_scenario
+from railjoule.core.studies import sensitivity
+from railjoule.dashboard.look import comparisons
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.pages.robustness.heat_map import MEASURES, HeatMapChart, colour_of, printed_table
+
+
+def test_the_more_the_warmer() -> None:
+    palette = Palette(dark=False)
+    assert colour_of(0.0, 10.0, palette) == palette.costs[0]
+    assert colour_of(-10.0, 10.0, palette) == palette.costs[-1]
+    assert colour_of(np.nan, 10.0, palette) == palette.tokens["ground"]
+    assert colour_of(0.0, 0.0, palette) == palette.costs[0]
+
+
+def test_the_printed_table_stands_only_beside_its_own_case() -> None:
+    scenario = load_scenario("liashenko-i")
+    shown = printed_table(sensitivity(scenario))
+    assert "Table 5" in shown
+    # the printed 5.4 at +25 m and half load (Liashenko 2025, Table 5)
+    assert ">5.4<" in shown
+    assert printed_table(sensitivity(scenario, [0.5], [0.0], both_directions=False)) == ""
+    other = scenario.with_(**{"vehicle.load_factor": 0.6})
+    assert printed_table(sensitivity(other, [0.5], [0.0])) == ""
+
+
+def test_beside_a_plan_that_gives_energy_back_cells_tell_kilowatt_hours() -> None:
+    """Over so long a time the train rolls to its end and gives back what it brakes: no share of that means anything."""
+    scenario = load_scenario("metro-with-limit", {"timetable.travel_time_s": 9999.0})
+    table = sensitivity(scenario, [0.5, 1.0], [0.0, 10.0], both_directions=False)
+    assert table.planned_kwh < 0
+    for measure in (MEASURES["over_replanned"], MEASURES["overconsumption"]):
+        assert all(text.endswith(" kWh") for text in measure.texts(table))
+    assert (
+        MEASURES["overconsumption"].texts(table)[0] == comparisons.above(table.energy_kwh[0, 0], table.planned_kwh).cell
+    )
+
+
+def test_cells_that_are_not_computed_yet_stay_empty() -> None:
+    chosen: list[tuple[float, float]] = []
+    chart = HeatMapChart(300, Palette(dark=False), lambda load, error: chosen.append((load, error)))
+    chart.build()
+    table = sensitivity(load_scenario("liashenko-0"), both_directions=False)
+    chart.draw(table, MEASURES["over_replanned"], 1.0, 5.0)
+    assert list(chart.sources["cells"].data["text"]).count("") == 0
+    assert chart.sources["frame"].data == {"x": [3.5], "y": [4.0]}
+    assert chart.sources["plan"].data["x"] == [3]
+    chart.draw(table, MEASURES["over_replanned"], 1.2, 5.0)
+    assert np.isnan(chart.sources["frame"].data["y"]).all()  # a crush load has no row
+
+    class Press:
+        x, y = 5.2, 0.9
+
+    chart._press(Press)
+    assert chosen == [(0.25, 20.0)]

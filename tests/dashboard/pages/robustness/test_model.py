@@ -1,0 +1,43 @@
+import pytest
+
+from railjoule.core import load_scenario
+from railjoule.dashboard.pages.robustness.model import FIRST_ERROR_M, FIRST_LOAD_PERCENT, RobustnessModel
+
+
+def test_the_first_reality_is_one_in_which_something_goes_wrong() -> None:
+    model = RobustnessModel()
+    model.take(load_scenario("liashenko-ii"))
+    assert (model.actual_load_percent, model.coordinate_error_m) == (FIRST_LOAD_PERCENT, FIRST_ERROR_M)
+
+
+def test_a_file_that_names_its_reality_is_believed() -> None:
+    model = RobustnessModel()
+    model.take(load_scenario("liashenko-fig-4"))
+    assert model.actual_load_percent == pytest.approx(20.0)
+    assert model.coordinate_error_m == -5.0
+
+
+def test_its_changes_are_keys_of_the_file() -> None:
+    model = RobustnessModel(actual_load_percent=70.0, stop_sensor_m=20.0, speed_error_percent=1.0)
+    scenario = load_scenario("liashenko-ii").with_(**model.changes)
+    assert scenario.disturbance.actual_load_factor == 0.7
+    assert scenario.simulation.stop_sensor_m == 20.0
+    assert scenario.simulation.speed_error == 0.01
+
+
+@pytest.mark.parametrize("late", [0.0, 12.0])
+def test_what_chance_draws_are_keys_of_the_file(late: float) -> None:
+    model = RobustnessModel(mean_departure_delay_s=late, seed=9)
+    drawn = load_scenario("liashenko-ii").with_(**model.chance_changes(77)).montecarlo
+    assert (drawn.runs, drawn.seed) == (77, 9)
+    assert drawn.departure_delay_s.distribution == ("exponential" if late else "fixed")
+    assert drawn.resistance_factor.distribution == "log_normal"
+
+
+def test_numbers_have_bounds() -> None:
+    model = RobustnessModel()
+    assert model.parse("seed", "12") == 12
+    with pytest.raises(ValueError, match=r"A whole number\."):
+        model.parse("seed", "1.5")
+    with pytest.raises(ValueError, match=r"^At most 100, the vehicle's crush load\.$"):
+        model.parse("actual_load_percent", "120")

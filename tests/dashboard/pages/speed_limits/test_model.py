@@ -1,0 +1,74 @@
+import pytest
+
+from railjoule.core import ScenarioError, load_scenario
+from railjoule.dashboard.pages.speed_limits.model import SpeedLimitsModel, even_borders
+
+
+@pytest.fixture
+def model() -> SpeedLimitsModel:
+    model = SpeedLimitsModel()
+    model.take(load_scenario("kharkiv-like-40kmh"))
+    return model
+
+
+def test_the_sections_of_a_file_are_taken_over(model: SpeedLimitsModel) -> None:
+    assert model.borders_m == (1200.0,)
+    assert model.found
+    assert load_scenario("kharkiv-like-40kmh").with_(**model.changes) == load_scenario("kharkiv-like-40kmh")
+
+
+def test_a_scenario_without_borders_has_two_halves() -> None:
+    model = SpeedLimitsModel()
+    model.take(load_scenario("liashenko-ii"))
+    assert model.borders_m == (650.0,)
+    assert model.limits_kmh == (80.0, 80.0)
+
+
+def test_given_limits_of_a_file_are_given() -> None:
+    model = SpeedLimitsModel()
+    model.take(load_scenario("kharkiv-like-40kmh").with_(**{"search.limits_kmh": [50.0, 30.0]}))
+    assert not model.found
+    assert model.changes["search.limits_kmh"] == [50.0, 30.0]
+
+
+def test_given_limits_without_borders_are_those_of_the_line() -> None:
+    model = SpeedLimitsModel()
+    scenario = load_scenario("liashenko-i").with_(**{"search.limits_kmh": [50.0] * 6})
+    model.take(scenario)
+    assert model.limits_kmh == (50.0,) * 6
+    assert model.borders_m[0] == scenario.line.sections[0].length_m
+    with pytest.raises(ValueError, match="At least 2"):
+        model.parse("section_count", "1")
+
+
+def test_a_cut_line_is_searched_anew(model: SpeedLimitsModel) -> None:
+    model.move([50.0, 40.0], [900.0])
+    assert not model.found
+    assert (model.limits_kmh, model.borders_m) == ((50.0, 40.0), (900.0,))
+    model.cut(4)
+    assert model.found
+    assert model.borders_m == (600.0, 1200.0, 1800.0)
+
+
+def test_limits_have_the_bounds_of_the_vehicle(model: SpeedLimitsModel) -> None:
+    section = model.sections[0]
+    assert section.parse("limit_kmh", "80") == 80.0
+    with pytest.raises(ValueError, match="At most 80"):
+        section.parse("limit_kmh", "81")
+    with pytest.raises(ValueError, match="At least 1"):
+        section.parse("limit_kmh", "0.5")
+    with pytest.raises(ValueError, match="At least 0"):
+        model.parse("storage_size_kwh", "-1")
+    with pytest.raises(ValueError, match="At least 0"):
+        model.parse("time_window_percent", "-1")
+
+
+def test_borders_beyond_the_line_are_refused(model: SpeedLimitsModel) -> None:
+    model.sections[0].to_m = 5000.0
+    with pytest.raises(ScenarioError, match="must lie before the end of the line at 2400 m"):
+        load_scenario("kharkiv-like-40kmh").with_(**model.changes)
+
+
+@pytest.mark.parametrize(("length", "count", "expected"), [(2300.0, 3, [767.0, 1533.0]), (5.0, 2, [2.5])])
+def test_borders_are_whole_metres_where_sections_are_long(length: float, count: int, expected: list[float]) -> None:
+    assert even_borders(length, count) == expected

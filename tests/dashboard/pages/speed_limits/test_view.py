@@ -1,0 +1,104 @@
+"""The page Speed limits without a browser: what its charts and numbers show."""
+
+import numpy as np
+import pytest
+from lines import sent
+
+from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.charts.machine_map import LEVELS
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.pages.speed_limits.search_charts import search_words
+from railjoule.dashboard.pages.speed_limits.view import HEIGHTS, SpeedLimitsView
+from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
+from railjoule.dashboard.state.workbench import Workbench
+
+
+@pytest.fixture
+def view() -> SpeedLimitsView:
+    """The page with all its charts in sight."""
+    state = Workbench()
+    SpeedLimits(state)
+    state.scenario.choose("kharkiv-like-40kmh")
+    state.page = "Speed limits"
+    return SpeedLimitsView(state, Browser(started=True, charts_in_sight=sorted(HEIGHTS)), Palette(dark=False))
+
+
+def test_all_charts_draw_the_run(view: SpeedLimitsView) -> None:
+    run = view.model.run
+    assert run is not None
+    assert view.speed.sources["sections"].data["limit"] == pytest.approx(run.limits_kmh)
+    assert view.speed.sources["borders"].data["x"] == [1200.0]
+    assert len(sent(view.speed, "run")[0]) == len(run.run.position_m)
+    assert sent(view.energy, "run")[1][-1] == pytest.approx(run.run.energy_kwh)
+    assert run.points is not None
+    assert len(view.map.sources["points"].data["x"]) == len(run.points.torque_nm)
+    assert set(view.map.sources["signs"].data["text"]) <= {f"{100 * level:.0f}" for level in LEVELS}
+    assert view.storage.sources["chosen"].data["x"] == [run.need.largest_drop_kwh]
+
+
+def test_the_search_s_path_never_rises(view: SpeedLimitsView) -> None:
+    path = view.model.path
+    assert path is not None
+    best = np.asarray(view.path.sources["best"].data["y"])
+    assert np.all(np.diff(best) <= 0)
+    assert best[-1] == pytest.approx(path.search.best.energy_j / 3.6e6)
+    assert view.plane.sources["ends"].data["x"][-1] == pytest.approx(path.limits_kmh[0])
+    assert search_words(path.search).startswith(f"{len(path.search.evaluations)} combinations tried")
+
+
+def test_what_the_browser_has_moved_is_a_trip_until_it_is_let_go(view: SpeedLimitsView) -> None:
+    model, before = view.model, view.model.run
+    data = view.speed.sources["sections"].data
+    view.speed.sources["sections"].data = {**data, "limit": [60.0, 30.0], "right": [900.0, 2400.0]}
+    assert (model.limits_kmh, model.borders_m) == ((60.0, 30.0), (900.0,))
+    assert model.run is before
+    assert model.trip is not None
+    assert len(sent(view.speed, "run")[0]) == len(model.trip.position_m)
+    assert "release the step to compare" in view.figures.object
+    view._release()
+    assert model.run is not before
+    assert "let the step go" not in view.figures.object
+
+
+def test_pairs_of_sections_can_be_chosen(view: SpeedLimitsView) -> None:
+    assert not view.pair.visible
+    view.model.section_count = 3
+    assert view.pair.visible
+    assert list(view.pair.options) == ["1 and 2", "2 and 3"]
+    assert view.model.path is not None
+    view.pair.value = 1
+    assert view.plane.sources["ends"].data["x"][-1] == pytest.approx(view.model.path.limits_kmh[1])
+
+
+def test_one_section_has_no_plane(view: SpeedLimitsView) -> None:
+    view.state.scenario.choose("liashenko-0")
+    assert view.plane.host.visible
+    view.model.section_count = 1
+    assert view.model.failure is None
+    assert not view.plane.host.visible
+    assert len(view.speed.sources["sections"].data["limit"]) == 1
+
+
+def test_a_run_out_of_its_window_is_marked(view: SpeedLimitsView) -> None:
+    assert "allowed 213.8 to" in view.figures.object
+    view.model.sections[0].limit_kmh = 70.0
+    assert "s too early" in view.figures.object
+    view.model.set([20.0, 20.0], [1200.0])
+    assert "s too late" in view.figures.object
+
+
+def test_the_sentence_stands_where_the_map_is_missing(view: SpeedLimitsView) -> None:
+    assert view.map.host.visible
+    assert not view.no_map.visible
+    view.state.scenario.choose("liashenko-ii")
+    assert not view.map.host.visible
+    assert "has no efficiency map" in view.no_map.object
+
+
+def test_the_motor_alone_is_better_than_with_its_inverter(view: SpeedLimitsView) -> None:
+    drive = np.array(view.map.sources["map"].data["image"][0])
+    view.whose.value = "motor"
+    motor = np.array(view.map.sources["map"].data["image"][0])
+    both = np.isfinite(drive) & np.isfinite(motor)
+    assert np.all(motor[both] >= drive[both])
+    assert motor[both].max() > drive[both].max()

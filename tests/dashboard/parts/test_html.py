@@ -1,0 +1,232 @@
+import re
+from dataclasses import replace
+
+import pytest
+from every_drive import DRIVES, train
+from needing import needing
+
+from railjoule.core import load_scenario, solve
+from railjoule.core.best_known import with_best_known
+from railjoule.core.trajectory import Trajectory
+from railjoule.dashboard.look import words
+from railjoule.dashboard.look.markup import Markup
+from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.state.pins import Pin, Recipe
+from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs
+
+HOSTILE = '<img src=x onerror="alert(1)">'
+
+
+@pytest.fixture(scope="module")
+def runs() -> Runs:
+    return compute_runs(RunsRequest(load_scenario("ftorek-300s"), ("eoc", "enoc", "fastest")))
+
+
+def plain(markup: str) -> str:
+    """Return the text of some markup."""
+    return " ".join(re.sub(r"<[^>]+>", " ", markup).split())
+
+
+def pinned(runs: Runs, name: str) -> Pin:
+    """Return the pinned fastest run under a name."""
+    return Pin(name, runs.runs["fastest"], "pin_1", Recipe("ftorek-300s", None, {}, "fastest"))
+
+
+@pytest.mark.parametrize(
+    "markup",
+    [
+        parts.heading("Drive", HOSTILE, HOSTILE, HOSTILE),
+        parts.failure(HOSTILE, HOSTILE, HOSTILE),
+        parts.refusal(f"{HOSTILE}: {HOSTILE}"),
+        parts.figure(*[HOSTILE] * 7),
+        parts.figures([HOSTILE]),
+        parts.table(HOSTILE, [HOSTILE], [([HOSTILE], True)]),
+        parts.table("", [HOSTILE], [([HOSTILE], True)]),
+        parts.note_paragraphs([HOSTILE]),
+        parts.flow_bar(HOSTILE, HOSTILE, 0.0, 1.0, HOSTILE, strong=True),
+    ],
+)
+def test_texts_of_users_are_escaped(markup: str) -> None:
+    assert "<img" not in markup
+    assert "&lt;img" in markup
+
+
+def test_pieces_of_html_in_a_table_stay_html() -> None:
+    piece = Markup("<b>5</b>")
+    assert parts.plain_table([piece, "<"], [([piece, "<"], True)]) == (
+        '<table><thead><tr><th scope="col"><b>5</b></th><th scope="col">&lt;</th></tr></thead>'
+        "<tbody><tr class=chosen><td><b>5</b></td><td>&lt;</td></tr></tbody></table>"
+    )
+
+
+def test_pieces_of_html_stay_html_and_are_sent_as_they_are() -> None:
+    detail = parts.markup("<b>{}</b> {}", "1 < 2", parts.PROVEN)
+    assert str(detail) in str(parts.figure("Energy", "1", "kWh", detail))
+    assert detail.endswith('<b>1 &lt; 2</b> <span class="proven">\u2713 proven</span>')
+    pane, text = parts.html_pane(detail), parts.html_pane(str(detail))
+    assert pane._transform_object(pane.object) == text._transform_object(text.object)
+
+
+def test_figures_of_the_optimum(runs: Runs) -> None:
+    text = plain(parts.run_figures(runs, runs.runs["optimal"], None, stale=False))
+    assert "Energy from the supply 4.181 kWh for 300.0 s" in text
+    assert "Above the optimum 0.00 % \u2713 proven" in text
+
+
+def test_figures_of_another_strategy_name_its_distance(runs: Runs) -> None:
+    run = runs.runs["enoc"]
+    above = 100 * (run.energy_kwh / runs.runs["optimal"].energy_kwh - 1)
+    text = plain(parts.run_figures(runs, run, None, stale=False))
+    assert f"Above the optimum +{above:.1f} % optimum 4.181 kWh" in text
+
+
+def test_an_optimum_that_is_not_proven_is_told_by_its_bound() -> None:
+    runs = compute_runs(RunsRequest(load_scenario("tram-950m"), ("phases",)))
+    best, phases = (plain(parts.proof_figure(runs.runs[name])) for name in ("optimal", "phases"))
+    # bound and optimum as `railjoule compare tram-950m` has them
+    assert best == "Above the bound +0.05 % \u25d0 bound 0.995 kWh"
+    assert phases == "Above best known +5.8 % bound 0.995 kWh"
+
+
+def test_a_better_run_than_the_unproven_optimum_is_the_best_known() -> None:
+    found = compute_runs(RunsRequest(load_scenario("kharkiv-like-40kmh"), ("bellman",))).runs
+    cheap = needing(found["bellman"], 0.999 * found["optimal"].energy.net_j)
+    optimal, bellman = (plain(parts.proof_figure(run)) for run in with_best_known([found["optimal"], cheap]))
+    # 1 / 0.999, and the bound as `railjoule solve kharkiv-like-40kmh --strategy optimal --prove-seconds 0` has it
+    assert "Above best known +0.10 % bound 7.90 kWh" in optimal
+    assert "Above the bound" in bellman
+
+
+def test_a_run_without_bound_says_so(runs: Runs) -> None:
+    text = plain(parts.proof_figure(replace(runs.runs["optimal"], bound=None, reference=None)))
+    assert text == "Above the bound \u2013 no bound is known"
+
+
+def test_another_time_than_asked_stands_beside_the_time(runs: Runs) -> None:
+    text = plain(parts.run_figures(runs, runs.runs["fastest"], None, stale=False))
+    assert "Travel time 198.7 s allowed 300.0 s" in text
+    assert "Fastest: 101.3 s earlier than the 300.0 s allowed." in plain(parts.runs_table(runs, "optimal"))
+
+
+def test_next_to_a_negative_optimum_runs_differ_by_kilowatt_hours() -> None:
+    """At 9999 s this train rolls down to its end with 0.628 kWh given back; waiting any longer changes nothing."""
+    scenario = load_scenario("metro-with-limit", {"timetable.travel_time_s": 9999.0})
+    runs = compute_runs(RunsRequest(scenario, ("fastest",)))
+    fastest = runs.runs["fastest"]
+    more = fastest.energy_kwh - runs.runs["optimal"].energy_kwh
+    assert plain(parts.proof_figure(fastest)) == f"Above the optimum +{more:.2f} kWh optimum \u22120.628 kWh"
+    assert f"+{more:.2f} kWh" in plain(parts.runs_table(runs, "optimal"))
+    text = plain(parts.run_figures(runs, runs.runs["optimal"], None, stale=False))
+    assert "for 5 767.0 s: more time saves nothing" in text
+    assert "Travel time 5 767.0 s allowed 9 999.0 s" in text
+
+
+def test_the_bars_of_the_account_add_up(runs: Runs) -> None:
+    run = runs.runs["optimal"]
+    text = plain(parts.account(run))
+    assert text.endswith("Total: 4.181 kWh.")
+    assert "Copper loss" in text
+
+
+@pytest.mark.parametrize("drive", DRIVES)
+def test_every_loss_of_every_drive_has_words(drive: str) -> None:
+    assert set(solve(train(drive), "fastest").energy.losses_j) <= set(words.LOSS_WORDS)
+
+
+def test_a_run_downhill_shows_the_height_that_it_lost() -> None:
+    run = solve(load_scenario("liashenko-iii"))
+    text = plain(parts.account(run))
+    assert "From height lost" in text or "Height gained" in text
+
+
+def test_the_table_of_runs_compares_with_the_pinned_one(runs: Runs) -> None:
+    markup = parts.runs_table(runs, "optimal", [pinned(runs, HOSTILE), pinned(runs, "my fastest")])
+    assert "<img" not in markup
+    text = plain(markup)
+    assert "to pinned, %" in text
+    assert "Pinned: my fastest" in text
+
+
+@pytest.mark.parametrize(
+    ("now", "before", "text"),
+    [
+        (9.0, 10.0, "\u25bc 10.0 % against pinned 10.00"),
+        (11.0, 10.0, "\u25b2 10.0 % against pinned 10.00"),
+        (10.0, 10.0, "as pinned, 10.00"),
+        (10.0, -1.0, "\u25b2 11.00 kWh against pinned \u22121.000"),
+    ],
+)
+def test_changes_against_the_pinned_run(now: float, before: float, text: str) -> None:
+    assert plain(parts.change(now, before)) == text
+
+
+def test_advice_lists_the_instructions_in_order(runs: Runs) -> None:
+    run: Trajectory = runs.runs["optimal"]
+    text = plain(parts.advice(run, stale=False))
+    first, *others = (plain(text) for text in words.advice_in_words(run.advice))
+    lines = [first[0].upper() + first[1:], *others]
+    assert text == " ".join([*(f"{number} {line}" for number, line in enumerate(lines, 1)), "Copy Print"])
+
+
+def test_long_advice_is_scrolled_and_short_advice_is_not(runs: Runs) -> None:
+    long, short = runs.runs["optimal"], runs.runs["enoc"]
+    assert (len(long.advice), len(short.advice)) == (17, 3)
+    assert '<ol class="many" tabindex="0" aria-label="All instructions">' in parts.advice(long, stale=False)
+    assert "many" not in parts.advice(short, stale=False)
+
+
+def test_advice_of_a_line_with_stations_is_by_legs() -> None:
+    run = solve(load_scenario("metro-10-stations"))
+    markup = parts.advice(run, stale=False)
+    ways = re.findall('<span class="way">([^<]*)</span>', markup)
+    assert ways[0] == "Harbour \u2013 Old Town"
+    assert ways[-1] == "Mills \u2013 Hill"
+    assert len(ways) == 9
+    legs = markup.split('<li class="leg">')[1:]
+    assert [leg.count('class="told"') for leg in legs] == [4, 4, 4, 4, 4, 4, 4, 6, 3]
+    assert all("stand" in plain(leg) for leg in legs[:-1])
+
+
+def test_stops_without_a_name_are_places(runs: Runs) -> None:
+    stations = [{"position_m": 1000.0, "dwell_s": 20.0}, {"position_m": 2000.0, "name": HOSTILE}]
+    run = solve(load_scenario("ftorek-300s", {"line.stations": stations, "timetable.travel_time_s": 500.0}))
+    text = plain(parts.advice(run, stale=False))
+    assert "0 m \u2013 1 000 m" in text
+    assert "1 000 m \u2013 &lt;img" in text
+
+
+def test_the_table_of_phases_tells_what_the_advice_does() -> None:
+    run = solve(load_scenario("metro-with-limit", {"vehicle.auxiliary_power_kw": 50.0}))
+    markup = parts.phase_table(run)
+    rows = [plain(row.replace("</td>", " |")) for row in markup.split("<tr>")[2:]]
+    assert len(rows) == len(run.advice) + 1
+    brake = next(row for row in rows if row.startswith("3 brake"))
+    told = run.advice[2]
+    assert brake.startswith(f"3 brake | {told.from_m:.0f} | ")
+    assert f"| {words.tenths(told.to_kmh or 0)} |" in brake
+    assert "| 0.000 |" in next(row for row in rows if "coast" in row)
+    # 50 kW for 170 s
+    assert "Auxiliaries | | | | 2.361 |" in rows[-1]
+
+
+def test_tables_can_be_saved_under_their_titles() -> None:
+    markup = parts.table(parts.markup("Runs <b>here</b>"), ("Run",), [(("one",), False)])
+    assert 'aria-label="Save Runs here as CSV"' in markup
+    assert parts.plain_table(("Run",), [(("one",), False)]) in markup
+
+
+def test_a_new_page_has_no_run_yet() -> None:
+    assert Workbench().run is None
+
+
+def test_the_price_of_a_second_is_that_of_the_run_where_its_strategy_tells_one(runs: Runs) -> None:
+    optimum, enoc = runs.runs["optimal"], runs.runs["enoc"]
+    assert optimum.price_of_time_w is not None
+    dearer = replace(enoc, price_of_time_w=2 * optimum.price_of_time_w)
+    told = parts.price_figure(enoc, optimum)
+    assert f"{words.price(optimum.price_of_time_w)} Wh/s 1 s more: \u22120.30 %" in plain(told)
+    assert 'title="That of the optimum"' in told
+    told = parts.price_figure(dearer, optimum)
+    assert f"{words.price(2 * optimum.price_of_time_w)} Wh/s 1 s more: \u22120.59 %" in plain(told)
+    assert "title" not in told

@@ -1,0 +1,251 @@
+"""A walk over all pages: the copied program, the copied command and the report give the number that the page shows."""
+
+import json
+import subprocess
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from railjoule.dashboard.actual.model import as_planned
+from railjoule.dashboard.actual.work import Actual
+from railjoule.dashboard.command.cli import main
+from railjoule.dashboard.page_list import PAGES
+from railjoule.dashboard.pages.disturbances.work import Disturbances
+from railjoule.dashboard.pages.learn.work import Learn
+from railjoule.dashboard.pages.line.work import WholeLines
+from railjoule.dashboard.pages.motor.work import Motor
+from railjoule.dashboard.pages.robustness.work import Robustness
+from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
+from railjoule.dashboard.report.findings import REALITY_SHARE, ReportRequest, compute_findings
+from railjoule.dashboard.report.work import Reporting
+from railjoule.dashboard.state.programs import PAGE_RUNS, page_run
+from railjoule.dashboard.state.recipes import FILE, as_command, as_python, recipe_of
+from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work.runs import RunsRequest, compute_runs
+
+SHORT_METRO = {"line": {"sections": [{"length_m": 1000.0}]}, "timetable.travel_time_s": 75.0}
+SHORT_TRAM = {"line": {"sections": [{"length_m": 300.0}]}, "timetable.travel_time_s": 45.0}
+
+
+@dataclass(frozen=True)
+class Case:
+    """A page, what is set on it, where its number stands, and whether a scenario file says all of it."""
+
+    page: str
+    preset: str
+    number: Callable[[Workbench], Any]
+    edits: dict[str, Any] = field(default_factory=dict)
+    prepare: Callable[[Workbench], None] = lambda _: None
+    name: str = ""
+    told: bool = True
+
+
+def plan(state: Workbench) -> Any:
+    return state.run
+
+
+def slide(state: Workbench) -> None:
+    state.scenario.load_percent = 30.0
+
+
+def drive_fastest(state: Workbench) -> None:
+    state.chosen = "fastest"
+
+
+def drive_enoc(state: Workbench) -> None:
+    state.chosen, state.scenario.acceleration_time_s = "enoc", 25.0
+
+
+def meet_a_stop(state: Workbench) -> None:
+    state.actual.on = True
+    state.robustness.actual_load_percent = 80.0
+    state.disturbances.drop("stop", 500.0)
+
+
+def have_the_day_as_planned(state: Workbench) -> None:
+    state.actual.on = True
+    as_planned(state)
+
+
+def set_limits(state: Workbench) -> None:
+    state.speed_limits.set([60.0, 50.0], [500.0])
+    state.speed_limits.found = False
+
+
+def loosen_the_loop(state: Workbench) -> None:
+    state.motor.bandwidth_rads = 5.0
+    state.motor.max_current_a = 380.0
+
+
+def choke_the_inverter(state: Workbench) -> None:
+    assert state.motor.max_current_a is not None
+    state.motor.max_current_a *= 0.9
+
+
+def fix_an_arrival(state: Workbench) -> None:
+    state.line.stations[2].fixed, state.line.stations[2].arrival_s = True, 350.0
+
+
+CASES = (
+    Case("Start", "liashenko-i", plan, prepare=slide),
+    Case("Drive", "liashenko-i", plan, prepare=slide),
+    Case("Drive", "liashenko-i", lambda s: s.actual.run.actual, prepare=meet_a_stop, name="actual run"),
+    Case("Compare", "liashenko-i", plan, prepare=drive_fastest),
+    Case("Trade-off", "liashenko-0", plan, prepare=drive_enoc),
+    Case("Robustness", "tram-950m-stop", lambda s: s.robustness.reality.following.actual),
+    Case(
+        "Robustness",
+        "ftorek-300s",
+        lambda s: s.robustness.reality.following.actual,
+        {**SHORT_METRO, "simulation.kind": "field_oriented"},
+        name="of a file that asks for the loop",
+    ),
+    Case("Disturbances", "tram-950m-stop", lambda s: s.disturbances.rides.rides["computer"].actual),
+    Case(
+        "Disturbances",
+        "liashenko-i",
+        lambda s: s.disturbances.rides.rides["computer"].actual,
+        {"disturbance.coordinate_error_m": 5.0, "disturbance.departure_delay_s": 9.0},
+        name="without events",
+    ),
+    Case(
+        "Drive",
+        "tram-950m-stop",
+        lambda s: s.actual.run.actual,
+        prepare=have_the_day_as_planned,
+        name="actual run as planned",
+    ),
+    Case("Speed limits", "liashenko-i", lambda s: s.speed_limits.run.run, prepare=set_limits),
+    Case("Speed limits", "liashenko-i", lambda s: s.speed_limits.run.run, name="searched"),
+    Case("Motor", "ftorek-300s", lambda s: s.motor.run.actual, SHORT_METRO, loosen_the_loop),
+    Case("Motor", "liashenko-i", plan, name="without machine"),
+    Case("Motor", "tram-950m", lambda s: s.motor.run.actual, SHORT_TRAM, name="tram"),
+    Case(
+        "Motor", "tram-950m", lambda s: s.motor.run.actual, SHORT_TRAM, choke_the_inverter, "limits tried", told=False
+    ),
+    Case("Line", "metro-10-stations", lambda s: s.line.runs.best.run),
+    Case(
+        "Line",
+        "metro-10-stations",
+        lambda s: s.line.runs.best.run,
+        prepare=fix_an_arrival,
+        name="fixed arrival",
+        told=False,
+    ),
+    Case("Help", "liashenko-i", plan, prepare=slide),
+)
+OTHERS = ("Learn", "Papers")
+"""Pages of no scenario of the user's."""
+
+
+@pytest.fixture(params=CASES, ids=[" ".join(filter(None, [case.page, case.name])) for case in CASES])
+def case(request: pytest.FixtureRequest) -> Case:
+    found: Case = request.param
+    return found
+
+
+@pytest.fixture
+def state(case: Case, monkeypatch: pytest.MonkeyPatch) -> Workbench:
+    """The workbench of a case with its page in sight; all work is done in the test's own turn, studies are left out."""
+
+    def nothing(_: Any) -> Iterator[Any]:
+        yield from ()
+
+    for name in (
+        "robustness.work.compute_table",
+        "robustness.work.compute_chance",
+        "disturbances.work.compute_late_arrivals",
+    ):
+        monkeypatch.setattr(f"railjoule.dashboard.pages.{name}", nothing)
+    state = Workbench()
+    state.scenario.choose(case.preset)
+    for work in (Robustness, Disturbances, Actual, SpeedLimits, Motor, WholeLines):
+        work(state)
+    if case.edits:
+        state.scenario.edit(case.edits)
+    case.prepare(state)
+    state.runs = compute_runs(RunsRequest(state.scenario.scenario(), (state.chosen,)))
+    state.page = case.page
+    return state
+
+
+def reported(request: ReportRequest) -> list[float]:
+    """Return the energies that a report leads with: of its run, and of what becomes of it where it tells that [kWh]."""
+    findings = next(found for found in compute_findings(request) if found.share >= REALITY_SHARE)
+    assert findings.reality_refusal == ""
+    reality = [] if findings.reality is None else [findings.reality.actual.energy_kwh]
+    return [findings.run.energy_kwh, *reality]
+
+
+def test_every_page_is_walked() -> None:
+    assert list(PAGE_RUNS) == list(PAGES)
+    assert {case.page for case in CASES} | set(OTHERS) == set(PAGES)
+
+
+def test_all_that_leaves_a_page_gives_its_number(
+    case: Case, state: Workbench, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    energy_kwh, recipe = case.number(state).energy_kwh, recipe_of(state)
+    exec(compile(as_python(recipe), "program", "exec"), {})
+    assert float(capsys.readouterr().out) == pytest.approx(energy_kwh, rel=1e-9)
+    asked: list[ReportRequest] = []
+    reporting = Reporting(state)
+    monkeypatch.setattr(reporting.report, "ask", asked.append)
+    reporting.model.param.trigger("wanted")
+    (request,) = asked
+    if not case.told:
+        assert recipe.untold
+        assert as_command(recipe).startswith(f"# No command line gives this: {recipe.untold}\n")
+        assert request.note.startswith(recipe.untold)
+        return
+    assert recipe.untold == request.note == ""
+    assert energy_of_command(as_command(recipe), tmp_path, capsys) == pytest.approx(energy_kwh, rel=1e-9)
+    assert reported(request)[-1] == pytest.approx(energy_kwh, rel=1e-9)
+
+
+def energy_of_command(text: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> float:
+    """Return the energy that a command line prints, read by a shell [kWh]."""
+    script = f"railjoule() {{ printf '%s\\0' \"$@\"; }}\n{text}"
+    words = subprocess.run(["sh", "-c", script], cwd=folder, check=True, capture_output=True).stdout.decode()
+    arguments = [str(folder / word) if word == FILE else word for word in words.split("\0")[:-1]]
+    assert main([*arguments, "--json"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    return float(result["actual"]["energy_kwh"] if "actual" in result else result["energy_kwh"])
+
+
+def test_a_name_cannot_become_a_command() -> None:
+    state = Workbench()
+    state.scenario.choose("metro-10-stations")
+    state.line.take(state.scenario.edited)
+    state.line.stations[0].param.update(station="Harbour\nrm -r .\r\x0b\u2028x", fixed=True)
+    state.page = "Line"
+    lines = as_command(recipe_of(state)).splitlines()
+    assert len(lines) == 2
+    assert all(line.startswith("# ") for line in lines)
+
+
+def test_the_lessons_are_a_program(capsys: pytest.CaptureFixture[str]) -> None:
+    state = Workbench()
+    Learn(state)
+    state.page = "Learn"
+    state.learn.coasting = 120.0
+    exec(compile(as_python(recipe_of(state)), "program", "exec"), {})
+    printed = capsys.readouterr().out.splitlines()
+    shown = [
+        f"{lesson}, {name}: {run.energy_kwh} kWh"
+        for lesson, result in state.learn.shown.items()
+        for name, run in result.runs.items()
+    ]
+    assert sorted(printed) == sorted(shown)
+    assert as_command(recipe_of(state)).startswith("# No command line gives this: ")
+
+
+def test_the_papers_are_a_command() -> None:
+    state = Workbench()
+    state.page = "Papers"
+    assert as_command(recipe_of(state)) == "railjoule validate\n"
+    assert not page_run(state).program.of_scenario
+    compile(as_python(recipe_of(state)), "program", "exec")

@@ -1,0 +1,79 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from railjoule.core import TimetableError, load_scenario
+from railjoule.core.scenario import StrategyName
+from railjoule.dashboard.work.runs import RunsRequest, compute_runs, tightened_runs
+
+
+def test_runs_bear_the_bound_of_the_optimum() -> None:
+    runs = compute_runs(RunsRequest(load_scenario("ftorek-300s"), ("eoc", "enoc")))
+    assert list(runs.runs) == ["optimal", "eoc", "enoc"]
+    assert runs.runs["eoc"].bound is runs.runs["optimal"].bound
+    # over the corners of its trapezoid it has one of its own
+    assert len(runs.runs["enoc"].bound.position_m) == len(runs.runs["enoc"].nodes_m)
+
+
+def test_a_late_run_keeps_the_bound_of_its_own_time() -> None:
+    """What needs less than the optimum of 144 s takes 145.44 s, in which less would do."""
+    runs = compute_runs(RunsRequest(load_scenario("liashenko-fig-4"), ("speed_limits",))).runs
+    assert runs["speed_limits"].energy_kwh < runs["optimal"].energy_kwh
+    assert runs["speed_limits"].gap > 0
+    assert runs["speed_limits"].above_share > 0
+
+
+def test_runs_are_tightened_alike_whatever_is_run_beside_the_optimum() -> None:
+    scenario = load_scenario("tram-950m-recuperating")
+    few, more = (compute_runs(RunsRequest(scenario, names)) for names in ((), ("fastest", "phases")))
+    assert few.to_prove is not None
+    bounds = {tightened_runs(runs).best.lower_bound_kwh for runs in (few, more)}
+    assert len(bounds) == 1
+    assert bounds.pop() > few.best.lower_bound_kwh
+    # over nodes of its own it keeps its own
+    assert tightened_runs(more).runs["phases"].bound is more.runs["phases"].bound
+    greater = replace(few.best.bound, energy_j=few.best.energy.net_j - 1.0)
+    assert tightened_runs(more, greater).runs["fastest"].bound is greater
+    assert tightened_runs(few, prove_seconds=0).best.bound is few.best.bound
+    assert compute_runs(RunsRequest(load_scenario("liashenko-ii"), ())).to_prove is None
+
+
+def test_a_strategy_that_refuses_says_why_and_the_others_run() -> None:
+    runs = compute_runs(RunsRequest(load_scenario("liashenko-ii"), ("eoc", "fastest")))
+    assert list(runs.runs) == ["optimal", "fastest"]
+    assert "copper loss" in runs.refused["eoc"]
+
+
+def test_a_timetable_that_cannot_be_kept_is_refused() -> None:
+    scenario = load_scenario("ftorek-300s").with_(**{"timetable.travel_time_s": 100.0})
+    with pytest.raises(TimetableError, match="shortest"):
+        compute_runs(RunsRequest(scenario, ()))
+
+
+def test_the_law_of_dynamic_programming_comes_if_asked_for() -> None:
+    scenario = load_scenario("liashenko-i")
+    with_law = compute_runs(RunsRequest(scenario, ("bellman",), with_law=True))
+    without = compute_runs(RunsRequest(scenario, ("bellman",)))
+    assert without.law is None
+    assert with_law.law is not None
+    assert with_law.runs["bellman"].solve_time_s > 0
+    assert np.array_equal(with_law.runs["bellman"].speed_ms, without.runs["bellman"].speed_ms)
+
+
+@pytest.mark.parametrize(
+    ("changes", "strategies", "short", "slow"),
+    [
+        ({}, ("optimal", "fastest"), True, False),
+        ({}, ("optimal", "bellman"), False, False),
+        ({"solver.mesh_m": 0.5}, ("optimal", "bellman"), False, True),
+        ({"solver.mesh_m": 2.0}, ("speed_limits",), False, True),
+        ({"solver.mesh_m": 0.15}, ("optimal",), False, False),
+        ({"vehicle.preset": "tram-105n", "solver.mesh_m": 0.5}, ("optimal",), False, True),
+    ],
+)
+def test_long_work_is_known_before_it_begins(
+    changes: dict[str, float], strategies: tuple[StrategyName, ...], short: bool, slow: bool
+) -> None:
+    request = RunsRequest(load_scenario("metro-with-limit", changes), strategies)
+    assert (request.is_short, request.is_slow) == (short, slow)
