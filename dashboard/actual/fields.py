@@ -6,11 +6,10 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
+from railjoule.dashboard.actual.event import EventModel, event_sign
 from railjoule.dashboard.actual.model import add_stop, as_planned, checked_place, move_stop, stops_of
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import markup
-from railjoule.dashboard.pages.disturbances.fields import event_sign
-from railjoule.dashboard.pages.disturbances.model import EventModel
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import LoadField, NumberField, tie
 from railjoule.dashboard.state.workbench import Workbench

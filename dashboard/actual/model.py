@@ -13,7 +13,7 @@ from railjoule.core import Scenario
 from railjoule.core.scenario.disturbance import Reaction
 from railjoule.core.scenario.line import SHORTEST_DISTANCE_M
 from railjoule.core.simulate.actual_run import ActualRun
-from railjoule.dashboard.pages.disturbances.model import EventModel
+from railjoule.dashboard.actual.event import EventModel
 from railjoule.dashboard.state.numbers import TypedParameters
 from railjoule.dashboard.state.page_model import PageModel, result
 

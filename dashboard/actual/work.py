@@ -4,8 +4,8 @@ from typing import Any
 
 from railjoule.core.simulate.actual_run import ActualRun
 from railjoule.dashboard.actual.compute import ActualRequest, compute_actual
+from railjoule.dashboard.actual.follower import FOLLOWER, REALITY
 from railjoule.dashboard.actual.model import ActualModel, actual_changes
-from railjoule.dashboard.pages.robustness.work import FOLLOWER, REALITY
 from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.scenario import PLAN_FIELDS
 from railjoule.dashboard.state.workbench import Workbench

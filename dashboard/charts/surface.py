@@ -1,17 +1,11 @@
-"""ENOC's energy as a surface that can be turned."""
+"""What surfaces that can be turned are made of."""
 
 from typing import Any
 
 import numpy as np
-import panel as pn
 
-from railjoule.core.arrays import FloatArray
-from railjoule.dashboard.charts.chart import Chart
-from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import FONT
-from railjoule.dashboard.pages.trade_off.compute import EnocMap
-from railjoule.dashboard.parts import html as parts
 
 CIVIDIS = (
     "#00224E",
@@ -28,126 +22,9 @@ CIVIDIS = (
 """Energy from cheap to dear."""
 TALLEST = 3.2
 """The surface is cut off at this many times its least energy: where ramps nearly fill the time it rises without end."""
-POINT_LIFT = 0.012
-"""Points and valley float this share of the height above the surface, or it would hide them."""
 CAMERA = {"eye": {"x": 1.52, "y": -1.36, "z": 0.72}, "center": {"x": 0.03, "y": 0.02, "z": -0.23}}
 NARROW_PX, NARROW_DISTANCE = 420, 1.35
 LIGHTING = {"ambient": 0.85, "diffuse": 0.35, "specular": 0.02, "roughness": 0.9}
-
-
-class SurfacePane(Chart):
-    """The surface with its valley, the present point and the printed ones."""
-
-    kind = "map"
-
-    def __init__(self, height: int, palette: Palette) -> None:
-        super().__init__("surface", "ENOC: energy, kWh, as a surface (drag to turn)", height)
-        self.palette = palette
-        self.pane: pn.pane.Plotly | None = None
-
-    def build(self) -> None:
-        """Make the pane."""
-        self.pane = pn.pane.Plotly(
-            config={"displayModeBar": False, "responsive": True},
-            sizing_mode="stretch_width",
-            height=self.height,
-            margin=0,
-        )
-        style = f"font:12px {FONT};color:var(--rj-ink2);padding:2px 0 0 6px"
-        title = parts.markup('<div data-figure="{0}" style="{1}">{0}</div>', self.caption, style)
-        # as plain text: the library escapes what it sends, and pieces of HTML would refuse
-        self.content = parts.stack(pn.pane.HTML(str(title), margin=0), self.pane)
-        self.figure = self.pane
-
-    def draw(
-        self, enoc_map: EnocMap | None, now: tuple[float, float, float] | None, printed: tuple[FloatArray, ...]
-    ) -> None:
-        """Draw the surface and its points."""
-        if self.pane is None or enoc_map is None:
-            return
-        bottom = float(np.nanmin(enoc_map.energy_kwh))
-        top = min(float(np.nanmax(enoc_map.energy_kwh)), TALLEST * bottom)
-        self.pane.object = {
-            "data": [
-                self._surface(enoc_map, bottom, top),
-                self._valley(enoc_map, bottom, top),
-                self._points([now] if now and now[2] < top else [], "present run", "accent", "circle", top - bottom),
-                self._printed(enoc_map, printed, bottom, top),
-            ],
-            "layout": scene_layout(
-                self.palette, ("Travel time, s", "Acceleration time, s"), bottom, top, self.camera_distance
-            ),
-        }
-
-    @property
-    def camera_distance(self) -> float:
-        """How far away the camera stands, that the titles of the axes lie within narrow places too."""
-        return NARROW_DISTANCE if self.width_px < NARROW_PX else 1.0
-
-    def _surface(self, enoc_map: EnocMap, bottom: float, top: float) -> dict[str, Any]:
-        heights = np.where(enoc_map.energy_kwh > top, np.nan, enoc_map.energy_kwh)
-        step = round_step((top - bottom) / 10)
-        return {
-            "type": "surface",
-            "x": enoc_map.travel_time_s,
-            "y": enoc_map.acceleration_time_s,
-            "z": heights,
-            "colorscale": [[k / (len(CIVIDIS) - 1), colour] for k, colour in enumerate(CIVIDIS)],
-            "showscale": False,
-            "cmin": bottom,
-            "cmax": top,
-            "lighting": LIGHTING,
-            "contours": {
-                "z": {
-                    "show": True,
-                    "start": step * np.ceil(bottom / step),
-                    "end": top,
-                    "size": step,
-                    "color": "rgba(255,255,255,0.45)",
-                    "width": 1,
-                }
-            },
-            "hovertemplate": "%{x:.0f} s, %{y:.0f} s: %{z:.3f} kWh<extra></extra>",
-        }
-
-    def _valley(self, enoc_map: EnocMap, bottom: float, top: float) -> dict[str, Any]:
-        shown = enoc_map.best_energy_kwh < top
-        lift = POINT_LIFT * (top - bottom)
-        return {
-            "type": "scatter3d",
-            "mode": "lines",
-            "x": enoc_map.travel_time_s[shown],
-            "y": enoc_map.best_acceleration_s[shown],
-            "z": enoc_map.best_energy_kwh[shown] + lift,
-            "line": {"color": "#FFFFFF", "width": 6},
-            "hoverinfo": "skip",
-        }
-
-    def _printed(self, enoc_map: EnocMap, printed: tuple[FloatArray, ...], bottom: float, top: float) -> dict[str, Any]:
-        time, ramp, energy = printed
-        inside = (time >= enoc_map.travel_time_s[0]) & (time <= enoc_map.travel_time_s[-1])
-        inside &= (
-            (ramp >= enoc_map.acceleration_time_s[0]) & (ramp <= enoc_map.acceleration_time_s[-1]) & (energy < top)
-        )
-        points = list(zip(time[inside], ramp[inside], energy[inside], strict=True))
-        return self._points(points, "printed", "enoc", "diamond", top - bottom)
-
-    def _points(self, points: list[Any], name: str, token: str, symbol: str, height: float) -> dict[str, Any]:
-        return {
-            "type": "scatter3d",
-            "mode": "markers",
-            "x": [point[0] for point in points],
-            "y": [point[1] for point in points],
-            "z": [point[2] + POINT_LIFT * height for point in points],
-            "customdata": [words.energy(point[2]) for point in points],
-            "marker": {
-                "size": 7,
-                "symbol": symbol,
-                "color": self.palette.tokens[token],
-                "line": {"color": "#FFFFFF", "width": 2},
-            },
-            "hovertemplate": name + ": %{x:.1f} s, %{y:.1f} s: %{customdata} kWh<extra></extra>",
-        }
 
 
 def round_step(least: float) -> float:

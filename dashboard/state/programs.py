@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from railjoule.core.scenario.disturbance import Disturbance
+from railjoule.dashboard.actual.event import TABLES
 from railjoule.dashboard.actual.model import actual_changes, event_changes
-from railjoule.dashboard.pages.disturbances.model import TABLES
 from railjoule.dashboard.pages.learn.model import LESSONS
 from railjoule.dashboard.pages.motor.compute import Limits, limits_of
 from railjoule.dashboard.state.workbench import Workbench

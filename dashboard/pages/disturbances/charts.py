@@ -8,6 +8,7 @@ from bokeh.events import Tap
 
 from railjoule.core import Trajectory
 from railjoule.core.units import J_PER_KWH
+from railjoule.dashboard.actual.event import EventModel, event_sign
 from railjoule.dashboard.charts.chart import Axis, nice_range, points, xy
 from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.line_names import Name
@@ -25,8 +26,6 @@ from railjoule.dashboard.charts.run_lines import (
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.disturbances.compute import LateArrivals
-from railjoule.dashboard.pages.disturbances.fields import event_sign
-from railjoule.dashboard.pages.disturbances.model import EventModel
 
 LINES: Mapping[str, Line] = {
     "undisturbed": Line("pinned", {"line_width": 1.8}),

@@ -5,9 +5,8 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
-from railjoule.dashboard.look import words
+from railjoule.dashboard.actual.event import KIND_WORDS, EventModel
 from railjoule.dashboard.look.markup import markup
-from railjoule.dashboard.pages.disturbances.model import EventModel
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import NumberField
 from railjoule.dashboard.state.workbench import Workbench
@@ -19,7 +18,6 @@ FIELDS = {
     "recuperation": {"share_percent": "recuperated, %"},
 }
 """Of each kind of event, with what they are called there."""
-KIND_WORDS = {"stop": "Stop", "limit": "Limit", "voltage": "Supply voltage", "recuperation": "Recuperation"}
 
 
 class EventFields:
@@ -72,12 +70,3 @@ class EventFields:
             sizing_mode="stretch_width",
         )
         return stack(head, *fields, NumberField(event, "noticed_at_m", of=of))
-
-
-def event_sign(event: EventModel) -> str:
-    """Return what a chart writes at an event."""
-    if event.kind == "stop":
-        return f"stop {words.number(event.duration_s, 0)} s"
-    if event.kind == "limit":
-        return f"limit {words.number(event.limit_kmh, 0)}"
-    return f"{KIND_WORDS[event.kind].lower()} {words.number(event.share_percent, 0)} %"

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from typing import Any
 
+from railjoule.dashboard.actual.follower import FOLLOWER, REALITY
 from railjoule.dashboard.actual.model import event_changes
 from railjoule.dashboard.pages.disturbances.compute import (
     LateArrivals,
@@ -12,7 +13,6 @@ from railjoule.dashboard.pages.disturbances.compute import (
     compute_rides,
 )
 from railjoule.dashboard.pages.disturbances.model import DisturbancesModel
-from railjoule.dashboard.pages.robustness.work import FOLLOWER, REALITY
 from railjoule.dashboard.state.page_work import Items, PageWork
 from railjoule.dashboard.state.scenario import PLAN_FIELDS
 from railjoule.dashboard.state.workbench import Workbench

@@ -6,6 +6,7 @@ from typing import Any
 from railjoule.core import Scenario
 from railjoule.core.studies.montecarlo import MonteCarloTable
 from railjoule.core.studies.sensitivity import SensitivityTable
+from railjoule.dashboard.actual.follower import FOLLOWER, REALITY
 from railjoule.dashboard.pages.robustness.compute import (
     Reality,
     RealityRequest,
@@ -22,15 +23,6 @@ from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import is_slow
 
 PAGE = "Robustness"
-REALITY = ("actual_load_percent", "coordinate_error_m")
-FOLLOWER = (
-    "speed_error_percent",
-    "target_braking",
-    "reset_sensor_m",
-    "calibration_length_m",
-    "stop_sensor_m",
-    "target_deceleration_ms2",
-)
 CHANCE = (
     "load_deviation_percent",
     "error_deviation_m",

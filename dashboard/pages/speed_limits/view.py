@@ -8,7 +8,7 @@ import panel_material_ui as pmui
 from panel.viewable import Viewable
 
 from railjoule.dashboard.charts.chart import Axis, Chart
-from railjoule.dashboard.charts.machine_map import MotorMapChart, StorageChart, storage_table
+from railjoule.dashboard.charts.machine_map import MotorMapChart
 from railjoule.dashboard.charts.quantities import EFFORT, ENERGY
 from railjoule.dashboard.charts.run_charts import LineStrip
 from railjoule.dashboard.charts.scene import RunScene
@@ -18,6 +18,7 @@ from railjoule.dashboard.pages.speed_limits.compute import LimitRun
 from railjoule.dashboard.pages.speed_limits.fields import PAGE
 from railjoule.dashboard.pages.speed_limits.limit_charts import LimitChart, LimitSpeedChart, both
 from railjoule.dashboard.pages.speed_limits.search_charts import SearchPathChart, SearchPlaneChart, search_words
+from railjoule.dashboard.pages.speed_limits.storage import StorageChart, storage_table
 from railjoule.dashboard.parts import html as parts
 
 HEIGHTS = {

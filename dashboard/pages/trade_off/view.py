@@ -11,7 +11,6 @@ from railjoule.core.strategies.enoc import best_acceleration_time, enoc_energy
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.core.validation.ftorek import TABLE_3_COPPER_WEIGHT
 from railjoule.dashboard.charts.chart import Chart
-from railjoule.dashboard.charts.surface import SurfacePane
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.pages.trade_off.charts import (
@@ -22,6 +21,7 @@ from railjoule.dashboard.pages.trade_off.charts import (
     printed_points,
 )
 from railjoule.dashboard.pages.trade_off.compute import TradeOff
+from railjoule.dashboard.pages.trade_off.surface import SurfacePane
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.state.workbench import Workbench
 

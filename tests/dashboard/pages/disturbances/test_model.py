@@ -2,7 +2,8 @@ import pytest
 
 from railjoule.core import load_scenario
 from railjoule.core.simulate.disturbances import simulate_disturbances
-from railjoule.dashboard.pages.disturbances.model import KINDS, DisturbancesModel
+from railjoule.dashboard.actual.event import KINDS
+from railjoule.dashboard.pages.disturbances.model import DisturbancesModel
 
 
 def test_no_event_is_invented() -> None:

@@ -1,0 +1,12 @@
+"""The fields of Robustness that the actual run and the runs of Disturbances obey, too."""
+
+REALITY = ("actual_load_percent", "coordinate_error_m")
+
+FOLLOWER = (
+    "speed_error_percent",
+    "target_braking",
+    "reset_sensor_m",
+    "calibration_length_m",
+    "stop_sensor_m",
+    "target_deceleration_ms2",
+)
