@@ -9,7 +9,6 @@ import panel as pn
 from bokeh.settings import settings
 
 from railjoule.core import RailjouleError
-from railjoule.dashboard.actual.work import Actual
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.editor.view import EditorView
 from railjoule.dashboard.faults import handle
@@ -17,30 +16,9 @@ from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.keep.pins import Pins
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.compare.view import CompareView
-from railjoule.dashboard.pages.compare.work import Compare
-from railjoule.dashboard.pages.disturbances.view import DisturbancesView
-from railjoule.dashboard.pages.disturbances.work import Disturbances
-from railjoule.dashboard.pages.drive.proof_work import Proving
-from railjoule.dashboard.pages.drive.view import DriveView
-from railjoule.dashboard.pages.help.view import HelpView
-from railjoule.dashboard.pages.learn.view import LearnView
-from railjoule.dashboard.pages.learn.work import Learn
-from railjoule.dashboard.pages.line.view import LineView
-from railjoule.dashboard.pages.line.work import WholeLines
-from railjoule.dashboard.pages.motor.view import MotorView
-from railjoule.dashboard.pages.motor.work import Motor
-from railjoule.dashboard.pages.page import PageView
-from railjoule.dashboard.pages.papers.view import PapersView
-from railjoule.dashboard.pages.papers.work import Papers
-from railjoule.dashboard.pages.robustness.view import RobustnessView
-from railjoule.dashboard.pages.robustness.work import Robustness
-from railjoule.dashboard.pages.speed_limits.view import SpeedLimitsView
-from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
-from railjoule.dashboard.pages.start.view import StartView
-from railjoule.dashboard.pages.start.work import Start
+from railjoule.dashboard.page_list import PAGES
+from railjoule.dashboard.pages.page import PageView, view_of
 from railjoule.dashboard.pages.trade_off.compute import TradeOff, TradeOffRequest, compute_trade_off
-from railjoule.dashboard.pages.trade_off.view import TradeOffView
 from railjoule.dashboard.report.button import ReportButton
 from railjoule.dashboard.report.work import Reporting
 from railjoule.dashboard.server.health import HealthHandler
@@ -48,7 +26,6 @@ from railjoule.dashboard.server.logs import keep_quiet, write_down
 from railjoule.dashboard.server.not_found import NotFoundHandler
 from railjoule.dashboard.shell.share import Share
 from railjoule.dashboard.shell.shell import Page, Shell
-from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.scenario import PLAN_FIELDS
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs
@@ -63,40 +40,8 @@ settings.perform_error_diagnostics = False
 LOG = logging.getLogger(__name__)
 POLL_MS = 300
 EXTRA_PATTERNS = [("/health", HealthHandler)]
-VIEWS: dict[str, type[PageView]] = {
-    view.page: view
-    for view in (
-        StartView,
-        DriveView,
-        CompareView,
-        TradeOffView,
-        RobustnessView,
-        DisturbancesView,
-        SpeedLimitsView,
-        MotorView,
-        LineView,
-        LearnView,
-        PapersView,
-        HelpView,
-    )
-}
+VIEWS: dict[str, type[PageView]] = {name: view_of(name) for name in PAGES}
 """What draws each page."""
-
-
-WORKS: tuple[Callable[[Workbench], PageWork[Any]], ...] = (
-    Compare,
-    Robustness,
-    Disturbances,
-    Actual,
-    Proving,
-    SpeedLimits,
-    Motor,
-    Start,
-    WholeLines,
-    Learn,
-    Papers,
-)
-"""What each page asks for."""
 
 
 class Session:
@@ -122,7 +67,7 @@ class Session:
         )
         self.pins = Pins(self.state)
         # before the page is read from its address: the works hear of what that changes
-        self.works = [work(self.state) for work in WORKS]
+        self.works = [work(self.state) for view in VIEWS.values() for work in view.works]
         self.lifeline = Lifeline()
         self.keeping = Keeping(self.state, self.lifeline)
         self.keeping.begin(address_query())

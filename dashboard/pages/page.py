@@ -1,6 +1,7 @@
 """What all pages share: they draw what is there when they are made, follow their sources, and outlive their errors."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from importlib import import_module
 from typing import Any
 
 import panel as pn
@@ -14,8 +15,10 @@ from railjoule.dashboard.charts.drawing import DrawingQueue
 from railjoule.dashboard.charts.sketches import COMPUTING, numbers_sketch
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.page_list import room_of
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.failures import failure_words
+from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.workbench import Workbench
 
 WIDE_PX, NARROW_PX = 1600, 900
@@ -40,6 +43,8 @@ class PageView:
 
     page = ""
     """Its name, one of PAGES."""
+    works: tuple[Callable[[Workbench], PageWork[Any]], ...] = ()
+    """What asks for what it shows, once for each open page; it waits while the page is out of sight."""
     heights: Mapping[str, tuple[int, int, int]] = {}
     """Height of each chart [px]: in usual, wide and narrow windows."""
     halves_from_px: int | None = None
@@ -198,3 +203,10 @@ class _Part:
 
     def __init__(self, draw: Any) -> None:
         self.draw, self.due, self.failed = draw, True, False
+
+
+def view_of(name: str) -> type[PageView]:
+    """Return what draws a page: the view in its room."""
+    module = import_module(f"{room_of(name)}.view")
+    made = (found for found in vars(module).values() if isinstance(found, type) and issubclass(found, PageView))
+    return next(view for view in made if view.page == name)

@@ -75,7 +75,7 @@ NO_EVENTS: Mapping[str, Any] = {f"disturbance.{table}": [] for table in TABLES.v
 
 def page_run(state: Workbench) -> PageRun:
     """Return what the page in sight computes."""
-    return PAGE_RUNS[state.page](state)
+    return PAGE_RUNS.get(state.page, _plan)(state)
 
 
 def _plan(state: Workbench) -> PageRun:
@@ -202,4 +202,4 @@ PAGE_RUNS: Mapping[str, Callable[[Workbench], PageRun]] = {
     "Papers": _papers,
     "Help": _plan,
 }
-"""By the name of the page."""
+"""By the name of the page; one without an entry shows the plan."""

@@ -21,7 +21,7 @@ from railjoule.dashboard.pages.compare.charts import (
 )
 from railjoule.dashboard.pages.compare.contenders import Contender, contenders, reference_of
 from railjoule.dashboard.pages.compare.table import comparison_table
-from railjoule.dashboard.pages.compare.work import PAGE
+from railjoule.dashboard.pages.compare.work import PAGE, Compare
 from railjoule.dashboard.pages.page import NARROW_PX, PageView
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.state.pins import LONGEST_NAME, MOST_PINS, PIN_KEYS, Pin
@@ -97,6 +97,7 @@ class CompareView(PageView):
     """The page of all runs."""
 
     page = PAGE
+    works = (Compare,)
     heights = HEIGHTS
 
     def make(self) -> Viewable:

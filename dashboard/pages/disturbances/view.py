@@ -14,6 +14,7 @@ from railjoule.dashboard.charts.driven import reality_words
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.pages.disturbances.charts import LateChart, RideSpeedChart, ride_energy_chart, saved_by
 from railjoule.dashboard.pages.disturbances.compute import Rides
+from railjoule.dashboard.pages.disturbances.work import Disturbances
 from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.number_field import tie
@@ -36,6 +37,7 @@ class DisturbancesView(PageView):
     """The page of what happens on the way."""
 
     page = "Disturbances"
+    works = (Disturbances,)
     heights = HEIGHTS
 
     def make(self) -> Viewable:

@@ -9,6 +9,7 @@ from panel.viewable import Viewable
 
 from railjoule.core import TimetableError, Trajectory
 from railjoule.core.simulate.actual_run import ActualRun
+from railjoule.dashboard.actual.work import Actual
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.run_charts import (
     CurrentChart,
@@ -25,6 +26,7 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.pages.drive.actual_parts import actual_figures, belongs_to, causes_block, is_same_plan
 from railjoule.dashboard.pages.drive.law_chart import LawChart
 from railjoule.dashboard.pages.drive.proof_row import ProofRow
+from railjoule.dashboard.pages.drive.proof_work import Proving
 from railjoule.dashboard.pages.drive.sankey import SankeyChart
 from railjoule.dashboard.pages.page import NARROW_PX, WIDE_PX, PageView
 from railjoule.dashboard.parts import html as parts
@@ -72,6 +74,10 @@ class DriveView(PageView):
     """The page of one run."""
 
     page = "Drive"
+    works = (
+        Actual,
+        Proving,
+    )
     heights = HEIGHTS
     rail_px = RAIL_PX
 

@@ -14,6 +14,7 @@ from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.pages.learn.charts import LessonSpeedChart, PhasePlaneChart, PriceChart
 from railjoule.dashboard.pages.learn.compute import LessonResult
 from railjoule.dashboard.pages.learn.model import LESSONS, Lesson
+from railjoule.dashboard.pages.learn.work import Learn
 from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.number_field import NumberField
@@ -112,6 +113,7 @@ class LearnView(PageView):
     """The page of lessons."""
 
     page = PAGE
+    works = (Learn,)
     heights = HEIGHTS
 
     def make(self) -> Viewable:

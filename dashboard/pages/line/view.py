@@ -24,6 +24,7 @@ from railjoule.dashboard.pages.line.charts import (
 )
 from railjoule.dashboard.pages.line.compute import LineRuns
 from railjoule.dashboard.pages.line.model import StationModel
+from railjoule.dashboard.pages.line.work import WholeLines
 from railjoule.dashboard.pages.page import NARROW_PX, PageView
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.number_field import number_fields
@@ -55,6 +56,7 @@ class LineView(PageView):
     """The page of whole lines."""
 
     page = PAGE
+    works = (WholeLines,)
     heights = HEIGHTS
 
     def make(self) -> Viewable:

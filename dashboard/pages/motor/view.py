@@ -33,7 +33,7 @@ from railjoule.dashboard.pages.motor.charts import (
 )
 from railjoule.dashboard.pages.motor.compute import MACHINE_SCENARIO
 from railjoule.dashboard.pages.motor.loop_diagram import LoopDiagram
-from railjoule.dashboard.pages.motor.work import PAGE
+from railjoule.dashboard.pages.motor.work import PAGE, Motor
 from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.number_field import NumberField
@@ -82,6 +82,7 @@ class MotorView(PageView):
     """The page of the drive in closed loop."""
 
     page = PAGE
+    works = (Motor,)
     heights = HEIGHTS
 
     def make(self) -> Viewable:

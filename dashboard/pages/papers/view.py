@@ -18,6 +18,7 @@ from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.pages.papers.compute import PaperTables
+from railjoule.dashboard.pages.papers.work import Papers
 from railjoule.dashboard.parts import html as parts
 
 FILES = {
@@ -66,6 +67,7 @@ class PapersView(PageView):
     """The page of validation tables."""
 
     page = "Papers"
+    works = (Papers,)
 
     def make(self) -> Viewable:
         """Make the pieces of the page, and return them laid out."""

@@ -27,7 +27,7 @@ from railjoule.dashboard.pages.robustness.heat_map import (
     percent_difference,
     printed_table,
 )
-from railjoule.dashboard.pages.robustness.work import PAGE
+from railjoule.dashboard.pages.robustness.work import PAGE, Robustness
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.number_field import tie
 
@@ -61,6 +61,7 @@ class RobustnessView(PageView):
     """The page of what goes otherwise than planned."""
 
     page = PAGE
+    works = (Robustness,)
     heights = HEIGHTS
     halves_from_px = 1100
 

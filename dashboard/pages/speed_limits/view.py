@@ -19,6 +19,7 @@ from railjoule.dashboard.pages.speed_limits.fields import PAGE
 from railjoule.dashboard.pages.speed_limits.limit_charts import LimitChart, LimitSpeedChart, both
 from railjoule.dashboard.pages.speed_limits.search_charts import SearchPathChart, SearchPlaneChart, search_words
 from railjoule.dashboard.pages.speed_limits.storage import StorageChart, storage_table
+from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
 from railjoule.dashboard.parts import html as parts
 
 HEIGHTS = {
@@ -53,6 +54,7 @@ class SpeedLimitsView(PageView):
     """The page of limits of sections."""
 
     page = PAGE
+    works = (SpeedLimits,)
     heights = HEIGHTS
 
     def make(self) -> Viewable:

@@ -15,6 +15,7 @@ from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.pages.start.compute import Card, outlines
+from railjoule.dashboard.pages.start.work import Start
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.work.runs import Runs
 
@@ -139,6 +140,7 @@ class StartView(PageView):
     """The page on which a new session begins."""
 
     page = "Start"
+    works = (Start,)
 
     def make(self) -> Viewable:
         """Make the pieces of the page, and return them laid out."""
