@@ -1,13 +1,12 @@
 """The referees of the benchmarks, each on one small scenario; their tables are printed by hand."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from every_drive import train
 
 from railjoule.core import load_scenario
 from railjoule.core.bounds import certify, minimise
+from railjoule.core.physics.stretches import BRAKES, DRIVES, IS_OFF, RunActions
 from railjoule.core.strategies import prepare_task, run_strategy
 from tests.benchmarks.duty import DutyProgram, even_run
 from tests.benchmarks.mesh import dwells_of
@@ -73,13 +72,9 @@ def test_the_speed_grid_finds_a_run_as_good_as_ours_and_none_below_the_bound():
 
 
 def test_stretches_of_one_mode_are_counted_and_timed():
-    run = run_strategy(task_of("loss polynomial"), "optimal")
-    cells = len(run.line_power_w)
     # 10 s a cell: driven for two, off for one, driven for one, off for the rest but the last, which brakes
-    driven, braked = np.zeros(cells), np.zeros(cells)
-    driven[[0, 1, 3]], braked[-1] = 5e4, 3e4
-    made = replace(run, tractive_effort_n=driven, electric_braking_n=braked, time_s=10.0 * np.arange(cells + 1))
-    found = dwells_of(made)
+    action = np.array([DRIVES, DRIVES, IS_OFF, DRIVES, IS_OFF, IS_OFF, BRAKES])
+    found = dwells_of(RunActions(action, np.zeros(7), np.full(7, 10.0), np.arange(7) == 0))
     assert found.blocks == 5
     assert found.shortest_on_s == 10.0
     assert found.shortest_off_s == 10.0

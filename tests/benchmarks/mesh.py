@@ -12,10 +12,8 @@ import numpy as np
 
 from railjoule.core import RailjouleError, load_scenario
 from railjoule.core.bounds import minimise
-from railjoule.core.physics.stretches import IS_OFF, actions_of_run
+from railjoule.core.physics.stretches import IS_OFF, RunActions, actions_of_run
 from railjoule.core.strategies import prepare_task, run_strategy
-from railjoule.core.task import Task
-from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH
 from tests.benchmarks.referee import with_drive
 
@@ -48,9 +46,8 @@ class Dwells:
     shortest_off_s: float
 
 
-def dwells_of(task: Task, run: Trajectory) -> Dwells:
+def dwells_of(done: RunActions) -> Dwells:
     """Return how the drive of a run is switched; a stop begins and ends a stretch."""
-    done = actions_of_run(task.course.data, run.node_speed_ms**2)
     borders = np.flatnonzero(np.append(True, (np.diff(done.action) != 0) | done.from_rest[1:]))
     lasts, is_off = np.add.reduceat(done.duration_s, borders), done.action[borders] == IS_OFF
     # off between two stretches that are on, and at neither end of the way between two stops
@@ -76,7 +73,10 @@ def main() -> None:
             except RailjouleError as error:
                 print(f"{name:24}{drive:18}{mesh:10g} {error}", flush=True)
                 continue
-            seconds, dwells = time.perf_counter() - started, dwells_of(task, run)
+            seconds, dwells = (
+                time.perf_counter() - started,
+                dwells_of(actions_of_run(task.course.data, run.node_speed_ms**2)),
+            )
             print(
                 f"{name:24}{drive:18}{mesh:10g}{task.course.cell_count:10d}{run.energy_kwh:10.5f}"
                 f"{relaxed / J_PER_KWH:10.5f}{100 * (run.energy.net_j / relaxed - 1):9.3f}%"
