@@ -71,6 +71,7 @@ class Session:
         self.lifeline = Lifeline()
         self.keeping = Keeping(self.state, self.lifeline)
         self.keeping.begin(address_query())
+        # from here on the address has been read: colours, first page and views begin with what it names
         self._begin_colours()
         self.palette = Palette(self.state.dark)
         self.views: dict[str, PageView] = {}
@@ -79,6 +80,7 @@ class Session:
         share = Share(self.state, self.keeping)
         self.shell = Shell(self.state, self.browser, share, pages, self.editor.view)
         scenario = self.state.scenario
+        # only now, so that what the address has changed is asked for once, not at each of its changes
         scenario.param.watch(self._ask_runs, [*PLAN_FIELDS, "acceleration_time_s"])
         scenario.param.watch(
             self._ask_trade_off, ["load_percent", "recuperation_percent", "edits", "travel_time_range_s"]
@@ -119,6 +121,7 @@ class Session:
         return make
 
     def _load(self) -> None:
+        # what was changed before the page had loaded has not reached the browser: both are told now
         self.browser.start()
         self.lifeline.started = True
         warmup().start()
@@ -208,6 +211,7 @@ def serve(address: str = "127.0.0.1", port: int = 5006) -> None:
     port : int
         The port to listen on.
     """
+    # a browser on this machine may call it by either name
     origins = [f"{address}:{port}", f"localhost:{port}", f"127.0.0.1:{port}"]
     write_down()
     warmup().start()
@@ -223,5 +227,6 @@ def serve(address: str = "127.0.0.1", port: int = 5006) -> None:
     )
 
 
+# the name under which `panel serve` runs a file
 if __name__.startswith("bokeh_app"):
     make_page().servable()

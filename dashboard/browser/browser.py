@@ -65,6 +65,7 @@ class Browser(JSComponent):
     def when_idle(self, callback: Callable[[], None]) -> None:
         """Call back once, when the browser has nothing else to do."""
         self._idle.append(callback)
+        # the browser answers once for all that wait
         if len(self._idle) == 1:
             self._send_msg({"kind": "when_idle"})
 

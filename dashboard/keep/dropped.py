@@ -31,6 +31,7 @@ def scenario_text(text: str, name: str) -> str:
     """
     if len(text) > LARGEST_REPORT_BYTES:
         raise ScenarioError(refused_file(name, TOO_LARGE))
+    # editors on Windows begin a file with this mark, which TOML refuses
     text = text.removeprefix("\ufeff")
     toml = scenario_in_report(text, name) if PAGE.match(text) else text
     if len(toml) > LARGEST_SCENARIO_BYTES:

@@ -8,6 +8,7 @@ from typing import Any
 from railjoule.dashboard.keep.snapshot import VIEW, Document, changed
 
 MOST_STEPS = 100
+# longer than the time after which a change is noted (NOTE_MS): one drag is noted several times
 ONE_MOVE_S = 1.5
 """Changes of the same fields that follow each other within this time are one step."""
 
@@ -61,11 +62,13 @@ class History:
             return
         step = Step(self._now, now, document["page"], self._clock())
         self._now = now
+        # what follows an undo is a step of its own: joined to the one before, it could not be taken back alone
         last = self._past[-1] if self._past and not self._future else None
         if last is not None and last.keys == step.keys and step.ended_s - last.ended_s < ONE_MOVE_S:
             step = replace(step, before=last.before)
             self._past.pop()
         self._future.clear()
+        # a slider that is dragged back to where it was leaves no step
         if step.before != step.after:
             self._past = [*self._past, step][-MOST_STEPS:]
 

@@ -146,6 +146,7 @@ class Keeping(param.Parameterized):
         else:
             reading = SLOW_THREADS.submit(outcome_of, toml)
             turn = turns_of(document)
+            # `then` reads it once more, from the cache of `outcome_of`
             reading.add_done_callback(lambda _: turn(then))
 
     def _attempt(self, what: str, act: Callable[[], None]) -> None:
@@ -166,6 +167,7 @@ class Keeping(param.Parameterized):
     def undo(self) -> None:
         """Take back the last step."""
         self.note()
+        # only after `note`: what was changed within the last NOTE_MS is a step too
         self._go(self.history.undo())
 
     def redo(self) -> None:
@@ -183,8 +185,10 @@ class Keeping(param.Parameterized):
     def _go(self, document: Document | None) -> None:
         if document is None:
             return
+        # colours are in no step, and what a document does not name becomes as on a new page
         refusals = self._lay({**document, "colours": self.state.colours})
         now = document_of(self.state)
+        # as it is now: of the step's document, something may have been refused
         self.history.settle(now)
         self._publish(now)
         if refusals:
@@ -233,6 +237,7 @@ class Keeping(param.Parameterized):
     def _publish(self, document: Document) -> None:
         """Show a document in the address, mark what differs from the preset, and say what can be undone."""
         base = document["preset"], document["toml"], document["edits"]
+        # the originals take the state of a whole new page: they are made anew only where they may be others
         if base != self._base:
             self._base, self._originals = base, originals_of(document)
             self._mark()
@@ -255,5 +260,6 @@ class Keeping(param.Parameterized):
             model.originals = {field: self._originals.get(prefix + field) for field in model.kept}
 
     def _take_copied(self, message: dict[str, Any]) -> None:
+        # so that a second copy that ends alike is a change, and is told
         self.copied = None
         self.copied = bool(message.get("done"))

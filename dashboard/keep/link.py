@@ -60,6 +60,7 @@ def write_link(document: Mapping[str, Any], originals: Mapping[str, Any]) -> str
     # the scenario and its edits are named against those of a new page, all else against the scenario
     before = {**originals, **{key: first[key] for key in ("preset", "toml", "edits")}}
     differs = changed(document, before)
+    # the file's text is the whole scenario: the preset is the one that was chosen before it
     if differs.get("toml") is not None:
         differs.pop("preset", None)
     if not differs:
@@ -134,6 +135,7 @@ def _text(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, float):
+        # so that 2.0 reads 2; below 1e15, a float is surely the whole number that it reads as
         return repr(int(value)) if value == int(value) and abs(value) < 1e15 else repr(value)
     if isinstance(value, list) and all(isinstance(item, str) for item in value):
         text = ",".join(value) or EMPTY
@@ -156,6 +158,7 @@ def _unpacked(text: str, longest: int) -> str:
     try:
         raw = base64.urlsafe_b64decode(packed + "=" * (-len(packed) % 4))
         unpacker = zlib.decompressobj()
+        # no more is unpacked than is allowed, as some bytes may stand for gigabytes; to zlib, 0 is no limit
         content = unpacker.decompress(raw, max(longest, 1))
         if unpacker.unconsumed_tail or not unpacker.eof:
             raise ValueError("is too long or incomplete")

@@ -20,6 +20,7 @@ class Pins:
         state.param.watch(self._run, "kept_pins")
 
     def _keep(self, *_: Any) -> None:
+        # each of the two watchers changes what the other one watches: where both are alike, they end
         if not self._alike():
             self.state.kept_pins = [KeptPin.of(pin) for pin in self.state.pins]
 
@@ -39,6 +40,7 @@ class Pins:
     def _take(self, found: tuple[RecipeRun, ...]) -> None:
         wanted = self.state.kept_pins
         recipes = [one.recipe() for one in wanted]
+        # another pin may have come, or one may have gone, while these were run
         if recipes == [run.recipe for run in found]:
             self.state.pins = tuple(
                 Pin(one.called, self.state.proof.bounded(run.trajectory), one.colour, recipe)

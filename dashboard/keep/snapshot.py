@@ -51,6 +51,7 @@ def originals_of(document: Mapping[str, Any]) -> Document:
     elif document["preset"] != scenario.preset:
         scenario.choose(document["preset"])
     for model in fresh.models.values():
+        # on a page its works tell the models of another scenario; this one has no works
         if hasattr(model, "take"):
             model.take(scenario.base)
     scenario.lay({"edits": document.get("edits", {})})
@@ -74,6 +75,7 @@ def lay(state: Workbench, document: Mapping[str, Any]) -> tuple[str, ...]:
         _lay_base(state, wanted)
     except RailjouleError as refusal:
         refusals.append(_bare(refusal))
+        # all else in the document belongs to the scenario that cannot be had
         wanted = {key: wanted[key] for key in state.kept if key in wanted}
     base = {"preset": state.scenario.preset, "toml": state.scenario.toml}
     try:
@@ -82,6 +84,7 @@ def lay(state: Workbench, document: Mapping[str, Any]) -> tuple[str, ...]:
         refusals.append(f"edits: {_bare(refusal)}")
         wanted.pop("edits", None)
         originals = originals_of(base)
+    # the base last: it is the one that is there, whatever the document asks for
     values = {**originals, **wanted, **base}
     named = state.models
     parts = [(model, "" if model is state.scenario else f"{name}.") for name, model in named.items()]

@@ -27,9 +27,11 @@ from railjoule.dashboard.shell.sidebar import Sidebar
 from railjoule.dashboard.shell.starting import StartingView
 from railjoule.dashboard.state.workbench import Workbench
 
+# the style sheets have the same border, as max-width: 899px
 NARROW_PX = 900
 COMPACT_PX = 1000
 """In narrower windows the bar has no room for words on its buttons."""
+# with the hairline beneath it the bar is 49 px high: there the drawer of the editor begins (BAR_PX)
 NAVIGATION = {"sizing_mode": "stretch_width", "height": 48, "margin": 0}
 FIRST_SKETCH = (
     '<svg viewBox="0 0 100 100" preserveAspectRatio="none" aria-hidden="true">'
@@ -60,6 +62,7 @@ def first_paint() -> dict[str, Any]:
         "first": source("first"),
         "mends": "".join(source(name) for name in ("follow", "mends", "glossary")) + lent("number_field"),
         "opening": source("opening"),
+        # no text may end the element of the script in which it stands
         "glossary": json.dumps(glossary.texts()).replace("<", "\\u003c"),
         "css": asset("css", "first.css"),
         "brand": BRAND,
@@ -254,6 +257,7 @@ class Shell:
             compact = self.browser.window_width < COMPACT_PX
             self.pin.visible, self.pin_small.visible = not compact, compact
             was_wide, self._wide = self._wide, self.browser.window_width >= NARROW_PX
+            # only where the border is crossed: at every other size it stays as the user has left it
             if was_wide != self._wide:
                 self._open = self._wide
                 self.page.sidebar_open = self._open and self._beside

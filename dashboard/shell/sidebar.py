@@ -130,6 +130,7 @@ class Sidebar:
         file = f"{FROM_FILE} {self._opened}"
         self._quiet = True
         with pn.io.hold():
+            # both at once, as a value must be among the options
             self.preset.param.update(
                 options=scenario_options(self.state, file),
                 value=self.state.scenario.preset if opened is None else file,

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Self
 
 import param
 
+# beyond 2**53 the numbers of a browser, which are floats, skip whole numbers
 MOST_ITEMS, LONGEST_TEXT, LARGEST_INTEGER = 500, 2_000_000, 2**53
 """Bounds of lists, of texts [characters] and of whole numbers without bounds of their own."""
 LONGEST_SHOWN, MOST_TOLD = 40, 8
@@ -60,6 +61,7 @@ class Kept(param.Parameterized):
             raise ValueError("must have a value")
         if isinstance(parameter, param.Number):
             return _number(value, self.bounds_of(field), isinstance(parameter, param.Integer))
+        # before Selector, of which it is a kind
         if isinstance(parameter, param.ListSelector):
             return [_choice(one, parameter.objects) for one in _list(value)]
         if isinstance(parameter, param.Selector):
@@ -116,8 +118,10 @@ def short(value: Any) -> str:
 
 
 def _number(value: Any, bounds: tuple[float | None, float | None], whole: bool) -> float:
+    # to Python, True is a number
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise ValueError("must be a number")
+    # of floats alone: a whole number beyond the largest float would raise OverflowError
     if isinstance(value, float) and not math.isfinite(value):
         raise ValueError("must be a finite number")
     if whole and value != int(value):
@@ -133,6 +137,7 @@ def _number(value: Any, bounds: tuple[float | None, float | None], whole: bool) 
 
 
 def _choice(value: Any, objects: Any) -> Any:
+    # by type too, as True equals 1 in Python
     found = [one for one in objects if type(one) is type(value) and one == value]
     if not found:
         raise ValueError(_choices_words(value, list(map(str, objects))))

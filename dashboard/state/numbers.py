@@ -9,6 +9,7 @@ import param
 from railjoule.dashboard.state.kept import Kept
 
 CLOCK = re.compile(r"(?:(?P<h>\d+):(?=\d\d:))?(?P<min>\d+):(?P<s>\d\d(?:\.\d+)?)")
+# a digit is asked for ahead, as each part may be missing: without it, an empty text would be a time
 WORDED = re.compile(
     r"(?=.*\d)(?:(?P<h>\d+(?:\.\d+)?)\s*h(?:ours?)?\s*)?(?:(?P<min>\d+(?:\.\d+)?)\s*(?:min(?:utes?)?|m)\s*)?"
     r"(?:(?P<s>\d+(?:\.\d+)?)\s*(?:s|sec|seconds?)?)?"
@@ -69,6 +70,7 @@ def parse_time(text: str, bounds: tuple[float | None, float | None], name: str =
     on_clock = ":" in plain
     if on_clock and (seconds >= SIXTY or (found["h"] is not None and minutes >= SIXTY)):
         raise no_time
+    # by way of its text, as the bounds are checked there
     return parse_number(repr(hours * SIXTY**2 + minutes * SIXTY + seconds), bounds)
 
 
@@ -79,11 +81,13 @@ def _no_time(text: str, name: str) -> ValueError:
 
 
 def _plain(text: str) -> str:
+    # numbers are copied from the page, which writes thin spaces and true minus signs; many write a decimal comma
     return text.replace("\u202f", "").replace("\u2212", "-").replace(",", ".")
 
 
 def clock(seconds: float) -> str:
     """Return a time [s] as on a clock: 2:30, or 1:02:03 from an hour on."""
+    # rounded before it is taken apart: 119.96 s read 2:00, not 1:60
     whole, rest = divmod(round(seconds, 1), 1)
     minutes, second = divmod(int(whole), SIXTY)
     hours, minute = divmod(minutes, SIXTY)

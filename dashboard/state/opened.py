@@ -41,6 +41,7 @@ def open_scenario(text: str, name: str) -> Opened:
     raise type(outcome)(f"{name}: {str(outcome).removeprefix(f'{SOURCE}: ')}")
 
 
+# few, as each may have the 2 MB of LONGEST_TEXT, and keyed by the text alone: `open_scenario` lays the file's name on
 @lru_cache(maxsize=8)
 def outcome_of(text: str) -> Opened | RailjouleError:
     """Return the scenario of a text or why there is none; long texts may be read here in a thread beforehand."""
@@ -52,6 +53,7 @@ def outcome_of(text: str) -> Opened | RailjouleError:
             prepare_task(scenario)
         return Opened(scenario, format_scenario(scenario))
     except RailjouleError as error:
+        # returned, not raised, as the cache keeps no exceptions: a refused text is not read again either
         return error
     except MemoryError:
         return ScenarioError(f"{SOURCE}: not enough memory on the server to read it.")

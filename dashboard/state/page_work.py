@@ -107,6 +107,7 @@ class PageWork(Generic[Model]):
     @contextmanager
     def quiet(self) -> Iterator[None]:
         """Change the model without hearing of it; nobody else's watchers are kept from it."""
+        # a quiet change may stand within another one
         before, self._quiet = self._quiet, True
         try:
             yield

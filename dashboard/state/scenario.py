@@ -15,6 +15,7 @@ from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters
 from railjoule.dashboard.state.opened import open_scenario
 
 FIRST_SCENARIO = "metro-with-limit"
+# as core/scenario bounds the keys timetable.travel_time_s and enoc.acceleration_time_s
 TIME_FIELDS = {"travel_time_s": (1.0, 86_400.0), "acceleration_time_s": (1.0, 43_200.0)}
 """Bounds of the fields that a slider shows only in part [s]."""
 PLAN_FIELDS = ("travel_time_s", "load_percent", "recuperation_percent", "edits")
@@ -57,6 +58,7 @@ class ScenarioModel(TypedParameters):
         base = self.opened or shipped(self.preset)
         sliders = {field: getattr(self, field) for field in FIELD_KEYS.values()}
         known = self._draft
+        # by identity, which costs nothing: shipped scenarios are cached, `edits` is replaced and never changed in place
         if known is None or known.base is not base or known.plan.edits is not self.edits:
             known = ScenarioDraft(Edited(base, self.edits), sliders)
         elif known.sliders != sliders:
@@ -165,6 +167,7 @@ class ScenarioModel(TypedParameters):
 
     def _take(self, scenario: Scenario, edits: Mapping[str, Any]) -> None:
         """Show a scenario that comes from edits of the base."""
+        # first of all: it refuses what no train can run, and then nothing must have changed
         with within(PAGE):
             shortest = prepare_task(scenario).shortest_travel_time_s
         # whole seconds at both ends, as those stand at them: a little less than can be driven, so that one sees where
@@ -223,6 +226,7 @@ class ScenarioModel(TypedParameters):
     @property
     def most_load_percent(self) -> float:
         """The vehicle's crush load, % of capacity."""
+        # 100 times a factor is seldom round in binary, and a sentence would read 110.00000000000001
         return float(round(100 * self.edited.vehicle.crush_load_factor, 6))
 
     def parse(self, field: str, text: str) -> float:

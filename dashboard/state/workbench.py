@@ -97,6 +97,7 @@ class Workbench(Kept, PageModel):
 
     def marks(self, *pages: str) -> Callable[[bool], None]:
         """Return what a piece of work calls when these pages wait for it, and when they no longer do."""
+        # several works may wait for one page, which is marked until the last of them has its result
         key = object()
 
         def mark(late: bool) -> None:

@@ -77,12 +77,14 @@ SECONDS_PER_CELL: Mapping[StrategyName, float] = {"bellman": 4e-4, "speed_limits
 OTHERS_SECONDS_PER_CELL, SWITCHING_SECONDS_PER_CELL2 = 5e-5, 1.6e-7
 """The second for drives that take power idling, for which the optimum takes time with the square of its cells."""
 NEVER_IDLING = (ConstantEfficiency, CopperLoss)
+# what takes less than AT_ONCE_S, a page that opens computes on the event loop, where all other pages wait meanwhile
 SLOW_S, AT_ONCE_S = 1.0, 0.1
 
 
 def expected_s(scenario: Scenario, *strategies: StrategyName) -> float:
     """Return about how long strategies take [s]: for deciding where to compute them, not for telling it."""
     line, mesh_m = scenario.line, scenario.solver.mesh_m
+    # no cell goes across a border: each section ends with a shorter one
     cells = line.length_m / mesh_m + len(line.sections)
     switching = 0.0 if isinstance(scenario.vehicle.drive, NEVER_IDLING) else SWITCHING_SECONDS_PER_CELL2 * cells
     return cells * (OTHERS_SECONDS_PER_CELL + switching + sum(SECONDS_PER_CELL.get(name, 0.0) for name in strategies))

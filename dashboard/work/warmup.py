@@ -90,6 +90,7 @@ class Warmup:
             for helper in helpers:
                 helper.kill()
                 helper.wait()
+            # after an error too, as pages wait for both: a kernel that is missing is compiled when it is called
             self.first.set()
             self.ready.set()
 
@@ -101,6 +102,7 @@ class Warmup:
 
 def marker() -> Path:
     """Return the file that says that all kernels are in the cache."""
+    # the folder's name has a hash of the core's sources, so that no mark of former sources is found
     return Path(os.environ["NUMBA_CACHE_DIR"]) / TOLD_DONE
 
 
@@ -139,6 +141,7 @@ def help_out(parent: int) -> None:
     def look() -> None:
         while os.getppid() == parent:
             time.sleep(LOOKS_EVERY_S)
+        # `sys.exit` would end this thread alone
         os._exit(0)
 
     threading.Thread(target=look, daemon=True).start()
@@ -152,7 +155,9 @@ def scenarios() -> Iterator[Scenario]:
 
 def all_kernels() -> Iterator[Any]:
     """Yield the compiled functions of the core, each once."""
+    # a kernel stands in each module that imports it
     seen: set[int] = set()
+    # copies of both: while the event loop asks for the progress, another thread imports
     for name, module in list(sys.modules.items()):
         if name.startswith("railjoule.core"):
             for member in list(vars(module).values()):
@@ -184,6 +189,7 @@ def drive_apart() -> None:
     for scenario in scenarios():
         task = prepare_task(scenario)
         for name in APART_STRATEGIES:
+            # not every scenario suits each of them: it is enough that a kernel runs in one
             with contextlib.suppress(StrategyRefusedError):
                 run_strategy(task, name)
     for regulator in ("coast", "literal"):

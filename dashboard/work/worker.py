@@ -19,6 +19,7 @@ from railjoule.core.budget import PAGE, within
 from railjoule.dashboard.insides import turns_of
 
 LOG = logging.getLogger(__name__)
+# all pools are those of the process: open pages share them
 THREADS = ThreadPoolExecutor(max_workers=2, thread_name_prefix="railjoule")
 LONG_THREADS = ThreadPoolExecutor(max_workers=2, thread_name_prefix="railjoule-long")
 """For studies of seconds, so that sliders need not wait for them."""
@@ -73,6 +74,7 @@ class Lateness:
 
     def _time(self) -> None:
         if self._document is not None and not self._timed:
+            # one timer for all requests: a slider would start one at each move
             self._timed = True
             self._document.add_timeout_callback(self._look, LATE_MS)
 
@@ -145,6 +147,7 @@ class Worker(Generic[Request, Result]):
     def ask(self, request: Request) -> None:
         """Ask for a result; a request that waits is forgotten."""
         self._document = pn.state.curdoc
+        # no session is around it, as in a script: nobody else waits, and no event loop would bring the result
         if self._document is None:
             self.do(request)
             return
@@ -162,6 +165,7 @@ class Worker(Generic[Request, Result]):
     def _start(self, request: Request) -> None:
         self._running = True
         threads = SLOW_THREADS if self._is_slow(request) else THREADS
+        # asked now: by the time the result comes, the page may be about another scenario
         threads.submit(self._timed, request).add_done_callback(partial(self._hand_over, self._about()))
 
     def _timed(self, request: Request) -> Result | RailjouleError:
@@ -272,9 +276,12 @@ class Study(Generic[Request, Result]):
                     if job.ended.is_set():
                         return
                     job.offer(result, False, self._take)
+                    # while it sleeps, the event loop gets the interpreter's lock, which kernels release but Python
+                    # between them does not
                     time.sleep(PAUSE_S if job.document is not None else 0)
         except RailjouleError as error:
             result = error
+        # all of them: nobody looks at the future of a study, so that what is raised here would be lost in silence
         except Exception as error:
             result = told(error)
         if result is not None:
@@ -282,6 +289,7 @@ class Study(Generic[Request, Result]):
 
     def _take(self, job: "_Job[Result]") -> None:
         result, last = job.take()
+        # a step of a job that was ended may still be on its way here
         if job is not self._job or result is None:
             return
         if last:
@@ -308,6 +316,7 @@ class _Job(Generic[Result]):
             called, self._called = self._called, True
         if called:
             return
+        # outside the lock: without a page the turn is taken at once, and `take` needs the lock itself
         self._turn(partial(take, self))
 
     def take(self) -> tuple[Result | RailjouleError | None, bool]:
