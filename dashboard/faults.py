@@ -51,5 +51,6 @@ def handle(error: BaseException) -> None:
     if not isinstance(error, Exception) or faults is None:
         LOG.error("a callback failed", exc_info=error)
         return
+    # the turn that failed may have left the document frozen, as in `unfrozen`
     thaw(document, 0)
     faults.tell(error)

@@ -76,6 +76,7 @@ class ActualFields:
     def _list(self, *_: Any) -> None:
         events = self.state.disturbances.events
         stops = list(stops_of(self.state))
+        # by identity: a stop that was only moved keeps its fields, and the focus in them
         if [id(stop) for stop in stops] != [id(stop) for stop in self._listed]:
             self._listed = stops
             self.stops[:] = [self._row(number, stop) for number, stop in enumerate(stops, 1)]

@@ -86,6 +86,7 @@ class Axis:
         """Show everything up to `end`, unless that is what the axis already spans: then its zoom stays."""
         self._end = end
         extent = (0.0, end * (1 + END_LABEL_SHARE) if roomy else end)
+        # up to rounding: the end is computed anew with each run
         if np.allclose(extent, self._extent, rtol=1e-9):
             return
         self._extent = extent
@@ -405,6 +406,7 @@ class DistanceChart(Chart):
         f.xaxis.visible = with_axis
         if zoom:
             box = BoxZoomTool(dimensions="width")
+            # without the key, the wheel scrolls the page
             wheel = WheelZoomTool(dimensions="width", modifiers={"ctrl": True})
             f.add_tools(PanTool(dimensions="width"), wheel, box, ResetTool())
             f.toolbar.active_drag = box
@@ -505,6 +507,7 @@ def style_of(name: str) -> dict[str, object]:
 
 def nice_range(low: float, high: float, share: float = 0.06) -> tuple[float, float]:
     """Return ends of an axis that leave some room around values."""
+    # where all values are one, the axis must still have a height
     room = share * max(high - low, 1e-9)
     return low - room, high + room
 

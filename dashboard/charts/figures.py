@@ -13,6 +13,7 @@ from railjoule.dashboard.parts import html as parts
 def ink_on(colour: str) -> str:
     """Return black or white, whichever contrasts more with a colour."""
     red, green, blue = (int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
+    # relative luminance and contrast ratio of WCAG 2.2; 0.0603 is about the luminance of the dark ink, plus 0.05
     linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in (red, green, blue)]
     luminance = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
     return "#161B22" if (luminance + 0.05) / 0.0603 > 1.05 / (luminance + 0.05) else "#FFFFFF"

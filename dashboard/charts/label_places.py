@@ -160,6 +160,7 @@ def spread_within(preferred: Sequence[float], gap: float, bottom: float, top: fl
     order = np.argsort(preferred, kind="stable")
     groups: list[tuple[float, int]] = []
     for place, k in enumerate(order):
+        # less the gaps before it, a place need only not be below the one before: pool adjacent violators
         groups.append((preferred[k] - place * gap, 1))
         while len(groups) > 1 and groups[-2][0] >= groups[-1][0]:
             (one, n), (other, m) = groups.pop(-2), groups.pop()
@@ -200,9 +201,11 @@ def _at_ends(
 
 def _along(label: Label, low: FloatArray, high: FloatArray, width_px: float, height_px: float) -> FloatArray:
     """Return the boxes above and below a label's line that lie on no line, the best first; shape (boxes, 4)."""
+    # one more than it fills, as it may begin within a column
     count = int(np.ceil(label.width_px / COLUMN_PX)) + 1
     if count > low.shape[1]:
         return np.zeros((0, 4))
+    # the filters stand in the middle of what they look at: what begins at column s is at s + count // 2
     starts = slice(count // 2, count // 2 + low.shape[1] - count + 1)
     lowest = minimum_filter1d(low, count, axis=1)[:, starts]
     highest = maximum_filter1d(high, count, axis=1)[:, starts]

@@ -17,6 +17,7 @@ POOR = 0.8
 LEVELS = (0.8, 0.85, 0.9, 0.92, 0.94, 0.95, 0.96, 0.97, 0.98)
 LABEL_PLACE = 0.6
 """Share of the speeds at which levels bear their numbers."""
+# of the torques shown: numbers of levels that lie closer would overlap
 NEAR_NM_SHARE = 0.06
 
 

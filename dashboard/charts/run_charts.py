@@ -122,9 +122,11 @@ class LineStrip(SceneChart):
         line = scene.run.scenario.line.in_running_order()
         gradients = np.array([section.gradient_permille for section in line.sections])
         borders, height = section_borders(line), height_profile(line)
+        # on level track, a metre counts as the relief
         bottom, relief = float(height.min()), max(float(np.ptp(height)), 1.0)
         assert self.figure is not None
         self.figure.xaxis.axis_label = along(scene.over_time).words
+        # over time, a straight slope is curved
         places = np.union1d(np.linspace(0, borders[-1], 200), borders) if scene.over_time else borders
         x = scene.x_of_place(places)
         self.set_range(bottom - GROUND * relief, bottom + TOP * relief)
@@ -263,6 +265,7 @@ class EffortChart(CellChart):
     def draw(self, scene: RunScene) -> None:
         """Draw the efforts and the largest one."""
         super().draw(scene)
+        # after the runs, whose range is only widened here
         largest = LARGEST_EFFORT.values(scene.run)
         self.put("largest", **xy(scene.x(scene.run), largest))
         self.set_range(min(self.y_range.start, -0.05 * largest.max()), max(self.y_range.end, 1.08 * largest.max()))

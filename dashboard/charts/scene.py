@@ -89,6 +89,7 @@ class RunScene:
         run = self.actual.actual
         events = self.actual.scenario.disturbance.stops
         places = np.array([stop.position_m for stop in events])
+        # the first of the nodes at a place is the arrival; it may lie before the place by rounding
         arrivals = np.searchsorted(run.position_m, places - 1e-6)
         x = self.x(run)[np.minimum(arrivals, len(run.position_m) - 1)]
         return [(float(place), stop.duration_s) for place, stop in zip(x, events, strict=True)]

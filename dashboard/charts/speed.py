@@ -16,6 +16,7 @@ from railjoule.dashboard.look.comparisons import OTHER_TIME_S
 from railjoule.dashboard.look.paint import Palette
 
 SIGN_PX = 11
+# over the highest limit or speed: the sign of a limit stands above its line
 HEADROOM = 1.16
 SIGN_LIFTS_PX = {"signs": 2, "stops": 5, "late": 3}
 """How far above its place each kind of sign is written."""
@@ -111,6 +112,7 @@ class SpeedChart(RunChart):
         """Name the lines where nothing else is, the chosen one first."""
         frame = self.frame_now
         taken = [box for source, lift_px in SIGN_LIFTS_PX.items() for box in self._sign_boxes(frame, source, lift_px)]
+        # against the order of drawing: what lies on top is named first
         names = [Name(name, line_words(name, scene), self.name_colour(name)) for name in reversed(list(lines))]
         self.place_names({**lines, "limit": self._limits}, names, taken)
 

@@ -30,6 +30,7 @@ LIGHTING = {"ambient": 0.85, "diffuse": 0.35, "specular": 0.02, "roughness": 0.9
 def round_step(least: float) -> float:
     """Return the smallest of 1, 2, 2.5 and 5 times a power of ten that is not below a number."""
     power = 10.0 ** np.floor(np.log10(max(least, 1e-9)))
+    # rounding must not lift a step that is round already to the next one
     return float(next(factor * power for factor in (1, 2, 2.5, 5, 10) if factor * power >= least * (1 - 1e-9)))
 
 
@@ -58,6 +59,7 @@ def scene_layout(
         "paper_bgcolor": tokens["surface"],
         "showlegend": False,
         "font": {"family": FONT},
+        # what the reader has turned stays so when the data change
         "uirevision": "keep",
         "scene": {
             "bgcolor": tokens["surface"],

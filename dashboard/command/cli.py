@@ -44,11 +44,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     arguments : sequence of str, optional
         The arguments after `railjoule`; by default those of the process.
     """
+    # a terminal may have an encoding that lacks signs of a title: they are printed as escapes, and nothing fails
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="backslashreplace")
     try:
         status = _run(arguments)
+        # here, so that a closed pipe or a full disk is noticed while it can be told
         sys.stdout.flush()
     except BrokenPipeError:
         _drop_output()
@@ -202,6 +204,7 @@ def _add_proof(parser: _Parser) -> None:
 
 
 def _port(text: str) -> int:
+    # to `isdigit`, superscripts are digits too, which `int` refuses
     if not (text.isascii() and text.isdigit() and len(text) < 6 and 1 <= int(text) <= LARGEST_PORT):
         raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a port from 1 to {LARGEST_PORT}")
     return int(text)
@@ -221,6 +224,7 @@ def _file_and_changes(file: str | None, words: Sequence[str]) -> tuple[str, list
 
 def _complain(sentence: str) -> int:
     """Print one sentence on standard error."""
+    # a file's name or text may hold control characters, which a terminal would obey
     line = "".join(character if character.isprintable() else " " for character in sentence)
     with contextlib.suppress(OSError):
         print(f"railjoule: {line}", file=sys.stderr, flush=True)

@@ -307,6 +307,7 @@ def parsed_seconds(text: str | None) -> float | None:
         seconds = float(text)
     except ValueError:
         seconds = -1.0
+    # `not` before both, as NaN is neither below nor above a bound
     if not 0.0 <= seconds <= LONGEST_PROOF_S:
         raise CommandError(
             f"--prove-seconds {shortened(text)}: must be a number of seconds from 0 to {LONGEST_PROOF_S:g}."
@@ -320,6 +321,7 @@ def parsed_value(text: str) -> Any:
         document = read_toml(f"value = {text}", "--set")
     except ScenarioError:
         return text
+    # a text with line breaks could name more keys
     return document["value"] if list(document) == ["value"] else text
 
 

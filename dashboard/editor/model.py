@@ -141,6 +141,7 @@ class EditorModel(param.Parameterized):
                 self.scenario.take_back(*self._keys_under(tables))
             elif kind == "vehicles":
                 load = self.scenario.scenario().vehicle.load_factor
+                # the vehicle comes with its own drive, beside which edits of the former one must not stay
                 self.scenario.edit({"vehicle": {"preset": name, "load_factor": load}, "drive": None})
             else:
                 self.scenario.edit({"line": {"preset": name}})
@@ -274,6 +275,7 @@ class EditorModel(param.Parameterized):
 
     def _keys_under(self, tables: Sequence[str]) -> list[str]:
         beginnings = tuple(f"{table}." for table in tables)
+        # they have fields beside every page, and stay as they are set there
         sliders = {"vehicle.load_factor", "drive.recuperation_factor"}
         return [
             key for key in self.scenario.changes if key in tables or (key.startswith(beginnings) and key not in sliders)

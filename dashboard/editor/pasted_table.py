@@ -23,6 +23,7 @@ def cells_of(text: str) -> list[list[str]]:
     have a comma unless commas separate.
     """
     separator = next((mark for mark in "\t;" if mark in text), ",")
+    # not of tabs, which stand for empty cells at both ends of a block
     rows = csv.reader(text.strip("\r\n\ufeff").splitlines(), delimiter=separator)
     return [[cell.strip() for cell in row] for row in rows if any(cell.strip() for cell in row)]
 

@@ -12,6 +12,7 @@ from railjoule.dashboard.charts.chart import Axis, DistanceChart, text_style
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.scripts import function
 
+# the bound of `gradient_permille` in core/scenario/line.py
 STEEPEST_PERMILLE = 200.0
 LEAST_SECTION_M = 1.0
 """No border can be dragged closer to the next one."""
@@ -123,6 +124,7 @@ class LimitStepsChart(DistanceChart):
             self.glyphs("scatter", "steps", end, "limit", paint=grip, **square)
         sign = {"text_align": "center", "y_offset": -9, **text_style()}
         self.glyphs("text", "steps", "middle", "limit", "text", paint={"text_color": "limit"}, **sign)
+        # `most` and `end` are set with each drawing
         bounds = {"shortest": LEAST_SECTION_M, "least": LEAST_LIMIT_KMH, "most": 600.0, "end": 1.0}
         self._drag = CustomJS(
             args={"f": f, "steps": steps, "dropped": dropped, **bounds},
@@ -140,6 +142,7 @@ class LimitStepsChart(DistanceChart):
         """Draw the limits of sections, then the others, as the line's file describes them."""
         borders = section_borders(line).tolist()
         steps = [
+            # the last is the size [px] of the marks at both ends: a section's limit ends with it, and has none
             (start, end, section.speed_limit_kmh, 0)
             for start, end, section in zip(borders[:-1], borders[1:], line.sections, strict=True)
             if section.speed_limit_kmh is not None

@@ -20,6 +20,7 @@ from railjoule.dashboard.parts.failures import failure_words
 from railjoule.dashboard.parts.html import html_pane, markup, note_paragraphs, stack
 from railjoule.dashboard.state.workbench import Workbench
 
+# beneath the bar of the pages, 48 px and a hairline; as high as Material's bars (1100), below its menus (1300)
 WIDTH_PX, BAR_PX, LAYER = 520, 49, 1100
 DRAWER_CSS = f"""
 :host {{ position: fixed !important; right: 0; top: {BAR_PX}px !important; height: calc(100dvh - {BAR_PX}px) !important;
@@ -418,6 +419,7 @@ class LineGroup(Group):
         self.axis.settle("m", 0)
 
     def _drop_borders(self, distance_m: Sequence[float], height_m: Sequence[float]) -> None:
+        # rows may have come or gone while the border was dragged
         if len(distance_m) == len(self.editor.look().rows(self.sections)) + 1:
             self._then_show(partial(self.editor.move_borders, self.sections, distance_m, height_m))
 

@@ -55,6 +55,7 @@ def document_css() -> str:
 def report_css() -> str:
     """Return the style sheet of a report: colours as the system asks for them, on paper always the light ones."""
     own = (ASSETS / "css" / "report.css").read_text(encoding="utf-8")
+    # a report has no components with roots of their own: what holds within them holds for its body
     return "\n".join([_font_face(), bare_css(), parts_css().replace(":host", "body"), own])
 
 
@@ -70,6 +71,7 @@ def bare_css() -> str:
 
 
 def _font_face() -> str:
+    # in the sheet itself, as a report is one file and asks for no other
     font = base64.b64encode((ASSETS / "fonts" / "inter-latin-wght-normal.woff2").read_bytes()).decode()
     return f"@font-face {{ font-family: Inter; font-weight: 100 900; src: url(data:font/woff2;base64,{font}) }}"
 
@@ -129,6 +131,7 @@ def _material(name: ThemeName, t: Tokens) -> dict[str, Any]:
                     }
                 }
             },
+            # in the dark, the library lightens its papers by a picture above their colour
             "MuiPaper": root(backgroundImage="none"),
         },
     }

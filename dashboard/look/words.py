@@ -110,6 +110,7 @@ def number(value: float, digits: int = 1) -> str:
     if not math.isfinite(value):
         return UNKNOWN
     text = f"{abs(value):,.{digits}f}".replace(",", THIN_SPACE)
+    # what rounds to zero has no sign
     negative = value < 0 and any(character in "123456789" for character in text)
     return (MINUS if negative else "") + text
 
@@ -151,6 +152,7 @@ def share_difference(value: float) -> str:
 
 def percent_decimals(percent: float) -> int:
     """Return with how many decimals a percentage is printed."""
+    # the borders lie where a rounded percentage reads 1 or 100: 0.996 reads 1.0, not 1.00
     return 2 if abs(percent) < 0.995 else 1 if abs(percent) < 99.95 else 0
 
 

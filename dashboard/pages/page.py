@@ -129,6 +129,7 @@ class PageView:
         """Call all parts that are due; one that fails is told of, and the others go on."""
         if not self.in_sight:
             return
+        # a part that changes what another one shows leads back here: `_run_all` finds what has become due
         if self._busy:
             return
         self._busy = True

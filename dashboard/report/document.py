@@ -88,6 +88,7 @@ def report_html(findings: Findings, made_at: datetime) -> str:
 def frame() -> Template:
     """Return the template of the file; it escapes whatever is not marked as HTML, and misses no name in silence."""
     made = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, keep_trailing_newline=True)
+    # NaN is no JSON: a browser would refuse all of the data
     made.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
     template = files("railjoule.assets").joinpath("templates", "report.html").read_text(encoding="utf-8")
     return made.from_string(template)
@@ -97,6 +98,7 @@ def bokeh_script() -> str:
     """Return Bokeh's own script, without what other packages in this process add to its resources."""
     folder = Path(bokeh.__file__).parent / "server" / "static" / "js"
     texts = ((folder / f"{name}.min.js").read_text(encoding="utf-8") for name in ("bokeh", "bokeh-widgets"))
+    # it would end the element in which the script stands
     return "\n".join(text.replace("</script", "<\\/script") for text in texts)
 
 
@@ -161,5 +163,6 @@ def _lines(run: Trajectory) -> dict[str, list[float]]:
 def _rounded(values: FloatArray) -> list[float]:
     """Return values with about five digits, which no figure can tell from all."""
     size = float(np.max(np.abs(values), initial=0.0))
+    # of a greatest value from 100 on, five digits leave two decimals: 4 less the power of ten
     digits = 5 - int(np.floor(np.log10(size))) if size > 0 else 0
     return [float(value) for value in np.round(values, digits - 1)]

@@ -153,6 +153,7 @@ def _optima(findings: Findings) -> Iterator[tuple[tuple[Trajectory, ...], float]
 
 def optima_times(task: Task) -> FloatArray:
     """Return travel times for the optima of a task, its own among them, all dwells included [s]."""
+    # the own time lies within, with a tenth beyond it
     share = max(2.0, 1.1 * task.running_time_s / task.shortest_time_s)
     own = task.running_time_s + task.dwell_s
     return np.union1d(frontier_times(task, OPTIMA_COUNT - 1, share), [own])

@@ -72,6 +72,7 @@ class Surface:
         return {
             "x": self.x.tolist(),
             "y": self.y.tolist(),
+            # JSON knows no NaN; five digits are more than a surface can show, and keep the file small
             "z": [[None if np.isnan(value) else float(f"{value:.5g}") for value in row] for row in self.z],
             "titles": self.titles,
             "ticks": {

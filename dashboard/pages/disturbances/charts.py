@@ -81,6 +81,7 @@ class RideSpeedChart(RunLines):
         self.put(
             "events",
             x=[event.position_m for event in shown],
+            # at three heights by turns, as events may be close to each other
             y=[top * (0.99 - 0.08 * (k % 3)) for k in range(len(shown))],
             text=[event_sign(event) for event in shown],
         )
@@ -150,6 +151,7 @@ class LateChart(LoneChart):
             levels += energy[known].tolist()
         self.put("present", **points(present))
         if levels:
+            # where nothing is late, the axis must still have a length
             self.set_ranges((min(0.0, *ends), max(ends) + 1e-6), nice_range(min(levels), max(levels)))
 
 

@@ -15,6 +15,7 @@ from railjoule.dashboard.work.runs import Runs
 CAUSES = '<div class="block causes"><h2>{}</h2>{}</div>'
 OPEN = '<span class="open">{}</span>'
 EQUAL = "The actual run equals the plan. Change load, position or add a stop."
+# told with one decimal, a smaller one would read 0.0 m
 LEAST_STOP_ERROR_M = 0.05
 SAME_ENERGY = 1e-9
 """Relatively: two ways to solve for the same plan."""

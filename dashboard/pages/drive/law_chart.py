@@ -58,6 +58,7 @@ def sampled(law: ControlLaw) -> tuple[FloatArray, float]:
     """Return the control on an even grid of shape (speeds, places), and the greatest speed [m/s]."""
     top = float(law.speed_ms.max())
     places = np.linspace(law.position_m[0], law.position_m[-1], COLUMNS, endpoint=False)
+    # a pixel has the law at its middle
     places += 0.5 * (law.position_m[-1] - law.position_m[0]) / COLUMNS
     speeds = (np.arange(ROWS) + 0.5) * top / ROWS
     image = np.full((ROWS, COLUMNS), np.nan)

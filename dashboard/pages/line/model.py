@@ -55,6 +55,7 @@ class LineModel(TypedParameters, PageModel):
     def dwell_changes(self, scenario: Scenario) -> dict[str, Any]:
         """Return the keys of the file that give the scenario's stations the dwells of the page."""
         line = scenario.line
+        # by rounded places, as those of a line in reverse are differences
         dwells = {round(station.position_m, 6): float(station.dwell_s) for station in self.stations}
 
         def place(position_m: float) -> float:

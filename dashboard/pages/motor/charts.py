@@ -169,6 +169,7 @@ class LoopChart(RunLines):
         bottom = bottom if low < 0 else 0.0
         if any(drawn):
             frame_px = self.height - BORDERS_PX
+            # the lines get the frame less the row of names, NAMES_PX of it
             top = high + (high - bottom) * NAMES_PX / (frame_px - NAMES_PX)
         self.set_range(bottom, top)
         self._name([word for word in drawn if word], top)

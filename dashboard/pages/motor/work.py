@@ -66,6 +66,7 @@ class Motor(PageWork[MotorModel]):
     def _take_edits(self, *_: Any) -> None:
         """Take over a drive or a controller that was edited elsewhere."""
         scenario = self.state.scenario.edited
+        # an edit of anything else leaves what was set on this page
         if self._taken != (scenario.vehicle.drive, scenario.simulation):
             with self.quiet():
                 self._take(scenario)
@@ -111,6 +112,7 @@ class Motor(PageWork[MotorModel]):
         self.model.studying = False
 
     def _take_rivals(self, rivals: LoopRivals) -> None:
+        # another run may have come while these were computed
         if rivals.run is self.model.run:
             self.model.rivals = rivals
 

@@ -55,6 +55,7 @@ class HistogramChart(LoneChart):
             self.clear()
             return
         low, high = np.quantile(values, SHOWN)
+        # where chance changes nothing, all values are one
         low, high = nice_range(float(low), float(max(high, low + 1e-3)))
         counts, edges = np.histogram(values, bins=BINS, range=(low, high))
         most = float(max(counts.max(), 1))
@@ -74,6 +75,7 @@ class HistogramChart(LoneChart):
             spans.append((left, left + width))
         rows = rows_of(spans)
         room_px = ROW_PX * (max(rows) + 1) + ROW_PX
+        # the bars get the frame less the rows of words above them
         per_px = most / max(frame.height_px - room_px, ROW_PX)
         self.y_range.update(start=0, end=most + room_px * per_px)
         levels = [most + (ROW_PX * row + 0.4 * ROW_PX) * per_px for row in rows]

@@ -113,6 +113,7 @@ class HeatMapChart(Chart):
 
     def build(self) -> None:
         """Make the figure."""
+        # cells reach CELL / 2 = 0.48 to each side of whole numbers; 0.04 are left beyond the outermost
         ranges = Range1d(-0.52, len(COORDINATE_ERRORS_M) - 0.48), Range1d(-0.52, len(LOAD_FACTORS) - 0.48)
         f = empty_figure(self.height, *ranges, "Table of loads and position errors", self.palette)
         self.figure = f

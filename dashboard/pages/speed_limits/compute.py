@@ -190,6 +190,7 @@ def compute_storage(request: StorageRequest) -> StorageCurve:
     size = need.largest_drop_kwh if request.size_kwh is None else request.size_kwh
     power = max(need.charging_peak_kw, need.discharging_peak_kw) if request.power_kw is None else request.power_kw
     efficiencies = request.charging_efficiency, request.discharging_efficiency
+    # a run that never brakes needs no storage: the axis of sizes must still have a length
     sizes = np.linspace(0.0, max(LARGEST_SIZE_SHARE * need.largest_drop_kwh, 1.1 * size, 1e-3), SIZES)
     return StorageCurve(
         size_kwh=frozen_array(sizes),

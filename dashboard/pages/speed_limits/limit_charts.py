@@ -114,6 +114,7 @@ class LimitSpeedChart(RunLines):
 
     def _take(self, _attribute: str, _old: Any, new: Mapping[str, Any]) -> None:
         """Take the steps that the browser has moved."""
+        # the source calls for what is drawn here, too
         if not self._drawing:
             self._move([float(limit) for limit in new["limit"]], [float(place) for place in new["right"]][:-1])
 

@@ -64,6 +64,7 @@ class SearchPlaneChart(LoneChart):
         self.put("path", **xy(*driven[known & ~samples].T))
         start, end = driven[int(np.argmin(np.where(samples, energy, np.inf)))], search.best.limits_ms[pair] / MS_PER_KMH
         self.put("ends", x=[start[0], end[0]], y=[start[1], end[1]], marker=["circle", "diamond"])
+        # two points closer than 2 km/h lie over each other: one name tells both
         near = float(np.abs(start - end).max()) < 2
         top = 1.04 * float(max(asked.max(), driven[known].max() if known.any() else 0.0))
         self.set_ranges((0.0, top), (0.0, top))
