@@ -21,6 +21,7 @@ TABLES = {
 NOTICE_BEFORE_M, FIRST_LIMIT_M, FIRST_STOP_S = 230.0, 100.0, 20.0
 """An event is noticed this far ahead [m]; a new limit is this long [m], a new stop takes this long [s]."""
 
+# as core/scenario bounds the places of events
 LONGEST_M = 1e7
 
 KIND_WORDS = {"stop": "Stop", "limit": "Limit", "voltage": "Supply voltage", "recuperation": "Recuperation"}

@@ -216,6 +216,7 @@ class Chart:
         """Draw what waits; the chart takes the place of its sketch once it is drawn without an error."""
         if self.waiting is None:
             return
+        # before it draws: what fails would be drawn again and again
         draw, self.waiting = self.waiting, None
         if self.content is None:
             self.build()

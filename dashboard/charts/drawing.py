@@ -54,6 +54,7 @@ class DrawingQueue:
         """Take note of the charts that the browser has in sight."""
         if not self._in_sight():
             return
+        # what is said of another page's charts tells nothing of these
         self._told = self._told or any(chart.name in names for chart in self._charts)
         for chart in self._charts:
             chart.visible = chart.name in names

@@ -76,6 +76,7 @@ BOUNDS = {"ge": "least", "le": "most", "gt": "above", "lt": "below", "max_length
 """Pydantic's names of bounds, and ours."""
 YES = ("yes", "true", "1")
 NO = ("no", "false", "0")
+# not commas, which may stand before decimals
 SEPARATORS = re.compile(r"[;\s]+")
 LONG_S = 3600.0
 """A time that may be so long is read as on a clock, too."""
@@ -279,6 +280,7 @@ class Table:
 
 def plain(number: float) -> str:
     """Return a number as it stands in a file, without more digits than it needs."""
+    # a float holds 15 digits at least: what arithmetic has left in the last ones is not shown
     return f"{number:.12g}"
 
 

@@ -206,6 +206,7 @@ class Keeping(param.Parameterized):
     def _schedule(self, *_: Any) -> None:
         self._watch_items()
         document = pn.state.curdoc
+        # what is laid over the page is noted by who lays it
         if document is not None and not self._scheduled and not self._laying:
             self._scheduled = True
             document.add_timeout_callback(self._note_if_scheduled, NOTE_MS)

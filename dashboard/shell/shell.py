@@ -201,6 +201,7 @@ class Shell:
 
     def add(self, *parts: pn.viewable.Viewable) -> None:
         """Put parts at the right end of the app bar."""
+        # a new list, as nobody hears of what is added to the old one
         self.page.header = [*self.page.header, *parts]
 
     def _turn_to(self, page: str) -> None:
@@ -213,6 +214,7 @@ class Shell:
         with pn.io.hold():
             self.navigation.page = name
             self._show_sidebar()
+            # while kernels compile, the page is only named; `open` shows it
             if self._starting:
                 return
             if name in self._failed:

@@ -89,9 +89,11 @@ def as_command(recipe: Recipe) -> str:
         return f"# No command line gives this: {' '.join(recipe.untold.split())}\n# The Python program does.\n"
     if not recipe.program.of_scenario:
         return f"railjoule {command}\n"
+    # TOML has no null, so that --set cannot take a key away: a file leaves it out
     removes = any(value is None for value in recipe.changes.values())
     if recipe.opened is not None or removes:
         text = as_toml(recipe)
+        # in quotes, the shell leaves all signs of the text as they are
         return f"cat > {FILE} <<'END_OF_FILE'\n{text}END_OF_FILE\nrailjoule {command} {FILE}\n"
     words = [shlex.quote(f"{key}={toml_value(value)}") for key, value in recipe.changes.items()]
     head = f"railjoule {command} {recipe.preset}"
@@ -109,6 +111,7 @@ def toml_value(value: Any) -> str:
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(toml_value(one) for one in value) + "]"
     if isinstance(value, (bool, str)):
+        # the one sign that JSON takes as it is and TOML does not
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     return repr(value)
 

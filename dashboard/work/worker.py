@@ -181,6 +181,7 @@ class Worker(Generic[Request, Result]):
             self.last_duration_s = time.perf_counter() - started
 
     def _hand_over(self, about: object, future: "Future[Result | RailjouleError]") -> None:
+        # still in the thread of the pool: a turn may be asked for in any
         self._turn(partial(self._finish, about, future))
 
     def _finish(self, about: object, future: "Future[Result | RailjouleError]") -> None:

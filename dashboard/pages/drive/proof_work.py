@@ -43,6 +43,7 @@ class Proving(PageWork[ProofModel]):
             self.end()
             return
         same = self._scenario is not None and same_plan(self._scenario, runs.scenario)
+        # runs of other strategies over the same plan leave its proof under way
         if self.model.stage and same:
             return
         self.end()

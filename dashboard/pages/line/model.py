@@ -9,6 +9,7 @@ from railjoule.dashboard.pages.line.compute import LineRuns
 from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters
 from railjoule.dashboard.state.page_model import PageModel, result
 
+# as core/scenario/timetable.py bounds the travel time
 LATEST_S = 86_400.0
 OTHERS = ("proportional", "equal")
 

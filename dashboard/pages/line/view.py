@@ -198,6 +198,7 @@ def station_row(station: StationModel) -> pn.Column:
     of = f"{station.station or 'Station'}: "
     dwell, arrival = number_fields(station, "dwell_s", "arrival_s", of=of)
     fixed = pmui.Checkbox(
+        # the number counts from 0 between the ends, and the start is station 1
         label=f"{station.station or f'Station {station.number + 2}'}: arrival fixed",
         value=station.fixed,
         size="small",
@@ -222,6 +223,7 @@ def figure_cells(runs: LineRuns) -> list[str]:
     best, plain = runs.best, runs.runs["proportional"].run.energy_kwh
     equal = runs.runs["equal"].run.energy_kwh
     prices = [leg.price_of_time_w for leg in best.legs]
+    # up to rounding: without a fixed arrival all legs have one price
     one = max(prices) - min(prices) <= 1e-9 * max(prices)
     price = words.price(prices[0]) if one else f"{words.price(min(prices))}\u2013{words.price(max(prices))}"
     costs = [comparisons.above(other, best.run.energy_kwh) for other in (plain, equal)]

@@ -54,6 +54,7 @@ class WholeLines(PageWork[LineModel]):
         station, runs = event.obj, self.model.runs
         if event.new and runs is not None:
             with self.quiet():
+                # quietly, as it is asked for once, below
                 station.arrival_s = round(runs.best.legs[station.number].arrival_s, 1)
         self._ask()
 

@@ -110,6 +110,7 @@ class Robustness(PageWork[RobustnessModel]):
         All runs that were asked for by hand go on.
         """
         for kind in self._waiting:
+            # not begun: it must count as new when the page is in sight again
             self._asked.pop(kind, None)
         self._waiting.clear()
         if self.table.busy:

@@ -76,6 +76,7 @@ class SpeedLimitsModel(TypedParameters, PageModel):
     moving = param.Boolean(default=False, doc="Whether a step is being moved.")
     moved = param.Event(doc="A step has been moved a little further.")
 
+    # the bounds of core/scenario, until `take` knows the line and the vehicle
     _length_m, _most_kmh = LONGEST_M, 600.0
 
     def take(self, scenario: Scenario) -> None:
@@ -153,6 +154,7 @@ class SpeedLimitsModel(TypedParameters, PageModel):
 
     def move(self, limits_kmh: Sequence[float], borders_m: Sequence[float]) -> None:
         """Set limits [km/h] and borders [m] while a step is being moved."""
+        # before the sections change, which would each ask for a whole run
         self.moving = True
         self.set(limits_kmh, borders_m)
         self.found = False

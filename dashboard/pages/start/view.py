@@ -226,6 +226,7 @@ def picture(run: Trajectory, fastest: Trajectory | None) -> Markup:
     line = '<path d="M0 {} H{}" stroke="var(--rj-{})" vector-effect="non-scaling-stroke"/>'
     shapes = [markup(line, f"{HEIGHT * (1 - speed / top):.1f}", f"{WIDTH:g}", "grid") for speed in ticks(top)[1:]]
     for phase in run.phases:
+        # phases begin and end at nodes, up to rounding
         inside = (run.position_m >= phase.start_m - 1e-9) & (run.position_m <= phase.end_m + 1e-9)
         x, y = scaled(run.position_m[inside], run.speed_ms[inside] / MS_PER_KMH, run.distance_m, top, WIDTH, HEIGHT)
         if len(x) < 2:
