@@ -69,6 +69,7 @@ class Figures:
                     chart.figure.html_attributes = {"role": "img", "aria-label": self.alternative(chart)}
                 assert chart.content is not None
                 self.document.add_root(chart.content.object)
+        # before the charts are drawn in other colours and over other times, which the file has as data
         self.docs, self.item = written_down(self.document)
         self.places = dict(zip(charts, self.item.to_json()["roots"].values(), strict=True))
 

@@ -62,6 +62,7 @@ class StrategyList(JSComponent):
             self.state.chosen = name
         elif kind == "draw":
             drawn = {*self.state.ticked, name} if data.get("on") else {*self.state.ticked} - {name}
+            # in the order of all, so that the address is the same whatever was ticked first
             self.state.ticked = [other for other in STRATEGIES if other in drawn]
 
 

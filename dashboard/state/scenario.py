@@ -136,6 +136,7 @@ class ScenarioModel(TypedParameters):
         if load > most:
             fields.pop("load_percent")
         self.param.update(**fields)
+        # told last, so that all else is taken over
         if load > most:
             raise ScenarioError(f"load_percent = {load:g} must be at most {most:g}, the crush load of the vehicle.")
 

@@ -31,6 +31,7 @@ class Papers(PageWork[PapersModel]):
         if not self.in_sight or self._begun:
             return
         shipped = shipped_tables()
+        # while kernels compile it stays open: the page is turned to once more when they are there
         self._begun = shipped.is_current or warmup().ready.is_set()
         self.model.param.update(results={**shipped.papers, **self.model.results}, is_current=shipped.is_current)
         if not shipped.is_current and self._begun:
