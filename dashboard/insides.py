@@ -33,7 +33,6 @@ def leave_busy(page: pmui.Page) -> None:
     It never stops by itself, so that every closed page stays alive and every change anywhere costs all open pages: see
     issue 2626 of panel. `page.busy = False` ends the cost, but not the leak.
     """
-    # param offers no other means to end what it watches by reference
     private = page._param__private
     for _, watcher in list(private.ref_watchers):
         pn.state.param.unwatch(watcher)

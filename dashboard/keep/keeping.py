@@ -25,6 +25,7 @@ from railjoule.dashboard.work.worker import SLOW_THREADS
 LOG = logging.getLogger(__name__)
 NOTE_MS = 200
 """The first change after a rest is taken note of this much later, with all that came meanwhile."""
+# characters of a file's name in a sentence: it comes from the browser, however long
 LONGEST_NAME = 80
 LONGEST_AT_ONCE = 50_000
 """A scenario of more characters is read in a thread before the page takes it: that takes up to seconds."""

@@ -23,6 +23,7 @@ LONGEST_QUERY, LONGEST_LINK = 1_500, 2_000_000
 """Up to the first length a state stands in the query, which is sent to the server; a longer one stands behind `#`."""
 LONGEST_PLAIN = 200
 """A longer text is packed."""
+# values that a link may have, and those that a sentence tells of where they cannot be opened
 MOST_FIELDS, MOST_TOLD = 500, 3
 MOST_KEYS, DEEPEST = 500, 12
 """Keys of a table in a link, and tables and lists one in the other; the deepest real ones are 5."""

@@ -131,7 +131,7 @@ def _material(name: ThemeName, t: Tokens) -> dict[str, Any]:
                     }
                 }
             },
-            # in the dark, the library lightens its papers by a picture above their colour
+            # in the dark, the library lightens its papers by a gradient over their colour
             "MuiPaper": root(backgroundImage="none"),
         },
     }

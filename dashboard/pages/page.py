@@ -21,6 +21,7 @@ from railjoule.dashboard.parts.failures import failure_words
 from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.workbench import Workbench
 
+# the style sheets have the same borders, as max-width: 1599px and 899px
 WIDE_PX, NARROW_PX = 1600, 900
 SIDEBAR_PX, EDGES_PX, NARROW_EDGES_PX, COLUMN_GAP_PX, LEAST_WIDTH_PX = 290, 48, 40, 28, 260
 """What stands beside the charts, the sidebar open, and how wide they are at least."""

@@ -14,6 +14,7 @@ from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.recipes import Recipe, recipe_of
 from railjoule.dashboard.state.workbench import Workbench
 
+# characters of the title in the name of the file
 LONGEST_NAME = 60
 FINDINGS_SHARE = 0.9
 """How much of the work is done once all is found; the rest is writing it down."""

@@ -10,6 +10,7 @@ import param
 # beyond 2**53 the numbers of a browser, which are floats, skip whole numbers
 MOST_ITEMS, LONGEST_TEXT, LARGEST_INTEGER = 500, 2_000_000, 2**53
 """Bounds of lists, of texts [characters] and of whole numbers without bounds of their own."""
+# characters of a stranger's value in a sentence, and choices that a sentence lists
 LONGEST_SHOWN, MOST_TOLD = 40, 8
 
 

@@ -87,7 +87,7 @@ def _plain(text: str) -> str:
 
 def clock(seconds: float) -> str:
     """Return a time [s] as on a clock: 2:30, or 1:02:03 from an hour on."""
-    # rounded before it is taken apart: 119.96 s read 2:00, not 1:60
+    # rounded before it is taken apart, so that 119.96 s read 2:00
     whole, rest = divmod(round(seconds, 1), 1)
     minutes, second = divmod(int(whole), SIXTY)
     hours, minute = divmod(minutes, SIXTY)

@@ -41,7 +41,7 @@ def open_scenario(text: str, name: str) -> Opened:
     raise type(outcome)(f"{name}: {str(outcome).removeprefix(f'{SOURCE}: ')}")
 
 
-# few, as each may have the 2 MB of LONGEST_TEXT, and keyed by the text alone: `open_scenario` lays the file's name on
+# keyed by the text alone, as `open_scenario` lays the file's name on; eight texts have at most 16 MB (LONGEST_TEXT)
 @lru_cache(maxsize=8)
 def outcome_of(text: str) -> Opened | RailjouleError:
     """Return the scenario of a text or why there is none; long texts may be read here in a thread beforehand."""

@@ -22,6 +22,7 @@ from railjoule.dashboard.state.kept import Kept
 from railjoule.dashboard.state.opened import open_scenario
 from railjoule.dashboard.state.scenario import ScenarioModel
 
+# as many as the look has colours and strokes for: `pin_1` to `pin_6` in look/tokens.py
 MOST_PINS = 6
 PIN_KEYS = tuple(f"pin_{number}" for number in range(1, MOST_PINS + 1))
 """Colours and strokes of the pins, by the tokens of the look."""

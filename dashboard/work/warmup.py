@@ -32,6 +32,7 @@ from railjoule.core.studies.motor_map import motor_map
 from railjoule.core.studies.storage import saving_over_size
 
 LOG = logging.getLogger(__name__)
+# as `FIRST_SCENARIO` of state/scenario.py, which brings param: the processes that compile need none of the page
 FIRST = "metro-with-limit"
 """The scenario with which a page opens."""
 FIRST_KERNELS = 200

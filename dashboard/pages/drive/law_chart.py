@@ -12,6 +12,7 @@ from railjoule.dashboard.charts.scene import RunScene
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.words import MINUS
 
+# pixels of the picture along the line and the speed
 COLUMNS, ROWS = 180, 64
 STEPS = 10
 """Colours from coasting to full effort, each way."""

@@ -214,7 +214,7 @@ class Drawing:
                 left[link.target] += height
             else:
                 x1, y1 = self.end_x, self.end_tops[link.target]
-            # a thinner ribbon could not be seen
+            # less than a pixel, but seen
             ribbons.append(self._ribbon(x0, y0, x1, y1, max(height, 0.8), link.token))
         return ribbons
 

@@ -14,6 +14,7 @@ from railjoule.core.studies.tradeoff import Frontier, energy_time_frontier, fron
 
 BASE = "liashenko-0"
 """A metro train of five cars with a constant efficiency, whose speeds follow from a formula."""
+# the texts of the lessons (model.py) name these and what comes of them; their test computes it again
 SHORT_M, MIDDLE_M, LONG_M = 1500.0, 3000.0, 6000.0
 HUMP_TIME_S, LONG_TIME_S, LOAD_TIME_S = 125.0, 430.0, 125.0
 PLANNED_LOAD = 0.3

@@ -35,6 +35,7 @@ LINES: Mapping[str, Line] = {
     "proportional": Line("phases", {"line_width": 1.8, "line_dash": [4, 3]}),
     "optimum": Line("optimal", {"line_width": 2.4}),
 }
+# over the highest limit: the names of the stations hang down from the upper edge
 HEADROOM = 1.2
 WORD_PX = 6.8
 BAR_SHARE, GROUP_SHARE = 0.25, 0.75

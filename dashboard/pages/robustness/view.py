@@ -63,6 +63,7 @@ class RobustnessView(PageView):
     page = PAGE
     works = (Robustness,)
     heights = HEIGHTS
+    # as LAYOUT_CSS has it, which lays out one column up to 1099 px
     halves_from_px = 1100
 
     def make(self) -> Viewable:

@@ -57,6 +57,7 @@ class TradeOffView(PageView):
 
     page = "Trade-off"
     heights = HEIGHTS
+    # as LAYOUT_CSS has it, which lays out one column up to 899 px
     halves_from_px = 900
 
     def make(self) -> Viewable:
