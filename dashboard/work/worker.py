@@ -175,6 +175,7 @@ class Worker(Generic[Request, Result]):
                 return self._compute(request)
         except RailjouleError as error:
             return error
+        # a hostile scenario may cause these: without a page, there is no future that brings them to `_finish`
         except (MemoryError, RecursionError) as error:
             return told(error)
         finally:
