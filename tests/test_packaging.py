@@ -15,8 +15,8 @@ ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 SETUPTOOLS = PROJECT["tool"]["setuptools"]
 FOLDERS = {package: ROOT / folder for package, folder in SETUPTOOLS["package-dir"].items()}
-PICTURES = "pictures"
-"""What only README shows stays out of the wheel."""
+UNPACKED = {"docs", "pictures"}
+"""Folders of what only README shows: they stay out of the wheel."""
 
 
 def packages_on_disk() -> set[str]:
@@ -43,7 +43,7 @@ def test_every_data_file_is_packed():
         path
         for folder in FOLDERS.values()
         for path in folder.rglob("*")
-        if path.is_file() and path.suffix not in {".py", ".pyc"} and PICTURES not in path.parts
+        if path.is_file() and path.suffix not in {".py", ".pyc"} and UNPACKED.isdisjoint(path.parts)
     }
     assert data - packed == set()
 
@@ -84,24 +84,34 @@ def declared(requirements: Iterable[str]) -> set[str]:
     return {Requirement(text).name.replace("-", "_") for text in requirements}
 
 
+DEPENDENCIES = declared(PROJECT["project"]["dependencies"])
+NOTEBOOK = ROOT / "dashboard" / "notebook.py"
+
+
 def test_dependencies_are_those_that_the_core_and_the_command_line_use():
     dashboard = ROOT / "dashboard"
     paths = [*(ROOT / "core").rglob("*.py"), *(dashboard / f"{name}.py" for name in COMMAND_LINE)]
-    assert declared(PROJECT["project"]["dependencies"]) == imported_packages(paths)
+    assert imported_packages(paths) == DEPENDENCIES
 
 
 def test_the_extra_of_the_page_has_what_it_needs_beside_them():
-    used = imported_packages((ROOT / "dashboard").rglob("*.py")) - declared(PROJECT["project"]["dependencies"])
-    assert declared(EXTRAS["page"]) == used | USED_BY_PANEL
+    paths = set((ROOT / "dashboard").rglob("*.py")) - {NOTEBOOK}
+    assert declared(EXTRAS["page"]) == (imported_packages(paths) - DEPENDENCIES) | USED_BY_PANEL
 
 
-def test_the_tests_have_the_page():
-    assert "railjoule[page]" in EXTRAS["test"]
+def test_the_extra_of_notebooks_has_what_they_need_beside_the_page():
+    used = imported_packages([NOTEBOOK]) - DEPENDENCIES - declared(EXTRAS["page"])
+    assert declared(EXTRAS["notebook"]) == used | {"railjoule"}
+    assert "railjoule[page]" in EXTRAS["notebook"]
+
+
+def test_the_tests_have_notebooks_and_with_them_the_page():
+    assert "railjoule[notebook]" in EXTRAS["test"]
 
 
 REQUIREMENTS = [
     Requirement(text)
-    for text in [*PROJECT["project"]["dependencies"], *EXTRAS["page"], *EXTRAS["test"]]
+    for text in [*PROJECT["project"]["dependencies"], *EXTRAS["page"], *EXTRAS["notebook"], *EXTRAS["test"]]
     if Requirement(text).name != "railjoule"
 ]
 BOUNDED = {"bokeh", "panel", "panel-material-ui"}

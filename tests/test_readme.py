@@ -59,6 +59,15 @@ def test_python_example_prints_what_is_shown(tmp_path):
     assert run.stdout == shown
 
 
+def test_notebook_example_draws_what_is_told():
+    """Its last two lines are what a notebook shows: three charts of one run, and three runs in one."""
+    names = {}
+    *lines, one, several = blocks("python")[1].splitlines()
+    exec("\n".join(lines), names)
+    assert [curve.vdims[0].name for curve in eval(one, names)] == ["speed", "energy", "effort"]
+    assert [curve.label for curve in eval(several, names)] == ["Optimal", "Bellman", "Fastest"]
+
+
 @pytest.fixture
 def folder(tmp_path):
     """A folder with the scenario file that README shows."""
@@ -83,7 +92,7 @@ def test_vehicle_and_line_that_are_added_make_a_scenario():
 
 def test_the_strategy_that_is_added_keeps_its_timetable():
     names = {}
-    exec(blocks("python")[1], names)
+    exec(blocks("python")[2], names)
     scenario = load_scenario("liashenko-ii")
     run = names["slowed"](prepare_task(scenario))
     assert run.travel_time_s == pytest.approx(scenario.travel_time_s)
@@ -96,7 +105,7 @@ def with_the_drive(tmp_path_factory):
     root = tmp_path_factory.mktemp("with-drive") / "railjoule"
     for name in ("core", "assets"):
         shutil.copytree(ROOT / name, root / name, ignore=shutil.ignore_patterns("__pycache__"))
-    added = blocks("python")[2]
+    added = blocks("python")[3]
     (root / added.splitlines()[0].removeprefix("# ")).write_text(added, encoding="utf-8")
     for change in blocks("diff")[0].split("--- ")[1:]:
         name, hunks = change.split("\n", 1)
@@ -159,7 +168,7 @@ def test_the_drive_that_is_added_drives(with_the_drive):
 def test_the_drive_that_is_added_gives_its_derivatives():
     """Compiled, against central differences of its own power; F v / 0.8 + 1e-6 F^2 and 0.8 F v - 1e-6 F^2 by hand."""
     names = {}
-    exec(blocks("python")[2].replace("cache=True", ""), names)
+    exec(blocks("python")[3].replace("cache=True", ""), names)
     parameters = np.array([0.8, 1e-6])
     for kernel, by_hand in (("driving_power", 1e5 / 0.8 + 100.0), ("generated_power", 0.8e5 - 100.0)):
         power = partial(names[kernel], parameters)
