@@ -1,7 +1,7 @@
 """Runs as HoloViews objects, for notebooks: `pip install 'railjoule[notebook]'`; the page and the reports use none.
 
-A notebook shows them after `holoviews.extension("bokeh")`. All that a call returns is made by that call, so what one
-reader of a served notebook zooms or hides changes nothing for another.
+A notebook shows them after `holoviews.extension("bokeh", inline=True)`. All that a call returns is made by that call,
+so what one reader of a served notebook zooms or hides changes nothing for another.
 """
 
 from collections.abc import Collection, Iterable, Iterator, Mapping

@@ -23,7 +23,7 @@ from railjoule.core import load_scenario, solve
 from railjoule.dashboard.charts.quantities import ENERGY
 from railjoule.dashboard.notebook import compare, to_holoviews
 
-hv.extension("bokeh")
+hv.extension("bokeh", inline=True, logo=False)
 """,
     """\
 ## One run
