@@ -84,3 +84,9 @@ def test_a_smooth_drive_with_a_loose_bound_is_proven_alike(server: Server, chrom
     assert_nothing_grave(user)
     assert user.errors == [], user.errors
     page.close()
+
+
+def test_a_run_that_is_proven_has_nothing_to_prove_further(user: User) -> None:
+    expect(user.figure_value("Above the optimum")).to_have_text("0.00%")
+    expect(user.page.get_by_text("proven", exact=False).first).to_be_visible()
+    expect(user.page.get_by_role("button", name="Prove further", exact=True)).to_be_hidden()

@@ -9,7 +9,7 @@ from railjoule.core.trajectory import Bound
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.markup import Markup, markup
-from railjoule.dashboard.parts.html import html_pane
+from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.state.workbench import Workbench
 
 ROW_CSS = """
@@ -40,9 +40,9 @@ class ProofRow:
             sx={"justifyContent": "flex-end", "@media (max-width: 899px)": {"justifyContent": "flex-start", "pl": 0}},
             on_click=self._press,
         )
-        self.view = pn.Column(
-            self.text, self.button, margin=0, sizing_mode="stretch_width", stylesheets=[ROW_CSS], visible=False
-        )
+        row = pn.Column(self.text, self.button, margin=0, sizing_mode="stretch_width", stylesheets=[ROW_CSS])
+        # around it, as the row's own display would show what is hidden
+        self.view = stack(row, visible=False)
 
     def _press(self, _: object) -> None:
         self.model.param.trigger("stop" if self.model.stage == "further" else "go_on")
