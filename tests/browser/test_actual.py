@@ -11,9 +11,10 @@ from browser.user import User
 SCENARIO = "Metro, profile II + I"
 DASHED = """() => {
   for (const model of Bokeh.documents[0]._all_models.values()) {
-    if (model.type !== "ColumnDataSource" || model.name !== "actual") continue;
-    const {x, y} = model.data;
-    if (x && x.length > 2) return `${x.length} ${Array.from(y).reduce((sum, one) => sum + one, 0)}`;
+    // charts out of sight leave their columns of the run as they are
+    if (model.type !== "GlyphRenderer" || model.name !== "actual" || model.glyph.y?.field !== "speed") continue;
+    const y = model.data_source.data.speed;
+    if (y && y.length > 2) return `${y.length} ${Array.from(y).reduce((sum, one) => sum + one, 0)}`;
   }
   return "";
 }"""
@@ -30,10 +31,11 @@ def number_of(text: str) -> str:
     return re.match(r"[+\u2212]?[\d\u202f.]+", text).group()  # type: ignore[union-attr]
 
 
-def changed(user: User, before: tuple[str, str]) -> tuple[str, str]:
-    """Wait until number and dashed line have changed, and return them."""
+def changed(user: User, before: tuple[str, str], curve: bool = True) -> tuple[str, str]:
+    """Wait until the number has changed, and with it the dashed line unless that stays, and return them."""
     expect(user.figure_value("Actual run costs")).not_to_contain_text(before[0])
-    user.page.wait_for_function(f"before => ({DASHED})() !== before", arg=before[1])
+    if curve:
+        user.page.wait_for_function(f"before => ({DASHED})() !== before", arg=before[1])
     return extra(user), user.page.evaluate(DASHED)
 
 
@@ -56,7 +58,8 @@ def test_every_widget_of_the_day_moves_number_and_curve(server: Server, chromium
         ("Position error, m", -6),
     ):
         user.push(name, steps)
-        now = changed(user, now)
+        # limits decide how this train is driven: what comes back to the supply changes what that costs alone
+        now = changed(user, now, curve=name != "Recuperation, %")
     page.get_by_role("button", name="+ stop").click()
     expect(page.get_by_label("Stop 1: at, m, as a number")).to_be_visible()
     now = changed(user, now)
