@@ -2,11 +2,5 @@
 
 REALITY = ("actual_load_percent", "coordinate_error_m")
 
-FOLLOWER = (
-    "speed_error_percent",
-    "target_braking",
-    "reset_sensor_m",
-    "calibration_length_m",
-    "stop_sensor_m",
-    "target_deceleration_ms2",
-)
+SENSOR_FIELDS = ("reset_sensor_m", "calibration_length_m", "stop_sensor_m", "target_deceleration_ms2")
+FOLLOWER = ("speed_error_percent", "target_braking", *SENSOR_FIELDS)

@@ -5,21 +5,12 @@ from typing import Any
 import panel as pn
 import panel_material_ui as pmui
 
+from railjoule.dashboard.actual.follower import SENSOR_FIELDS
 from railjoule.dashboard.look import words
-from railjoule.dashboard.pages.robustness.model import FULL_RUNS
+from railjoule.dashboard.pages.robustness.model import CHANCE_FIELDS, FULL_RUNS
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import LoadField, number_fields, tie
 from railjoule.dashboard.state.workbench import Workbench
-
-SENSOR_FIELDS = ("reset_sensor_m", "calibration_length_m", "stop_sensor_m", "target_deceleration_ms2")
-CHANCE_FIELDS = (
-    "load_deviation_percent",
-    "error_deviation_m",
-    "resistance_deviation_percent",
-    "voltage_deviation_percent",
-    "mean_departure_delay_s",
-    "seed",
-)
 
 
 class RealityFields:

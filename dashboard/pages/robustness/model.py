@@ -10,6 +10,7 @@ from railjoule.core.scenario.options import MonteCarloOptions, SimulationOptions
 from railjoule.core.scenario.vehicle import MOST_LOAD_FACTOR
 from railjoule.core.studies.montecarlo import MonteCarloTable
 from railjoule.core.studies.sensitivity import Knows, SensitivityTable
+from railjoule.dashboard.actual.follower import FOLLOWER, REALITY
 from railjoule.dashboard.pages.robustness.compute import Reality
 from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters
 from railjoule.dashboard.state.page_model import PageModel, result
@@ -19,31 +20,23 @@ CHANCE = MonteCarloOptions()
 FIRST_LOAD_PERCENT, FIRST_ERROR_M = 100.0, 10.0
 """The reality shown at first, where the scenario names none: one in which something goes wrong."""
 PREVIEW_RUNS, FULL_RUNS = 500, 10_000
+CHANCE_FIELDS = (
+    "load_deviation_percent",
+    "error_deviation_m",
+    "resistance_deviation_percent",
+    "voltage_deviation_percent",
+    "mean_departure_delay_s",
+    "seed",
+)
+"""What is drawn by chance, and how."""
+TABLE_FIELDS = ("both_directions", "knows")
 MEASURES = ("over_replanned", "overconsumption", "delay_s", "stop_error_m")
 
 
 class RobustnessModel(TypedParameters, PageModel):
     """The settings of the page and its results, in the units that it shows."""
 
-    kept = (
-        "actual_load_percent",
-        "coordinate_error_m",
-        "speed_error_percent",
-        "target_braking",
-        "reset_sensor_m",
-        "calibration_length_m",
-        "stop_sensor_m",
-        "target_deceleration_ms2",
-        "load_deviation_percent",
-        "error_deviation_m",
-        "resistance_deviation_percent",
-        "voltage_deviation_percent",
-        "mean_departure_delay_s",
-        "seed",
-        "both_directions",
-        "knows",
-        "measure",
-    )
+    kept = (*REALITY, *FOLLOWER, *CHANCE_FIELDS, *TABLE_FIELDS, "measure")
     passing = ("drawing", "most_load_percent")
 
     actual_load_percent = TypedNumber(

@@ -15,7 +15,13 @@ from railjoule.dashboard.pages.robustness.compute import (
     compute_reality,
     compute_table,
 )
-from railjoule.dashboard.pages.robustness.model import FULL_RUNS, PREVIEW_RUNS, RobustnessModel
+from railjoule.dashboard.pages.robustness.model import (
+    CHANCE_FIELDS,
+    FULL_RUNS,
+    PREVIEW_RUNS,
+    TABLE_FIELDS,
+    RobustnessModel,
+)
 from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.programs import page_run
 from railjoule.dashboard.state.scenario import PLAN_FIELDS
@@ -23,15 +29,6 @@ from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import is_slow
 
 PAGE = "Robustness"
-CHANCE = (
-    "load_deviation_percent",
-    "error_deviation_m",
-    "resistance_deviation_percent",
-    "voltage_deviation_percent",
-    "mean_departure_delay_s",
-    "seed",
-)
-TABLE = ("both_directions", "knows")
 NOTHING_WRONG = {"disturbance.actual_load_factor": 0.0, "disturbance.coordinate_error_m": 0.0}
 
 
@@ -58,7 +55,7 @@ class Robustness(PageWork[RobustnessModel]):
         self._take_crush_load()
         state.scenario.param.watch(self._ask, list(PLAN_FIELDS))
         state.param.watch(self._ask, ["page", "chosen"])
-        self.model.param.watch(self._ask, [*REALITY, *FOLLOWER, *CHANCE, *TABLE])
+        self.model.param.watch(self._ask, [*REALITY, *FOLLOWER, *CHANCE_FIELDS, *TABLE_FIELDS])
         self.model.param.watch(self._draw_all, "draw_all")
         self.model.param.watch(self._stop, "stop_drawing")
 
