@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+import panel as pn
 
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import FONT
@@ -32,6 +33,13 @@ def round_step(least: float) -> float:
     power = 10.0 ** np.floor(np.log10(max(least, 1e-9)))
     # rounding must not lift a step that is round already to the next one
     return float(next(factor * power for factor in (1, 2, 2.5, 5, 10) if factor * power >= least * (1 - 1e-9)))
+
+
+def surface_pane(height: int) -> pn.pane.Plotly:
+    """Return a pane for a surface, without the library's bar of tools."""
+    return pn.pane.Plotly(
+        config={"displayModeBar": False, "responsive": True}, sizing_mode="stretch_width", height=height, margin=0
+    )
 
 
 def scene_layout(

@@ -17,7 +17,7 @@ from railjoule.core.validation.papers import printed_numbers
 from railjoule.core.validation.table import CLOSE_PERCENT
 from railjoule.dashboard.charts.chart import Chart, text_style
 from railjoule.dashboard.charts.figures import empty_figure, ink_on
-from railjoule.dashboard.charts.surface import LIGHTING, NARROW_PX, scene_layout
+from railjoule.dashboard.charts.surface import LIGHTING, NARROW_PX, scene_layout, surface_pane
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.parts import html as parts
@@ -197,12 +197,7 @@ class CostSurface(Chart):
 
     def build(self) -> None:
         """Make the pane."""
-        self.pane = pn.pane.Plotly(
-            config={"displayModeBar": False, "responsive": True},
-            sizing_mode="stretch_width",
-            height=self.height,
-            margin=0,
-        )
+        self.pane = surface_pane(self.height)
         name = pn.pane.HTML('<span data-figure="Table of loads and position errors, as a surface"></span>', margin=0)
         self._drawn = ()
         self.content, self.figure = pn.Column(name, self.pane, margin=0, sizing_mode="stretch_width"), self.pane

@@ -15,6 +15,7 @@ from railjoule.dashboard.charts.surface import (
     TALLEST,
     round_step,
     scene_layout,
+    surface_pane,
 )
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
@@ -38,12 +39,7 @@ class SurfacePane(Chart):
 
     def build(self) -> None:
         """Make the pane."""
-        self.pane = pn.pane.Plotly(
-            config={"displayModeBar": False, "responsive": True},
-            sizing_mode="stretch_width",
-            height=self.height,
-            margin=0,
-        )
+        self.pane = surface_pane(self.height)
         style = f"font:12px {FONT};color:var(--rj-ink2);padding:2px 0 0 6px"
         title = parts.markup('<div data-figure="{0}" style="{1}">{0}</div>', self.caption, style)
         # as plain text: the library escapes what it sends, and pieces of HTML would refuse
