@@ -8,9 +8,8 @@ from bokeh.models import CustomJS
 
 from railjoule.core.motion.line_profile import height_profile, section_borders
 from railjoule.core.scenario import Line
-from railjoule.dashboard.charts.chart import Axis, DistanceChart, text_style
+from railjoule.dashboard.charts.chart import Axis, DistanceChart, dragged, text_style
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.look.scripts import function
 
 # the bound of `gradient_permille` in core/scenario/line.py
 STEEPEST_PERMILLE = 200.0
@@ -65,12 +64,7 @@ class ProfileChart(DistanceChart):
             **text_style(),
         )
         bounds = {"steepest": STEEPEST_PERMILLE, "shortest": LEAST_SECTION_M}
-        drag = CustomJS(
-            args={"f": f, "nodes": nodes, "sign": sign, "dropped": dropped, **bounds},
-            code=function("drag_heights", "drag_heights({f, nodes, sign, dropped, steepest, shortest}, cb_obj)"),
-        )
-        for event in ("panstart", "pan", "panend"):
-            f.js_on_event(event, drag)
+        dragged(f, "drag_heights", nodes=nodes, sign=sign, dropped=dropped, **bounds)
         dropped.on_change("data", self._take)
 
     def _take(self, _attribute: str, _old: Any, new: Mapping[str, Any]) -> None:
@@ -126,12 +120,7 @@ class LimitStepsChart(DistanceChart):
         self.glyphs("text", "steps", "middle", "limit", "text", paint={"text_color": "limit"}, **sign)
         # `most` and `end` are set with each drawing
         bounds = {"shortest": LEAST_SECTION_M, "least": LEAST_LIMIT_KMH, "most": 600.0, "end": 1.0}
-        self._drag = CustomJS(
-            args={"f": f, "steps": steps, "dropped": dropped, **bounds},
-            code=function("drag_limits", "drag_limits({f, steps, dropped, shortest, least, most, end}, cb_obj)"),
-        )
-        for event in ("panstart", "pan", "panend"):
-            f.js_on_event(event, self._drag)
+        self._drag = dragged(f, "drag_limits", steps=steps, dropped=dropped, **bounds)
         dropped.on_change("data", self._take)
 
     def _take(self, _attribute: str, _old: Any, new: Mapping[str, Any]) -> None:

@@ -7,12 +7,11 @@ from typing import Any
 
 import numpy as np
 from bokeh.events import PanEnd
-from bokeh.models import CustomJS
 from bokeh.plotting import figure
 
 from railjoule.core import Trajectory
 from railjoule.core.strategies.speed_limits import LEAST_LIMIT_KMH
-from railjoule.dashboard.charts.chart import Axis, text_style
+from railjoule.dashboard.charts.chart import Axis, dragged, text_style
 from railjoule.dashboard.charts.line_names import Name
 from railjoule.dashboard.charts.quantities import POSITION, SPEED, Quantity
 from railjoule.dashboard.charts.run_lines import (
@@ -27,7 +26,6 @@ from railjoule.dashboard.charts.run_lines import (
     limits_of,
 )
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.look.scripts import function
 from railjoule.dashboard.pages.speed_limits.compute import LimitRun, LimitTrip
 
 LINES: Mapping[str, Line] = {
@@ -102,12 +100,7 @@ class LimitSpeedChart(RunLines):
             **text_style(),
         )
         bounds = {"least": LEAST_LIMIT_KMH, "shortest": LEAST_SECTION_M}
-        drag = CustomJS(
-            args={"f": f, "sections": sections, "borders": borders, "handles": handles, **bounds},
-            code=function("drag_sections", "drag_sections({f, sections, borders, handles, least, shortest}, cb_obj)"),
-        )
-        for event in ("panstart", "pan", "panend"):
-            f.js_on_event(event, drag)
+        dragged(f, "drag_sections", sections=sections, borders=borders, handles=handles, **bounds)
         sections.on_change("data", self._take)
         f.on_event(PanEnd, lambda _: self._release())
         self.add_names()
