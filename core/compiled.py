@@ -1,6 +1,8 @@
 """Numba's decorators, in a form that tells type checkers that a function keeps its signature."""
 
 from collections.abc import Callable
+from functools import partial
+from types import FunctionType
 from typing import Any, TypeVar, cast
 
 import numba
@@ -17,9 +19,39 @@ Numbers = Any
 
 
 def njit(**options: Any) -> Callable[[Kernel], Kernel]:
-    """Return numba's decorator with these options; the annotations of a kernel are for readers and checkers only."""
+    """Return numba's decorator with these options; the annotations of a kernel are for readers and checkers only.
+
+    What a kernel needs to be called from Python, which unpacks and counts each array of a course, takes numba and LLVM
+    longer than many a kernel itself. So a kernel that another one calls is compiled without: only what Python calls has
+    it, and is compiled once more where both do.
+    """
+    # nobody calls a kernel from C
+    compiler: Any = partial(numba.njit, **options, no_cfunc_wrapper=True)
+
+    def decorate(function: FunctionType) -> Any:
+        kernel: Any = compiler()(function)
+        if kernel is function:  # with NUMBA_DISABLE_JIT
+            return kernel
+        kernel.within = compiler(no_cpython_wrapper=True)(_renamed(function))
+        # what typing and lowering of a call within compiled code ask of the function that is called
+        kernel.get_call_template, kernel.get_overload = kernel.within.get_call_template, kernel.within.get_overload
+        return kernel
+
     # numba types a kernel as Any, which would switch the type checker off in all that calls it
-    return cast("Callable[[Kernel], Kernel]", numba.njit(**options))
+    return cast("Callable[[Kernel], Kernel]", decorate)
+
+
+def _renamed(function: FunctionType) -> FunctionType:
+    """Return a function with another name for numba's cache, whose files know a kernel by its name and place alone."""
+    name, defaults, closure = f"{function.__qualname__}.within", function.__defaults__, function.__closure__
+    same = FunctionType(function.__code__, function.__globals__, function.__name__, defaults, closure)
+    same.__module__, same.__qualname__, same.__kwdefaults__ = function.__module__, name, function.__kwdefaults__
+    return same
+
+
+def specialisations(kernel: Any) -> int:
+    """Return how many times a kernel has been compiled, or loaded, for the types of its arguments."""
+    return len(kernel.signatures) + len(kernel.within.signatures)
 
 
 def formula(function: Kernel) -> Kernel:
@@ -66,3 +98,17 @@ def _borrowed_in_compiled_code(array: Any) -> Callable[[Any], Any]:
         return _without_owner(array)
 
     return without_owner
+
+
+@njit(cache=True)
+def copy_rows(source: Array, target: Array) -> None:
+    """Copy all rows of an array to the first ones of another.
+
+    Instead of an assignment to a slice: to that numba adds the sentence of its error, which takes long to compile.
+    """
+    for i in range(source.shape[0]):
+        if source.ndim == 1:
+            target[i] = source[i]
+        else:
+            for k in range(source.shape[1]):
+                target[i, k] = source[i, k]

@@ -66,5 +66,9 @@ class CheckError(RailjouleError):
         super().__init__(f"{run.strategy}: {run.check.verdict}")
 
 
+class RecordingError(RailjouleError):
+    """A measured run that cannot be read, does not fit its scenario, or does not hold what a fit needs."""
+
+
 class SolverError(RailjouleError):
     """A solver that ended without the accuracy asked for."""

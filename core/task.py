@@ -8,13 +8,16 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.budget import current_budget
 from railjoule.core.errors import InfeasibleLineError, StrategyRefusedError, TimetableError
 from railjoule.core.motion import Course, build_course, greatest_speeds, running_time
+from railjoule.core.motion.course import train_extent
 from railjoule.core.motion.mesh import enough_words
 from railjoule.core.motion.passes import MOVED
 from railjoule.core.scenario import Scenario, StrategyName
-from railjoule.core.units import N_PER_KN, plain_number
+from railjoule.core.units import MS_PER_KMH, N_PER_KN, plain_number
 
 # the barrier of an interior point needs room: a time that only rounding keeps above the shortest has none
 LEAST_SLACK = 1e-9
+# a state that is found within the rounding of a run may lie that much above its limit, and is no request of a file
+SAME_SPEED2 = 1e-6
 """A timetable must exceed the shortest time by this share, or the optimum has no inside to search."""
 
 
@@ -90,10 +93,10 @@ class Task:
             return
         line, mesh = self.scenario.line.in_running_order(), self.scenario.solver.mesh_m
         # each car adds a node where it passes a border, which no longer mesh removes: so many the message must leave
-        crossings = (len(line.sections) - 1) * (self.scenario.vehicle.car_count or 0)
+        crossings = (len(line.sections) - 1) * train_extent(self.scenario).crossing_points
         raise StrategyRefusedError(
             f"takes at most {most_cells:,} cells, and solver.mesh_m = {mesh:g} makes {self.course.cell_count:,}"
-            f"{enough_words(line, most_cells, crossings)}"
+            f"{enough_words(line, most_cells, crossings, self.scenario.limits_last_m)}"
         )
 
     def require_budget(self, strategy: StrategyName) -> None:
@@ -104,8 +107,8 @@ class Task:
 
 def prepare_task(
     scenario: Scenario,
-    initial_speed_ms: float = 0.0,
-    final_speed_ms: float = 0.0,
+    initial_speed_ms: float | None = None,
+    final_speed_ms: float | None = None,
     position_m: FloatArray | None = None,
 ) -> Task:
     """Return the task of a scenario.
@@ -114,8 +117,8 @@ def prepare_task(
     ----------
     scenario : Scenario
         What is asked for.
-    initial_speed_ms, final_speed_ms : float
-        Speeds at the ends of the run [m/s].
+    initial_speed_ms, final_speed_ms : float, optional
+        Speeds at the ends of the run [m/s]; those of the timetable where absent.
     position_m : array of shape (n + 1,), optional
         Nodes [m] instead of those that the scenario's mesh length gives.
 
@@ -131,6 +134,7 @@ def prepare_task(
 
 def task_over(scenario: Scenario, course: Course) -> Task:
     """Return the task of a scenario over a course of its own; errors as `prepare_task`."""
+    _require_speeds_within_limits(course)
     # the fastest run first: it shows whether there is any run at all, and bounds the speeds of all others
     speed2, obstacle, braking = greatest_speeds(course.data)
     if obstacle != MOVED:
@@ -138,6 +142,19 @@ def task_over(scenario: Scenario, course: Course) -> Task:
     shortest = running_time(course.data.cell_length_m, speed2)
     dwell = float(course.dwell_s.sum())
     return Task(scenario, course, speed2, shortest, scenario.travel_time_s - dwell)
+
+
+def _require_speeds_within_limits(course: Course) -> None:
+    """Refuse a speed that is prescribed where the line or the vehicle allows less."""
+    data = course.data
+    over = np.flatnonzero(data.fixed_speed2 > data.largest_speed2 * (1 + SAME_SPEED2))
+    if len(over):
+        node = int(over[0])
+        asked, allowed = (float(np.sqrt(of[node])) / MS_PER_KMH for of in (data.fixed_speed2, data.largest_speed2))
+        raise InfeasibleLineError(
+            f"The train is to run at {asked:.5g} km/h at {course.position_m[node]:.0f} m, where at most "
+            f"{allowed:.5g} km/h are allowed."
+        )
 
 
 def _obstacle_sentence(course: Course, cell: int, braking: bool) -> str:

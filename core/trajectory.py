@@ -22,6 +22,8 @@ from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN, W_PER_KW
 if TYPE_CHECKING:
     import pandas
 
+MEASURED = "measured"
+"""Who made a run that a recorder wrote, where others name a strategy."""
 # well above the tolerance of the solver and the rounding of its certificate, below any printed digit
 PROVEN_GAP = 1e-6
 """A run this close to its bound, relatively, counts as proven optimal."""
@@ -250,7 +252,8 @@ class Trajectory:
         """The run's arrays as its phases and its advice take them."""
         line, vehicle = self.scenario.line.in_running_order(), self.scenario.vehicle
         # at the middle of each cell: at a node the limits of both sides meet
-        limit_kmh = speed_limit_at(line, 0.5 * (self.position_m[1:] + self.position_m[:-1]))
+        middle = 0.5 * (self.position_m[1:] + self.position_m[:-1])
+        limit_kmh = speed_limit_at(line, middle, self.scenario.limits_last_m)
         # constant over the whole run, so the mean is the power itself, dwells included
         auxiliary_w = self.energy.auxiliary_j / self.travel_time_s
         return RunData(

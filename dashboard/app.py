@@ -7,18 +7,19 @@ from typing import Any
 
 import panel as pn
 from bokeh.settings import settings
+from panel.io.callbacks import PeriodicCallback
 
-from railjoule.core import RailjouleError
+from railjoule.core.workspace import Workspace
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.editor.view import EditorView
 from railjoule.dashboard.faults import handle
+from railjoule.dashboard.insides import count_no_events
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.keep.pins import Pins
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.page import PageView, view_of
-from railjoule.dashboard.pages.trade_off.compute import TradeOff, TradeOffRequest, compute_trade_off
 from railjoule.dashboard.report.button import ReportButton
 from railjoule.dashboard.report.work import Reporting
 from railjoule.dashboard.server.health import HealthHandler
@@ -26,19 +27,21 @@ from railjoule.dashboard.server.logs import keep_quiet, write_down
 from railjoule.dashboard.server.not_found import NotFoundHandler
 from railjoule.dashboard.shell.share import Share
 from railjoule.dashboard.shell.shell import Page, Shell
-from railjoule.dashboard.state.scenario import PLAN_FIELDS
+from railjoule.dashboard.state.files import serve_files_of
+from railjoule.dashboard.state.plan_work import Plans
 from railjoule.dashboard.state.workbench import Workbench
-from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs
-from railjoule.dashboard.work.warmup import warmup
-from railjoule.dashboard.work.worker import Worker
+from railjoule.dashboard.work.warmup import Reached, warmup
 
 pn.extension("plotly", notifications=False, exception_handler=handle)
 keep_quiet()
+count_no_events()
 # Panel asks models for many attributes that they may not have: a tenth of a move went into guesses at what it meant
 settings.perform_error_diagnostics = False
 
 LOG = logging.getLogger(__name__)
 POLL_MS = 300
+LOOK_MS = 3000
+"""How often a page looks at My files, which others may change too."""
 EXTRA_PATTERNS = [("/health", HealthHandler)]
 VIEWS: dict[str, type[PageView]] = {name: view_of(name) for name in PAGES}
 """What draws each page."""
@@ -48,23 +51,13 @@ class Session:
     """One open page: its state, its work, its views."""
 
     def __init__(self) -> None:
+        # asked before the state is made, which needs no kernel then
+        self._is_without_ends = warmup().holds_up_tasks
+        self._reached: Reached | None = None
+        self._polling: PeriodicCallback | None = None
         self.state = Workbench()
         self.browser = Browser()
-        self.runs = Worker(
-            compute_runs,
-            self._take_runs,
-            self._take_failure,
-            self.state.marks("Start", "Drive", "Compare", "Trade-off"),
-            is_slow=lambda request: request.is_slow,
-            about=self.state.scenario.identity,
-        )
-        self.trade_off = Worker(
-            compute_trade_off,
-            self._take_trade_off,
-            self._take_failure,
-            self.state.marks("Trade-off"),
-            about=self.state.scenario.identity,
-        )
+        self.plans = Plans(self.state)
         self.pins = Pins(self.state)
         # before the page is read from its address: the works hear of what that changes
         self.works = [work(self.state) for view in VIEWS.values() for work in view.works]
@@ -79,23 +72,14 @@ class Session:
         pages = {name: self._make(view) for name, view in VIEWS.items()}
         share = Share(self.state, self.keeping)
         self.shell = Shell(self.state, self.browser, share, pages, self.editor.view)
-        scenario = self.state.scenario
-        # only now, so that what the address has changed is asked for once, not at each of its changes
-        scenario.param.watch(self._ask_runs, [*PLAN_FIELDS, "acceleration_time_s"])
-        scenario.param.watch(
-            self._ask_trade_off, ["load_percent", "recuperation_percent", "edits", "travel_time_range_s"]
-        )
-        self.state.param.watch(self._ask_runs, ["ticked", "chosen"])
-        self.state.param.watch(self._ask_trade_off, ["page", "wide_map", "copper_weight"])
+        self.plans.begin()
         self.state.param.watch(self._paint, "dark")
         self._opened_s = time.monotonic()
         pn.state.on_session_destroyed(lambda _: self._end())
         self.shell.open()
-        self._ask_trade_off()
-        request = self._request()
-        if warmup().first.is_set() and self.state.scenario.is_shipped and request.is_short:
+        if warmup().first.is_set() and self.state.scenario.is_shipped:
             # a page that is sent with its first run is there a second earlier than one that asks for it
-            self.runs.do(request)
+            self.plans.do_if_short()
         self.reporting = Reporting(self.state)
         self.shell.add(*ReportButton(self.reporting.model, self.browser, self.lifeline.save).parts)
         pn.state.onload(self._load)
@@ -124,66 +108,44 @@ class Session:
         # what was changed before the page had loaded has not reached the browser: both are told now
         self.browser.start()
         self.lifeline.started = True
+        if self.state.files.there:
+            self.state.files.look()
+            pn.state.add_periodic_callback(self.state.files.look, period=LOOK_MS)
         warmup().start()
-        self._opened = warmup().first.is_set()
-        if self._opened:
-            self._begin()
-        else:
-            self.shell.show_starting()
         if not warmup().ready.is_set():
-            self.shell.starting.tell_behind(self._opened and warmup().compiles)
             self._polling = pn.state.add_periodic_callback(self._poll, period=POLL_MS)
-
-    def _begin(self) -> None:
-        if self.state.runs is None:
-            self._ask_runs()
-        self._turn_to_page()
+        self._poll()
 
     def _poll(self) -> None:
-        """Tell how far the kernels are; open when the first ones are there, go on where a page waits for the rest."""
-        ready = warmup().ready.is_set()
-        if not self._opened and warmup().first.is_set():
-            self._opened = True
-            self.shell.starting.tell_behind(not ready and warmup().compiles)
-            self.shell.open()
-            self._begin()
-        elif not self._opened:
-            self.shell.starting.tell(*warmup().progress)
-        elif ready:
+        """Tell how far the kernels are, and go on where the page waits for those that have come."""
+        reached, before = warmup().reached, self._reached
+        if reached != before:
+            self._reached = reached
+            self._go_on(reached)
+        if not reached.ready and warmup().compiles:
+            self.shell.compiling.tell(*warmup().progress)
+        elif reached.ready and self._polling is not None:
             self._polling.stop()
-            self.shell.starting.tell_behind(False)
+            self._polling = None
+            self.shell.compiling.done()
+
+    def _go_on(self, reached: Reached) -> None:
+        if reached.tasks and self._is_without_ends:
+            self._is_without_ends = False
+            self.state.scenario.take_ends()
+        if reached.first and self.state.runs is None:
+            self.plans.ask()
+        # to take what it can have by now
+        if reached.fastest:
             self._turn_to_page()
 
     def _turn_to_page(self) -> None:
         """Let the page on which the session begins ask for what it shows, as if one had turned to it."""
         self.state.param.trigger("page")
 
-    def _ask_runs(self, *_: Any) -> None:
-        self.runs.ask(self._request())
-
-    def _request(self) -> RunsRequest:
-        with_law = self.state.chosen == "bellman"
-        return RunsRequest(self.state.scenario.scenario(), self.state.drawn, with_law)
-
-    def _ask_trade_off(self, *_: Any) -> None:
-        """Ask for the frontier, but only while its page is in sight."""
-        if self.state.page != "Trade-off":
-            return
-        scenario = self.state.scenario
-        longest = scenario.travel_time_range_s[1]
-        self.trade_off.ask(TradeOffRequest(scenario.scenario(), longest, self.state.wide_map, self.state.copper_weight))
-
-    def _take_runs(self, runs: Runs) -> None:
-        self.state.param.update(runs=self.state.proof.laid_on(runs), failure=None)
-
-    def _take_trade_off(self, trade_off: TradeOff) -> None:
-        self.state.param.update(trade_off=trade_off, trade_off_duration_s=self.trade_off.last_duration_s)
-
-    def _take_failure(self, failure: RailjouleError) -> None:
-        self.state.failure = failure
-
     def _paint(self, *_: Any) -> None:
         with pn.io.hold():
+            # first, as charts write colours of the palette into their columns
             self.palette.switch(self.state.dark)
             for view in self.views.values():
                 view.redraw()
@@ -201,7 +163,7 @@ def make_page() -> Page:
     return Session().shell.page
 
 
-def serve(address: str = "127.0.0.1", port: int = 5006) -> None:
+def serve(address: str = "127.0.0.1", port: int = 5006, workspace: Workspace | None = None) -> None:
     """Serve the dashboard until it is stopped.
 
     Parameters
@@ -210,7 +172,10 @@ def serve(address: str = "127.0.0.1", port: int = 5006) -> None:
         Where to listen.
     port : int
         The port to listen on.
+    workspace : Workspace, optional
+        The files that My files shows, and that every visitor may change.
     """
+    serve_files_of(workspace)
     # a browser on this machine may call it by either name
     origins = [f"{address}:{port}", f"localhost:{port}", f"127.0.0.1:{port}"]
     write_down()

@@ -38,6 +38,7 @@ class Faults:
         self._tell(SENTENCE)
 
 
+# weak, as a document must not outlive its session for this
 FAULTS: WeakKeyDictionary[Document, Faults] = WeakKeyDictionary()
 
 

@@ -82,6 +82,15 @@ class SmallFile(pmui.FileInput):
 # ---- panel 1.9.4: components and panes
 
 
+def count_no_events() -> None:
+    """Let Panel no longer count the events that it is busy with.
+
+    It opens and closes all parameters of its state eight times for each event, a tenth of what a move of a slider
+    costs, for an indicator that no page of ours has.
+    """
+    pn.state._add_busy_event = pn.state._remove_busy_event = lambda _: None
+
+
 def share_sheets(doc: Document | None, properties: dict[str, Any]) -> dict[str, Any]:
     """Return the properties of a model with style sheets that other models of the document have too."""
     if doc is not None and "stylesheets" in properties:
@@ -106,6 +115,11 @@ class LightComponent(JSComponent):
         return share_sheets(doc, super()._get_properties(doc))
 
 
+AS_TEXT = "<plaintext>"
+"""All that follows this element is text to a browser. Panel's half reads what it is sent as HTML, and takes the text of
+that for the HTML to show; Panel escapes each letter of it, which takes up to six letters for one."""
+
+
 class Words(pn.pane.HTML):
     """HTML that changes often: only the new text goes to the browser.
 
@@ -116,9 +130,7 @@ class Words(pn.pane.HTML):
         return share_sheets(doc, super()._get_properties(doc))
 
     def _transform_object(self, obj: Any) -> dict[str, Any]:
-        # the library escapes what it sends, which pieces of HTML would refuse
-        result: dict[str, Any] = super()._transform_object(None if obj is None else str(obj))
-        return result
+        return {"object": AS_TEXT + str(obj) if obj else ""}
 
     def _update(self, ref: str, model: Model) -> None:
         model.text = self._transform_object(self.object)["object"]

@@ -1,4 +1,4 @@
-"""Runs as HoloViews objects, for notebooks: `pip install 'railjoule[notebook]'`; the page and the reports use none.
+"""Runs as HoloViews objects, for notebooks: `pip install 'railjoule[notebook]'`.
 
 A notebook shows them after `holoviews.extension("bokeh", inline=True)`. All that a call returns is made by that call,
 so what one reader of a served notebook zooms or hides changes nothing for another.
@@ -9,12 +9,12 @@ from itertools import cycle
 from typing import Any
 
 import holoviews as hv
-import holoviews.plotting.bokeh  # options are known only once their backend is
 import numpy as np
 from bokeh.plotting import figure
 
 from railjoule.core import Trajectory
 from railjoule.dashboard.charts.chart import add_zero, dress, nice_range, style_of
+from railjoule.dashboard.charts.elements import dress_legends
 from railjoule.dashboard.charts.quantities import EFFORT, ENERGY, POSITION, SPEED, Quantity
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.tokens import FONT, PIN_DASHES, line_width
@@ -139,8 +139,6 @@ def _dress(f: figure, quantity: Quantity, palette: Palette) -> None:
     f.outline_line_color = None
     f.title.update(text_font=FONT, text_font_size="12px", text_font_style="normal")
     palette.paint(f.title, text_color="ink2")
-    for legend in f.legend:
-        legend.update(label_text_font=FONT, label_text_font_size="12px", border_line_color=None)
-        palette.paint(legend, label_text_color="ink2", background_fill_color="surface")
+    dress_legends(f, palette)
     if quantity is EFFORT:
         add_zero(f, palette)

@@ -1,6 +1,7 @@
 """All pages by name. Each stands in a room of its own, and is known here before anything of it is loaded."""
 
 from importlib import import_module
+from keyword import iskeyword
 
 from railjoule.dashboard.page_entry import PageEntry
 
@@ -15,6 +16,8 @@ NAMES = (
     "Motor",
     "Line",
     "Learn",
+    "Measured runs",
+    "Import",
     "Papers",
     "Help",
 )
@@ -23,7 +26,9 @@ NAMES = (
 
 def room_of(name: str) -> str:
     """Return the package that a page stands in."""
-    return f"railjoule.dashboard.pages.{name.lower().replace(' ', '_').replace('-', '_')}"
+    room = name.lower().replace(" ", "_").replace("-", "_")
+    # no package can be called `import`
+    return f"railjoule.dashboard.pages.{f'{room}s' if iskeyword(room) else room}"
 
 
 def entry_of(name: str) -> PageEntry:

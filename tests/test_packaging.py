@@ -58,10 +58,11 @@ USED_BY_PANEL = {"plotly"}
 """Packages that panel imports for us, but does not bring."""
 EXTRAS = PROJECT["project"]["optional-dependencies"]
 COMMAND_LINE = (
-    *(f"command/{name}" for name in ("cli", "commands", "summary", "terminal")),
+    *(f"command/{name}" for name in ("cli", "commands", "imports", "summary", "terminal")),
     "keep/embedded",
     "look/comparisons",
     "look/words",
+    "work/kernel_parts",
     "work/warmup",
 )
 """Modules of the dashboard that need nothing of the page."""
@@ -85,13 +86,17 @@ def declared(requirements: Iterable[str]) -> set[str]:
 
 
 DEPENDENCIES = declared(PROJECT["project"]["dependencies"])
+IMPORTED_AS = {"pyyaml": "yaml"}
+"""Packages that are imported by another name."""
+FORMATS = {IMPORTED_AS.get(name, name) for extra in ("excel", "yaml") for name in declared(EXTRAS[extra])}
+"""Packages that read a kind of file, each imported where one is read."""
 NOTEBOOK = ROOT / "dashboard" / "notebook.py"
 
 
 def test_dependencies_are_those_that_the_core_and_the_command_line_use():
     dashboard = ROOT / "dashboard"
     paths = [*(ROOT / "core").rglob("*.py"), *(dashboard / f"{name}.py" for name in COMMAND_LINE)]
-    assert imported_packages(paths) == DEPENDENCIES
+    assert imported_packages(paths) == DEPENDENCIES | FORMATS
 
 
 def test_the_extra_of_the_page_has_what_it_needs_beside_them():
@@ -106,12 +111,12 @@ def test_the_extra_of_notebooks_has_what_they_need_beside_the_page():
 
 
 def test_the_tests_have_notebooks_and_with_them_the_page():
-    assert "railjoule[notebook]" in EXTRAS["test"]
+    assert {"railjoule[notebook]", "railjoule[excel]", "railjoule[yaml]"} <= set(EXTRAS["test"])
 
 
 REQUIREMENTS = [
     Requirement(text)
-    for text in [*PROJECT["project"]["dependencies"], *EXTRAS["page"], *EXTRAS["notebook"], *EXTRAS["test"]]
+    for text in [*PROJECT["project"]["dependencies"], *(text for extra in EXTRAS.values() for text in extra)]
     if Requirement(text).name != "railjoule"
 ]
 BOUNDED = {"bokeh", "panel", "panel-material-ui"}

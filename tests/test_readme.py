@@ -19,6 +19,7 @@ from railjoule.core import solve
 from railjoule.core.scenario import STRATEGY_NAMES, load_scenario, preset_names, scenario_from_document
 from railjoule.core.scenario.document import change_document
 from railjoule.core.strategies import STRATEGIES, prepare_task
+from railjoule.dashboard.command.imports import READERS
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.help.view import PROOF
 
@@ -70,7 +71,8 @@ def test_notebook_example_draws_what_is_told():
 
 @pytest.fixture
 def folder(tmp_path):
-    """A folder with the scenario file that README shows."""
+    """A folder with the scenario file that README shows, and the assets that it names."""
+    (tmp_path / "assets").symlink_to(ROOT / "assets")
     example = blocks("toml")[0]
     (tmp_path / "metro.toml").write_text(example, encoding="utf-8")
     return tmp_path
@@ -193,6 +195,22 @@ def test_command_runs(command, folder):
         assert json.loads(run.stdout)["gap"] < 1e-6
     if "--trajectory" in arguments:
         assert (folder / "run.csv").stat().st_size > 1000
+
+
+def test_the_table_of_a_line_is_imported_as_told(tmp_path):
+    (table,), (command,) = blocks("csv"), blocks("console")
+    (tmp_path / "gradients.csv").write_text(table, encoding="utf-8")
+    run = run_python(["-m", "railjoule.dashboard", *shlex.split(command)[1:]], tmp_path)
+    assert run.returncode == 0
+    assert "nothing from 800 to 900 m" in run.stderr
+    document = {"vehicle": {"preset": "metro-81-7036"}, "timetable": {"travel_time_s": 180}}
+    line = scenario_from_document({**document, "line": {"file": "line.csv"}}, folder=tmp_path).line
+    assert [section.gradient_permille for section in line.sections] == [2.5, -4, 0]
+
+
+def test_imports_are_those_that_exist():
+    named = re.findall(r"^\| `import ([\w-]+)`", TEXT, re.MULTILINE)
+    assert sorted(named) == sorted(READERS)
 
 
 def test_bad_input_ends_as_told(folder):

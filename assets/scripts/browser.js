@@ -58,8 +58,7 @@ const turning = (model) => {
   // a page that was open before is there at once, and what has changed since comes with the server's answer; unless
   // it is to show something else
   const turn = (name, anew = false) => {
-    // while the solver compiles no page can be opened
-    if (!model.page || (name === model.page && asked === null)) return;
+    if (name === model.page && asked === null) return;
     asked = name;
     bare(name);
     leave();

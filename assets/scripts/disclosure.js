@@ -16,5 +16,5 @@ export function render({model}) {
   };
   for (const name of ["label", "note", "open", "changed"]) { model.on(name, show); }
   show();
-  return make("h3", {class: "turn"}, button);
+  return make(`h${model.level}`, {class: "turn"}, button);
 }

@@ -43,6 +43,18 @@ export const life_of = (model) => {
   return life.signal;
 };
 
+// Draws anew where one of these has changed, once for all that comes in a message. Not at the first of them: of changes
+// that the server holds, a later value takes the place of an earlier one, so that no order among them can be relied on.
+export const redraw_on = (model, names, draw) => {
+  let due = false;
+  const soon = () => {
+    if (due) { return; }
+    due = true;
+    queueMicrotask(() => { due = false; draw(); });
+  };
+  for (const name of names) { model.on(name, soon); }
+};
+
 // Looks at each frame whether something holds, for a while: for what no observer tells, such as the library's views.
 export const until = (holds, within_ms) => new Promise((resolve) => {
   const end = performance.now() + within_ms;

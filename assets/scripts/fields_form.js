@@ -1,6 +1,6 @@
 // Fields below each other, with label, help and refusal tied to each for those who listen.
 
-import {make} from "./dom.js";
+import {redraw_on, make} from "./dom.js";
 
 export function render({model}) {
   const root = make("div", {class: "fields"});
@@ -70,7 +70,7 @@ export function render({model}) {
       row.error.hidden = !field.sentence;
     });
   };
-  model.on("version", show);
+  redraw_on(model, ["fields", "version"], show);
   show();
   return root;
 }

@@ -8,6 +8,7 @@ const WORDS = {
   lost: "The connection to the server is lost. Your settings are kept in this page.",
   starting: "The server is starting. Your settings are kept in this page.",
 };
+const TABLE = /\.(csv|tsv|txt|xlsx)$/i, PIECE = 8192;
 const WAIT_S = [1, 2, 4, 8, 15], ANSWER_WITHIN_MS = 20000, LEAVING_MS = 100;
 
 const hold_the_line = (document_of_bokeh, signal) => {
@@ -93,7 +94,7 @@ export function render({model, view}) {
     if (kind === "copy_link") { model.send_msg({kind: "copied", done: await copy_text(location.href)}); }
   });
 
-  const veil = make("div", {class: "rj-drop"}, "Drop a scenario file or a report to open it");
+  const veil = make("div", {class: "rj-drop"}, "Drop a scenario, a report or the file of a measured run to open it");
   const holds_files = (event) => [...(event.dataTransfer?.types ?? [])].includes("Files");
   const read = async (file) => {
     const largest = /\.html?$/i.test(file.name) ? model.largest_report_bytes : model.largest_scenario_bytes;
@@ -102,6 +103,13 @@ export function render({model, view}) {
       const text = new TextDecoder("utf-8", {fatal: true}).decode(await file.arrayBuffer());
       model.send_msg({kind: "drop", name: file.name, text});
     } catch { model.send_msg({kind: "no_text", name: file.name}); }
+  };
+  // a workbook is no text: tables go as they are, all that are dropped
+  const read_table = async (file) => {
+    if (file.size > model.largest_table_bytes) { model.send_msg({kind: "large_table", name: file.name}); return; }
+    const bytes = new Uint8Array(await file.arrayBuffer()), pieces = [];
+    for (let at = 0; at < bytes.length; at += PIECE) { pieces.push(String.fromCharCode(...bytes.subarray(at, at + PIECE))); }
+    model.send_msg({kind: "table", name: file.name, data: btoa(pieces.join(""))});
   };
   const listeners = {
     ...typing,
@@ -118,7 +126,8 @@ export function render({model, view}) {
       veil.remove();
       if (!holds_files(event) || !event.dataTransfer.files.length) { return; }
       event.preventDefault();
-      read(event.dataTransfer.files[0]);
+      const files = [...event.dataTransfer.files], tables = files.filter((file) => TABLE.test(file.name));
+      if (tables.length) { tables.forEach(read_table); } else { read(files[0]); }
     },
   };
   for (const [name, listener] of Object.entries(listeners)) { window.addEventListener(name, listener, {signal}); }

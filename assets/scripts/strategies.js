@@ -39,14 +39,14 @@ export function render({model}) {
   const show = () => {
     for (const [name, one] of rows) {
       mark(one, name === model.chosen, model.ticked.includes(name));
-      const html = model.results[name] ?? "";
+      const html = model.results[name] ?? model.unknown;
       if (one.html !== html) { one.html = html; one.result.innerHTML = html; }
       one.row.classList.toggle("refused", html.includes("reason"));
     }
     head.querySelector(".above").textContent = model.above;
     root.classList.toggle("undrawn", !model.draws);
   };
-  for (const name of ["chosen", "ticked", "results", "above", "draws"]) { model.on(name, show); }
+  for (const name of ["chosen", "ticked", "results", "unknown", "above", "draws"]) { model.on(name, show); }
   show();
   return root;
 }

@@ -1,6 +1,6 @@
 // A table whose cells are fields: typed into, pasted into, or read from a file.
 
-import {make} from "./dom.js";
+import {redraw_on, make} from "./dom.js";
 
 const LARGEST_FILE = 1e6;
 const button = (text, name, act) => {
@@ -136,7 +136,7 @@ export function render({model}) {
     }));
     tell(refusal ? refusal.sentence : "");
   };
-  model.on("version", show);
+  redraw_on(model, ["table", "version"], show);
   show();
   return root;
 }

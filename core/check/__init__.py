@@ -79,9 +79,11 @@ def check_table(
 
 def _check(scenario: Scenario, record: Record, initial_ms: float | None, final_ms: float | None) -> CheckResult:
     ends = [
-        # not every version of the format has speeds at the ends
-        getattr(scenario.timetable, key, 0.0) * MS_PER_KMH if given is None else given
-        for given, key in ((initial_ms, "entry_speed_kmh"), (final_ms, "exit_speed_kmh"))
+        kmh * MS_PER_KMH if given is None else given
+        for given, kmh in (
+            (initial_ms, scenario.timetable.entry_speed_kmh),
+            (final_ms, scenario.timetable.exit_speed_kmh),
+        )
     ]
     # numbers of any size may stand in a table: what overflows breaks a rule, and needs no warning
     with np.errstate(all="ignore"):

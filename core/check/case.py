@@ -11,7 +11,7 @@ from railjoule.core.check.loss_model import Losses, LossModel
 from railjoule.core.check.record import Record
 from railjoule.core.check.train import Route, Train, route_of, train_of
 from railjoule.core.scenario import Scenario
-from railjoule.core.units import N_PER_KN, W_PER_KW
+from railjoule.core.units import MS_PER_KMH, N_PER_KN, W_PER_KW
 
 # The acceleration divides a difference of squares by the length of a cell: a relative error d of the speed becomes d
 # v^2 / h. At 1e-9, 30 m/s and a cell of 1 mm that is 1e-3 m/s2, which no limit of a scenario can tell from noise.
@@ -51,7 +51,7 @@ class Case:
     @cached_property
     def train(self) -> Train:
         """Masses and running resistance."""
-        return train_of(self.scenario.vehicle)
+        return train_of(self.scenario.vehicle, self.scenario.line.head_wind_kmh * MS_PER_KMH)
 
     @cached_property
     def route(self) -> Route:
@@ -121,7 +121,7 @@ class Case:
         route = self.route
         steepest = max(abs(section.gradient_permille) for section in route.sections)
         # over a train's length it is a difference of integrals of integrals
-        spread = max(route.length_m / route.train_m, 1.0) if route.train_m is not None and route.cars is None else 1.0
+        spread = max(route.length_m / (route.train_m or 1.0), 1.0) if route.spreads_evenly else 1.0
         # 10 last digits: the two ends and the borders of the sections between them are rounded each on its own
         return 10 * steepest * spread * self.rounding_share
 

@@ -20,6 +20,8 @@ ROUNDING, ROUNDED_GRADIENT, ROUNDED_FORCE = 1e-7, 1e-10, 1e-5
 # 1e-6 of a limit of 80 km/h is 0.1 m/h: above the tolerances of the solvers, far below what anybody means by speeding
 ROUNDED_SPEED, ROUNDED_ACCELERATION = 1e-6, 1e-5
 LATE_S, LATE_SHARE = 1e-6, 2e-9
+# a window is kept to a hundredth of a millisecond, and times of a table are written with ten digits
+MISSED_S = 1e-4
 """A timetable is kept to a millionth of a second, or to the rounding of a long sum of times."""
 # With a price of time every second before the arrival costs energy, so an optimum is never early, but for its own
 # tolerance. An early arrival is judged by that cost, as seconds alone mean little on a flat optimum.
@@ -36,6 +38,7 @@ def motion_findings(case: Case) -> Iterator[Finding]:
     yield _cell_lengths(case)
     yield _cell_times(case)
     yield from _stops(case)
+    yield from _windows(case)
     yield from _arrival(case)
     yield _speed_limit(case)
     yield from _accelerations(case)
@@ -114,6 +117,10 @@ def _stops(case: Case) -> Iterator[Check]:
         # taken off, so that what is left in the end is standing where no station is
         waits[here] = 0.0
     at = np.array([stop.position_m for stop in stops])
+    if case.route.passes:
+        places_m = np.array([place for place, _ in case.route.passes])
+        off = [abs(_speed_at(case, place) - speed) / most for place, speed in case.route.passes]
+        yield largest_of("passing speeds", "the vehicle's top speed", ROUNDING, np.array(off), places_m)
     still = ~record.moves
     before, after = record.speed_ms[:-1][still], record.speed_ms[1:][still]
     # A cell without length is a dwell, at speed 0, or with no time either a node that is written twice, at one speed.
@@ -128,6 +135,25 @@ def _stops(case: Case) -> Iterator[Check]:
         np.concatenate([np.array(misses), waits]),
         np.concatenate([at, places]),
     )
+
+
+def _windows(case: Case) -> Iterator[Finding]:
+    """Compare arrivals at stations with their windows."""
+    stops = [stop for stop in case.route.stops if stop.window_s != (0.0, np.inf)]
+    if not stops:
+        return
+    if case.record.strategy != "optimal":
+        # it says so in its notes
+        yield Unchecked("windows of arrival", "only the strategy 'optimal' keeps them")
+        return
+    record, misses = case.record, []
+    for stop in stops:
+        # the first of the nodes at the station, at which the train arrives
+        arrival = record.time_s[int(np.argmax(record.position_m > stop.position_m - SAME_PLACE_M))] - record.time_s[0]
+        low, high = stop.window_s
+        misses.append(max(low - arrival, arrival - high, 0.0))
+    at = np.array([stop.position_m for stop in stops])
+    yield largest_of("windows of arrival", "one second", MISSED_S, np.array(misses), at)
 
 
 def _speed_at(case: Case, position_m: float) -> float:

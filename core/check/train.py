@@ -7,9 +7,12 @@ All from a scenario's own keys, in the conventions that its file format states:
     running resistance   A + B v + C tau v^2, each a sum of specific terms times the weight and absolute terms
     gradient             weight x per mille, curve: weight x curve constant / radius
 
+With a wind w against the train the air meets it at v + w, which adds C w^2 to A and 2 C w to B, also in tunnels.
+
 tau is the factor of tunnels. In a cell v and v^2 are the means of both ends, and the line's values are means over the
 cell and over the train behind its front: at its front for a train without length, over its length, or at the centres
-of its cars. Before the start the first value continues.
+of its cars, or at its front or its middle where the vehicle asks for that. Before the start the first value continues.
+A limit holds for the front of the train, or until its rear has left it.
 """
 
 from collections.abc import Callable
@@ -36,10 +39,13 @@ class Stop:
         Where the front of the train stops, in running order [m].
     dwell_s : float
         How long it stands [s].
+    window_s : tuple of float
+        Earliest and latest arrival [s].
     """
 
     position_m: float
     dwell_s: float
+    window_s: tuple[float, float] = (0.0, np.inf)
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,16 +62,25 @@ class Route:
         Further limits: from [m], to [m], speed [m/s].
     stops : tuple of Stop
         Between the ends.
+    passes : tuple of (float, float)
+        Places [m] that are passed at a given speed [m/s].
     train_m, cars
         Length of the train [m] and number of its cars, or None.
+    at_point_m : float or None
+        How far behind the front the point lies that feels gradient, curve and tunnel [m]; None for all of the train.
+    limits_last_m : float
+        How far beyond its end a limit still holds for the front [m].
     """
 
     sections: tuple[Section, ...]
     gradient_sign: float
     limits: tuple[tuple[float, float, float], ...]
     stops: tuple[Stop, ...]
+    passes: tuple[tuple[float, float], ...]
     train_m: float | None
     cars: int | None
+    at_point_m: float | None
+    limits_last_m: float
 
     @cached_property
     def borders_m(self) -> FloatArray:
@@ -76,6 +91,11 @@ class Route:
     def length_m(self) -> float:
         """Length of the line [m]."""
         return float(self.borders_m[-1])
+
+    @property
+    def spreads_evenly(self) -> bool:
+        """Whether values of the line are means over the length of the train."""
+        return self.train_m is not None and self.cars is None and self.at_point_m is None
 
     def gradient_permille(self, start_m: FloatArray, end_m: FloatArray) -> FloatArray:
         """Return the mean gradient under the train in cells [per mille]; shape (k,)."""
@@ -114,6 +134,9 @@ class Route:
             return area
 
         train, cars = self.train_m, self.cars
+        if self.at_point_m is not None:
+            point_m = self.at_point_m
+            return lambda places: first(places - point_m)
         if train is None:
             return first
         if cars is not None:
@@ -134,15 +157,18 @@ class Route:
         number = np.clip(np.searchsorted(self.borders_m, position_m) - 1, 0, len(self.sections) - 1)
         by_section = np.array([(section.speed_limit_kmh or np.inf) * MS_PER_KMH for section in self.sections])
         limit: FloatArray = by_section[number]
-        for start, end, speed in self.limits:
-            limit = np.where((position_m > start) & (position_m < end), np.minimum(limit, speed), limit)
+        # a limit that lasts for the cars behind is one more stretch after its section
+        behind = [(end, end, speed) for end, speed in zip(self.borders_m[1:], by_section, strict=True)]
+        for start, end, speed in [*self.limits, *behind]:
+            inside = (position_m > start) & (position_m < end + self.limits_last_m)
+            limit = np.where(inside, np.minimum(limit, speed), limit)
         return limit
 
     @property
     def limit_borders_m(self) -> FloatArray:
         """Where the limit may change [m], rising."""
-        ends = [place for start, end, _ in self.limits for place in (start, end)]
-        return np.unique(np.concatenate([self.borders_m, ends]))
+        ends = [place for start, end, _ in self.limits for place in (start, end + self.limits_last_m)]
+        return np.unique(np.concatenate([self.borders_m, self.borders_m + self.limits_last_m, ends]))
 
 
 def route_of(scenario: Scenario) -> Route:
@@ -150,17 +176,32 @@ def route_of(scenario: Scenario) -> Route:
     line, vehicle = scenario.line, scenario.vehicle
     length = sum(section.length_m for section in line.sections)
     limits = [(limit.from_m, limit.to_m, limit.limit_kmh * MS_PER_KMH) for limit in line.speed_limits]
-    stations = [(station.position_m, station.dwell_s) for station in line.stations]
+    stations = [
+        (
+            station.position_m,
+            station.dwell_s,
+            (
+                station.earliest_arrival_s or 0.0,
+                np.inf if station.latest_arrival_s is None else station.latest_arrival_s,
+            ),
+        )
+        for station in line.stations
+    ]
+    passes = [(point.position_m, point.speed_kmh * MS_PER_KMH) for point in line.passing_points]
     if line.reverse:
         limits = [(length - end, length - start, speed) for start, end, speed in limits]
-        stations = [(length - place, dwell) for place, dwell in reversed(stations)]
+        stations = [(length - place, dwell, window) for place, dwell, window in reversed(stations)]
+        passes = [(length - place, speed) for place, speed in reversed(passes)]
     return Route(
         sections=tuple(reversed(line.sections)) if line.reverse else line.sections,
         gradient_sign=-1.0 if line.reverse else 1.0,
         limits=tuple(limits),
-        stops=tuple(Stop(place, dwell) for place, dwell in stations if END_M < place < length - END_M),
+        stops=tuple(Stop(*station) for station in stations if END_M < station[0] < length - END_M),
+        passes=tuple(passes),
         train_m=vehicle.length_m,
         cars=vehicle.car_count,
+        at_point_m={"front": 0.0, "middle": 0.5 * (vehicle.length_m or 0.0)}.get(vehicle.gradient_at),
+        limits_last_m=(vehicle.length_m or 0.0) if line.limits_hold_for == "whole_train" else 0.0,
     )
 
 
@@ -188,8 +229,8 @@ class Train:
     curve_constant_m_n_per_kn: float
 
 
-def train_of(vehicle: Vehicle) -> Train:
-    """Return the train of a vehicle with its load."""
+def train_of(vehicle: Vehicle, head_wind_ms: float = 0.0) -> Train:
+    """Return the train of a vehicle with its load, in a wind against it [m/s]."""
     load = vehicle.load_factor * vehicle.capacity_passengers * vehicle.passenger_mass_kg
     mass = vehicle.tare_kg + load
     if vehicle.inertial_mass_kg is None:
@@ -206,11 +247,13 @@ def train_of(vehicle: Vehicle) -> Train:
         of_kinds = sum(kind.cars * float(getattr(kind, name)) for kind in resistance.car_kinds) / cars
         return float(getattr(resistance, name)) + of_kinds
 
+    air = (weight * specific("quadratic_n_per_kn_per_kmh2") + resistance.quadratic_n_per_kmh2) / MS_PER_KMH**2
+    linear = (weight * specific("linear_n_per_kn_per_kmh") + resistance.linear_n_per_kmh) / MS_PER_KMH
     return Train(
         weight_kn=weight,
         inertia_kg=inertia,
-        constant_n=weight * specific("constant_n_per_kn") + resistance.constant_n,
-        linear=(weight * specific("linear_n_per_kn_per_kmh") + resistance.linear_n_per_kmh) / MS_PER_KMH,
-        quadratic=(weight * specific("quadratic_n_per_kn_per_kmh2") + resistance.quadratic_n_per_kmh2) / MS_PER_KMH**2,
+        constant_n=weight * specific("constant_n_per_kn") + resistance.constant_n + air * head_wind_ms**2,
+        linear=linear + 2 * air * head_wind_ms,
+        quadratic=air,
         curve_constant_m_n_per_kn=resistance.curve_constant_m_n_per_kn,
     )

@@ -86,9 +86,9 @@ def usable_prices(course: CourseData, optimum: Optimum) -> tuple[float, FloatArr
     h, z = course.cell_length_m, optimum.multiplier
     auxiliaries = course.auxiliary_power_w
     over = np.empty((2, h.shape[0]))
-    over[0], over[1] = z[TRACTION_OVER_SPEED], z[BRAKING_OVER_SPEED]
     needed = 0.0
     for i in range(h.shape[0]):
+        over[0, i], over[1, i] = z[TRACTION_OVER_SPEED, i], z[BRAKING_OVER_SPEED, i]
         for side in range(2):
             if over[side, i] < NOISE * h[i]:
                 over[side, i] = 0.0

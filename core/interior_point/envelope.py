@@ -92,7 +92,8 @@ def _fill_effort_hull(
     x, terms, hull = np.empty(count), np.empty((count, 5)), np.empty(count, dtype=np.int64)
     for i in range(1, count):
         x[i] = end if i > last else i * step
-        terms[i] = _terms(power_when_on(kind, parameters, braking, x[i], speed))
+        found = _terms(power_when_on(kind, parameters, braking, x[i], speed))
+        terms[i, 0], terms[i, 1], terms[i, 2], terms[i, 3], terms[i, 4] = found
     # off at no effort
     x[0], terms[0] = 0.0, 0.0
     corners = lower_hull(x, terms[:, 0], count, hull)

@@ -8,6 +8,7 @@ from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.budget import current_budget
 from railjoule.core.drive import Drive, make_drive
 from railjoule.core.errors import ScenarioError
+from railjoule.core.motion.line_forces import TrainExtent
 from railjoule.core.motion.line_geometry import LineGeometry, geometry_at, meshed_geometry
 from railjoule.core.physics.cell import mean_speed, needed_force
 from railjoule.core.physics.course_data import CourseData, cells_of, data_between
@@ -19,7 +20,7 @@ from railjoule.core.physics.resistance import (
     running_resistance,
 )
 from railjoule.core.physics.vehicle_limit import effort_limit
-from railjoule.core.scenario import Scenario, Vehicle
+from railjoule.core.scenario import Scenario
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, W_PER_KW
 
 # no square of a speed is negative, and compiled code wants a number
@@ -116,10 +117,16 @@ class Course:
         return needed_force(cells_of(self.data), entering_speed2, leaving_speed2, v)
 
 
+def train_extent(scenario: Scenario) -> TrainExtent:
+    """Return how far a scenario's train reaches behind its front."""
+    vehicle = scenario.vehicle
+    return TrainExtent(vehicle.length_m, vehicle.car_count, vehicle.gradient_at, scenario.limits_last_m)
+
+
 def build_course(
     scenario: Scenario,
-    initial_speed_ms: float = 0.0,
-    final_speed_ms: float = 0.0,
+    initial_speed_ms: float | None = None,
+    final_speed_ms: float | None = None,
     position_m: FloatArray | None = None,
 ) -> Course:
     """Return the course of a scenario.
@@ -128,8 +135,8 @@ def build_course(
     ----------
     scenario : Scenario
         Vehicle, line and mesh.
-    initial_speed_ms, final_speed_ms : float
-        Speeds at the ends of the run [m/s].
+    initial_speed_ms, final_speed_ms : float, optional
+        Speeds at the ends of the run [m/s]; those of the timetable where absent.
     position_m : array of shape (n + 1,), optional
         Nodes [m] instead of those that the scenario's mesh length gives.
 
@@ -139,20 +146,24 @@ def build_course(
         If the scenario has more rows or the mesh more cells than the current budget, a limit of effort is missing, or
         an end's speed is none.
     """
+    entry_ms, exit_ms = scenario.timetable.end_speeds_ms
+    initial_speed_ms = entry_ms if initial_speed_ms is None else initial_speed_ms
+    final_speed_ms = exit_ms if final_speed_ms is None else final_speed_ms
     for name, speed in (("initial_speed_ms", initial_speed_ms), ("final_speed_ms", final_speed_ms)):
         if not 0 <= speed < np.inf:
             raise ScenarioError(f"{name} = {speed:g} must be a finite number of at least 0.")
     _require_few_rows(scenario)
-    vehicle = scenario.vehicle
-    train = vehicle.length_m, vehicle.car_count
+    vehicle, train = scenario.vehicle, train_extent(scenario)
     if position_m is None:
-        line = meshed_geometry(scenario.line, scenario.solver.mesh_m, *train)
+        line = meshed_geometry(scenario.line, scenario.solver.mesh_m, train)
     else:
-        line = geometry_at(scenario.line.in_running_order(), np.asarray(position_m, dtype=float), *train)
+        line = geometry_at(scenario.line.in_running_order(), np.asarray(position_m, dtype=float), train)
     gradient_force = gradient_force_n(vehicle, line.gradient_permille)
     curve_force = curve_force_n(vehicle, line.curvature_per_m)
     fixed = np.full(len(line.position_m), FREE)
     fixed[list(line.stop_nodes)] = 0.0
+    for node, passing_ms in line.passing_ms:
+        fixed[node] = passing_ms**2
     fixed[[0, -1]] = initial_speed_ms**2, final_speed_ms**2
     drive = make_drive(vehicle.drive)
     return Course(
@@ -164,7 +175,7 @@ def build_course(
         cell_limit_ms=frozen_array(np.minimum(line.cell_limit_ms, vehicle.traction.max_speed_kmh * MS_PER_KMH)),
         dwell_s=line.dwell_s,
         drive=drive,
-        data=_course_data(vehicle, drive, line, gradient_force + curve_force, fixed),
+        data=_course_data(scenario, drive, line, gradient_force + curve_force, fixed),
     )
 
 
@@ -180,9 +191,10 @@ def _require_few_rows(scenario: Scenario) -> None:
 
 
 def _course_data(
-    vehicle: Vehicle, drive: Drive, line: LineGeometry, line_force_n: FloatArray, fixed_speed2: FloatArray
+    scenario: Scenario, drive: Drive, line: LineGeometry, line_force_n: FloatArray, fixed_speed2: FloatArray
 ) -> CourseData:
-    constant, linear, quadratic = resistance_coefficients(vehicle)
+    vehicle = scenario.vehicle
+    constant, linear, quadratic = resistance_coefficients(vehicle, scenario.line.head_wind_kmh * MS_PER_KMH)
     traction, braking = vehicle.traction, vehicle.braking
     # a drive that knows no such speed says so here, before any solver asks its table beyond its end
     drive.require_speed(traction.max_speed_kmh * MS_PER_KMH)

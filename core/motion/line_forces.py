@@ -1,16 +1,59 @@
 """What the line does to the train: force of gradient and curve, exact in the mean over each cell.
 
-A train with a length feels each gradient with that part of it that stands there.
+A train with a length feels each gradient with that part of it that stands there, unless the vehicle asks for its front
+or its middle, as rules of timetable construction do.
 """
+
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.motion.line_profile import section_borders
+from railjoule.core.motion.mesh import SHORTEST_CELL_M
 from railjoule.core.scenario.line import Line
 
 # a node within a metre of an end would cut the shortest cells, which the mesh has at stops, once more
 LEAST_TO_END_M = 1.0
+
+
+class TrainExtent(NamedTuple):
+    """How far a train reaches behind its front, as far as the line asks.
+
+    Parameters
+    ----------
+    length_m : float or None
+        Its length [m]; None for a point.
+    car_count : int or None
+        Number of equal cars, each felt at its centre; None for an evenly spread weight.
+    gradient_at : str
+        Whether gradients, curves and tunnels count under all of it, at its front or at its middle.
+    limits_last_m : float
+        How far beyond its end a speed limit still holds for the front [m].
+    """
+
+    length_m: float | None = None
+    car_count: int | None = None
+    gradient_at: Literal["whole_train", "front", "middle"] = "whole_train"
+    limits_last_m: float = 0.0
+
+    @property
+    def felt_behind_m(self) -> FloatArray | None:
+        """How far behind the front the points lie that feel the line [m]; None where all of an even train does."""
+        if self.length_m is None or self.gradient_at == "front":
+            return np.zeros(1)
+        if self.gradient_at == "middle":
+            return np.array([0.5 * self.length_m])
+        return None if self.car_count is None else car_offsets_m(self.length_m, self.car_count)
+
+    @property
+    def crossing_points(self) -> int:
+        """How many points feel a border of sections later than the front does, each with a step of force."""
+        return int(np.count_nonzero(self.felt_behind_m)) if self.felt_behind_m is not None else 0
+
+
+POINT = TrainExtent()
+"""A train without a length."""
 
 
 def cell_means(line: Line, values: FloatArray, position_m: FloatArray, offsets_m: FloatArray) -> FloatArray:
@@ -72,30 +115,23 @@ def car_offsets_m(length_m: float, car_count: int) -> FloatArray:
     return offsets
 
 
-def car_crossings(line: Line, length_m: float, car_count: int) -> FloatArray:
-    """Return where the front is when a car's centre enters another section [m], rising, ends not included."""
+def car_crossings(line: Line, offsets_m: FloatArray) -> FloatArray:
+    """Return where the front is when a point behind it enters another section [m], rising, ends not included."""
     borders = section_borders(line)
-    places = np.unique(np.add.outer(borders[1:-1], car_offsets_m(length_m, car_count)))
+    places = np.unique(np.add.outer(borders[1:-1], offsets_m))
+    # where sections are as long as cars, one place comes as several sums that differ in their last digits
+    places = places[np.append(True, np.diff(places) > SHORTEST_CELL_M)] if len(places) else places
     inside: FloatArray = places[(places > LEAST_TO_END_M) & (places < borders[-1] - LEAST_TO_END_M)]
     return inside
 
 
-def mean_over_train(
-    line: Line, values: FloatArray, position_m: FloatArray, length_m: float | None, car_count: int | None
-) -> FloatArray:
+def mean_over_train(line: Line, values: FloatArray, position_m: FloatArray, train: TrainExtent) -> FloatArray:
     """Return the mean of a section-wise constant over each cell and over the train; shape (n,).
 
-    Parameters
-    ----------
-    line, values, position_m
-        As in `cell_means`.
-    length_m : float or None
-        Length of the train [m]; None for a point.
-    car_count : int or None
-        Number of equal cars, each felt at its centre; None for an evenly spread weight.
+    The first three arguments as in `cell_means`.
     """
-    if length_m is None:
-        return cell_means(line, values, position_m, np.zeros(1))
-    if car_count is None:
-        return mean_over_length(line, values, position_m, length_m)
-    return cell_means(line, values, position_m, car_offsets_m(length_m, car_count))
+    offsets = train.felt_behind_m
+    if offsets is not None:
+        return cell_means(line, values, position_m, offsets)
+    assert train.length_m is not None
+    return mean_over_length(line, values, position_m, train.length_m)

@@ -1,4 +1,4 @@
-"""A line over its mesh: gradient, curvature, limits and stops, as one train feels them."""
+"""A line over its mesh: gradient, curvature, limits, stops and passing speeds, as one train feels them."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -7,7 +7,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.budget import LIBRARY
-from railjoule.core.motion.line_forces import car_crossings, mean_over_train
+from railjoule.core.motion.line_forces import POINT, TrainExtent, car_crossings, mean_over_train
 from railjoule.core.motion.line_profile import speed_limit_at
 from railjoule.core.motion.mesh import line_mesh, require_budget, with_nodes_at
 from railjoule.core.scenario import Line, Section
@@ -38,6 +38,8 @@ class LineGeometry:
         The same within each cell [m/s].
     stop_nodes : tuple of int
         Nodes of the stations between the ends.
+    passing_ms : tuple of (int, float)
+        Nodes that are passed at a given speed, and that speed [m/s].
     dwell_s : array of shape (n + 1,)
         How long the train stands at each node [s].
     """
@@ -49,10 +51,11 @@ class LineGeometry:
     speed_limit_ms: FloatArray
     cell_limit_ms: FloatArray
     stop_nodes: tuple[int, ...]
+    passing_ms: tuple[tuple[int, float], ...]
     dwell_s: FloatArray
 
 
-def meshed_geometry(line: Line, mesh_m: float, length_m: float | None, car_count: int | None) -> LineGeometry:
+def meshed_geometry(line: Line, mesh_m: float, train: TrainExtent = POINT) -> LineGeometry:
     """Return the geometry of a line over a mesh with cells of at most `mesh_m`; kept for the next call.
 
     Parameters
@@ -61,46 +64,50 @@ def meshed_geometry(line: Line, mesh_m: float, length_m: float | None, car_count
         The line, in either direction.
     mesh_m : float
         Largest length of a cell [m].
-    length_m, car_count : float and int, or None
-        Length of the train [m] and number of its cars.
+    train : TrainExtent
+        How far it reaches behind its front.
 
     Raises
     ------
     ScenarioError
         If the mesh would need more cells than the current budget has.
     """
-    large = line.length_m > MOST_KEPT_CELLS * mesh_m or len(line.sections) * (car_count or 1) > MOST_KEPT_CELLS
-    geometry = (_geometry.__wrapped__ if large else _geometry)(line, mesh_m, length_m, car_count)
+    rows = len(line.sections) * max(train.crossing_points, 1)
+    large = line.length_m > MOST_KEPT_CELLS * mesh_m or rows > MOST_KEPT_CELLS
+    geometry = (_geometry.__wrapped__ if large else _geometry)(line, mesh_m, train)
     # what is kept may come from a larger budget
-    crossings = (len(line.sections) - 1) * (car_count or 0)
-    require_budget(line, mesh_m, len(geometry.gradient_permille), crossings)
+    crossings = (len(line.sections) - 1) * train.crossing_points
+    require_budget(line, mesh_m, len(geometry.gradient_permille), crossings, train.limits_last_m)
     return geometry
 
 
 @lru_cache(maxsize=64)
-def _geometry(line: Line, mesh_m: float, length_m: float | None, car_count: int | None) -> LineGeometry:
+def _geometry(line: Line, mesh_m: float, train: TrainExtent) -> LineGeometry:
     running = line.in_running_order()
-    nodes = line_mesh(running, mesh_m)
-    if length_m is not None and car_count is not None:
-        crossings = (len(line.sections) - 1) * car_count
-        if crossings > LIBRARY.cell_count:
-            require_budget(running, mesh_m, len(nodes) - 1 + crossings, crossings)
-        # each car's step of force falls on a node, or cells that it cuts would mix driving and coasting
-        nodes = with_nodes_at(nodes, car_crossings(running, length_m, car_count))
-    return geometry_at(running, nodes, length_m, car_count)
+    nodes = line_mesh(running, mesh_m, train.limits_last_m)
+    crossings = (len(line.sections) - 1) * train.crossing_points
+    if crossings > LIBRARY.cell_count:
+        require_budget(running, mesh_m, len(nodes) - 1 + crossings, crossings, train.limits_last_m)
+    # each point's step of force falls on a node, or cells that it cuts would mix driving and coasting
+    if train.crossing_points and (offsets := train.felt_behind_m) is not None:
+        nodes = with_nodes_at(nodes, car_crossings(running, offsets))
+    return geometry_at(running, nodes, train)
 
 
-def geometry_at(line: Line, position_m: FloatArray, length_m: float | None, car_count: int | None) -> LineGeometry:
-    """Return the geometry of a line in running order over given nodes [m]; other arguments as `meshed_geometry`."""
+def geometry_at(line: Line, position_m: FloatArray, train: TrainExtent = POINT) -> LineGeometry:
+    """Return the geometry of a line in running order over given nodes [m]; `train` as in `meshed_geometry`."""
 
     def over_train(values: list[float]) -> FloatArray:
-        return frozen_array(mean_over_train(line, np.array(values), position_m, length_m, car_count))
+        return frozen_array(mean_over_train(line, np.array(values), position_m, train))
 
     stops = [int(np.argmin(np.abs(position_m - station.position_m))) for station in line.inner_stations]
     dwell = np.zeros(len(position_m))
     dwell[stops] = [station.dwell_s for station in line.inner_stations]
     # asked for at the middles of cells: borders of limits are nodes, where it would be open which of both holds
-    limits = speed_limit_at(line, 0.5 * (position_m[1:] + position_m[:-1])) * MS_PER_KMH
+    middle = 0.5 * (position_m[1:] + position_m[:-1])
+    limits = speed_limit_at(line, middle, train.limits_last_m) * MS_PER_KMH
+    # nodes of a part of the line leave the other points out: none of them is near
+    passing = [point for point in line.passing_points if position_m[0] < point.position_m < position_m[-1]]
     # a node belongs to the cells on both sides, so that the lower of their limits holds there
     return LineGeometry(
         position_m=frozen_array(position_m),
@@ -110,6 +117,9 @@ def geometry_at(line: Line, position_m: FloatArray, length_m: float | None, car_
         speed_limit_ms=frozen_array(np.minimum(np.append(limits[0], limits), np.append(limits, limits[-1]))),
         cell_limit_ms=frozen_array(limits),
         stop_nodes=tuple(stops),
+        passing_ms=tuple(
+            (int(np.argmin(np.abs(position_m - point.position_m))), point.speed_kmh * MS_PER_KMH) for point in passing
+        ),
         dwell_s=frozen_array(dwell),
     )
 

@@ -18,7 +18,7 @@ def height_profile(line: Line) -> FloatArray:
     return np.append(0.0, np.cumsum(climbs))
 
 
-def speed_limit_at(line: Line, position_m: FloatArray) -> FloatArray:
+def speed_limit_at(line: Line, position_m: FloatArray, lasts_m: float = 0.0) -> FloatArray:
     """Return a line's own speed limit [km/h], infinite where there is none.
 
     Parameters
@@ -26,25 +26,49 @@ def speed_limit_at(line: Line, position_m: FloatArray) -> FloatArray:
     line : Line
         In running order.
     position_m : array of shape (k,)
-        Places [m], none of them on a border.
+        Places of the front of the train [m], none of them on a border.
+    lasts_m : float
+        How far beyond its end each limit still holds [m].
     """
     # inner borders alone: a place before or beyond the line belongs to its first or last section
     section = np.searchsorted(section_borders(line)[1:-1], position_m)
     limit = np.array([section.speed_limit_kmh or np.inf for section in line.sections])[section]
-    ends = np.unique([place for stretch in line.speed_limits for place in (stretch.from_m, stretch.to_m)])
-    if not len(ends):
+    stretches = _stretches(line, lasts_m)
+    if not len(stretches):
         return limit
+    ends = np.unique(stretches[:, :2])
     # between neighbouring ends the stretches allow one speed; the first and the last of these gaps lie beyond them all
     between = np.full(len(ends) + 1, np.inf)
-    first = np.searchsorted(ends, [stretch.from_m for stretch in line.speed_limits]) + 1
-    beyond = np.searchsorted(ends, [stretch.to_m for stretch in line.speed_limits]) + 1
-    for stretch, start, stop in zip(line.speed_limits, first, beyond, strict=True):
-        between[start:stop] = np.minimum(between[start:stop], stretch.limit_kmh)
+    first, beyond = (np.searchsorted(ends, stretches[:, column]) + 1 for column in (0, 1))
+    for start, stop, limit_kmh in zip(first, beyond, stretches[:, 2], strict=True):
+        between[start:stop] = np.minimum(between[start:stop], limit_kmh)
     lower: FloatArray = np.minimum(limit, between[np.searchsorted(ends, position_m)])
     return lower
 
 
-def limit_steps(line: Line, max_speed_kmh: float = np.inf) -> tuple[FloatArray, FloatArray]:
+def limit_borders(line: Line, lasts_m: float = 0.0) -> FloatArray:
+    """Return where limits beside those of the sections begin and end [m]; arguments as `speed_limit_at`."""
+    return np.unique(_stretches(line, lasts_m)[:, :2])
+
+
+def _stretches(line: Line, lasts_m: float) -> FloatArray:
+    """Return from and to [m] and limit [km/h] of all limits that the sections do not tell; shape (k, 3)."""
+    rows = [(limit.from_m, limit.to_m + lasts_m, limit.limit_kmh) for limit in line.speed_limits]
+    if lasts_m > 0:
+        # what a section's limit leaves for the cars behind: within the section its own border tells it
+        ends = section_borders(line)[1:]
+        rows += [
+            (float(end), float(end) + lasts_m, section.speed_limit_kmh)
+            for end, section in zip(ends, line.sections, strict=True)
+            if section.speed_limit_kmh is not None
+        ]
+    stretches = np.array(rows).reshape(-1, 3)
+    # nothing holds beyond the end of the line
+    stretches[:, 1] = np.minimum(stretches[:, 1], line.length_m)
+    return stretches[stretches[:, 0] < stretches[:, 1]]
+
+
+def limit_steps(line: Line, max_speed_kmh: float = np.inf, lasts_m: float = 0.0) -> tuple[FloatArray, FloatArray]:
     """Return the stretches of one speed limit of a line.
 
     Parameters
@@ -53,6 +77,8 @@ def limit_steps(line: Line, max_speed_kmh: float = np.inf) -> tuple[FloatArray, 
         In running order.
     max_speed_kmh : float
         What limits the speed where the line does not [km/h].
+    lasts_m : float
+        As in `speed_limit_at`.
 
     Returns
     -------
@@ -61,8 +87,7 @@ def limit_steps(line: Line, max_speed_kmh: float = np.inf) -> tuple[FloatArray, 
     limit_kmh : array of shape (k,)
         Their limits [km/h].
     """
-    ends = [place for limit in line.speed_limits for place in (limit.from_m, limit.to_m)]
-    borders = np.union1d(section_borders(line), ends)
-    limits = np.minimum(speed_limit_at(line, 0.5 * (borders[1:] + borders[:-1])), max_speed_kmh)
+    borders = np.union1d(section_borders(line), limit_borders(line, lasts_m))
+    limits = np.minimum(speed_limit_at(line, 0.5 * (borders[1:] + borders[:-1]), lasts_m), max_speed_kmh)
     first = np.append(True, limits[1:] != limits[:-1])
     return np.append(borders[:-1][first], borders[-1]), limits[first]

@@ -7,7 +7,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.budget import LIBRARY, current_budget, rounded_up
 from railjoule.core.errors import ScenarioError
-from railjoule.core.motion.line_profile import section_borders
+from railjoule.core.motion.line_profile import limit_borders, section_borders
 from railjoule.core.scenario.line import Line
 
 # borders closer than a micrometre are one: lengths of sections add up with rounding, and a cell's inertia is over its
@@ -18,13 +18,25 @@ GRADING = (1.0, 0.5, 0.25, 0.125)
 """Lengths of the cells towards a stop, as shares of the mesh."""
 
 
-def line_borders(line: Line) -> FloatArray:
-    """Return the places [m] where gradient, curve or limit change or the train stops, ends included; shape (m,)."""
+def line_borders(line: Line, lasts_m: float = 0.0) -> FloatArray:
+    """Return the places [m] where gradient, curve or limit change, the train stops or passes at a given speed.
+
+    Parameters
+    ----------
+    line : Line
+        In running order.
+    lasts_m : float
+        How far beyond its end each limit still holds [m].
+
+    Returns
+    -------
+    array of shape (m,)
+        Rising, ends included.
+    """
     sections = section_borders(line)
-    places = list(sections)
-    for limit in line.speed_limits:
-        places += [limit.from_m, limit.to_m]
+    places = [*sections, *limit_borders(line, lasts_m)]
     places += [station.position_m for station in line.inner_stations]
+    places += [point.position_m for point in line.passing_points]
     borders = np.unique(np.clip(places, 0.0, sections[-1]))
     distinct = np.append(True, np.diff(borders) > SHORTEST_CELL_M)
     kept: FloatArray = borders[distinct]
@@ -33,32 +45,34 @@ def line_borders(line: Line) -> FloatArray:
     return kept
 
 
-def line_mesh(line: Line, mesh_m: float) -> FloatArray:
+def line_mesh(line: Line, mesh_m: float, lasts_m: float = 0.0) -> FloatArray:
     """Return the nodes [m] of a mesh with cells of at most `mesh_m`, shorter at the stops; shape (n + 1,).
+
+    `lasts_m` as in `line_borders`.
 
     Raises
     ------
     ScenarioError
         If that takes more cells than any budget has.
     """
-    borders = line_borders(line)
+    borders = line_borders(line, lasts_m)
     lengths = np.diff(borders)
     # rounding of a length that is a multiple of the mesh must not add a cell
     counts = np.maximum(np.ceil(lengths / mesh_m - 1e-9), 1)
     if counts.sum() > LIBRARY.cell_count:
-        require_budget(line, mesh_m, int(counts.sum()))
+        require_budget(line, mesh_m, int(counts.sum()), lasts_m=lasts_m)
     nodes = [np.linspace(a, b, int(n), endpoint=False) for a, b, n in zip(borders, borders[1:], counts, strict=False)]
     uniform = np.append(np.concatenate(nodes), borders[-1])
     stops = [0.0, *(station.position_m for station in line.inner_stations), borders[-1]]
     return _graded(uniform, np.asarray(stops))
 
 
-def require_budget(line: Line, mesh_m: float, cell_count: int, crossings: int = 0) -> None:
+def require_budget(line: Line, mesh_m: float, cell_count: int, crossings: int = 0, lasts_m: float = 0.0) -> None:
     """Refuse a mesh of more cells than the current budget has.
 
     Parameters
     ----------
-    line, mesh_m
+    line, mesh_m, lasts_m
         As in `line_mesh`.
     cell_count, crossings : int
         Cells of the mesh, and those that the cars of the train add to it.
@@ -72,11 +86,11 @@ def require_budget(line: Line, mesh_m: float, cell_count: int, crossings: int = 
     if cell_count > budget.cell_count:
         raise ScenarioError(
             f"solver.mesh_m = {mesh_m:g} makes {cell_count:,} cells; {budget.name} takes at most "
-            f"{budget.cell_count:,}{enough_words(line, budget.cell_count, crossings)}"
+            f"{budget.cell_count:,}{enough_words(line, budget.cell_count, crossings, lasts_m)}"
         )
 
 
-def enough_words(line: Line, most_cells: int, crossings: int = 0) -> str:
+def enough_words(line: Line, most_cells: int, crossings: int = 0, lasts_m: float = 0.0) -> str:
     """Return the end of a sentence about too many cells: from which `solver.mesh_m` on there are few enough.
 
     Parameters
@@ -85,10 +99,12 @@ def enough_words(line: Line, most_cells: int, crossings: int = 0) -> str:
         In running order.
     most_cells, crossings : int
         Cells allowed, and those that the cars of the train add.
+    lasts_m : float
+        As in `line_borders`.
     """
     # each station has two sides that are graded, both ends of the line together two
     stops = len(line.inner_stations) + 1
-    unavoidable = len(line_borders(line)) - 1 + 2 * stops * (len(GRADING) - 1) + crossings
+    unavoidable = len(line_borders(line, lasts_m)) - 1 + 2 * stops * (len(GRADING) - 1) + crossings
     if most_cells > unavoidable:
         enough_m = rounded_up(line.length_m / (most_cells - unavoidable))
         if enough_m <= LONGEST_CELL_M:

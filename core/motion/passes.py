@@ -14,7 +14,7 @@ import math
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.compiled import njit
+from railjoule.core.compiled import copy_rows, njit
 from railjoule.core.physics.cell import (
     NEARLY_AT_REST_MS,
     Cell,
@@ -194,7 +194,7 @@ def greatest_speeds(course: CourseData) -> tuple[FloatArray, int, bool]:
     once = course.max_deceleration_ms2 == np.inf and course.max_acceleration_ms2 == np.inf
     before = np.empty(nodes)
     for _ in range(MOST_PASSES):
-        before[:] = speed2
+        copy_rows(speed2, before)
         obstacle = _forward(course, speed2)
         if obstacle != MOVED:
             return speed2, obstacle, False

@@ -56,6 +56,8 @@ class PhaseModel:
         Largest speed of vehicle and line [m/s].
     holds_current : bool
         Whether a start holds its current at all speeds, as printed by Rawicki, where less of it would give more effort.
+    head_wind_ms : float
+        Wind against the train [m/s].
     """
 
     vehicle: Vehicle
@@ -63,6 +65,7 @@ class PhaseModel:
     line_force_n: float
     top_speed_ms: float
     holds_current: bool = False
+    head_wind_ms: float = 0.0
 
     @property
     def inertia_kg(self) -> float:
@@ -77,7 +80,7 @@ class PhaseModel:
     @cached_property
     def coefficients(self) -> tuple[float, float, float]:
         """Constant, linear and quadratic coefficient of all that resists [N, N s/m, N s2/m2]."""
-        constant, linear, quadratic = resistance_coefficients(self.vehicle)
+        constant, linear, quadratic = resistance_coefficients(self.vehicle, self.head_wind_ms)
         return constant + self.line_force_n, linear, quadratic
 
     def starting_effort_n(self, speed_ms: FloatArray, starting_current_a: float | None = None) -> FloatArray:
@@ -240,9 +243,9 @@ class PhaseModel:
 
 
 @lru_cache(maxsize=32)
-def phase_model(vehicle: Vehicle, line_force_n: float, top_speed_ms: float) -> PhaseModel:
+def phase_model(vehicle: Vehicle, line_force_n: float, top_speed_ms: float, head_wind_ms: float = 0.0) -> PhaseModel:
     """Return the model of a vehicle; kept for the next call."""
-    return PhaseModel(vehicle, make_drive(vehicle.drive), line_force_n, top_speed_ms)
+    return PhaseModel(vehicle, make_drive(vehicle.drive), line_force_n, top_speed_ms, head_wind_ms=head_wind_ms)
 
 
 @lru_cache(maxsize=128)

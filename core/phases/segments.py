@@ -7,7 +7,7 @@ share of effort of a brake or a hold by turns, and whether it is one straight li
 import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray, IntArray
-from railjoule.core.compiled import njit
+from railjoule.core.compiled import copy_rows, njit
 from railjoule.core.phases.labels import HOLD_TOLERANCE_MS, NEGLIGIBLE_MS, PULSE_S, SHORTEST_S
 from railjoule.core.phases.phase import COAST, FULL_POWER, HOLD, PART_POWER, STAND
 from railjoule.core.phases.run_data import RunData
@@ -150,7 +150,7 @@ def with_pulses(run: RunData, rows: FloatArray) -> FloatArray:
             first += 1
         if np.sum(rows[first:last, KIND] == COAST) < LEAST_PULSES:
             last = first = max(end, k + 1)
-        out[count : count + first - k] = rows[k:first]
+        copy_rows(rows[k:first], out[count:])
         count += first - k
         unassigned = first
         while first < last:
@@ -227,7 +227,7 @@ def _write_steady_change(run: RunData, rows: FloatArray, out: FloatArray, count:
     """Write rows as one steady change of speed, or as they are where that would break a limit."""
     first, last = int(rows[0, FIRST]), int(rows[-1, LAST])
     if not _steady_change_keeps_limits(run, first, last):
-        out[count : count + rows.shape[0]] = rows
+        copy_rows(rows, out[count:])
         return count + len(rows)
     _set(run, out, count, PART_POWER, first, last)
     out[count, STEADY] = 1.0

@@ -25,14 +25,19 @@ def resistance_slope(linear: Numbers, quadratic: Numbers, speed: Value) -> Value
     return slope
 
 
-def resistance_coefficients(vehicle: Vehicle) -> tuple[float, float, float]:
-    """Return A [N], B [N s/m] and C [N s2/m2] in the open: specific terms times the weight, and absolute terms."""
+def resistance_coefficients(vehicle: Vehicle, head_wind_ms: float = 0.0) -> tuple[float, float, float]:
+    """Return A [N], B [N s/m] and C [N s2/m2] in the open: specific terms times the weight, and absolute terms.
+
+    With a wind w against the train [m/s] the air meets it at v + w: C (v + w)^2 = C w^2 + 2 C w v + C v^2.
+    """
     resistance, specific, weight_kn = vehicle.resistance, vehicle.specific_resistance, total_weight_kn(vehicle)
+    # each power of the speed brings one factor from km/h to m/s
+    linear = (weight_kn * specific.linear_n_per_kn_per_kmh + resistance.linear_n_per_kmh) / MS_PER_KMH
+    quadratic = (weight_kn * specific.quadratic_n_per_kn_per_kmh2 + resistance.quadratic_n_per_kmh2) / MS_PER_KMH**2
     return (
-        weight_kn * specific.constant_n_per_kn + resistance.constant_n,
-        # each power of the speed brings one factor from km/h to m/s
-        (weight_kn * specific.linear_n_per_kn_per_kmh + resistance.linear_n_per_kmh) / MS_PER_KMH,
-        (weight_kn * specific.quadratic_n_per_kn_per_kmh2 + resistance.quadratic_n_per_kmh2) / MS_PER_KMH**2,
+        weight_kn * specific.constant_n_per_kn + resistance.constant_n + quadratic * head_wind_ms**2,
+        linear + 2 * quadratic * head_wind_ms,
+        quadratic,
     )
 
 

@@ -1,15 +1,18 @@
 """Tables of numbers in CSV files that a scenario names."""
 
 import csv
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario._sentences import show, suggestion
 from railjoule.core.scenario.text_file import read_text
 
+Folder = Path | Callable[[str], str]
+"""Where the files are that a scenario names: a folder, or what reads the text of one by its name."""
 
-def read_rows(key: str, name: str, folder: Path | None, columns: Iterable[str]) -> list[dict[str, float]]:
+
+def read_rows(key: str, name: str, folder: Folder | None, columns: Iterable[str]) -> list[dict[str, float]]:
     """Return the rows of a CSV file by column; empty cells are left out.
 
     Parameters
@@ -18,7 +21,7 @@ def read_rows(key: str, name: str, folder: Path | None, columns: Iterable[str]) 
         The scenario's key that names the file, such as 'line.file'.
     name : str
         The file, relative to `folder`.
-    folder : Path or None
+    folder : Path, callable or None
         Where scenario files may name other files; None where they may not.
     columns : iterable of str
         Columns that it may have.
@@ -32,8 +35,9 @@ def read_rows(key: str, name: str, folder: Path | None, columns: Iterable[str]) 
     # a scenario that came as a text, as on the page, may not name files: they would be the server's
     if folder is None:
         raise ScenarioError(f"{key} = {name!r} can only be read from a scenario file on disk.")
+    text = read_text(folder / name) if isinstance(folder, Path) else folder(name)
     try:
-        rows = list(csv.reader(read_text(folder / name).splitlines()))
+        rows = list(csv.reader(text.splitlines()))
     except csv.Error as error:
         raise ScenarioError(f"{key} {name!r}: not a table in CSV: {error}.") from None
     if not rows:

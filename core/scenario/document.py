@@ -2,16 +2,16 @@
 
 from collections.abc import Mapping
 from copy import deepcopy
-from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import BaseModel, ValidationError
 
-from railjoule.core.errors import ScenarioError
+from railjoule.core.errors import RailjouleError, ScenarioError
 from railjoule.core.scenario._sentences import sentence_of, shorten, show
+from railjoule.core.scenario.csv_table import Folder
 from railjoule.core.scenario.line import Line
 from railjoule.core.scenario.map_csv import read_map
-from railjoule.core.scenario.presets import PresetKind, preset_document
+from railjoule.core.scenario.presets import OwnPresets, preset_document, preset_names, require_name
 from railjoule.core.scenario.scenario import Scenario
 from railjoule.core.scenario.sections_csv import read_sections
 from railjoule.core.scenario.toml_text import MOST_KEY_PARTS
@@ -29,7 +29,10 @@ EXCLUSIVE_KEYS = (
 
 
 def scenario_from_document(
-    document: Mapping[str, Any], source: str = "scenario", folder: Path | None = None
+    document: Mapping[str, Any],
+    source: str = "scenario",
+    folder: Folder | None = None,
+    own: OwnPresets | None = None,
 ) -> Scenario:
     """Return the scenario that a nested dictionary describes.
 
@@ -39,8 +42,11 @@ def scenario_from_document(
         Keys as in a scenario file.
     source : str
         What errors call the document, such as its file's name.
-    folder : Path, optional
+    folder : Path or callable, optional
         Where `line.file` is looked for; without it that key is refused.
+    own : OwnPresets, optional
+        Vehicles and lines that presets may name beside the shipped ones. The scenario has them whole: what becomes of
+        their files later does not change it.
 
     Raises
     ------
@@ -50,8 +56,8 @@ def scenario_from_document(
     # presets are filled in in place, and the document is the caller's
     filled = deepcopy(dict(document))
     try:
-        _fill_vehicle(filled, folder)
-        _fill_line(filled, folder)
+        _fill_vehicle(filled, folder, own)
+        _fill_line(filled, folder, own)
     except ScenarioError as error:
         raise ScenarioError(f"{source}: {error}") from None
     try:
@@ -60,15 +66,28 @@ def scenario_from_document(
         raise ScenarioError(sentence_of(error, Scenario, source)) from None
 
 
-def document_of(scenario: Scenario) -> Document:
-    """Return the shortest document that gives `scenario` back: only what differs from presets and defaults."""
+def document_of(scenario: Scenario, own: OwnPresets | None = None) -> Document:
+    """Return the shortest document that gives `scenario` back: only what differs from presets and defaults.
+
+    With presets of a user's own, a vehicle or line of the name of one of them is told by what differs from it.
+    """
     document = _dump(scenario)
-    vehicle, drive = _shorten_vehicle(scenario.vehicle)
+    vehicle, drive = _shorten_vehicle(scenario.vehicle, own)
     document["vehicle"] = vehicle
     if drive:
         document["drive"] = drive
-    document["line"] = _shorten_line(scenario.line)
+    document["line"] = _shorten_line(scenario.line, own)
     return document
+
+
+def whole_vehicle(vehicle: Vehicle) -> Document:
+    """Return a vehicle without a preset, as the file of one has it; its load is that of a run, and is left out."""
+    return _dump(vehicle.model_copy(update={"preset": None, "load_factor": 0.0}))
+
+
+def whole_line(line: Line) -> Document:
+    """Return a line without a preset, as the file of one has it."""
+    return _dump(line.model_copy(update={"preset": None}))
 
 
 def change_document(document: Document, changes: Mapping[str, Any]) -> Document:
@@ -129,24 +148,24 @@ def _drop_alternatives(table: Document, key: str) -> None:
                 table.pop(other, None)
 
 
-def _fill_vehicle(document: Document, folder: Path | None) -> None:
+def _fill_vehicle(document: Document, folder: Folder | None, own: OwnPresets | None) -> None:
     vehicle = document.get("vehicle")
     if not isinstance(vehicle, dict):
         return
     # The order matters: first the preset, then the drive of the document over that of the preset, then the map's file,
     # as either of the two may name it.
-    vehicle = _filled("vehicles", vehicle)
+    vehicle = _filled("vehicles", vehicle, own)
     drive = document.pop("drive", None)
     if isinstance(drive, dict):
         vehicle["drive"] = _merged_drive(vehicle.get("drive", {}), drive)
     elif drive is not None:
         raise ScenarioError(f"drive = {show(drive)} must be a table.")
     if isinstance(vehicle.get("drive"), dict):
-        _fill_map(vehicle["drive"], folder)
+        fill_map(vehicle["drive"], folder)
     document["vehicle"] = vehicle
 
 
-def _fill_map(drive: Document, folder: Path | None) -> None:
+def fill_map(drive: Document, folder: Folder | None) -> None:
     """Put the points of a map's file in its place."""
     if drive.get("model") != "efficiency_map" or "file" not in drive:
         return
@@ -159,10 +178,15 @@ def _fill_map(drive: Document, folder: Path | None) -> None:
     drive["points"] = read_map(name, folder)
 
 
-def _fill_line(document: Document, folder: Path | None) -> None:
+def _fill_line(document: Document, folder: Folder | None, own: OwnPresets | None) -> None:
     line = document.get("line")
-    if not isinstance(line, dict):
-        return
+    if isinstance(line, dict):
+        fill_sections(line, folder)
+        document["line"] = _filled("lines", line, own)
+
+
+def fill_sections(line: Document, folder: Folder | None) -> None:
+    """Put the sections of a line's file in its place."""
     name = line.pop("file", None)
     if name is not None and not isinstance(name, str):
         raise ScenarioError(f"line.file = {show(name)} must be the name of a CSV file.")
@@ -171,16 +195,19 @@ def _fill_line(document: Document, folder: Path | None) -> None:
         if "sections" in line or "preset" in line:
             raise ScenarioError("line needs only one of preset, file and sections.")
         line["sections"] = read_sections(name, folder)
-    document["line"] = _filled("lines", line)
 
 
-def _filled(kind: PresetKind, table: Document) -> Document:
+def _filled(kind: Literal["vehicles", "lines"], table: Document, own: OwnPresets | None) -> Document:
     preset = table.get("preset")
     if preset is None:
         return table
     if not isinstance(preset, str):
         raise ScenarioError(f"preset = {show(preset)} must be the name of one of the {kind}.")
-    return merged(preset_document(kind, preset), table)
+    # a shipped one wins: a file that names it means the same on every machine
+    if own is None or preset in preset_names(kind):
+        return merged(preset_document(kind, preset), table)
+    require_name(kind, preset, (*preset_names(kind), *own.names(kind)))
+    return merged(own.document(kind, preset), {key: value for key, value in table.items() if key != "preset"})
 
 
 def _dump(part: BaseModel) -> Document:
@@ -188,30 +215,50 @@ def _dump(part: BaseModel) -> Document:
     return part.model_dump(mode="json", exclude_none=True, exclude_defaults=True)
 
 
-def _shorten_vehicle(vehicle: Vehicle) -> tuple[Document, Document]:
+def _shorten_vehicle(vehicle: Vehicle, own: OwnPresets | None) -> tuple[Document, Document]:
     """Return the tables `vehicle` and `drive` of a document."""
     full = vehicle.model_dump(mode="json", exclude_none=True)
     if vehicle.preset is not None:
-        base = preset_document("vehicles", vehicle.preset)
-        base = Vehicle.model_validate(base).model_dump(mode="json", exclude_none=True)
-        short = _difference(full, base)
-        if merged(base, short) == full:
-            drive = short.pop("drive", {})
-            if drive.get("model"):
-                drive = full["drive"]
-            return short, drive
+        short = _over(full, Vehicle.model_validate(preset_document("vehicles", vehicle.preset)))
+    else:
+        short = _over_own("vehicles", full, own)
+    if short is not None:
+        drive = short.pop("drive", {})
+        return short, full["drive"] if drive.get("model") else drive
     return _dump(vehicle.model_copy(update={"preset": None})), {}
 
 
-def _shorten_line(line: Line) -> Document:
+def _shorten_line(line: Line, own: OwnPresets | None) -> Document:
     full = line.model_dump(mode="json", exclude_none=True)
     if line.preset is not None:
-        base = preset_document("lines", line.preset)
-        base = Line.model_validate(base).model_dump(mode="json", exclude_none=True)
-        short = _difference(full, base)
-        if merged(base, short) == full:
-            return short
-    return _dump(line.model_copy(update={"preset": None}))
+        short = _over(full, Line.model_validate(preset_document("lines", line.preset)))
+    else:
+        short = _over_own("lines", full, own)
+    return whole_line(line) if short is None else short
+
+
+def _over(full: Document, base: BaseModel) -> Document | None:
+    """Return what is to be laid over a preset to give `full`; None where no such thing does."""
+    table = base.model_dump(mode="json", exclude_none=True)
+    short = _difference(full, table)
+    return short if merged(table, short) == full else None
+
+
+def _over_own(kind: Literal["vehicles", "lines"], full: Document, own: OwnPresets | None) -> Document | None:
+    """Return the name of a user's own preset with what is to be laid over it; None where none bears the name."""
+    if own is None:
+        return None
+    for name in own.names(kind):
+        try:
+            document = own.document(kind, name)
+            if document["name"] != full["name"]:
+                continue
+            short = _over(full, (Vehicle if kind == "vehicles" else Line).model_validate(document))
+        except (RailjouleError, ValidationError):  # a file with a mistake in it is no base for another
+            continue
+        if short is not None:
+            return {"preset": name, **short}
+    return None
 
 
 def _difference(full: Document, base: Document) -> Document:

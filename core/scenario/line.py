@@ -1,7 +1,7 @@
-"""A line: sections of gradient, curve and limit, temporary limits, stations."""
+"""A line: sections of gradient, curve and limit, temporary limits, stations, passing points."""
 
 from itertools import pairwise
-from typing import Self
+from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -46,6 +46,38 @@ class Station(Part):
     name: str = Field("", max_length=200, description="Name of the station.")
     position_m: Number = Field(ge=0, le=1e7, description="Where the front of the train stops [m].")
     dwell_s: Number = Field(0.0, ge=0, le=86400, description="Dwell time [s].")
+    arrival_s: Number | None = Field(
+        None, gt=0, le=86400, description="Arrival in a given timetable, from the start of the run [s]."
+    )
+    # a window and not one time: two equal ends fix the arrival, and an absent one leaves its side free
+    earliest_arrival_s: Number | None = Field(
+        None, ge=0, le=86400, description="Earliest arrival, from the start of the run [s]."
+    )
+    latest_arrival_s: Number | None = Field(
+        None, gt=0, le=86400, description="Latest arrival, from the start of the run [s]."
+    )
+
+    @model_validator(mode="after")
+    def _window_is_one(self) -> Self:
+        earliest, latest = self.earliest_arrival_s, self.latest_arrival_s
+        if earliest is not None and latest is not None and latest < earliest:
+            raise ValueError(f"latest_arrival_s = {latest:g} lies before earliest_arrival_s = {earliest:g}")
+        return self
+
+    @property
+    def window_s(self) -> tuple[float, float]:
+        """Earliest and latest arrival [s]; 0 and infinite where they are free."""
+        latest = self.latest_arrival_s
+        return self.earliest_arrival_s or 0.0, float("inf") if latest is None else latest
+
+
+class PassingPoint(Part):
+    """A place that the train passes at a given speed, as a signal or a junction may ask for."""
+
+    name: str = Field("", max_length=200, description="Name of the place.")
+    position_m: Number = Field(gt=0, le=1e7, description="Where the front of the train has the speed [m].")
+    # above 0: a train that stands there makes a stop, which is a station
+    speed_kmh: Number = Field(gt=0, le=600, description="Speed of the train there [km/h].")
 
 
 class Line(Part):
@@ -60,6 +92,14 @@ class Line(Part):
     sections: tuple[Section, ...] = Field(min_length=1, max_length=100_000)
     speed_limits: tuple[SpeedLimit, ...] = Field((), max_length=10_000)
     stations: tuple[Station, ...] = Field((), max_length=1000)
+    passing_points: tuple[PassingPoint, ...] = Field((), max_length=1000)
+    limits_hold_for: Literal["front", "whole_train"] = Field(
+        "front", description="Whether a limit ends with the front of the train or once its rear has left, too."
+    )
+    # no line is driven in a gale of more than 150 km/h; a wind from behind would turn the sign of v + wind near rest
+    head_wind_kmh: Number = Field(
+        0.0, ge=0, le=150, description="Wind against the train, whichever way it runs [km/h]."
+    )
 
     @model_validator(mode="after")
     def _lies_within(self) -> Self:
@@ -81,6 +121,25 @@ class Line(Part):
                 f"stations[{len(positions) - 1}].position_m = {positions[-1]:g} lies beyond the end of the line "
                 f"at {length:g} m"
             )
+        return self
+
+    @model_validator(mode="after")
+    def _passes_between_stops(self) -> Self:
+        length = self.length_m
+        places = [point.position_m for point in self.passing_points]
+        if any(later - earlier < SHORTEST_DISTANCE_M for earlier, later in pairwise(places)):
+            raise ValueError(f"passing_points must have rising positions, at least {SHORTEST_DISTANCE_M:g} m apart")
+        # each of them is a node of the mesh, at which a speed can be prescribed only once
+        for index, place in enumerate(places):
+            if place > length - SHORTEST_DISTANCE_M:
+                raise ValueError(
+                    f"passing_points[{index}].position_m = {place:g} must lie at least {SHORTEST_DISTANCE_M:g} m "
+                    f"before the end of the line at {length:g} m"
+                )
+            if any(abs(place - station.position_m) < SHORTEST_DISTANCE_M for station in self.stations):
+                raise ValueError(
+                    f"passing_points[{index}].position_m = {place:g} lies at a station, where the train stands"
+                )
         return self
 
     @property
@@ -108,6 +167,10 @@ class Line(Part):
                 "stations": tuple(
                     station.model_copy(update={"position_m": max(length - station.position_m, 0.0)})
                     for station in reversed(self.stations)
+                ),
+                "passing_points": tuple(
+                    point.model_copy(update={"position_m": length - point.position_m})
+                    for point in reversed(self.passing_points)
                 ),
             }
         )

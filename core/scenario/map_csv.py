@@ -1,9 +1,7 @@
 """Efficiency maps of drives as tables in CSV files."""
 
-from pathlib import Path
-
 from railjoule.core.errors import ScenarioError
-from railjoule.core.scenario.csv_table import read_rows
+from railjoule.core.scenario.csv_table import Folder, read_rows
 
 COLUMNS = ("torque_nm", "speed_rads", "efficiency")
 # the same bound as of the model, asked here first, as here the sentence can name the file
@@ -11,14 +9,14 @@ LEAST_POINTS = 9
 """Three torques at three speeds."""
 
 
-def read_map(name: str, folder: Path | None) -> list[list[float]]:
+def read_map(name: str, folder: Folder | None) -> list[list[float]]:
     """Return the points of a CSV file with the columns torque_nm, speed_rads and efficiency.
 
     Parameters
     ----------
     name : str
         The file, relative to `folder`.
-    folder : Path or None
+    folder : Path, callable or None
         Where scenario files may name other files; None where they may not.
 
     Raises

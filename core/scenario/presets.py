@@ -1,15 +1,32 @@
 """Vehicles, lines and scenarios that come with railjoule, read from its assets."""
 
 import tomllib
+from collections.abc import Callable
 from functools import lru_cache
 from importlib.resources import files
 from importlib.resources.abc import Traversable
-from typing import Any, Literal
+from typing import Any, Literal, Protocol
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario._sentences import show, suggestion
 
 PresetKind = Literal["vehicles", "lines", "scenarios"]
+
+
+class OwnPresets(Protocol):
+    """Vehicles, lines and scenarios of a user's own, known by name beside the shipped ones."""
+
+    def names(self, kind: PresetKind) -> tuple[str, ...]:
+        """Return the names of all of a kind, sorted."""
+
+    def text(self, kind: PresetKind, name: str) -> str:
+        """Return the text of one; raises ScenarioError if there is none."""
+
+    def document(self, kind: Literal["vehicles", "lines"], name: str) -> dict[str, Any]:
+        """Return a vehicle or line as a whole, without `preset` or `file`; raises ScenarioError if there is none."""
+
+    def beside(self, kind: PresetKind) -> Callable[[str], str]:
+        """Return what reads a file that one of this kind names; raises ScenarioError if it lies elsewhere."""
 
 
 def preset_names(kind: PresetKind) -> tuple[str, ...]:
@@ -27,10 +44,7 @@ def preset_text(kind: PresetKind, name: str) -> str:
     ScenarioError
         If there is no such preset.
     """
-    if name not in preset_names(kind):
-        hint = suggestion(name, preset_names(kind))
-        end = "" if hint.endswith("?") else "."
-        raise ScenarioError(f"there is no preset {show(name)} among the {kind}, {hint}{end}")
+    require_name(kind, name, preset_names(kind))
     return (_folder(kind) / f"{name}.toml").read_text(encoding="utf-8")
 
 
@@ -43,6 +57,14 @@ def preset_document(kind: PresetKind, name: str) -> dict[str, Any]:
         If there is no such preset.
     """
     return tomllib.loads(_cached_text(kind, name))
+
+
+def require_name(kind: PresetKind, name: str, known: tuple[str, ...]) -> None:
+    """Raise ScenarioError, with the names that are alike, if a name is not among the known ones."""
+    if name not in known:
+        hint = suggestion(name, known)
+        end = "" if hint.endswith("?") else "."
+        raise ScenarioError(f"there is no preset {show(name)} among the {kind}, {hint}{end}")
 
 
 def _folder(kind: PresetKind) -> Traversable:

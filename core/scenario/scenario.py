@@ -58,6 +58,12 @@ class Scenario(Part):
         return self
 
     @model_validator(mode="after")
+    def _rear_is_known(self) -> Self:
+        if self.line.limits_hold_for == "whole_train" and self.vehicle.length_m is None:
+            raise ValueError("line.limits_hold_for = 'whole_train' needs vehicle.length_m")
+        return self
+
+    @model_validator(mode="after")
     def _real_load_can_be_carried(self) -> Self:
         # against the crush load and not 1: what a train really carries may exceed its nominal capacity
         load, most = self.disturbance.actual_load_factor, self.vehicle.crush_load_factor
@@ -71,6 +77,11 @@ class Scenario(Part):
     def travel_time_s(self) -> float:
         """Time for the whole run, dwells included [s]."""
         return self.timetable.travel_time_over(self.line.length_m)
+
+    @property
+    def limits_last_m(self) -> float:
+        """How far beyond its end a speed limit still holds for the front of the train [m]."""
+        return (self.vehicle.length_m or 0.0) if self.line.limits_hold_for == "whole_train" else 0.0
 
     def with_(self, **changes: Any) -> "Scenario":
         """Return a copy with changed keys, named by their path in the file.

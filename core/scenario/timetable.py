@@ -1,4 +1,4 @@
-"""The time that the run may take."""
+"""The time that the run may take, and the speeds with which it begins and ends."""
 
 from typing import Self
 
@@ -9,11 +9,14 @@ from railjoule.core.units import MS_PER_KMH
 
 
 class Timetable(Part):
-    """The time for the whole run, dwells included: given itself or as an average speed."""
+    """The time for the whole run, dwells included: given itself or as an average speed; and the speeds at its ends."""
 
     # a day at most: a run that takes longer is a timetable in minutes or milliseconds
     travel_time_s: Number | None = Field(None, gt=0, le=86400, description="Time for the whole run [s].")
     average_speed_kmh: Number | None = Field(None, gt=0, le=600, description="Length over travel time [km/h].")
+    # a part of a longer journey begins and ends in motion; published benchmarks do so with 1 m/s
+    entry_speed_kmh: Number = Field(0.0, ge=0, le=600, description="Speed at the start of the line [km/h].")
+    exit_speed_kmh: Number = Field(0.0, ge=0, le=600, description="Speed at the end of the line [km/h].")
 
     @model_validator(mode="after")
     def _one_definition(self) -> Self:
@@ -21,6 +24,11 @@ class Timetable(Part):
         if (self.travel_time_s is None) == (self.average_speed_kmh is None):
             raise ValueError("needs exactly one of travel_time_s and average_speed_kmh")
         return self
+
+    @property
+    def end_speeds_ms(self) -> tuple[float, float]:
+        """Speeds at the start and at the end of the line [m/s]."""
+        return self.entry_speed_kmh * MS_PER_KMH, self.exit_speed_kmh * MS_PER_KMH
 
     def travel_time_over(self, length_m: float) -> float:
         """Return the time for a line of `length_m` [m], in s."""

@@ -1,7 +1,7 @@
 """A vehicle: masses, running resistance, limits of traction and braking, drive."""
 
 from itertools import pairwise
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -106,6 +106,9 @@ class Vehicle(Part):
     )
     length_m: Number | None = Field(None, gt=0, le=5000, description="Length of the train [m]; if empty, a point.")
     car_count: Count | None = Field(None, ge=1, le=200, description="Equal cars that share the weight.")
+    gradient_at: Literal["whole_train", "front", "middle"] = Field(
+        "whole_train", description="Where the train takes gradient, curve and tunnel: under all of it, or at one point."
+    )
     resistance: Resistance
     traction: Traction
     braking: Braking

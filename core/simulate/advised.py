@@ -71,7 +71,7 @@ class Orders(NamedTuple):
 
 
 def drive_advice(
-    scenario: Scenario, advice: Sequence[Instruction], strategy: str = "advised", initial_speed_ms: float = 0.0
+    scenario: Scenario, advice: Sequence[Instruction], strategy: str = "advised", initial_speed_ms: float | None = None
 ) -> Trajectory:
     """Return the run of a driver who follows the advice.
 
@@ -83,8 +83,8 @@ def drive_advice(
         The advice, in order.
     strategy : str
         Whose advice it is.
-    initial_speed_ms : float
-        Speed at the start [m/s].
+    initial_speed_ms : float, optional
+        Speed at the start [m/s]; that of the timetable where absent.
 
     Raises
     ------
@@ -93,7 +93,8 @@ def drive_advice(
     """
     course = build_course(scenario, position_m=_mesh(scenario, advice))
     moving = [instruction for instruction in advice if instruction.action != "stand"]
-    place, speed2, stand = drive_cells(course.data, course.position_m, _orders(moving), initial_speed_ms**2)
+    entry_ms = scenario.timetable.end_speeds_ms[0] if initial_speed_ms is None else initial_speed_ms
+    place, speed2, stand = drive_cells(course.data, course.position_m, _orders(moving), entry_ms**2)
     if stand >= 0:
         raise InfeasibleLineError(f"At {place[-1]:.0f} m the train comes to a stand before its stop.")
     driven = build_course(scenario, position_m=place)
@@ -113,7 +114,7 @@ def _mesh(scenario: Scenario, advice: Sequence[Instruction]) -> FloatArray:
     line = scenario.line.in_running_order()
     stops = [0.0, *(station.position_m for station in line.inner_stations), line.length_m]
     named = [place for order in advice for place in (order.from_m, order.at_m) if place is not None]
-    fixed = np.unique([*line_borders(line), *named, *stops])
+    fixed = np.unique([*line_borders(line, scenario.limits_last_m), *named, *stops])
     nodes = np.append(np.arange(0.0, line.length_m, CELL_M), line.length_m)
     nodes = with_nodes_at(nodes, fixed[(fixed > 0) & (fixed < line.length_m)])
     return finer_at_stops(nodes, stops, HALVINGS_AT_STOPS)

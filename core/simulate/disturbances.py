@@ -153,7 +153,7 @@ class _Simulation:
         before = [event for event in self.events if event.reaction == "known" and is_foreseeable(event)]
         # by identity: two events may be equal in all their numbers
         ahead = [event for event in self.events if not any(event is other for other in before)]
-        state = State(0.0, 0.0, 0.0, _unknowing(self.scenario))
+        state = State(0.0, self.scenario.timetable.end_speeds_ms[0] ** 2, 0.0, _unknowing(self.scenario))
         for event in before:
             state = knowing(state, event)
         plan = self._plan_rest(state) if before else leg_of(planned)
@@ -272,7 +272,7 @@ class _Simulation:
         rest = rest_scenario(state, allowed)
         nodes = nodes_ahead(state, rest.line.length_m)
         try:
-            task = prepare_task(rest, state.speed_ms, 0.0, nodes)
+            task = prepare_task(rest, state.speed_ms, position_m=nodes)
         except InfeasibleLineError:
             # a standing train has nothing to brake for: its line is infeasible for good
             if state.speed2 <= STANDING_SPEED2:
@@ -285,7 +285,7 @@ class _Simulation:
 
     def _brake_at_once(self, state: State, nodes: FloatArray) -> Leg:
         """Brake fully until all that lies ahead can be kept again, or to a stand beyond a stop."""
-        course = build_course(state.scenario, state.speed_ms, 0.0, nodes)
+        course = build_course(state.scenario, state.speed_ms, position_m=nodes)
         run, distance = fully_braked(course.data, state.speed2)
         stands = np.inf if np.isnan(distance) else state.position_m + distance
         stations = state.scenario.line.inner_stations

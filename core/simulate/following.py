@@ -108,7 +108,10 @@ def plannable_task(scenario: Scenario) -> Task:
     for stop in stops_of(scenario):
         before = stop - course.position_m
         inside = (before >= 0) & (before <= zone)
-        largest = np.where(inside, np.minimum(largest, 2 * options.target_deceleration_ms2 * before), largest)
+        # the end of the line may be passed in motion, a station not
+        end_ms = scenario.timetable.end_speeds_ms[1] if stop >= course.position_m[-1] else 0.0
+        curve = 2 * options.target_deceleration_ms2 * before + end_ms**2
+        largest = np.where(inside, np.minimum(largest, curve), largest)
     return task_over(scenario, replace(course, data=course.data._replace(largest_speed2=largest)))
 
 
@@ -137,7 +140,8 @@ def follow(planned: Trajectory, scenario: Scenario) -> Following:
     """
     _require_errors_within_a_section(scenario)
     real = actual_vehicle(scenario)
-    nodes, speeds, stop_nodes, errors, courses = [np.zeros(1)], [np.zeros(1)], [], [], []
+    entry2 = planned.speed_ms[:1] ** 2
+    nodes, speeds, stop_nodes, errors, courses = [np.zeros(1)], [entry2], [], [], []
     start, planned_start = 0.0, 0.0
     for stop in stops_of(scenario):
         stretched = stretches(start, stop, scenario.disturbance.coordinate_error_m, scenario.simulation)
@@ -188,14 +192,16 @@ def _drive_leg(
     launch = _launch_end(planned, plan_m, plan2)
     covered = np.minimum(nodes - start + planned_start, plan_m[launch])
     target2 = np.where(estimated < plan_m[launch], np.maximum(target2, np.interp(covered, plan_m, plan2)), target2)
-    target2[[0, -1]] = 0.0
+    # a leg begins and ends at rest but where the plan itself enters or leaves the line in motion
+    target2[[0, -1]] = plan2[[0, -1]]
     course = build_course(real, position_m=nodes)
-    speed2, stand = follow_cells(course.data, target2, real.simulation.response_length_m)
+    speed2, stand = follow_cells(course.data, target2, real.simulation.response_length_m, float(plan2[0]))
     if stand >= 0:
         raise InfeasibleLineError(
             f"At {nodes[stand]:.0f} m the train with its actual load comes to a stand: its effort is not enough."
         )
-    return (nodes, speed2) if speed2[-1] <= STANDING_SPEED2 else _overrun(nodes, speed2, real)
+    arrives = speed2[-1] <= STANDING_SPEED2 or plan2[-1] > STANDING_SPEED2
+    return (nodes, speed2) if arrives else _overrun(nodes, speed2, real)
 
 
 def _leg_mesh(plan_m: FloatArray, real: Scenario, stretched: list[Stretch], start: float, end: float) -> FloatArray:
@@ -206,7 +212,10 @@ def _leg_mesh(plan_m: FloatArray, real: Scenario, stretched: list[Stretch], star
         passed.append(positions[(positions > stretch.from_m) & (positions < until)])
     own = np.unique(np.concatenate([[start], *passed, [end]]))
     own = own[(own >= start) & (own <= end)]
-    fixed = [*line_borders(real.line.in_running_order()), *(stretch.from_m for stretch in stretched[1:])]
+    fixed = [
+        *line_borders(real.line.in_running_order(), real.limits_last_m),
+        *(stretch.from_m for stretch in stretched[1:]),
+    ]
     # a start that is estimated beyond the station leaves the plan's first nodes out
     fixed += list(np.arange(start, end, real.solver.mesh_m))
     return with_nodes_at(own, [position for position in fixed if start + 1e-3 < position < end - 1e-3])

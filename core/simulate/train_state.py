@@ -90,14 +90,15 @@ def rest_scenario(state: State, allowed_time_s: float) -> Scenario:
     return state.scenario.model_copy(
         update={
             "line": line.model_copy(update={"stations": ahead}),
-            "timetable": Timetable(travel_time_s=left),
+            # the state is the start, with a speed of its own; the end stays what it is
+            "timetable": Timetable(travel_time_s=left, exit_speed_kmh=state.scenario.timetable.exit_speed_kmh),
         }
     )
 
 
 def nodes_ahead(state: State, end_m: float) -> FloatArray:
     """Return the nodes of what is left up to a place [m], finer where the train starts or stops."""
-    mesh = line_mesh(state.scenario.line, state.scenario.solver.mesh_m)
+    mesh = line_mesh(state.scenario.line, state.scenario.solver.mesh_m, state.scenario.limits_last_m)
     # no cell of less than a millimetre at either end, whose force would be rounding over rounding
     inside = mesh[(mesh > state.position_m + 1e-3) & (mesh < end_m - 1e-3)]
     return np.concatenate([[state.position_m], inside, [end_m]])

@@ -31,6 +31,7 @@ from railjoule.core.strategies.bellman import bellman
 from railjoule.core.strategies.enoc import enoc
 from railjoule.core.strategies.eoc import eoc
 from railjoule.core.strategies.fastest import fastest
+from railjoule.core.strategies.line_parts import arrival_windows, missed_windows
 from railjoule.core.strategies.optimal import known_optimum, optimal
 from railjoule.core.strategies.phases import phases
 from railjoule.core.strategies.speed_limits import speed_limits
@@ -53,8 +54,8 @@ def solve(
     scenario: Scenario,
     strategy: StrategyName | None = None,
     *,
-    initial_speed_ms: float = 0.0,
-    final_speed_ms: float = 0.0,
+    initial_speed_ms: float | None = None,
+    final_speed_ms: float | None = None,
     check: bool = False,
     prove_seconds: float | None = None,
 ) -> Trajectory:
@@ -66,8 +67,8 @@ def solve(
         The train, the line, the timetable and the options.
     strategy : str, optional
         Overrides the scenario's own.
-    initial_speed_ms, final_speed_ms : float
-        Speeds at the ends of the run [m/s].
+    initial_speed_ms, final_speed_ms : float, optional
+        Speeds at the ends of the run [m/s]; those of the timetable where absent.
     check : bool
         Whether the run is held against its scenario by formulas that share no code with the strategies; it then
         carries the result as `check`.
@@ -135,7 +136,8 @@ def run_strategy(task: Task, strategy: StrategyName) -> Trajectory:
         trajectory = STRATEGIES[strategy](task)
     except (DriveRangeError, InfeasibleLineError) as error:
         raise StrategyRefusedError(f"finds no run that can be driven: {error}") from error
-    return replace(trajectory, solve_time_s=time.perf_counter() - started)
+    seconds = time.perf_counter() - started
+    return replace(trajectory, solve_time_s=seconds, notes=(*trajectory.notes, *missed_windows(task, trajectory)))
 
 
 def compare(
@@ -171,7 +173,12 @@ def compare(
 
 def _tightened(task: Task, best: Trajectory, seconds: float | None) -> Trajectory:
     """Return an optimum with the greater bound that it is worth to look for where one run is asked for."""
-    return best if best.bound is None else best.with_bound(tightened(task, best.bound, best, seconds=seconds))
+    # a bound between windows that bind is one of parts: the proof of the whole line would be another statement
+    return (
+        best
+        if best.bound is None or arrival_windows(task)
+        else best.with_bound(tightened(task, best.bound, best, seconds=seconds))
+    )
 
 
 __all__ = ["STRATEGIES", "Task", "compare", "prepare_task", "run_strategy", "solve"]

@@ -4,6 +4,7 @@ References: the method is in `railjoule.core.interior_point.solver`, the proof i
 """
 
 from dataclasses import replace
+from functools import partial
 
 from railjoule.core.bounds import PROOF_BUDGET, Solution, certify, minimise
 from railjoule.core.energy import energy_decimals
@@ -11,6 +12,7 @@ from railjoule.core.errors import RailjouleError, SolverError, StrategyRefusedEr
 from railjoule.core.physics.stretches import shortest_stretch_s
 from railjoule.core.strategies.bellman import bellman
 from railjoule.core.strategies.decisions import DecidedRun
+from railjoule.core.strategies.line_parts import arrival_windows, joined, optimum_within
 from railjoule.core.strategies.spacing import seldom_switched
 from railjoule.core.strategies.switching import unswitched
 from railjoule.core.task import Task
@@ -32,6 +34,8 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
 
     Where the interior point does not converge it is the best run of dynamic programming, without a bound, and says so.
 
+    Windows of arrival are kept. Where one binds, the bound is that of runs with the same arrival there.
+
     Parameters
     ----------
     task : Task
@@ -45,8 +49,19 @@ def optimal(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
         If the timetable cannot be kept.
     SolverError, StrategyRefusedError
         As `railjoule.core.bounds.minimise`, if dynamic programming finds no run either.
+    ScenarioError
+        If a window of arrival cannot be kept.
     """
     task.require_timetable()
+    windows = arrival_windows(task)
+    if not windows:
+        return unwindowed_optimum(task, proof_budget)
+    line = optimum_within(task, windows, partial(unwindowed_optimum, proof_budget=proof_budget))
+    return line.runs[0] if len(line.runs) == 1 else _as_reference(task, joined(task, line))
+
+
+def unwindowed_optimum(task: Task, proof_budget: int = PROOF_BUDGET) -> Trajectory:
+    """Return the optimum of a task whatever its windows of arrival; arguments and other errors as `optimal`."""
     try:
         return _by_interior_point(task, proof_budget)
     except SolverError as failure:

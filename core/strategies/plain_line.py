@@ -62,7 +62,8 @@ def plain_line(task: Task) -> PlainLine:
     Raises
     ------
     StrategyRefusedError
-        If the run has planned stops, moving ends or a lower limit than the vehicle's, or the drive no copper loss.
+        If the run has planned stops, passing points, moving ends or a lower limit than the vehicle's, or the drive no
+        copper loss.
     """
     course, scenario = task.course, task.scenario
     data = course.data
@@ -70,6 +71,7 @@ def plain_line(task: Task) -> PlainLine:
         raise StrategyRefusedError("needs a line without stops between its ends.")
     if data.fixed_speed2[0] > 0 or data.fixed_speed2[-1] > 0:
         raise StrategyRefusedError("needs a run that starts and ends at rest.")
+    require_no_passing_points(task)
     vehicle_limit = (scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH) ** 2
     if np.min(data.largest_speed2) < vehicle_limit * (1 - SAME):
         raise StrategyRefusedError("needs a line without limits.")
@@ -93,6 +95,12 @@ def plain_line(task: Task) -> PlainLine:
         loss_coefficient=float(data.drive_parameters[0]),
         notes=tuple(notes),
     )
+
+
+def require_no_passing_points(task: Task) -> None:
+    """Raise StrategyRefusedError if the train passes a place at a given speed."""
+    if task.scenario.line.passing_points:
+        raise StrategyRefusedError("needs a line without passing points.")
 
 
 def _note_on_the_mean(course: Course) -> str:

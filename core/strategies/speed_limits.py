@@ -21,6 +21,7 @@ from railjoule.core.motion.mesh import finer_at_stops
 from railjoule.core.scenario import Scenario
 from railjoule.core.strategies.literal_regulator import literal_run
 from railjoule.core.strategies.optimal import known_optimum
+from railjoule.core.strategies.plain_line import require_no_passing_points
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH, distinct_numbers
@@ -56,6 +57,7 @@ def speed_limits_with_search(task: Task) -> tuple[Trajectory, LimitSearch]:
     borders = section_boundaries(task.scenario)
     if task.course.data.fixed_speed2[-1] > 0:
         raise StrategyRefusedError("needs a run that ends at rest.")
+    require_no_passing_points(task)
     if options.limits_kmh is not None:
         limits = _given_limits(task.scenario, len(borders) + 1)
         problem = _problem(task, task.running_time_s)

@@ -22,7 +22,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import StrategyRefusedError
 from railjoule.core.physics.resistance import resistance_coefficients, resistance_slope, running_resistance
 from railjoule.core.physics.vehicle_limit import vehicle_limit_n
-from railjoule.core.scenario import Scenario, Vehicle
+from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.drive import ConstantEfficiency
 from railjoule.core.units import MS_PER_KMH
 
@@ -99,7 +99,7 @@ def steady_speeds(scenario: Scenario, price_of_time_w: float, highest_ms: float 
     # k of the text: what of a joule at the wheels comes back to the line
     braking = drive.recuperation_factor * (drive.braking_efficiency or drive.traction_efficiency)
     vehicle = scenario.vehicle
-    _, linear, quadratic = resistance_coefficients(vehicle)
+    _, linear, quadratic = _coefficients(scenario)
     top = vehicle.traction.max_speed_kmh * MS_PER_KMH
 
     def hold_excess_w(speed: float) -> float:
@@ -109,10 +109,10 @@ def steady_speeds(scenario: Scenario, price_of_time_w: float, highest_ms: float 
     hold = float(scipy.optimize.brentq(hold_excess_w, 0.0, top)) if hold_excess_w(top) > 0 else top
     highest = hold if highest_ms is None else min(highest_ms, hold)
     # the constant of the first integral, taken where coasting begins: f = 0, P = 0 and p = 1 / e there
-    level = float(driving * _resistance_n(vehicle, highest)) + price_of_time_w / highest
+    level = float(driving * _resistance_n(scenario, highest)) + price_of_time_w / highest
 
     def brake_excess(speed: float) -> float:
-        return float(braking * _resistance_n(vehicle, speed)) + price_of_time_w / speed - level
+        return float(braking * _resistance_n(scenario, speed)) + price_of_time_w / speed - level
 
     # at the highest speed this is negative, as braking_adjoint < driving_adjoint; towards rest price / speed makes it
     # positive, unless the price is next to nothing: then the train coasts to walking pace
@@ -132,17 +132,17 @@ def phase_plane(scenario: Scenario, steady: SteadySpeeds) -> tuple[PhaseCurve, .
         Of `steady_speeds`.
     """
     vehicle, price = scenario.vehicle, steady.price_of_time_w
-    level = steady.driving_adjoint * _resistance_n(vehicle, steady.highest_ms) + price / steady.highest_ms
+    level = steady.driving_adjoint * _resistance_n(scenario, steady.highest_ms) + price / steady.highest_ms
     up = np.linspace(SLOWEST_MS, steady.highest_ms, POINTS)
     effort = vehicle_limit_n(vehicle, up)
     # p from the first integral, p (f - R) = P / v + m / v - level, with P = f v / e
-    full = (steady.driving_adjoint * effort + price / up - level) / (effort - _resistance_n(vehicle, up))
+    full = (steady.driving_adjoint * effort + price / up - level) / (effort - _resistance_n(scenario, up))
     down = np.linspace(steady.highest_ms, steady.brake_ms, POINTS)
-    coast = (level - price / down) / _resistance_n(vehicle, down)
+    coast = (level - price / down) / _resistance_n(scenario, down)
     last = np.linspace(steady.brake_ms, SLOWEST_MS, POINTS)
     brakes = vehicle_limit_n(vehicle, last, braking=True)
     # the same with f = -B, of which the line gets k B v
-    brake = (level + steady.braking_adjoint * brakes - price / last) / (brakes + _resistance_n(vehicle, last))
+    brake = (level + steady.braking_adjoint * brakes - price / last) / (brakes + _resistance_n(scenario, last))
     return PhaseCurve("full_power", up, full), PhaseCurve("coast", down, coast), PhaseCurve("brake", last, brake)
 
 
@@ -154,7 +154,11 @@ def constant_efficiency_of(scenario: Scenario) -> ConstantEfficiency:
     return drive
 
 
-def _resistance_n(vehicle: Vehicle, speed_ms: FloatArray | float) -> FloatArray:
-    constant, linear, quadratic = resistance_coefficients(vehicle)
+def _coefficients(scenario: Scenario) -> tuple[float, float, float]:
+    return resistance_coefficients(scenario.vehicle, scenario.line.head_wind_kmh * MS_PER_KMH)
+
+
+def _resistance_n(scenario: Scenario, speed_ms: FloatArray | float) -> FloatArray:
+    constant, linear, quadratic = _coefficients(scenario)
     speed = np.asarray(speed_ms, dtype=float)
     return running_resistance(constant, linear, quadratic, speed, np.square(speed))

@@ -10,6 +10,7 @@ from railjoule.dashboard.actual.event import EventModel, event_sign
 from railjoule.dashboard.actual.model import add_stop, as_planned, checked_place, move_stop, stops_of
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import markup
+from railjoule.dashboard.parts.choices import menu
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import LoadField, NumberField, tie
 from railjoule.dashboard.state.workbench import Workbench
@@ -30,14 +31,8 @@ class ActualFields:
         self.add = pmui.Button(
             label="+ stop", variant="text", size="small", margin=(0, 8), on_click=lambda _: add_stop(state)
         )
-        self.reaction = pmui.Select(
-            label="Who reacts",
-            options={name: reaction for reaction, name in words.REACTION_WORDS.items()},
-            value=self.model.reaction,
-            size="small",
-            margin=(8, 16, 4, 16),
-            sizing_mode="stretch_width",
-        )
+        reactions = {name: reaction for reaction, name in words.REACTION_WORDS.items()}
+        self.reaction = menu(self.model, "reaction", "Who reacts", reactions)
         self.equal = pmui.Button(
             label="As planned", variant="text", size="small", margin=(0, 8), on_click=lambda _: as_planned(state)
         )
@@ -59,7 +54,6 @@ class ActualFields:
         )
         self.view = stack(self.switch, self.body)
         tie(self.switch, self.model, "on")
-        tie(self.reaction, self.model, "reaction")
         self.model.param.watch(self._unfold, "on")
         state.scenario.param.watch(self._mark_planned, "load_percent")
         state.disturbances.param.watch(self._list, ["events", "changed"])

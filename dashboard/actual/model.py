@@ -39,6 +39,7 @@ class ActualModel(TypedParameters, PageModel):
 def actual_changes(state: "Workbench") -> Mapping[str, Any]:
     """Return all that differs from the plan in the actual run, by the keys of the file."""
     reaction = {"reaction": state.actual.reaction}
+    # Drive names one reaction for all events, where a file has one for each
     events = {
         key: [{**event, **reaction} for event in value] if isinstance(value, list) else value
         for key, value in state.disturbances.changes.items()
@@ -53,6 +54,7 @@ def event_changes(state: "Workbench") -> Mapping[str, Any]:
         day = {"disturbance.coordinate_error_m": 0.0}
         if state.scenario.edited.disturbance.actual_load_factor is not None:
             day["disturbance.actual_load_factor"] = None
+    # a later departure moves all rides by the same time, and is no event
     return {**day, "disturbance.departure_delay_s": 0.0, **state.disturbances.changes}
 
 

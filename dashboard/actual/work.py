@@ -28,6 +28,7 @@ class Actual(PageWork[ActualModel]):
         state.scenario.follow(lambda scenario: scenario.disturbance, self.model.take)
         self.model.take(state.scenario.edited)
         state.scenario.param.watch(self._ask, list(PLAN_FIELDS))
+        # the runs too: only they tell which strategy the plan is by, `chosen_now`
         state.param.watch(self._ask, ["page", "chosen", "runs"])
         state.robustness.param.watch(self._ask, [*REALITY, *FOLLOWER])
         state.disturbances.param.watch(self._ask, ["events", "accepted_delay_s", "changed"])

@@ -83,6 +83,7 @@ class Browser(JSComponent):
     def _handle_msg(self, data: Any) -> None:
         kind = data.get("kind") if isinstance(data, dict) else None
         if kind == "idle":
+            # a new list first: a callback may ask for the next idle moment, which the browser must be asked for again
             callbacks, self._idle = self._idle, []
             for callback in callbacks:
                 callback()

@@ -7,6 +7,7 @@ known.
 
 import contextlib
 from collections.abc import Iterator
+from typing import Any
 
 import panel as pn
 from panel.viewable import Viewable
@@ -20,31 +21,31 @@ def one_message() -> Iterator[None]:
 
     Were it searched after that, the browser would be sent the new models again with the next message.
     """
-    document = pn.state.curdoc
-    with pn.io.hold():
-        if document is None:
-            yield
-            return
-        with unfrozen():
-            freeze(document)
-            yield
+    with _one_freeze() as document:
+        yield
+        if document is not None:
             thaw(document, frozen(document) - 1)
 
 
 @contextlib.contextmanager
 def added_to(place: Viewable) -> Iterator[None]:
     """Send all changes made within as one message, where all that is new is put into one place."""
-    document = pn.state.curdoc
-    with pn.io.hold():
-        if document is None:
-            yield
-            return
-        with unfrozen():
-            freeze(document)
-            yield
+    with _one_freeze() as document:
+        yield
+        if document is not None:
             for model in models_of(place):
                 attach(document, model)
             thaw_unsearched(document)
+
+
+@contextlib.contextmanager
+def _one_freeze() -> Iterator[Any]:
+    """Freeze the document of this turn once more, and hold its messages; who asks for it thaws it."""
+    # the hold around it: the search at the thaw comes before the message goes
+    with pn.io.hold(), unfrozen():
+        if (document := pn.state.curdoc) is not None:
+            freeze(document)
+        yield document
 
 
 @contextlib.contextmanager

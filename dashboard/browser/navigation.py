@@ -40,6 +40,7 @@ class Navigation(JSComponent):
 
     def _handle_msg(self, data: Any) -> None:
         kind = data.get("kind") if isinstance(data, dict) else None
+        # any client can send any text here, and the state takes no other page than these
         if kind == "page" and data.get("page") in PAGES:
             self._turn(data["page"])
         elif kind == "pin":

@@ -32,7 +32,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.energy import SMALL_ENERGY_KWH
 from railjoule.dashboard.charts.label_places import Box
 from railjoule.dashboard.charts.line_names import COLUMNS, Frame, Name, placed_names
-from railjoule.dashboard.charts.run_columns import RunColumns, short
+from railjoule.dashboard.charts.run_columns import SHORT_COLUMN, RunColumns
 from railjoule.dashboard.charts.sketches import COMPUTING, SketchKind, not_drawn, sketch
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.scripts import function
@@ -42,17 +42,21 @@ from railjoule.dashboard.parts import html as parts
 
 TICKS = function("ticks", "tick_words(tick, digits)")
 CAPTION_PX = 21
+# places of this class have nothing yet to be watched or saved: browser.js and saving.js in assets/scripts
 UNDRAWN = "rj-undrawn"
 PLACE_CSS = """
 :host { overflow: hidden; filter: var(--rj-chart-filter, none); }
 @media (max-width: 899px) { :host { height: auto !important; } }
 """
 """On narrow screens a caption may take two lines."""
+HINT_CSS = ".bk-Panel { background-color: var(--rj-surface); color: var(--rj-ink); }"
+"""What the library says over a figure, it would write on white in dark colours too."""
 USUAL_WIDTH_PX = 640.0
 RIGHT_BORDER_PX = 20
 """Half of the last number of an axis stands in it."""
 RIGHT_PX, BOTTOM_PX, TICKS_PX, TITLE_PX = RIGHT_BORDER_PX + 4, 9, 26, 20
 """What is taken at least by the right and lower edges of a figure, the numbers of its x axis and that axis's title."""
+# Bokeh paints nothing beyond the frame of a figure, so that the room must be within it
 END_LABEL_SHARE = 0.125
 """Share of the axis beyond the last stop that is kept free for labels at the ends of lines."""
 
@@ -68,6 +72,7 @@ class Axis:
     """
 
     def __init__(self, palette: Palette, kind: type[np.floating[Any]] = np.float32) -> None:
+        # with bounds, so that neither a pan nor a zoom leads away from the line
         self.range = Range1d(0, 1, bounds=(0, 1))
         self.cursor = Span(dimension="height", line_alpha=0.55, line_width=1)
         self.follow = CustomJS(
@@ -131,6 +136,7 @@ class Axis:
             run.send()
         charts = enumerate(self._charts.values())
         told = [dict(chart, place=None if index else [unit, digits]) for index, chart in charts]
+        # the browser compiles the callback anew whenever its arguments are set
         if told != self.follow.args["charts"]:
             self.follow.args = {"charts": told, "range": self.range}
         else:
@@ -139,6 +145,7 @@ class Axis:
         self.range.tags = [self._settled, unit, self._end]
 
 
+# Bokeh's models by hand: measured, HoloViews takes 19 ms to draw two lines anew, this 0.7 ms
 class Chart:
     """A figure with a caption above it; a grey sketch stands in its place until it is drawn for the first time.
 
@@ -168,6 +175,7 @@ class Chart:
         self.sketch = parts.html_pane()
         self.host = pn.Column(
             self.sketch,
+            # from the second one assets/scripts/first.js reads which chart this is
             css_classes=["rj-chart", f"rj-chart-{name}", UNDRAWN],
             sizing_mode="stretch_width",
             height=self._tall,
@@ -221,6 +229,7 @@ class Chart:
         if self.content is None:
             self.build()
             draw()
+            # a surface stands in the place of a figure, but has no models of Bokeh
             if self.figure is not None and isinstance(self.figure, figure):
                 lighten(self.figure)
                 check_complete(self.figure)
@@ -238,6 +247,7 @@ class Chart:
         x_axis, y_axis = f.xaxis[0], f.yaxis[0]
         below = TICKS_PX + (TITLE_PX if x_axis.axis_label else 0) if x_axis.visible else BOTTOM_PX
         left = f.min_border_left + (TITLE_PX if y_axis.axis_label else 0)
+        # in a place narrower than its borders nothing fits, but sizes stay above zero
         return Frame(max(self.width_px - left - RIGHT_PX, 1.0), max(self.height - below - 2.0, 1.0), x, y)
 
     def fail(self) -> None:
@@ -260,8 +270,10 @@ class Chart:
     def put(self, name: str, /, **columns: Any) -> None:
         """Have these columns in the source of a name; what stands there already is not sent again."""
         source = self.sources[name]
-        if source.data.keys() != columns.keys() or not all(same(source.data[key], columns[key]) for key in columns):
+        if source.data.keys() != columns.keys():
             source.data = dict(columns)
+        elif changed := {key: column for key, column in columns.items() if not same(source.data[key], column)}:
+            source.data.update(changed)
 
     def glyphs(self, kind: str, name: str, *fields: Any, paint: Mapping[str, str], **style: Any) -> GlyphRenderer:
         """Let the figure draw glyphs of a kind from the source of a name, which is made where there is none.
@@ -305,6 +317,14 @@ class Chart:
         if name not in self.sources:
             self.source(name, "x", "y", "text", "colour")
         return self.glyphs("text", name, "x", "y", "text", text_color="colour", paint={}, **text_style(size), **style)
+
+    def grounded_signs(
+        self, name: str, token: str, size: int = 12, at: tuple[str, str] = ("x", "y"), **style: Any
+    ) -> None:
+        """Write texts in a colour, on a ground that keeps them apart from what they lie upon."""
+        paint = {"text_color": token, "background_fill_color": "surface"}
+        ground = {"background_fill_alpha": 0.8, "padding": 1}
+        self.glyphs("text", name, *at, "text", paint=paint, **{**ground, **text_style(size), **style})
 
     def add_names(self, source: str = "names", size: int = 12) -> None:
         """Let the figure write the names of its lines, above all that is drawn."""
@@ -396,16 +416,20 @@ class DistanceChart(Chart):
             toolbar_location=None,
             tools="",
             outline_line_color=None,
+            # the same for all charts of an axis, however long their numbers are: places stand above each other
             min_border_left=self.left,
             min_border_right=RIGHT_BORDER_PX,
             min_border_top=2,
             min_border_bottom=7,
+            # Bokeh itself gives a canvas neither a role nor a name
             html_attributes={"role": "img", "aria-label": self.caption or self.name},
         )
+        # logo and tools would each be a stop of the tab key, in every figure
         f.toolbar.logo = None
         dress(f, self.palette, ticks, digits)
         f.xaxis.visible = with_axis
         if zoom:
+            # the width alone: all charts share this axis, and each has a y axis of its own
             box = BoxZoomTool(dimensions="width")
             # without the key, the wheel scrolls the page
             wheel = WheelZoomTool(dimensions="width", modifiers={"ctrl": True})
@@ -416,6 +440,7 @@ class DistanceChart(Chart):
         f.js_on_event("mousemove", self.axis.follow)
         f.js_on_event("mouseleave", self.axis.follow)
         self.figure = f
+        # the cursor writes its values here, where they hide no data, as a tooltip would
         caption = Div(
             text=self.caption,
             stylesheets=[parts_css()],
@@ -427,6 +452,7 @@ class DistanceChart(Chart):
         self.content = pn.pane.Bokeh(
             column(caption, f, sizing_mode="stretch_width", spacing=0), margin=0, sizing_mode="stretch_width"
         )
+        # assets/scripts/cursor.js reads these by their names
         self.told = {
             "caption": caption,
             "words": self.caption,
@@ -434,6 +460,7 @@ class DistanceChart(Chart):
             "stepped": self.stepped,
             "unit": self.unit,
             "digits": self.digits,
+            # below it the cursor writes one decimal more, as `words.energy` does
             "small": SMALL_ENERGY_KWH if self.unit == "kWh" else 0,
         }
         self.axis.add(self.name, self.told)
@@ -466,7 +493,7 @@ class DistanceChart(Chart):
 def dress(f: figure, palette: Palette, ticks: int, digits: int) -> None:
     """Give a figure the look of all charts: y grid only, no lines on the axes, numbers as people write them."""
     # the page shows through: what a canvas once painted shines on at its edges after a change of theme
-    f.update(background_fill_color=None, border_fill_color=None)
+    f.update(background_fill_color=None, border_fill_color=None, stylesheets=[HINT_CSS])
     for axis in (f.xaxis[0], f.yaxis[0]):
         axis.update(
             axis_line_color=None,
@@ -510,6 +537,7 @@ def dragged(figure: figure, script: str, **args: Any) -> CustomJS:
 
 def text_style(size: int = 12) -> dict[str, object]:
     """Return the properties of text glyphs in charts."""
+    # as values: Bokeh would take a bare text for the name of a column
     return {"text_font": value(FONT), "text_font_size": value(f"{size}px")}
 
 
@@ -542,7 +570,14 @@ def same(one: Any, other: Any) -> bool:
 
 def columns(**arrays: FloatArray) -> dict[str, FloatArray | list[float]]:
     """Return the columns of a source; short ones as lists, which travel within the message instead of beside it."""
-    return {name: short(array) for name, array in arrays.items()}
+    return {
+        name: [*map(_nine_digits, array)] if len(array) <= SHORT_COLUMN else array for name, array in arrays.items()
+    }
+
+
+def _nine_digits(number: float) -> float:
+    # a millimetre in a thousand kilometres; all digits would take twice as many letters
+    return float(f"{number:.9g}")
 
 
 def xy(x: FloatArray, y: FloatArray) -> dict[str, FloatArray | list[float]]:

@@ -71,6 +71,7 @@ class DrawingQueue:
 
     def go_on(self) -> None:
         """Draw the next chart soon, if any waits."""
+        # one at a time, so that what the user does comes between; before the page has loaded, a change would be lost
         if self._called or not self.browser.started or not self._in_sight():
             return
         document = pn.state.curdoc or self._document
@@ -109,6 +110,7 @@ class DrawingQueue:
 
     def _draw(self, chart: Chart, alone: bool = False) -> None:
         # charts that are drawn together settle together, once: each column of their runs goes to the browser once
+        # a chart that is new brings models with it: where they go is known, so that the document need not be searched
         with pn.io.hold() if chart.is_drawn else added_to(chart.host):
             try:
                 with unfrozen():

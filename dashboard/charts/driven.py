@@ -87,6 +87,7 @@ class BrakingChart(LoneChart):
         zone = max([options.reset_sensor_m or 0.0, *(stop - stretch.from_m for stretch in course[1:])])
         first = -min((zone or stop) + BEFORE_SENSOR_M, stop)
         last = max(BEYOND_STOP_M, following.stop_error_m * 1.2)
+        # at least, so that the axis of a train that stands has a height
         top = 1.0
         for name, run in both(following).items():
             near = run.position_m - stop >= first
@@ -94,6 +95,7 @@ class BrakingChart(LoneChart):
             self.put(name, **xy(run.position_m[near] - stop, speed))
             top = max(top, float(speed.max()))
         before = np.linspace(-zone, 0, 80) if options.target_braking and zone else np.zeros(0)
+        # v^2 = 2 a s, with s counted back from the stop
         target = np.sqrt(-2 * options.target_deceleration_ms2 * before) / MS_PER_KMH
         self.put("target", **xy(before, target))
         self.set_ranges((first, last), (0.0, 1.3 * top))
@@ -124,7 +126,9 @@ class PositionErrorChart(LoneChart):
             marks += [(stretch.from_m, stretch.sensor) for stretch in course[1:]]
         time = np.interp(places, run.position_m, run.time_s)
         self.put("error", **xy(time, np.array(errors)))
+        # at least a metre, so that millimetres do not fill the chart
         size = max(1.0, float(np.max(np.abs(errors))))
+        # more room above, where the names of the sensors stand
         self.set_ranges((0.0, run.travel_time_s), (-1.3 * size, 1.6 * size))
         passed = [(float(np.interp(place, run.position_m, run.time_s)), sensor) for place, sensor in marks]
         # the axis is 1.3 + 1.6 = 2.9 sizes high

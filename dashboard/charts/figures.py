@@ -4,23 +4,31 @@ import panel as pn
 from bokeh.models import Range1d
 from bokeh.plotting import figure
 
-from railjoule.dashboard.charts.chart import RIGHT_BORDER_PX, Chart, dress
+from railjoule.dashboard.charts.chart import RIGHT_BORDER_PX, Chart, check_complete, dress, lighten
 from railjoule.dashboard.charts.line_names import Frame
 from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look.tokens import LIGHT
 from railjoule.dashboard.parts import html as parts
+
+DARK_INK, WHITE = LIGHT["ink"], "#FFFFFF"
 
 
 def ink_on(colour: str) -> str:
     """Return black or white, whichever contrasts more with a colour."""
-    red, green, blue = (int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
-    # relative luminance and contrast ratio of WCAG 2.2; 0.0603 is about the luminance of the dark ink, plus 0.05
-    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in (red, green, blue)]
-    luminance = 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
-    return "#161B22" if (luminance + 0.05) / 0.0603 > 1.05 / (luminance + 0.05) else "#FFFFFF"
+    # at the geometric mean of both, the contrast ratio of WCAG 2.2 with each is the same
+    return DARK_INK if _lightness(colour) ** 2 > _lightness(DARK_INK) * _lightness(WHITE) else WHITE
+
+
+def _lightness(colour: str) -> float:
+    """Return the relative luminance of WCAG 2.2, and what its contrast ratio adds for the light around a screen."""
+    shares = (int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
+    red, green, blue = (c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in shares)
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue + 0.05
 
 
 def captioned(text: str, f: figure) -> pn.Column:
     """Return a figure under its caption."""
+    # 50 px, as `dress_alone` keeps left of the frame
     caption = parts.markup('<div style="font-size:12px;color:var(--rj-ink2);padding:2px 0 0 50px">{}</div>', text)
     return parts.stack(parts.html_pane(caption), pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_width"))
 
@@ -37,13 +45,17 @@ def empty_figure(
     y_title: str = "",
 ) -> figure:
     """Return a figure with both axes and without tools; where the y axis has no title, the caption names it."""
-    f = figure(
-        height=height,
+    f = figure(height=height, x_range=x_range, y_range=y_range, tools="")
+    f.xaxis.axis_label, f.yaxis.axis_label = x_title or None, y_title or None
+    dress_alone(f, name, palette, ticks, digits)
+    return f
+
+
+def dress_alone(f: figure, name: str, palette: Palette, ticks: int = 6, digits: int = 0) -> None:
+    """Give a figure, whoever made it, the look of those that stand alone; those who listen hear its name."""
+    f.update(
         sizing_mode="stretch_width",
-        x_range=x_range,
-        y_range=y_range,
         toolbar_location=None,
-        tools="",
         outline_line_color=None,
         min_border_left=50,
         min_border_right=RIGHT_BORDER_PX,
@@ -54,8 +66,6 @@ def empty_figure(
     f.toolbar.logo = None
     dress(f, palette, ticks, digits)
     palette.paint(f.xaxis[0], axis_line_color="line2")
-    f.xaxis.axis_label, f.yaxis.axis_label = x_title or None, y_title or None
-    return f
 
 
 class LoneChart(Chart):
@@ -92,3 +102,17 @@ class LoneChart(Chart):
         """The part of the figure that is drawn in, with what its axes span."""
         x, y = ((float(ends.start), float(ends.end)) for ends in (self.x_range, self.y_range))
         return self.frame_over(x, y)
+
+
+class FinishedChart(Chart):
+    """A chart whose figures come finished, as from a thread; each takes the place of the one before."""
+
+    def build(self) -> None:
+        """Make nothing: `draw` takes a figure."""
+
+    def draw(self, f: figure) -> None:
+        """Take a figure that stands in no document yet."""
+        f.height = self.height
+        lighten(f)
+        check_complete(f)
+        self.figure, self.content = f, captioned(self.caption, f)

@@ -46,6 +46,7 @@ WIDTHS_EM = {
 }
 """Widths of Inter's letters, not below those that a browser measures."""
 USUAL_EM, CAPITAL_EM = 0.66, 0.77
+# finite, as the difference of two infinite heights would be NaN
 FAR_PX = 1e9
 
 Box = tuple[float, float, float, float]
@@ -140,12 +141,15 @@ def envelopes(lines: Sequence[Polyline], width_px: float) -> tuple[FloatArray, F
         if len(x) < 2:
             continue
         at_edges = np.interp(edges, x, y, left=np.nan, right=np.nan)
+        # unlike np.minimum it passes over NaN: at the edge of a column in which the line ends it has no height
         np.fmin(at_edges[:-1], at_edges[1:], out=low[k])
         np.fmax(at_edges[:-1], at_edges[1:], out=high[k])
         np.copyto(low[k], FAR_PX, where=np.isnan(low[k]))
         np.copyto(high[k], -FAR_PX, where=np.isnan(high[k]))
         inside = (x >= 0) & (x <= edges[-1])
+        # a corner on the right edge of the frame belongs to its last column
         columns = np.minimum(x[inside] // COLUMN_PX, count - 1).astype(np.intp)
+        # unlike low[k][columns] = ..., it counts all corners where several lie in one column
         np.minimum.at(low[k], columns, y[inside])
         np.maximum.at(high[k], columns, y[inside])
     return low, high
@@ -186,6 +190,7 @@ def _at_ends(
     if not wanted:
         return []
     pitch = max(labels[k].height_px for k in wanted)
+    # no more than fit: `spread_within` needs room for all
     wanted = wanted[: int(height_px // pitch)]
     ends = {k: (float(lines[labels[k].line][0][-1]), float(lines[labels[k].line][1][-1])) for k in wanted}
     places = spread_within([ends[k][1] for k in wanted], pitch, 0.5 * pitch, height_px - 0.5 * pitch)
@@ -216,6 +221,7 @@ def _along(label: Label, low: FloatArray, high: FloatArray, width_px: float, hei
     top = bottom + label.height_px
     others = np.arange(len(low)) != label.line
     distances = np.maximum(lowest[others, None] - top, bottom - highest[others, None])
+    # a line that is alone is as far from others as counts
     distance = distances.min(axis=0, initial=CLEAR_PX)
     whole = maximum_filter1d(low[label.line], count)[starts] < FAR_PX
     free = whole & (distance >= GAP_PX) & (bottom >= 0) & (top <= height_px)

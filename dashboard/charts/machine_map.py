@@ -47,6 +47,7 @@ class MotorMapChart(LoneChart):
     def draw(self, found: MotorMap, whose: str, operated: OperatingPoints | None) -> None:
         """Draw the map of motor or drive, and where the run works."""
         efficiency = found.motor if whose == "motor" and found.motor is not None else found.drive
+        # by identity, as a map never changes: another run moves its points alone
         if efficiency is not self._drawn:
             self._drawn = efficiency
             self._draw_map(found, efficiency)
@@ -84,8 +85,10 @@ class MotorMapChart(LoneChart):
         along, torque = efficiency[:, column], found.torque_nm
         taken: list[float] = []
         signs: dict[str, list[object]] = {"x": [], "y": [], "text": [], "colour": []}
+        # where they would touch, the higher one is written
         for level in reversed(LEVELS):
             for k in np.flatnonzero(np.diff(np.sign(along - level)) != 0):
+                # the border of what the motors can do is no crossing
                 if not np.isfinite(along[k : k + 2]).all():
                     continue
                 place = float(torque[k])

@@ -191,6 +191,7 @@ class EnergyChart(RunChart):
             return
         names = [
             Name(name, f"{end_words(name, scene)} {words.energy(energies[-1])}", self.name_colour(name), True)
+            # against the order of drawing: the chosen run's name has the first choice of a place
             for name, (_, energies) in reversed(lines.items())
         ]
         if scene.actual is not None and scene.actual.causes:
@@ -213,6 +214,7 @@ class EnergyChart(RunChart):
         actual = scene.actual.actual
         x = np.union1d(scene.x(scene.run), scene.x(actual))
         planned, driven = (np.interp(x, scene.x(run), self.values(run)) for run in (scene.run, actual))
+        # where the actual run has taken less so far, the tint has no height
         self.put("extra", **columns(x=x, low=planned, high=np.maximum(planned, driven)))
 
 
@@ -284,6 +286,7 @@ class CurrentChart(CellChart):
 
     def draw(self, scene: RunScene) -> None:
         """Draw the currents, and say in the title which they are."""
+        # before the lines are filled, which are of this quantity
         if scene.run.current_a is not None:
             self.quantity, at = MOTOR_CURRENT, ""
         else:

@@ -1,6 +1,6 @@
 """Charts with a line for each of some runs, and what several of them draw beside the lines."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -9,14 +9,20 @@ from bokeh.models import GlyphRenderer
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.motion.line_profile import limit_steps
+from railjoule.core.scenario import Line as ScenarioLine
 from railjoule.core.scenario import Scenario
 from railjoule.dashboard.charts.chart import Axis, Chart, DistanceChart, add_zero, columns, nice_range, xy
 from railjoule.dashboard.charts.quantities import Quantity, along
+from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 
 DRIVEN_DASH = [6, 3]
 FAR_ABOVE = 9e3
 """The tint of what is forbidden ends there, beyond any speed [km/h] to which an axis reaches."""
+
+PASSES = "passes"
+"""The source of the places that the train passes at a given speed."""
+PASS_LIFT_PX = 4
 
 Curve = tuple[FloatArray, FloatArray]
 """Places and values of a line, in the units of the axes."""
@@ -128,11 +134,13 @@ class RunLines(DistanceChart):
     def add_lines(self) -> None:
         """Add the lines, which all draw columns of the axis' runs; each is hidden until there is a run for it."""
         assert self.figure is not None
+        # "before", as `at_nodes` gives each node the value of the cell that ends there
         draw, mode = (self.figure.step, {"mode": "before"}) if self.stepped else (self.figure.line, {})
         for name, line in self.lines.items():
             column, source = self._column(line), self.axis.columns(line.of or name)
             source.declare(self._over.name, column)
             drawn = draw(self._over.name, column, source=source.source, **line.stroke, **mode)
+            # hidden, as a line that came later would bring new models; saved tables call it by this name
             drawn.update(name=name, visible=False)
             self.palette.paint(drawn.glyph, line_color=line.token)
             self.renderers[name] = drawn
@@ -197,6 +205,7 @@ def ends_of(curves: Collection[Curve]) -> tuple[float, float]:
 # ---- what else charts draw
 
 
+# under this name, as under "borders", assets/scripts/saving.js leaves a source out of saved tables
 def add_tint(chart: Chart, name: str = "forbidden") -> None:
     """Let a chart tint what lies above limits."""
     sides = ("left", "right", "bottom", FAR_ABOVE)
@@ -211,7 +220,9 @@ def add_limits(chart: Chart) -> None:
 
 def limits_of(scenario: Scenario) -> tuple[FloatArray, FloatArray]:
     """Return the borders [m] and limits [km/h] of a line in the order in which it is run."""
-    places, limits = limit_steps(scenario.line.in_running_order(), scenario.vehicle.traction.max_speed_kmh)
+    places, limits = limit_steps(
+        scenario.line.in_running_order(), scenario.vehicle.traction.max_speed_kmh, scenario.limits_last_m
+    )
     return np.asarray(places), np.asarray(limits)
 
 
@@ -237,3 +248,20 @@ def add_stations(chart: Chart) -> None:
 def draw_stations(chart: Chart, places_m: Sequence[float]) -> None:
     """Draw the hairlines of the stations."""
     chart.put("stations", **columns(x=np.array(places_m)))
+
+
+def add_passing_points(chart: Chart) -> None:
+    """Add the places that the train passes at a given speed: hairlines as of stations, and a mark at the speed."""
+    chart.source(PASSES, "x", "y", "text")
+    chart.hairlines(PASSES, "line2", level="underlay")
+    chart.dots(PASSES, "surface", "ink2", size=9, marker="diamond", line_width=1.6)
+    chart.signs(PASSES, "ink2", x_offset=7, y_offset=-PASS_LIFT_PX)
+
+
+def draw_passing_points(chart: Chart, line: ScenarioLine, x_of_place: Callable[[FloatArray], FloatArray]) -> None:
+    """Draw the passing points of a line in running order, which lie on the axis where `x_of_place` says."""
+    points = line.passing_points
+    x = x_of_place(np.array([point.position_m for point in points]))
+    speeds = np.array([point.speed_kmh for point in points])
+    texts = [f"{point.name or 'pass'} {words.tenths(point.speed_kmh)}" for point in points]
+    chart.put(PASSES, **xy(x, speeds), text=texts)

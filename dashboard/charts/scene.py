@@ -175,7 +175,7 @@ def line_words(name: str, scene: RunScene) -> str:
     """Return what a line is called in a chart."""
     if name == PINNED:
         assert scene.pinned is not None
-        return f"pinned: {words.STRATEGY_WORDS[scene.pinned.strategy].lower()}"  # type: ignore[index]
+        return f"pinned: {words.strategy(scene.pinned.strategy).lower()}"
     if name == ACTUAL:
         return "actual"
     if name == scene.chosen and scene.actual is not None:
@@ -183,4 +183,5 @@ def line_words(name: str, scene: RunScene) -> str:
     if name == "fastest":
         return "fastest possible"
     word = words.STRATEGY_WORDS[name]  # type: ignore[index]
+    # abbreviations and the name of a person keep their capitals
     return word if word.isupper() or name == "bellman" else word.lower()

@@ -9,7 +9,18 @@ from railjoule.dashboard.charts.chart import Axis, xy
 from railjoule.dashboard.charts.label_places import Box, text_width_px
 from railjoule.dashboard.charts.line_names import Frame, Name
 from railjoule.dashboard.charts.quantities import SPEED, along
-from railjoule.dashboard.charts.run_lines import Curve, Form, add_limits, as_steps, draw_limits, limits_of
+from railjoule.dashboard.charts.run_lines import (
+    PASS_LIFT_PX,
+    PASSES,
+    Curve,
+    Form,
+    add_limits,
+    add_passing_points,
+    as_steps,
+    draw_limits,
+    draw_passing_points,
+    limits_of,
+)
 from railjoule.dashboard.charts.scene import ACTUAL, RunChart, RunScene, line_words
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.comparisons import OTHER_TIME_S
@@ -18,7 +29,7 @@ from railjoule.dashboard.look.paint import Palette
 SIGN_PX = 11
 # over the highest limit or speed: the sign of a limit stands above its line
 HEADROOM = 1.16
-SIGN_LIFTS_PX = {"signs": 2, "stops": 5, "late": 3}
+SIGN_LIFTS_PX = {"signs": 2, "stops": 5, "late": 3, PASSES: PASS_LIFT_PX}
 """How far above its place each kind of sign is written."""
 
 
@@ -39,12 +50,14 @@ class SpeedChart(RunChart):
     def above(self) -> None:
         """Write the limits and the names of the lines; mark what happened to the actual run."""
         self.signs("signs", "limit", SIGN_PX, x_offset=4, y_offset=-SIGN_LIFTS_PX["signs"])
+        # nothing draws it: the cursor reads it
         self.source("gradient")
         self.add_names()
         self.source("stops", "x", "y", "text")
         self.glyphs("scatter", "stops", "x", "y", paint={"fill_color": ACTUAL}, size=7, line_color=None)
         self.hairlines("stops", "ink3", line_dash=[1, 3])
         self.signs("stops", ACTUAL, x_offset=7, y_offset=-SIGN_LIFTS_PX["stops"])
+        add_passing_points(self)
         self.signs("late", "overline", 12, x_offset=6, y_offset=-SIGN_LIFTS_PX["late"])
 
     def _draw_day(self, scene: RunScene) -> None:
@@ -64,6 +77,7 @@ class SpeedChart(RunChart):
     def draw(self, scene: RunScene) -> None:
         """Draw limits, runs and names."""
         self._draw_limits(scene)
+        draw_passing_points(self, scene.run.scenario.line.in_running_order(), scene.x_of_place)
         lines = self.draw_runs(scene)
         self._tell_cursor(scene)
         self._draw_day(scene)

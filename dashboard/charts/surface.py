@@ -51,6 +51,7 @@ def scene_layout(
     def axis(title: str, **more: Any) -> dict[str, Any]:
         return {
             "title": {"text": title, "font": {"size": 12, "color": tokens["ink2"], "family": FONT}},
+            # the walls would stay white in the dark
             "showbackground": False,
             "gridcolor": tokens["line"],
             "linecolor": tokens["line2"],
@@ -75,6 +76,7 @@ def scene_layout(
             "aspectratio": {"x": 1.3, "y": 1.05, "z": 0.8},
             "xaxis": axis(titles[0]),
             "yaxis": axis(titles[1]),
+            # without a title, which would be cut off: the caption names the height
             "zaxis": axis("", range=[bottom - 0.02 * (top - bottom), top], nticks=5),
         },
     }

@@ -9,6 +9,9 @@ from typing import Any, NoReturn
 
 DEFAULT_ADDRESS, DEFAULT_PORT = "127.0.0.1", 5006
 LARGEST_PORT = 65_535
+# as core/scenario bounds timetable.travel_time_s
+LONGEST_TIME_S = 86_400.0
+"""The longest that a scenario may take."""
 STUDIES = ("tradeoff", "sensitivity", "montecarlo")
 OK, BROKEN_RULE, BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 0, 1, 2, 130, 141
 """Exit statuses; the last two are those of a shell for programs ended by such a signal."""
@@ -29,6 +32,7 @@ class _Version(argparse.Action):
         parser.exit()
 
 
+# argparse, as typer takes 60 ms more at each command, and has usage errors of its own
 class _Parser(argparse.ArgumentParser):
     """A parser that raises one sentence where the library's prints its usage and leaves."""
 
@@ -87,33 +91,54 @@ def _call(options: argparse.Namespace) -> bool:
     """Run a command; return whether all that it was to check holds."""
     from railjoule.dashboard.command import commands  # noqa: PLC0415
 
+    own = None
     if options.command == "serve":
-        commands.serve(options.address, options.port)
+        # whoever reaches a page may change the files that it shows: others do only where somebody has said so
+        if not options.no_workspace and (options.workspace is not None or commands.is_this_machine(options.address)):
+            own = commands.workspace_at(options.workspace, make=True)
+        commands.serve(options.address, options.port, own)
+        return True
+    if options.command in {"import", "export"}:
+        from railjoule.dashboard.command import imports  # noqa: PLC0415
+
+        (imports.run if options.command == "import" else imports.export)(options)
+        return True
+    # commands that open no files of a user have no such option
+    if not getattr(options, "no_workspace", True):
+        own = commands.workspace_at(options.workspace)
+    if options.command in {"measured", "fit"}:
+        from railjoule.dashboard.command import measurements  # noqa: PLC0415
+
+        (measurements.measured if options.command == "measured" else measurements.fit)(options)
         return True
     output = commands.Output(getattr(options, "json", False))
     if options.command == "benchmark":
         commands.benchmark(output)
     elif options.command == "study":
-        commands.study(options.study, options.file, commands.parsed_changes(options.set), options.output)
+        commands.study(options.study, options.file, commands.parsed_changes(options.set), options.output, own)
     elif options.command == "validate":
         commands.validate(options.paper, output)
     elif options.command == "check":
         changes = commands.parsed_changes(options.set)
-        return commands.check(options.run, options.scenario, changes, options.strategy, output)
+        return commands.check(options.run, options.scenario, changes, options.strategy, output, own)
     elif options.command == "report":
         seconds = commands.parsed_seconds(options.prove_seconds)
         changes = commands.parsed_changes(options.set)
-        commands.report(options.file, changes, options.strategy, options.output, seconds)
+        commands.report(options.file, changes, options.strategy, options.output, seconds, own)
     else:
         file, words = _file_and_changes(options.file, options.set)
         changes = commands.parsed_changes(words)
         if options.command == "solve":
             seconds = commands.parsed_seconds(options.prove_seconds)
-            return commands.solve(file, changes, options.strategy, options.trajectory, output, options.check, seconds)
+            return commands.solve(
+                file, changes, options.strategy, options.trajectory, output, options.check, seconds, own
+            )
         if options.command == "simulate":
-            commands.simulate(file, changes, output)
+            commands.simulate(file, changes, output, own)
+        elif options.command == "advise":
+            commands.advise(file, changes, options.changes, output, own)
         else:
-            commands.compare_strategies(file, changes, output, commands.parsed_seconds(options.prove_seconds))
+            commands.compare_strategies(file, changes, output, commands.parsed_seconds(options.prove_seconds), own)
     return True
 
 
@@ -132,18 +157,27 @@ def build_parser() -> argparse.ArgumentParser:
     _add_proof(solve)
     solve.epilog = f"With --check: {CHECK_STATUS.lower()}"
     _add_proof(_add_scenario_command(commands, "compare", "run every strategy that fits a scenario"))
+    advise = _add_scenario_command(commands, "advise", "find the best run whose driver changes the regime seldom")
+    advise.add_argument(
+        "--changes",
+        type=_changes,
+        metavar="K",
+        help="changes of regime between two stops at most, 2 to 9; default: as few as cost no more than 1 %% of energy",
+    )
     _add_scenario_command(commands, "simulate", "follow the plan of a scenario under its disturbance")
     study = _add(commands, "study", "solve many scenarios and write a labelled table")
     study.add_argument("study", metavar="STUDY", choices=STUDIES, help=" or ".join(STUDIES))
-    study.add_argument("file", metavar="FILE", help="a scenario file, or the name of a shipped scenario")
+    study.add_argument("file", metavar="FILE", help="a scenario file, or the name of a scenario")
     study.add_argument("-o", "--output", metavar="OUT", required=True, help="OUT.nc (netCDF), OUT.csv or OUT.parquet")
     study.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help="as in solve")
+    _add_workspace(study)
     report = _add(commands, "report", "write all results of a scenario to one HTML file that works offline")
-    report.add_argument("file", metavar="FILE", help="a scenario file, or the name of a shipped scenario")
+    report.add_argument("file", metavar="FILE", help="a scenario file, or the name of a scenario")
     report.add_argument("-o", "--output", metavar="OUT", required=True, help="OUT.html")
     report.add_argument("--strategy", metavar="S", help="whose results come first; default: the scenario's own")
     _add_proof(report)
     report.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help="as in solve")
+    _add_workspace(report)
     benchmark = _add(commands, "benchmark", "time every strategy on the shipped scenarios, and CasADi with IPOPT")
     _add_json(benchmark)
     validate = _add(commands, "validate", "compare the papers' published numbers with ours")
@@ -152,6 +186,10 @@ def build_parser() -> argparse.ArgumentParser:
     )
     _add_json(validate)
     _add_check(commands)
+    _add_import(commands)
+    _add_export(commands)
+    _add_measured(commands)
+    _add_fit(commands)
     return parser
 
 
@@ -159,21 +197,180 @@ def _add_serve(commands: "argparse._SubParsersAction[_Parser]") -> None:
     serve = _add(commands, "serve", "serve the dashboard in the browser")
     serve.add_argument("--port", type=_port, default=DEFAULT_PORT, help=f"default: {DEFAULT_PORT}")
     serve.add_argument("--address", default=DEFAULT_ADDRESS, help=f"default: {DEFAULT_ADDRESS}, this machine only")
+    _add_workspace(
+        serve,
+        "the folder that My files shows, which every visitor may change; default: a folder of your own, but none where "
+        "the address is not of this machine only",
+        "no My files, as on a public server",
+    )
 
 
 def _add_check(commands: "argparse._SubParsersAction[_Parser]") -> None:
     check = _add(commands, "check", "check a run against its scenario, by formulas that share no code with the solvers")
     check.epilog = CHECK_STATUS
-    check.add_argument("run", metavar="RUN", help="RUN.csv or RUN.parquet, as solve --trajectory writes it")
-    check.add_argument("--scenario", metavar="S", help="its scenario file, report, or the name of a shipped scenario")
+    check.add_argument("run", metavar="RUN", help="RUN.csv or RUN.parquet, as solve --trajectory writes it, or a name")
+    check.add_argument("--scenario", metavar="S", help="its scenario file, report, or the name of a scenario")
     check.add_argument("--strategy", metavar="S", help="the strategy that made the run; default: the scenario's own")
     check.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help="as in solve")
     _add_json(check)
+    _add_workspace(check)
+
+
+def _add_import(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    parser = _add(commands, "import", "read lines, vehicles and runs from files of other programs")
+    parser.epilog = "What the files hold that was not used is told on standard error."
+    formats = parser.add_subparsers(dest="format", metavar="FORMAT", required=True)
+    _add_ttobench(formats)
+    _add_intervals(formats)
+    stock = _add(formats, "osrd-stock", "make a vehicle of a rolling stock of OSRD, JSON 3.0 to 3.4")
+    stock.add_argument("file", metavar="FILE", help="FILE.json")
+    stock.add_argument("--mode", metavar="M", help="the supply whose efforts are taken; default: the file's")
+    _add_output(stock, "OUT.toml")
+    run = _add(formats, "osrd-run", "make a line with limits, or the table of a run, of a simulation of OSRD")
+    run.add_argument("file", metavar="FILE", help="FILE.csv")
+    _add_output(run, "OUT.toml for the line, OUT.csv or OUT.parquet for the run")
+    toolkit = _add(formats, "railtoolkit", "make a vehicle or a line of a file of railtoolkit, YAML 2022.05 or 2024.07")
+    toolkit.add_argument("file", metavar="FILE", help="FILE.yaml")
+    toolkit.add_argument("--id", metavar="ID", help="the train, vehicle or path of that id; default: the first")
+    _add_output(toolkit, "OUT.toml")
+    measured = _add(formats, "run", "make the table of a run of what a recorder measured, CSV or XLSX")
+    measured.add_argument("file", metavar="FILE", help="FILE.csv or FILE.xlsx")
+    measured.add_argument(
+        "--columns",
+        metavar="KEY=COLUMN",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="which column holds what, as 'speed=v [m/s]'; KEY is time, position, speed, effort, power, energy or "
+        "brake_pressure",
+    )
+    _add_output(measured, "OUT.csv or OUT.parquet")
+
+
+def _add_export(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    parser = _add(commands, "export", "write the line and the vehicle of a scenario for other programs")
+    parser.epilog = "What the scenario tells and the files cannot hold is told on standard error."
+    formats = parser.add_subparsers(dest="format", metavar="FORMAT", required=True)
+    ttobench = _add(formats, "ttobench", "write a track and a train of TTOBench, JSON 1.5")
+    ttobench.add_argument("file", metavar="FILE", help="a scenario file, or the name of a shipped scenario")
+    ttobench.add_argument("--track", metavar="OUT", help="OUT.json for the line")
+    ttobench.add_argument("--train", metavar="OUT", help="OUT.json for the vehicle with its load")
+    ttobench.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help="as in solve")
+
+
+def _add_ttobench(formats: "argparse._SubParsersAction[_Parser]") -> None:
+    ttobench = _add(formats, "ttobench", "make a scenario of a track and a train of TTOBench, JSON 1.1 to 1.5")
+    ttobench.add_argument("file", metavar="TRACK", help="TRACK.json")
+    ttobench.add_argument("--train", metavar="TRAIN", required=True, help="TRAIN.json")
+    ttobench.add_argument("--journey", metavar="J", help="JOURNEY.json, for travel time and stops")
+    ttobench.add_argument(
+        "--stops", choices=("all", "ends"), default="all", help="stop at all stops, the default, or at the ends alone"
+    )
+    ttobench.add_argument(
+        "--travel-time-s",
+        metavar="T",
+        type=_seconds,
+        help="time for the whole run; default: the journey's, or 10 %% above the shortest possible",
+    )
+    _add_output(ttobench, "OUT.toml")
+
+
+def _add_intervals(formats: "argparse._SubParsersAction[_Parser]") -> None:
+    intervals = _add(formats, "intervals", "put a line together from tables of intervals, CSV or XLSX")
+    for kind, what in (
+        ("gradients", "gradients in per mille, per cent or 1:n"),
+        ("limits", "speed limits"),
+        ("curves", "radii of curves"),
+        ("tunnels", "tunnels"),
+        ("neutral", "neutral sections"),
+    ):
+        intervals.add_argument(f"--{kind}", metavar="FILE", help=f"a table of {what}, with columns from, to and value")
+    intervals.add_argument(
+        "--preset",
+        metavar="NAME",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="columns of a published table: sncf-gradients, sncf-limits, sncf-curves or rinf-gradients",
+    )
+    intervals.add_argument(
+        "--columns",
+        metavar="TABLE.KEY=VALUE",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="which column holds what, as gradients.from=PKD; KEY is from, to, value, direction, position_unit (m, km, "
+        "mi, ch, yd, ft, pk, mi.ch, mi.yd), value_unit (permille, percent, ratio, km/h, m/s, mph, factor, m2), decimal "
+        "or sheet",
+    )
+    intervals.add_argument(
+        "--rows",
+        metavar="TABLE.COLUMN=VALUE",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="use the rows of one line or track alone, as gradients.NOM_VOIE=V1",
+    )
+    intervals.add_argument("--begin", metavar="PLACE", help="chainage at which the line begins, as 12+345 or 12.345km")
+    intervals.add_argument("--end", metavar="PLACE", help="chainage at which it ends")
+    intervals.add_argument("--reverse", action="store_true", help="run it in falling chainage")
+    intervals.add_argument("--name", metavar="NAME", help="the line's name")
+    _add_output(intervals, "OUT.toml, or OUT.csv for line.file of a scenario")
+
+
+def _add_output(parser: _Parser, told: str) -> None:
+    parser.add_argument("-o", "--output", metavar="OUT", required=True, help=told)
+
+
+def _add_measured(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    measured = _add(commands, "measured", "put a measured run beside the model and the optimum in its time")
+    measured.add_argument("run", metavar="RUN", help="the table of a recorder: RUN.csv")
+    _add_recording(measured)
+    measured.add_argument("--trajectory", metavar="OUT", help="write the run to OUT.csv or OUT.parquet")
+    measured.add_argument("-o", "--output", metavar="OUT", help="write its line, stops and time as OUT.toml")
+    _add_json(measured)
+
+
+def _add_fit(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    fit = _add(commands, "fit", "find resistance, inertia, efficiency and auxiliaries of a train from measured runs")
+    fit.add_argument("runs", metavar="RUN", nargs="+", help="tables of a recorder: RUN.csv")
+    _add_recording(fit)
+    fit.add_argument(
+        "--free",
+        metavar="NAME",
+        nargs="+",
+        help="the parameters to find: resistance.constant_n, resistance.linear_n_per_kmh, "
+        "resistance.quadratic_n_per_kmh2, rotating_mass_factor, drive.traction_efficiency, auxiliary_power_kw, all of "
+        "them by default, and total_mass_kg",
+    )
+    fit.add_argument("--coasting", action="store_true", help="use nothing but samples without effort")
+    fit.add_argument("-o", "--output", metavar="OUT", help="write the scenario with the fitted vehicle as OUT.toml")
+    _add_json(fit)
+
+
+def _add_recording(parser: _Parser) -> None:
+    parser.add_argument("--scenario", metavar="S", help="vehicle and line: a scenario file, or a shipped scenario")
+    parser.add_argument("--from", dest="start_m", metavar="M", help="where on the line the run begins; default: found")
+    parser.add_argument("--preset", metavar="P", default="generic", help="generic, osrd or ztbus; default: generic")
+    parser.add_argument(
+        "--column",
+        metavar="QUANTITY=NAME",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="which column holds time, position, speed, effort (braking negative), tractive_effort, braking_effort, "
+        "brake, power or energy, where its name does not tell",
+    )
+    parser.add_argument(
+        "--unit", metavar="QUANTITY=UNIT", nargs="+", action="extend", default=[], help="such as speed=km/h effort=kN"
+    )
+    parser.add_argument("--longest-gap", metavar="S", help="for how long samples may be missing; default: 10 s")
+    parser.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help="as in solve")
 
 
 def _add_scenario_command(commands: "argparse._SubParsersAction[_Parser]", name: str, words: str) -> _Parser:
     parser = _add(commands, name, words)
-    parser.add_argument("file", metavar="FILE", nargs="?", help="a scenario file, or the name of a shipped scenario")
+    parser.add_argument("file", metavar="FILE", nargs="?", help="a scenario file, or the name of a scenario")
     parser.add_argument(
         "--set",
         metavar="KEY=VALUE",
@@ -183,6 +380,7 @@ def _add_scenario_command(commands: "argparse._SubParsersAction[_Parser]", name:
         help="change a key of the file, such as vehicle.load_factor=0.3; the value is TOML",
     )
     _add_json(parser)
+    _add_workspace(parser)
     return parser
 
 
@@ -194,6 +392,16 @@ def _add_json(parser: _Parser) -> None:
     parser.add_argument("--json", action="store_true", help="print JSON")
 
 
+def _add_workspace(
+    parser: _Parser,
+    which: str = "the folder whose files can be named like shipped ones; default: that of `railjoule serve`",
+    none: str = "know shipped names alone",
+) -> None:
+    group = parser.add_mutually_exclusive_group()
+    group.add_argument("--workspace", metavar="DIR", help=which)
+    group.add_argument("--no-workspace", action="store_true", help=none)
+
+
 def _add_proof(parser: _Parser) -> None:
     parser.add_argument(
         "--prove-seconds",
@@ -203,8 +411,27 @@ def _add_proof(parser: _Parser) -> None:
     )
 
 
+def _changes(text: str) -> int:
+    # as core/studies/simple_advice.py bounds them, which is too slow to import for a line of help
+    if not text.isdecimal() or not 2 <= int(text) <= 9:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 2 to 9")
+    return int(text)
+
+
+def _seconds(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = -1.0
+    # `not` before both, as NaN is neither below nor above a bound
+    if not 0.0 < seconds <= LONGEST_TIME_S:
+        raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a number of seconds above 0, to {LONGEST_TIME_S:g}")
+    return seconds
+
+
 def _port(text: str) -> int:
     # to `isdigit`, superscripts are digits too, which `int` refuses
+    # the length before `int` as well, which refuses thousands of digits by an error of its own
     if not (text.isascii() and text.isdigit() and len(text) < 6 and 1 <= int(text) <= LARGEST_PORT):
         raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a port from 1 to {LARGEST_PORT}")
     return int(text)
@@ -216,9 +443,10 @@ def _file_and_changes(file: str | None, words: Sequence[str]) -> tuple[str, list
         return file, list(words)
     from railjoule.dashboard.command.commands import CommandError  # noqa: PLC0415
 
+    # --set takes all words that follow it, FILE too where that stands last
     without = [word for word in words if "=" not in word]
     if len(without) != 1:
-        raise CommandError("FILE is missing: a scenario file or the name of a shipped scenario.")
+        raise CommandError("FILE is missing: a scenario file or the name of a scenario.")
     return without[0], [word for word in words if word != without[0]]
 
 

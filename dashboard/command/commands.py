@@ -1,6 +1,8 @@
 """What the commands of `railjoule` do; their words are read in `railjoule.dashboard.command.cli`."""
 
 import importlib.util
+import io
+import ipaddress
 import json
 import os
 import sys
@@ -27,6 +29,7 @@ from railjoule.core.scenario import STRATEGY_NAMES, StrategyName, parse_scenario
 from railjoule.core.scenario.text_file import read_text
 from railjoule.core.scenario.toml_text import read_toml
 from railjoule.core.strategies import prepare_task
+from railjoule.core.workspace import Workspace, default_folder
 from railjoule.dashboard.command import summary, terminal
 from railjoule.dashboard.keep.embedded import scenario_in_report
 
@@ -49,6 +52,7 @@ class Output:
 
     def show(self, values: Any, to_text: Callable[[Any], str]) -> None:
         """Print plain values, as JSON or as the text that they become."""
+        # NaN is no JSON: what is not known must be null by now, see `_finite` in summary.py
         print(json.dumps(values, indent=2, allow_nan=False) if self.as_json else to_text(values))
 
 
@@ -60,6 +64,7 @@ def solve(
     output: Output,
     with_check: bool = False,
     prove_seconds: float | None = None,
+    own: Workspace | None = None,
 ) -> bool:
     """Solve a scenario, write its trajectory if wanted, and show the result; return whether it passed its check.
 
@@ -68,8 +73,9 @@ def solve(
     RailjouleError
         If anything is wrong with the scenario or the file to write.
     """
+    # first of all: a name that cannot be written to is refused before anything is solved
     target = None if trajectory_file is None else table_file(trajectory_file)
-    scenario = load(file, changes)
+    scenario = load(file, changes, own)
     announce_compilation()
     with refusals_named(strategy or scenario.strategy):
         # a name that is none is refused by the core, in its own words
@@ -86,7 +92,12 @@ def solve(
 
 
 def check(
-    run_file: str, scenario_file: str | None, changes: Mapping[str, Any], strategy: str | None, output: Output
+    run_file: str,
+    scenario_file: str | None,
+    changes: Mapping[str, Any],
+    strategy: str | None,
+    output: Output,
+    own: Workspace | None = None,
 ) -> bool:
     """Check the run of a file against its scenario, and show the result; return whether it keeps every rule.
 
@@ -95,10 +106,10 @@ def check(
     RailjouleError
         If the file holds no run, no scenario is named, or anything is wrong with it.
     """
-    table = read_table(run_file)
+    table = read_table(run_file, own)
     if scenario_file is None:
         raise CommandError("--scenario is missing: the file of a run does not contain its scenario.")
-    scenario = load(scenario_file, changes)
+    scenario = load(scenario_file, changes, own)
     if strategy is not None and strategy not in STRATEGY_NAMES:
         raise CommandError(f"--strategy {shortened(strategy)}: must be one of {', '.join(STRATEGY_NAMES)}.")
     try:
@@ -110,7 +121,11 @@ def check(
 
 
 def compare_strategies(
-    file: str, changes: Mapping[str, Any], output: Output, prove_seconds: float | None = None
+    file: str,
+    changes: Mapping[str, Any],
+    output: Output,
+    prove_seconds: float | None = None,
+    own: Workspace | None = None,
 ) -> None:
     """Run every strategy that takes a scenario, and show the results side by side.
 
@@ -119,14 +134,32 @@ def compare_strategies(
     RailjouleError
         If anything is wrong with the scenario.
     """
-    scenario = load(file, changes)
+    scenario = load(file, changes, own)
     announce_compilation()
     runs, refused = compare(scenario, prove_seconds=prove_seconds)
     values = summary.summarise_comparison(runs, refused, prepare_task(scenario).shortest_travel_time_s)
     output.show(values, terminal.comparison_text)
 
 
-def simulate(file: str, changes: Mapping[str, Any], output: Output) -> None:
+def advise(
+    file: str, changes: Mapping[str, Any], most: int | None, output: Output, own: Workspace | None = None
+) -> None:
+    """Show the best runs with few changes of regime, their price against the optimum, and the orders of one of them.
+
+    Raises
+    ------
+    RailjouleError
+        If anything is wrong with the scenario, or no such run is in time.
+    """
+    from railjoule.core.studies.simple_advice import MOST_CHANGES, simple_advice  # noqa: PLC0415
+
+    task = prepare_task(load(file, changes, own))
+    announce_compilation()
+    advice = simple_advice(task, MOST_CHANGES if most is None else most)
+    output.show(summary.summarise_advice(advice, last=most is not None), terminal.simple_advice_text)
+
+
+def simulate(file: str, changes: Mapping[str, Any], output: Output, own: Workspace | None = None) -> None:
     """Plan a scenario, drive it under its disturbance, and show both.
 
     Raises
@@ -134,7 +167,7 @@ def simulate(file: str, changes: Mapping[str, Any], output: Output) -> None:
     RailjouleError
         If anything is wrong with the scenario, or the real train cannot pass the line.
     """
-    scenario = load(file, changes)
+    scenario = load(file, changes, own)
     announce_compilation()
     with refusals_named(scenario.strategy):
         # each kind alone: all of them take a tenth of a second to import
@@ -153,7 +186,7 @@ def simulate(file: str, changes: Mapping[str, Any], output: Output) -> None:
             output.show(summary.summarise_following(simulate_following(scenario)), terminal.following_text)
 
 
-def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None:
+def study(name: str, file: str, changes: Mapping[str, Any], target: str, own: Workspace | None = None) -> None:
     """Solve many variants of a scenario, and write them as a labelled table.
 
     Raises
@@ -164,7 +197,7 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None
     from railjoule.core.studies import energy_time_frontier, frontier_times, monte_carlo, sensitivity  # noqa: PLC0415
 
     path = table_file(target, "-o", (".nc", *TABLE_SUFFIXES))
-    scenario = load(file, changes)
+    scenario = load(file, changes, own)
     announce_compilation()
     if name in {"sensitivity", "montecarlo"}:
         compute = sensitivity if name == "sensitivity" else monte_carlo
@@ -177,6 +210,7 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str) -> None
         table.attrs["notes"] = " ".join(frontier.notes)
     if path.suffix.lower() == ".nc":
         with failures_named(path):
+            # scipy is there anyway; the default engine would need one of netCDF's own libraries
             table.to_netcdf(path, engine="scipy")
     else:
         write_table(table.to_dataframe(), path, index=True)
@@ -190,6 +224,7 @@ def report(
     strategy: str | None,
     target: str,
     prove_seconds: float | None = None,
+    own: Workspace | None = None,
 ) -> None:
     """Write everything there is to tell of a scenario as one file of HTML.
 
@@ -199,7 +234,7 @@ def report(
         If anything is wrong with the scenario or the file to write, or a package of the dashboard is missing.
     """
     path = table_file(target, "-o", REPORT_SUFFIXES)
-    scenario = load(file, changes if strategy is None else {**changes, "strategy": strategy})
+    scenario = load(file, changes if strategy is None else {**changes, "strategy": strategy}, own)
     with missing_named("a report"):
         from railjoule.dashboard.report.document import report_html  # noqa: PLC0415
         from railjoule.dashboard.report.findings import ReportRequest, compute_findings  # noqa: PLC0415
@@ -239,24 +274,70 @@ def validate(paper: str | None, output: Output) -> None:
     output.show({"papers": papers}, terminal.validations_text)
 
 
-def serve(address: str, port: int) -> None:
-    """Serve the dashboard until it is interrupted.
+def serve(address: str, port: int, own: Workspace | None = None) -> None:
+    """Serve the dashboard, with a user's own files where it has any, until it is interrupted.
 
     Raises
     ------
     CommandError
         If a package of the dashboard is missing, or the address cannot be served at.
     """
+    from railjoule.dashboard.work.warmup import warmup  # noqa: PLC0415
+
+    # the libraries of the page take seconds to import, which other processes may spend compiling
+    warmup().start()
     with missing_named("the dashboard"):
         from railjoule.dashboard import app  # noqa: PLC0415
     try:
-        app.serve(address=address, port=port)
+        app.serve(address=address, port=port, workspace=own)
     except OSError as error:
         raise CommandError(f"cannot serve at {address}, port {port}: {error.strerror or error}.") from None
 
 
-def load(file: str, changes: Mapping[str, Any]) -> Scenario:
-    """Return the scenario of a file, of a report or the shipped one of that name, with changes.
+def workspace_at(folder: str | None, make: bool = False) -> Workspace | None:
+    """Return the workspace in a folder, by default in a user's own; None where the user has no home for one.
+
+    Parameters
+    ----------
+    folder : str or None
+        As named on the command line.
+    make : bool
+        Whether it may be a new one.
+
+    Raises
+    ------
+    CommandError
+        If there is no such folder, or it cannot be made.
+    """
+    try:
+        workspace = Workspace(default_folder() if folder is None else folder)
+    except RuntimeError:
+        if folder is None:
+            return None
+        raise CommandError(f"--workspace {shortened(folder)}: there is no such user.") from None
+    # the default one is made when something is saved
+    if folder is None:
+        return workspace
+    try:
+        if make:
+            workspace.folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CommandError(f"--workspace {shortened(folder)}: {error.strerror or error}.") from None
+    if not workspace.folder.is_dir():
+        raise CommandError(f"--workspace {shortened(folder)}: there is no such folder.")
+    return workspace
+
+
+def is_this_machine(address: str) -> bool:
+    """Return whether only programs of this machine reach an address."""
+    try:
+        return address == "localhost" or ipaddress.ip_address(address).is_loopback
+    except ValueError:
+        return False
+
+
+def load(file: str, changes: Mapping[str, Any], own: Workspace | None = None) -> Scenario:
+    """Return the scenario of a file or report, or of that name the shipped one or one of the workspace, with changes.
 
     Raises
     ------
@@ -265,13 +346,16 @@ def load(file: str, changes: Mapping[str, Any]) -> Scenario:
     """
     try:
         known = Path(file).exists() or file in preset_names("scenarios")
+        # a name with a suffix is meant for a file, which is missing then
         if not known and not Path(file).suffix:
-            shipped = ", ".join(preset_names("scenarios"))
-            raise CommandError(f"{file}: there is no such file or shipped scenario; choose one of {shipped}.")
+            names = () if own is None else own.names("scenarios")
+            if file not in names:
+                choices = ", ".join((*names, *preset_names("scenarios")))
+                raise CommandError(f"{file}: there is no such file or shipped scenario; choose one of {choices}.")
         if Path(file).suffix.lower() in REPORT_SUFFIXES:
             name = Path(file).name
-            return parse_scenario(scenario_in_report(read_text(Path(file)), name), name, changes=changes)
-        return load_scenario(file, changes)
+            return parse_scenario(scenario_in_report(read_text(Path(file)), name), name, changes=changes, own=own)
+        return load_scenario(file, changes, own)
     except OSError as error:
         raise CommandError(f"{shortened(file)}: {error.strerror or error}.") from None
 
@@ -341,8 +425,8 @@ def table_file(name: str, option: str = "--trajectory", suffixes: Sequence[str] 
     return path
 
 
-def read_table(name: str) -> "pandas.DataFrame":
-    """Return the table of a file.
+def read_table(name: str, own: Workspace | None = None) -> "pandas.DataFrame":
+    """Return the table of a file, or of a run of the workspace.
 
     Raises
     ------
@@ -351,10 +435,13 @@ def read_table(name: str) -> "pandas.DataFrame":
     """
     import pandas  # noqa: PLC0415  (slow to import, and seldom needed)
 
-    path = table_file(name, "RUN")
+    if own is not None and not Path(name).suffix and not Path(name).exists() and name in own.names("runs"):
+        path, source = Path(f"{name}.csv"), io.BytesIO(own.text("runs", name).encode())
+    else:
+        path, source = table_file(name, "RUN"), None
     read = pandas.read_csv if path.suffix.lower() == ".csv" else pandas.read_parquet
     try:
-        table: pandas.DataFrame = read(path)
+        table: pandas.DataFrame = read(path if source is None else source)
     except FileNotFoundError:
         raise CommandError(f"{shortened(name)}: there is no such file.") from None
     except OSError as error:
@@ -412,6 +499,7 @@ def refusals_named(strategy: str) -> Iterator[None]:
 
 def announce_compilation() -> None:
     """Tell a person at a terminal why the first run ever takes so long."""
+    # not into a pipe or a file, whose readers look for errors
     if sys.stderr.isatty() and not Path(os.environ["NUMBA_CACHE_DIR"]).is_dir():
         print("Compiling the solver, only this once; this takes about a minute.", file=sys.stderr)
 

@@ -11,12 +11,14 @@ from typing import TYPE_CHECKING, Any
 from railjoule.core import CheckResult, Phase, Trajectory
 from railjoule.core.trajectory import Reference
 from railjoule.core.units import J_PER_KWH, J_PER_WH, MS_PER_KMH
+from railjoule.dashboard.work.simple_advice import first_told
 
 if TYPE_CHECKING:
     from railjoule.core.simulate.actual_run import ActualRun
     from railjoule.core.simulate.disturbances import DisturbedRun
     from railjoule.core.simulate.field_oriented import FieldOrientedRun
     from railjoule.core.simulate.following import Following
+    from railjoule.core.studies.simple_advice import SimpleAdvice
     from railjoule.core.validation.benchmark import Timing
     from railjoule.core.validation.table import Row, Table, Validation
 
@@ -61,6 +63,7 @@ def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = Non
         "max_speed_kmh": trajectory.max_speed_kmh,
         "lower_bound_kwh": _finite(trajectory.lower_bound_kwh),
         "gap": _finite(trajectory.gap),
+        "proven": trajectory.is_proven,
         "bound_statement": trajectory.bound.statement if trajectory.bound else None,
         "reference": _reference(trajectory.reference),
         "above_reference": trajectory.above_share,
@@ -131,6 +134,7 @@ def summarise_actual(run: "ActualRun") -> Summary:
     """Return a plan and a ride with events as plain values, and what each cause adds to the plan."""
     assert run.disturbed is not None
     causes = {cause.name: cause.energy_kwh for cause in run.causes}
+    # the ride and the account of its causes may note the same
     notes = list(dict.fromkeys((*run.disturbed.notes, *run.notes)))
     return {**summarise_ride(run.disturbed), "delay_s": run.delay_s, "causes_kwh": causes, "notes": notes}
 
@@ -228,3 +232,33 @@ def _per_wh(watt: float | None) -> float | None:
 def _finite(value: float | None) -> float | None:
     """Return a number that JSON knows, or None."""
     return value if value is not None and math.isfinite(value) else None
+
+
+def summarise_advice(advice: "SimpleAdvice", last: bool) -> Summary:
+    """Return runs with few changes of regime as plain values, and the orders of one of them.
+
+    Parameters
+    ----------
+    advice : SimpleAdvice
+        The runs, from the fewest changes on.
+    last : bool
+        Whether the orders are those of the run with the most changes, and not of the first that costs little.
+    """
+    optimum = advice.optimum
+    shown = advice.runs[-1] if last else first_told(advice)
+    return {
+        "title": shown.run.scenario.title,
+        "optimum_kwh": None if optimum is None else optimum.energy_kwh,
+        "runs": [
+            {
+                "changes": run.changes,
+                "energy_kwh": run.run.energy_kwh,
+                "price_kwh": _finite(advice.price_kwh(run)),
+                "travel_time_s": run.run.travel_time_s,
+            }
+            for run in advice.runs
+        ],
+        "refused": [{"changes": changes, "reason": reason} for changes, reason in advice.refused],
+        "changes": shown.changes,
+        "advice": [asdict(told) for told in shown.run.advice],
+    }

@@ -51,17 +51,17 @@ def solution_text(summary: Summary) -> str:
         f"at most {number(summary['max_speed_kmh'])} km/h",
         *_crush_load_lines(summary),
         "",
-        *_labelled("Energy", f"{energy(summary['energy_kwh'])} kWh from the supply, {verdict(summary)}"),
+        *labelled("Energy", f"{energy(summary['energy_kwh'])} kWh from the supply, {verdict(summary)}"),
         *_bound_lines(summary),
-        *_labelled("Time", _time_words(summary)),
+        *labelled("Time", _time_words(summary)),
         *_price_lines(summary),
-        *_labelled("Driver", driver_words(summary["advice"])),
+        *labelled("Driver", driver_words(summary["advice"])),
         "",
         "Account, kWh",
         *_account_lines(summary),
         "",
         f"Solved in {number(1e3 * summary['solve_time_s'])} ms{_iteration_words(summary)}.",
-        *_wrapped(" ".join(summary["notes"])),
+        *wrapped(" ".join(summary["notes"])),
     ]
     return "\n".join(lines)
 
@@ -71,15 +71,15 @@ def checked_solution_text(summary: Summary) -> str:
     check = summary["check"]
     broken = [each for each in check["checks"] if _is_broken(each)]
     table = ["", *_check_lines(broken)] if broken else []
-    return "\n".join([solution_text(summary), *table, *_labelled("Check", check["verdict"])])
+    return "\n".join([solution_text(summary), *table, *labelled("Check", check["verdict"])])
 
 
 def check_text(check: Summary) -> str:
     """Return the rules that a run was checked against, those that could not be checked, and the verdict."""
     lines = _check_lines(check["checks"])
     for rule in check["not_checked"]:
-        lines += _wrapped(f"Not checked: {rule['name']}: {rule['reason']}.")
-    return "\n".join([*lines, "", *_wrapped(check["verdict"])])
+        lines += wrapped(f"Not checked: {rule['name']}: {rule['reason']}.")
+    return "\n".join([*lines, "", *wrapped(check["verdict"])])
 
 
 def comparison_text(comparison: Summary) -> str:
@@ -87,11 +87,39 @@ def comparison_text(comparison: Summary) -> str:
     results = comparison["results"]
     lines = [*_comparison_table(results), *_crush_load_lines(results[0])] if results else []
     for refusal in comparison["refused"]:
-        lines += _wrapped(words.about(STRATEGY_WORDS[refusal["strategy"]], refusal["reason"]))
+        lines += wrapped(words.about(STRATEGY_WORDS[refusal["strategy"]], refusal["reason"]))
     for result in results:
         word = STRATEGY_WORDS[result["strategy"]]
-        lines += [line for note in result["notes"] for line in _wrapped(words.about(word, note))]
+        lines += [line for note in result["notes"] for line in wrapped(words.about(word, note))]
     return "\n".join(lines)
+
+
+def simple_advice_text(advice: Summary) -> str:
+    """Return runs with few changes of regime as a table, and one order a line."""
+    header = ("changes", "kWh", "more than the optimum")
+    rows = [
+        (str(run["changes"]), energy(run["energy_kwh"]), _price_of_orders(run, advice["optimum_kwh"]))
+        for run in advice["runs"]
+    ]
+    orders = advice_in_words([Instruction(**told) for told in advice["advice"]], number)
+    return "\n".join(
+        [
+            f"{title_words(advice['title'])}: simple advice",
+            "",
+            *table_lines(header, rows),
+            "",
+            f"Orders with at most {advice['changes']} changes of regime between two stops",
+            "(braking for limits and keeping to them come on top)",
+            *(f"  {place}. {order}" for place, order in enumerate(orders, 1)),
+        ]
+    )
+
+
+def _price_of_orders(run: Summary, optimum_kwh: float | None) -> str:
+    """Return what a simple run needs more than the optimum, in kWh and per cent."""
+    if run["price_kwh"] is None or not optimum_kwh:
+        return "no optimum known"
+    return f"{energy(run['price_kwh'])} kWh, {number(100 * run['price_kwh'] / abs(optimum_kwh), 2)} %"
 
 
 def _crush_load_lines(summary: Summary) -> list[str]:
@@ -164,7 +192,7 @@ def field_oriented_text(run: Summary) -> str:
             "",
             *table_lines(("energy of the machines", "kWh"), rows),
             "",
-            *(line for note in run["notes"] for line in _wrapped(note)),
+            *(line for note in run["notes"] for line in wrapped(note)),
         ]
     )
 
@@ -195,7 +223,7 @@ def validations_text(validations: Summary) -> str:
 
 def validation_text(validation: Summary) -> str:
     """Return a paper's published numbers compared with ours, with the reasons for differences as footnotes."""
-    lines = _wrapped(validation["citation"])
+    lines = wrapped(validation["citation"])
     for table in validation["tables"]:
         place = f" ({table['place']})" if table["place"] else ""
         lines += ["", f"{table['title']}{place}"]
@@ -203,7 +231,7 @@ def validation_text(validation: Summary) -> str:
     lines += ["", "Errata"]
     for erratum in validation["errata"]:
         told = f"{erratum['place']}: {erratum['printed']} must be {erratum['corrected']}: {erratum['reason']}."
-        lines += _wrapped(told, "  ")
+        lines += wrapped(told, "  ")
     return "\n".join(lines)
 
 
@@ -244,11 +272,14 @@ def verdict(summary: Summary) -> str:
 
 def bound_words(summary: Summary) -> str:
     """Return in words how far a run is from its bound."""
-    amount = comparisons.above_bound(summary["energy_kwh"], summary["lower_bound_kwh"], summary["gap"])
+    amount = comparisons.above_bound(
+        summary["energy_kwh"], summary["lower_bound_kwh"], summary["gap"], summary["proven"]
+    )
     if amount is None:
         return "no bound known"
-    if comparisons.is_proven(summary["gap"]):
+    if summary["proven"]:
         return "proven optimal"
+    # a run lies below a bound only where that does not cover it
     return words.plain_text(f"{amount.sentence} the bound{' of another mesh' if amount.is_less else ''}")
 
 
@@ -257,6 +288,7 @@ def driver_words(advice: Sequence[Summary]) -> str:
     return ", ".join(advice_in_words([Instruction(**told) for told in advice], number))
 
 
+# by hand, as rich takes 50 ms more at each command and is one more dependency
 def table_lines(head: Cell, rows: Sequence[Cell], left: Iterable[int] = (0,)) -> list[str]:
     """Return the lines of a table with columns as wide as they need, numbers to the right."""
     to_left = set(left)
@@ -273,6 +305,7 @@ def table_lines(head: Cell, rows: Sequence[Cell], left: Iterable[int] = (0,)) ->
 
 
 def _is_broken(check: Summary) -> bool:
+    # a deviation that is no number breaks a rule, too
     return check["largest"] is None or bool(check["largest"] > check["allowed"])
 
 
@@ -339,14 +372,14 @@ def _above_reference(result: Summary) -> str:
 
 
 def _above_bound(result: Summary) -> str:
-    amount = comparisons.above_bound(result["energy_kwh"], result["lower_bound_kwh"], result["gap"])
+    amount = comparisons.above_bound(result["energy_kwh"], result["lower_bound_kwh"], result["gap"], result["proven"])
     return words.plain_text(comparisons.cell(amount))
 
 
 def _bound_lines(summary: Summary) -> list[str]:
     if summary["lower_bound_kwh"] is None:
         return []
-    return _labelled("Bound", f"{energy(summary['lower_bound_kwh'])} kWh. {summary['bound_statement']}")
+    return labelled("Bound", f"{energy(summary['lower_bound_kwh'])} kWh. {summary['bound_statement']}")
 
 
 def _time_words(summary: Summary) -> str:
@@ -368,7 +401,7 @@ def _other_time(summary: Summary) -> str:
 
 def _price_lines(summary: Summary) -> list[str]:
     saved = summary["price_of_time_wh_per_s"]
-    return [] if saved is None else _labelled("Extra second", f"would save {price(saved * J_PER_WH)} Wh")
+    return [] if saved is None else labelled("Extra second", f"would save {price(saved * J_PER_WH)} Wh")
 
 
 def _iteration_words(summary: Summary) -> str:
@@ -412,6 +445,7 @@ def _validation_table(table: Summary) -> list[str]:
                 row["quantity"],
                 row["unit"],
                 "" if row["printed"] is None else number(row["printed"], decimals(row["printed"])),
+                # one decimal more than was printed, which may have been rounded
                 number(row["ours"], decimals(row["printed"]) + 1),
                 words.plain_text(comparisons.printed_difference(row["difference_percent"], row["difference_points"])),
                 mark,
@@ -420,16 +454,18 @@ def _validation_table(table: Summary) -> list[str]:
     head = ("case", "quantity", "unit", table["reference"], "ours", "difference", "")
     lines = table_lines(head, rows, left={0, 1, 2, 6})
     for index, note in enumerate(notes, 1):
-        lines += _wrapped(f"[{index}] {note}", "  ")
+        lines += wrapped(f"[{index}] {note}", "  ")
     return lines
 
 
-def _labelled(label: str, words: str) -> list[str]:
+def labelled(label: str, words: str) -> list[str]:
+    """Return the lines of a text behind its label."""
     lines = textwrap.wrap(words, _width() - LABEL_WIDTH) or [""]
     return [f"{(label if index == 0 else ''):{LABEL_WIDTH}}{line}" for index, line in enumerate(lines)]
 
 
-def _wrapped(words: str, indent: str = "") -> list[str]:
+def wrapped(words: str, indent: str = "") -> list[str]:
+    """Return the lines of a text; all but the first are indented further."""
     return textwrap.wrap(words, _width(), initial_indent=indent, subsequent_indent=indent + "  ")
 
 

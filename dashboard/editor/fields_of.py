@@ -25,6 +25,8 @@ NAMES = {
     "model": "kind",
     "coordinate_error": "position error",  # the papers' word in the file's key, the pages' in all that is read
     "no_load_loss": "no-load loss",
+    "limits_hold_for": "speed limits hold for",
+    "gradient_at": "gradient acts on",
 }
 """What a field is called whose key does not read well."""
 UNITS = {
@@ -74,6 +76,7 @@ POINT_COLUMNS: Mapping[str, tuple[str, ...]] = {
 KINDS: Mapping[Any, Kind] = {float: "number", int: "whole", bool: "yes_no", str: "text"}
 BOUNDS = {"ge": "least", "le": "most", "gt": "above", "lt": "below", "max_length": "longest"}
 """Pydantic's names of bounds, and ours."""
+# the first of both is what a field shows
 YES = ("yes", "true", "1")
 NO = ("no", "false", "0")
 # not commas, which may stand before decimals
@@ -420,6 +423,7 @@ def _list(key: str, declared: _Declared, about: str) -> Field | Table | None:
             help=about,
             optional=declared.optional,
             fewest=fewest,
+            # as many rows as core/budget.py lets any list have
             most=100_000 if most is None else most,
         )
     count = (fewest, most) if same else (len(entries), len(entries))

@@ -1,6 +1,7 @@
 """What the editor begins with where something new is added: rows of tables, drives of another kind."""
 
 from collections.abc import Mapping, Sequence
+from itertools import pairwise
 from typing import Any
 
 from railjoule.core import Scenario
@@ -9,12 +10,15 @@ from railjoule.core.scenario.drive import DriveParameters
 
 Row = dict[str, Any]
 
-FIRST_LIMIT_KMH, FIRST_STOP_S, FIRST_EFFORT_KN = 50.0, 30.0, 100.0
-RISING = {"line.stations": "position_m", "vehicle.traction.curve": "speed_kmh"}
+FIRST_LIMIT_KMH, FIRST_STOP_S, FIRST_EFFORT_KN, FIRST_PASS_KMH = 50.0, 30.0, 100.0, 30.0
+RISING = {"line.stations": "position_m", "line.passing_points": "position_m", "vehicle.traction.curve": "speed_kmh"}
 """Tables whose rows must rise, and in what."""
+OF_ITS_PLACE = ("name", "arrival_s", "earliest_arrival_s", "latest_arrival_s")
+"""What a new row between two others does not take from the one above it: it belongs to that place alone."""
 SPEED_STEP_KMH = 10.0
 FIRST_GEARED = {"motors": 4, "gear_ratio": 6.0, "wheel_diameter_m": 0.86}
 """Assumed, where neither the drive before nor a shipped vehicle tells; to be typed over."""
+# without torque no power comes out: there the efficiency is zero
 FIRST_MAP = [
     [torque, speed, efficiency]
     for torque, efficiency in ((0.0, 0.0), (500.0, 0.9), (1000.0, 0.9))
@@ -42,6 +46,7 @@ def drive_of_kind(model: str, before: DriveParameters) -> Row:
         made |= {name: getattr(before, name, value) for name, value in FIRST_GEARED.items()}
     if model == "efficiency_map":
         made["points"] = FIRST_MAP
+    # it has a slider beside every page, which must not jump
     return {**made, "recuperation_factor": before.recuperation_factor}
 
 
@@ -52,6 +57,7 @@ def first_rows(table: str, scenario: Scenario) -> list[Row]:
     effort = traction.max_effort_kn or FIRST_EFFORT_KN
     rows: Mapping[str, list[Row]] = {
         "line.speed_limits": [stretch],
+        "line.passing_points": [_first_passing_point(scenario)],
         "line.stations": [{"name": "Station", "position_m": float(round(length / 2)), "dwell_s": FIRST_STOP_S}],
         "disturbance.stops": [{"position_m": float(round(length / 2)), "duration_s": FIRST_STOP_S}],
         "disturbance.speed_limits": [stretch],
@@ -77,8 +83,23 @@ def row_after(table: str, rows: Sequence[Row], index: int, scenario: Scenario) -
         return [row, dict(row)]
     if index + 1 < len(rows):
         beyond = rows[index + 1][key]
-    elif table == "line.stations":
+    elif table in {"line.stations", "line.passing_points"}:
         beyond = scenario.line.length_m
     else:
         beyond = row[key] + 2 * SPEED_STEP_KMH
-    return [row, {**row, key: (row[key] + beyond) / 2}]
+    alike = {name: value for name, value in row.items() if name not in OF_ITS_PLACE}
+    return [row, {**alike, key: (row[key] + beyond) / 2}]
+
+
+def _first_passing_point(scenario: Scenario) -> Row:
+    """Return a passing point that no station is near: in the middle between the two stops furthest apart."""
+    line = scenario.line
+    stops = sorted({0.0, *(station.position_m for station in line.stations), line.length_m})
+    start, end = max(pairwise(stops), key=lambda ends: ends[1] - ends[0])
+    limits = [section.speed_limit_kmh or FIRST_PASS_KMH for section in line.sections]
+    limits += [limit.limit_kmh for limit in line.speed_limits]
+    return {
+        "name": "Passing point",
+        "position_m": round((start + end) / 2, 1),
+        "speed_kmh": min(FIRST_PASS_KMH, *limits),
+    }

@@ -47,6 +47,7 @@ class FieldsForm(Form):
         self.param.update(fields=list(fields), version=self.version + 1)
 
 
+# not the library's Tabulator, which brings a megabyte of script and has gaps for screen readers
 class TableForm(Form):
     """A table whose cells are fields."""
 
@@ -67,6 +68,7 @@ class Disclosure(Form):
     note = param.String(default="", doc="What is in it, in a few words.")
     open = param.Boolean(default=False, doc="Whether it is open.")
     changed = param.Boolean(default=False, doc="Whether anything in it was changed.")
+    level = param.Integer(default=3, bounds=(2, 6), doc="Its level among the headings of the page.")
 
     _esm = module("disclosure")
 

@@ -115,6 +115,7 @@ class EditorModel(param.Parameterized):
         look = self.look()
         try:
             value = field.parse(text)
+            # by their texts: a number that reads as before is no edit, whatever rounding has left in its last digits
             if field.show(value) == look.was(field):
                 self._set(field.key, None, back=True)
                 return
@@ -152,6 +153,7 @@ class EditorModel(param.Parameterized):
     def choose_drive(self, model: str) -> None:
         """Take a drive of another kind; the scenario's own where that is of this kind."""
         try:
+            # beside another vehicle the drive that comes back is that vehicle's, which may be of another kind
             if self.scenario.base.vehicle.drive.model == model and "vehicle" not in self.scenario.edits:
                 self.scenario.take_back(*self._keys_under(("drive",)))
             else:
@@ -200,6 +202,7 @@ class EditorModel(param.Parameterized):
                 return
             rows = self.look().rows(table)
             for number, values in enumerate(block, row):
+                # beyond the last row the slice is empty: there the block adds rows
                 rows[number : number + 1] = [{**rows[number], **values} if number < len(rows) else values]
             self._set_rows(table, rows)
         except (CellError, RailjouleError) as error:
@@ -213,6 +216,7 @@ class EditorModel(param.Parameterized):
         """Let the sections run through borders of other places and heights [m]; lists of one more than them."""
         lengths, climbs = np.diff(distance_m), np.diff(height_m)
         rows = [
+            # to a millimetre, as differences of places have errors of rounding
             {**row, "length_m": float(round(length, 3)), "gradient_permille": _kept_or_rounded(row, length, climb)}
             for row, length, climb in zip(self.look().rows(table), lengths, climbs, strict=True)
         ]
@@ -250,6 +254,7 @@ class EditorModel(param.Parameterized):
             self._refuse(table.key, Refusal("", f"{sentence_of(error)} Nothing is changed."))
 
     def _set_rows(self, table: Table, rows: Sequence[Row]) -> None:
+        # before they are taken for good: rows are checked again at each move of a slider
         if len(rows) > PAGE.row_count:
             raise CellError(f"{len(rows):,} rows; the page takes at most {PAGE.row_count:,}.")
         if list(rows) == entries_at(self.look().before, table):

@@ -79,12 +79,14 @@ def _named(row: Sequence[str], columns: Sequence[Field]) -> list[Field] | None:
 
 def _row(cells: Sequence[str], order: Sequence[Field], number: int) -> dict[str, Any]:
     cells = list(cells)
+    # spreadsheets fill rows up with empty cells when they save them
     while len(cells) > len(order) and not cells[-1]:
         cells.pop()
     if len(cells) > len(order):
         raise CellError(f"Row {number}: {len(cells)} cells for {len(order)} columns.")
     return {
         column.name: value
+        # not strict: where a row ends early, the rest of its cells is empty
         for column, cell in zip(order, cells, strict=False)
         if (value := parse_cell(column, cell, number)) is not None
     }

@@ -15,9 +15,11 @@ from railjoule.dashboard.look.paint import Palette
 STEEPEST_PERMILLE = 200.0
 LEAST_SECTION_M = 1.0
 """No border can be dragged closer to the next one."""
+# a limit of the file is above 0, and limits are dragged in whole km/h
 LEAST_LIMIT_KMH = 1.0
 ROOM_SHARE, LEAST_RELIEF = 0.35, 0.01
 """Room above and below the line as a share of its relief, which counts as at least this share of its length."""
+# over the highest limit: so much higher it can be dragged at once
 LIMIT_ROOM = 1.15
 
 
@@ -46,23 +48,12 @@ class ProfileChart(DistanceChart):
         """Make the figure."""
         f = self.frame(zoom=False, ticks=3, digits=0)
         nodes, sign = self.source("nodes", "x", "y", "base"), self.source("sign", "x", "y", "text")
+        # a source of its own: the nodes follow the mouse in the browser alone, and only what was let go is sent here
         dropped = self.source("dropped")
         self.glyphs("varea", "nodes", "x", "base", "y", paint={"fill_color": "ground"})
         self.line("nodes", "groundline", line_width=1.6)
         self.dots("nodes", "surface", "accent", size=10, line_width=2)
-        self.glyphs(
-            "text",
-            "sign",
-            "x",
-            "y",
-            "text",
-            paint={"text_color": "ink", "background_fill_color": "surface"},
-            text_align="center",
-            y_offset=-12,
-            background_fill_alpha=0.8,
-            padding=2,
-            **text_style(),
-        )
+        self.grounded_signs("sign", "ink", text_align="center", y_offset=-12, padding=2)
         bounds = {"steepest": STEEPEST_PERMILLE, "shortest": LEAST_SECTION_M}
         dragged(f, "drag_heights", nodes=nodes, sign=sign, dropped=dropped, **bounds)
         dropped.on_change("data", self._take)
@@ -79,6 +70,7 @@ class ProfileChart(DistanceChart):
         relief = max(float(np.ptp(y)), LEAST_RELIEF * float(x[-1]))
         low, high = float(y.min()) - ROOM_SHARE * relief, float(y.max()) + ROOM_SHARE * relief
         self.set_range(low, high)
+        # not by `put`: the browser has moved these nodes unseen, and must be sent them even if they stand here
         self.sources["nodes"].data = {"x": x.tolist(), "y": y.tolist(), "base": [low - relief] * len(x)}
 
 
@@ -140,6 +132,7 @@ class LimitStepsChart(DistanceChart):
         top = LIMIT_ROOM * max([most_kmh, *(limit for _, _, limit, _ in steps)])
         self.set_range(0, top)
         assert self._drag is not None
+        # `most` whole, as limits are dragged in whole km/h: assets/scripts/drag_limits.js
         self._drag.args = {**self._drag.args, "most": float(np.floor(top)), "end": borders[-1]}
         self.sources["steps"].data = {
             "left": [start for start, _, _, _ in steps],

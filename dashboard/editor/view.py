@@ -5,7 +5,9 @@ from functools import partial
 from typing import Any
 
 import panel as pn
+import panel_material_ui as pmui
 
+from railjoule.core.scenario.presets import PresetKind
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.browser.messages import added_to
 from railjoule.dashboard.charts.chart import Axis, Chart
@@ -44,6 +46,7 @@ SCENARIO_FIELDS = (
 )
 MORE_ROWS = "{} more rows are not shown; paste a table to replace them all."
 OWN = "Custom"
+# abbreviations, of which `words_of` would make Eoc and Enoc
 HEADINGS = {"eoc": words.STRATEGY_WORDS["eoc"], "enoc": words.STRATEGY_WORDS["enoc"]}
 CHOICES = {"vehicle": "Vehicle", "line": "Line"}
 Entry = dict[str, Any]
@@ -56,11 +59,13 @@ class EditorView:
         self.state, self.editor, self.browser, self.palette = state, state.editor, browser, palette
         self.head: EditorHead | None = None
         self.groups: list[Group] = []
+        # assets/scripts knows the drawer by its name, and what has the focus in it by its class
         self.view = stack(css=DRAWER_CSS, css_classes=["rj-editor"], visible=False, sizing_mode=None, name="editor")
         self.queue = DrawingQueue(browser, state.faults, lambda: self.editor.open, self._settle)
         self.editor.param.watch(self._turn, "open")
         self.editor.param.watch(self._show, "refused")
         state.scenario.param.watch(self._show, list(SCENARIO_FIELDS))
+        state.files.param.watch(self._show, "listing")
         state.param.watch(self._tell, ["runs", "failure"])
         browser.follow(["charts_in_sight"], lambda: self.queue.sight(browser.charts_in_sight))
 
@@ -126,12 +131,14 @@ class Group:
 
     def _turn(self) -> None:
         with pn.io.hold():
+            # before it is shown, as a group that is closed shows nothing
             self.head.open = self.body.visible = not self.head.open
             self.show(self.editor.look())
 
     def keys(self, look: Look) -> list[str]:
         """Return the keys that were edited in this group."""
         beginnings = tuple(f"{table}." for table in GROUPS[self.name])
+        # tables within those of this group may have a group of their own, as vehicle.resistance has
         others = tuple(f"{table}." for name, tables in GROUPS.items() if name != self.name for table in tables)
         inner = tuple(other for other in others if other.startswith(beginnings)) if beginnings else ()
         return [key for key in look.changes if key.startswith(beginnings) and not (inner and key.startswith(inner))]
@@ -148,6 +155,7 @@ class Group:
         if not self.head.open:
             return
         shape = self.shape(look)
+        # else the forms stay, and with them the focus of who types
         if shape != self._shape:
             self._shape = shape
             self._forms, self._tables = [], []
@@ -251,6 +259,7 @@ class Group:
             int(message.get("column", 0)),
             str(message.get("text", "")),
         )
+        # what the browser sends may be about a row that a step back has just taken away
         there = len(editor.look().rows(table))
         if not (0 <= row < max(there, 1) and 0 <= column < len(table.columns)):
             return
@@ -317,7 +326,7 @@ class ChoosingGroup(Group):
 
 
 class PresetsGroup(ChoosingGroup):
-    """Which shipped vehicle runs on which shipped line."""
+    """Which shipped vehicle, or one of My files, runs on which line."""
 
     def keys(self, look: Look) -> list[str]:
         """Return the choices that were made."""
@@ -336,18 +345,27 @@ class PresetsGroup(ChoosingGroup):
             ("line", "lines", "A shipped line with its limits and stations."),
         ):
             options = [(name, title) for title, name in preset_options(kind).items()]  # type: ignore[arg-type]
-            own = getattr(base, key)
-            if own.preset is None:
-                options = [("", f"{OWN}: {own.name}" if own.name else OWN), *options]
+            options += [(value, title) for title, value in self.parent.state.files.options(kind).items()]
+            own, used = getattr(base, key), getattr(look.now, key)
+            custom = used if used.preset is None else own
+            if custom.preset is None:
+                options = [("", f"{OWN}: {custom.name}" if custom.name else OWN), *options]
             titles = dict(options)
-            now = getattr(look.now, key).preset or ""
-            made.append(self.choice(key, CHOICES[key], about, options, now, titles.get(own.preset or "", "")))
+            was = titles.get(own.preset, "") if own.preset else own.name or OWN
+            made.append(self.choice(key, CHOICES[key], about, options, used.preset or "", was))
         return made
 
     def choose(self, key: str, value: str) -> None:
-        """Take a shipped vehicle or line; its own again where none is named."""
-        if key in CHOICES:
-            self.editor.choose("vehicles" if key == "vehicle" else "lines", value)
+        """Take a shipped vehicle or line, or one of My files; its own again where none is named."""
+        if key not in CHOICES:
+            return
+        kind: PresetKind = "vehicles" if key == "vehicle" else "lines"
+        files = self.parent.state.files
+        file = files.chosen(kind, value)
+        if file is not None:
+            files.open(file)
+        else:
+            self.editor.choose(kind, value)
 
 
 class DriveGroup(ChoosingGroup):
@@ -386,6 +404,13 @@ class LineGroup(Group):
         self.profile = ProfileChart(PROFILE_PX, self.axis, parent.palette, self._drop_borders)
         self.steps = LimitStepsChart(LIMITS_PX, self.axis, parent.palette, self._drop_limits)
         self.way = html_pane()
+        self.bring = pmui.Button(
+            label="Import tables of a line",
+            variant="text",
+            size="small",
+            margin=(0, 8, 4, 24),
+            on_click=lambda _: self._bring(),
+        )
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -399,7 +424,12 @@ class LineGroup(Group):
     def contents(self, look: Look) -> list[Any]:
         """Return the charts, then what a group has."""
         charts = stack(*(chart.host for chart in self.charts), css=":host { padding: 0 8px 8px 14px; }")
-        return [charts, self.way, *super().contents(look)]
+        return [self.bring, charts, self.way, *super().contents(look)]
+
+    def _bring(self) -> None:
+        """Turn to the page that reads tables; the editor would cover half of it."""
+        self.editor.open = False
+        self.parent.state.page = "Import"
 
     def show(self, look: Look) -> None:
         """Show the scenario."""

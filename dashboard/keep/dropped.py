@@ -9,11 +9,12 @@ from railjoule.core.scenario.toml_text import TomlError
 from railjoule.dashboard.keep.embedded import scenario_in_report
 from railjoule.dashboard.state.kept import LONGEST_TEXT
 
+# by its first letters: a report is one under any name of its file
 PAGE = re.compile(r"\s*(<!doctype html|<html)", re.IGNORECASE)
 LARGEST_REPORT_BYTES, LARGEST_SCENARIO_BYTES = LARGEST_FILE_BYTES, LONGEST_TEXT
 REPORTS, SCENARIOS, TABLES = (".html", ".htm"), (".toml",), (".csv", ".tsv", ".xls", ".xlsx", ".ods")
 WHAT_CAN_BE_OPENED = "Only scenarios (.toml) and reports of railjoule (.html) can be opened"
-ELSEWHERE = "; paste a table of sections, limits or stations into its list in the editor"
+ELSEWHERE = "; bring tables of a line on the page Import, or paste one into its list in the editor"
 NO_SCENARIO, NO_TEXT = "it contains no scenario", "it is not UTF-8 text"
 TOO_LARGE = (
     f"it is larger than the {LARGEST_SCENARIO_BYTES / 1e6:g} MB of a scenario or the {LARGEST_REPORT_BYTES / 1e6:g} MB "
@@ -29,6 +30,7 @@ def scenario_text(text: str, name: str) -> str:
     ScenarioError
         If the file is too large, or a page without a scenario.
     """
+    # once more than in the browser, as any client can send more
     if len(text) > LARGEST_REPORT_BYTES:
         raise ScenarioError(refused_file(name, TOO_LARGE))
     # editors on Windows begin a file with this mark, which TOML refuses

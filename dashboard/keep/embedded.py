@@ -8,6 +8,7 @@ OPENING = '<script type="application/toml" id="scenario">'
 CLOSING = "</script>"
 MARKUP_ESCAPES = {"<": "\\u003C", ">": "\\u003E"}
 """How TOML's basic strings write what HTML could take for a tag."""
+# a backslash is taken with the sign after it, as an escaped quote ends no string
 STRING = re.compile(r'"(?:\\.|[^"\\])*"')
 
 

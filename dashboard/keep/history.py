@@ -1,11 +1,11 @@
-"""Undo and redo over documents: the moves of one field within a moment are one step."""
+"""Undo and redo over snapshots: the moves of one field within a moment are one step."""
 
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
-from railjoule.dashboard.keep.snapshot import VIEW, Document, changed
+from railjoule.dashboard.keep.snapshot import VIEW, Snapshot, changed
 
 MOST_STEPS = 100
 # longer than the time after which a change is noted (NOTE_MS): one drag is noted several times
@@ -15,10 +15,10 @@ ONE_MOVE_S = 1.5
 
 @dataclass(frozen=True)
 class Step:
-    """One change: the documents on both sides of it, without what only the view is, and when it ended [s]."""
+    """One change: the snapshots on both sides of it, without what only the view is, and when it ended [s]."""
 
-    before: Document
-    after: Document
+    before: Snapshot
+    after: Snapshot
     page: str
     ended_s: float
 
@@ -29,19 +29,19 @@ class Step:
 
 
 class History:
-    """The steps behind and ahead of a document.
+    """The steps behind and ahead of a snapshot.
 
     Parameters
     ----------
-    document : mapping
+    snapshot : mapping
         Where it begins.
     clock : callable
         Returns a time that only grows [s].
     """
 
-    def __init__(self, document: Mapping[str, Any], clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, snapshot: Mapping[str, Any], clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
-        self._now = _without_view(document)
+        self._now = _without_view(snapshot)
         self._past: list[Step] = []
         self._future: list[Step] = []
 
@@ -55,12 +55,12 @@ class History:
         """Whether there is a step ahead."""
         return bool(self._future)
 
-    def note(self, document: Mapping[str, Any]) -> None:
-        """Take note of a document; one that differs from the last is a step, or the rest of one."""
-        now = _without_view(document)
+    def note(self, snapshot: Mapping[str, Any]) -> None:
+        """Take note of a snapshot; one that differs from the last is a step, or the rest of one."""
+        now = _without_view(snapshot)
         if now == self._now:
             return
-        step = Step(self._now, now, document["page"], self._clock())
+        step = Step(self._now, now, snapshot["page"], self._clock())
         self._now = now
         # what follows an undo is a step of its own: joined to the one before, it could not be taken back alone
         last = self._past[-1] if self._past and not self._future else None
@@ -72,15 +72,15 @@ class History:
         if step.before != step.after:
             self._past = [*self._past, step][-MOST_STEPS:]
 
-    def undo(self) -> Document | None:
-        """Go back a step, and return its document with the page on which it was made; None where there is none."""
+    def undo(self) -> Snapshot | None:
+        """Go back a step, and return its snapshot with the page on which it was made; None where there is none."""
         if not self._past:
             return None
         step = self._past.pop()
         self._future.append(step)
         return {**step.before, "page": step.page}
 
-    def redo(self) -> Document | None:
+    def redo(self) -> Snapshot | None:
         """Go forth a step, as `undo` goes back."""
         if not self._future:
             return None
@@ -88,10 +88,10 @@ class History:
         self._past.append(step)
         return {**step.after, "page": step.page}
 
-    def settle(self, document: Mapping[str, Any]) -> None:
-        """Take a document for where the history stands now, without a step."""
-        self._now = _without_view(document)
+    def settle(self, snapshot: Mapping[str, Any]) -> None:
+        """Take a snapshot for where the history stands now, without a step."""
+        self._now = _without_view(snapshot)
 
 
-def _without_view(document: Mapping[str, Any]) -> Document:
-    return {key: value for key, value in document.items() if key not in VIEW}
+def _without_view(snapshot: Mapping[str, Any]) -> Snapshot:
+    return {key: value for key, value in snapshot.items() if key not in VIEW}

@@ -1,5 +1,6 @@
 """What keeps a page: its address follows its state, each change can be undone, files and links are opened."""
 
+import base64
 import logging
 import time
 from collections.abc import Callable
@@ -15,11 +16,13 @@ from railjoule.dashboard.keep.dropped import NO_TEXT, TOO_LARGE, refused_file, s
 from railjoule.dashboard.keep.history import History
 from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.keep.link import LinkTooLongError, ReadLink, read_link, sentence, write_link
-from railjoule.dashboard.keep.snapshot import Document, document_of, lay, originals_of
+from railjoule.dashboard.keep.snapshot import Snapshot, lay, originals_of, snapshot_of
 from railjoule.dashboard.state.kept import Kept
 from railjoule.dashboard.state.opened import outcome_of
 from railjoule.dashboard.state.page_work import Items
 from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work.uploads import too_large
+from railjoule.dashboard.work.warmup import warmup
 from railjoule.dashboard.work.worker import SLOW_THREADS
 
 LOG = logging.getLogger(__name__)
@@ -29,6 +32,13 @@ NOTE_MS = 200
 LONGEST_NAME = 80
 LONGEST_AT_ONCE = 50_000
 """A scenario of more characters is read in a thread before the page takes it: that takes up to seconds."""
+
+
+def read_ahead(toml: str | None) -> None:
+    """Wait until a scenario can be tried without compiling, and read it into the cache of those that are opened."""
+    warmup().wait_for_tasks()
+    if toml is not None:
+        outcome_of(toml)
 
 
 class Keeping(param.Parameterized):
@@ -53,12 +63,12 @@ class Keeping(param.Parameterized):
         self._noted_s = 0.0
         self._items = Items(self._schedule)
         self._base: tuple[Any, ...] = ()
-        self._originals: Document = {}
+        self._originals: Snapshot = {}
         for model in (state, *state.models.values()):
             model.param.watch(self._schedule, list(model.kept))
         state.param.watch(self._note_with_runs, "runs")
         self._watch_items()
-        self.history = History(document_of(state))
+        self.history = History(snapshot_of(state))
         listeners: dict[str, Callable[[dict[str, Any]], None]] = {
             "open": lambda message: self.open_link(str(message.get("text"))),
             "undo": lambda _: self.undo(),
@@ -66,6 +76,8 @@ class Keeping(param.Parameterized):
             "drop": lambda message: self.open_file(str(message.get("name")), str(message.get("text"))),
             "too_large": lambda message: self.refuse_file(str(message.get("name")), TOO_LARGE),
             "no_text": lambda message: self.refuse_file(str(message.get("name")), NO_TEXT),
+            "table": self._take_table,
+            "large_table": lambda message: self._show_runs(too_large(str(message.get("name"))[:LONGEST_NAME])),
             "copied": self._take_copied,
         }
         for kind, callback in listeners.items():
@@ -74,21 +86,21 @@ class Keeping(param.Parameterized):
     def begin(self, query: str) -> None:
         """Open the state in the address of a new page; there is no step back from it.
 
-        A long one is opened once the page has loaded. Whatever the address is, there is a page.
+        One that takes long is opened once the page has loaded. Whatever the address is, there is a page.
         """
         begun = True
 
         def open_unless_long() -> None:
             nonlocal begun
             read = read_link(query)
-            begun = not self._takes_long(read.document.get("toml"))
+            begun = not self._takes_long(read.snapshot)
             if begun:
                 self._open(read)
 
         self._attempt("link", open_unless_long)
-        document = document_of(self.state)
-        self.history = History(document)
-        self._publish(document)
+        snapshot = snapshot_of(self.state)
+        self.history = History(snapshot)
+        self._publish(snapshot)
         if not begun:
             # until then a reload finds the same address
             self.lifeline.address = query
@@ -99,14 +111,14 @@ class Keeping(param.Parameterized):
 
         def read() -> None:
             found = read_link(query)
-            self._when_read(found.document.get("toml"), lambda: self._attempt("link", lambda: self._open(found)))
+            self._when_read(found.snapshot, lambda: self._attempt("link", lambda: self._open(found)))
 
         self._attempt("link", read)
 
     def _open(self, read: ReadLink) -> None:
         refusals: tuple[str, ...] = ()
-        if read.document:
-            refusals = self._lay(read.document)
+        if read.snapshot:
+            refusals = self._lay(read.snapshot)
             self.note()
         told = " ".join(filter(None, [read.refusal, sentence(list(refusals))]))
         if told:
@@ -125,38 +137,58 @@ class Keeping(param.Parameterized):
                 self.state.notice = ""
 
         try:
-            toml = scenario_text(text, name)
+            toml = self.state.files.whole(scenario_text(text, name), name)
         except RailjouleError as refusal:
             self.tell(str(refusal))
         else:
-            self._when_read(toml, lambda: self._attempt("file", lambda: take(toml)))
+            self._when_read({"toml": toml}, lambda: self._attempt("file", lambda: take(toml)))
+
+    def _take_table(self, message: dict[str, Any]) -> None:
+        """Show a table that was dropped where runs are, whichever page is in sight."""
+        name = str(message.get("name"))[:LONGEST_NAME]
+        try:
+            content = base64.b64decode(str(message.get("data")), validate=True)
+        except ValueError:
+            return  # no browser of ours sends it
+        self._show_runs()
+        self.state.measured_runs.bring([(name, content)])
+
+    def _show_runs(self, refusal: str = "") -> None:
+        """Turn to the page of measured runs."""
+        self.state.measured_runs.refusal = refusal
+        self.state.page = "Measured runs"
 
     def refuse_file(self, name: str, reason: str) -> None:
         """Tell why a file was not opened, and what could be."""
         self.tell(refused_file(name[:LONGEST_NAME], reason))
 
-    def _takes_long(self, toml: str | None) -> bool:
-        """Return whether a scenario is so long that a page with others beside it had better not wait for it."""
-        return toml is not None and len(toml) > LONGEST_AT_ONCE and pn.state.curdoc is not None
+    def _takes_long(self, snapshot: Snapshot) -> bool:
+        """Return whether a page with others beside it had better not wait until a scenario is read."""
+        toml, is_changed = snapshot.get("toml"), bool(snapshot.get("edits"))
+        # without a page there is nobody else who waits, and no later turn
+        if pn.state.curdoc is None or not (toml or is_changed):
+            return False
+        return warmup().holds_up_tasks or (toml is not None and len(toml) > LONGEST_AT_ONCE)
 
-    def _when_read(self, toml: str | None, then: Callable[[], None]) -> None:
-        """Go on with a scenario; with a long one in a later turn, once a thread has read it."""
+    def _when_read(self, found: Snapshot, then: Callable[[], None]) -> None:
+        """Go on with a scenario; with one that takes long in a later turn, once a thread has read it."""
         document = pn.state.curdoc
-        if toml is None or document is None or not self._takes_long(toml):
+        if document is None or not self._takes_long(found):
             then()
         else:
-            reading = SLOW_THREADS.submit(outcome_of, toml)
+            reading = SLOW_THREADS.submit(read_ahead, found.get("toml"))
             turn = turns_of(document)
             # `then` reads it once more, from the cache of `outcome_of`
             reading.add_done_callback(lambda _: turn(then))
 
     def _attempt(self, what: str, act: Callable[[], None]) -> None:
         """Do to the page what a stranger's text asks for; if that fails, leave the page as it was and say so."""
-        before = document_of(self.state)
+        before = snapshot_of(self.state)
         try:
             act()
         except Exception:  # MemoryError and RecursionError are among them
             LOG.exception("a %s could not be opened", what)
+            # what has broken the page may break this too: the sentence must be told all the same
             with suppress(Exception):
                 self._lay(before)
             self.tell(f"The {what} could not be opened; the server's log has the details.")
@@ -164,6 +196,13 @@ class Keeping(param.Parameterized):
     def tell(self, text: str) -> None:
         """Show a sentence above the page until it has been read."""
         self.state.notice = text
+
+    def rebase(self, toml: str) -> None:
+        """Take a scenario with all its changes, as it was just saved, for the one that further changes are made to."""
+        refusals = self._lay({**snapshot_of(self.state), "toml": toml, "edits": {}})
+        self.note()
+        if refusals:
+            self.tell(sentence(list(refusals)))
 
     def undo(self) -> None:
         """Take back the last step."""
@@ -179,27 +218,27 @@ class Keeping(param.Parameterized):
     def note(self) -> None:
         """Take note of what has changed: for undo, for the address, and for the marks at changed fields."""
         self._scheduled, self._noted_s = False, time.monotonic()
-        document = document_of(self.state)
-        self.history.note(document)
-        self._publish(document)
+        snapshot = snapshot_of(self.state)
+        self.history.note(snapshot)
+        self._publish(snapshot)
 
-    def _go(self, document: Document | None) -> None:
-        if document is None:
+    def _go(self, snapshot: Snapshot | None) -> None:
+        if snapshot is None:
             return
-        # colours are in no step, and what a document does not name becomes as on a new page
-        refusals = self._lay({**document, "colours": self.state.colours})
-        now = document_of(self.state)
-        # as it is now: of the step's document, something may have been refused
+        # colours are in no step, and what a snapshot does not name becomes as on a new page
+        refusals = self._lay({**snapshot, "colours": self.state.colours})
+        now = snapshot_of(self.state)
+        # as it is now: of the step's snapshot, something may have been refused
         self.history.settle(now)
         self._publish(now)
         if refusals:
             self.tell(sentence(list(refusals)))
 
-    def _lay(self, document: Document) -> tuple[str, ...]:
+    def _lay(self, snapshot: Snapshot) -> tuple[str, ...]:
         self._laying = True
         try:
             with pn.io.hold():
-                return lay(self.state, document)
+                return lay(self.state, snapshot)
         finally:
             self._laying = False
             self._watch_items()
@@ -236,21 +275,22 @@ class Keeping(param.Parameterized):
         ]
         self._items.follow(items, lambda item: item.kept)
 
-    def _publish(self, document: Document) -> None:
-        """Show a document in the address, mark what differs from the preset, and say what can be undone."""
-        base = document["preset"], document["toml"], document["edits"]
+    def _publish(self, snapshot: Snapshot) -> None:
+        """Show a snapshot in the address, mark what differs from the preset, and say what can be undone."""
+        base = snapshot["preset"], snapshot["toml"], snapshot["edits"]
         # the originals take the state of a whole new page: they are made anew only where they may be others
         if base != self._base:
-            self._base, self._originals = base, originals_of(document)
+            self._base, self._originals = base, originals_of(snapshot)
             self._mark()
         with pn.io.hold():
-            self.lifeline.address = self._address(document)
-            self.param.update(can_undo=self.history.can_undo, can_redo=self.history.can_redo)
+            self.lifeline.address = self._address(snapshot)
+            if (self.can_undo, self.can_redo) != (self.history.can_undo, self.history.can_redo):
+                self.param.update(can_undo=self.history.can_undo, can_redo=self.history.can_redo)
             self.param.trigger("noted")
 
-    def _address(self, document: Document) -> str:
+    def _address(self, snapshot: Snapshot) -> str:
         try:
-            return write_link(document, self._originals)
+            return write_link(snapshot, self._originals)
         except LinkTooLongError as refusal:
             self.tell(str(refusal))
             return ""

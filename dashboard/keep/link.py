@@ -14,13 +14,14 @@ import param
 
 from railjoule.core import RailjouleError
 from railjoule.core.budget import PAGE
-from railjoule.dashboard.keep.snapshot import Document, changed, fields_of
+from railjoule.dashboard.keep.snapshot import Snapshot, changed, fields_of
 from railjoule.dashboard.state.kept import LONGEST_TEXT, Kept, short
 from railjoule.dashboard.state.workbench import Workbench
 
 VERSION = "1"
 LONGEST_QUERY, LONGEST_LINK = 1_500, 2_000_000
 """Up to the first length a state stands in the query, which is sent to the server; a longer one stands behind `#`."""
+# a shorter one stays readable, and can be changed by hand in the address
 LONGEST_PLAIN = 200
 """A longer text is packed."""
 # values that a link may have, and those that a sentence tells of where they cannot be opened
@@ -38,16 +39,16 @@ class LinkTooLongError(RailjouleError):
 class ReadLink:
     """What a link opens, and one sentence on what of it cannot be opened."""
 
-    document: Document = field(default_factory=dict)
+    snapshot: Snapshot = field(default_factory=dict)
     refusal: str = ""
 
 
-def write_link(document: Mapping[str, Any], originals: Mapping[str, Any]) -> str:
-    """Return the end of an address that opens a document: nothing, `?v=1&...` or `#v=1&...`.
+def write_link(snapshot: Mapping[str, Any], originals: Mapping[str, Any]) -> str:
+    """Return the end of an address that opens a snapshot: nothing, `?v=1&...` or `#v=1&...`.
 
     Parameters
     ----------
-    document : mapping
+    snapshot : mapping
         All that is kept of a page.
     originals : mapping
         The same of a new page with the same scenario and edits.
@@ -60,12 +61,13 @@ def write_link(document: Mapping[str, Any], originals: Mapping[str, Any]) -> str
     first = _template().keep() | _template().scenario.keep()
     # the scenario and its edits are named against those of a new page, all else against the scenario
     before = {**originals, **{key: first[key] for key in ("preset", "toml", "edits")}}
-    differs = changed(document, before)
+    differs = changed(snapshot, before)
     # the file's text is the whole scenario: the preset is the one that was chosen before it
     if differs.get("toml") is not None:
         differs.pop("preset", None)
     if not differs:
         return ""
+    # commas and colons may stand in an address as they are: lists stay readable
     parts = [f"{quote_plus(key)}={quote_plus(_text(value), safe=',:')}" for key, value in differs.items()]
     text = "&".join([f"v={VERSION}", *parts])
     if len(text) > LONGEST_LINK:
@@ -76,8 +78,9 @@ def write_link(document: Mapping[str, Any], originals: Mapping[str, Any]) -> str
     return f"{'?' if len(text) <= LONGEST_QUERY else '#'}{text}"
 
 
+# not by Panel's `location.sync`, which checks nothing: a number of 400 digits broke the page by an OverflowError
 def read_link(query: str) -> ReadLink:
-    """Return the document that a query or a fragment holds; every value in it is of its kind and in its bounds.
+    """Return the snapshot that a query or a fragment holds; every value in it is of its kind and in its bounds.
 
     It never fails: what cannot be read is left out, and told in one sentence. All of its values together have as many
     characters as one text may have.
@@ -86,6 +89,7 @@ def read_link(query: str) -> ReadLink:
     if len(text) > LONGEST_LINK:
         return ReadLink(refusal=f"The link is longer than the {LONGEST_LINK:,} characters allowed; it was not opened.")
     try:
+        # what is no UTF-8 is replaced, and its value refused; strictly it would raise ValueError, as too many values do
         pairs = dict(parse_qsl(text, keep_blank_values=True, max_num_fields=MOST_FIELDS, errors="replace"))
     except ValueError:
         return ReadLink(refusal=f"The link has more than the {MOST_FIELDS} values allowed; it was not opened.")
@@ -98,7 +102,7 @@ def read_link(query: str) -> ReadLink:
         told = short(version)
         sentence_of_version = f"The link has version {told}, but this page reads version {VERSION}; it was not opened."
         return ReadLink(refusal=sentence_of_version)
-    document: Document = {}
+    snapshot: Snapshot = {}
     refusals: list[str] = []
     left = LONGEST_TEXT
     for key, value in pairs.items():
@@ -108,10 +112,10 @@ def read_link(query: str) -> ReadLink:
         try:
             value = _unpacked(value, left)  # noqa: PLW2901
             left -= len(value)
-            document[key] = _value(*known[key], value)
+            snapshot[key] = _value(*known[key], value)
         except ValueError as refusal:
             refusals.append(f"{key} = {short(value)} {refusal}")
-    return ReadLink(document, sentence(refusals))
+    return ReadLink(snapshot, sentence(refusals))
 
 
 def sentence(refusals: list[str]) -> str:
@@ -148,6 +152,7 @@ def _text(value: Any) -> str:
 @lru_cache(maxsize=4)
 def _packed(text: str) -> str:
     """Return a text packed; kept, as a long one takes a tenth of a second and is written at every change."""
+    # padding left out, as an address would have three signs for each `=`; `_unpacked` knows how much it was
     return PACKED + base64.urlsafe_b64encode(zlib.compress(text.encode(), 9)).decode().rstrip("=")
 
 
@@ -205,6 +210,7 @@ def _from_json(text: str) -> Any:
         raise ValueError("must be finite")
 
     try:
+        # Python's reader takes NaN and Infinity, unless it is told not to
         value = json.loads(text, parse_constant=refuse)
     except (ValueError, RecursionError):
         raise ValueError("is not a readable list or table") from None
@@ -217,6 +223,7 @@ def _require_small(value: Any) -> None:
 
     What copies and compares such values afterwards calls itself for each level, and is quick for a thousand rows.
     """
+    # level by level: a function that calls itself would fail at the depth that is refused here
     level = [value] if isinstance(value, (list, dict)) else []
     for _ in range(DEEPEST):
         inner: list[Any] = []

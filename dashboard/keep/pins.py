@@ -32,6 +32,7 @@ class Pins:
         if self._alike():
             return
         wanted = self.state.kept_pins
+        # the colour tells pins apart: Compare has one row and one line for each
         if len(wanted) > MOST_PINS or len({one.colour for one in wanted}) < len(wanted):
             self._refuse(TOO_MANY if len(wanted) > MOST_PINS else "Two pinned runs of the link have one colour.")
             return

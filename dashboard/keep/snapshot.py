@@ -11,7 +11,7 @@ from railjoule.dashboard.state.kept import Kept
 from railjoule.dashboard.state.scenario import FIRST_SCENARIO
 from railjoule.dashboard.state.workbench import Workbench
 
-Document = dict[str, Any]
+Snapshot = dict[str, Any]
 BASE = ("preset", "toml")
 """What names the scenario under all edits."""
 VIEW = ("page", "colours")
@@ -27,17 +27,17 @@ def fields_of(state: Workbench) -> Iterator[tuple[str, Kept, str]]:
             yield field if model is state.scenario else f"{name}.{field}", model, field
 
 
-def document_of(state: Workbench) -> Document:
+def snapshot_of(state: Workbench) -> Snapshot:
     """Return all that is kept of a page."""
-    document = state.keep()
+    snapshot = state.keep()
     for name, model in state.models.items():
         prefix = "" if model is state.scenario else f"{name}."
-        document |= {prefix + field: value for field, value in model.keep().items()}
-    return document
+        snapshot |= {prefix + field: value for field, value in model.keep().items()}
+    return snapshot
 
 
-def originals_of(document: Mapping[str, Any]) -> Document:
-    """Return the document of a new page with the scenario and the edits of another.
+def originals_of(snapshot: Mapping[str, Any]) -> Snapshot:
+    """Return the snapshot of a new page with the scenario and the edits of another.
 
     Raises
     ------
@@ -46,36 +46,36 @@ def originals_of(document: Mapping[str, Any]) -> Document:
     """
     fresh = Workbench()
     scenario = fresh.scenario
-    if document.get("toml"):
-        scenario.open(document["toml"], "the scenario")
-    elif document["preset"] != scenario.preset:
-        scenario.choose(document["preset"])
+    if snapshot.get("toml"):
+        scenario.open(snapshot["toml"], "the scenario")
+    elif snapshot["preset"] != scenario.preset:
+        scenario.choose(snapshot["preset"])
     for model in fresh.models.values():
         # on a page its works tell the models of another scenario; this one has no works
         if hasattr(model, "take"):
             model.take(scenario.base)
-    scenario.lay({"edits": document.get("edits", {})})
-    return document_of(fresh)
+    scenario.lay({"edits": snapshot.get("edits", {})})
+    return snapshot_of(fresh)
 
 
-def changed(document: Mapping[str, Any], before: Mapping[str, Any]) -> Document:
-    """Return what of a document is otherwise before."""
-    return {key: value for key, value in document.items() if key not in before or before[key] != value}
+def changed(snapshot: Mapping[str, Any], before: Mapping[str, Any]) -> Snapshot:
+    """Return what of a snapshot is otherwise before."""
+    return {key: value for key, value in snapshot.items() if key not in before or before[key] != value}
 
 
-def lay(state: Workbench, document: Mapping[str, Any]) -> tuple[str, ...]:
-    """Bring a page to the state of a document, and return sentences on what of it cannot be.
+def lay(state: Workbench, snapshot: Mapping[str, Any]) -> tuple[str, ...]:
+    """Bring a page to the state of a snapshot, and return sentences on what of it cannot be.
 
-    What the document does not name becomes as on a new page with its scenario. The page in sight turns last, so that
+    What the snapshot does not name becomes as on a new page with its scenario. The page in sight turns last, so that
     it asks for its results once.
     """
     refusals: list[str] = []
-    wanted = dict(document)
+    wanted = dict(snapshot)
     try:
         _lay_base(state, wanted)
     except RailjouleError as refusal:
         refusals.append(_bare(refusal))
-        # all else in the document belongs to the scenario that cannot be had
+        # all else in the snapshot belongs to the scenario that cannot be had
         wanted = {key: wanted[key] for key in state.kept if key in wanted}
     base = {"preset": state.scenario.preset, "toml": state.scenario.toml}
     try:
@@ -84,7 +84,7 @@ def lay(state: Workbench, document: Mapping[str, Any]) -> tuple[str, ...]:
         refusals.append(f"edits: {_bare(refusal)}")
         wanted.pop("edits", None)
         originals = originals_of(base)
-    # the base last: it is the one that is there, whatever the document asks for
+    # the base last: it is the one that is there, whatever the snapshot asks for
     values = {**originals, **wanted, **base}
     named = state.models
     parts = [(model, "" if model is state.scenario else f"{name}.") for name, model in named.items()]
@@ -97,14 +97,14 @@ def lay(state: Workbench, document: Mapping[str, Any]) -> tuple[str, ...]:
     return tuple(refusals)
 
 
-def _lay_base(state: Workbench, document: Mapping[str, Any]) -> None:
-    """Choose or open the scenario that a document names, where it is another one."""
-    scenario, toml = state.scenario, document.get("toml")
+def _lay_base(state: Workbench, snapshot: Mapping[str, Any]) -> None:
+    """Choose or open the scenario that a snapshot names, where it is another one."""
+    scenario, toml = state.scenario, snapshot.get("toml")
     if toml:
         if toml != scenario.toml:
             scenario.open(toml, "the scenario of the link")
-    elif scenario.opened is not None or document.get("preset", FIRST_SCENARIO) != scenario.preset:
-        scenario.choose(document.get("preset", FIRST_SCENARIO))
+    elif scenario.opened is not None or snapshot.get("preset", FIRST_SCENARIO) != scenario.preset:
+        scenario.choose(snapshot.get("preset", FIRST_SCENARIO))
 
 
 def _lay_model(model: Kept, values: Mapping[str, Any], prefix: str) -> list[str]:

@@ -12,13 +12,15 @@ import numpy as np
 
 from railjoule.core import Trajectory
 from railjoule.core.energy import share_above
-from railjoule.core.trajectory import PROVEN_GAP, Bound, Reference
+from railjoule.core.trajectory import Bound, Reference
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import words
 
+# half of the tenth in which times are told
 OTHER_TIME_S = 0.05
 """From this difference on, a time reads differently."""
 WAITING = "more time saves nothing"
+# the least that a percentage of two decimals can tell
 LEAST_GAP_TOLD = 1e-4
 """A gap that proves nothing reads as this at least, never as none."""
 
@@ -80,19 +82,19 @@ def above_reference(run: Trajectory) -> Amount | None:
     return None if run.reference is None else above(run.energy_kwh, run.reference.energy_kwh)
 
 
-def above_bound(energy_kwh: float, bound_kwh: float | None, gap: float | None) -> Amount | None:
+def above_bound(energy_kwh: float, bound_kwh: float | None, gap: float | None, proven: bool) -> Amount | None:
     """Return by how much an energy lies above its bound, nothing if that proves it; None where no bound is known.
 
     Parameters
     ----------
     energy_kwh, bound_kwh : float
         Energy and bound [kWh].
-    gap : float or None
-        As `Trajectory.gap` has it.
+    gap, proven
+        As `Trajectory.gap` and `Trajectory.is_proven` have them.
     """
     if bound_kwh is None or gap is None:
         return None
-    if is_proven(gap):
+    if proven:
         return NOTHING
     if 0 < gap < LEAST_GAP_TOLD:
         return Amount(words.share_difference(LEAST_GAP_TOLD), "%")
@@ -101,7 +103,7 @@ def above_bound(energy_kwh: float, bound_kwh: float | None, gap: float | None) -
 
 def above_own_bound(run: Trajectory) -> Amount | None:
     """Return by how much a run lies above its bound."""
-    return above_bound(run.energy_kwh, run.lower_bound_kwh, run.gap)
+    return above_bound(run.energy_kwh, run.lower_bound_kwh, run.gap, run.is_proven)
 
 
 def proof_sentence(bound: Bound) -> str:
@@ -131,14 +133,10 @@ def cell(amount: Amount | None) -> str:
     return words.UNKNOWN if amount is None else amount.cell
 
 
-def is_proven(gap: float | None) -> bool:
-    """Return whether a gap is so small that it proves the optimum."""
-    return gap is not None and abs(gap) <= PROVEN_GAP
-
-
 def is_reference(run: Trajectory) -> bool:
     """Return whether a run is itself the best known one."""
     reference = run.reference
+    # exactly equal, as the reference has its energy from that very run
     return reference is not None and reference.strategy == run.strategy and reference.energy_j == run.energy.net_j
 
 

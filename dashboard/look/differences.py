@@ -18,6 +18,7 @@ QUANTITIES: Mapping[str, tuple[str, Callable[[Any], str]]] = {
     "line.reverse": ("run in reverse", lambda on: "yes" if on else "no"),
 }
 """Keys of the file that have words of their own."""
+# what others tell: the average speed as travel time, the presets by the names of their tables
 NOT_TOLD = ("title", "strategy", "timetable.average_speed_kmh", "vehicle.preset", "line.preset")
 
 
@@ -52,6 +53,7 @@ def _flat(scenario: Scenario) -> dict[str, Any]:
                 flat[path + key] = value
 
     walk(scenario.model_dump(mode="json"), "")
+    # to a microsecond: one that follows from an average speed has errors of rounding
     flat["timetable.travel_time_s"] = round(scenario.travel_time_s, 6)
     return flat
 

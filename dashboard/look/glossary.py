@@ -9,6 +9,7 @@ from functools import cache
 
 from railjoule.dashboard.look.markup import Markup, markup
 
+# an entry opens within the page, and pushes down what stands beneath it
 MOST_WORDS = 35
 
 
@@ -127,6 +128,12 @@ ENERGY = (
         ("Prove further",),
     ),
     Term(
+        "Simpler advice",
+        "The best run whose driver changes the regime (full power, hold, coast or brake) at most so many times between "
+        "two stops, and what that costs against the optimum.",
+        ("Changes of regime",),
+    ),
+    Term(
         "Best known",
         "The run with the least energy that any strategy has found, where the optimum is not proven.",
         ("Best known run",),
@@ -182,6 +189,22 @@ TIME = (
         "An arrival that the timetable prescribes. Between two of them every second is worth the same energy.",
         ("Arrives after, s",),
     ),
+    Term(
+        "Window of arrival",
+        "The earliest and the latest arrival at a station; an empty one leaves its side free. Only the optimum keeps "
+        "windows; other strategies say which they miss.",
+        ("Earliest arrival, s", "Latest arrival, s"),
+    ),
+    Term(
+        "Given timetable",
+        "Arrivals that are given for the stations, shown beside the optimum. Between two of them the optimum shares "
+        "the time. The optimum itself need not keep them.",
+        ("Given arrival, s",),
+    ),
+    Term(
+        "Passing point",
+        "A place that the train passes at a given speed, such as a signal or a junction; without a stop.",
+    ),
     Term("Late departure", "Simulated days depart late by this much on average.", ("Departure delay, mean, s",)),
     Term("Slack", "Travel time beyond the shortest possible run. It is what coasting and lower speeds are paid with."),
     Term(
@@ -212,6 +235,33 @@ TIME = (
         "How far the travel time under set speeds may differ from the timetable. Few limits seldom hit "
         "the second exactly.",
         ("Time window, \u00b1 %",),
+    ),
+)
+MEASURED = (
+    Term(
+        "Could save",
+        "What the best run in the same time, with the same stops, needs less than the measured speeds do; both by the "
+        "model of the train. Claimed only where the model errs by less.",
+    ),
+    Term(
+        "Measured energy",
+        "What the run's own energy meter says; without one, its measured power summed over time.",
+        ("Measured",),
+    ),
+    Term(
+        "Modelled energy",
+        "What the scenario's train needs by its model to drive the measured speeds.",
+        ("Modelled",),
+    ),
+    Term(
+        "Optimum in the measured time",
+        "The least energy in which the modelled train covers the same stretch in the same time, with the same stops.",
+        ("Optimal, same time",),
+    ),
+    Term(
+        "Model error in power",
+        "Root mean square over time of modelled less measured power, as a share of that of the measured power. Moments "
+        "of switching count most.",
     ),
 )
 DRIVING = (
@@ -386,6 +436,7 @@ MOTORS = (
 GROUPS: dict[str, tuple[Term, ...]] = {
     "Strategies": STRATEGIES,
     "Energy and proof": ENERGY,
+    "Measured runs": MEASURED,
     "Time": TIME,
     "Driving": DRIVING,
     "Train and line": TRAIN,
@@ -416,8 +467,7 @@ def info(label: str) -> Markup:
     if term is None:
         return Markup()
     return markup(
-        '<button type="button" class="info" data-term="{}" aria-expanded="false" aria-label="What is meant: {}">'
-        "</button>",
+        "<button class=info data-term='{}' aria-expanded=false aria-label='What is meant: {}'></button>",
         term.slug,
         term.name,
     )

@@ -6,6 +6,7 @@ from importlib.resources import files
 
 SCRIPTS = files("railjoule.assets") / "scripts"
 IMPORT = re.compile(r'^import \{[^}]+\} from "\./(\w+)\.js";\n', re.MULTILINE)
+# whole lines alone: within one, `//` may be that of an address
 COMMENT = re.compile(r"^ *//.*\n|^\n", re.MULTILINE)
 EXPORT = re.compile(r"^export (?=const |function )", re.MULTILINE)
 
@@ -30,6 +31,7 @@ def module(name: str) -> str:
 @cache
 def lent(name: str) -> str:
     """Return a plain script that keeps a component ready for the page: it is sent once, not with each of many."""
+    # modules are strict by themselves, plain scripts are not
     return f'railjoule.components.{name} = (() => {{\n"use strict";\n{function(name, "render")}}})();\n'
 
 

@@ -5,7 +5,18 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from railjoule.dashboard.look.tokens import FONT, THEMES, ThemeName, Tokens
+from railjoule.dashboard.look.tokens import (
+    DASHES,
+    FONT,
+    LIGHT,
+    NARROW_PX,
+    PIN_DASHES,
+    THEMES,
+    ThemeName,
+    Tokens,
+    line_width,
+    variable,
+)
 
 ASSETS = files("railjoule.assets")
 DURATIONS = ("shortest", "shorter", "short", "standard", "complex", "enteringScreen", "leavingScreen")
@@ -18,21 +29,39 @@ def _with_info(name: str) -> str:
 
 
 @cache
+def _samples() -> str:
+    """Return the strokes and colours of the samples beside words, by class: they are sent once, not with each."""
+    strokes = [".stroke { width: 22px; height: 8px; }"]
+    for name, dash in (*DASHES.items(), *PIN_DASHES.items()):
+        pattern = "none" if isinstance(dash, str) else " ".join(map(str, dash))
+        line = f"stroke-width: {line_width(name):g}; stroke-dasharray: {pattern};"
+        strokes.append(f".stroke.{variable(name)} {{ stroke: var(--rj-{variable(name)}); {line} }}")
+    phases = [name.removeprefix("on_") for name in LIGHT if name.startswith("on_")]
+    colours = map(variable, [*phases, *DASHES])
+    return "\n".join([*strokes, *(f".patch.{name} {{ background: var(--rj-{name}); }}" for name in colours)])
+
+
+@cache
 def parts_css() -> str:
     """Return the style sheet of all pieces of text, numbers and tables."""
-    return _with_info("parts")
+    return _with_info("parts") + _samples()
 
 
 @cache
 def strategies_css() -> str:
     """Return the style sheet of the sidebar's strategies."""
-    return _with_info("strategies")
+    return _with_info("strategies") + _samples()
 
 
 @cache
 def number_css() -> str:
     """Return the style sheet of the field of a number."""
     return _with_info("number_field")
+
+
+def padded(usual: str, narrow: str) -> str:
+    """Return the style sheet of a place with some room around what it holds, and with other room on narrow screens."""
+    return f":host {{ padding: {usual}; }} @media (max-width: {NARROW_PX - 1}px) {{ :host {{ padding: {narrow}; }} }}"
 
 
 @cache
@@ -65,6 +94,7 @@ def bare_css() -> str:
     light, dark = (_variables(THEMES[name]) for name in ("light", "dark"))
     colours = (
         f":root {{ {light} --rj-font: {FONT}; color-scheme: light }}\n"
+        # on the screen alone, as paper is white
         f"@media screen and (prefers-color-scheme: dark) {{ :root {{ {dark} color-scheme: dark }} }}"
     )
     return "\n".join([colours, (ASSETS / "css" / "page.css").read_text(encoding="utf-8")])
@@ -77,7 +107,7 @@ def _font_face() -> str:
 
 
 def _variables(tokens: Tokens) -> str:
-    return " ".join(f"--rj-{name.replace('_', '-')}: {colour};" for name, colour in tokens.items())
+    return " ".join(f"--rj-{variable(name)}: {colour};" for name, colour in tokens.items())
 
 
 def material_theme() -> dict[str, Any]:
@@ -105,11 +135,13 @@ def _material(name: ThemeName, t: Tokens) -> dict[str, Any]:
         # nothing moves but data; and colours that fade would be unreadable half way from light to dark
         "transitions": {"duration": dict.fromkeys(DURATIONS, 0)},
         "components": {
+            # the library writes tabs and toggle buttons in capitals, which makes KM/H of km/h
             "MuiTab": root(
                 textTransform="none", minHeight=48, minWidth=0, padding="0 10px", fontSize=13, color=t["ink2"]
             ),
             "MuiTabs": {"styleOverrides": {"root": {"minHeight": 48}, "indicator": {"height": 2}}},
             "MuiToggleButton": root(textTransform="none", padding="2px 10px", fontSize=12, lineHeight="20px"),
+            # as high as the bar of pages; Material's own are 56 px, in wide windows 64 px
             "MuiToolbar": root(
                 minHeight="48px !important",
                 margin="0 !important",

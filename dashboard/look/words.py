@@ -14,8 +14,10 @@ from railjoule.core.energy import energy_decimals
 from railjoule.core.phases import PhaseName
 from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.disturbance import Reaction
+from railjoule.core.trajectory import MEASURED
 from railjoule.core.units import J_PER_WH, MS_PER_KMH
 
+# for mypy alone, as simulations are slow to import, and every command imports this module
 if TYPE_CHECKING:
     from railjoule.core.simulate.actual_run import CauseName
 
@@ -35,6 +37,9 @@ STRATEGY_WORDS: dict[StrategyName, str] = {
     "speed_limits": "Set speeds",
     "fastest": "Fastest",
 }
+ADVISED = "advised"
+NOT_STRATEGIES = {MEASURED: "Measured", ADVISED: "Simpler advice"}
+"""What runs are called that no strategy made."""
 REACTION_WORDS: dict[Reaction, str] = {
     "driver": "Driver",
     "computer": "Replanned",
@@ -69,6 +74,7 @@ LOSS_WORDS = {
     "standstill_brake": "Standstill brake",
     "brake_resistors": "Brake resistors",
     "friction_brakes": "Friction brakes",
+    "unexplained": "Measured, not explained by the model",
 }
 """What the energy of a run is lost to, by the account's names."""
 PART_WORDS = {
@@ -80,9 +86,11 @@ PART_WORDS = {
     "stored": "Stored in the magnetic fields",
 }
 """Where the energy of machines in closed loop goes."""
+# half of the last decimal that small energies have
 LEAST_ENERGY_KWH = 5e-4
 """An energy below this reads as zero."""
 SMALL_PRICE_WH_PER_S = 100.0
+# places are told in whole metres
 AT_START_M = 0.5
 """A phase that begins nearer to the start needs no place."""
 
@@ -119,6 +127,7 @@ def decimals(value: float | None) -> int:
     """Return how many decimals a printed number has; 2 where none is printed."""
     if value is None:
         return 2
+    # the shortest text that gives the number again: as it was printed
     text = repr(float(value)).partition(".")[2]
     return 0 if text == "0" else len(text)
 
@@ -158,6 +167,7 @@ def percent_decimals(percent: float) -> int:
 
 def setting(factor: float) -> str:
     """Return a share that was set, such as a load, in percent: whole unless it was set finer."""
+    # within half a tenth of a whole percent one decimal would read 0
     return number(100 * factor, 0 if abs(100 * factor - round(100 * factor)) < 0.05 else 1)
 
 
@@ -193,8 +203,8 @@ def load(factor: float) -> str:
 
 
 def strategy(name: str) -> str:
-    """Return what a strategy is called."""
-    return STRATEGY_WORDS[name]  # type: ignore[index]
+    """Return what the strategy of a run is called, or the run where it is none."""
+    return NOT_STRATEGIES.get(name) or STRATEGY_WORDS[name]  # type: ignore[index]
 
 
 def title(given: str) -> str:
@@ -267,6 +277,7 @@ def advice_in_words(
 
     Arguments as `advice_words`.
     """
+    # not strict, as nothing stands before the first one
     for before, told in zip((None, *advice), advice, strict=False):
         goes_on = before is not None and before.action == told.action and before.at_m == told.from_m
         yield advice_words(told, number, (*named, told.from_m) if goes_on else named)

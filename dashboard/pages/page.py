@@ -5,6 +5,7 @@ from importlib import import_module
 from typing import Any
 
 import panel as pn
+import param
 from panel.viewable import Viewable
 
 from railjoule.core import RailjouleError
@@ -15,22 +16,25 @@ from railjoule.dashboard.charts.drawing import DrawingQueue
 from railjoule.dashboard.charts.sketches import COMPUTING, numbers_sketch
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.look.theme import padded
+from railjoule.dashboard.look.tokens import NARROW_PX, WIDE_PX
 from railjoule.dashboard.page_list import room_of
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.failures import failure_words
 from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.workbench import Workbench
 
-# the style sheets have the same borders, as max-width: 1599px and 899px
-WIDE_PX, NARROW_PX = 1600, 900
 SIDEBAR_PX, EDGES_PX, NARROW_EDGES_PX, COLUMN_GAP_PX, LEAST_WIDTH_PX = 290, 48, 40, 28, 260
 """What stands beside the charts, the sidebar open, and how wide they are at least."""
 STALE = "rj-stale"
+# by colours and not by opacity, which would leave text with too little contrast
 PAGE_CSS = """
 :host(.rj-stale) { --rj-chart-filter: grayscale(1); --rj-number: var(--rj-ink3); --rj-verdict: var(--rj-ink3);
   --rj-words: var(--rj-ink3); }
 """
 """Numbers and charts from before the last change are grey until the next ones come."""
+BODY_CSS = padded("4px 20px 0 14px", "4px 10px 0 6px")
+"""Of charts that take the whole width of a page."""
 NOT_SHOWN = "A part of this page could not be shown: a program error, which the server\u2019s log describes."
 
 
@@ -63,7 +67,10 @@ class PageView:
         self._failed = self._busy = False
         self.queue = DrawingQueue(browser, state.faults, lambda: self.in_sight, self.settle)
         self.view = parts.stack(self._error, self.make(), css=PAGE_CSS)
+        # after `make`, in which the page names its parts
+        self._watch_sources()
         self.queue.take(self.charts)
+        # sizes before the first drawing: where names of lines have room depends on them
         self._fit()
         self.redraw()
         state.param.watch(self._appear, "page")
@@ -94,10 +101,7 @@ class PageView:
         sources : pairs
             A parameterized object and the names of its values.
         """
-        part = _Part(draw)
-        self._parts.append(part)
-        for source, names in sources:
-            source.param.watch(lambda *_: self._call(part), names)
+        self._parts.append(_Part(draw, sources))
 
     @property
     def in_sight(self) -> bool:
@@ -117,17 +121,30 @@ class PageView:
         if failure is not None:
             self.message.object = parts.failure(*failure_words(failure), shown)
         for chart in self.charts:
+            # a chart that waits to be drawn will be in a moment, whatever has failed
             if not chart.is_drawn and chart.waiting is None:
                 chart.wait("" if self._failed else COMPUTING)
         self._mark()
 
-    def _call(self, part: "_Part") -> None:
-        part.due = True
-        if self.in_sight:
-            self._catch_up()
+    def _watch_sources(self) -> None:
+        """Listen to all sources, to each of them once: its parts are drawn together, however many values change."""
+        watched: dict[int, tuple[Any, dict[str, None]]] = {}
+        for part in self._parts:
+            for source, names in part.sources:
+                watched.setdefault(id(source), (source, {}))[1].update(dict.fromkeys(names))
+        for source, all_names in watched.values():
+            source.param.watch(self._hear, list(all_names))
+
+    def _hear(self, *events: param.parameterized.Event) -> None:
+        for part in self._parts:
+            part.due |= any(
+                event.obj is source and event.name in names for event in events for source, names in part.sources
+            )
+        self._catch_up()
 
     def _catch_up(self) -> None:
         """Call all parts that are due; one that fails is told of, and the others go on."""
+        # what is due stays so until the page comes into sight, see `_appear`
         if not self.in_sight:
             return
         # a part that changes what another one shows leads back here: `_run_all` finds what has become due
@@ -203,12 +220,13 @@ class PageView:
 class _Part:
     """A part of a page: what draws it, whether that is due, and whether it failed the last time."""
 
-    def __init__(self, draw: Any) -> None:
-        self.draw, self.due, self.failed = draw, True, False
+    def __init__(self, draw: Any, sources: tuple[tuple[Any, list[str]], ...]) -> None:
+        self.draw, self.sources, self.due, self.failed = draw, sources, True, False
 
 
 def view_of(name: str) -> type[PageView]:
     """Return what draws a page: the view in its room."""
     module = import_module(f"{room_of(name)}.view")
+    # each such module has PageView too, whose name of a page is empty
     made = (found for found in vars(module).values() if isinstance(found, type) and issubclass(found, PageView))
     return next(view for view in made if view.page == name)

@@ -3,10 +3,12 @@
 Whatever stands in one is escaped, unless it is itself HTML: see `railjoule.dashboard.look.markup`.
 """
 
+import json
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from typing import Any
 
+import numpy as np
 import panel as pn
 
 from railjoule.core import Phase, Trajectory
@@ -17,7 +19,7 @@ from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.markup import Markup, escaped, joined, markup, safe
 from railjoule.dashboard.look.theme import parts_css
-from railjoule.dashboard.look.tokens import DASHES, PIN_DASHES, line_width
+from railjoule.dashboard.look.tokens import variable
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.state.pins import Pin
 from railjoule.dashboard.work.runs import Runs
@@ -27,8 +29,9 @@ LEAST_BAR = 0.004
 """Share of the whole that a bar takes at least, so that it is seen."""
 MOST_IN_SIGHT = 10
 """So many instructions stand above the charts; more are scrolled."""
-PROVEN = Markup('<span class="proven">\u2713 proven</span>')
-NO_SWATCH = Markup('<svg width="22" height="8" aria-hidden="true"></svg>')
+# without quotes and end tags where HTML can do without: a move of a slider sends most of this module's pieces anew
+PROVEN = Markup("<span class=proven>\u2713 proven</span>")
+NO_SWATCH = Markup("<svg class=stroke aria-hidden=true></svg>")
 WRAP_CSS = "@media (max-width: 899px) { :host { flex-wrap: wrap; } }"
 """Of a row of controls that takes more lines on a narrow screen."""
 
@@ -47,23 +50,19 @@ def stack(*objects: Any, css: str = "", **params: Any) -> pn.Column:
 
 def swatch(name: str) -> Markup:
     """Return a sample of the line of a strategy or a pinned run."""
-    dash = PIN_DASHES.get(name) or DASHES[name]  # type: ignore[index]
-    pattern = "" if dash == "solid" else markup('stroke-dasharray="{}"', " ".join(map(str, dash)))
-    return markup(
-        '<svg width="22" height="8" aria-hidden="true"><line x1="0" y1="4" x2="22" y2="4" '
-        'stroke="var(--rj-{})" stroke-width="{}" {}/></svg>',
-        name.replace("_", "-"),
-        f"{line_width(name):g}",
-        pattern,
-    )
+    return markup("<svg class='stroke {}' aria-hidden=true><path d=M0,4h22 /></svg>", variable(name))
+
+
+def patch(token: str) -> Markup:
+    """Return a sample of a colour."""
+    return markup("<i class='patch {}'></i>", variable(token))
 
 
 def heading(page: str, title: str, subtitle: str, aside: str) -> Markup:
     """Return the heading of a page: the question that it answers, and beneath it the scenario and more."""
     return markup(
-        '<div class="head"><h1>{question}</h1>'
-        '<p class="muted"><span class="scenario">{title}</span> {subtitle}</p>'
-        '<span class="push"></span><span class="muted small wide">{aside}</span></div>',
+        "<div class=head><h1>{question}</h1><p class=muted><span class=scenario>{title}</span> {subtitle}</p>"
+        "<span class=push></span><span class='muted small wide'>{aside}</span></div>",
         question=PAGES[page].question,
         title=title,
         subtitle=subtitle,
@@ -90,10 +89,10 @@ def figure(label: str, value: str, unit: str, detail: str, kind: str = "", whole
     is what the glossary calls the number, where its label changes.
     """
     return markup(
-        '<div class="figure {kind}"{title}><div class="label"><span>{label}</span>{info}</div>'
-        '<div class="value">{value}<span>{unit}</span></div><div class="detail">{detail}</div></div>',
-        kind=kind,
-        title=markup(' title="{}"', whole) if whole else "",
+        "<div class='{kind}'{title}><div class=label><span>{label}</span>{info}</div>"
+        "<div class=value>{value}<span>{unit}</span></div><div class=detail>{detail}</div></div>",
+        kind=f"figure {kind}".rstrip(),
+        title=markup(" title='{}'", whole) if whole else "",
         label=label,
         info=info(term or label),
         value=value,
@@ -104,8 +103,7 @@ def figure(label: str, value: str, unit: str, detail: str, kind: str = "", whole
 
 def figures(cells: Iterable[str], stale: bool = False) -> Markup:
     """Return a row of numbers."""
-    row = joined(cells)
-    return markup('<div class="{}"><div class="figures" role="status">{}</div></div>', "stale" if stale else "", row)
+    return markup("<div class='{}' role=status>{}</div>", "figures stale" if stale else "figures", joined(cells))
 
 
 def figures_in_place(cells: Iterable[str], former: Iterable[str]) -> Markup:
@@ -202,31 +200,73 @@ def run_figures(runs: Runs, run: Trajectory, pinned: Trajectory | None, stale: b
     )
 
 
-def advice(run: Trajectory, stale: bool) -> Markup:
-    """Return the advice to the driver, by legs where it stops on the way, with buttons that copy and print it."""
+def advice(run: Trajectory, stale: bool, what: str = "advice", more: str = "", sheet: str = "") -> Markup:
+    """Return the advice to the driver, by legs where it stops on the way, with buttons that copy and print it.
+
+    Parameters
+    ----------
+    run : Trajectory
+    stale : bool
+        Whether it is from before the last change.
+    what, more : str
+        What the buttons call it, and what its title tells beside scenario and time.
+    sheet : str
+        What is printed with it, as `driver_sheet` gives it.
+    """
     departures = [k for k, phase in enumerate(run.phases) if k == 0 or _departs(phase)]
     stops = [*(run.phases[k].start_m for k in departures), run.phases[-1].end_m]
     # a leg's name tells where it starts and stops
     texts = list(words.advice_in_words(run.advice, named=stops if len(departures) > 1 else ()))
     texts[0] = texts[0][0].upper() + texts[0][1:]
-    items = [markup('<li class="told"><b>{}</b>{}</li>', number, text) for number, text in enumerate(texts, 1)]
+    items = [markup("<li><b>{}</b>{}</li>", number, text) for number, text in enumerate(texts, 1)]
     if len(departures) > 1:
         borders = pairwise([*departures, len(items)])
         items = [_leg(run, ends, items[first:end]) for ends, (first, end) in zip(pairwise(stops), borders, strict=True)]
     if len(texts) > MOST_IN_SIGHT:
         # what is scrolled must be so by the keyboard too
         kind = "many legs" if len(departures) > 1 else "many"
-        many = '<li><ol class="{}" tabindex="0" aria-label="All instructions">{}</ol></li>'
+        many = "<li><ol class='{}' tabindex=0 aria-label='All instructions'>{}</ol></li>"
         items = [markup(many, kind, joined(items))]
-    button = '<button type="button" class="save" data-act="{}" aria-label="{} the advice">{}</button>'
+    button = "<button type=button class=save data-act={} aria-label='{} the {}'>{}</button>"
     return markup(
-        '<div class="card" data-title="{title}"><ol class="{kind}" aria-label="Driver\u2019s advice">'
-        '{items}<li class="buttons">{tools}</li></ol></div>',
-        title=f"{run.scenario.title or 'Run'}: {words.time(run.travel_time_s)} s",
+        "<div class=card data-title='{title}'{sheet}><ol class='{kind}' aria-label='{name}'>"
+        "{items}<li class=buttons>{tools}</li></ol></div>",
+        title=f"{run.scenario.title or 'Run'}: {words.time(run.travel_time_s)} s{more}",
+        sheet=markup(" data-sheet='{}'", sheet) if sheet else "",
+        name="Driver\u2019s advice" if what == "advice" else what[0].upper() + what[1:],
         kind="advice stale" if stale else "advice",
         items=joined(items),
-        tools=joined(markup(button, what.lower(), what, what) for what in ("Copy", "Print")),
+        tools=joined(markup(button, act.lower(), act, what, act) for act in ("Copy", "Print")),
     )
+
+
+def driver_sheet(run: Trajectory) -> str:
+    """Return the timetable and the limits of a run, as JSON: what is printed before and after its orders."""
+    return json.dumps({"before": ["Timetable", _stops(run)], "after": ["Speed limits", _limits(run)]})
+
+
+def _stops(run: Trajectory) -> list[list[str]]:
+    """Return the stops of a run in order: where, and when the train arrives and departs."""
+    rows = [[_place_name(run, run.phases[0].start_m), "", f"departs {words.time(run.phases[0].start_s)} s"]]
+    for phase in run.phases:
+        if phase.phase == "stand":
+            times = [f"arrives {words.time(phase.start_s)} s", f"departs {words.time(phase.end_s)} s"]
+            rows.append([_place_name(run, phase.start_m), *times])
+    return [*rows, [_place_name(run, run.phases[-1].end_m), f"arrives {words.time(run.phases[-1].end_s)} s", ""]]
+
+
+def _limits(run: Trajectory) -> list[list[str]]:
+    """Return what a run may do, of line and vehicle, from place to place."""
+    data = run.run_data
+    cells = np.flatnonzero(np.diff(data.position_m) > 0)
+    limit = data.limit_ms[cells]
+    first = np.append(0, np.flatnonzero(limit[1:] != limit[:-1]) + 1)
+    starts = data.position_m[cells[first]]
+    ends = [*starts[1:], data.position_m[-1]]
+    return [
+        [f"{words.number(start, 0)} m to {words.number(end, 0)} m", f"{words.tenths(kmh)} km/h"]
+        for start, end, kmh in zip(starts, ends, np.round(limit[first] / MS_PER_KMH, 1), strict=True)
+    ]
 
 
 def _departs(phase: Phase) -> bool:
@@ -236,13 +276,15 @@ def _departs(phase: Phase) -> bool:
 
 def _leg(run: Trajectory, ends_m: tuple[float, float], items: Sequence[str]) -> Markup:
     """Return the instructions of a leg between two stops [m] beside their names."""
+    way = " \u2013 ".join(_place_name(run, place) for place in ends_m)
+    return markup("<li class=leg><span class=way>{}</span><ol>{}</ol></li>", way, joined(items))
+
+
+def _place_name(run: Trajectory, place_m: float) -> str:
+    """Return what a stop is called."""
     stations = run.scenario.line.in_running_order().stations
-    names = []
-    for place in ends_m:
-        near = [station.name for station in stations if abs(station.position_m - place) < SAME_STOP_M]
-        names.append((near and near[0]) or f"{words.number(place, 0)} m")
-    way = " \u2013 ".join(names)
-    return markup('<li class="leg"><span class="way">{}</span><ol>{}</ol></li>', way, joined(items))
+    near = (station.name for station in stations if abs(station.position_m - place_m) < SAME_STOP_M)
+    return next(near, "") or f"{words.number(place_m, 0)} m"
 
 
 def account(run: Trajectory) -> Markup:
@@ -262,51 +304,52 @@ def account(run: Trajectory) -> Markup:
         ("Speed gained", energy.kinetic_j),
         ("Stored in the magnetic field", energy.magnetic_field_j),
     ]
+    # as little as the diagram of these energies leaves out: SMALLEST_SHARE in pages/drive/sankey.py
     small = 1e-4 * max(energy.traction_j, 1.0)
     gains = [(word, joules) for word, joules in gains if joules > small]
     uses = [(word, joules) for word, joules in uses if joules > small]
     taken = energy.traction_j + energy.auxiliary_j
     scale = max(taken, sum(joules for _, joules in uses), 1.0)
 
-    def bar(word: str, start: float, length: float, colour: str, strong: bool = False) -> Markup:
+    def bar(word: str, start: float, length: float, kind: str = "", strong: bool = False) -> Markup:
         left = max(min(start, start + length) / scale, 0.0)
-        return flow_bar(word, words.energy(length / J_PER_KWH), left, abs(length) / scale, colour, strong)
+        return flow_bar(word, words.energy(length / J_PER_KWH), left, abs(length) / scale, kind, strong)
 
-    accent, pale, neutral = (
-        "var(--rj-accent)",
-        "color-mix(in srgb, var(--rj-accent) 40%, transparent)",
-        "var(--rj-groundline)",
-    )
-    rows = [bar("Drawn from the supply", 0, taken, accent)]
+    rows = [bar("Drawn from the supply", 0, taken, "supply")]
     if energy.recuperated_j > small:
-        rows.append(bar("Recuperated", taken, -energy.recuperated_j, pale))
-    rows += [bar("Net from the supply", 0, energy.net_j, accent, strong=True), Markup('<span class="gap"></span>')]
-    rows += [bar(word, 0, joules, neutral) for word, joules in gains]
+        rows.append(bar("Recuperated", taken, -energy.recuperated_j, "back"))
+    rows += [bar("Net from the supply", 0, energy.net_j, "supply", strong=True), Markup("<span class=gap></span>")]
+    rows += [bar(word, 0, joules) for word, joules in gains]
     place = 0.0
     for word, joules in uses:
-        rows.append(bar(word, place, joules, neutral))
+        rows.append(bar(word, place, joules))
         place += joules
     given = " + ".join(words.energy(j / J_PER_KWH) for j in (energy.net_j, *(joules for _, joules in gains)))
     used = words.energy(sum(joules for _, joules in uses) / J_PER_KWH)
     closes = f"Total: {given} = {used} kWh." if gains else f"Total: {used} kWh."
     return markup(
-        '<div class="block"><h2>Where the energy goes, kWh</h2><div class="flow">{}</div><p class="note">{}</p></div>',
+        "<div class=block><h2>Where the energy goes, kWh</h2><div class=flow>{}</div><p class=note>{}</p></div>",
         joined(rows),
         closes,
     )
 
 
-def flow_bar(word: str, amount: str, left: float, width: float, colour: str, strong: bool) -> Markup:
-    """Return a bar of bars that follow one another; its place and width are shares of the whole."""
-    weight = "<b>{}</b>" if strong else "{}"
+def flow_bar(word: str, amount: str, left: float, width: float, kind: str, strong: bool) -> Markup:
+    """Return a bar of bars that follow one another; its place and width are shares of the whole.
+
+    Its kind tells its colour: `supply`, `back`, `cost` or `all`; none for one like most.
+    """
     return markup(
-        '<span>{}</span><span class="track"><i style="left:{}%;width:{}%;background:{}"></i></span>'
-        '<span class="amount">{}</span>',
-        markup(weight, word),
-        f"{100 * left:.2f}",
-        f"{100 * max(width, LEAST_BAR):.2f}",
-        colour,
-        markup(weight, amount),
+        "<b>{0}</b>{2}<b>{1}</b>" if strong else "<span>{0}</span>{2}<span>{1}</span>",
+        word,
+        amount,
+        # a tenth of a percent is at most a pixel
+        markup(
+            "<i{} style=margin-left:{}%;width:{}%></i>",
+            markup(" class='{}'", kind) if kind else "",
+            f"{100 * left:.1f}",
+            f"{100 * max(width, LEAST_BAR):.1f}",
+        ),
     )
 
 
@@ -314,20 +357,21 @@ def plain_table(header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]
     """Return a table; a row may be the chosen one."""
     # the widest tables have thousands of cells, so each is not a template of its own; nor is text added to a piece of
     # HTML, which would escape it
-    head = '</th><th scope="col">'.join(map(safe, header))
+    head = "<th scope=col>".join(map(safe, ("", *header)))
+    # the ends of cells and rows need not be told
     body = "".join(
-        ("<tr class=chosen><td>" if chosen else "<tr><td>") + "</td><td>".join(map(safe, cells)) + "</td></tr>"
-        for cells, chosen in rows
+        "<td>".join(map(safe, (Markup("<tr class=chosen>" if chosen else "<tr>"), *cells))) for cells, chosen in rows
     )
-    return Markup('<table><thead><tr><th scope="col">' + head + "</th></tr></thead><tbody>" + body + "</tbody></table>")
+    return Markup("<table><thead><tr>" + head + "<tbody>" + body + "</table>")
 
 
 def table(title: str, header: Sequence[str], rows: Iterable[tuple[Sequence[str], bool]], name: str = "") -> Markup:
     """Return a table under its title, with a button that saves it; without a title it is saved under its name."""
     return markup(
-        '<div class="block"><div class="titled">{heading}<button type="button" class="save" data-act="csv" '
-        'data-name="{name}" aria-label="Save {name} as CSV">CSV</button></div>{table}</div>',
+        "<div class=block><div class=titled>{heading}<button type=button class=save data-act=csv data-name='{name}' "
+        "aria-label='Save {name} as CSV'>CSV</button></div>{table}</div>",
         heading=markup("<h2>{}</h2>", title) if title else "",
+        # of a title that is HTML the text alone: it becomes the name of the file
         name=name or escaped(title).striptags(),
         table=plain_table(header, rows),
     )
@@ -339,6 +383,7 @@ def runs_table(runs: Runs, chosen: str, pins: Sequence[Pin] = ()) -> Markup:
     rows = []
     for name, run in runs.runs.items():
         rows.append(((swatch(name) + words.strategy(name), *_run_cells(run, pinned)), name == chosen))
+    # the last one first, as the runs above are compared with it
     for pin in reversed(pins):
         line = swatch("pinned") if pin is pins[-1] else NO_SWATCH
         rows.append(((line + f"Pinned: {pin.name}", *_run_cells(pin.trajectory, pinned)), False))
@@ -369,9 +414,8 @@ def phase_table(run: Trajectory) -> Markup:
     """Return the phases of a run as a table: where the driver begins and what he aims at, time and energy."""
     rows: list[tuple[tuple[str, ...], bool]] = []
     for number, (phase, told) in enumerate(zip(run.phases, run.advice, strict=True), 1):
-        patch = '<span class="patch" style="background:var(--rj-{})"></span>{} {}'
         cells = (
-            markup(patch, phase.phase.replace("_", "-"), number, words.PHASE_WORDS[phase.phase]),
+            markup("{}{} {}", patch(phase.phase), number, words.PHASE_WORDS[phase.phase]),
             words.number(told.from_m, 0),
             words.number(phase.end_s - phase.start_s),
             words.speed(phase.end_ms) if told.to_kmh is None else words.tenths(told.to_kmh),
@@ -396,5 +440,5 @@ def notes(run: Trajectory) -> Markup:
 
 def note_paragraphs(sentences: Iterable[str], style: str = "") -> Markup:
     """Return sentences as notes, each a paragraph."""
-    styled = markup(' style="{}"', style) if style else ""
-    return joined(markup('<p class="note"{}>{}</p>', styled, sentence) for sentence in sentences)
+    styled = markup(" style='{}'", style) if style else ""
+    return joined(markup("<p class=note{}>{}</p>", styled, sentence) for sentence in sentences)

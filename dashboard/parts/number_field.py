@@ -16,6 +16,7 @@ from railjoule.dashboard.state.numbers import TypedParameters
 Ends = tuple[float, float]
 
 
+# not panel-material-ui's EditableFloatSlider: its number has no name for screen readers, and was often empty at first
 class NumberField(LightComponent):
     """One number of a model, as the model declares it; it has a slider where the model names a step for one.
 
@@ -81,6 +82,7 @@ class NumberField(LightComponent):
                 "value": number,
                 "margin": 0,
                 "sizing_mode": "stretch_width",
+                # assets/scripts/glossary.js puts what explains the label into a place of this class
                 "css_classes": ["rj-term"],
                 **slider,
                 **params,
@@ -109,18 +111,20 @@ class NumberField(LightComponent):
         refusal = ""
         with pn.io.hold():
             try:
-                number = self._check(self.model.parse(self.field, text))
+                typed = self.model.parse_or_none(self.field, text)
+                number = None if typed is None else self._check(typed)
             except ValueError as error:
                 refusal = str(error)
             else:
-                self._take(number)
+                self._set(None) if number is None else self._take(number)
+            # the same refusal twice is no change: the count tells the browser that its second text was answered too
             self.param.update(refusal=refusal, answers=self.answers + 1)
 
     def _handle_msg(self, data: Any) -> None:
         if isinstance(data, dict) and isinstance(data.get("text"), str):
             self.type(data["text"])
 
-    def _set(self, number: float) -> None:
+    def _set(self, number: float | None) -> None:
         setattr(self.model, self.field, number)
 
     def _slide(self, event: param.parameterized.Event) -> None:
@@ -133,7 +137,9 @@ class NumberField(LightComponent):
     def _follow(self, *_: Any) -> None:
         """Show the number that the model holds."""
         number = getattr(self.model, self.field)
-        self.param.update(value=number, refusal="", **self._wide_enough(number))
+        # what the slider says it shows already
+        if number != self.value or self.refusal:
+            self.param.update(value=number, refusal="", **self._wide_enough(number))
 
     def _wide_enough(self, number: float | None) -> dict[str, float]:
         """Return ends of the slider, where there is one, moved apart as far as a number needs."""
@@ -180,5 +186,6 @@ def number_fields(model: TypedParameters, *fields: str, **params: Any) -> list[N
 
 def tie(widget: Any, model: Any, field: str) -> None:
     """Let a widget's value and a field of a model follow each other."""
+    # each sets what the other one watches; that ends, as a value that is there already is no change
     widget.param.watch(lambda event: setattr(model, field, event.new), "value")
     model.param.watch(lambda event: setattr(widget, "value", event.new), field)

@@ -73,6 +73,7 @@ class ReportButton:
     def _save(self, *_: Any) -> None:
         if self.model.text:
             self._save_file(self.model.name_of_file, self.model.text, "text/html")
+            # the browser has it by then, and a page need not keep megabytes
             self.model.text = ""
 
     def _tell(self, *_: Any) -> None:

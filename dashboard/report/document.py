@@ -60,6 +60,7 @@ def report_html(findings: Findings, made_at: datetime) -> str:
     scenario, run = findings.scenario, findings.run
     figures = Figures(findings)
     content = joined(make(findings, figures) for make in SECTIONS)
+    # assets/scripts/report.js reads these by their names
     data = {
         **figures.paints(),
         "charts": figures.handles(),
@@ -110,6 +111,7 @@ def moment(made_at: datetime) -> str:
 def optima_data(findings: Findings, figures: Figures) -> dict[str, Any]:
     """Return what moves with the travel time: of each optimum its lines, its phases and its texts."""
     optima = findings.optima
+    # a single one leaves the slider nowhere to go
     if len(optima) < 2:
         return {"own": 0, "runs": []}
     own = sections.own_index(findings)

@@ -71,6 +71,7 @@ class Figures:
                 self.document.add_root(chart.content.object)
         # before the charts are drawn in other colours and over other times, which the file has as data
         self.docs, self.item = written_down(self.document)
+        # the roots stand there in the order in which they were added
         self.places = dict(zip(charts, self.item.to_json()["roots"].values(), strict=True))
 
     # ---- drawing
@@ -112,6 +113,7 @@ class Figures:
         findings = self.findings
         if len(findings.optima) < 2:
             return []
+        # not EXACT: the line of this chart is a source of its own, no column of a run
         axis = Axis(self.palette)
         chart = TimeChart(300, axis, self.palette)
         chart.build()
@@ -175,6 +177,7 @@ class Figures:
 
     def paints(self) -> dict[str, Any]:
         """Return how the figures change with the theme: attributes by token, and columns of colours."""
+        # colours in columns follow no token of the theme: they are drawn in both, and both go into the file
         light = self._colour_columns()
         self.palette.switch(dark=True)
         self._draw_all()
@@ -244,6 +247,7 @@ class Figures:
             for chart in charts:
                 chart.draw(replace(scene, runs=runs))
                 source = chart.sources[chart.names_in]
+                # without colours, of which the file has those of both themes: see `paints`
                 told[chart.name] = {key: list(values) for key, values in source.data.items() if key != "colour"}
             result.append(told)
         self._draw(charts)

@@ -114,11 +114,13 @@ def compute_findings(request: ReportRequest) -> Iterator[Findings]:
     runs = tightened_runs(runs, request.bound, request.prove_seconds)
     findings = Findings(scenario, runs, enoc_map=compute_enoc_map(scenario), note=request.note)
     yield findings
+    # one by one, as the work can be stopped between two steps alone
     for optima, share in _optima(findings):
         findings = replace(findings, optima=optima, share=RUNS_SHARE + (OPTIMA_SHARE - RUNS_SHARE) * share)
         yield findings
     try:
         findings = replace(findings, reality=_reality(scenario), share=REALITY_SHARE)
+    # it costs this section, not the report
     except RailjouleError as refusal:
         findings = replace(findings, reality_refusal=str(refusal), share=REALITY_SHARE)
     yield findings
@@ -141,6 +143,7 @@ def _optima(findings: Findings) -> Iterator[tuple[tuple[Trajectory, ...], float]
     optima: tuple[Trajectory, ...] = ()
     for k, time in enumerate(times.tolist(), 1):
         try:
+            # a task's time is without dwells
             run = run_strategy(replace(task, running_time_s=time - task.dwell_s), "optimal")
         except RailjouleError:
             continue
@@ -156,6 +159,7 @@ def optima_times(task: Task) -> FloatArray:
     # the own time lies within, with a tenth beyond it
     share = max(2.0, 1.1 * task.running_time_s / task.shortest_time_s)
     own = task.running_time_s + task.dwell_s
+    # the own time besides, as it is seldom one of the frontier's: the report's slider begins there
     return np.union1d(frontier_times(task, OPTIMA_COUNT - 1, share), [own])
 
 

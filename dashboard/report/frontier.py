@@ -38,9 +38,11 @@ class TimeChart(DistanceChart):
         """Draw the optima as a line, the runs and the one that is shown as points."""
         times = np.array([run.travel_time_s for run in optima])
         energies = np.array([run.energy_kwh for run in optima])
+        # the optimum is on the line, and the fastest run needs more than the scale shows
         others = {name: run for name, run in runs.items() if name not in {"optimal", "fastest"}}
         start, end = float(times[0]), float(times[-1])
         room = 0.02 * (end - start)
+        # not by `fit`, which begins at zero
         self.axis.range.update(
             bounds=(start - room, end + room),
             reset_start=start - room,

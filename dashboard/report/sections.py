@@ -129,6 +129,7 @@ def slider(findings: Findings) -> Markup:
 def own_index(findings: Findings) -> int:
     """Return which optimum is that of the timetable."""
     times = np.array([run.travel_time_s for run in findings.optima])
+    # the nearest: an optimum that gains nothing by waiting takes less time than it is allowed
     return int(np.argmin(np.abs(times - findings.scenario.travel_time_s)))
 
 
@@ -168,6 +169,7 @@ def trade_off(findings: Findings, figures: Figures) -> Markup:
         for k, run in ((int(k), optima[k]) for k in chosen)
     ]
     head = ("Travel time, s", "kWh", "per extra second, Wh/s", "top, km/h", "above the bound, %")
+    # at a stop a node stands twice, for arrival and departure: no cell lies between
     cells = int(np.count_nonzero(np.diff(optima[0].position_m)))
     return section(
         "trade-off",

@@ -86,6 +86,7 @@ class Surface:
 
 def _ticks(low: float, high: float, show: Callable[[float], str]) -> list[tuple[float, str]]:
     """Return where along an axis ticks lie, as shares of it, and their texts: round numbers, none at the corners."""
+    # where all values are one, ticks must still have a step
     height = max(high - low, 1e-12)
     step = round_step(height / TICKS)
     values = step * np.arange(np.ceil(low / step), np.floor(high / step) + 1)

@@ -9,8 +9,8 @@ from railjoule.core import Scenario
 from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.scenario import Line, Vehicle
 from railjoule.core.scenario.disturbance import Disturbance
-from railjoule.core.scenario.line import Section, SpeedLimit, Station
-from railjoule.dashboard.editor.fields_of import Table, describe, words_of
+from railjoule.core.scenario.line import PassingPoint, Section, SpeedLimit, Station
+from railjoule.dashboard.editor.fields_of import Field, Table, describe, words_of
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.parts.html import table
@@ -19,6 +19,7 @@ MOST_ROWS = 40
 """A table with more rows ends with how many are left out; all of them stand in the embedded scenario."""
 PARTS = {"resistance": "Running resistance", "traction": "Traction", "braking": "Braking", "drive": "Powertrain"}
 EVENTS = ("stops", "speed_limits", "voltage_changes", "recuperation_changes")
+OF_LINE = ("limits_hold_for", "head_wind_kmh")
 Row = tuple[str, str, str]
 
 
@@ -56,7 +57,12 @@ def _fields(part: BaseModel) -> Iterator[Row]:
         if isinstance(field, Table):
             yield _named(field.label, field.help), f"{len(value)} entries", ""
         else:
-            yield _named(field.quantity, field.meaning), _shown(value), field.unit
+            yield _row(field, value)
+
+
+def _row(field: Field, value: Any) -> Row:
+    shown = words_of(value) if field.kind == "choice" else _shown(value)
+    return _named(field.quantity, field.meaning), shown, field.unit
 
 
 def _named(quantity: str, meaning: str) -> Markup:
@@ -93,6 +99,9 @@ def _masses(scenario: Scenario) -> Iterator[Row]:
 def _timetable(scenario: Scenario) -> Iterator[Row]:
     yield from _fields(scenario.timetable)
     yield "Length of the track", words.distance(scenario.line.length_m), "km"
+    for field in describe(Line):
+        if field.key in OF_LINE and isinstance(field, Field):
+            yield _row(field, getattr(scenario.line, field.key))
     yield from _fields(scenario.solver)
 
 
@@ -121,10 +130,16 @@ def _line_tables(line: Line) -> Iterator[Markup]:
     for title, kind, entries in (
         ("Speed limits", SpeedLimit, running.speed_limits),
         ("Stations", Station, running.stations),
+        ("Passing points", PassingPoint, running.passing_points),
     ):
-        names = [field.key for field in describe(kind)]
-        cells = [[_shown(getattr(entry, name)) or words.UNKNOWN for name in names] for entry in entries]
-        yield _rows_table(title, _labels(kind), cells)
+        # what no entry names has no column, as most timetables give no arrivals
+        fields = [field for field in describe(kind) if any(getattr(entry, field.key) is not None for entry in entries)]
+        cells = [[_cell(getattr(entry, field.key)) for field in fields] for entry in entries]
+        yield _rows_table(title, [field.label for field in fields], cells)
+
+
+def _cell(value: Any) -> str:
+    return words.UNKNOWN if value is None or value == "" else _shown(value)
 
 
 def _labels(kind: type[BaseModel]) -> list[str]:

@@ -74,11 +74,13 @@ class Reporting(PageWork[ReportingModel]):
         try:
             recipe = recipe_of(self.state)
             scenario = recipe.scenario
+            # what Drive has proven by now need not be proven once more
             known = self.state.proof.of(scenario)
             request = ReportRequest(scenario, bound=known.bound if known is not None else None, note=_note(recipe))
         except RailjouleError as error:
             self.take_failure(error)
             return
+        # before it is asked for: without a page around it, the report is there when `ask` returns
         self.model.param.update(
             busy=True, share=0.0, failure=None, name_of_file=file_name(scenario.title or self.state.scenario.preset)
         )

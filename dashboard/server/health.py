@@ -3,11 +3,13 @@
 from tornado.web import RequestHandler
 
 from railjoule.core import load_scenario, solve
-from railjoule.dashboard.work.warmup import SCENARIOS, warmup
+from railjoule.dashboard.work.kernel_parts import SCENARIOS
+from railjoule.dashboard.work.warmup import warmup
 
 SERVICE_UNAVAILABLE = 503
 
 
+# Panel's own check of liveness only makes a document: it says yes where every page fails
 class HealthHandler(RequestHandler):
     """Answers 200 with the energy of a small run, 503 while kernels compile: the first page may be open by then."""
 
@@ -20,5 +22,6 @@ class HealthHandler(RequestHandler):
             self.set_status(SERVICE_UNAVAILABLE)
             self.finish({"status": "starting"})
             return
+        # one that the warm-up runs too, so that nothing is left to compile
         run = solve(load_scenario(SCENARIOS[0]))
         self.finish({"status": "ok", "energy_kwh": run.energy_kwh, "solve_time_s": run.solve_time_s})

@@ -11,6 +11,7 @@ from tornado.websocket import WebSocketClosedError
 GONE = (WebSocketClosedError, StreamClosedError)
 """What writing to a page raises that has just been closed."""
 TOO_LATE = "Failed sending message as connection was closed"
+# asyncio tells of errors in writing for which nobody waits
 LOGGERS = ("asyncio", "bokeh.server.views.ws", "panel.io.document")
 
 
@@ -27,6 +28,7 @@ def keep_quiet() -> None:
     """Let no line come of pages that have just been closed."""
     for name in LOGGERS:
         logger = logging.getLogger(name)
+        # `panel serve` runs app.py for each page that opens: without a look, each would add one more filter for ever
         if not any(isinstance(known, StillThere) for known in logger.filters):
             logger.addFilter(StillThere())
 
@@ -34,6 +36,7 @@ def keep_quiet() -> None:
 def write_down() -> None:
     """Write the lines of this program to standard error, each once and with its time."""
     logger = logging.getLogger("railjoule")
+    # a second handler would write each line twice, and so would that of the root logger below
     if logger.handlers:
         return
     handler = logging.StreamHandler()

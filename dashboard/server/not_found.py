@@ -27,6 +27,7 @@ class NotFoundHandler(RequestHandler):
         """Answer in words, with the way to the front page, which a proxy may serve under any path."""
         self.set_status(NOT_FOUND)
         path = self.request.path
+        # cut before it is escaped, as half an entity is none
         shown = path if len(path) <= LONGEST_SHOWN else path[: LONGEST_SHOWN - 3] + "..."
         front = "../" * (path.count("/") - 1) or "./"
         self.finish(PAGE.format(css=bare_css(), path=html.escape(shown), front=front))

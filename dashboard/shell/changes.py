@@ -12,6 +12,7 @@ from railjoule.dashboard.state.kept import short
 from railjoule.dashboard.state.scenario import PLAN_FIELDS
 from railjoule.dashboard.state.workbench import Workbench
 
+OPENED, CLOSED = "expand_less", "expand_more"
 ROW = (
     '<div class="row small" style="flex-direction: column; gap: 0; overflow-wrap: anywhere">'
     "<span>{}</span><span>{} \u2192 {}</span></div>"
@@ -25,7 +26,7 @@ class Changes:
         self.state = state
         self.unchanged = html_pane('<div class="row small" style="padding-top:8px"><span>Unchanged</span></div>')
         self.count = pmui.Button(
-            variant="text", size="small", margin=(0, 0, 0, 6), icon="expand_more", on_click=self._turn
+            label="", variant="text", size="small", margin=(0, 0, 0, 6), icon=CLOSED, on_click=self._turn
         )
         self.back = pmui.Button(
             label="Undo all",
@@ -48,13 +49,14 @@ class Changes:
     def _show(self, *_: Any) -> None:
         changes = self.state.scenario.changes
         number = len(changes)
-        self.count.visible = self.back.visible = number > 0
-        self.unchanged.visible = number == 0
-        if number == 0:
-            self.list.visible = False
-        self.count.icon = "expand_less" if self.list.visible else "expand_more"
-        self.count.label = f"{number} field{'' if number == 1 else 's'} changed"
-        self.list[:] = [self._row(key, value) for key, value in changes.items()] if self.list.visible else []
+        opened = self.list.visible and number > 0
+        label = f"{number} field{'' if number == 1 else 's'} changed"
+        # a change costs the library much more than a look at what there is, and most moves of a slider change nothing
+        if (label, opened) != (self.count.label, self.count.icon == OPENED):
+            self.count.param.update(label=label, icon=OPENED if opened else CLOSED, visible=number > 0)
+            self.back.visible, self.unchanged.visible, self.list.visible = number > 0, number == 0, opened
+        if opened or len(self.list):
+            self.list[:] = [self._row(key, value) for key, value in changes.items()] if opened else []
 
     def _row(self, key: str, value: Any) -> pn.Row:
         before = short(self.state.scenario.original(key))

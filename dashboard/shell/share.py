@@ -40,10 +40,12 @@ class Share:
         self.notice = html_pane()
         self.dismiss = _icon("close", "Close the message", lambda _: setattr(state, "notice", ""))
         self.message = pn.Row(self.notice, self.dismiss, margin=0, sizing_mode="stretch_width", visible=False)
+        # the lifeline shows nothing, but its browser's half begins only where it stands on the page
         self.view = stack(self.part, self.message, keeping.lifeline)
         keeping.param.watch(self._follow, ["can_undo", "can_redo"])
         keeping.param.watch(self._write, "noted")
         keeping.param.watch(self._tell_copied, "copied")
+        # runs too: they decide whether the chosen strategy or the optimum is written down
         state.param.watch(self._write, "runs")
         state.param.watch(self._tell, "notice")
         self._follow()
@@ -87,6 +89,7 @@ class Share:
         try:
             return str(make(self._recipe()))
         except RailjouleError as refusal:
+            # a comment to the shell and to Python, if it is copied
             return f"# {refusal}"
 
     def _recipe(self) -> Recipe:
@@ -117,6 +120,7 @@ class Share:
 def file_name(title: str) -> str:
     """Return what the file of a scenario is called: letters and digits of its title."""
     words = re.findall(r"[a-z0-9]+", title.lower())
+    # cut before it is stripped, as the cut may end with a hyphen
     return ("-".join(words)[:60].strip("-") or "scenario") + ".toml"
 
 

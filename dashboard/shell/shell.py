@@ -20,15 +20,14 @@ from railjoule.dashboard.look import glossary
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.scripts import lent, source
 from railjoule.dashboard.look.theme import document_css, material_theme
+from railjoule.dashboard.look.tokens import NARROW_PX
 from railjoule.dashboard.page_list import PAGES, bar_entries
 from railjoule.dashboard.parts.html import heading, html_pane, stack
+from railjoule.dashboard.shell.compiling import CompilingNote
 from railjoule.dashboard.shell.share import Share
 from railjoule.dashboard.shell.sidebar import Sidebar
-from railjoule.dashboard.shell.starting import StartingView
 from railjoule.dashboard.state.workbench import Workbench
 
-# the style sheets have the same border, as max-width: 899px
-NARROW_PX = 900
 COMPACT_PX = 1000
 """In narrower windows the bar has no room for words on its buttons."""
 # with the hairline beneath it the bar is 49 px high: there the drawer of the editor begins (BAR_PX)
@@ -37,6 +36,7 @@ FIRST_SKETCH = (
     '<svg viewBox="0 0 100 100" preserveAspectRatio="none" aria-hidden="true">'
     '<path d="M0 98 C4 40 8 16 18 16 L78 16 C90 16 96 46 100 98"/><path d="M0 99 H100"/></svg>'
 )
+# browser.js and mends.js in assets/scripts know pages that were left by this class, too
 AWAY = "rj-away"
 AWAY_CSS = """
 :host(.rj-away) { position: absolute !important; inset: 0 0 auto 0; content-visibility: hidden; pointer-events: none; }
@@ -117,7 +117,7 @@ class Shell:
         self.state, self.browser, self.share, self._make = state, browser, share, pages
         self._made: dict[str, pn.viewable.Viewable] = {}
         self._failed: set[str] = set()
-        self._wide, self._starting = True, False
+        self._wide = True
         self._open, self._beside = True, PAGES[state.page].has_sidebar
         self.main = stack()
         self.editor = editor
@@ -135,7 +135,7 @@ class Shell:
             description="Pin run",
             visible=False,
         )
-        self.starting, self.saving = StartingView(), Saving()
+        self.compiling, self.saving = CompilingNote(), Saving()
         self.page = self._page()
         self.pin.on_click(lambda _: self._pin())
         self.pin_small.on_click(lambda _: self._pin())
@@ -151,21 +151,25 @@ class Shell:
 
     def _page(self) -> Page:
         return Page(
+            # the library would write it in white on the white bar: the brand stands in the bar of pages
             title="",
             meta_title="railjoule",
-            main=[self.share.view, self.main, self.starting.behind, self.browser, self.saving, self.editor],
+            main=[self.share.view, self.main, self.compiling.view, self.browser, self.saving, self.editor],
             sidebar=[self.sidebar.view],
             sidebar_width=272,
             sidebar_open=self._beside,
+            # the handle to resize it has a name that its role forbids: aria-prohibited-attr of axe-core
             sidebar_resizable=False,
             header=[self.navigation, *self.share.buttons, self.pin, self.pin_small],
             dark_theme=self.state.dark,
             theme_config=material_theme(),
             raw_css=[document_css()],
             template=asset("templates", "page.html"),
+            # the library's tells of all pages of the process; `Browser.working` tells of this one
             busy_indicator=None,
             sx={
                 ".MuiAppBar-root": {
+                    # with this pair of names alone the library does not force colours of its own on the bar
                     "bgcolor": "primary.contrastText",
                     "color": "primary.main",
                     "boxShadow": "none",
@@ -175,28 +179,14 @@ class Shell:
                 },
                 "& .MuiAppBar-root .MuiToolbar-root": {"height": "48px"},
                 "& .MuiAppBar-root .MuiIconButton-root": {"color": "var(--rj-ink2)"},
+                # pages without the sidebar have no button for it: assets/css/page.css sets the variable
                 "& .MuiAppBar-root [aria-label$=' drawer']": {"display": "var(--rj-beside, inline-flex)"},
             },
         )
 
-    def show_starting(self) -> None:
-        """Show how far the kernels are, in the place of the page.
-
-        The page stays where it is, out of sight: were it taken off and put back, the browser would know it twice.
-        """
-        self._starting = True
-        with one_message():
-            for holder in self._made.values():
-                holder.css_classes = [AWAY]
-            self.main.append(self.starting.view)
-            self.browser.page = ""
-
     def open(self) -> None:
         """Show the page that the state names."""
-        self._starting = False
         with one_message():
-            if self.starting.view in list(self.main):
-                self.main.remove(self.starting.view)
             self._show_page()
 
     def add(self, *parts: pn.viewable.Viewable) -> None:
@@ -214,12 +204,11 @@ class Shell:
         with pn.io.hold():
             self.navigation.page = name
             self._show_sidebar()
-            # while kernels compile, the page is only named; `open` shows it
-            if self._starting:
-                return
+            # a page that could not be made is made again, as NOT_OPENED promises
             if name in self._failed:
                 self.main.remove(self._made.pop(name))
             if name not in self._made:
+                # the browser's half knows by this name where the page stands: assets/scripts/browser.js
                 self._made[name] = stack(self._opened(name), css=AWAY_CSS, name=f"page {name}")
                 with added_to(self._made[name]):
                     self.main.append(self._made[name])
@@ -266,6 +255,7 @@ class Shell:
 
     def _show_sidebar(self) -> None:
         """Open or close the sidebar as the user has left it; pages without one have the whole width."""
+        # on a page without a sidebar, its being closed says nothing of what the user wants
         if self._beside:
             self._open = self.page.sidebar_open
         self._beside = PAGES[self.state.page].has_sidebar

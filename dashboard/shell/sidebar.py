@@ -25,7 +25,9 @@ from railjoule.dashboard.pages.speed_limits.fields import SectionFields
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import LoadField, NumberField
 from railjoule.dashboard.shell.changes import Changes
+from railjoule.dashboard.shell.saving_own import SavingOwn
 from railjoule.dashboard.shell.strategies import StrategyList
+from railjoule.dashboard.state.files import OWN
 from railjoule.dashboard.state.workbench import Workbench
 
 FIELDS_AFTER_MS = 200
@@ -51,12 +53,22 @@ class Sidebar:
         self.file = SmallFile(
             refuse=lambda: keeping.refuse_file("The file", TOO_LARGE),
             label="Open a scenario file",
+            # the library would write the file's name here, which the list of scenarios shows
             uploaded_label="Open a scenario file",
+            # the larger of both kinds: which one a file is, only its text tells
             max_file_size=LARGEST_REPORT_BYTES,
             icon="folder_open",
             variant="text",
             size="small",
             margin=(2, 8, 0, 8),
+        )
+        self.bring = pmui.Button(
+            label="Import a line or train",
+            icon="upload_file",
+            variant="text",
+            size="small",
+            margin=(2, 8, 0, 8),
+            on_click=lambda _: setattr(state, "page", "Import"),
         )
         self.edit = pmui.Button(
             label="Edit scenario",
@@ -65,8 +77,10 @@ class Sidebar:
             size="small",
             margin=(2, 8, 0, 8),
             on_click=lambda _: setattr(state.editor, "open", not state.editor.open),
+            # by this class the browser's half opens the drawer at a press, before the server answers
             css_classes=["rj-edit"],
         )
+        self.saving = SavingOwn(state, keeping)
         self.travel_time = NumberField(scenario, "travel_time_s", ends=scenario.travel_time_range_s)
         self.shortest = html_pane()
         self.vehicle = html_pane()
@@ -80,7 +94,9 @@ class Sidebar:
         self.view = pn.Column(
             self.preset,
             self.file,
+            self.bring,
             self.edit,
+            self.saving.view,
             html_pane('<div class="section">Plan <span>\u00b7 what the timetable expects</span></div>'),
             self.travel_time,
             self.shortest,
@@ -99,6 +115,8 @@ class Sidebar:
         self.preset.param.watch(self._choose, "value")
         self.file.param.watch(self._open, "value")
         scenario.param.watch(self._name_scenario, ["preset", "opened"])
+        state.files.param.watch(self._name_scenario, ["listing", "current"])
+        state.files.param.watch(self._tell_refusal, "refusal")
         scenario.param.watch(self._describe, ["preset", "opened", "edits"])
         scenario.param.watch(self._move_ends, "travel_time_range_s")
         state.param.watch(self._show_runs, "runs")
@@ -111,8 +129,20 @@ class Sidebar:
         self.strategy_part.visible = bool(PAGES[self.state.page].strategies)
 
     def _choose(self, event: Any) -> None:
-        if not self._quiet and not event.new.startswith(FROM_FILE):
+        if self._quiet or event.new.startswith(FROM_FILE):
+            return
+        file = self.state.files.chosen("scenarios", event.new)
+        if file is not None:
+            self.state.files.open(file)
+        elif not event.new.startswith(OWN):
             self.state.scenario.choose(event.new)
+
+    def _tell_refusal(self, event: Any) -> None:
+        """Tell why a scenario of My files was not opened, where their list is out of sight."""
+        if event.new and self.state.page != "Start":
+            self.state.notice = event.new
+        # what was chosen is not what is there
+        self._name_scenario()
 
     def _open(self, event: Any) -> None:
         if event.new is None:
@@ -127,7 +157,8 @@ class Sidebar:
         """Show in the list which scenario this is."""
         opened = self.state.scenario.opened
         self._opened += opened is not None
-        file = f"{FROM_FILE} {self._opened}"
+        file = own_option(self.state) or f"{FROM_FILE} {self._opened}"
+        # or `_choose` would take the shipped scenario anew, without what was edited in it
         self._quiet = True
         with pn.io.hold():
             # both at once, as a value must be among the options
@@ -163,10 +194,18 @@ def shipped_scenarios() -> tuple[tuple[str, str], ...]:
 def scenario_options(state: Workbench, file: str = FROM_FILE) -> dict[str, str]:
     """Return the scenarios to choose from by their titles, that of a file included under a name of its own."""
     options = dict(shipped_scenarios())
+    options |= state.files.options("scenarios")
     opened = state.scenario.opened
-    if opened is not None:
+    if opened is not None and file not in options.values():
         options[f"{opened.title or 'Untitled'} (file)"] = file
     return options
+
+
+def own_option(state: Workbench) -> str:
+    """Return the value of the scenario's file in My files; empty where it is none of them."""
+    current = state.files.current
+    there = current is not None and state.files.named("scenarios", current.name) is not None
+    return f"{OWN}{current.name}" if current is not None and there else ""
 
 
 class HasView(Protocol):

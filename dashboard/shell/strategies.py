@@ -17,6 +17,8 @@ from railjoule.dashboard.parts.html import swatch
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import Runs
 
+UNKNOWN = markup("<span></span><span>{}</span>", words.UNKNOWN)
+
 
 class StrategyList(JSComponent):
     """A row for each strategy: a radio button for "this run", a box for "draw", its line, its name, its numbers.
@@ -29,7 +31,8 @@ class StrategyList(JSComponent):
     strategies = param.List(default=[], doc="Name, label, line and glossary button of each strategy.")
     chosen = param.String(default="", doc="The strategy of all numbers.")
     ticked = param.List(default=[], doc="The strategies that are drawn.")
-    results = param.Dict(default={}, doc="What each strategy needs, as HTML.")
+    results = param.Dict(default={}, doc="What the strategies need for which there is a run, or why not, as HTML.")
+    unknown = param.String(default="", doc="The same for one without a run.")
     above = param.String(default="", doc="What the second number of each row is.")
     draws = param.Boolean(default=True, doc="Whether the page in sight draws strategies.")
 
@@ -50,8 +53,12 @@ class StrategyList(JSComponent):
         runs, use = self.state.runs, PAGES[self.state.page].strategies
         numbers: dict[str, Any] = {}
         if runs is not None:
-            results = {name: strategy_numbers(runs, name) for name in STRATEGIES}
-            numbers = {"results": results, "above": f"above {comparisons.reference_name(runs.is_proven)}"}
+            results = {name: strategy_numbers(runs, name) for name in (*runs.runs, *runs.refused)}
+            numbers = {
+                "results": results,
+                "unknown": UNKNOWN,
+                "above": f"above {comparisons.reference_name(runs.is_proven)}",
+            }
         self.param.update(chosen=self.state.chosen, ticked=list(self.state.ticked), draws=use == "draw", **numbers)
 
     def _handle_msg(self, data: Any) -> None:
@@ -70,8 +77,6 @@ def strategy_numbers(runs: Runs, name: StrategyName) -> str:
     """Return a strategy's energy and by how much it lies above the best known run, or why it refuses."""
     if name in runs.refused:
         return markup('<span class="reason">{}</span>', runs.refused[name].rstrip("."))
-    if name not in runs.runs:
-        return markup("<span></span><span>{}</span>", words.UNKNOWN)
     run = runs.runs[name]
     amount = comparisons.above_reference(run)
     # the column's head says kWh, and there is no room for it

@@ -92,6 +92,7 @@ class ScenarioDraft:
             "enoc.acceleration_time_s": (now["acceleration_time_s"], edited.enoc.acceleration_time_s),
         }
         slid = {key: value for key, (value, before) in values.items() if value != before}
+        # handed out at each call: who changed it in place would change the scenario of all others
         return MappingProxyType({**self.plan.edits, **slid})
 
     @cached_property
@@ -110,6 +111,7 @@ class ScenarioDraft:
         if key == "timetable.travel_time_s":
             return self.base.travel_time_s
         value: Any = self.base
+        # a file has the drive beside the vehicle, the model within it
         for name in (f"vehicle.{key}" if key.startswith("drive") else key).split("."):
             value = value.get(name) if isinstance(value, Mapping) else getattr(value, name, None)
         return value

@@ -39,6 +39,7 @@ class Kept(param.Parameterized):
         RailjouleError
             If the values are impossible together.
         """
+        # only what differs is set: models in lists would be made anew, and their fields on the page with them
         now = self.keep()
         new = {field: value for field, value in values.items() if field not in now or now[field] != value}
         self.param.update(**{field: self._made(field, value) for field, value in new.items()})
@@ -149,6 +150,7 @@ def _choices_words(value: Any, names: list[str]) -> str:
     """Return the end of a sentence about an unknown choice: it lists a few choices, and of many the most similar."""
     if len(names) <= MOST_TOLD:
         return f"must be one of {', '.join(names)}"
+    # cut first, as a text of a link may have megabytes, which are compared letter by letter
     close = difflib.get_close_matches(str(value)[:LONGEST_SHOWN], names, n=1)
     return f"is not one of the {len(names)} known{f'; did you mean {close[0]}?' if close else ''}"
 

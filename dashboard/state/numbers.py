@@ -2,12 +2,13 @@
 
 import math
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import param
 
 from railjoule.dashboard.state.kept import Kept
 
+# hours count only before two digits of minutes, so that 1:2:30 is no time
 CLOCK = re.compile(r"(?:(?P<h>\d+):(?=\d\d:))?(?P<min>\d+):(?P<s>\d\d(?:\.\d+)?)")
 # a digit is asked for ahead, as each part may be missing: without it, an empty text would be a time
 WORDED = re.compile(
@@ -16,6 +17,7 @@ WORDED = re.compile(
 )
 """Times as on a clock, and with the names of their units; what ends a worded one without a name is seconds."""
 SIXTY = 60
+# of what was typed, in the sentence that refuses it: a whole table may have been pasted into a field
 LONGEST_SHOWN = 30
 
 
@@ -91,6 +93,7 @@ def clock(seconds: float) -> str:
     whole, rest = divmod(round(seconds, 1), 1)
     minutes, second = divmod(int(whole), SIXTY)
     hours, minute = divmod(minutes, SIXTY)
+    # less than half a tenth is what binary numbers leave of a whole second
     tenths = f"{rest:.1f}".removeprefix("0") if rest >= 0.05 else ""
     return f"{hours}:{minute:02d}:{second:02d}{tenths}" if hours else f"{minute}:{second:02d}{tenths}"
 
@@ -111,12 +114,14 @@ class TypedNumber(param.Number):
         beyond them can be typed, as far as the `bounds` go.
     """
 
+    # param's parameters keep values in slots alone
     __slots__ = ("digits", "unit")
 
     def __init__(self, label: str, unit: str = "", digits: int = 0, **params: Any) -> None:
         super().__init__(label=label, **params)
         self.unit, self.digits = unit, digits
 
+    # without these, mypy would take the numbers of a model for TypedNumbers
     if TYPE_CHECKING:
 
         def __get__(self, instance: object, owner: type | None = None) -> Any: ...
@@ -131,6 +136,13 @@ class TypedInteger(TypedNumber, param.Integer):
 class TypedParameters(Kept):
     """Parameters whose numbers can be typed."""
 
+    may_be_empty: ClassVar[tuple[str, ...]] = ()
+    """Those whose field may be left empty: they then have no value."""
+
+    def parse_or_none(self, field: str, text: str) -> float | None:
+        """Return the number that a text gives for a field, as `parse`; None for nothing where that is allowed."""
+        return None if field in self.may_be_empty and not text.strip() else self.parse(field, text)
+
     def parse(self, field: str, text: str) -> float:
         """Return the number that a text gives for a field.
 
@@ -140,6 +152,7 @@ class TypedParameters(Kept):
             With a sentence that names the bound that it misses; of a time also the text and its forms.
         """
         bounds = self.bounds_of(field)
+        # the names of fields end in their units: times alone may be typed as on a clock
         if field.endswith("_s"):
             name = self.param[field].label.split(",")[0]
             number = parse_time(text, bounds, name[:1].upper() + name[1:])

@@ -12,6 +12,7 @@ from panel.io.state import set_curdoc
 from railjoule.core import RailjouleError
 from railjoule.dashboard.state.page_model import PageModel
 from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work.warmup import warmup
 from railjoule.dashboard.work.worker import LONG_THREADS, Study, Worker, nobody
 
 Model = TypeVar("Model", bound=PageModel)
@@ -34,6 +35,7 @@ class Items:
 
     def follow(self, items: Iterable[param.Parameterized], names: Callable[[Any], Iterable[str]]) -> None:
         """Listen to those that are new, and to the named parameters of each alone."""
+        # who has gone is not unwatched: a watcher is stored with its model, and goes with it
         self._known, before = list(items), self._known
         for item in self._known:
             if not any(item is known for known in before):
@@ -58,6 +60,7 @@ class PageWork(Generic[Model]):
         self.state, self.model = state, model
         self._studies: list[Study[Any, Any]] = []
         self._asked: dict[str, object] = {}
+        # counts the ends, so that a timer of `after` that was started before one does nothing
         self._quiet, self._ends = False, 0
         # before any other watcher of the work: what is asked for next is asked for anew
         state.scenario.param.watch(self.forget, ["preset", "opened"])
@@ -101,8 +104,8 @@ class PageWork(Generic[Model]):
 
     @property
     def in_sight(self) -> bool:
-        """Whether the page is."""
-        return bool(self.state.page == self.page)
+        """Whether the page is, and what it asks for would not have to be compiled first."""
+        return bool(self.state.page == self.page) and not warmup().holds_up_runs
 
     @contextmanager
     def quiet(self) -> Iterator[None]:

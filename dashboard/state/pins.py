@@ -43,13 +43,16 @@ class Recipe:
     changes : mapping
         Keys of the file with their changed values.
     strategy : str
-        Who drives.
+        Who drives, unless it is simple advice.
+    simple : int
+        Of simple advice, how often the regime may change between two stops; 0 for a run of the strategy.
     """
 
     preset: str | None
     document: Document | None
     changes: Mapping[str, Any]
     strategy: StrategyName
+    simple: int = 0
 
     def scenario(self) -> Scenario:
         """Return the scenario of the run.
@@ -91,16 +94,19 @@ class Pin:
 
     def renamed(self, name: str) -> "Pin":
         """Return the pin under another name; an empty one gives back the name that tells what was run."""
+        # one line without gaps, as it stands at lines of charts and in tables
         return replace(self, name=" ".join(name.split())[:LONGEST_NAME] or pin_name(self.trajectory))
 
 
 class KeptPin(Kept):
     """A pin without its run, as an address holds it."""
 
-    kept = ("called", "strategy", "preset", "toml", "changes", "colour")
+    kept = ("called", "strategy", "simple", "preset", "toml", "changes", "colour")
 
     called = param.String(default="", doc="Name given by the user.")
     strategy = param.Selector(default="optimal", objects=list(STRATEGIES), doc="The strategy.")
+    # as core/studies/simple_advice.py bounds them, which no page loads before it is asked for
+    simple = param.Integer(default=0, bounds=(0, 9), doc="Changes of regime of simple advice; 0: the strategy.")
     preset = param.Selector(
         default=None, allow_None=True, objects=list(preset_names("scenarios")), doc="Shipped scenario."
     )
@@ -115,6 +121,7 @@ class KeptPin(Kept):
         return cls(
             called=pin.name,
             strategy=recipe.strategy,
+            simple=recipe.simple,
             preset=recipe.preset,
             toml=None if recipe.document is None else format_scenario(scenario_from_document(recipe.document)),
             changes=dict(recipe.changes),
@@ -130,7 +137,7 @@ class KeptPin(Kept):
             If its text is no scenario.
         """
         document = None if self.toml is None else document_of(open_scenario(self.toml, "the pinned run").scenario)
-        return Recipe(self.preset, document, dict(self.changes), self.strategy)
+        return Recipe(self.preset, document, dict(self.changes), self.strategy, self.simple)
 
 
 def pin_name(run: Trajectory) -> str:
@@ -151,8 +158,15 @@ def recipe_of(model: ScenarioModel, scenario: Scenario, strategy: StrategyName) 
     return Recipe(model.preset, None, dict(model.changes), strategy)
 
 
+def same_run(one: Trajectory, other: Trajectory) -> bool:
+    """Return whether two runs are one, computed again or not."""
+    alike = one.strategy == other.strategy and one.scenario == other.scenario
+    return alike and one.energy.net_j == other.energy.net_j
+
+
 def make_pin(pins: Sequence[Pin], run: Trajectory, recipe: Recipe, name: str = "") -> Pin:
     """Return a pin with a colour that none of `pins` has; there must be less than MOST_PINS."""
     taken = {pin.colour for pin in pins}
+    # the first that is free, as pins keep theirs while others go
     colour = next(key for key in PIN_KEYS if key not in taken)
     return Pin(name or pin_name(run), run, colour, recipe)

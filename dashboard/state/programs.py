@@ -89,6 +89,7 @@ def _drive(state: Workbench) -> PageRun:
 
 
 def _disturbances(state: Workbench) -> PageRun:
+    # not `chosen_now`: the work behind this page asks for the chosen strategy, and the page tells its refusal
     return _actual_run(state, {"strategy": state.chosen, **event_changes(state)})
 
 
@@ -156,19 +157,8 @@ def _motor(state: Workbench) -> PageRun:
 
 
 def _line(state: Workbench) -> PageRun:
-    arrivals = dict(state.line.arrivals_s)
-    if not arrivals:
-        return PageRun(SOLVE, {"strategy": "optimal"})
-    program = Program(
-        {"whole_line": "railjoule.core.studies.whole_line"},
-        f'line = whole_line(scenario, "optimum", {arrivals!r})\nprint(line.run.energy_kwh)\n',
-        "",
-    )
-    names = ", ".join(
-        f"{s.station or f'station {s.number + 1}'} {s.arrival_s:g} s" for s in state.line.stations if s.fixed
-    )
-    untold = f"The page fixes arrivals: {names}. A scenario file cannot fix them."
-    return PageRun(program, {"strategy": "optimal"}, untold)
+    # the page divides the time by optima, whatever strategy is chosen
+    return PageRun(SOLVE, {"strategy": "optimal"})
 
 
 def _learn(state: Workbench) -> PageRun:
@@ -182,6 +172,13 @@ def _learn(state: Workbench) -> PageRun:
     program = Program({"LessonRequest": module, "compute_lesson": module}, body, "", of_scenario=False)
     untold = "The lessons have scenarios of their own, which no command runs."
     return PageRun(program, {"strategy": state.chosen_now}, untold)
+
+
+def _measured_runs(state: Workbench) -> PageRun:
+    """Return the plan: a measured run stands beside it, and its file in no scenario."""
+    shown = state.measured_runs.measured is not None
+    untold = "The page shows measured runs, whose files no scenario file has; this is the plan." if shown else ""
+    return PageRun(SOLVE, {"strategy": state.chosen_now}, untold)
 
 
 def _papers(state: Workbench) -> PageRun:
@@ -199,6 +196,8 @@ PAGE_RUNS: Mapping[str, Callable[[Workbench], PageRun]] = {
     "Motor": _motor,
     "Line": _line,
     "Learn": _learn,
+    "Measured runs": _measured_runs,
+    "Import": _plan,
     "Papers": _papers,
     "Help": _plan,
 }

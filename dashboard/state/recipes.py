@@ -50,6 +50,7 @@ def recipe_of(state: Workbench) -> Recipe:
     """Return what the page in sight computes."""
     scenario, computed = state.scenario, page_run(state)
     changes = {**scenario.changes, **computed.changes}
+    # named only where it differs, as all keys: without changes the command is the name of the scenario alone
     if changes.get("strategy") == scenario.base.strategy:
         del changes["strategy"]
     return Recipe(scenario.preset, scenario.opened, scenario.base, changes, computed.program, computed.untold)
@@ -122,5 +123,7 @@ def _key(key: str) -> str:
 
 def _triple(text: str) -> str:
     """Return a text as a Python literal of several lines."""
+    # backslashes first: those that escape quotes must not be doubled
     escaped = text.replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
+    # a line break right after the quotes would be part of the text, unless a backslash stands before it
     return f'"""\\\n{escaped}"""'

@@ -5,7 +5,7 @@ from typing import Any
 
 import param
 
-from railjoule.core import Scenario, ScenarioError
+from railjoule.core import RailjouleError, Scenario, ScenarioError
 from railjoule.core.budget import PAGE, within
 from railjoule.core.scenario import preset_names
 from railjoule.core.scenario.vehicle import MOST_LOAD_FACTOR
@@ -13,6 +13,7 @@ from railjoule.core.strategies import prepare_task
 from railjoule.dashboard.state.draft import FIELD_KEYS, Edited, ScenarioDraft, shipped
 from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters
 from railjoule.dashboard.state.opened import open_scenario
+from railjoule.dashboard.work.warmup import warmup
 
 FIRST_SCENARIO = "metro-with-limit"
 # as core/scenario bounds the keys timetable.travel_time_s and enoc.acceleration_time_s
@@ -22,6 +23,30 @@ PLAN_FIELDS = ("travel_time_s", "load_percent", "recuperation_percent", "edits")
 """What every plan depends on."""
 LEAST_RANGE, TIMETABLE_RANGE = 0.97, 2.0
 """The slider of the travel time begins and ends at these times the shortest time."""
+LEAST_OF_TIMETABLE = 0.75
+"""At least this share of the timetable is taken for the shortest time, where the slider ends."""
+
+NOT_YET = "The solver is still being compiled, so that no change can be tried yet; try again in a few seconds."
+
+
+def travel_time_ends(scenario: Scenario) -> tuple[float, float]:
+    """Return the ends of the travel time's slider [s].
+
+    Raises
+    ------
+    RailjouleError
+        If no train can run the scenario.
+    """
+    # a timetable of a shipped scenario can be kept; others wait, or are refused
+    if warmup().holds_up_tasks:
+        shortest = LEAST_OF_TIMETABLE * scenario.travel_time_s
+    else:
+        with within(PAGE):
+            shortest = prepare_task(scenario).shortest_travel_time_s
+    # whole seconds at both ends, as those stand at them: a little less than can be driven, so that one sees where it
+    # ends, and at least one and a half times the timetable, however tight that is
+    start = float(int(LEAST_RANGE * shortest))
+    return start, float(int(TIMETABLE_RANGE * max(shortest, LEAST_OF_TIMETABLE * scenario.travel_time_s)) + 1)
 
 
 class ScenarioModel(TypedParameters):
@@ -37,10 +62,12 @@ class ScenarioModel(TypedParameters):
     opened = param.ClassSelector(class_=Scenario, default=None, allow_None=True, doc="The scenario of a file.")
     toml = param.String(default=None, allow_None=True, doc="That scenario as a text.")
     travel_time_s = TypedNumber("Travel time, s", "s", 1, default=100.0, step=0.5)
+    # the bound of every vehicle; `parse` and `lay` hold it to the crush load of the one that is there
     load_percent = TypedNumber("Load, % of capacity", "%", default=0.0, bounds=(0, 100 * MOST_LOAD_FACTOR), step=1)
     recuperation_percent = TypedNumber(
         "Recuperation, %", "%", default=0.0, bounds=(0, 100), softbounds=(0, 100), step=1
     )
+    # its slider goes as far as ENOC's map of real timetables, NARROW_MAP_S in pages/trade_off/compute.py
     acceleration_time_s = TypedNumber(
         "Acceleration time, s", "s", 1, default=None, allow_None=True, softbounds=(15, 110), step=0.1
     )
@@ -109,6 +136,10 @@ class ScenarioModel(TypedParameters):
         """
         self._change(self.draft.with_changes(changes))
 
+    def take_ends(self) -> None:
+        """Give the slider of the travel time the ends that it could not have while the kernels compiled."""
+        self.travel_time_range_s = travel_time_ends(self.edited)
+
     def take_back(self, *keys: str) -> None:
         """Give keys the values of the shipped scenario or the file again.
 
@@ -129,6 +160,7 @@ class ScenarioModel(TypedParameters):
             all but the load is taken over.
         """
         edits = values["edits"]
+        # only then, as taking edits over computes the shortest time
         if edits != self.edits:
             self._take(self.base.with_(**edits), edits)
         fields = {field: values[field] for field in FIELD_KEYS.values() if field in values}
@@ -156,6 +188,7 @@ class ScenarioModel(TypedParameters):
             nonlocal known
             scenario = self.edited
             before, known = known, part(scenario)
+            # another scenario is told even where that part is alike: what was set by hand on a page is reset
             if known != before or any(event.name != "edits" for event in events):
                 take(scenario)
 
@@ -168,16 +201,15 @@ class ScenarioModel(TypedParameters):
 
     def _take(self, scenario: Scenario, edits: Mapping[str, Any]) -> None:
         """Show a scenario that comes from edits of the base."""
+        # a shipped scenario as it is needs no kernel here; an edited one would compile them in this turn, for a minute
+        if warmup().holds_up_tasks and (edits or self.opened is not None):
+            raise RailjouleError(NOT_YET)
         # first of all: it refuses what no train can run, and then nothing must have changed
-        with within(PAGE):
-            shortest = prepare_task(scenario).shortest_travel_time_s
-        # whole seconds at both ends, as those stand at them: a little less than can be driven, so that one sees where
-        # it ends, and at least one and a half times the timetable, however tight that is
-        start = float(int(LEAST_RANGE * shortest))
-        end = float(int(TIMETABLE_RANGE * max(shortest, 0.75 * scenario.travel_time_s)) + 1)
+        ends = travel_time_ends(scenario)
         self.param.update(
             edits=dict(edits),
-            travel_time_range_s=(start, end),
+            travel_time_range_s=ends,
+            # to a tenth, as `ScenarioDraft.changes` compares it: any more digits would count as a change
             travel_time_s=round(scenario.travel_time_s, 1),
             load_percent=100 * scenario.vehicle.load_factor,
             recuperation_percent=100 * scenario.vehicle.drive.recuperation_factor,

@@ -18,17 +18,31 @@ from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.disturbances.model import DisturbancesModel
 from railjoule.dashboard.pages.drive.proof_compute import same_plan
 from railjoule.dashboard.pages.drive.proof_model import ProofModel
+from railjoule.dashboard.pages.drive.simple_model import SimpleModel
+from railjoule.dashboard.pages.imports.model import ImportModel
 from railjoule.dashboard.pages.learn.model import LearnModel
 from railjoule.dashboard.pages.line.model import LineModel
+from railjoule.dashboard.pages.measured_runs.model import MeasuredRunsModel
 from railjoule.dashboard.pages.motor.model import MotorModel
 from railjoule.dashboard.pages.papers.model import PapersModel
 from railjoule.dashboard.pages.robustness.model import RobustnessModel
 from railjoule.dashboard.pages.speed_limits.model import SpeedLimitsModel
 from railjoule.dashboard.pages.start.model import StartModel
 from railjoule.dashboard.pages.trade_off.compute import TradeOff
+from railjoule.dashboard.state.files import FilesModel
 from railjoule.dashboard.state.kept import Kept
 from railjoule.dashboard.state.page_model import PageModel, result
-from railjoule.dashboard.state.pins import MOST_PINS, TOO_MANY, KeptPin, Pin, Recipe, make_pin, recipe_of
+from railjoule.dashboard.state.pins import (
+    MOST_PINS,
+    TOO_MANY,
+    KeptPin,
+    Pin,
+    Recipe,
+    make_pin,
+    pin_name,
+    recipe_of,
+    same_run,
+)
 from railjoule.dashboard.state.scenario import ScenarioModel
 from railjoule.dashboard.work.runs import Runs
 
@@ -55,6 +69,7 @@ class Workbench(Kept, PageModel):
     page = param.Selector(default="Start", objects=list(PAGES), doc="The page in sight.")
     ticked = param.ListSelector(default=["optimal", "fastest"], objects=list(STRATEGIES), doc="Strategies drawn.")
     chosen = param.Selector(default="optimal", objects=list(STRATEGIES), doc="The strategy whose numbers are shown.")
+    # runs are compared at the same place first, where the line and its limits are the same
     over_time = param.Boolean(default=False, doc="Draw over time instead of distance.")
     colours = param.Selector(default="system", objects=list(COLOURS), doc="Whose request the colours follow.")
     dark = param.Boolean(default=False, doc="Dark colours.")
@@ -77,7 +92,10 @@ class Workbench(Kept, PageModel):
     def __init__(self, **params: Any) -> None:
         self.faults = Faults(self._tell_fault)
         self._late: dict[object, tuple[str, ...]] = {}
+        # before the models of the pages: a snapshot is laid in this order, and where the scenario changes, pages take
+        # their values from it anew, so that what was laid on them before would be lost
         self.scenario = ScenarioModel()
+        self.files = FilesModel(self.scenario)
         self.editor = EditorModel(self.scenario)
         self.start = StartModel()
         self.robustness = RobustnessModel()
@@ -85,10 +103,13 @@ class Workbench(Kept, PageModel):
         self.actual = ActualModel()
         self.speed_limits = SpeedLimitsModel()
         self.motor = MotorModel()
-        self.line = LineModel()
+        self.line = LineModel(self.scenario)
+        self.measured_runs = MeasuredRunsModel()
         self.learn = LearnModel()
         self.papers = PapersModel()
+        self.imports = ImportModel()
         self.proof = ProofModel()
+        self.simple = SimpleModel()
         super().__init__(**params)
         self.scenario.param.watch(self._take_strategy, ["preset", "opened"])
 
@@ -105,6 +126,7 @@ class Workbench(Kept, PageModel):
                 self._late[key] = pages
             else:
                 self._late.pop(key, None)
+            # a new set each time: watchers hear nothing of one that is changed in place
             self.late = frozenset(page for waiting in self._late.values() for page in waiting)
 
         return mark
@@ -159,15 +181,31 @@ class Workbench(Kept, PageModel):
     def pin(self) -> None:
         """Pin the run whose numbers are shown; where there are as many pins as there may be, say so."""
         run, recipe = self.run, self.recipe
-        if run is None or recipe is None or self.pin_of_run is not None:
+        if run is not None and recipe is not None and self.pin_of_run is None:
+            self._pin(run, recipe)
+
+    def pin_simple(self) -> None:
+        """Pin the chosen run of the simple advice."""
+        found, chosen = self.simple.found, self.simple.chosen
+        if found is None or chosen is None or self.pin_of(chosen.run) is not None:
             return
+        recipe = recipe_of(self.scenario, found.scenario, "optimal")
+        name = f"{pin_name(chosen.run)}, {chosen.changes} changes"
+        self._pin(chosen.run, replace(recipe, simple=chosen.changes_allowed), name)
+
+    def pin_of(self, run: Trajectory) -> Pin | None:
+        """Return the pin of a run that is no strategy's, if it is pinned."""
+        return next((pin for pin in self.pins if same_run(pin.trajectory, run)), None)
+
+    def _pin(self, run: Trajectory, recipe: Recipe, name: str = "") -> None:
         if len(self.pins) >= MOST_PINS:
             self.notice = TOO_MANY
         else:
-            self.param.update(pins=(*self.pins, make_pin(self.pins, run, recipe)), notice="")
+            self.param.update(pins=(*self.pins, make_pin(self.pins, run, recipe, name)), notice="")
 
     def unpin(self, pin: Pin) -> None:
         """Let go of a pinned run."""
+        # with one pin less, the sentence that there are too many no longer holds
         self.param.update(pins=tuple(other for other in self.pins if other is not pin), notice="")
 
     def rename(self, pin: Pin, name: str) -> None:

@@ -6,6 +6,7 @@ from typing import Protocol
 from railjoule.core import Scenario, StrategyRefusedError, Trajectory
 from railjoule.core.scenario import StrategyName
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
+from railjoule.dashboard.work.simple_advice import simple_run
 
 
 class Recipe(Protocol):
@@ -13,7 +14,11 @@ class Recipe(Protocol):
 
     @property
     def strategy(self) -> StrategyName:
-        """Who drives."""
+        """Who drives, unless it is simple advice."""
+
+    @property
+    def simple(self) -> int:
+        """Of simple advice, how often the regime may change between two stops; else 0."""
 
     def scenario(self) -> Scenario:
         """Return the scenario of the run."""
@@ -35,10 +40,13 @@ def compute_recipes(recipes: tuple[Recipe, ...]) -> tuple[RecipeRun, ...]:
     RailjouleError
         If one of them cannot be run.
     """
-    return tuple(RecipeRun(recipe, _run(recipe.scenario(), recipe.strategy)) for recipe in recipes)
+    return tuple(RecipeRun(recipe, _run(recipe)) for recipe in recipes)
 
 
-def _run(scenario: Scenario, strategy: StrategyName) -> Trajectory:
+def _run(recipe: Recipe) -> Trajectory:
+    scenario, strategy = recipe.scenario(), recipe.strategy
+    if recipe.simple:
+        return simple_run(scenario, recipe.simple)
     runs = compute_runs(RunsRequest(scenario, (strategy,)))
     if strategy not in runs.runs:
         raise StrategyRefusedError(f"{strategy} {runs.refused[strategy]}")

@@ -14,6 +14,7 @@ from railjoule.core.strategies.bellman import ControlLaw, bellman_with_law
 from railjoule.core.trajectory import Bound
 
 
+# results equal themselves alone, as arrays have no single answer to `==`; requests are compared by their values
 @dataclass(frozen=True, eq=False)
 class Runs:
     """The runs of several strategies over one scenario.
@@ -182,5 +183,6 @@ def beside_each_other(
 def timed_with_law(task: Task) -> tuple[Trajectory, ControlLaw]:
     """Return the run of dynamic programming with the time that it took, and its control law."""
     started = time.perf_counter()
+    # `run_strategy`, which takes the time of all other runs, returns no law
     run, law = bellman_with_law(task)
     return replace(run, solve_time_s=time.perf_counter() - started), law

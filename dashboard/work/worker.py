@@ -67,6 +67,7 @@ class Lateness:
 
     def answered(self, more: bool = False) -> None:
         """Take note that a result has come, perhaps with more asked for meanwhile."""
+        # the wait begins anew: a slider that moves on is answered all the while, and what is shown follows it
         self._asked_s = time.monotonic() if more else 0.0
         self._tell(False)
         if more:
@@ -106,6 +107,7 @@ def nothing() -> None:
     """Return what a page is about whose results always belong to it."""
 
 
+# not `pn.state.execute`, which leaves out no request that a later one has made useless
 class Worker(Generic[Request, Result]):
     """Works on the last request of one page in a thread, and delivers results in the order in which they were asked.
 
@@ -306,6 +308,7 @@ class _Job(Generic[Result]):
     def __init__(self, document: Document | None) -> None:
         self.document, self.ended = document, threading.Event()
         self._turn = without_page if document is None else turns_of(document)
+        # the pool's thread offers, the event loop takes
         self._lock = threading.Lock()
         self._result: Result | RailjouleError | None = None
         self._last = False

@@ -62,7 +62,7 @@ def long_line() -> Iterator[Measurement]:
     scenario = load_scenario(G1)
 
     def run():
-        return solve(scenario, initial_speed_ms=1.0, final_speed_ms=1.0)
+        return solve(scenario)
 
     trajectory = run()
     yield Measurement("G1: cells", len(trajectory.effort_n), "", at_most=1000)

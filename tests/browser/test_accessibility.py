@@ -10,7 +10,7 @@ from browser.user import GROUND, GROUNDS, User
 from railjoule.dashboard.look.tokens import THEMES
 from railjoule.dashboard.page_list import PAGES
 
-PARTS = {"Start": "first_pages", "Line": "first_pages", "Learn": "first_pages", "Papers": "first_pages"}
+PARTS = {"Start": "first_pages", "Learn": "first_pages", "Papers": "first_pages", "Import": "own_line"}
 """Pages that are tested together with others."""
 
 

@@ -232,3 +232,55 @@ def test_a_figure_out_of_sight_rests_until_it_comes_into_sight(chromium: Browser
         user.push("Travel time, s", 2)
         user.wait_until(lambda: power()["painted"] > after)
         assert power()["painted"] > after
+
+
+def test_simpler_advice_by_mouse_from_start(user: User) -> None:
+    user.turn_to("Start")
+    user.page.get_by_role("button", name="Metro, profile II + I").first.click()
+    user.see_drive()
+    head = user.page.get_by_role("button", name="Simpler advice", exact=True)
+    orders = user.page.get_by_role("list", name="Simpler advice", exact=True)
+    expect(orders).to_have_count(0)
+    head.click()
+    expect(head).to_have_attribute("aria-expanded", "true")
+    # the optimum has the limit of 50 km/h to brake for: with two changes the train may only hold one speed
+    expect(orders.locator("li").first).to_be_visible()
+    row = user.page.locator("tr.chosen:visible", has_text="+0.86")
+    expect(row.locator("td").first).to_have_text("3")
+    expect(user.page.get_by_text("More than 4 changes would gain less than 0.1 %.")).to_be_visible()
+    expect(user.page.locator(".rj-chart-orders:visible canvas").first).to_be_visible()
+    before, chart = orders.inner_text(), user.picture("orders")
+
+    user.page.get_by_role("button", name="2", exact=True).click()
+    expect(user.page.locator("tr.chosen:visible", has_text="+64.6")).to_be_visible()
+    user.wait_until(lambda: orders.inner_text() != before)
+    user.see_change("orders", chart)
+    # by the keyboard, and by a click at the right end of the chart
+    user.page.get_by_role("button", name="3", exact=True).press("Enter")
+    expect(row).to_be_visible()
+    box = user.page.locator(".rj-chart-orders:visible canvas").first.bounding_box()
+    assert box is not None
+    user.page.mouse.click(box["x"] + box["width"] - 40, box["y"] + box["height"] / 2)
+    expect(user.page.locator("tr.chosen:visible td", has_text="+0.09")).to_be_visible()
+
+    user.page.get_by_role("button", name="Print the simpler advice").click()
+    sheet = user.page.frame_locator("#rj-print")
+    expect(sheet.locator("h1")).to_have_text("Metro, profile II + I: 170.0 s, at most 4 changes of regime")
+    expect(sheet.locator("h2")).to_have_text(["Timetable", "Orders", "Speed limits"])
+    expect(sheet.locator("td", has_text="50 km/h")).to_have_count(1)
+
+    again = user.page.get_by_role("button", name="Compute again", exact=True)
+    user.type("Travel time, s", "180")
+    expect(user.page.get_by_text("the figures from before")).to_be_visible()
+    again.click()
+    # computing takes both the button and the sentence away, the result brings its own
+    expect(user.page.get_by_text(re.compile(r"More than \d changes"))).to_be_visible()
+    expect(again).to_be_hidden()
+    user.page.get_by_role("button", name="Print the simpler advice").click()
+    expect(sheet.locator("h1")).to_contain_text("180.0 s")
+    user.page.get_by_role("button", name="Pin these orders", exact=True).click()
+    expect(user.page.get_by_text("Pinned: Simpler advice, 180.0 s").first).to_be_visible()
+    expect(user.page.locator(".rj-chart-difference:visible canvas").first).to_be_visible()
+    assert_nothing_grave(user)
+    head.click()
+    expect(orders).to_be_hidden()

@@ -1,4 +1,4 @@
-"""Start, Line, Learn and Papers, as a user works with them."""
+"""Start, Learn and Papers, as a user works with them."""
 
 from collections.abc import Iterator
 
@@ -34,31 +34,6 @@ def test_a_session_without_an_address_begins_with_start(server: Server, chromium
     expect(page.get_by_role("button", name="Drive", exact=True)).to_have_attribute("aria-current", "page")
     expect(page.locator(".rj-chart-speed:visible canvas").first).to_be_visible()
     page.close()
-
-
-def test_a_line_shares_its_time(user: User) -> None:
-    user.turn_to("Line")
-    user.page.get_by_role("button", name="Open Metro, ten stations").click()
-    # 45.02 kWh, as `railjoule solve metro-10-stations` has it
-    expect(user.figure_value("Energy of the whole line")).to_have_text("45.02kWh")
-    for chart in ("line_speed", "line", "line_path", "supplements", "leg_energy"):
-        chart_is_drawn(user, chart)
-    # 1090 s: 43.5926 kWh by `railjoule solve metro-10-stations --set timetable.travel_time_s=1090`
-    user.push("Travel time, s", 20)
-    expect(user.figure_value("Energy of the whole line")).to_have_text("43.59kWh")
-    dwell = user.page.get_by_label("Market: Dwell, s, as a number", exact=True)
-    dwell.fill("60")
-    dwell.press("Enter")
-    expect(user.page.get_by_text("including 250.0 s of dwell")).to_be_visible()
-    user.page.get_by_label("Central: arrival fixed").check()
-    arrival = user.page.get_by_label("Central: Arrives after, s, as a number", exact=True)
-    arrival.fill("100")
-    arrival.press("Enter")
-    expect(user.page.get_by_text("The arrival at Central after 100.0 s must be later than")).to_be_visible()
-    with user.page.expect_download() as download:
-        user.page.get_by_text("Legs as CSV").click()
-    assert download.value.suggested_filename == "legs.csv"
-    assert_nothing_grave(user)
 
 
 def test_a_lesson_answers_its_question(user: User) -> None:

@@ -81,9 +81,9 @@ def test_the_ground_is_there_before_anything_in_the_body_is_read(
 
 def test_a_press_is_answered_at_once(user: User) -> None:
     user.page.evaluate(COUNT, ".rj-turning")
-    open_page(user, "Compare")
+    open_page(user, "Trade-off")
     user.page.wait_for_function(f"window.answered_after <= {MOST_FRAMES} && window.answered_after > 0")
-    expect(user.page.locator(".rj-chart-compared_speed:visible canvas").first).to_be_visible()
+    expect(user.page.locator(".rj-chart-frontier:visible canvas").first).to_be_visible()
     user.page.evaluate(COUNT, ".rj-drawer")
     user.page.get_by_role("button", name="Edit scenario").click()
     user.page.wait_for_function(f"window.answered_after <= {MOST_FRAMES} && window.answered_after > 0")

@@ -80,6 +80,8 @@ def test_from_a_card_to_a_pinned_run_compared(server: Server, chromium: Browser)
         expect(energy).to_have_text(first)
         reach(page, "Drive")
         page.keyboard.press("ArrowRight")
+        # the group, whose first page is Compare
+        page.keyboard.press("ArrowDown")
         page.keyboard.press("Enter")
         expect(page.get_by_role("heading", level=1, name="Which way of driving")).to_be_visible()
         expect(page.get_by_label("Name of pinned run 1")).to_be_visible()

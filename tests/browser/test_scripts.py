@@ -153,13 +153,25 @@ NUMBER: dict[str, Any] = {
 }
 VALUES: dict[str, dict[str, Any]] = {
     "browser": {"pages": ["Start"], "bare": [], "questions": {}, "page": "Start", "charts_in_sight": []},
-    "disclosure": {"label": "Vehicle", "note": "", "open": False, "changed": False},
+    "columns_form": {"columns": [], "quantities": [], "units": {}, "version": 0},
+    "disclosure": {"label": "Vehicle", "note": "", "open": False, "changed": False, "level": 3},
     "editor_head": {"status": "", "open": False},
     "fields_form": {"fields": [], "version": 0},
+    "file_list": {"files": [], "deleted": "", "folder": "", "refusal": "", "left_out": []},
+    "import_files": {"cards": [], "refusal": "", "accept": ".csv", "formats": "", "largest_bytes": 1, "version": 0},
+    "import_take": {
+        "offers": [],
+        "stretch": {"begin": "", "end": "", "reverse": False},
+        "has_stretch": True,
+        "status": "",
+        "refusal": "",
+        "version": 0,
+    },
     "lifeline": {"address": ""},
     "loop_diagram": {"drawing": "<svg></svg>", "charts": {}},
     "navigation": {"page": "Start", "entries": ENTRIES, "keyed": ["Start", "Drive"], "brand": ""},
     "number_field": NUMBER,
+    "save_form": {"kinds": [], "names": {}, "refusal": "", "can_replace": False, "told": "", "version": 0},
     "saving": {},
     "strategies": {"strategies": [], "chosen": "", "ticked": [], "results": {}, "above": "", "draws": True},
     "table_form": {"table": {"columns": [], "rows": [], "label": "", "help": "", "more": ""}, "version": 0},
@@ -494,6 +506,17 @@ def test_a_limit_is_held_by_its_middle_and_some_by_their_ends(page: Page) -> Non
     assert near == [["limit", 0], ["left", 1], ["right", 1]]
 
 
+def test_a_station_moves_in_tenths_of_a_second_as_far_as_its_legs_have_time(page: Page) -> None:
+    grips = {"rest": [20, 15], "arrival": [94.83, 191.4], "low": [0.1, 0.1], "high": [34.9, 40]}
+    code = "return m.moved_arrival(a.grips, a.k, a.height)"
+    moved = run(page, "drag_slack", code, {"grips": grips, "k": 0, "height": 22.5})
+    # 2.5 s later, in tenths
+    assert moved == {"arrives": pytest.approx(97.3), "y": pytest.approx(20 + 97.3 - 94.83)}
+    # no further than to the end of the slack
+    assert run(page, "drag_slack", code, {"grips": grips, "k": 0, "height": 90})["arrives"] == pytest.approx(109.7)
+    assert run(page, "drag_slack", code, {"grips": grips, "k": 1, "height": -5})["arrives"] == pytest.approx(176.5)
+
+
 def test_set_speeds_move_in_halves_and_borders_between_their_neighbours(page: Page) -> None:
     before = {"left": [0, 100, 200], "right": [100, 200, 300], "limit": [60, 40, 50], "most": [80, 80, 80]}
     code = "return m.moved_sections(a.before, a.held, a.to, {least: 5, shortest: 10})"
@@ -507,6 +530,26 @@ def test_set_speeds_move_in_halves_and_borders_between_their_neighbours(page: Pa
     assert border["sections"]["middle"] == [95, 195, 250]
     assert border["borders"] == {"x": [190, 200], "low": [60, 40], "high": [40, 50]}
     assert before["right"] == [100, 200, 300]
+
+
+def test_what_lies_within_all_brushes_is_held_and_counted(page: Page) -> None:
+    told = {
+        "data": {"load": [0, 10, 20, 30, 40], "late": [5, 1, 1, 9, 1]},
+        "brushes": {"draws": {"load": [10, 40], "late": [0, 9]}, "draws_load": {"load": [0, 20]}},
+    }
+    held = "const held = m.held_rows(a.data, a.brushes, 5);"
+    # of 10, 20 and 30 the last is too late, and 20 is where the second brush ends
+    assert run(page, "brush", f"{held} return [...held]", told) == [0, 1, 0, 0, 0]
+    everything = run(page, "brush", "return [...m.held_rows(a.data, {}, 5)]", told)
+    assert everything == [1] * 5
+    # four bins of 10 from 0 on: the end of the last one counts as within it
+    assert run(page, "brush", "return m.counted(a.data.load, new Uint8Array(5).fill(1), 0, 10, 4)", told) == [
+        1,
+        1,
+        1,
+        2,
+    ]
+    assert run(page, "brush", f"{held} return m.counted(a.data.load, held, 0, 10, 4)", told) == [0, 1, 0, 0]
 
 
 def test_a_saved_cell_is_no_formula_and_no_spelling(page: Page) -> None:

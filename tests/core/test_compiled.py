@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.compiled import borrowed, njit
+from railjoule.core.compiled import borrowed, copy_rows, njit, specialisations
 
 
 @njit()
@@ -37,3 +37,30 @@ def test_a_borrowed_array_reads_the_same_memory_and_is_given_back(kind: type) ->
 def test_outside_compiled_code_it_is_the_array_itself() -> None:
     array = np.zeros(3)
     assert borrowed(array) is array
+
+
+@njit()
+def _twice(number: float, share: float = 1.0) -> float:
+    return 2.0 * share * number
+
+
+@njit()
+def _four_times(number: float) -> float:
+    return _twice(_twice(number), share=1.0)
+
+
+def test_a_kernel_that_another_calls_is_compiled_for_python_only_when_python_calls_it() -> None:
+    assert _four_times(3.0) == 12.0
+    within = specialisations(_twice)
+    assert within > 0
+    assert not _twice.signatures  # type: ignore[attr-defined]
+    assert (_twice(3.0), _twice(3.0, share=0.5)) == (6.0, 3.0)
+    assert specialisations(_twice) > within
+
+
+@pytest.mark.parametrize("source", [np.arange(3.0), np.arange(6.0).reshape(3, 2)], ids=["numbers", "rows"])
+def test_rows_are_copied_to_the_first_ones(source: FloatArray) -> None:
+    target = np.full((5, *source.shape[1:]), -1.0)
+    copy_rows(source, target)
+    assert (target[:3] == source).all()
+    assert (target[3:] == -1.0).all()

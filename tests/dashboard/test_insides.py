@@ -115,9 +115,15 @@ def test_a_pane_sends_its_text_alone() -> None:
     document.add_root(root)
     document.on_change(lambda event: sent.append({event.attr}))
     words.object = "<b>2</b>"
-    assert "2" in root.text
+    assert root.text == "<plaintext><b>2</b>"
     assert sent in ([], [{"text"}])
     assert root.stylesheets[-1] is same.stylesheets[-1]
+
+
+def test_events_are_no_longer_counted() -> None:
+    names = "_add_busy_event", "_remove_busy_event"
+    assert all(f"state.{name}(" in inspect.getsource(Syncable._process_events) for name in names)
+    assert all(callable(getattr(type(pn.state), name)) for name in names)
 
 
 def test_a_light_component_is_heard_sooner_than_others() -> None:

@@ -33,9 +33,9 @@ from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs, tightened_runs
 
 FIGURE = re.compile(
-    r'<div class="label"><span>(?P<label>.*?)</span>.*?</div>'
-    r'<div class="value">(?P<value>.*?)<span>(?P<unit>.*?)</span></div>'
-    r'<div class="detail">(?P<detail>.*?)</div></div>'
+    r"<div class=label><span>(?P<label>.*?)</span>.*?</div>"
+    r"<div class=value>(?P<value>.*?)<span>(?P<unit>.*?)</span></div>"
+    r"<div class=detail>(?P<detail>.*?)</div></div>"
 )
 NUMBER = r"-?[\d,]+(?:\.\d+)?"
 NAMES = {word: name for name, word in STRATEGY_WORDS.items()}
@@ -60,10 +60,11 @@ def amount(text: str) -> str:
 def rows_of(markup: str, first: str) -> Iterator[dict[str, str]]:
     """Yield the rows of a table of runs by the heads of its columns; `first` is what its first column is called."""
     for table in re.findall(r"<table>.*?</table>", markup, re.DOTALL):
-        heads = [plain(cell) for cell in re.findall(r"<th.*?>(.*?)</th>", table, re.DOTALL)]
+        head, *rows = re.split(r"<tr[^>]*>", table)[1:]
+        heads = [plain(cell) for cell in re.split(r"<th [^>]*>", head)[1:]]
         if heads[0] == first:
-            for row in re.findall(r"<tr.*?>(.*?)</tr>", table, re.DOTALL):
-                cells = [plain(cell) for cell in re.findall(r"<td>(.*?)</td>", row, re.DOTALL)]
+            for row in rows:
+                cells = [plain(cell) for cell in row.split("<td>")[1:]]
                 yield dict(zip(heads, cells, strict=False))
 
 
@@ -125,7 +126,7 @@ class Teller:
         for name in self.runs.runs:
             self.state.chosen = name
             self.head("head", name, self.drive.figures.object)
-        heading = re.search(rf'class="scenario">.*?</span> ({NUMBER}) km,', self.drive.heading.object)
+        heading = re.search(rf"class=scenario>.*?</span> ({NUMBER}) km,", self.drive.heading.object)
         side = re.search(rf"({NUMBER}) km", plain(self.sidebar.line.object))
         self.tell("heading", "", distance=heading and heading[1])
         self.tell("sidebar", "", distance=side and side[1])

@@ -81,6 +81,9 @@ def simulate_field_oriented(scenario: Scenario, plan: Trajectory | None = None) 
 def _refuse_what_is_not_simulated(scenario: Scenario) -> None:
     disturbance = scenario.disturbance
     for words, there in (
+        # the loop begins with machines at rest
+        ("timetable.entry_speed_kmh", scenario.timetable.entry_speed_kmh != 0),
+        ("timetable.exit_speed_kmh", scenario.timetable.exit_speed_kmh != 0),
         ("events on the way", bool(disturbance.events)),
         ("disturbance.coordinate_error_m", disturbance.coordinate_error_m != 0),
         ("disturbance.departure_delay_s", disturbance.departure_delay_s != 0),

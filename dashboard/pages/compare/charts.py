@@ -40,6 +40,7 @@ class ComparedChart(RunLines):
 
     def fill_all(self, among: Sequence[Contender], reference: Contender, over_time: bool) -> dict[str, Curve]:
         """Draw the lines of all runs and no other; return what they are."""
+        # before the lines are filled: `values` of differences depends on it
         self._over_time = over_time
         curves = self.fill({contender.key: contender.run for contender in among}, over_time)
         first = [reference, *(contender for contender in among if contender is not reference)][:MOST_TOLD]
@@ -149,6 +150,7 @@ class ComparedDifferenceChart(ComparedChart):
     """Energy so far of all runs less that of the reference at the same place or time."""
 
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
+        # a name of its own, as the energy has the column of that name in the same source
         quantity = replace(ENERGY, name="difference", words="Energy so far vs reference, kWh")
         super().__init__(quantity, quantity.words, height, axis, palette, Form(digits=1, zero=True))
         self._reference: Trajectory | None = None
@@ -168,9 +170,11 @@ class ComparedDifferenceChart(ComparedChart):
         self._reference = reference.run
         others = [contender for contender in without_fastest(among, reference) if contender is not reference]
         drawn = others or [reference]
+        # the reference is the line at zero, and not left out
         self.tell_left_out(among, [*drawn, reference])
         curves = self.fill_all(drawn, drawn[0], over_time)
         self.set_range(*nice_range(*ends_of(curves.values()), 0.1))
+        # a line without a name, so that names keep clear of it
         zero = {"zero": (np.array([0.0, self.axis.end]), np.zeros(2))}
         self.name_ends(curves, drawn, narrow, words.energy_difference, zero)
 

@@ -52,6 +52,7 @@ def strategy_runs(state: Workbench) -> Mapping[StrategyName, Trajectory]:
     runs = dict(state.runs.runs)
     if not state.compare_all:
         runs = {name: run for name, run in runs.items() if name in state.drawn}
+    # they may be of the scenario before: all strategies take longer than those that are drawn
     elif state.compared is not None and state.compared.scenario == state.runs.scenario:
         runs = {**state.compared.runs, **runs}
     return {name: runs[name] for name in STRATEGIES if name in runs}

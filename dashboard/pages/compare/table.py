@@ -22,6 +22,7 @@ def comparison_table(among: Sequence[Contender], reference: Contender) -> parts.
     buttons = [parts.markup('<button type="button" class="sort" data-act="sort">{}</button>', word) for word in header]
     rows = []
     for contender in among:
+        # added to HTML, a name is escaped: users give pins theirs
         cells: list[str] = [parts.swatch(contender.key) + contender.name]
         cells += numbers(contender.run, reference.run, kinds)
         rows.append((cells, contender is reference))

@@ -11,6 +11,8 @@ from panel.viewable import Viewable
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.differences import difference_words
+from railjoule.dashboard.look.theme import padded
+from railjoule.dashboard.look.tokens import NARROW_PX
 from railjoule.dashboard.pages.compare.charts import (
     ComparedChart,
     ComparedDifferenceChart,
@@ -22,8 +24,9 @@ from railjoule.dashboard.pages.compare.charts import (
 from railjoule.dashboard.pages.compare.contenders import Contender, contenders, reference_of
 from railjoule.dashboard.pages.compare.table import comparison_table
 from railjoule.dashboard.pages.compare.work import PAGE, Compare
-from railjoule.dashboard.pages.page import NARROW_PX, PageView
+from railjoule.dashboard.pages.page import BODY_CSS, PageView
 from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.parts.choices import buttons, over_time_buttons
 from railjoule.dashboard.state.pins import LONGEST_NAME, MOST_PINS, PIN_KEYS, Pin
 from railjoule.dashboard.state.workbench import Workbench
 
@@ -34,10 +37,8 @@ HEIGHTS = {
     "compared_effort": (124, 150, 110),
 }
 """Of each chart [px]: in usual, wide and narrow windows."""
-BODY_CSS = ":host { padding: 4px 20px 0 14px; } @media (max-width: 899px) { :host { padding: 4px 10px 0 6px; } }"
-TEXT_CSS = ":host { padding: 0 20px 16px 20px; } @media (max-width: 899px) { :host { padding: 0 14px 16px 14px; } }"
+TEXT_CSS = padded("0 20px 16px", "0 14px 16px")
 NO_PIN = "Pin up to six runs to compare them here."
-SMALL: dict[str, Any] = {"size": "small", "sx": {"& .MuiToggleButton-root": {"whiteSpace": "nowrap"}}}
 
 
 class PinRow:
@@ -85,6 +86,7 @@ class PinRow:
         pin = self.pin
         if pin is not None and not self._quiet and event.new != pin.name:
             self.state.rename(pin, event.new or "")
+            # an empty name has become the one that tells what was run, which the field does not know yet
             self.show()
 
     def _unpin(self, *_: Any) -> None:
@@ -106,20 +108,15 @@ class CompareView(PageView):
         self.table, self.differences, self.empty = (parts.html_pane() for _ in range(3))
         self.axis = Axis(palette)
         kinds = (ComparedSpeedChart, ComparedEnergyChart, ComparedDifferenceChart, ComparedEffortChart)
+        # in the order of HEIGHTS, which the kinds above follow
         heights = [usual for usual, _, _ in HEIGHTS.values()]
         self.compared: tuple[ComparedChart, ...] = tuple(
             kind(height, self.axis, palette) for kind, height in zip(kinds, heights, strict=True)
         )
         self.reference = pmui.Select(label="Reference run", options=[], size="small", margin=(10, 12, 0, 20), width=290)
-        self.which = pmui.RadioButtonGroup(
-            options={"All strategies": True, "Selected only": False},
-            value=state.compare_all,
-            margin=(16, 12, 0, 20),
-            **SMALL,
-        )
-        self.over = pmui.RadioButtonGroup(
-            options={"Distance": False, "Time": True}, value=state.over_time, margin=(16, 20, 0, 20), **SMALL
-        )
+        some = {"All strategies": True, "Selected only": False}
+        self.which = buttons(state, "compare_all", some, margin=(16, 12, 0, 20))
+        self.over = over_time_buttons(state, margin=(16, 20, 0, 20))
         self.rows = [PinRow(state, key) for key in PIN_KEYS]
         self._quiet = False
         self._listen()
@@ -137,13 +134,10 @@ class CompareView(PageView):
     def _listen(self) -> None:
         state = self.state
         self.reference.param.watch(self._refer, "value")
-        self.which.param.watch(lambda event: setattr(state, "compare_all", event.new), "value")
-        self.over.param.watch(lambda event: setattr(state, "over_time", event.new), "value")
-        state.param.watch(lambda event: setattr(self.which, "value", event.new), "compare_all")
-        state.param.watch(lambda event: setattr(self.over, "value", event.new), "over_time")
         shown = ["runs", "compared", "pins", "ticked", "chosen", "compare_all", "over_time", "reference"]
         self.shows(self._show_failure, (state, ["failure", "runs"]))
         self.shows(self._show, (state, shown))
+        # a greater bound changes numbers alone, and no line is drawn anew for it
         self.shows(self._show_table, (state, ["tightened"]))
 
     def _refer(self, event: Any) -> None:

@@ -30,6 +30,7 @@ class Compare(PageWork[Workbench]):
         state.param.watch(self._ask, ["page", "compare_all"])
 
     def _ask(self, *_: Any) -> None:
+        # whatever comes next: what is under way is of the scenario before, or for nobody to see
         self.end()
         if self.in_sight and self.state.compare_all:
             self.after(REST_MS, lambda: self.runs.ask(RunsRequest(self.state.scenario.scenario(), IN_TURN)))

@@ -68,6 +68,7 @@ class RideSpeedChart(RunLines):
         self.add_names()
 
     def _press(self, event: Any) -> None:
+        # over time the axis has no places
         if event.x is not None and not self._over_time and 0 < event.x < self.axis.end:
             self._drop(float(event.x))
 
@@ -145,6 +146,7 @@ class LateChart(LoneChart):
         for reaction, energy in late.energy_kwh.items():
             delay = late.delay_s[reaction]
             known = np.isfinite(energy)
+            # the delay at the end need not rise with the one that is accepted
             order = np.argsort(delay[known])
             self.put(reaction, **xy(delay[known][order], energy[known][order]))
             ends += delay[known].tolist()

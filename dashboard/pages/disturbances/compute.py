@@ -14,6 +14,7 @@ from railjoule.core.simulate.disturbances import DisturbedRun
 from railjoule.dashboard.work.refusals import named_refusals
 
 REACTIONS: tuple[Reaction, ...] = get_args(Reaction)
+# closer together at first, where each second saves most
 DELAYS_S = (0.0, 1.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0)
 
 
@@ -87,6 +88,7 @@ class LateArrivals:
 def compute_late_arrivals(request: RidesRequest) -> Iterator[LateArrivals]:
     """Yield energy over delay as it is computed; errors as `compute_rides`."""
     scenario = request.disturbed()
+    # once: neither the delay that is accepted nor who reacts changes the plan
     planned = plan_of(scenario)
     delays = {reaction: np.full(len(DELAYS_S), np.nan) for reaction in REACTIONS}
     energies = {reaction: np.full(len(DELAYS_S), np.nan) for reaction in REACTIONS}
@@ -96,9 +98,11 @@ def compute_late_arrivals(request: RidesRequest) -> Iterator[LateArrivals]:
         for reaction in REACTIONS:
             try:
                 ride = disturbed_run_of(scenario.model_copy(update={"disturbance": relaxed}), reaction, planned)
+            # it stays NaN: one delay that cannot be had must not cost the others
             except RailjouleError:
                 continue
             delays[reaction][k], energies[reaction][k] = ride.delay_s, ride.actual.energy_kwh
+        # copies, as the next step writes on into these arrays
         yield replace(
             late,
             delay_s={reaction: frozen_array(values) for reaction, values in delays.items()},

@@ -43,6 +43,7 @@ class EventFields:
         self._list_events()
 
     def _adder(self, kind: str) -> Any:
+        # a function for each kind: one made within the loop would add the last kind at every button
         def add(_: Any) -> None:
             self.model.drop(kind, self.state.scenario.base.line.length_m / 2)
 

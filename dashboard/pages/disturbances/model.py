@@ -42,12 +42,14 @@ class DisturbancesModel(TypedParameters, PageModel):
 
     def drop(self, kind: str, place_m: float) -> None:
         """Add an event of a kind at a place."""
+        # core/scenario takes no event at 0 m
         place = float(max(round(place_m), 1))
         event = EventModel(
             kind=kind,
             position_m=place,
             to_m=place + FIRST_LIMIT_M,
             duration_s=FIRST_STOP_S,
+            # changes of voltage and recuperation have no other place than that at which they are noticed
             noticed_at_m=max(place - NOTICE_BEFORE_M, 0.0) if kind in {"stop", "limit"} else place,
         )
         self.events = [*self.events, event]

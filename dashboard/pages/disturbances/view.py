@@ -12,16 +12,17 @@ from railjoule.dashboard.actual.model import add_stop
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.driven import reality_words
 from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.pages.disturbances.charts import LateChart, RideSpeedChart, ride_energy_chart, saved_by
 from railjoule.dashboard.pages.disturbances.compute import Rides
 from railjoule.dashboard.pages.disturbances.work import Disturbances
 from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.parts import html as parts
-from railjoule.dashboard.parts.number_field import tie
+from railjoule.dashboard.parts.choices import buttons, over_time_buttons
 
 HEIGHTS = {"ride_speed": (300, 380, 240), "ride_energy": (170, 200, 150), "late_arrival": (240, 280, 210)}
 """Of each chart [px]: in usual, wide and narrow windows."""
-BODY_CSS = ":host { padding: 4px 20px 12px 14px; } @media (max-width: 899px) { :host { padding: 4px 10px 12px 6px; } }"
+BODY_CSS = padded("4px 20px 12px 14px", "4px 10px 12px 6px")
 LOWER_CSS = """
 :host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: 28px; align-items: start; }
 @media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); } }
@@ -45,16 +46,9 @@ class DisturbancesView(PageView):
         state, palette = self.state, self.palette
         self.model = model = state.disturbances
         self.table, self.notes = (parts.html_pane() for _ in range(2))
-        self.dropping = pmui.RadioButtonGroup(
-            options={"Click adds a stop": "stop", "Click adds a limit": "limit"},
-            value=model.dropping,
-            size="small",
-            margin=(8, 8, 0, 20),
-            sx={"& .MuiToggleButton-root": {"whiteSpace": "nowrap"}},
-        )
-        self.over = pmui.RadioButtonGroup(
-            options={"Distance": False, "Time": True}, value=state.over_time, size="small", margin=(8, 20, 0, 0)
-        )
+        events = {"Click adds a stop": "stop", "Click adds a limit": "limit"}
+        self.dropping = buttons(model, "dropping", events, margin=(8, 8, 0, 20))
+        self.over = over_time_buttons(state, margin=(8, 20, 0, 0))
         self.axis = Axis(palette)
         self.speed = RideSpeedChart(HEIGHTS["ride_speed"][0], self.axis, palette, self._drop)
         self.energy = ride_energy_chart(HEIGHTS["ride_energy"][0], self.axis, palette)
@@ -77,8 +71,6 @@ class DisturbancesView(PageView):
         self.reactions = parts.stack(self.table, self.notes)
         lower = parts.stack(self.reactions, self.late.host, css=LOWER_CSS)
         body = parts.stack(self.speed.host, self.energy.host, lower, css=BODY_CSS)
-        tie(self.dropping, model, "dropping")
-        tie(self.over, state, "over_time")
         self.shows(self._show, (state, ["over_time"]), (model, ["rides", "failure", "events"]))
         self.shows(self._show_late, (model, ["late"]))
         return parts.stack(self.heading, self.message, self.invitation, self.figures, tools, body)
@@ -144,6 +136,7 @@ class DisturbancesView(PageView):
         return f"; {reality_words(reality.actual_load_percent / 100, reality.coordinate_error_m)} as on Drive"
 
     def _cells(self, rides: Rides) -> list[str]:
+        # the names are in the order of REACTION_WORDS
         planned, driver, computer, known = rides.undisturbed, *(rides.rides[one] for one in words.REACTION_WORDS)
         by_driver = driver.actual.energy_kwh
         energy = f"{words.energy(by_driver)} kWh"

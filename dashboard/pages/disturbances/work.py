@@ -43,6 +43,7 @@ class Disturbances(PageWork[DisturbancesModel]):
         state.param.watch(self._ask, ["page", "chosen"])
         self.model.param.watch(self._watch_events, "events")
         self.model.param.watch(self._ask, ["accepted_delay_s", "changed"])
+        # with it the rides have the load and the position error of the day, too: `event_changes`
         state.actual.param.watch(self._ask, "on")
         state.robustness.param.watch(self._ask, [*REALITY, *FOLLOWER])
         self.model.take(state.scenario.edited)
@@ -65,6 +66,7 @@ class Disturbances(PageWork[DisturbancesModel]):
         )
         if self.is_new(request):
             self._request = request
+            # a curve of the same events goes on, whatever delay is accepted now
             if self._curve() != self._drawn:
                 self.late.stop()
             self.rides.ask(request)

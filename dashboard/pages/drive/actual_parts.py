@@ -101,22 +101,24 @@ def causes_block(actual: ActualRun) -> str:
     energies = [cause.energy_kwh for cause in actual.causes]
     ends = _running(energies)
     low, high = min(0.0, *ends), max(0.0, *ends)
+    # causes may add nothing at all: the bars must still have a scale
     scale = max(high - low, 1e-9)
 
-    def bar(name: str, start: float, length: float, colour: str, strong: bool = False) -> Markup:
+    def bar(name: str, start: float, length: float, kind: str, strong: bool = False) -> Markup:
         left, amount = (min(start, start + length) - low) / scale, f"{words.energy_difference(length)} kWh"
-        return flow_bar(name, amount, left, abs(length) / scale, colour, strong)
+        return flow_bar(name, amount, left, abs(length) / scale, kind, strong)
 
     rows = [
-        bar(cause_words(cause, actual.scenario), start, cause.energy_kwh, "var(--rj-costbar)")
+        bar(cause_words(cause, actual.scenario), start, cause.energy_kwh, "cost")
+        # not strict: each begins where the one before has ended, and nothing at the last end
         for cause, start in zip(actual.causes, [0.0, *ends], strict=False)
     ]
-    rows.append(bar("Together", 0.0, ends[-1], "var(--rj-pinned)", strong=True))
+    rows.append(bar("Together", 0.0, ends[-1], "all", strong=True))
     title = f"Where the extra {words.energy(abs(actual.extra_kwh))} kWh comes from"
     if actual.extra_kwh < 0:
         title = f"Where the saved {words.energy(abs(actual.extra_kwh))} kWh comes from"
     order = ["Each cause is added to those above it."] if len(energies) > 1 else []
-    flow = markup('<div class="flow">{}</div>', joined(rows))
+    flow = markup("<div class=flow>{}</div>", joined(rows))
     return markup(CAUSES, title, flow + note_paragraphs([*order, *actual.notes]))
 
 

@@ -65,6 +65,7 @@ def sampled(law: ControlLaw) -> tuple[FloatArray, float]:
     image = np.full((ROWS, COLUMNS), np.nan)
     cells = np.searchsorted(law.position_m, places, side="right") - 1
     for column, cell in enumerate(cells):
+        # above the last speed of a cell there is no law: empty, and not that of the last speed
         image[:, column] = np.interp(speeds, law.speed_ms[cell], law.control[cell], right=np.nan)
     return image, top
 

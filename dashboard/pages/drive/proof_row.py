@@ -66,6 +66,7 @@ class ProofRow:
         self.text.object = proof_text(bound, end)
         self.button.visible = own and (known is None or not known.is_complete or bool(stage))
         self.button.label = STOP if stage == "further" else FURTHER
+        # that stage ends by itself after about half a second
         self.button.disabled = stage == "first"
 
     @property

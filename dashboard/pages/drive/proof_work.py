@@ -26,6 +26,7 @@ class Proving(PageWork[ProofModel]):
         self.first = self.study(compute_proof, self._take, threads=SLOW_THREADS)
         self.further = self.study(compute_proof, self._take, threads=PROOF_THREADS)
         self._scenario: Scenario | None = None
+        # at once, as the next runs may take seconds, and what is under way proves a plan that has gone
         state.scenario.param.watch(self.end, list(PLAN_FIELDS))
         state.param.watch(self._ask, ["page", "runs"])
         self.model.param.watch(self._go_on, "go_on")

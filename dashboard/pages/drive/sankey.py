@@ -19,6 +19,7 @@ KNOTS = (LINE, DRIVE, TRAIN, BRAKE)
 """What energy passes on its way; everything else is where it ends or comes from."""
 SMALLEST_SHARE = 1e-4
 """Flows below this share of what the line gives are not drawn."""
+# TOP_PX has room for the two lines of text above the first knot, see `_knot`
 TALL_PX, KNOT_PX, GAP_PX, TOP_PX = 150.0, 9.0, 9.0, 34.0
 ROW_PX = 17.0
 NARROW_PX, WIDEST_PX = 560, 1100
@@ -66,6 +67,7 @@ def kwh(joules: float) -> str:
     return words.energy(joules / J_PER_KWH)
 
 
+# by hand: HoloViews' diagram refuses circles, and energy comes back to the supply; plotly's needs 4.8 MB of script
 class SankeyChart(Chart):
     """The flow of a run's energy, drawn as SVG within the page."""
 
@@ -125,6 +127,7 @@ class Drawing:
         self.name_room = 152.0 if narrow else 210.0
         self.left = 4.0 if narrow else 50.0
         self.size = 11 if narrow else 12
+        # where height or speed is lost, more passes the train than the supply gives
         most = max(sum(link.joules for link in links if link.source == LINE), self._through(TRAIN), 1.0)
         self.px_per_j = TALL_PX / most
         self.tops: dict[str, float] = {}
@@ -202,6 +205,7 @@ class Drawing:
         ribbons = []
         for link in self.links:
             height = self.px_per_j * link.joules
+            # it leads back beneath all others, see `_back`
             if link.target == BACK:
                 continue
             if link.source in KNOTS:

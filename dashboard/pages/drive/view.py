@@ -23,14 +23,17 @@ from railjoule.dashboard.charts.run_charts import (
 from railjoule.dashboard.charts.scene import RunScene, SceneChart
 from railjoule.dashboard.charts.speed import SpeedChart
 from railjoule.dashboard.look import words
+from railjoule.dashboard.look.tokens import NARROW_PX, WIDE_PX
 from railjoule.dashboard.pages.drive.actual_parts import actual_figures, belongs_to, causes_block, is_same_plan
 from railjoule.dashboard.pages.drive.law_chart import LawChart
 from railjoule.dashboard.pages.drive.proof_row import ProofRow
 from railjoule.dashboard.pages.drive.proof_work import Proving
 from railjoule.dashboard.pages.drive.sankey import SankeyChart
-from railjoule.dashboard.pages.page import NARROW_PX, WIDE_PX, PageView
+from railjoule.dashboard.pages.drive.simple_section import SimpleSection
+from railjoule.dashboard.pages.drive.simple_work import SimpleAdvising
+from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.parts import html as parts
-from railjoule.dashboard.parts.number_field import tie
+from railjoule.dashboard.parts.choices import over_time_buttons
 from railjoule.dashboard.work.runs import Runs
 
 HEIGHTS = {
@@ -44,10 +47,12 @@ HEIGHTS = {
     "power": (134, 134, 134),
     "law": (180, 180, 180),
     "sankey": (300, 300, 340),
+    "orders": (190, 190, 190),
 }
 """Of each chart [px]: in usual, wide and narrow windows."""
 MARGIN_PX, NARROW_MARGIN_PX, LEAST_WIDTH_PX = 400, 40, 300
 """What stands beside the charts, and how wide they are at least."""
+# the second column of LAYOUT_CSS, 330 px, and the gap of 20 px before it
 RAIL_PX = 350
 NO_CURRENT = (
     '<p class="note" style="padding:6px 8px">The current needs the voltage of the line: set it under Edit scenario, '
@@ -77,6 +82,7 @@ class DriveView(PageView):
     works = (
         Actual,
         Proving,
+        SimpleAdvising,
     )
     heights = HEIGHTS
     rail_px = RAIL_PX
@@ -89,12 +95,7 @@ class DriveView(PageView):
         self.advice = parts.html_pane()
         self.proof = ProofRow(self.state)
         self.account, self.runs, self.phases, self.notes = (parts.html_pane() for _ in range(4))
-        self.over = pmui.RadioButtonGroup(
-            options={"Distance": False, "Time": True},
-            value=self.state.over_time,
-            size="small",
-            margin=(8, 20, 0, 0),
-        )
+        self.over = over_time_buttons(self.state, margin=(8, 20, 0, 0))
         self.axis = Axis(self.palette)
         self.scenes = self._scene_charts()
         rail = parts.stack(self.account, self.runs, self.phases, self.notes, css=RAIL_CSS)
@@ -105,10 +106,10 @@ class DriveView(PageView):
         self.law.host.visible = False
         self.causes = parts.html_pane(visible=False)
         self.no_current = parts.html_pane(NO_CURRENT, visible=False)
-        column = parts.stack(*(self._beside(chart) for chart in self.charts))
+        self.simple = SimpleSection(self.state, HEIGHTS["orders"][0], self.palette)
+        column = parts.stack(*(self._beside(chart) for chart in self.charts if chart is not self.simple.chart))
         body = parts.stack(column, rail, css=LAYOUT_CSS)
         tools = pn.Row(self.advice, self.over, margin=0, sizing_mode="stretch_width", stylesheets=[TOOLS_CSS])
-        tie(self.over, self.state, "over_time")
         self.shows(self._show_failure, (self.state, ["failure", "runs"]), (self.state.actual, ["on", "failure", "run"]))
         self.shows(
             self._show_run,
@@ -121,7 +122,14 @@ class DriveView(PageView):
             (self.state.proof, ["stage", "step", "failure"]),
             (self.state.actual, ["on", "run", "failure"]),
         )
-        return parts.stack(self.heading, self.message, self.repair, self.figures, self.proof.view, tools, body)
+        self.shows(self.simple.show, (self.state.simple, ["open", "computing", "found", "stale", "changes", "failure"]))
+        self.shows(
+            self.simple.show_beside_runs,
+            (self.state, ["runs", "pins"]),
+            (self.state.simple, ["found", "stale", "changes"]),
+        )
+        top = (self.heading, self.message, self.repair, self.figures, self.proof.view)
+        return parts.stack(*top, tools, self.simple.view, body)
 
     def _beside(self, chart: Chart) -> Viewable:
         """Return a chart with what belongs to it."""
@@ -146,7 +154,7 @@ class DriveView(PageView):
     @property
     def charts(self) -> tuple[Chart, ...]:
         """All charts of the page, in the order in which they are read."""
-        return *self.scenes.values(), self.law, self.sankey
+        return self.simple.chart, *self.scenes.values(), self.law, self.sankey
 
     def settle(self) -> None:
         """Tell the cursor of the runs that it may meet new charts."""
@@ -176,6 +184,7 @@ class DriveView(PageView):
         if run is None or runs is None or self._waits(run):
             return
         actual = self._actual()
+        # under target braking curves the actual run has a plan of its own
         if actual is not None and not is_same_plan(actual, run):
             run = actual.planned
         self._show_texts(run, runs, actual)
@@ -186,12 +195,15 @@ class DriveView(PageView):
         scene = RunScene(
             state.chosen_now, shown, state.pinned, state.over_time, narrow, width, actual, runs.runs.get("fastest")
         )
+        # narrow windows have no names at the ends of lines, for which the room would be
         self.axis.fit(scene.end, roomy=not narrow)
         self.scenes["difference"].host.visible = state.pinned is not None
         self.scenes["current"].host.visible = CurrentChart.knows(run)
         self.no_current.visible = not CurrentChart.knows(run)
+        # a picture has even steps: those over places would be uneven over time
         law = None if state.over_time else runs.law
         self.law.host.visible = law is not None
+        # each with the scene of now: a chart out of sight draws later, when the state may name another one
         for chart in self.scenes.values():
             chart.show(partial(chart.draw, scene))
         if law is not None:

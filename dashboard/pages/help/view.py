@@ -20,6 +20,7 @@ KEYS = (
     ("Down", "open the list of a group of pages"),
 )
 """What the keys do; letters, digits and signs only while nothing is typed."""
+# what finer meshes gain is in the table that `python -m tests.benchmarks.mesh` prints
 PROOF = (
     (
         "What is proven",
@@ -104,6 +105,7 @@ def pages_html() -> Markup:
     rows = []
     for name, entry in PAGES.items():
         key = str(KEYED.index(name) + 1) if name in KEYED else "?" if name == "Help" else ""
+        # assets/scripts/glossary.js turns to the page that data-open names
         button = markup('<button type="button" class="open-page" data-open="{0}">{0}</button>', name)
         pressed = markup("<kbd>{}</kbd>", key) if key else ""
         rows.append(markup("<tr><td>{}</td><td>{}</td><td>{}</td></tr>", button, pressed, entry.question))

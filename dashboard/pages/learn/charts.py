@@ -25,6 +25,7 @@ LINES: Mapping[str, Line] = {
 WORTH_ENDS = (-0.7, 2.3)
 """What of the phase plane is shown: near rest the worth of motion grows beyond all bounds."""
 STEEPEST_SHARE = 0.03
+# the largest speed of metro-81-7036, the vehicle of the lessons
 MOST_KMH = 80.0
 TIME_TITLE = "Travel time, s"
 HEADROOM = 1.12
@@ -41,6 +42,7 @@ class LessonSpeedChart(RunLines):
 
     def __init__(self, lesson: str, caption: str, height: int, palette: Palette) -> None:
         form = Form(last=True)
+        # an axis for each lesson, as each has a line and a cursor of its own
         super().__init__(f"lesson_{lesson}", SPEED, LINES, height, Axis(palette), palette, caption, form)
 
     def frame(self, *args: Any, **style: Any) -> figure:
@@ -126,6 +128,7 @@ class PhasePlaneChart(LoneChart):
             return
         speed = np.concatenate([curve.speed_ms for curve in result.plane]) / MS_PER_KMH
         worth = np.concatenate([curve.adjoint for curve in result.plane])
+        # a little beyond the frame, as near rest the worth has no end
         self.put("run", **xy(speed, np.clip(worth, WORTH_ENDS[0] - 1, WORTH_ENDS[1] + 1)))
         self.driving.location, self.braking.location = steady.driving_adjoint, steady.braking_adjoint
         self._draw_regions(steady)

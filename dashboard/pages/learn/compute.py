@@ -88,6 +88,7 @@ def _recuperation(request: LessonRequest) -> LessonResult:
 
 def _gradient(request: LessonRequest) -> LessonResult:
     steep = request.value
+    # SHORT_M together, so that both plans are of the same length
     sections = [
         {"length_m": 150.0},
         {"length_m": 250.0, "gradient_permille": -steep},

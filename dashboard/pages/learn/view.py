@@ -52,6 +52,7 @@ details { margin: 6px 0 4px; font-size: 13.5px; }
 details p { margin-top: 2px; }
 summary { cursor: pointer; color: var(--rj-accent); width: fit-content; min-height: 24px; line-height: 24px; }
 """
+# 50 px, as the charts beneath have left of their frames
 FIGURES_CSS = """
 .figures { margin: 0 0 4px 50px; grid-template-columns: 1.15fr; }
 .figure { display: grid; grid-template-rows: subgrid; grid-row: span 3; align-items: end; align-content: start; }
@@ -62,6 +63,7 @@ FIGURES_CSS = """
 }
 @media (max-width: 899px) { .figures { margin-left: 0; } }
 """
+# -16 px, as number_field.css keeps 16 px at both sides, which the text around has not
 SLIDER: dict[str, Any] = {"margin": (10, 0, 0, -16), "max_width": 430}
 
 

@@ -1,26 +1,31 @@
 """The charts of Line: speed, train path, and what each leg gets of time and needs of energy, all over the distance."""
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
+from bokeh.events import PanEnd
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.studies.whole_line import Leg, Sharing, WholeLine
-from railjoule.core.units import J_PER_KWH
-from railjoule.dashboard.charts.chart import Axis, DistanceChart, add_zero, columns, nice_range, xy
+from railjoule.core.units import J_PER_KWH, J_PER_WH
+from railjoule.dashboard.charts.chart import Axis, DistanceChart, add_zero, columns, dragged, nice_range, text_style, xy
 from railjoule.dashboard.charts.quantities import PATH, POSITION, SPEED
 from railjoule.dashboard.charts.run_lines import (
     Form,
     Line,
     RunLines,
     add_limits,
+    add_passing_points,
     add_stations,
     draw_limits,
+    draw_passing_points,
     draw_stations,
     ends_of,
     limits_of,
 )
+from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.line.compute import LineRuns
 
@@ -28,9 +33,16 @@ SHARING_WORDS: Mapping[Sharing, str] = {
     "optimum": "optimal reserve",
     "proportional": "proportional reserve",
     "equal": "equal reserve",
+    "given": "given timetable",
 }
-SHARING_TOKENS: Mapping[Sharing, str] = {"optimum": "optimal", "proportional": "phases", "equal": "enoc"}
+SHARING_TOKENS: Mapping[Sharing, str] = {
+    "optimum": "optimal",
+    "proportional": "phases",
+    "equal": "enoc",
+    "given": "speed_limits",
+}
 LINES: Mapping[str, Line] = {
+    "given": Line("speed_limits", {"line_width": 1.8, "line_dash": [2, 3]}),
     "equal": Line("enoc", {"line_width": 1.8, "line_dash": [8, 3, 2, 3]}),
     "proportional": Line("phases", {"line_width": 1.8, "line_dash": [4, 3]}),
     "optimum": Line("optimal", {"line_width": 2.4}),
@@ -38,8 +50,10 @@ LINES: Mapping[str, Line] = {
 # over the highest limit: the names of the stations hang down from the upper edge
 HEADROOM = 1.2
 WORD_PX = 6.8
-BAR_SHARE, GROUP_SHARE = 0.25, 0.75
-"""Widths of a bar and of a leg's three bars over the leg."""
+GROUP_SHARE, GAP_SHARE = 0.75, 0.1
+"""Width of a leg's bars over the leg, and of the gap behind a bar over what it has."""
+LEAST_SLACK_S = 0.1
+"""No station can be dragged so far that a leg next to it keeps less."""
 
 
 def compared(runs: LineRuns, other: Sharing) -> dict[str, Trajectory]:
@@ -67,6 +81,7 @@ class LineSpeedChart(RunLines):
         """Write the names of the stations."""
         self.source("names", "x", "y", "text", "align")
         self.signs("names", "ink2", text_align="align", text_baseline="top", y_offset=2)
+        add_passing_points(self)
 
     def draw(self, runs: LineRuns, other: Sharing, width_px: float) -> None:
         """Draw limits, runs and as many names of stations as fit."""
@@ -76,6 +91,7 @@ class LineSpeedChart(RunLines):
         top = HEADROOM * float(np.max(limits))
         self.set_range(0, top)
         draw_stations(self, stations(best.legs))
+        draw_passing_points(self, best.run.scenario.line.in_running_order(), np.asarray)
         stops = [(best.legs[0].start_m, best.legs[0].departs_from), *((leg.end_m, leg.arrives_at) for leg in best.legs)]
         chosen = fitting(stops, best.run.distance_m / width_px)
         self.put(
@@ -105,7 +121,7 @@ class PathChart(RunLines):
 
 
 class LegBars(DistanceChart):
-    """Three bars on each leg, one for each way of sharing the time.
+    """Bars on each leg, one for each way of sharing the time.
 
     Parameters
     ----------
@@ -118,6 +134,7 @@ class LegBars(DistanceChart):
     """
 
     kind = "bars"
+    zoom = True
 
     def __init__(
         self,
@@ -135,7 +152,7 @@ class LegBars(DistanceChart):
 
     def build(self) -> None:
         """Make the figure."""
-        f = self.frame(with_axis=self.last, ticks=3)
+        f = self.frame(with_axis=self.last, zoom=self.zoom, ticks=3)
         add_stations(self)
         add_zero(f, self.palette)
         for sharing, token in SHARING_TOKENS.items():
@@ -147,12 +164,16 @@ class LegBars(DistanceChart):
 
     def draw(self, runs: LineRuns, width_px: float) -> None:
         """Draw the bars."""
-        bars = [bar_columns(runs.runs[sharing], place, self.value) for place, sharing in enumerate(SHARING_TOKENS)]
-        for sharing, (left, right, top) in zip(SHARING_TOKENS, bars, strict=True):
+        there = [sharing for sharing in SHARING_TOKENS if sharing in runs.runs]
+        bars = [bar_columns(runs.runs[name], place, len(there), self.value) for place, name in enumerate(there)]
+        for sharing in SHARING_TOKENS:
+            if sharing not in there:
+                self.clear(sharing)
+        for sharing, (left, right, top) in zip(there, bars, strict=True):
             self.put(sharing, **columns(left=left, right=right, top=top))
         tallest = np.max([top for *_, top in bars], axis=0)
         low, high = min(0.0, *(float(top.min()) for *_, top in bars)), max(0.0, float(tallest.max()))
-        self.set_range(*nice_range(low, high, 0.16) if low < 0 else (0.0, 1.22 * max(high, 1e-9)))
+        self.fit(low, high)
         draw_stations(self, stations(runs.best.legs))
         (left, _, top), *_, (_, right, _) = bars
         texts = [self.show_value(value) for value in top]
@@ -164,20 +185,129 @@ class LegBars(DistanceChart):
             text=[text for text, fit in zip(texts, fits, strict=True) if fit],
         )
 
+    def fit(self, low: float, high: float) -> None:
+        """Set the ends of the y axis, with room for the numbers above the bars."""
+        self.set_range(*nice_range(low, high, 0.16) if low < 0 else (0.0, 1.22 * max(high, 1e-9)))
+
+
+class SlackChart(LegBars):
+    """Time supplements, with stations that can be dragged: up, the train arrives there later.
+
+    Parameters
+    ----------
+    move : callable
+        Takes the number of a station and where its arrival is now [s], while it is dragged.
+    release : callable
+        Called when it is let go.
+    """
+
+    zoom = False  # a drag moves a station
+
+    def __init__(
+        self,
+        height: int,
+        axis: Axis,
+        palette: Palette,
+        move: Callable[[int, float], None],
+        release: Callable[[], None],
+    ) -> None:
+        caption = "Time supplement of each leg, s, over its shortest time: drag a station to move time between its legs"
+        super().__init__("supplements", caption, height, axis, palette, supplement_s, words.time)
+        self._move, self._release, self._moving = move, release, False
+
+    def build(self) -> None:
+        """Make the figure, and let the browser drag its stations."""
+        super().build()
+        f = self.figure
+        assert f is not None
+        grips = self.source("grips", *GRIP_COLUMNS)
+        moved, sign = self.source("moved", "number", "arrival"), self.source("sign", "x", "y", "text")
+        self.dots("grips", "surface", "accent", size=10, line_width=2)
+        self.glyphs(
+            "text",
+            "sign",
+            "x",
+            "y",
+            "text",
+            paint={"text_color": "ink", "background_fill_color": "surface"},
+            text_align="center",
+            y_offset=-12,
+            background_fill_alpha=0.85,
+            padding=2,
+            **text_style(),
+        )
+        dragged(f, "drag_slack", grips=grips, sign=sign, moved=moved)
+        moved.on_change("data", self._take)
+        f.on_event(PanEnd, lambda _: self._release())
+
+    def _take(self, _attribute: str, _old: Any, new: Mapping[str, Any]) -> None:
+        """Take what the browser has moved; what is emptied here calls, too."""
+        if len(new["number"]):
+            self._move(int(new["number"][0]), float(new["arrival"][0]))
+
+    def draw_slack(self, runs: LineRuns, width_px: float, moving: bool) -> None:
+        """Draw bars and stations; a station that is being dragged stays where the browser has it."""
+        self._moving = moving
+        self.draw(runs, width_px)
+        if not moving:
+            # sent whatever stands here: the browser has moved them without a word
+            self.sources["grips"].data = grip_columns(runs)
+            self.clear("moved", "sign")
+
+    def fit(self, low: float, high: float) -> None:
+        """Set the ends of the y axis, but not under a hand that drags."""
+        if not self._moving:
+            super().fit(low, high)
+
+
+GRIP_COLUMNS = ("x", "y", "rest", "arrival", "low", "high", "name")
+
+
+def grip_columns(runs: LineRuns) -> dict[str, list[Any]]:
+    """Return where the stations can be dragged, and how far: on the bars of the given timetable, else of the optimum.
+
+    Between two arrivals that a timetable gives the optimum shares the time, so that all of it there can be moved.
+    """
+    line = runs.runs.get("given", runs.best)
+    inner = runs.scenario.line.in_running_order().inner_stations
+    # the legs that share their time: those without a given arrival between them
+    group = np.cumsum([0, *(station.arrival_s is not None for station in inner)])
+    spare = np.array([max(leg.supplement_s - LEAST_SLACK_S, 0.0) for leg in line.legs])
+    grips: dict[str, list[Any]] = {name: [] for name in GRIP_COLUMNS}
+    for k, leg in enumerate(line.legs[:-1]):
+        number = np.arange(len(line.legs))
+        before = float(spare[(number <= k) & (group == group[k])].sum())
+        after = float(spare[(number > k) & (group == group[k + 1])].sum())
+        height = leg.supplement_s
+        # below the axis nothing can be seen or held
+        ends = max(height - before, 0.0), height + after
+        values = (leg.end_m, height, height, leg.arrival_s, *ends, leg.arrives_at)
+        for name, value in zip(GRIP_COLUMNS, values, strict=True):
+            grips[name].append(value)
+    return grips
+
 
 def bar_columns(
-    line: WholeLine, place: int, value: Callable[[Leg], float]
+    line: WholeLine, place: int, count: int, value: Callable[[Leg], float]
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return left and right ends [m] and heights of the bars of one way of sharing, the `place`-th of three."""
+    """Return left and right ends [m] and heights of the bars of one way of sharing, the `place`-th of `count`."""
     start = np.array([leg.start_m for leg in line.legs])
     length = np.array([leg.end_m for leg in line.legs]) - start
-    left = start + length * (0.5 * (1 - GROUP_SHARE) + BAR_SHARE * place)
-    return left, left + 0.9 * BAR_SHARE * length, np.array([value(leg) for leg in line.legs])
+    share = GROUP_SHARE / count
+    left = start + length * (0.5 * (1 - GROUP_SHARE) + share * place)
+    # a price that is not known has no bar
+    height = np.nan_to_num([value(leg) for leg in line.legs])
+    return left, left + (1 - GAP_SHARE) * share * length, height
 
 
 def supplement_s(leg: Leg) -> float:
     """Time supplement of a leg [s]."""
     return leg.supplement_s
+
+
+def price_wh_per_s(leg: Leg) -> float:
+    """Energy that an extra second saves on a leg [Wh/s]."""
+    return leg.price_of_time_w / J_PER_WH
 
 
 def energy_kwh(leg: Leg) -> float:

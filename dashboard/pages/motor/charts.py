@@ -88,6 +88,7 @@ TRACKING = Loop(
     Quantity("tracking", "Tracking error, m", "m", 3, read("tracking_error_m")),
     {"without pre-compensator": Line("driven", DASHED, "without"), "with": Line("accent", SOLID, "with")},
 )
+# beside the error without a pre-compensator, that with one is a line at zero
 TRACKING_FINE = Loop(
     Quantity(
         "tracking_fine", "Tracking error with pre-compensator, mm", "mm", 3, read("tracking_error_m", 1 / MM_PER_M)
@@ -118,6 +119,7 @@ FLUX = Loop(
 ENERGY = Loop(
     Quantity("loop_energy", "Energy so far, kWh", "kWh", 3, read("energy_by_input_power_j", J_PER_KWH)),
     {
+        # wide, as the dashed line of the parts lies on it
         "input power": Line("accent", {"line_width": 3}, "run", INPUT_ENERGY),
         "parts": Line("driven", DASHED, "run", column("energy_of_parts", "energy_by_parts_j", J_PER_KWH)),
     },
@@ -241,6 +243,7 @@ class DetuningChart(LoneChart):
     def build(self) -> None:
         """Make the figure."""
         f = self.frame(ticks=4, digits=1, x_title="Assumed / true rotor resistance, \u2013")
+        # factors have a decimal; `dress` writes the numbers of an x axis without
         f.xaxis[0].formatter.args = {"digits": 1}
         add_zero(f, self.palette)
         self.line("curve", "accent", line_width=1.8)
@@ -259,7 +262,9 @@ def detuning_cost(table: DetuningTable) -> tuple[FloatArray, FloatArray]:
     """Return the factors that are computed, rising, and how much more energy each takes than the right one [%]."""
     factors = np.array(table.rotor_resistance_factors)
     right = table.energy_kwh[np.argmin(np.abs(factors - 1))]
+    # before the right one is there, nothing can be told against it
     known = np.flatnonzero(np.isfinite(table.energy_kwh) & np.isfinite(right))
+    # they come in the order of NEAREST_FIRST
     known = known[np.argsort(factors[known])]
     return factors[known], 100 * share_above(table.energy_kwh[known], float(right))
 

@@ -168,6 +168,7 @@ def compute_rivals(loop: LoopRun) -> LoopRivals:
     refused: dict[StrategyName, str] = {}
     for name in RIVALS:
         if name == loop.request.strategy:
+            # driven already: it is the run itself
             strategies[name] = run
             continue
         try:
@@ -195,9 +196,11 @@ def compute_machine_map(run: FieldOrientedRun) -> MachineMap:
 
 def spread_points(points: OperatingPoints, over: MotorMap) -> OperatingPoints:
     """Return fewer points that lie evenly along the way of a run through a map."""
+    # as shares of the map, as N m and rad/s have no length in common
     sizes = np.ptp(over.torque_nm), np.ptp(over.speed_rads)
     steps = np.hypot(np.diff(points.torque_nm) / sizes[0], np.diff(points.speed_rads) / sizes[1])
     way = np.append(0.0, np.cumsum(steps))
+    # by rounding, the end may be looked for beyond the last point
     chosen = np.unique(np.searchsorted(way, np.linspace(0.0, way[-1], DRAWN_POINTS)).clip(max=len(way) - 1))
     return OperatingPoints(frozen_array(points.torque_nm[chosen]), frozen_array(points.speed_rads[chosen]))
 

@@ -2,12 +2,11 @@
 
 from typing import Any
 
-import panel_material_ui as pmui
-
 from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.markup import markup
+from railjoule.dashboard.parts.choices import box, menu
 from railjoule.dashboard.parts.html import html_pane, stack
-from railjoule.dashboard.parts.number_field import number_fields, tie
+from railjoule.dashboard.parts.number_field import number_fields
 from railjoule.dashboard.state.workbench import Workbench
 
 FLUX_WORDS = {"Constant": "constant", "Least loss": "least_loss"}
@@ -19,21 +18,8 @@ class MotorFields:
     def __init__(self, state: Workbench) -> None:
         self.state, self.model = state, state.motor
         model = self.model
-        self.precompensator = pmui.Checkbox(
-            label="Pre-compensator",
-            value=model.precompensator,
-            size="small",
-            margin=(0, 16, 0, 14),
-            sx={"& .MuiTypography-root": {"fontSize": "13px"}},
-        )
-        self.flux = pmui.Select(
-            label="Rotor flux",
-            options=FLUX_WORDS,
-            value=model.flux,
-            size="small",
-            margin=(8, 16, 4, 16),
-            sizing_mode="stretch_width",
-        )
+        self.precompensator = box(model, "precompensator", "Pre-compensator", margin=(0, 16, 0, 14))
+        self.flux = menu(model, "flux", "Rotor flux", FLUX_WORDS)
         self.view = stack(
             html_pane('<div class="section">Controller <span>\u00b7 with a rotor resistance of its own</span></div>'),
             self.precompensator,
@@ -50,8 +36,6 @@ class MotorFields:
             html_pane('<hr class="rule">'),
             visible=not model.no_machine,
         )
-        tie(self.precompensator, model, "precompensator")
-        tie(self.flux, model, "flux")
         model.param.watch(self._show, "no_machine")
 
     def _show(self, *_: Any) -> None:

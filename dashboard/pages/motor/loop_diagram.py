@@ -170,6 +170,7 @@ NARROW = Drawing(
         (200, 225, "\u03b8, \u03c9"),
     ),
 )
+# both are sent: the style sheet shows the one for the window
 DRAWINGS = (WIDE, NARROW)
 
 STYLE = """
@@ -228,12 +229,14 @@ def block_shape(name: str, x: float, y: float, width: float) -> Markup:
     middle = y + 0.5 * BLOCK_HEIGHT - 0.5 * LINE_PX * (len(block.words) - 1)
     rect = f'<rect x="{x:g}" y="{y:g}" width="{width:g}" height="{BLOCK_HEIGHT:g}" rx="{RADIUS:g}"/>'
     lines = (
+        # 0.36 em below the middle is the baseline of a word in the middle: half the height of a capital
         (f'<text x="{x + 0.5 * width:g}" y="{middle + k * LINE_PX + 0.36 * FONT_PX:g}" font-size="{FONT_PX:g}">', line)
         for k, line in enumerate(block.words)
     )
     return markup(
         '<g class="block" role="button" tabindex="0" data-block="{}" aria-label="{} {}; show its chart">{}{}</g>',
         name,
+        # a word that is broken at a hyphen is one word for those who listen
         " ".join(block.words).replace("- ", "-"),
         block.does,
         Markup(rect),

@@ -13,6 +13,7 @@ from railjoule.dashboard.pages.motor.compute import Limits, LoopRivals, MachineM
 from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters
 from railjoule.dashboard.state.page_model import PageModel, result
 
+# the fields begin with the defaults of the file's own keys
 LOOP = SimulationOptions()
 FLUXES = ("constant", "least_loss")
 CONTROL_FIELDS = (
@@ -35,6 +36,7 @@ class MotorModel(TypedParameters, PageModel):
     passing = ("studying", "no_machine")
 
     precompensator = param.Boolean(default=True, doc="Whether the reference leads by the lag of the loop.")
+    # as core/scenario/options.py bounds it
     bandwidth_rads = TypedNumber("Bandwidth, rad/s", "rad/s", 1, default=LOOP.bandwidth_rads, bounds=(1.0, 50.0))
     rotor_resistance_factor = TypedNumber(
         "Assumed / true resistance", "", 2, default=LOOP.rotor_resistance_factor, bounds=(0.2, 5.0), doc="Of the rotor."

@@ -70,6 +70,7 @@ DIAGRAM_CSS = """
 @media (max-width: 899px) { :host { position: static; padding: 10px 14px 8px; } }
 """
 COLUMN_CSS = ":host { row-gap: 6px; }"
+# 50 px, as charts have left of their frames
 QUESTION = (
     '<div style="padding:8px 6px 0 50px"><h2>A wrong rotor resistance</h2><p class="note">The controller computes '
     "the flux from the rotor resistance, which rises by up to half as the rotor warms up. The study runs the plan with "
@@ -227,6 +228,7 @@ class MotorView(PageView):
 
     def _show_ripple(self) -> None:
         ripple = self.model.ripple
+        # until it is there, its sketch; after an error there will be none
         self.ripple.host.visible = ripple is not None or self.model.failure is None
         if ripple is not None:
             self.ripple.show(partial(self.ripple.draw, ripple))
@@ -256,6 +258,7 @@ def run_figures(run: FieldOrientedRun) -> list[str]:
         float(energy[-1]) / J_PER_KWH for energy in (run.energy_by_input_power_j, run.energy_by_parts_j)
     )
     magnetising = run.magnetising_loss_j / J_PER_KWH
+    # in millionths, as a percentage of so small a difference would read 0.00
     share = 1e6 * (by_parts / by_input - 1) if by_input else 0.0
     return [
         parts.figure(

@@ -47,6 +47,7 @@ class Motor(PageWork[MotorModel]):
         self.detuning = self.study(compute_detuning, self._take_detuning)
         self._taken: Any = None
         state.scenario.param.watch(self._take_edits, "edits")
+        # the plan may be ENOC's, which depends on its acceleration time as well
         state.scenario.param.watch(self._ask, [*PLAN_FIELDS, "acceleration_time_s"])
         state.param.watch(self._ask, ["page", "chosen"])
         self.model.param.watch(self._ask, list(CONTROL_FIELDS))
@@ -85,6 +86,7 @@ class Motor(PageWork[MotorModel]):
         request = self._request()
         if self.is_new(request):
             self._stop()
+            # it was of the request before
             self.model.detuning = None
             if not self.model.no_machine:
                 self.run.ask(request)

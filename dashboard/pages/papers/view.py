@@ -8,18 +8,25 @@ from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+from bokeh.plotting import figure as Figure  # noqa: N812  (parts have figures too)
 from panel.viewable import Viewable
 
+from railjoule.core import RailjouleError
 from railjoule.core.validation import COMPARISONS, Erratum, Row, Table
 from railjoule.core.validation.papers import citation, printed_numbers
 from railjoule.core.validation.table import CLOSE_PERCENT
+from railjoule.dashboard.charts.chart import Chart
+from railjoule.dashboard.charts.figures import FinishedChart
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup, joined, markup
+from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.pages.papers.compute import PaperTables
+from railjoule.dashboard.pages.papers.names import AUTHORS
 from railjoule.dashboard.pages.papers.work import Papers
 from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.work.worker import Worker
 
 FILES = {
     "ftorek": "ftorek-2025",
@@ -28,7 +35,6 @@ FILES = {
     "shtompel": "shtompel-2025",
 }
 """What holds the printed numbers of each paper."""
-AUTHORS = {"ftorek": "Ftorek", "liashenko": "Liashenko", "rawicki": "Rawicki", "shtompel": "Shtompel"}
 SAME_PERCENT, MUCH_PERCENT = 0.05, 10.0
 """Differences below the first are none, beyond the second much: in percent, of percentages in percentage points."""
 COLUMNS = (
@@ -58,9 +64,20 @@ summary span { font-weight: 400; color: var(--rj-ink3); }
 ol { margin: 4px 0 0; padding-left: 22px; font-size: 12px; color: var(--rj-ink2); max-width: 90ch; }
 .citation { max-width: 90ch; color: var(--rj-ink2); margin-top: 2px; }
 """
+CHART_CSS = ":host { padding: 4px 20px 12px 14px; } @media (max-width: 899px) { :host { padding: 4px 12px 12px; } }"
+HEIGHTS = {"differences": (330, 420, 320)}
+"""Of the chart [px]: in usual, wide and narrow windows."""
+CAPTION = "Ours less printed, in % of the printed number; percentages in percentage points, %"
 COMPUTED = "Computed with the code of this version."
 COMPUTED_BEFORE = "Computed before the last change of the code; it is being computed again, table by table."
 SMALL: dict[str, Any] = {"size": "small", "margin": (6, 8, 4, 0)}
+
+
+def draw_differences(request: tuple[tuple[PaperTables, ...], bool]) -> tuple[Figure, Palette]:
+    """Return the figure of all differences, and its colours; in a thread, as HoloViews takes its time to load."""
+    from railjoule.dashboard.pages.papers.differences import difference_figure  # noqa: PLC0415
+
+    return difference_figure(*request)
 
 
 class PapersView(PageView):
@@ -68,6 +85,7 @@ class PapersView(PageView):
 
     page = "Papers"
     works = (Papers,)
+    heights = HEIGHTS
 
     def make(self) -> Viewable:
         """Make the pieces of the page, and return them laid out."""
@@ -90,12 +108,25 @@ class PapersView(PageView):
         self.busy = pn.FlexBox(
             self.progress, self.stop, self.progress_words, align_items="center", margin=0, visible=False
         )
+        self.differences = FinishedChart("differences", CAPTION, HEIGHTS["differences"][0])
+        self._drawn: tuple[Figure, Palette] | None = None
+        self._of: tuple[PaperTables, ...] = ()
+        # by the threads for single runs of seconds: short requests do not wait for it
+        self._drawing: Worker[tuple[tuple[PaperTables, ...], bool], tuple[Figure, Palette]] = Worker(
+            draw_differences, self._take_differences, self._fail_differences, is_slow=lambda _: True
+        )
         self.origin = parts.html_pane()
         bar = parts.stack(self.origin, self.all, self.busy, styles={"padding": "0 20px 8px"})
         self.shows(self._show, (self.model, ["results", "under_way", "is_current", "asked", "failure"]))
-        return parts.stack(
-            heading, self.message, self.figures, bar, *(section.view for section in self.sections.values())
-        )
+        self.shows(self._show_differences, (self.model, ["results", "asked"]))
+        chart = parts.stack(self.differences.host, css=CHART_CSS)
+        sections = (section.view for section in self.sections.values())
+        return parts.stack(heading, self.message, self.figures, bar, chart, *sections)
+
+    @property
+    def charts(self) -> tuple[Chart, ...]:
+        """The chart of all differences."""
+        return (self.differences,)
 
     def _ask(self, names: tuple[str, ...], *_: Any) -> None:
         self.model.compare = list(names)
@@ -113,6 +144,23 @@ class PapersView(PageView):
             self.figures.object = parts.figures(figure_cells(model.results.values()))
         for name, section in self.sections.items():
             section.show(model.results.get(name), busy)
+
+    def _show_differences(self) -> None:
+        """Draw what is compared anew, but not after each table; and follow the theme."""
+        papers = tuple(self.model.results.values())
+        if self._drawn is not None:
+            self._drawn[1].switch(self.state.dark)
+        if papers and papers != self._of and not self.model.asked:
+            self._of = papers
+            self._drawing.ask((papers, self.state.dark))
+
+    def _take_differences(self, drawn: tuple[Figure, Palette]) -> None:
+        self._drawn = drawn
+        drawn[1].switch(self.state.dark)
+        self.differences.show(partial(self.differences.draw, drawn[0]))
+
+    def _fail_differences(self, _: RailjouleError) -> None:
+        self.differences.fail()
 
     def _tell_progress(self) -> None:
         asked = self.model.asked

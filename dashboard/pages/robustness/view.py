@@ -20,6 +20,8 @@ from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.pages.robustness.chance_charts import HistogramChart, LoadScatter, chance_table, finite
 from railjoule.dashboard.pages.robustness.compute import Reality
+from railjoule.dashboard.pages.robustness.explorer import HEIGHTS as EXPLORER_HEIGHTS
+from railjoule.dashboard.pages.robustness.explorer import Explorer
 from railjoule.dashboard.pages.robustness.heat_map import (
     MEASURES,
     CostSurface,
@@ -41,6 +43,7 @@ HEIGHTS = {
     "driven_effort": (134, 150, 120),
     "braking": (240, 280, 220),
     "place": (150, 170, 140),
+    **EXPLORER_HEIGHTS,
 }
 """Of each chart [px]: in usual, wide and narrow windows."""
 LAYOUT_CSS = """
@@ -115,13 +118,15 @@ class RobustnessView(PageView):
             parts.stack(self.late.host, self.chance_table),
             css=LAYOUT_CSS,
         )
+        self.explorer = Explorer(self.state, self._take_charts)
         tie(self.measure, model, "measure")
         tie(self.knows, model, "knows")
         tie(self.ways, model, "both_directions")
         self.shows(self._show_run, (model, ["reality", "failure"]))
         self.shows(self._show_table, (model, ["table", "measure"]))
         self.shows(self._show_chance, (model, ["chance", "drawing"]))
-        return parts.stack(self.heading, self.message, self.figures, upper, lower)
+        self.shows(self.explorer.follow, (model, ["chance", "drawing"]))
+        return parts.stack(self.heading, self.message, self.figures, upper, lower, self.explorer.view)
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -136,7 +141,13 @@ class RobustnessView(PageView):
             self.effort,
             self.braking,
             self.position_error,
+            *self.explorer.charts,
         )
+
+    def _take_charts(self) -> None:
+        """Lead the charts that have come, and no longer those that have gone."""
+        self.queue.take(self.charts)
+        self._fit()
 
     def _choose(self, load_factor: float, error_m: float) -> None:
         self.model.param.update(actual_load_percent=100 * load_factor, coordinate_error_m=error_m)

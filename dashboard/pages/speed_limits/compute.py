@@ -109,6 +109,7 @@ def optimum_over(scenario: Scenario, travel_time_s: float) -> tuple[Trajectory |
         task = prepare_task(scenario.with_(**{"timetable.travel_time_s": travel_time_s}))
         task.require_timetable()
         return run_strategy(task, "optimal"), ""
+    # a scenario that is wrong in itself is no lack of an optimum: other errors go on
     except (TimetableError, SolverError, StrategyRefusedError) as refusal:
         return None, str(refusal)
 

@@ -11,7 +11,7 @@ from bokeh.plotting import figure
 
 from railjoule.core import Trajectory
 from railjoule.core.strategies.speed_limits import LEAST_LIMIT_KMH
-from railjoule.dashboard.charts.chart import Axis, dragged, text_style
+from railjoule.dashboard.charts.chart import Axis, dragged
 from railjoule.dashboard.charts.line_names import Name
 from railjoule.dashboard.charts.quantities import POSITION, SPEED, Quantity
 from railjoule.dashboard.charts.run_lines import (
@@ -86,19 +86,7 @@ class LimitSpeedChart(RunLines):
         self.glyphs("segment", "borders", "x", "low", "x", "high", paint=red, line_width=2)
         self.glyphs("scatter", "sections", "middle", "limit", paint=grip, size=11, line_width=2)
         self.glyphs("scatter", "handles", "x", "y", paint=grip, size=10, line_width=2, marker="square")
-        self.glyphs(
-            "text",
-            "sections",
-            "middle",
-            "limit",
-            "text",
-            paint={"text_color": "limit", "background_fill_color": "surface"},
-            text_align="center",
-            y_offset=-10,
-            background_fill_alpha=0.8,
-            padding=1,
-            **text_style(),
-        )
+        self.grounded_signs("sections", "limit", at=("middle", "limit"), text_align="center", y_offset=-10)
         bounds = {"least": LEAST_LIMIT_KMH, "shortest": LEAST_SECTION_M}
         dragged(f, "drag_sections", sections=sections, borders=borders, handles=handles, **bounds)
         sections.on_change("data", self._take)
@@ -109,6 +97,7 @@ class LimitSpeedChart(RunLines):
         """Take the steps that the browser has moved."""
         # the source calls for what is drawn here, too
         if not self._drawing:
+            # the last section ends with the line: that is no border
             self._move([float(limit) for limit in new["limit"]], [float(place) for place in new["right"]][:-1])
 
     def draw(self, shown: LimitRun, limits_kmh: Sequence[float], borders_m: Sequence[float]) -> None:
@@ -126,6 +115,7 @@ class LimitSpeedChart(RunLines):
     def _draw_names(self, curves: Mapping[str, Curve], line: Curve) -> None:
         """Name the runs clear of the steps with their handles and signs, and of the limits of the line."""
         steps, frame = self.sources["sections"].data, self.frame_now
+        # by columns ("F"): left and right end of one section after the other, each at its limit
         ends = np.ravel([steps["left"], steps["right"]], order="F"), np.repeat(steps["limit"], 2)
         signs = [
             frame.box(x, limit, text, 12, "center", SIGN_RISE_PX)
@@ -151,6 +141,7 @@ class LimitSpeedChart(RunLines):
             "right": right,
             "limit": limits,
             "middle": [0.5 * (start + end) for start, end in zip(left, right, strict=True)],
+            # as assets/scripts/drag_sections.js writes it under the mouse
             "text": [f"{limit:.1f}".removesuffix(".0") for limit in limits],
             "most": [most] * len(limits),
         }

@@ -88,6 +88,7 @@ class SpeedLimitsModel(TypedParameters, PageModel):
         borders = list(options.boundaries_m) or (own_borders if limits else even_borders(length, FIRST_SECTIONS))
         if limits is not None and len(limits) != len(borders) + 1:
             limits = None
+        # before the sections below, which are made with both
         self._length_m, self._most_kmh = length, most
         # a search without borders takes those of the line
         self.param.section_count.bounds = (2 if own_borders else 1, max(MOST_SECTIONS, len(borders) + 1))
@@ -108,6 +109,7 @@ class SpeedLimitsModel(TypedParameters, PageModel):
         made = []
         for limit, end in zip(limits_kmh, [*borders_m, self._length_m], strict=True):
             section = SectionModel(to_m=float(end))
+            # of this section alone: param copies a parameter for the instance through which it is asked for
             section.param.limit_kmh.bounds = (LEAST_LIMIT_KMH, self._most_kmh)
             section.limit_kmh = float(np.clip(limit, *section.param.limit_kmh.bounds))
             made.append(section)
@@ -164,6 +166,7 @@ class SpeedLimitsModel(TypedParameters, PageModel):
         """Set all limits [km/h] and borders [m] of the sections that there are."""
         for section, limit in zip(self.sections, limits_kmh, strict=True):
             section.limit_kmh = float(limit)
+        # not strict: the last section ends with the line
         for section, border in zip(self.sections, borders_m, strict=False):
             section.to_m = float(border)
 

@@ -7,7 +7,7 @@ from bokeh.transform import transform
 from railjoule.core.arrays import FloatArray
 from railjoule.core.limit_search.search import LimitSearch
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
-from railjoule.dashboard.charts.chart import columns, nice_range, text_style, xy
+from railjoule.dashboard.charts.chart import columns, nice_range, xy
 from railjoule.dashboard.charts.figures import LoneChart
 from railjoule.dashboard.charts.line_names import Name
 from railjoule.dashboard.charts.surface import CIVIDIS
@@ -60,6 +60,7 @@ class SearchPlaneChart(LoneChart):
         self.put("asked", **xy(*asked[samples].T))
         self.put("driven", **columns(x=driven[known, 0], y=driven[known, 1], energy=energy[known]))
         if known.any():
+            # 1e-9: where all trips cost the same, the colours must still span something
             self.mapper.update(low=float(energy[known].min()), high=float(np.quantile(energy[known], DEAR)) + 1e-9)
         self.put("path", **xy(*driven[known & ~samples].T))
         start, end = driven[int(np.argmin(np.where(samples, energy, np.inf)))], search.best.limits_ms[pair] / MS_PER_KMH
@@ -89,20 +90,7 @@ class SearchPathChart(LoneChart):
         self.glyphs("step", "best", "x", "y", paint={"line_color": "accent"}, mode="after", line_width=2)
         self.source("border", "x", "y", "text", "align", "offset")
         self.hairlines("border", "line2")
-        self.glyphs(
-            "text",
-            "border",
-            "x",
-            "y",
-            "text",
-            paint={"text_color": "ink2", "background_fill_color": "surface"},
-            text_align="align",
-            x_offset="offset",
-            text_baseline="top",
-            background_fill_alpha=0.8,
-            padding=1,
-            **text_style(11),
-        )
+        self.grounded_signs("border", "ink2", 11, text_align="align", x_offset="offset", text_baseline="top")
 
     def draw(self, search: LimitSearch) -> None:
         """Draw the energies in the order in which they were looked at."""

@@ -36,6 +36,7 @@ class StorageChart(LoneChart):
         self.put("chosen", **points([(chosen.storage.size_kwh, chosen.saved_kwh)]))
         self.put("most", x=[0.0], y=[most], text=[f"fully receptive supply: {words.energy(most)} kWh"])
         self.put("need", x=[need], y=[0.0], text=[f"needed: {words.energy(need)} kWh"])
+        # a run that never brakes has nothing to save: the axis must still have a height
         _, high = nice_range(0.0, max(most, 1e-3), 0.2)
         self.set_ranges((0.0, float(storage.size_kwh[-1])), (0.0, high))
 

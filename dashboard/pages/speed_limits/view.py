@@ -1,7 +1,6 @@
 """Speed limits: one for each section, their cost beside the optimum, what the drive and a storage make of it."""
 
 from functools import partial
-from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
@@ -13,7 +12,9 @@ from railjoule.dashboard.charts.quantities import EFFORT, ENERGY
 from railjoule.dashboard.charts.run_charts import LineStrip
 from railjoule.dashboard.charts.scene import RunScene
 from railjoule.dashboard.look import comparisons, words
-from railjoule.dashboard.pages.page import NARROW_PX, PageView
+from railjoule.dashboard.look.theme import padded
+from railjoule.dashboard.look.tokens import NARROW_PX
+from railjoule.dashboard.pages.page import BODY_CSS, PageView
 from railjoule.dashboard.pages.speed_limits.compute import LimitRun
 from railjoule.dashboard.pages.speed_limits.fields import PAGE
 from railjoule.dashboard.pages.speed_limits.limit_charts import LimitChart, LimitSpeedChart, both
@@ -21,6 +22,7 @@ from railjoule.dashboard.pages.speed_limits.search_charts import SearchPathChart
 from railjoule.dashboard.pages.speed_limits.storage import StorageChart, storage_table
 from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
 from railjoule.dashboard.parts import html as parts
+from railjoule.dashboard.parts.choices import box, buttons
 
 HEIGHTS = {
     "limit_speed": (290, 360, 240),
@@ -33,21 +35,19 @@ HEIGHTS = {
     "storage": (220, 260, 200),
 }
 """Of each chart [px]: in usual, wide and narrow windows."""
-BODY_CSS = ":host { padding: 4px 20px 0 14px; } @media (max-width: 899px) { :host { padding: 4px 10px 0 6px; } }"
 LOWER_CSS = """
 :host { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); column-gap: 28px;
   padding: 14px 20px 12px 14px; align-items: start; }
 @media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); padding: 8px 10px 12px 6px; } }
 """
 GAP_CSS = ":host { row-gap: 10px; }"
-NOTES_CSS = ":host { padding: 0 20px 16px; } @media (max-width: 899px) { :host { padding: 0 12px 16px; } }"
+NOTES_CSS = padded("0 20px 16px", "0 12px 16px")
 REGULATOR_WORDS = {"coast": "Coasts", "brake": "Brakes", "literal": "As printed"}
 REGULATOR_DOES = {"coast": "coasts above a limit", "brake": "brakes for a limit", "literal": "is the published relay"}
 RULE = (
     '<p style="padding:0 20px 8px;max-width:90ch">Below its limit the train drives, above it coasts: limits are '
     "set-points, not rules. The travel time may differ from the timetable within a window.</p>"
 )
-SMALL: dict[str, Any] = {"size": "small", "sx": {"& .MuiToggleButton-root": {"whiteSpace": "nowrap"}}}
 
 
 class SpeedLimitsView(PageView):
@@ -71,19 +71,9 @@ class SpeedLimitsView(PageView):
         self.path = SearchPathChart(HEIGHTS["search_path"][0], palette)
         self.map = MotorMapChart(HEIGHTS["motor_map"][0], palette)
         self.storage = StorageChart(HEIGHTS["storage"][0], palette)
-        self.regulator = pmui.RadioButtonGroup(
-            options={word: name for name, word in REGULATOR_WORDS.items()},
-            value=model.regulator,
-            margin=(8, 4, 0, 20),
-            **SMALL,
-        )
-        self.free = pmui.Checkbox(
-            label="Section ends may move",
-            value=model.free_borders,
-            size="small",
-            margin=(8, 8, 0, 16),
-            sx={"& .MuiFormControlLabel-label": {"fontSize": "13px"}},
-        )
+        regulators = {word: name for name, word in REGULATOR_WORDS.items()}
+        self.regulator = buttons(model, "regulator", regulators, margin=(8, 4, 0, 20))
+        self.free = box(model, "free_borders", "Section ends may move", margin=(8, 8, 0, 16))
         self.search = pmui.Button(
             label="Search set speeds",
             variant="outlined",
@@ -95,9 +85,8 @@ class SpeedLimitsView(PageView):
         self.pair = pmui.Select(
             label="Sections", options={"1 and 2": 0}, value=0, size="small", margin=(6, 0, 0, 46), width=130
         )
-        self.whose = pmui.RadioButtonGroup(
-            options={"Powertrain": "drive", "Motor": "motor"}, value=model.shown_map, margin=(6, 0, 0, 46), **SMALL
-        )
+        maps = {"Powertrain": "drive", "Motor": "motor"}
+        self.whose = buttons(model, "shown_map", maps, margin=(6, 0, 0, 46))
         self.pair.visible = self.whose.visible = False
         self._listen()
         return self._laid_out()
@@ -115,20 +104,12 @@ class SpeedLimitsView(PageView):
 
     def _listen(self) -> None:
         model = self.model
-        self.regulator.param.watch(lambda event: setattr(model, "regulator", event.new), "value")
-        self.free.param.watch(lambda event: setattr(model, "free_borders", event.new), "value")
-        self.whose.param.watch(lambda event: setattr(model, "shown_map", event.new), "value")
-        for widget, field in ((self.regulator, "regulator"), (self.free, "free_borders"), (self.whose, "shown_map")):
-            model.param.watch(partial(self._follow, widget), field)
         self.shows(self._show_run, (model, ["run", "failure"]))
         self.shows(self._show_trip, (model, ["trip"]))
         self.shows(self._show_search, (model, ["path"]), (self.pair, ["value"]))
         self.shows(self._show_found, (model, ["found"]))
         self.shows(self._show_map, (model, ["motor_map", "no_map", "shown_map"]))
         self.shows(self._show_storage, (model, ["storage"]))
-
-    def _follow(self, widget: Any, event: Any) -> None:
-        widget.value = event.new
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -151,12 +132,14 @@ class SpeedLimitsView(PageView):
         if run is None:
             return
         self.axis.fit(run.run.distance_m, roomy=False)
+        # under a drag the chart has the speeds of the trip, and the browser its steps
         if not self.model.moving:
             self.speed.show(partial(self.speed.draw, run, *self._steps()))
         self.effort.show(partial(self.effort.draw, both(run)))
         self.energy.show(partial(self.energy.draw, both(run)))
         self.line.show(partial(self.line.draw, self._scene(run)))
         self._show_texts(run)
+        # it has the points of the run
         self._show_map()
 
     def _steps(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -174,6 +157,7 @@ class SpeedLimitsView(PageView):
         if trip is None:
             return
         self.speed.show(partial(self.speed.draw_trip, trip))
+        # a trip is compared with nothing: the optimum in its time is asked for with the whole run
         wait = "release the step to compare"
         cells = [
             parts.figure("Extra energy of set speeds", "\u2013", "", wait, "main"),
@@ -251,6 +235,7 @@ class SpeedLimitsView(PageView):
         planned = self.state.scenario.travel_time_s
         share = self.model.time_window_percent / 100
         first, last = planned * (1 - share), planned * (1 + share)
+        # time is what the search pays with: its run takes all that the window allows, up to rounding
         rounding = 1e-5 * planned
         if first - rounding <= time_s <= last + rounding:
             detail = f"allowed {words.number(first)} to {words.number(last)} s"

@@ -38,8 +38,10 @@ class SpeedLimits(PageWork[SpeedLimitsModel]):
         )
         self.trip = self.worker(compute_limit_trip, self._take_trip)
         self.storage = self.worker(compute_storage, self._take_storage)
+        # a drive without a map is no failure of the page: the sentence stands in the map's place
         self.motor = self.worker(motor_map, self._take_map, self._take_no_map)
         self._sections = Items(self._take_section)
+        # before `_ask` listens to edits, too: what it asks for must be about the sections of the scenario that has come
         state.scenario.follow(_what_sections_depend_on, self._take_scenario)
         state.scenario.param.watch(self._ask, list(PLAN_FIELDS))
         state.param.watch(self._ask, "page")
@@ -108,6 +110,7 @@ class SpeedLimits(PageWork[SpeedLimitsModel]):
         self._ask_map(run.run.scenario)
 
     def _ask_map(self, scenario: Scenario) -> None:
+        # all that a map depends on: other limits leave it as it is
         vehicle = scenario.vehicle.drive, scenario.vehicle.traction, scenario.vehicle.braking
         if self.is_new(vehicle, "map"):
             self.motor.ask(scenario)

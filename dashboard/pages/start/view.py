@@ -2,6 +2,7 @@
 
 import numpy as np
 import panel as pn
+import panel_material_ui as pmui
 from panel.viewable import Viewable
 
 from railjoule.core import Trajectory
@@ -12,9 +13,11 @@ from railjoule.dashboard.insides import Words
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.theme import parts_css
+from railjoule.dashboard.look.tokens import variable
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.pages.start.compute import Card, outlines
+from railjoule.dashboard.pages.start.my_files import FileList
 from railjoule.dashboard.pages.start.work import Start
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.work.runs import Runs
@@ -148,11 +151,21 @@ class StartView(PageView):
         self.cards = {card.name: self._card_pane(card) for card in outlines()}
         self._shown: dict[str, Card] = {}
         self.browser.on_open(self._open)
+        files = self.state.files
+        self.own = [FileList(files, self._turn_to_drive)] if files.there else []
+        self.bring = pmui.Button(
+            label="Bring your own line",
+            icon="upload_file",
+            variant="outlined",
+            size="small",
+            margin=(10, 20, 2, 20),
+            on_click=lambda _: setattr(self.state, "page", "Import"),
+        )
+        self.shows(self._show_own, (files, ["listing", "deleted", "refusal", "current"]))
         self.shows(self._show_picture, (self.state, ["runs"]))
         self.shows(self._show_cards, (self.state.start, ["cards"]))
-        return parts.stack(
-            self.hero, *(piece for group in groups(tuple(self.cards)) for piece in self._laid_out(*group))
-        )
+        cards = (piece for group in groups(tuple(self.cards)) for piece in self._laid_out(*group))
+        return parts.stack(self.hero, self.bring, *self.own, *cards)
 
     def _laid_out(self, title: str, shows: str, names: tuple[str, ...]) -> tuple[Viewable, Viewable]:
         """Return the heading of a group of cards, and its cards."""
@@ -169,14 +182,23 @@ class StartView(PageView):
 
     def _show_cards(self) -> None:
         for card in self.state.start.cards:
-            if self._shown.get(card.name) is not card:
+            # one that is still to be computed may be shown with its fastest run meanwhile
+            if card.run is not None and self._shown.get(card.name) is not card:
                 self._shown[card.name] = card
                 self.cards[card.name].object = card_html(card)
+
+    def _show_own(self) -> None:
+        for shown in self.own:
+            shown.show()
+
+    def _turn_to_drive(self) -> None:
+        self.state.page = "Drive"
 
     def _open(self, name: str) -> None:
         if name not in self.cards:
             return
         with pn.io.hold():
+            # before the page is turned: what Drive asks for first is of this scenario
             self.state.scenario.choose(name)
             self.state.page = "Drive"
 
@@ -202,7 +224,7 @@ def hero(runs: Runs | None) -> Markup:
         told = (words.energy(fastest.energy_kwh), words.time(fastest.travel_time_s))
         key.append(markup("<span>dotted: fastest possible, {} kWh in {} s</span>", *told))
     patch = '<span><i style="background:var(--rj-{})"></i>{}</span>'
-    key += [markup(patch, name.replace("_", "-"), words.PHASE_WORDS[name]) for name in phases]
+    key += [markup(patch, variable(name), words.PHASE_WORDS[name]) for name in phases]
     alternative = f"Speed over distance of the optimum of {run.scenario.title}: " + ", ".join(
         words.advice_in_words(run.advice)
     )
@@ -224,6 +246,7 @@ def picture(run: Trajectory, fastest: Trajectory | None) -> Markup:
     """Return the area under the speed, phase by phase, and the line of the fastest run, as SVG."""
     top = top_kmh(run, fastest)
     line = '<path d="M0 {} H{}" stroke="var(--rj-{})" vector-effect="non-scaling-stroke"/>'
+    # not at zero, where the ground is drawn last
     shapes = [markup(line, f"{HEIGHT * (1 - speed / top):.1f}", f"{WIDTH:g}", "grid") for speed in ticks(top)[1:]]
     for phase in run.phases:
         # phases begin and end at nodes, up to rounding
@@ -232,11 +255,12 @@ def picture(run: Trajectory, fastest: Trajectory | None) -> Markup:
         if len(x) < 2:
             continue
         area = f"M{x[0]:.1f} {HEIGHT:g} " + " ".join(f"L{a:.1f} {b:.1f}" for a, b in zip(x, y, strict=True))
-        outline, token = f"{area} L{x[-1]:.1f} {HEIGHT:g} Z", phase.phase.replace("_", "-")
+        outline, token = f"{area} L{x[-1]:.1f} {HEIGHT:g} Z", variable(phase.phase)
         shapes.append(markup('<path d="{}" fill="var(--rj-{})" fill-opacity="0.8"/>', outline, token))
     if fastest is not None:
         shapes.append(speed_line(fastest, top, WIDTH, HEIGHT, "var(--rj-ink3)", 1.4, Markup('stroke-dasharray="2 4"')))
     shapes.append(speed_line(run, top, WIDTH, HEIGHT, "var(--rj-accent)", 2.8))
+    # half a stroke above the edge, at which the other half would be cut off
     shapes.append(markup(line, f"{HEIGHT - 0.5:g}", f"{WIDTH:g}", "groundline"))
     return joined(shapes)
 
@@ -249,12 +273,14 @@ def top_kmh(run: Trajectory, fastest: Trajectory | None) -> float:
 def ticks(end: float) -> list[float]:
     """Return round numbers from zero up to `end`, four to eight of them."""
     step = round_step(end / MOST_TICKS)
+    # an end that is a round number itself must not be lost to rounding
     return [step * k for k in range(int(end / step + 1e-9) + 1)]
 
 
 def axes(run: Trajectory, fastest: Trajectory | None) -> Markup:
     """Return the numbers and the title of the picture's axes."""
     top, length_km = top_kmh(run, fastest), run.distance_m / 1000
+    # 36 px lie between the picture and the lower edge of its place: see .plot in START_CSS
     speed_name = '<span class="y" style="top:calc((100% - 36px) * {})">{}</span>'
     place_name = '<span class="x" style="left:{}%">{}</span>'
     return joined(
@@ -271,6 +297,7 @@ def card_html(card: Card) -> Markup:
     stops = f", {card.stations} stations on the way" if card.stations else ""
     line, shown, cost = _run_words(card.run)
     return markup(
+        # by data-scenario, the browser's half turns to Drive before the server answers
         '<div class="card"><button type="button" data-scenario="{name}">{title}</button><p>{vehicle}</p>'
         '<svg role="img" aria-label="{shown}" viewBox="0 0 {width} {height}" preserveAspectRatio="none">{line}'
         '<path d="M0 {bottom} H{width}" stroke="var(--rj-line2)" vector-effect="non-scaling-stroke"/></svg>'
@@ -309,6 +336,7 @@ def speed_line(
     x, y = scaled(run.position_m, run.speed_ms / MS_PER_KMH, run.distance_m, top_kmh, width, height)
     points = " ".join(f"{a:.1f},{b:.1f}" for a, b in zip(x, y, strict=True))
     return markup(
+        # the picture is stretched to its place, which must not stretch its strokes
         '<polyline points="{}" fill="none" stroke="{}" stroke-width="{}" {} vector-effect="non-scaling-stroke" '
         'stroke-linejoin="round"/>',
         points,

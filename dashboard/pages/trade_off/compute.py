@@ -96,12 +96,14 @@ def compute_trade_off(request: TradeOffRequest) -> TradeOff:
         If the line cannot be run over at all.
     """
     task = prepare_task(request.scenario)
+    # at least as far as the slider of the travel time goes: TIMETABLE_RANGE in state/scenario.py
     share = max(2.0, (request.longest_time_s - task.dwell_s) / task.shortest_time_s)
     frontier = energy_time_frontier(task, frontier_times(task, longest_share=share))
     try:
         line = plain_line(task)
     except StrategyRefusedError as refusal:
         return TradeOff(request.scenario, frontier, None, None, None, str(refusal))
+    # for the map alone: ENOC's curve and single points keep the vehicle's own loss
     weighted = replace(line, loss_coefficient=line.loss_coefficient * request.copper_weight)
     return TradeOff(
         scenario=request.scenario,

@@ -41,6 +41,7 @@ class SurfacePane(Chart):
         """Make the pane."""
         self.pane = surface_pane(self.height)
         style = f"font:12px {FONT};color:var(--rj-ink2);padding:2px 0 0 6px"
+        # saved pictures have their names from data-figure
         title = parts.markup('<div data-figure="{0}" style="{1}">{0}</div>', self.caption, style)
         # as plain text: the library escapes what it sends, and pieces of HTML would refuse
         self.content = parts.stack(pn.pane.HTML(str(title), margin=0), self.pane)
@@ -58,6 +59,7 @@ class SurfacePane(Chart):
             "data": [
                 self._surface(enoc_map, bottom, top),
                 self._valley(enoc_map, bottom, top),
+                # above the cut it would float in the air
                 self._points([now] if now and now[2] < top else [], "present run", "accent", "circle", top - bottom),
                 self._printed(enoc_map, printed, bottom, top),
             ],
@@ -126,6 +128,7 @@ class SurfacePane(Chart):
             "x": [point[0] for point in points],
             "y": [point[1] for point in points],
             "z": [point[2] + POINT_LIFT * height for point in points],
+            # not z, which is lifted above the surface
             "customdata": [words.energy(point[2]) for point in points],
             "marker": {
                 "size": 7,

@@ -12,6 +12,7 @@ from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.core.validation.ftorek import TABLE_3_COPPER_WEIGHT
 from railjoule.dashboard.charts.chart import Chart
 from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.tokens import NARROW_PX
 from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.pages.trade_off.charts import (
     ContourChart,
@@ -22,6 +23,7 @@ from railjoule.dashboard.pages.trade_off.charts import (
 )
 from railjoule.dashboard.pages.trade_off.compute import TradeOff
 from railjoule.dashboard.pages.trade_off.surface import SurfacePane
+from railjoule.dashboard.pages.trade_off.work import Frontiers
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.state.workbench import Workbench
 
@@ -56,9 +58,10 @@ class TradeOffView(PageView):
     """The page of the trade-off."""
 
     page = "Trade-off"
+    works = (Frontiers,)
     heights = HEIGHTS
-    # as LAYOUT_CSS has it, which lays out one column up to 899 px
-    halves_from_px = 900
+    # in narrower windows LAYOUT_CSS has one column
+    halves_from_px = NARROW_PX
 
     def make(self) -> Viewable:
         """Make the pieces of the page, and return them laid out."""
@@ -108,6 +111,7 @@ class TradeOffView(PageView):
         trade_off, runs = self.state.trade_off, self.state.runs
         if trade_off is None or runs is None:
             return
+        # not the chosen one: the frontier is that of the optima
         run = runs.best
         now = self._present(trade_off, run.travel_time_s)
         self._show_texts(trade_off, run, now)
@@ -208,6 +212,7 @@ class TradeOffView(PageView):
         ]
 
         def enoc_row(name: str, ramp: float, energy: float) -> tuple[tuple[str, ...], bool]:
+            # two even ramps with a cruise between: length = peak speed x (time - one ramp)
             peak = run.distance_m / (run.travel_time_s - ramp) / MS_PER_KMH
             cells = (
                 parts.swatch("enoc") + name,
@@ -222,6 +227,7 @@ class TradeOffView(PageView):
         if coefficients is not None and now is not None:
             best = best_acceleration_time(coefficients, time)
             rows.append(enoc_row("ENOC, best", best, best_enoc_kwh(trade_off, time)))
+            # nearer, both times would read the same in tenths
             if abs(now[1] - best) > 0.05:
                 rows.append(enoc_row("ENOC, as set", now[1], now[2]))
             times, ramps, energies = printed_points(trade_off)

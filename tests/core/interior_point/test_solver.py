@@ -51,7 +51,7 @@ def test_ftoreks_line(travel_time_s, energy_wh):
 
 def test_a_public_benchmark_of_48_km():
     """TTOBench, 140 and 100 km/h: two published solvers find 440.1415 and 440.1406 kWh."""
-    run = solve(load_scenario(G1), initial_speed_ms=1.0, final_speed_ms=1.0)
+    run = solve(load_scenario(G1))
     assert len(run.effort_n) <= 1000
     assert run.energy_kwh == pytest.approx(440.14, rel=2e-4)
     assert 0 <= run.gap <= PROVEN_GAP

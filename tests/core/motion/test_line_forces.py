@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from railjoule.core.motion import build_course
-from railjoule.core.motion.line_forces import mean_over_train
+from railjoule.core.motion.line_forces import POINT, TrainExtent, mean_over_train
 from railjoule.core.scenario import Line
 
 LINE = Line.model_validate({"sections": HILLS})
@@ -34,35 +34,44 @@ nodes = st.lists(st.integers(1, 1999), min_size=1, max_size=8, unique=True).map(
 
 @given(nodes)
 def test_a_point(position_m):
-    means = mean_over_train(LINE, VALUES, position_m, None, None)
+    means = mean_over_train(LINE, VALUES, position_m, POINT)
     # sampling is off by at most one sample of the largest jump in a cell
     assert means == pytest.approx(brute_force(position_m, np.zeros(1), 4000), abs=60 / 4000 * 2)
 
 
 @given(nodes, st.integers(1, 8), st.floats(10, 600))
 def test_cars_are_felt_at_their_centres(position_m, car_count, length_m):
-    means = mean_over_train(LINE, VALUES, position_m, length_m, car_count)
+    means = mean_over_train(LINE, VALUES, position_m, TrainExtent(length_m, car_count))
     centres = (np.arange(car_count) + 0.5) * length_m / car_count
     assert means == pytest.approx(brute_force(position_m, centres, 2000), abs=60 / 2000 * 2)
 
 
 @given(nodes, st.floats(1, 900))
 def test_an_even_train(position_m, length_m):
-    means = mean_over_train(LINE, VALUES, position_m, length_m, None)
+    means = mean_over_train(LINE, VALUES, position_m, TrainExtent(length_m))
     offsets = (np.arange(300) + 0.5) * length_m / 300
     assert means == pytest.approx(brute_force(position_m, offsets, 300), abs=0.3)
 
 
+@given(nodes, st.integers(1, 8), st.floats(10, 600))
+def test_at_one_point_of_a_train(position_m, car_count, length_m):
+    """The front is a train without length, the middle a point half a length behind it, whatever the cars."""
+    front = mean_over_train(LINE, VALUES, position_m, TrainExtent(length_m, car_count, "front"))
+    assert np.array_equal(front, mean_over_train(LINE, VALUES, position_m, POINT))
+    middle = mean_over_train(LINE, VALUES, position_m, TrainExtent(length_m, car_count, "middle"))
+    assert middle == pytest.approx(mean_over_train(LINE, VALUES, position_m, TrainExtent(length_m, 1)))
+
+
 @given(nodes, st.floats(50, 600))
 def test_many_cars_are_an_even_train(position_m, length_m):
-    even = mean_over_train(LINE, VALUES, position_m, length_m, None)
-    cars = mean_over_train(LINE, VALUES, position_m, length_m, 2000)
+    even = mean_over_train(LINE, VALUES, position_m, TrainExtent(length_m))
+    cars = mean_over_train(LINE, VALUES, position_m, TrainExtent(length_m, 2000))
     assert cars == pytest.approx(even, abs=0.05)
 
 
 def test_the_first_value_continues_before_the_line():
     line = Line.model_validate({"sections": [{"length_m": 100}, {"length_m": 100}]})
-    means = mean_over_train(line, np.array([6.0, 0.0]), np.array([0.0, 100.0, 200.0]), 50.0, None)
+    means = mean_over_train(line, np.array([6.0, 0.0]), np.array([0.0, 100.0, 200.0]), TrainExtent(50.0))
     # in the second cell, half of the train's length passes the border: 50 of 100 m at a mean of a half
     assert means == pytest.approx([6.0, 6.0 * 25 / 100])
 

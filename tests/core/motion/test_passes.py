@@ -220,6 +220,12 @@ def test_speeds_at_the_ends_that_cannot_be(ends):
         solve(plain_scenario(changes), **ends)
 
 
+def test_a_speed_at_an_end_above_the_limit_is_told():
+    changes = {"timetable.exit_speed_kmh": 60.0, "line.speed_limits": [{"from_m": 1500, "to_m": 2000, "limit_kmh": 50}]}
+    with pytest.raises(InfeasibleLineError, match=r"run at 60 km/h at 2000 m, where at most 50 km/h are allowed"):
+        solve(plain_scenario(changes))
+
+
 def test_a_curve_that_stops_the_train_is_named():
     """A curve of 3 m takes 600 / 3 = 200 N/kN, twice what 100 kN pull of 130 t: the gradient has no part in it."""
     sections = [{"length_m": 500.0}, {"length_m": 700.0, "curve_radius_m": 3.0}]

@@ -6,7 +6,7 @@ from builders import COPPER_LOSS, plain_scenario
 
 from railjoule.core import StrategyRefusedError, load_scenario, solve
 from railjoule.core.motion import build_course
-from railjoule.core.motion.line_forces import car_crossings
+from railjoule.core.motion.line_forces import car_crossings, car_offsets_m
 from railjoule.core.scenario import Line
 
 TUNNEL = [{"length_m": 800.0}, {"length_m": 400.0, "tunnel_factor": 3.0}, {"length_m": 800.0}]
@@ -56,7 +56,7 @@ def test_who_cannot_tunnels_says_so(strategy):
 
 def test_nodes_where_a_cars_centre_changes_its_section():
     line = Line.model_validate({"sections": [{"length_m": 500.0}, {"length_m": 500.0, "gradient_permille": 10.0}]})
-    assert car_crossings(line, 100.0, 4) == pytest.approx([512.5, 537.5, 562.5, 587.5])
+    assert car_crossings(line, car_offsets_m(100.0, 4)) == pytest.approx([512.5, 537.5, 562.5, 587.5])
     course = build_course(
         plain_scenario(
             {"line.sections": line.model_dump()["sections"], "vehicle.length_m": 100.0, "vehicle.car_count": 4}
@@ -76,3 +76,14 @@ def test_cars_on_a_line_of_one_section():
     """No place where a car's centre would meet another gradient."""
     scenario = load_scenario("kharkiv-like-40kmh").with_(**{"line.sections": [{"length_m": 2400.0}]})
     assert build_course(scenario).cell_count >= 240
+
+
+def test_a_place_that_several_cars_share_is_one_node():
+    """Sections as long as a car, 14.65 m: the second car enters one where the first enters the next, but for rounding.
+
+    A cell of 1e-12 m is what is left of both, over which the interior point found no optimum.
+    """
+    sections = [{"length_m": 100.1 if k == 0 else 14.65, "gradient_permille": float(k)} for k in range(12)]
+    line = Line.model_validate({"sections": sections})
+    places = car_crossings(line, car_offsets_m(58.6, 4))
+    assert np.diff(places).min() > 1.0

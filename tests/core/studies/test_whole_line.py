@@ -5,8 +5,9 @@ import pytest
 
 from railjoule.core import ScenarioError, TimetableError, load_scenario, solve
 from railjoule.core.scenario import Scenario
+from railjoule.core.strategies.line_parts import part_of, stop_nodes
 from railjoule.core.strategies.optimal import optimal
-from railjoule.core.studies.whole_line import WholeLine, part_of, shared_line, stop_nodes, whole_line
+from railjoule.core.studies.whole_line import WholeLine, shared_line, whole_line
 from railjoule.core.task import prepare_task
 
 SHARINGS = ("optimum", "proportional", "equal")

@@ -10,7 +10,7 @@ from railjoule.core.simulate.actual_run import actual_run
 from railjoule.dashboard.actual.model import add_stop, as_planned, checked_place, move_stop, occupied_m
 from railjoule.dashboard.actual.work import Actual
 from railjoule.dashboard.browser.browser import Browser
-from railjoule.dashboard.keep.snapshot import document_of, lay
+from railjoule.dashboard.keep.snapshot import lay, snapshot_of
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.disturbances.work import Disturbances
 from railjoule.dashboard.pages.drive.view import DriveView
@@ -195,9 +195,9 @@ def test_link_and_undo_keep_it(pages):
     state = pages.state
     state.actual.param.update(on=True, reaction="computer")
     add_stop(state)
-    document = document_of(state)
+    snapshot = snapshot_of(state)
     other = Pages().state
-    assert lay(other, document) == ()
+    assert lay(other, snapshot) == ()
     assert (other.actual.on, other.actual.reaction) == (True, "computer")
     assert [event.document for event in other.disturbances.events] == [e.document for e in state.disturbances.events]
 

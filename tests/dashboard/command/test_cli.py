@@ -8,11 +8,13 @@ import types
 import numpy as np
 import pytest
 import xarray
+from commands import answer, complaint
 
 from railjoule.core import Check, CheckResult, load_scenario, solve
 from railjoule.core.validation import PAPERS
 from railjoule.core.validation import benchmark as core_benchmark
 from railjoule.core.validation.benchmark import Timing
+from railjoule.core.workspace import Workspace
 from railjoule.dashboard.command import cli, commands
 from railjoule.dashboard.command.cli import BAD_INPUT, BROKEN_PIPE, BROKEN_RULE, INTERRUPTED, OK, main
 
@@ -27,27 +29,6 @@ CLOSED_LOOP_KEYS = {
 """What the design promises of a simulation in closed loop."""
 
 
-def answer(capsys, *words):
-    """Run a command that must succeed; return what it printed."""
-    status = main(words)
-    captured = capsys.readouterr()
-    assert captured.err == ""
-    assert status == OK
-    return captured.out
-
-
-def complaint(capsys, *words):
-    """Run a command that must fail; return its one sentence."""
-    status = main(words)
-    captured = capsys.readouterr()
-    assert status == BAD_INPUT
-    assert captured.out == ""
-    assert captured.err.startswith("railjoule: ")
-    assert captured.err.endswith((".\n", "?\n"))
-    assert captured.err.count("\n") == 1
-    return captured.err.removeprefix("railjoule: ").rstrip("\n")
-
-
 # ---- solve
 
 
@@ -57,6 +38,27 @@ def test_solve_prints_json(capsys):
     assert result["energy_kwh"] == run.energy_kwh
     assert result["lower_bound_kwh"] == run.lower_bound_kwh
     assert result["shortest_time_s"] == pytest.approx(SHORTEST_TIME_S, abs=0.1)
+
+
+def test_advise_prints_what_few_orders_cost(capsys):
+    found = json.loads(answer(capsys, "advise", "liashenko-ii", "--json"))
+    (run,) = found["runs"]
+    # power, coast, brake: the optimum of this profile has no more
+    assert run["changes"] == found["changes"] == 2
+    assert run["price_kwh"] == pytest.approx(0, abs=1e-4)
+    assert [order["action"] for order in found["advice"]] == ["full_power", "coast", "brake"]
+
+
+def test_advise_prints_one_order_a_line(capsys):
+    text = answer(capsys, "advise", "liashenko-ii")
+    assert "changes" in text
+    assert "  3. brake fully from" in text
+
+
+def test_advise_refuses_a_number_of_changes(capsys):
+    assert "--changes: '1' is not a whole number from 2 to 9" in complaint(
+        capsys, "advise", "liashenko-ii", "--changes", "1"
+    )
 
 
 def test_solve_proves_for_as_long_as_it_is_told(capsys):
@@ -376,7 +378,94 @@ def app(monkeypatch):
 def test_serve_passes_address_and_port(capsys, app):
     answer(capsys, "serve")
     answer(capsys, "serve", "--port", "8080", "--address", "0.0.0.0")
-    assert app.calls == [{"address": "127.0.0.1", "port": 5006}, {"address": "0.0.0.0", "port": 8080}]
+    served = [(call["address"], call["port"]) for call in app.calls]
+    assert served == [("127.0.0.1", 5006), ("0.0.0.0", 8080)]
+
+
+# ---- a workspace
+
+OWN_SCENARIO = '[vehicle]\npreset = "my-metro"\n[line]\npreset = "liashenko-ii"\n[timetable]\ntravel_time_s = 100\n'
+
+
+@pytest.fixture
+def own(tmp_path):
+    workspace = Workspace(tmp_path / "own")
+    workspace.save("vehicles", "my-metro", 'preset = "metro-81-7036"\ntare_kg = 190_000\n')
+    workspace.save("scenarios", "my-run", OWN_SCENARIO)
+    return workspace
+
+
+def test_own_names_are_known_on_the_command_line(capsys, own):
+    place = ["--workspace", str(own.folder), "--json"]
+    heavy = json.loads(answer(capsys, "solve", "my-run", *place))
+    light = json.loads(answer(capsys, "solve", "my-run", "--set", "vehicle.preset=metro-81-7036", *place))
+    assert heavy["energy_kwh"] > light["energy_kwh"]
+    shipped = json.loads(answer(capsys, "solve", "liashenko-ii", *place))
+    changed = json.loads(answer(capsys, "solve", "liashenko-ii", "--set", "vehicle.preset=my-metro", *place))
+    assert changed["energy_kwh"] > shipped["energy_kwh"]
+
+
+def test_a_saved_run_is_checked_by_name(capsys, own):
+    run = solve(own.scenario("my-run"))
+    own.save("runs", "monday", run.to_dataframe().to_csv(index=False))
+    words = ("check", "monday", "--scenario", "my-run", "--workspace", str(own.folder), "--json")
+    assert json.loads(answer(capsys, *words))["ok"]
+
+
+def test_a_user_has_a_folder_without_saying_so(capsys, own, monkeypatch):
+    monkeypatch.setattr(commands, "default_folder", lambda: own.folder)
+    assert json.loads(answer(capsys, "solve", "my-run", "--json"))["energy_kwh"] > 0
+    assert complaint(capsys, "solve", "my-run", "--no-workspace").startswith(
+        "my-run: there is no such file or shipped scenario; choose one of ftorek-300s, "
+    )
+    assert "choose one of my-run, ftorek-300s" in complaint(capsys, "solve", "my-runs")
+
+
+def test_a_workspace_that_is_not_there_is_one_sentence(capsys, tmp_path):
+    assert complaint(capsys, "solve", "liashenko-ii", "--workspace", str(tmp_path / "none")) == (
+        f"--workspace {tmp_path / 'none'}: there is no such folder."
+    )
+    (tmp_path / "file").write_text("")
+    assert "there is no such folder" in complaint(
+        capsys, "solve", "liashenko-ii", "--workspace", str(tmp_path / "file")
+    )
+    assert "File exists" in complaint(capsys, "serve", "--workspace", str(tmp_path / "file"))
+
+
+def test_who_has_no_home_has_no_workspace(capsys, monkeypatch):
+    def homeless():
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.setattr(commands, "default_folder", homeless)
+    assert commands.workspace_at(None) is None
+    assert "there is no such user" in complaint(
+        capsys, "solve", "liashenko-ii", "--workspace", "~nobody-of-this-name/x"
+    )
+
+
+@pytest.mark.parametrize("name", ["../own/scenarios/my-run", "../scenarios/my-run", "\u202emy-run"])
+def test_no_name_leads_out_of_a_workspace(capsys, own, name):
+    assert "there is no such file" in complaint(capsys, "solve", name, "--workspace", str(own.folder))
+
+
+@pytest.mark.parametrize(
+    ("words", "served"),
+    [
+        ((), True),
+        (("--address", "localhost"), True),
+        (("--address", "::1"), True),
+        (("--no-workspace",), False),
+        (("--address", "0.0.0.0"), False),
+        (("--address", "example.org"), False),
+        (("--address", "0.0.0.0", "--workspace", "{}"), True),
+    ],
+)
+def test_others_change_no_files_unless_it_was_said(capsys, app, tmp_path, words, served):
+    calls = []
+    app.serve = lambda **parameters: calls.append(parameters["workspace"])
+    assert main(["serve", *(word.format(tmp_path / "own") for word in words)]) == OK
+    assert (calls[0] is not None) == served
+    assert (tmp_path / "own").is_dir() == ("--workspace" in words)
 
 
 def test_a_port_in_use_is_one_sentence(capsys, app):

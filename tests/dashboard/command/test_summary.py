@@ -36,7 +36,7 @@ def test_numbers_are_those_of_the_trajectory(run, summary):
     assert summary["title"] == "Metro, profile II"
     assert summary["strategy"] == "optimal"
     assert summary["energy_kwh"] == run.energy_kwh
-    assert summary["gap"] == run.gap
+    assert (summary["gap"], summary["proven"]) == (run.gap, True)
     assert summary["price_of_time_wh_per_s"] == pytest.approx(run.price_of_time_w / 3600)
     assert summary["shortest_time_s"] == 76.9
     assert summary["phases"][0]["end_kmh"] == pytest.approx(run.phases[0].end_ms * 3.6)

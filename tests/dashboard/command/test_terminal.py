@@ -42,14 +42,15 @@ def test_energies_have_three_digits_below_five(kwh, text):
 )
 def test_gaps_in_words(gap, words):
     bound = None if gap is None else 4.0
-    assert bound_words({"energy_kwh": 4.0 * (1 + (gap or 0.0)), "lower_bound_kwh": bound, "gap": gap}) == words
+    energy_kwh, proven = 4.0 * (1 + (gap or 0.0)), words == "proven optimal"
+    assert bound_words({"energy_kwh": energy_kwh, "lower_bound_kwh": bound, "gap": gap, "proven": proven}) == words
 
 
 def run(energy_kwh, of_kwh=4.0, strategy="phases", proven=True, within_s=95.0):
     """Return what `verdict` reads of a run beside the optimum."""
     known = {"strategy": "optimal", "energy_kwh": of_kwh, "within_s": within_s, "proven": proven}
     values = {"energy_kwh": energy_kwh, "strategy": strategy, "allowed_time_s": 95.0, "reference": known}
-    return {**values, "lower_bound_kwh": 4.0, "gap": energy_kwh / 4.0 - 1}
+    return {**values, "lower_bound_kwh": 4.0, "gap": energy_kwh / 4.0 - 1, "proven": energy_kwh == 4.0}
 
 
 @pytest.mark.parametrize(

@@ -48,7 +48,7 @@ def test_a_field_says_what_it_means_and_its_bounds() -> None:
 
 
 def test_a_field_of_a_time_takes_it_as_on_a_clock() -> None:
-    time, _ = parts_of("timetable")
+    time, *_ = parts_of("timetable")
     assert isinstance(time, Field)
     assert time.parse("2 min 30 s") == time.parse("2:30") == 150.0
     assert time.help_words == (

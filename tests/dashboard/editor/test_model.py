@@ -176,6 +176,7 @@ def test_a_line_too_short_for_its_limit_is_refused(model: ScenarioModel, editor:
     [
         "line.speed_limits",
         "line.stations",
+        "line.passing_points",
         "disturbance.stops",
         "disturbance.speed_limits",
         "disturbance.voltage_changes",
@@ -203,3 +204,34 @@ def test_a_table_of_too_many_rows_is_refused() -> None:
     editor.paste(table, "1\n" * 5001)
     assert editor.refused["line.sections"].sentence == "5,001 rows; the page takes at most 5,000. Nothing is changed."
     assert not editor.scenario.edits
+
+
+def test_a_station_between_two_others_has_no_arrival_of_theirs(editor: EditorModel) -> None:
+    stations = table(editor, "line.stations")
+    editor.paste(stations, "name,position_m,dwell_s,latest_arrival_s\nA,700,20,90\nB,1500,20,")
+    editor.insert(stations, 0)
+    assert editor.refused == {}
+    assert editor.look().rows(stations)[1] == {"name": "", "position_m": 1100, "dwell_s": 20}
+
+
+def test_a_passing_point_is_added_away_from_the_stations(editor: EditorModel) -> None:
+    editor.paste(table(editor, "line.stations"), "position_m\n1150")
+    points = table(editor, "line.passing_points")
+    editor.insert(points, 0)
+    assert editor.refused == {}
+    (row,) = editor.look().rows(points)
+    assert (row["position_m"], row["speed_kmh"]) in {(575.0, 30.0), (1725.0, 30.0)}
+
+
+def test_what_the_line_and_its_ends_ask_for_is_in_the_editor_in_plain_words() -> None:
+    fields = {field.key: field for table in ("line", "timetable", "vehicle") for field in parts_of(table)}
+    labels = {
+        "line.limits_hold_for": "Speed limits hold for",
+        "line.head_wind_kmh": "Head wind, km/h",
+        "line.passing_points": "Passing points",
+        "timetable.entry_speed_kmh": "Entry speed, km/h",
+        "timetable.exit_speed_kmh": "Exit speed, km/h",
+        "vehicle.gradient_at": "Gradient acts on",
+    }
+    assert {key: fields[key].label for key in labels} == labels
+    assert all(fields[key].help for key in labels if key != "line.passing_points")

@@ -17,14 +17,14 @@ def clock() -> Clock:
     return Clock()
 
 
-def document(page: str = "Drive", **values: float) -> dict[str, object]:
+def snapshot(page: str = "Drive", **values: float) -> dict[str, object]:
     return {"page": page, "colours": "system", "load": 50, "time": 170, **values}
 
 
 def test_steps_are_taken_back_and_again(clock: Clock) -> None:
-    history = History(document(), clock)
-    history.note(document(load=60))
-    history.note(document(load=60, time=180))
+    history = History(snapshot(), clock)
+    history.note(snapshot(load=60))
+    history.note(snapshot(load=60, time=180))
     first, second = history.undo(), history.undo()
     assert first is not None
     assert second is not None
@@ -37,12 +37,12 @@ def test_steps_are_taken_back_and_again(clock: Clock) -> None:
 
 
 def test_moves_of_one_slider_are_one_step(clock: Clock) -> None:
-    history = History(document(), clock)
+    history = History(snapshot(), clock)
     for load in (55, 60, 65):
         clock.now += 0.5 * ONE_MOVE_S
-        history.note(document(load=load))
+        history.note(snapshot(load=load))
     clock.now += 2 * ONE_MOVE_S
-    history.note(document(load=90))
+    history.note(snapshot(load=90))
     back = history.undo()
     assert back is not None
     assert back["load"] == 65
@@ -52,30 +52,30 @@ def test_moves_of_one_slider_are_one_step(clock: Clock) -> None:
 
 
 def test_turning_a_page_is_no_step_and_undo_turns_to_where_it_was_made(clock: Clock) -> None:
-    history = History(document(), clock)
-    history.note(document("Robustness"))
+    history = History(snapshot(), clock)
+    history.note(snapshot("Robustness"))
     assert not history.can_undo
-    history.note(document("Robustness", load=60))
-    history.note(document("Drive", load=60))
+    history.note(snapshot("Robustness", load=60))
+    history.note(snapshot("Drive", load=60))
     back = history.undo()
     assert back is not None
     assert back["page"] == "Robustness"
 
 
 def test_a_new_step_forgets_those_ahead(clock: Clock) -> None:
-    history = History(document(), clock)
-    history.note(document(load=60))
+    history = History(snapshot(), clock)
+    history.note(snapshot(load=60))
     history.undo()
-    history.settle(document())
-    history.note(document(load=70))
+    history.settle(snapshot())
+    history.note(snapshot(load=70))
     assert not history.can_redo
 
 
 def test_the_oldest_steps_are_forgotten(clock: Clock) -> None:
-    history = History(document(), clock)
+    history = History(snapshot(), clock)
     for step in range(MOST_STEPS + 20):
         clock.now += 2 * ONE_MOVE_S
-        history.note(document(load=step))
+        history.note(snapshot(load=step))
     count = 0
     while history.undo() is not None:
         count += 1

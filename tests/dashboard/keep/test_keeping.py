@@ -11,7 +11,7 @@ from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.keep.link import _packed
-from railjoule.dashboard.keep.snapshot import document_of
+from railjoule.dashboard.keep.snapshot import snapshot_of
 from railjoule.dashboard.pages.disturbances.work import Disturbances
 from railjoule.dashboard.pages.line.work import WholeLines
 from railjoule.dashboard.pages.motor.work import Motor
@@ -21,6 +21,7 @@ from railjoule.dashboard.parts.number_field import NumberField
 from railjoule.dashboard.shell.changes import Changes
 from railjoule.dashboard.shell.share import file_name
 from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work.warmup import Warmup
 
 
 @pytest.fixture
@@ -177,7 +178,7 @@ def test_a_hostile_address_opens_a_page_that_says_so(name: str) -> None:
 def test_an_address_that_breaks_something_opens_the_plain_page(
     state: Workbench, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, error: type[Exception]
 ) -> None:
-    keeping, before = Keeping(state, Lifeline()), document_of(state)
+    keeping, before = Keeping(state, Lifeline()), snapshot_of(state)
 
     def break_down(*_: object) -> None:
         state.scenario.load_percent = 77.0
@@ -186,7 +187,7 @@ def test_an_address_that_breaks_something_opens_the_plain_page(
 
     monkeypatch.setattr(keeping, "_open", break_down)
     keeping.begin("?v=1&page=Drive")
-    assert document_of(state) == before
+    assert snapshot_of(state) == before
     assert state.notice == "The link could not be opened; the server's log has the details."
     assert len(caplog.records) == 1
     assert keeping.lifeline.address == ""
@@ -203,3 +204,19 @@ def test_a_long_scenario_is_read_in_a_thread(state: Workbench) -> None:
     page.take_turn()
     assert state.scenario.opened is not None
     assert len(state.scenario.opened.line.sections) == 4001
+
+
+def test_a_scenario_waits_until_it_can_be_tried_without_compiling(
+    state: Workbench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    page, keeping, compiling = Page(), Keeping(state, Lifeline()), Warmup()
+    monkeypatch.setattr("railjoule.dashboard.keep.keeping.warmup", lambda: compiling)
+    compiling.compiles = True
+    with set_curdoc(page.document):
+        keeping.begin("")
+        keeping.open_file("mine.toml", format_scenario(load_scenario("ftorek-300s").with_(title="Mine")))
+        assert state.scenario.opened is None
+    assert not page.is_due
+    compiling.tasks.set()
+    page.take_turn()
+    assert state.scenario.base.title == "Mine"

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from railjoule.core import load_scenario
 from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.keep.link import LONGEST_LINK, LONGEST_QUERY, LinkTooLongError, read_link, write_link
-from railjoule.dashboard.keep.snapshot import document_of, fields_of, lay, originals_of
+from railjoule.dashboard.keep.snapshot import fields_of, lay, originals_of, snapshot_of
 from railjoule.dashboard.pages.disturbances.work import Disturbances
 from railjoule.dashboard.pages.robustness.work import Robustness
 from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
@@ -21,8 +21,8 @@ KEYS = [key for key, _, _ in fields_of(STATE)]
 
 
 def link_of(state: Workbench) -> str:
-    document = document_of(state)
-    return write_link(document, originals_of(document))
+    snapshot = snapshot_of(state)
+    return write_link(snapshot, originals_of(snapshot))
 
 
 def test_a_link_names_what_differs_and_can_be_read() -> None:
@@ -35,7 +35,7 @@ def test_a_link_names_what_differs_and_can_be_read() -> None:
     assert link_of(state) == link
     read = read_link(link)
     assert read.refusal == ""
-    assert read.document == {
+    assert read.snapshot == {
         "page": "Speed limits",
         "ticked": ["optimal", "eoc"],
         "travel_time_s": 150,
@@ -55,8 +55,8 @@ def test_a_link_opens_the_same_page() -> None:
     read = read_link(link_of(state))
     assert read.refusal == ""
     other = Workbench()
-    assert lay(other, read.document) == ()
-    assert document_of(other) == document_of(state)
+    assert lay(other, read.snapshot) == ()
+    assert snapshot_of(other) == snapshot_of(state)
 
 
 def test_a_long_state_stands_behind_the_hash() -> None:
@@ -67,7 +67,7 @@ def test_a_long_state_stands_behind_the_hash() -> None:
     link = link_of(state)
     assert link.startswith("#v=1&")
     assert LONGEST_QUERY < len(link) < 20_000
-    assert read_link(link).document["edits"]["line"]["sections"] == sections
+    assert read_link(link).snapshot["edits"]["line"]["sections"] == sections
 
 
 def test_the_scenario_of_a_file_goes_with_the_link() -> None:
@@ -75,9 +75,9 @@ def test_the_scenario_of_a_file_goes_with_the_link() -> None:
     state.scenario.open(
         format_scenario(load_scenario("ftorek-300s").with_(title="<b>M\u00fcller & S\u00f6hne</b>")), "x"
     )
-    lay(state, document_of(state))
+    lay(state, snapshot_of(state))
     other = Workbench()
-    assert lay(other, read_link(link_of(state)).document) == ()
+    assert lay(other, read_link(link_of(state)).snapshot) == ()
     assert other.scenario.scenario() == state.scenario.scenario()
 
 
@@ -91,7 +91,7 @@ def test_the_scenario_of_a_file_goes_with_the_link() -> None:
         ("?v=1&travel_time_s=" + "9" * 400, "must be a finite number."),
         ("?v=1&robustness.seed=1.5", "robustness.seed = 1.5 must be a whole number."),
         ("?v=1&over_time=maybe", "over_time = maybe must be true or false."),
-        ("?v=1&page=Nowhere", "page = Nowhere is not one of the 12 known."),
+        ("?v=1&page=Nowhere", "page = Nowhere is not one of the 14 known."),
         ("?v=1&colours=green", "colours = green must be one of system, light, dark."),
         ("?v=1&preset=liashenko-2", "preset = liashenko-2 is not one of the 16 known; did you mean liashenko-i?"),
         ("?v=1&wings=2", "wings is not known."),
@@ -107,7 +107,7 @@ def test_what_cannot_be_opened_is_told(query: str, told: str) -> None:
 
 def test_an_address_without_a_version_may_carry_anybody_s_values() -> None:
     read = read_link("?utm_source=mail&load_percent=20")
-    assert (read.document, read.refusal) == ({"load_percent": 20}, "")
+    assert (read.snapshot, read.refusal) == ({"load_percent": 20}, "")
 
 
 def test_nothing_grows_beyond_bounds_when_it_is_unpacked() -> None:
@@ -139,7 +139,7 @@ VALUES = st.one_of(
 def test_any_link_is_read_within_bounds(pairs: dict[str, str], versioned: bool) -> None:
     read = read_link("?" + urlencode({"v": "1", **pairs} if versioned else pairs, errors="replace"))
     known = {key: (model, name) for key, model, name in fields_of(STATE)}
-    for key, value in read.document.items():
+    for key, value in read.snapshot.items():
         model, name = known[key]
         assert model.checked(name, value) == value
         low, high = model.bounds_of(name)
@@ -160,6 +160,6 @@ def test_any_link_can_be_laid(pairs: dict[str, str]) -> None:
     state = Workbench()
     for work in (Robustness, Disturbances, SpeedLimits):
         work(state)
-    lay(state, read_link("?" + urlencode({**pairs, "v": "1"}, errors="replace")).document)
-    document_of(state)
+    lay(state, read_link("?" + urlencode({**pairs, "v": "1"}, errors="replace")).snapshot)
+    snapshot_of(state)
     state.scenario.scenario()

@@ -3,7 +3,7 @@ import pytest
 
 from railjoule.core import load_scenario
 from railjoule.core.scenario import format_scenario
-from railjoule.dashboard.keep.snapshot import changed, document_of, lay, originals_of
+from railjoule.dashboard.keep.snapshot import changed, lay, originals_of, snapshot_of
 from railjoule.dashboard.state.kept import Kept, is_kept
 from railjoule.dashboard.state.workbench import Workbench
 
@@ -39,15 +39,15 @@ def test_every_field_is_named_kept_or_passing(model: Kept) -> None:
 
 
 def test_a_new_page_differs_in_nothing_from_what_it_begins_with(state: Workbench) -> None:
-    document = document_of(state)
-    originals = originals_of(document)
+    snapshot = snapshot_of(state)
+    originals = originals_of(snapshot)
     # the pages take over the scenario when they are composed; these alone have lists of models
-    assert set(changed(document, originals)) <= {
-        key for key in document if key.startswith(("disturbances.", "line.", "speed_limits."))
+    assert set(changed(snapshot, originals)) <= {
+        key for key in snapshot if key.startswith(("disturbances.", "line.", "speed_limits."))
     }
 
 
-def test_a_page_comes_back_from_its_document(state: Workbench) -> None:
+def test_a_page_comes_back_from_its_snapshot(state: Workbench) -> None:
     lay(state, {"preset": "liashenko-ii"})
     state.scenario.edit(
         {"vehicle.auxiliary_power_kw": 40.0, "line.speed_limits": [{"from_m": 100.0, "to_m": 200.0, "limit_kmh": 50.0}]}
@@ -58,10 +58,10 @@ def test_a_page_comes_back_from_its_document(state: Workbench) -> None:
     state.speed_limits.cut(3)
     state.speed_limits.param.update(section_count=3, found=False, storage_size_kwh=1.5)
     state.param.update(ticked=["optimal"], chosen="eoc", over_time=True, page="Robustness", colours="dark")
-    document = document_of(state)
+    snapshot = snapshot_of(state)
     other = Workbench()
-    assert lay(other, document) == ()
-    assert document_of(other) == document
+    assert lay(other, snapshot) == ()
+    assert snapshot_of(other) == snapshot
     assert other.scenario.scenario() == state.scenario.scenario()
 
 
@@ -70,9 +70,9 @@ def test_a_page_comes_back_with_the_scenario_of_a_file(state: Workbench) -> None
     state.scenario.open(text, "mine.toml")
     state.scenario.load_percent = 80.0
     other = Workbench()
-    assert lay(other, document_of(state)) == ()
+    assert lay(other, snapshot_of(state)) == ()
     assert other.scenario.scenario() == state.scenario.scenario()
-    assert lay(other, document_of(Workbench())) == ()
+    assert lay(other, snapshot_of(Workbench())) == ()
     assert other.scenario.opened is None
 
 
@@ -82,7 +82,7 @@ def test_what_cannot_be_is_told_and_the_rest_is_laid(state: Workbench) -> None:
     )
     assert len(refusals) == 2
     assert "unknown key vehicle.wings" in refusals[0]
-    assert refusals[1].startswith("page is not one of the 12 known")
+    assert refusals[1].startswith("page is not one of the 14 known")
     assert state.scenario.load_percent == 30.0
     assert state.robustness.seed == 5
     assert state.page == Workbench().page
@@ -92,10 +92,10 @@ def test_too_few_sections_change_nothing(state: Workbench) -> None:
     lay(state, {})
     # the preset's line has two sections of its own at least
     state.speed_limits.take(state.scenario.base)
-    before = document_of(state)
+    before = snapshot_of(state)
     (refusal,) = lay(state, {"speed_limits.sections": [{}]})
     assert refusal == "speed_limits: sections must be 2 to 12, not 1"
-    assert document_of(state) == before
+    assert snapshot_of(state) == before
 
 
 def test_a_broken_scenario_leaves_the_shipped_one(state: Workbench) -> None:
@@ -105,7 +105,7 @@ def test_a_broken_scenario_leaves_the_shipped_one(state: Workbench) -> None:
     assert state.chosen == "fastest"
 
 
-def test_a_document_without_a_scenario_has_that_of_a_new_page(state: Workbench) -> None:
+def test_a_snapshot_without_a_scenario_has_that_of_a_new_page(state: Workbench) -> None:
     state.scenario.choose("liashenko-i")
     lay(state, {"load_percent": 30.0})
     assert state.scenario.preset == Workbench().scenario.preset

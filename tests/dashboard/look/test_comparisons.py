@@ -37,10 +37,17 @@ def test_a_column_of_percentages_tells_another_unit() -> None:
 
 
 @pytest.mark.parametrize(
-    ("gap", "text"), [(5e-7, "0.00 %"), (-5e-7, "0.00 %"), (2e-5, "+0.01 %"), (0.0005, "+0.05 %"), (-4e-5, "0.00 %")]
+    ("gap", "proven", "text"),
+    [
+        (5e-7, True, "0.00 %"),
+        (-5e-7, True, "0.00 %"),
+        (2e-5, False, "+0.01 %"),
+        (0.0005, False, "+0.05 %"),
+        (-4e-5, False, "0.00 %"),
+    ],
 )
-def test_a_gap_that_proves_nothing_does_not_read_as_none(gap: float, text: str) -> None:
-    assert str(comparisons.above_bound(4.0 * (1 + gap), 4.0, gap)) == text
+def test_a_gap_that_proves_nothing_does_not_read_as_none(gap: float, proven: bool, text: str) -> None:
+    assert str(comparisons.above_bound(4.0 * (1 + gap), 4.0, gap, proven)) == text
 
 
 def test_without_a_bound_there_is_no_gap(run: Trajectory) -> None:

@@ -94,4 +94,4 @@ def test_each_term_is_used_on_a_page(term: Term) -> None:
 
 def test_a_label_without_an_entry_has_no_button() -> None:
     assert info("Something else") == ""
-    assert 'data-term="enoc"' in info("ENOC")
+    assert "data-term='enoc'" in info("ENOC")

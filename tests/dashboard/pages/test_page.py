@@ -57,7 +57,9 @@ def shown(session: Session) -> str:
 def test_a_page_that_is_made_late_draws_what_is_there(session: Session) -> None:
     assert "DriveView" not in session.views
     session.state.page = "Drive"
-    assert all(chart.is_drawn for chart in drive(session).charts if chart.host.visible)
+    # simpler advice is drawn once it is asked for
+    at_once = [chart for chart in drive(session).charts if chart is not drive(session).simple.chart]
+    assert all(chart.is_drawn for chart in at_once if chart.host.visible)
     assert "7.8" in shown(session)
 
 

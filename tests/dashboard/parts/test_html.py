@@ -55,15 +55,14 @@ def test_texts_of_users_are_escaped(markup: str) -> None:
 def test_pieces_of_html_in_a_table_stay_html() -> None:
     piece = Markup("<b>5</b>")
     assert parts.plain_table([piece, "<"], [([piece, "<"], True)]) == (
-        '<table><thead><tr><th scope="col"><b>5</b></th><th scope="col">&lt;</th></tr></thead>'
-        "<tbody><tr class=chosen><td><b>5</b></td><td>&lt;</td></tr></tbody></table>"
+        "<table><thead><tr><th scope=col><b>5</b><th scope=col>&lt;<tbody><tr class=chosen><td><b>5</b><td>&lt;</table>"
     )
 
 
 def test_pieces_of_html_stay_html_and_are_sent_as_they_are() -> None:
     detail = parts.markup("<b>{}</b> {}", "1 < 2", parts.PROVEN)
     assert str(detail) in str(parts.figure("Energy", "1", "kWh", detail))
-    assert detail.endswith('<b>1 &lt; 2</b> <span class="proven">\u2713 proven</span>')
+    assert detail.endswith("<b>1 &lt; 2</b> <span class=proven>\u2713 proven</span>")
     pane, text = parts.html_pane(detail), parts.html_pane(str(detail))
     assert pane._transform_object(pane.object) == text._transform_object(text.object)
 
@@ -172,19 +171,19 @@ def test_advice_lists_the_instructions_in_order(runs: Runs) -> None:
 def test_long_advice_is_scrolled_and_short_advice_is_not(runs: Runs) -> None:
     long, short = runs.runs["optimal"], runs.runs["enoc"]
     assert (len(long.advice), len(short.advice)) == (17, 3)
-    assert '<ol class="many" tabindex="0" aria-label="All instructions">' in parts.advice(long, stale=False)
+    assert "<ol class='many' tabindex=0 aria-label='All instructions'>" in parts.advice(long, stale=False)
     assert "many" not in parts.advice(short, stale=False)
 
 
 def test_advice_of_a_line_with_stations_is_by_legs() -> None:
     run = solve(load_scenario("metro-10-stations"))
     markup = parts.advice(run, stale=False)
-    ways = re.findall('<span class="way">([^<]*)</span>', markup)
+    ways = re.findall("<span class=way>([^<]*)</span>", markup)
     assert ways[0] == "Harbour \u2013 Old Town"
     assert ways[-1] == "Mills \u2013 Hill"
     assert len(ways) == 9
-    legs = markup.split('<li class="leg">')[1:]
-    assert [leg.count('class="told"') for leg in legs] == [4, 4, 4, 4, 4, 4, 4, 6, 3]
+    legs = markup.split("<li class=leg>")[1:]
+    assert [leg.count("<li><b>") for leg in legs] == [4, 4, 4, 4, 4, 4, 4, 6, 3]
     assert all("stand" in plain(leg) for leg in legs[:-1])
 
 
@@ -199,20 +198,20 @@ def test_stops_without_a_name_are_places(runs: Runs) -> None:
 def test_the_table_of_phases_tells_what_the_advice_does() -> None:
     run = solve(load_scenario("metro-with-limit", {"vehicle.auxiliary_power_kw": 50.0}))
     markup = parts.phase_table(run)
-    rows = [plain(row.replace("</td>", " |")) for row in markup.split("<tr>")[2:]]
+    rows = [plain(row.replace("<td>", " | ")).removeprefix("| ") for row in markup.split("<tr>")[2:]]
     assert len(rows) == len(run.advice) + 1
     brake = next(row for row in rows if row.startswith("3 brake"))
     told = run.advice[2]
     assert brake.startswith(f"3 brake | {told.from_m:.0f} | ")
     assert f"| {words.tenths(told.to_kmh or 0)} |" in brake
-    assert "| 0.000 |" in next(row for row in rows if "coast" in row)
+    assert next(row for row in rows if "coast" in row).endswith("| 0.000")
     # 50 kW for 170 s
-    assert "Auxiliaries | | | | 2.361 |" in rows[-1]
+    assert rows[-1] == "Auxiliaries | | | | 2.361"
 
 
 def test_tables_can_be_saved_under_their_titles() -> None:
     markup = parts.table(parts.markup("Runs <b>here</b>"), ("Run",), [(("one",), False)])
-    assert 'aria-label="Save Runs here as CSV"' in markup
+    assert "aria-label='Save Runs here as CSV'" in markup
     assert parts.plain_table(("Run",), [(("one",), False)]) in markup
 
 
@@ -226,7 +225,7 @@ def test_the_price_of_a_second_is_that_of_the_run_where_its_strategy_tells_one(r
     dearer = replace(enoc, price_of_time_w=2 * optimum.price_of_time_w)
     told = parts.price_figure(enoc, optimum)
     assert f"{words.price(optimum.price_of_time_w)} Wh/s 1 s more: \u22120.30 %" in plain(told)
-    assert 'title="That of the optimum"' in told
+    assert "title='That of the optimum'" in told
     told = parts.price_figure(dearer, optimum)
     assert f"{words.price(2 * optimum.price_of_time_w)} Wh/s 1 s more: \u22120.59 %" in plain(told)
     assert "title" not in told

@@ -4,6 +4,7 @@ from panel.io.state import set_curdoc
 
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.keep.lifeline import Lifeline
+from railjoule.dashboard.pages.line.model import StationModel
 from railjoule.dashboard.pages.robustness.model import RobustnessModel
 from railjoule.dashboard.parts.number_field import LoadField, NumberField
 from railjoule.dashboard.shell.sidebar import Sidebar
@@ -149,6 +150,15 @@ def test_a_whole_number_stays_one() -> None:
     assert (model.seed, type(model.seed), field.refusal) == (7, int, "")
     field.type("7.5")
     assert (model.seed, field.refusal) == (7, "A whole number.")
+
+
+def test_a_number_may_be_left_out_only_where_its_model_says_so() -> None:
+    station = StationModel(latest_s=120.0)
+    latest, dwell = NumberField(station, "latest_s"), NumberField(station, "dwell_s")
+    latest.type(" ")
+    assert (station.latest_s, latest.value, latest.refusal) == (None, None, "")
+    dwell.type("")
+    assert "is not a time" in dwell.refusal
 
 
 def test_style_sheets_are_sent_once(model: ScenarioModel) -> None:

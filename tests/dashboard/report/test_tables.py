@@ -7,8 +7,8 @@ from railjoule.dashboard.report.tables import MOST_ROWS, scenario_tables
 
 def rows(markup: str) -> list[list[str]]:
     return [
-        [re.sub(r"<[^>]+>", "", cell) for cell in re.findall(r"<td>(.*?)</td>", row)]
-        for row in re.findall(r"<tr[^>]*>(.*?)</tr>", markup)
+        [re.sub(r"<[^>]+>", "", cell) for cell in row.partition("</table>")[0].split("<td>")[1:]]
+        for row in re.split(r"<tr[^>]*>", markup)[1:]
     ]
 
 
@@ -38,6 +38,24 @@ def test_a_line_is_told_in_running_order() -> None:
     # neither curves nor tunnels: no columns of nothing
     assert ["0", "500", "0.0", "60"] in told
     assert ["500", "800", "\u22124.0", ""] in told
+
+
+def test_stations_have_columns_for_what_is_given_alone() -> None:
+    stations = [{"name": "Middle", "position_m": 400.0, "dwell_s": 20.0}]
+    points = [{"name": "Signal", "position_m": 700.0, "speed_kmh": 45.0}]
+    changes = {"line.stations": stations, "line.passing_points": points, "line.head_wind_kmh": 12.5}
+    told = rows(scenario_tables(load_scenario("liashenko-0", changes)))
+    assert ["Middle", "400", "20"] in told
+    assert ["Signal", "700", "45"] in told
+    assert ["12.5", "km/h"] in [row[1:] for row in told]
+    stations[0]["latest_arrival_s"] = 90.5
+    assert ["Middle", "400", "20", "90.5"] in rows(scenario_tables(load_scenario("liashenko-0", changes)))
+
+
+def test_choices_are_told_in_words() -> None:
+    told = rows(scenario_tables(load_scenario("liashenko-0", {"vehicle.gradient_at": "middle"})))
+    assert ["Middle"] in [row[1:2] for row in told]
+    assert not any("_" in cell for row in told for cell in row)
 
 
 def test_a_long_table_says_how_much_it_leaves_out() -> None:

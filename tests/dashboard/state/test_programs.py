@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from railjoule.core import load_scenario
 from railjoule.dashboard.actual.model import as_planned
 from railjoule.dashboard.actual.work import Actual
 from railjoule.dashboard.command.cli import main
@@ -21,8 +22,8 @@ from railjoule.dashboard.pages.robustness.work import Robustness
 from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
 from railjoule.dashboard.report.findings import REALITY_SHARE, ReportRequest, compute_findings
 from railjoule.dashboard.report.work import Reporting
-from railjoule.dashboard.state.programs import PAGE_RUNS, page_run
-from railjoule.dashboard.state.recipes import FILE, as_command, as_python, recipe_of
+from railjoule.dashboard.state.programs import PAGE_RUNS, Program, page_run
+from railjoule.dashboard.state.recipes import FILE, Recipe, as_command, as_python, recipe_of
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 
@@ -86,7 +87,7 @@ def choke_the_inverter(state: Workbench) -> None:
 
 
 def fix_an_arrival(state: Workbench) -> None:
-    state.line.stations[2].fixed, state.line.stations[2].arrival_s = True, 350.0
+    state.line.edit({2: {"earliest_arrival_s": 350.0, "latest_arrival_s": 350.0}})
 
 
 CASES = (
@@ -133,8 +134,9 @@ CASES = (
         lambda s: s.line.runs.best.run,
         prepare=fix_an_arrival,
         name="fixed arrival",
-        told=False,
     ),
+    Case("Measured runs", "metro-with-limit", plan),
+    Case("Import", "liashenko-i", plan, prepare=slide),
     Case("Help", "liashenko-i", plan, prepare=slide),
 )
 OTHERS = ("Learn", "Papers")
@@ -217,12 +219,8 @@ def energy_of_command(text: str, folder: Path, capsys: pytest.CaptureFixture[str
 
 
 def test_a_name_cannot_become_a_command() -> None:
-    state = Workbench()
-    state.scenario.choose("metro-10-stations")
-    state.line.take(state.scenario.edited)
-    state.line.stations[0].param.update(station="Harbour\nrm -r .\r\x0b\u2028x", fixed=True)
-    state.page = "Line"
-    lines = as_command(recipe_of(state)).splitlines()
+    recipe = Recipe("x", None, load_scenario("ftorek-300s"), {}, Program({}, "", ""), "Harbour\nrm -r .\r\x0b\u2028x")
+    lines = as_command(recipe).splitlines()
     assert len(lines) == 2
     assert all(line.startswith("# ") for line in lines)
 

@@ -8,8 +8,8 @@ from bokeh.plotting import figure
 from railjoule.dashboard.app import VIEWS, Session
 from railjoule.dashboard.work.warmup import warmup
 
-UNIT = re.compile(r", (km/h|kWh|kN|MW|kW|A|V s|V|N m|rad/s|Wb|s|mm|m|ms|min|%|J|Hz|\u2030|\u2013)(?![a-z])")
-COUNTED = ("Trip",)
+UNIT = re.compile(r", (km/h|kWh|Wh/s|kN|MW|kW|A|V s|V|N m|rad/s|Wb|s|mm|m|ms|min|%|J|Hz|\u2030|\u2013)(?![a-z])")
+COUNTED = ("Trip", "Row, in the order of the tables", "Changes of regime between two stops")
 """What is counted has no unit."""
 
 

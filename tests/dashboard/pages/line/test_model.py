@@ -1,35 +1,134 @@
-from railjoule.core import load_scenario
-from railjoule.dashboard.pages.line.model import LineModel
+import pytest
+
+from railjoule.core import ScenarioError
+from railjoule.dashboard.pages.line.model import LineModel, StationModel
+from railjoule.dashboard.state.scenario import ScenarioModel
 
 TEN = "metro-10-stations"
 
 
-def test_stations_are_those_between_the_ends() -> None:
-    model = LineModel()
-    model.take(load_scenario(TEN))
-    assert [station.station for station in model.stations][:2] == ["Old Town", "Market"]
-    assert [station.dwell_s for station in model.stations][:2] == [25, 30]
-    assert len(model.stations) == 8
-    model.take(load_scenario("liashenko-ii"))
-    assert model.stations == []
+@pytest.fixture
+def model() -> LineModel:
+    """A model of ten stations, without the work that lets it follow the scenario."""
+    scenario = ScenarioModel(preset=TEN)
+    model = LineModel(scenario)
+    model.take(scenario.edited)
+    return model
 
 
-def test_a_fixed_arrival_stays_while_the_stations_stay() -> None:
-    model = LineModel()
-    model.take(load_scenario(TEN))
-    model.stations[3].param.update(fixed=True, arrival_s=430.0)
-    model.take(load_scenario(TEN).with_(**{"vehicle.load_factor": 0.1}))
-    assert model.arrivals_s == ((3, 430.0),)
+def station_of(model: LineModel, name: str) -> StationModel:
+    """Return a station as the scenario has it now."""
+    model.take(model.scenario.edited)
+    return next(station for station in model.inner_stations if station.station == name)
 
 
-def test_a_dwell_reaches_its_station_on_a_reversed_line_too() -> None:
-    for reverse in (False, True):
-        scenario = load_scenario(TEN).with_(**{"line.reverse": reverse})
-        model = LineModel()
-        model.take(scenario)
-        market = next(station for station in model.stations if station.station == "Market")
-        market.dwell_s = 77.0
-        changed = scenario.with_(**model.dwell_changes(scenario))
-        dwells = {station.name: station.dwell_s for station in changed.line.stations}
-        assert dwells["Market"] == 77
-        assert dwells["Central"] == 40
+def test_stations_are_those_between_the_ends(model: LineModel) -> None:
+    assert [station.station for station in model.inner_stations][:2] == ["Old Town", "Market"]
+    assert [station.dwell_s for station in model.inner_stations][:2] == [25, 30]
+    assert len(model.inner_stations) == 8
+    model.scenario.choose("liashenko-ii")
+    model.take(model.scenario.edited)
+    assert model.inner_stations == []
+
+
+def test_an_arrival_is_free_fixed_or_has_a_window_as_the_scenario_says(model: LineModel) -> None:
+    model.edit(
+        {
+            1: {"earliest_arrival_s": 200.0, "latest_arrival_s": 200.0},
+            2: {"latest_arrival_s": 340.0},
+            3: {"earliest_arrival_s": 440.0},
+        }
+    )
+    market, university, hospital = (station_of(model, name) for name in ("Market", "University", "Hospital"))
+    assert (market.arrival, market.arrival_s) == ("fixed", 200)
+    assert (university.arrival, university.earliest_s, university.latest_s) == ("window", None, 340)
+    assert (hospital.arrival, hospital.earliest_s, hospital.latest_s) == ("window", 440, None)
+    assert station_of(model, "Central").arrival == "free"
+
+
+def test_what_is_set_at_a_station_comes_back_from_the_file(model: LineModel) -> None:
+    market = station_of(model, "Market")
+    market.param.update(dwell_s=33.0, arrival="window", earliest_s=190.0, latest_s=205.5, given_s=201.0)
+    model.edit({market.number: market.row})
+    stations = {station.name: station for station in model.scenario.edited.line.stations}
+    told = stations["Market"].model_dump(exclude={"name", "position_m"})
+    assert told == {"dwell_s": 33, "arrival_s": 201, "earliest_arrival_s": 190, "latest_arrival_s": 205.5}
+    market.arrival = "fixed"
+    market.arrival_s = 199.0
+    model.edit({market.number: market.row})
+    assert model.scenario.edited.line.stations[2].window_s == (199, 199)
+
+
+def test_no_end_of_a_window_passes_the_other(model: LineModel) -> None:
+    market = station_of(model, "Market")
+    market.param.update(arrival="window", earliest_s=190.0, latest_s=205.5)
+    with pytest.raises(ValueError, match=r"At most 205\.5\."):
+        market.parse_or_none("earliest_s", "206")
+    with pytest.raises(ValueError, match=r"At least 190\."):
+        market.parse_or_none("latest_s", "3:09")
+    assert market.parse_or_none("latest_s", " ") is None
+    with pytest.raises(ValueError, match="not a time"):
+        market.parse_or_none("arrival_s", "")
+
+
+def test_a_window_that_is_typed_stays_one_while_its_ends_meet(model: LineModel) -> None:
+    market = station_of(model, "Market")
+    market.param.update(arrival="window", earliest_s=200.0, latest_s=200.0)
+    model.edit({market.number: market.row})
+    model.take(model.scenario.edited, keep_kind=True)
+    assert market.arrival == "window"
+    # as after undo, or in a link
+    model.take(model.scenario.edited)
+    assert market.arrival == "fixed"
+
+
+def test_times_that_are_as_in_the_file_again_are_no_change(model: LineModel) -> None:
+    model.edit({1: {"latest_arrival_s": 205.0}})
+    assert set(model.scenario.edits) == {"line.stations"}
+    model.edit({1: {"latest_arrival_s": None}})
+    assert model.scenario.edits == {}
+
+
+def test_a_time_out_of_its_bounds_changes_nothing(model: LineModel) -> None:
+    with pytest.raises(ScenarioError, match="lies before earliest_arrival_s"):
+        model.edit({1: {"earliest_arrival_s": 300.0, "latest_arrival_s": 200.0}})
+    assert model.scenario.edits == {}
+
+
+@pytest.mark.parametrize("reverse", [False, True])
+def test_times_reach_their_station_on_a_reversed_line_too(model: LineModel, reverse: bool) -> None:
+    model.scenario.edit({"line.reverse": reverse})
+    market = station_of(model, "Market")
+    model.edit({market.number: {"dwell_s": 77.0, "arrival_s": 200.0}})
+    stations = {station.name: station for station in model.scenario.edited.line.stations}
+    assert (stations["Market"].dwell_s, stations["Market"].arrival_s) == (77, 200)
+    assert (stations["Central"].dwell_s, stations["Central"].arrival_s) == (40, None)
+    assert station_of(model, "Market").given_s == 200
+
+
+def linked(**values: object) -> dict[str, object]:
+    """Return a station as a link of the page had it that kept fixed arrivals beside the scenario."""
+    market = {"number": 1, "station": "Market", "position_m": 1950.0, "dwell_s": 30.0, "fixed": False, "arrival_s": 0.0}
+    return {**market, **values}
+
+
+def test_a_link_that_fixes_an_arrival_fixes_it_in_the_scenario(model: LineModel) -> None:
+    old_town = linked(number=0, station="Old Town", position_m=1150.0)
+    model.lay({"stations": [old_town, linked(fixed=True, arrival_s=201.5)], "other": "equal"})
+    assert model.other == "equal"
+    assert [station.window_s for station in model.scenario.edited.line.stations[1:3]] == [
+        (0, float("inf")),
+        (201.5, 201.5),
+    ]
+    # the scenario says it from now on
+    assert model.keep() == {"stations": [], "other": "equal"}
+
+
+def test_a_link_that_fixes_no_arrival_changes_nothing(model: LineModel) -> None:
+    model.lay({"stations": [linked()]})
+    assert model.scenario.edits == {}
+
+
+def test_a_link_that_fixes_an_arrival_elsewhere_is_told(model: LineModel) -> None:
+    with pytest.raises(ValueError, match="no station at 1960 m to fix an arrival at"):
+        model.lay({"stations": [linked(position_m=1960.0, fixed=True)]})

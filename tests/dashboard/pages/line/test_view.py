@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import pytest
 from lines import sent
 
@@ -5,20 +7,40 @@ from railjoule.core import load_scenario
 from railjoule.dashboard.charts.chart import Axis
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.line.charts import LegBars, LineSpeedChart, fitting, supplement_s
+from railjoule.dashboard.pages.line.charts import (
+    SHARING_TOKENS,
+    LegBars,
+    LineSpeedChart,
+    SlackChart,
+    fitting,
+    grip_columns,
+    supplement_s,
+)
 from railjoule.dashboard.pages.line.compute import LineRequest, LineRuns, compute_line
-from railjoule.dashboard.pages.line.view import figure_cells, legs_table
+from railjoule.dashboard.pages.line.texts import figure_cells, legs_tables, missed_words, sharing_words
+
+STATIONS = (
+    {"name": "A", "position_m": 0},
+    {"name": "<b>B</b>", "position_m": 900, "dwell_s": 20},
+    {"name": "C", "position_m": 2300},
+)
+
+
+def runs_with(**times: object) -> LineRuns:
+    """Return the runs over a line with one station between its ends, which has these keys too."""
+    start, middle, end = STATIONS
+    changes = {"line.stations": [start, {**middle, **times}, end], "timetable.travel_time_s": 230.0}
+    return compute_line(LineRequest(load_scenario("metro-with-limit", changes)))
 
 
 @pytest.fixture(scope="module")
 def runs() -> LineRuns:
-    stations = [
-        {"name": "A", "position_m": 0},
-        {"name": "<b>B</b>", "position_m": 900, "dwell_s": 20},
-        {"name": "C", "position_m": 2300},
-    ]
-    scenario = load_scenario("metro-with-limit", {"line.stations": stations, "timetable.travel_time_s": 230.0})
-    return compute_line(LineRequest(scenario, ()))
+    return runs_with()
+
+
+@pytest.fixture(scope="module")
+def given() -> LineRuns:
+    return runs_with(arrival_s=90.0)
 
 
 def test_the_bars_are_the_supplements_side_by_side(runs: LineRuns) -> None:
@@ -33,6 +55,93 @@ def test_the_bars_are_the_supplements_side_by_side(runs: LineRuns) -> None:
     assert right["right"][0] < 900 < left["left"][1]
 
 
+def test_a_given_timetable_is_a_fourth_bar_and_goes_again(runs: LineRuns, given: LineRuns) -> None:
+    palette = Palette(False)
+    bars = LegBars("supplements", "s", 120, Axis(palette), palette, supplement_s, words.time)
+    bars.show(lambda: bars.draw(given, 900.0))
+    columns = [bars.sources[sharing].data for sharing in SHARING_TOKENS]
+    for one, other in pairwise(columns):
+        assert all(a < b for a, b in zip(one["right"], other["left"], strict=True))
+    bars.draw(runs, 900.0)
+    assert list(bars.sources["given"].data["top"]) == []
+
+
+def test_a_station_can_be_dragged_until_a_leg_beside_it_has_nothing_left(given: LineRuns) -> None:
+    grips = grip_columns(given)
+    first, second = given.runs["given"].legs
+    assert grips["name"] == ["<b>B</b>"]
+    assert grips["arrival"] == pytest.approx([90.0], abs=1e-4)
+    assert grips["low"] == pytest.approx([0.1])
+    assert grips["high"] == pytest.approx([first.supplement_s + second.supplement_s - 0.1])
+
+
+def test_without_a_given_timetable_stations_are_dragged_from_the_optimum(runs: LineRuns) -> None:
+    assert grip_columns(runs)["rest"] == [runs.best.legs[0].supplement_s]
+
+
+def test_what_the_browser_has_dragged_is_taken_and_a_drawing_meanwhile_leaves_it(given: LineRuns) -> None:
+    palette, moves, released = Palette(False), [], []
+    chart = SlackChart(140, Axis(palette), palette, lambda *move: moves.append(move), lambda: released.append(True))
+    chart.show(lambda: chart.draw_slack(given, 900.0, False))
+    top = chart.y_range.end
+    chart.sources["moved"].data = {"number": [0], "arrival": [92.5]}
+    assert moves == [(0, 92.5)]
+    later = runs_with(arrival_s=105.0)
+    chart.draw_slack(later, 900.0, True)
+    assert chart.y_range.end == top
+    assert chart.sources["grips"].data["arrival"] == pytest.approx([90.0], abs=1e-4)
+    chart.draw_slack(later, 900.0, False)
+    assert chart.y_range.end > top
+    assert chart.sources["grips"].data["arrival"] == pytest.approx([105.0], abs=1e-4)
+    # what is emptied is no move
+    assert moves == [(0, 92.5)]
+
+
+def test_the_verdict_names_what_the_optimum_saves_and_when_it_is_too_little(given: LineRuns) -> None:
+    best, other = given.best.run.energy_kwh, given.runs["given"].run.energy_kwh
+    assert (1 - best / other) < 0.01
+    (sentence,) = sharing_words(given)
+    assert f"saves {100 * (1 - best / other):.2f} % beside the given timetable: less than 1.0 %" in sentence
+    far = runs_with(arrival_s=105.0)
+    saved = 1 - far.best.run.energy_kwh / far.runs["given"].run.energy_kwh
+    assert saved > 0.05
+    assert sharing_words(far) == [
+        f"Sharing the slack by the optimum saves {100 * saved:.1f} % beside the given timetable."
+    ]
+
+
+def test_a_given_timetable_that_cannot_be_kept_is_told() -> None:
+    runs = runs_with(arrival_s=20.0)
+    assert "given" not in runs.runs
+    verdict, refused = sharing_words(runs)
+    assert " and " in verdict
+    assert refused.startswith("The given timetable is not shown. The arrival at <b>B</b> after 20.0 s must be later")
+
+
+def test_a_window_that_a_rule_misses_is_told() -> None:
+    runs = runs_with(earliest_arrival_s=120.0, arrival_s=110.0)
+    assert runs.best.legs[0].arrival_s == pytest.approx(120.0, abs=1e-4)
+    told = missed_words(runs)
+    assert [sentence.partition(":")[0] for sentence in told] == [
+        "Proportional reserve",
+        "Equal reserve",
+        "Given timetable",
+    ]
+    assert told[2].endswith("It arrives at <b>B</b> after 110.0 s, and was to arrive no earlier than 120.0 s.")
+
+
+def test_the_tables_end_with_sums(given: LineRuns) -> None:
+    table = legs_tables(given)
+    running = sum(leg.running_time_s for leg in given.best.legs)
+    assert f"<td>All legs<td>2\u202f300<td><td>{running:.1f}<td>" in table
+    energies = [sum(leg.energy_j for leg in line.legs) / 3.6e6 for line in given.runs.values()]
+    assert "<td>All legs" + "".join(f"<td>{words.energy(energy)}" for energy in energies) in table
+    # the optimum has one price, the given timetable one for each leg
+    (best,) = {words.price(leg.price_of_time_w) for leg in given.best.legs}
+    for leg in given.runs["given"].legs:
+        assert f"<td>{best}<td>{words.price(leg.price_of_time_w)}" in table
+
+
 def test_only_the_chosen_other_is_drawn(runs: LineRuns) -> None:
     palette = Palette(False)
     chart = LineSpeedChart(230, Axis(palette), palette)
@@ -44,7 +153,7 @@ def test_only_the_chosen_other_is_drawn(runs: LineRuns) -> None:
 
 
 def test_texts_name_the_stations_and_escape_them(runs: LineRuns) -> None:
-    table = legs_table(runs)
+    table = legs_tables(runs)
     assert "A \u2013 &lt;b&gt;B&lt;/b&gt;" in table
     assert "<b>B" not in table
     assert "same on every leg" in "".join(figure_cells(runs))

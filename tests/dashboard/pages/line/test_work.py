@@ -23,13 +23,13 @@ def test_a_line_is_run_in_three_ways(state: Workbench) -> None:
 
 def test_a_dwell_changes_the_scenario_of_every_page(state: Workbench) -> None:
     before = state.line.runs
-    state.line.stations[1].dwell_s = 60.0
+    state.line.inner_stations[1].dwell_s = 60.0
     assert state.scenario.scenario().line.stations[2].dwell_s == 60
     assert state.line.runs is not None
     assert before is not None
     assert state.line.runs.best.run.energy_kwh > before.best.run.energy_kwh
-    state.scenario.restore()
-    assert state.line.stations[1].dwell_s == 30
+    state.scenario.take_back("line.stations")
+    assert state.line.inner_stations[1].dwell_s == 30
     assert state.line.runs.best.run.energy_kwh == pytest.approx(before.best.run.energy_kwh, rel=1e-9)
 
 
@@ -37,27 +37,111 @@ def test_an_arrival_is_fixed_where_the_optimum_has_it(state: Workbench) -> None:
     model = state.line
     assert model.runs is not None
     free = model.runs.best.run.energy_kwh
-    model.stations[4].fixed = True
+    model.inner_stations[4].arrival = "fixed"
     assert model.runs.best.run.energy_kwh == pytest.approx(free, rel=1e-6)
-    model.stations[4].arrival_s = 510.0
+    model.inner_stations[4].arrival_s = 510.0
     assert model.runs.best.legs[4].arrival_s == pytest.approx(510, abs=1e-3)
     assert model.runs.best.run.energy_kwh > free
+    central = state.scenario.scenario().line.stations[5]
+    assert central.window_s == (510, 510)
+
+
+def test_a_window_is_opened_around_the_optimum_and_binds_once_it_is_moved(state: Workbench) -> None:
+    model = state.line
+    assert model.runs is not None
+    free, central = model.runs.best.run.energy_kwh, model.inner_stations[4]
+    before = model.runs.best.legs[4].arrival_s
+    central.arrival = "window"
+    assert (central.earliest_s, central.latest_s) == (round(before - 5, 1), round(before + 5, 1))
+    assert model.runs.best.run.energy_kwh == pytest.approx(free, rel=1e-9)
+    central.earliest_s = None
+    central.latest_s = before - 4.0
+    assert model.runs.best.legs[4].arrival_s == pytest.approx(before - 4, abs=1e-3)
+    assert model.runs.best.run.energy_kwh > free
+    # a rule does not keep a window, and says so
+    assert "was to arrive no later than" in " ".join(model.runs.missed["equal"])
+    central.latest_s = None
+    assert central.arrival == "window"
+    assert state.scenario.edits == {}
 
 
 def test_an_arrival_that_cannot_be_kept_is_told_and_the_last_runs_stay(state: Workbench) -> None:
     model = state.line
     before = model.runs
-    model.stations[4].param.update(fixed=True)
+    model.inner_stations[4].arrival = "fixed"
     kept = model.runs
-    model.stations[4].arrival_s = 100.0
+    model.inner_stations[4].arrival_s = 100.0
     assert isinstance(model.failure, ScenarioError)
     assert "Central" in str(model.failure)
     assert model.runs is kept
-    model.stations[4].fixed = False
+    model.inner_stations[4].arrival = "free"
     assert model.failure is None
     assert model.runs is not None
     assert before is not None
     assert model.runs.best.run.energy_kwh == pytest.approx(before.best.run.energy_kwh)
+
+
+def test_arrivals_that_are_taken_over_are_a_given_timetable(state: Workbench) -> None:
+    model = state.line
+    assert model.runs is not None
+    optimum, equal = model.runs.best.run.energy_kwh, model.runs.runs["equal"]
+    model.take_over("equal")
+    given = model.runs.runs["given"]
+    # rounded to tenths
+    assert [leg.arrival_s for leg in given.legs] == pytest.approx([leg.arrival_s for leg in equal.legs], abs=0.06)
+    assert given.run.energy_kwh == pytest.approx(equal.run.energy_kwh, rel=1e-3)
+    assert model.runs.best.run.energy_kwh == pytest.approx(optimum, rel=1e-12)
+    assert (model.other, model.shown_other, model.runs.measured_by) == ("given", "given", ("given",))
+    assert model.runs.pays
+    model.take_over("optimum")
+    assert not model.runs.pays
+    model.take_over(None)
+    assert "given" not in model.runs.runs
+    assert model.shown_other == "proportional"
+    assert state.scenario.edits == {}
+
+
+def test_a_given_timetable_that_cannot_be_kept_is_no_reason_to_show_no_optimum(state: Workbench) -> None:
+    state.line.inner_stations[4].given_s = 100.0
+    assert state.line.runs is not None
+    assert state.line.failure is None
+    assert list(state.line.runs.runs) == ["optimum", "proportional", "equal"]
+    assert "The arrival at Central after 100.0 s must be later than" in state.line.runs.refusal
+
+
+def test_a_dragged_station_changes_the_given_timetable_and_once_it_is_let_go_the_scenario(state: Workbench) -> None:
+    model = state.line
+    model.take_over("equal")
+    assert model.runs is not None
+    before, market = model.runs, model.inner_stations[1]
+    edits, at = state.scenario.edits, market.given_s
+    model.param.update(moving=True, moved=(1, at + 3.0))
+    legs, legs_before = model.runs.runs["given"].legs, before.runs["given"].legs
+    assert legs[1].supplement_s == pytest.approx(legs_before[1].supplement_s + 3, abs=1e-3)
+    assert legs[2].supplement_s == pytest.approx(legs_before[2].supplement_s - 3, abs=1e-3)
+    assert legs[3].supplement_s == pytest.approx(legs_before[3].supplement_s, abs=1e-3)
+    # only the given timetable is another one, and the scenario none
+    assert model.runs.best is before.best
+    assert state.scenario.edits == edits
+    model.moving = False
+    assert market.given_s == at + 3
+    assert state.scenario.scenario().line.stations[2].arrival_s == at + 3
+    assert model.moved is None
+
+
+def test_a_drag_beyond_what_can_be_driven_is_told_meanwhile(state: Workbench) -> None:
+    model = state.line
+    model.take_over("equal")
+    model.param.update(moving=True, moved=(1, 100.0))
+    assert model.runs is not None
+    assert "must be later than" in model.runs.refusal
+
+
+def test_another_scenario_knows_nothing_of_a_drag(state: Workbench) -> None:
+    state.line.param.update(moving=True, moved=(1, 200.0))
+    state.scenario.choose("tram-950m-stop")
+    assert (state.line.moving, state.line.moved) == (False, None)
+    assert state.scenario.edits == {}
 
 
 def test_a_line_without_stations_has_nothing_to_share(state: Workbench) -> None:

@@ -63,7 +63,7 @@ def test_the_precompensator_is_what_keeps_the_train_on_its_reference(view: Motor
     assert np.abs(fine).max() < 50.0
     assert "mm" in view.figures.object
     view.model.precompensator = False
-    assert '<span>m</span></div><div class="detail">' in view.figures.object
+    assert "<span>m</span></div><div class=detail>" in view.figures.object
 
 
 def test_both_strategies_of_the_paper_go_through_the_loop(view: MotorView) -> None:

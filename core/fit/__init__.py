@@ -1,0 +1,20 @@
+"""Fitting a train to its measured runs: parameters with intervals, what the runs do not tell, and what follows.
+
+Read `fit` first, then `noise`, which says why residuals of a simulated speed must not be taken as independent.
+"""
+
+from railjoule.core.fit.fit import Fit, Parameter, fit_runs
+from railjoule.core.fit.held_out import HeldOut, hold_out
+from railjoule.core.fit.posterior import OptimumSpread, draw_parameters, monte_carlo_scenario, optimum_spread
+
+__all__ = [
+    "Fit",
+    "HeldOut",
+    "OptimumSpread",
+    "Parameter",
+    "draw_parameters",
+    "fit_runs",
+    "hold_out",
+    "monte_carlo_scenario",
+    "optimum_spread",
+]

@@ -1,0 +1,141 @@
+"""The parameters that a fit can free: where they stand in a scenario, and what they make of its vehicle."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from types import MappingProxyType
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.errors import RecordingError
+from railjoule.core.physics.resistance import resistance_coefficients
+from railjoule.core.scenario import Resistance, Vehicle
+from railjoule.core.scenario.drive import ConstantEfficiency
+from railjoule.core.units import MS_PER_KMH, STANDARD_GRAVITY_MS2
+
+RESISTANCE = ("resistance.constant_n", "resistance.linear_n_per_kmh", "resistance.quadratic_n_per_kmh2")
+MASS_FACTOR, MASS = "rotating_mass_factor", "total_mass_kg"
+EFFICIENCY, AUXILIARY = "drive.traction_efficiency", "auxiliary_power_kw"
+MOTION = (*RESISTANCE, MASS_FACTOR, MASS)
+"""What the speed depends on; the other two are what the power depends on."""
+NAMES = (*MOTION, EFFICIENCY, AUXILIARY)
+DEFAULT = (*RESISTANCE, MASS_FACTOR, EFFICIENCY, AUXILIARY)
+"""Freed where nothing else is said; a train's load is mostly known better than a run tells it."""
+UNITS: Mapping[str, str] = MappingProxyType(
+    dict(zip(NAMES, ("N", "N per km/h", "N per (km/h)^2", "", "kg", "", "kW"), strict=True))
+)
+# specific resistances lie between 0.8 and 3 N/kN: a train of which nothing is known begins with one
+LEAST_SPECIFIC_N_PER_KN = 1.0
+"""Size of a resistance that the scenario has as zero."""
+LEAST_AUXILIARY_KW = 20.0
+"""Size of auxiliaries that the scenario has as zero."""
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """All parameters of a vehicle, and which of them are free.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        The vehicle that the fit begins with.
+    free : tuple of str
+        Names of the free parameters, of `NAMES`.
+    top_speed_ms : float
+        Highest measured speed [m/s]: there the terms of the resistance are compared.
+    """
+
+    vehicle: Vehicle
+    free: tuple[str, ...]
+    top_speed_ms: float
+
+    @cached_property
+    def first(self) -> dict[str, float]:
+        """The values of all parameters in the vehicle, by name."""
+        vehicle = self.vehicle
+        constant, linear, quadratic = resistance_coefficients(vehicle)
+        terms = (constant, linear * MS_PER_KMH, quadratic * MS_PER_KMH**2)
+        efficiency = getattr(vehicle.drive, "traction_efficiency", 1.0)
+        factor = vehicle.total_inertia_kg / vehicle.total_mass_kg - 1
+        rest = (factor, vehicle.total_mass_kg, efficiency, vehicle.auxiliary_power_kw)
+        return dict(zip(NAMES, (*terms, *rest), strict=True))
+
+    @cached_property
+    def sizes(self) -> dict[str, float]:
+        """What counts as a large change of each parameter: an interval as wide as that says nothing."""
+        first = self.first
+        weight_kn = self.vehicle.total_mass_kg * STANDARD_GRAVITY_MS2 / 1e3
+        top_kmh = max(self.top_speed_ms / MS_PER_KMH, 1.0)
+        whole = max(
+            sum(first[name] * top_kmh**power for power, name in enumerate(RESISTANCE)),
+            LEAST_SPECIFIC_N_PER_KN * weight_kn,
+        )
+        # each term by what it adds at the highest speed, as the scenario may have it as zero
+        resistance = {name: whole / top_kmh**power for power, name in enumerate(RESISTANCE)}
+        auxiliary = max(first[AUXILIARY], LEAST_AUXILIARY_KW)
+        return {**resistance, MASS_FACTOR: 0.2, MASS: 0.3 * first[MASS], EFFICIENCY: 0.2, AUXILIARY: auxiliary}
+
+    def values(self, scaled: FloatArray) -> dict[str, float]:
+        """Return all parameters for scaled changes of the free ones; shape (free,)."""
+        first, sizes = self.first, self.sizes
+        changed = {name: first[name] + sizes[name] * float(z) for name, z in zip(self.free, scaled, strict=True)}
+        return {**first, **changed}
+
+    def fitted(self, values: Mapping[str, float]) -> Vehicle:
+        """Return the vehicle with fitted values: its resistance in absolute terms, at the load of the runs."""
+        vehicle, free = self.vehicle, set(self.free)
+        changes: dict[str, object] = {}
+        mass = values[MASS]
+        if MASS in free:
+            # what the runs weighed; how it splits into train and passengers they do not tell
+            changes["tare_kg"] = mass - vehicle.load_mass_kg
+        if free & {MASS, MASS_FACTOR}:
+            changes |= {"rotating_mass_factor": values[MASS_FACTOR], "inertial_mass_kg": None}
+        if free & set(RESISTANCE):
+            absolute = {name.partition(".")[2]: values[name] for name in RESISTANCE}
+            curve = vehicle.resistance.curve_constant_m_n_per_kn
+            changes["resistance"] = Resistance(**absolute, curve_constant_m_n_per_kn=curve)
+        if EFFICIENCY in free and isinstance(vehicle.drive, ConstantEfficiency):
+            changes["drive"] = vehicle.drive.model_copy(update={"traction_efficiency": values[EFFICIENCY]})
+        if AUXILIARY in free:
+            changes["auxiliary_power_kw"] = values[AUXILIARY]
+        return vehicle.model_copy(update=changes)
+
+
+def free_parameters(asked: Sequence[str] | None, vehicle: Vehicle, has_power: bool) -> tuple[str, ...]:
+    """Return the names of the parameters to free, in the order of `NAMES`.
+
+    Parameters
+    ----------
+    asked : sequence of str or None
+        What the user asks for; None for all of `DEFAULT` that the vehicle has and the runs can tell.
+    vehicle : Vehicle
+        The vehicle.
+    has_power : bool
+        Whether the runs tell of the power at the line.
+
+    Raises
+    ------
+    RecordingError
+        If a name is unknown, or the vehicle or the runs know nothing of it.
+    """
+    efficient = isinstance(vehicle.drive, ConstantEfficiency)
+    if asked is None:
+        known = [name for name in DEFAULT if has_power or name in MOTION]
+        return tuple(name for name in known if efficient or name != EFFICIENCY)
+    for name in asked:
+        if name not in NAMES:
+            raise RecordingError(f"--free {name}: must be among {', '.join(NAMES)}.")
+        if name not in MOTION and not has_power:
+            raise RecordingError(f"--free {name}: the runs have no column of power or energy, which it needs.")
+        if name == EFFICIENCY and not efficient:
+            model = getattr(vehicle.drive, "model", "")
+            raise RecordingError(f"--free {name}: a drive of model {model!r} has no efficiency of its own.")
+    return tuple(name for name in NAMES if name in asked)
+
+
+def scaled_floor(model: Model) -> FloatArray:
+    """Return the scaled changes at which the free parameters become zero; shape (free,)."""
+    first, sizes = model.first, model.sizes
+    return np.array([-first[name] / sizes[name] for name in model.free])

@@ -1,0 +1,183 @@
+"""Rolling stock of OSRD: JSON 3.0 to 3.4, a vehicle."""
+
+import re
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from railjoule.core.errors import ScenarioError
+from railjoule.core.imports.findings import Finding, Notes
+from railjoule.core.imports.foreign import Foreign, checked, unknown_keys
+from railjoule.core.imports.parts import checked_vehicle
+from railjoule.core.imports.source_file import SourceFile, counted, json_of, shown_list
+from railjoule.core.imports.vehicle import ImportedVehicle, questions, short_numbers
+from railjoule.core.scenario._base import Number
+from railjoule.core.scenario._sentences import show
+from railjoule.core.units import MS_PER_KMH, N_PER_KN
+
+KNOWN_VERSIONS = ((3, 0), (3, 4))
+"""The first and the last that are known."""
+PER_MASS_SINCE = (3, 4)
+"""From this version on, resistance is that of a kilogram."""
+Effort = Annotated[Number, Field(ge=0)]
+Speed = Annotated[Number, Field(ge=0)]
+
+
+class EffortCurve(Foreign):
+    """Largest tractive efforts [N] at speeds [m/s]."""
+
+    speeds: tuple[Speed, ...] = Field(min_length=2, max_length=1000)
+    max_efforts: tuple[Effort, ...] = Field(min_length=2, max_length=1000)
+
+
+class ModeCurves(Foreign):
+    """The curves of one supply, and the one that holds where no condition is met."""
+
+    default_curve: EffortCurve
+    curves: tuple[Any, ...] = Field((), max_length=10_000)
+    is_electric: bool = True
+
+
+class EffortCurves(Foreign):
+    """The curves of all supplies."""
+
+    default_mode: str
+    modes: dict[str, ModeCurves] = Field(min_length=1)
+
+
+class DavisResistance(Foreign):
+    """Running resistance A + B v + C v2 [N, m/s]."""
+
+    constant: Effort = Field(alias="A")
+    linear: Effort = Field(alias="B")
+    quadratic: Effort = Field(alias="C")
+    type: Literal["davis"] = "davis"
+
+
+class Gamma(Foreign):
+    """The deceleration of braking, as older versions have it."""
+
+    value: Number = Field(gt=0)
+
+
+class RollingStock(Foreign):
+    """A vehicle of OSRD."""
+
+    railjson_version: str = ""
+    name: str = Field(max_length=200)
+    length: Number
+    mass: Number = Field(gt=0)
+    max_speed: Number = Field(gt=0)
+    comfort_acceleration: Number | None = Field(None, gt=0)
+    inertia_coefficient: Number = Field(ge=1)
+    const_gamma: Number | None = Field(None, gt=0)
+    gamma: Gamma | None = None
+    rolling_resistance: DavisResistance
+    effort_curves: EffortCurves
+
+
+def read_osrd_stock(source: SourceFile, mode: str | None = None) -> ImportedVehicle:
+    """Return the vehicle of a rolling stock's file.
+
+    Parameters
+    ----------
+    source : SourceFile
+        JSON of version 3.0 to 3.4; of other versions what is known is read.
+    mode : str, optional
+        The supply whose efforts are taken, such as '25000V'; by default the file's.
+
+    Raises
+    ------
+    ScenarioError
+        If anything is wrong with the file; the sentence names field, value and bound.
+    """
+    stock = checked(RollingStock, json_of(source), source.name)
+    notes = Notes([], unknown_keys(stock, source.name))
+    version = _version(stock.railjson_version, source.name, notes)
+    table = short_numbers(
+        {
+            "name": stock.name,
+            "tare_kg": stock.mass,
+            "rotating_mass_factor": stock.inertia_coefficient - 1,
+            "length_m": stock.length,
+            "resistance": _resistance(stock, version),
+            "traction": {
+                "max_speed_kmh": stock.max_speed / MS_PER_KMH,
+                **_curve(stock.effort_curves, mode, source.name, notes),
+            },
+            "braking": _braking(stock, source.name, notes),
+            "drive": {"model": "constant_efficiency", "traction_efficiency": 1.0},
+        }
+    )
+    if stock.comfort_acceleration is not None:
+        table["traction"]["max_acceleration_ms2"] = stock.comfort_acceleration
+    notes.findings.append(Finding("assumption", f"{source.name}: it tells no losses: a drive without losses."))
+    vehicle = checked_vehicle(table, source.name)
+    notes.findings += questions(vehicle, source.name)
+    return ImportedVehicle(
+        source.name, {"vehicle": table}, vehicle, findings=tuple(notes.findings), unused=tuple(notes.unused)
+    )
+
+
+def _version(text: str, source: str, notes: Notes) -> tuple[int, int]:
+    found = re.fullmatch(r"(\d{1,4})\.(\d{1,4})", text)
+    first, last = KNOWN_VERSIONS
+    version = (int(found[1]), int(found[2])) if found else last
+    if not found or not first <= version <= last:
+        told = f"its railjson_version is {show(text)}" if text else "it has no railjson_version"
+        sentence = f"{source}: {told}, and 3.0 to 3.4 are known: what is known of it was read as 3.4 has it."
+        notes.findings.append(Finding("question", sentence))
+        return last
+    return version
+
+
+def _resistance(stock: RollingStock, version: tuple[int, int]) -> dict[str, float]:
+    """Return the resistance of the train, with speed in km/h."""
+    davis, mass = stock.rolling_resistance, stock.mass if version >= PER_MASS_SINCE else 1.0
+    return {
+        "constant_n": mass * davis.constant,
+        "linear_n_per_kmh": mass * davis.linear * MS_PER_KMH,
+        "quadratic_n_per_kmh2": mass * davis.quadratic * MS_PER_KMH**2,
+    }
+
+
+def _curve(curves: EffortCurves, mode: str | None, source: str, notes: Notes) -> dict[str, Any]:
+    """Return the largest tractive efforts over speed of a supply where no condition is met."""
+    name = curves.default_mode if mode is None else mode
+    if name not in curves.modes:
+        raise ScenarioError(f"{source}: mode = {show(name)} must be one of {shown_list(list(curves.modes))}.")
+    chosen = curves.modes[name]
+    others = [other for other in curves.modes if other != name]
+    if others:
+        notes.unused.append(f"{source}: the efforts of the supplies {shown_list(others)}.")
+    if chosen.curves:
+        notes.unused.append(f"{source}: {counted(len(chosen.curves), 'curve')} of {name} under conditions.")
+    if not chosen.is_electric:
+        sentence = f"{source}: {name} is not electric: its efforts are taken, and its energy counts as electric."
+        notes.findings.append(Finding("question", sentence))
+    curve, where = chosen.default_curve, f"{source}: effort_curves.modes.{name}.default_curve"
+    if len(curve.speeds) != len(curve.max_efforts):
+        raise ScenarioError(f"{where} has {len(curve.speeds)} speeds and {len(curve.max_efforts)} max_efforts.")
+    points = [
+        [speed / MS_PER_KMH, effort / N_PER_KN] for speed, effort in zip(curve.speeds, curve.max_efforts, strict=True)
+    ]
+    # a speed that stands twice is a step, for which our curves have no room: the effort beyond it holds
+    rising = [point for point, later in zip(points, [*points[1:], [float("inf")]], strict=True) if point[0] != later[0]]
+    if len(rising) < len(points):
+        sentence = f"{where}: {counted(len(points) - len(rising), 'step')} of the effort: that beyond counts."
+        notes.findings.append(Finding("reading", sentence))
+    return {"curve": rising}
+
+
+def _braking(stock: RollingStock, source: str, notes: Notes) -> dict[str, float]:
+    """Return brakes that give the deceleration of the file: of friction, as nothing tells of an electric one."""
+    gamma = stock.const_gamma if stock.const_gamma is not None else stock.gamma.value if stock.gamma else None
+    if gamma is None:
+        raise ScenarioError(f"{source}: const_gamma is missing.")
+    sentence = f"{source}: it tells of no electric brake: friction brakes for {gamma:g} m/s2, and nothing goes back."
+    notes.findings.append(Finding("assumption", sentence))
+    return {
+        "max_effort_kn": 0.0,
+        "friction_effort_kn": stock.mass * stock.inertia_coefficient * gamma / N_PER_KN,
+        "max_deceleration_ms2": gamma,
+    }

@@ -1,0 +1,189 @@
+"""Rolling stock and running paths of railtoolkit's schema: YAML 2022.05 and 2024.07."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from itertools import pairwise
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from railjoule.core.errors import ScenarioError
+from railjoule.core.imports.columns import IntervalKind
+from railjoule.core.imports.findings import Finding, Notes
+from railjoule.core.imports.foreign import Foreign, checked, unknown_keys
+from railjoule.core.imports.line import ImportedLine, line_of
+from railjoule.core.imports.railtoolkit_train import read_train
+from railjoule.core.imports.source_file import SourceFile, shown_list, text_of
+from railjoule.core.imports.table import ImportedTable, Interval, bounded
+from railjoule.core.imports.vehicle import ImportedVehicle
+from railjoule.core.scenario._base import Number
+from railjoule.core.scenario._sentences import show
+
+VERSIONS = ("2022.05", "2024.07")
+# the reader is written in Python: 100 kB take it a second
+LARGEST_YAML_BYTES = 2_000_000
+MOST_LEVELS = 20
+"""Lists and tables within each other; the files have 6."""
+
+
+class CharacteristicSection(Foreign):
+    """Where a limit or a resistance begins, as version 2024.07 has it."""
+
+    position: Number
+    speed: Annotated[Number, Field(gt=0)] | None = None
+    resistance: Number | None = None
+
+
+class Path(Foreign):
+    """A line."""
+
+    id: str = Field(max_length=200)
+    name: str = ""
+    characteristic_sections: tuple[CharacteristicSection, ...] = Field(min_length=2, max_length=100_000)
+
+
+class RunningPath(Foreign):
+    """A file of lines."""
+
+    schema_version: str
+    paths: tuple[Path, ...] = Field(min_length=1, max_length=1000)
+
+
+def read_railtoolkit(source: SourceFile, wanted: str | None = None) -> ImportedVehicle | ImportedLine:
+    """Return the train or the path of a file.
+
+    Parameters
+    ----------
+    source : SourceFile
+        YAML of the schema rolling-stock or running-path, 2022.05 or 2024.07.
+    wanted : str, optional
+        The id of the train or path; by default the first.
+
+    Raises
+    ------
+    ScenarioError
+        If anything is wrong with the file; the sentence names field, value and bound.
+    """
+    document = yaml_of(source)
+    schema = str(document.pop("schema", ""))
+    version = str(document.get("schema_version", ""))
+    notes = Notes()
+    if version not in VERSIONS:
+        told = f"its schema_version is {show(version)}" if version else "it has no schema_version"
+        sentence = f"{source.name}: {told}, and {' and '.join(VERSIONS)} are known: what is known of it was read."
+        notes.findings.append(Finding("question", sentence))
+    document["schema_version"] = version
+    if "running-path" in schema or ("paths" in document and "rolling-stock" not in schema):
+        return _read_path(document, source.name, wanted, notes)
+    if "rolling-stock" in schema or "vehicles" in document:
+        return read_train(document, source.name, wanted, notes)
+    raise ScenarioError(f"{source.name}: schema = {show(schema)} must be that of rolling-stock or running-path.")
+
+
+def yaml_of(source: SourceFile) -> dict[str, Any]:
+    """Return the table that a YAML file holds.
+
+    Raises
+    ------
+    ScenarioError
+        If PyYAML is missing, the file is too large or no YAML, or it has aliases, which can stand for very much.
+    """
+    try:
+        import yaml  # noqa: PLC0415  (of an extra)
+    except ModuleNotFoundError:
+        raise ScenarioError(
+            f"{source.name}: reading YAML needs PyYAML, which is not installed: pip install 'railjoule[yaml]'."
+        ) from None
+    if len(source.content) > LARGEST_YAML_BYTES:
+        raise ScenarioError(f"{source.name}: larger than the {LARGEST_YAML_BYTES / 1e6:g} MB allowed.")
+    text, _ = text_of(source)
+    try:
+        level = 0
+        for event in yaml.parse(text, yaml.SafeLoader):
+            level += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+            if isinstance(event, yaml.AliasEvent):
+                told = f"the alias *{event.anchor} is not read; write out what it stands for"
+                raise ScenarioError(f"{source.name}: {told}.")
+            if level > MOST_LEVELS:
+                raise ScenarioError(f"{source.name}: its lists or tables are nested too deeply.")
+        document = yaml.safe_load(text)
+    except yaml.YAMLError as error:
+        mark = getattr(error, "problem_mark", None)
+        where = f" in line {mark.line + 1}" if mark is not None else ""
+        raise ScenarioError(f"{source.name}: not YAML: {getattr(error, 'problem', None) or error}{where}.") from None
+    # of dates such as 2022-13-45 and of integers with more than 4300 digits
+    except ValueError as error:
+        raise ScenarioError(f"{source.name}: not YAML: {show(str(error))}.") from None
+    if not isinstance(document, dict):
+        raise ScenarioError(f"{source.name}: must be a YAML table.")
+    return {str(key): value for key, value in document.items()}
+
+
+def _read_path(document: Mapping[str, Any], source: str, wanted: str | None, notes: Notes) -> ImportedLine:
+    """Return the line of a path."""
+    file = checked(RunningPath, {**document, "paths": _as_tables(document.get("paths"))}, source)
+    notes.unused += unknown_keys(file, source)
+    path = _chosen(file.paths, source, "paths", wanted, notes)
+    notes.unused += unknown_keys(path, f"{source}: path {path.id}")
+    rows = path.characteristic_sections
+    for index, (row, later) in enumerate(pairwise(rows), 1):
+        if later.position <= row.position:
+            raise ScenarioError(
+                f"{source}: characteristic_sections[{index}].position = {later.position:g} must lie beyond "
+                f"{row.position:g}, the one before it."
+            )
+    keys = sorted({key for row in rows for key in (row.model_extra or {})})
+    if keys:
+        notes.unused.append(f"{source}: characteristic_sections: {shown_list(keys)}.")
+    sentence = f"{source}: resistance is taken as the gradient: it may hold that of curves too."
+    notes.findings.append(Finding("assumption", sentence))
+    line = line_of(
+        gradients=_table("gradients", source, [(row.position, row.resistance) for row in rows]),
+        limits=_table("limits", source, [(row.position, row.speed) for row in rows]),
+        begin_m=rows[0].position,
+        end_m=rows[-1].position,
+        name=path.name or path.id,
+    )
+    return replace(line, findings=(*notes.findings, *line.findings), unused=(*notes.unused, *line.unused))
+
+
+def _as_tables(paths: Any) -> Any:
+    """Return paths whose sections are tables, also those that version 2022.05 wrote as lists of three."""
+    if not isinstance(paths, list):
+        return paths
+    columns = ("position", "speed", "resistance")
+    return [
+        {
+            **path,
+            "characteristic_sections": [
+                dict(zip(columns, row, strict=True)) if isinstance(row, list) and len(row) == len(columns) else row
+                for row in path["characteristic_sections"]
+            ],
+        }
+        if isinstance(path, dict) and isinstance(path.get("characteristic_sections"), list)
+        else path
+        for path in paths
+    ]
+
+
+def _table(kind: IntervalKind, source: str, rows: list[tuple[float, float | None]]) -> ImportedTable | None:
+    """Return values that hold until the next is given; the last section only says where the path ends."""
+    intervals = []
+    given = [(position, value) for position, value in rows[:-1] if value is not None]
+    ends = [*(position for position, _ in given[1:]), rows[-1][0]]
+    for number, ((begin, value), end) in enumerate(zip(given, ends, strict=True), 1):
+        amount = bounded(f"{source}: characteristic_sections", kind, value, value, kind, "")
+        intervals.append(Interval(begin, end, amount, number))
+    return ImportedTable(kind, source, tuple(intervals)) if intervals else None
+
+
+def _chosen(entries: tuple[Path, ...], source: str, what: str, wanted: str | None, notes: Notes) -> Path:
+    """Return the entry of an id, or the first."""
+    names = [entry.id for entry in entries]
+    if wanted is not None and wanted not in names:
+        raise ScenarioError(f"{source}: {what}: id = {show(wanted)} must be one of {shown_list(names)}.")
+    index = names.index(wanted) if wanted is not None else 0
+    others = [name for position, name in enumerate(names) if position != index]
+    if others:
+        notes.unused.append(f"{source}: {what}: {shown_list(others)}.")
+    return entries[index]

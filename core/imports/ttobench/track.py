@@ -1,0 +1,191 @@
+"""Tracks of TTOBench."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+from railjoule.core.errors import ScenarioError
+from railjoule.core.imports.columns import IntervalKind
+from railjoule.core.imports.continuity import continuity_findings, place
+from railjoule.core.imports.findings import Finding, Notes
+from railjoule.core.imports.foreign import checked, unknown_keys
+from railjoule.core.imports.line import ImportedLine, Stop, line_of
+from railjoule.core.imports.numbers import STRAIGHT
+from railjoule.core.imports.source_file import SourceFile, counted, json_of, shown_list
+from railjoule.core.imports.table import ImportedTable, Interval, bounded
+from railjoule.core.imports.ttobench.format import (
+    AREA_UNITS,
+    KMH_UNITS,
+    M_UNITS,
+    PERMILLE_UNITS,
+    Curvatures,
+    Pairs,
+    Track,
+    Tunnels,
+    column_factor,
+    factor_of,
+    version_findings,
+)
+from railjoule.core.imports.ttobench.journey import Service, StopChoice
+from railjoule.core.imports.ttobench.train import TunnelCoefficients
+from railjoule.core.scenario._sentences import show
+
+# a larger radius than a section's key can have is as good as straight
+LARGEST_RADIUS_M = 1e6
+
+
+def read_track(
+    source: SourceFile,
+    tunnels: TunnelCoefficients | None = None,
+    *,
+    stops: StopChoice = "all",
+    service: Service | None = None,
+) -> ImportedLine:
+    """Return the line of a track's file.
+
+    Parameters
+    ----------
+    source : SourceFile
+        The file.
+    tunnels : TunnelCoefficients, optional
+        What tunnels do to the train; without it they are not used.
+    stops : str
+        Make stations of all stops between the ends, or of none.
+    service : Service, optional
+        A journey, between whose ends the line lies and which says where it stops.
+
+    Raises
+    ------
+    ScenarioError
+        If anything is wrong with the file.
+    """
+    track = checked(Track, json_of(source), source.name)
+    name = source.name
+    notes = Notes(version_findings(track.metadata, name), unknown_keys(track, name))
+    m = factor_of(track.stops.unit, M_UNITS, f"{name}: stops.unit")
+    places = _rising([m * position for position in track.stops.values], f"{name}: stops.values")
+    begin, end = (places[0], places[-1]) if service is None else service.ends_within(places[0], places[-1], name)
+    limits = _steps(track.speed_limits, "limits", "speed limits", "velocity", KMH_UNITS, name)
+    slopes = track.gradients
+    gradients = _steps(slopes, "gradients", "gradients", "slope", PERMILLE_UNITS, name) if slopes else None
+    line = line_of(
+        limits=limits,
+        gradients=gradients,
+        curves=_curves(track.curvatures, name, notes) if track.curvatures else None,
+        tunnels=_tunnels(track.tunnels, tunnels, name, notes) if track.tunnels and track.tunnels.values else None,
+        stops=_stops(places, stops, service, name, notes),
+        begin_m=begin,
+        end_m=end,
+        name=track.metadata.id,
+    )
+    return replace(line, findings=(*notes.findings, *line.findings), unused=(*line.unused, *notes.unused))
+
+
+def _steps(
+    pairs: Pairs, kind: IntervalKind, key: str, column: str, units: dict[str, float], source: str
+) -> ImportedTable:
+    """Return values that hold from their position to that of the next."""
+    where = f"{source}: {key}"
+    metre = column_factor(pairs.units, "position", M_UNITS, where)
+    factor = column_factor(pairs.units, column, units, where)
+    begins = _rising([metre * row[0] for row in pairs.values], f"{where}.values")
+    values = [
+        bounded(f"{where}.values[{index}]", column, row[1], factor * row[1], kind, "")
+        for index, row in enumerate(pairs.values)
+    ]
+    return ImportedTable(kind, source, _intervals(begins, values))
+
+
+def _intervals(begins: Sequence[float], values: Sequence[float]) -> tuple[Interval, ...]:
+    ends = [*begins[1:], math.inf]
+    return tuple(Interval(*row, number) for number, row in enumerate(zip(begins, ends, values, strict=True), 1))
+
+
+def _curves(curvatures: Curvatures, source: str, notes: Notes) -> ImportedTable:
+    """Return curves; a transition has its mean curvature."""
+    where = f"{source}: curvatures"
+    metre = column_factor(curvatures.units, "position", M_UNITS, where)
+    at_start, at_end = (column_factor(curvatures.units, f"radius at {end}", M_UNITS, where) for end in ("start", "end"))
+    begins = _rising([metre * row[0] for row in curvatures.values], f"{where}.values")
+    radii, transitions = [], 0
+    for index, (_, start, end) in enumerate(curvatures.values):
+        first = _curvature(start, at_start, f"{where}.values[{index}]")
+        last = _curvature(end, at_end, f"{where}.values[{index}]")
+        transitions += first != last
+        mean = _mean_curvature(first, last)
+        radii.append(float(f"{1 / mean:.10g}") if mean > 1 / LARGEST_RADIUS_M else 0.0)
+    if transitions:
+        told = f"{source}: {counted(transitions, 'transition')} between radii: taken at their mean curvature."
+        notes.findings.append(Finding("reading", told))
+    return ImportedTable("curves", source, _intervals(begins, radii))
+
+
+def _curvature(radius: float | str, metre: float, where: str) -> float:
+    if isinstance(radius, str) and radius.lower() in STRAIGHT:
+        return 0.0
+    if isinstance(radius, str) or radius == 0:
+        raise ScenarioError(f"{where}: radius = {show(radius)} must be a number other than 0, or 'infinity'.")
+    return 1 / (metre * radius)
+
+
+def _mean_curvature(first: float, last: float) -> float:
+    """Return the mean amount of a curvature that goes linearly from one to another, through 0 between two sides."""
+    if first * last >= 0:
+        return 0.5 * abs(first + last)
+    return 0.5 * (first**2 + last**2) / (abs(first) + abs(last))
+
+
+def _tunnels(tunnels: Tunnels, coefficients: TunnelCoefficients | None, source: str, notes: Notes) -> ImportedTable:
+    """Return tunnels with the factor on quadratic resistance, or where that is not known with the cross section."""
+    where = f"{source}: tunnels"
+    metre = column_factor(tunnels.units, "position", M_UNITS, where)
+    length = column_factor(tunnels.units, "length", M_UNITS, where)
+    area = column_factor(tunnels.units, "cross section", AREA_UNITS, where)
+    rows = [(metre * begin, metre * begin + length * long, area * section) for begin, long, section in tunnels.values]
+    stretches = [Interval(*row, number) for number, row in enumerate(rows, 1)]
+    stretches.sort(key=lambda one: one.from_m)
+    notes.findings += [
+        replace(finding, sentence=f"{where}: {finding.sentence}")
+        for finding in continuity_findings("tunnels", stretches)
+    ]
+    with_factors = []
+    for one in stretches:
+        factor = coefficients.factor_in(one.value or 0.0) if coefficients else None
+        if factor is None:  # of one tunnel alone would make the others look like open line
+            return ImportedTable("tunnels", source, tuple(stretches), "m2")
+        factor = bounded(f"{where}.values[{one.row - 1}]", "factor", factor, factor, "tunnels", "factor")
+        with_factors.append(replace(one, value=factor))
+    return ImportedTable("tunnels", source, tuple(with_factors), "factor")
+
+
+def _stops(
+    places: Sequence[float], choice: StopChoice, service: Service | None, source: str, notes: Notes
+) -> list[Stop]:
+    inner = list(places[1:-1])
+    if service is not None:
+        served = {stop.position_m for stop in service.stops}
+        passed = [position for position in inner if position not in served]
+        if passed and choice == "all":
+            notes.unused.append(f"{source}: stops that the journey passes, at {_places(passed)} m.")
+        return list(service.stops)
+    if choice == "ends":
+        if inner:
+            notes.unused.append(f"{source}: stops between the ends, at {_places(inner)} m.")
+        return []
+    if inner:
+        notes.findings.append(Finding("assumption", f"{source}: its stops have no dwell times: 0 s."))
+    return [Stop("", position, 0.0) for position in inner]
+
+
+def _places(positions: Sequence[float]) -> str:
+    return shown_list([place(position) for position in positions])
+
+
+def _rising(positions: list[float], where: str) -> list[float]:
+    for index, (earlier, later) in enumerate(pairwise(positions), 1):
+        if later <= earlier:
+            raise ScenarioError(
+                f"{where}[{index}]: position = {later:g} must lie beyond {earlier:g}, the one before it."
+            )
+    return positions

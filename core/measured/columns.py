@@ -1,0 +1,241 @@
+"""Which column of a recorder's file holds what, in which unit: by its name, by a preset, or as the user says."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+from railjoule.core.errors import RecordingError
+from railjoule.core.units import J_PER_KWH, J_PER_WH, MS_PER_KMH, N_PER_KN, W_PER_KW
+
+CLOCK = "clock"
+"""Unit of times of day, hh:mm:ss with or without a date."""
+UNITS: Mapping[str, Mapping[str, float]] = MappingProxyType(
+    {
+        "time": {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0, CLOCK: 1.0},
+        "position": {"m": 1.0, "km": 1e3},
+        "speed": {"km/h": MS_PER_KMH, "m/s": 1.0},
+        "effort": {"N": 1.0, "kN": N_PER_KN},
+        "tractive_effort": {"N": 1.0, "kN": N_PER_KN},
+        "braking_effort": {"N": 1.0, "kN": N_PER_KN},
+        # of a brake it is only asked whether it is applied
+        "brake": {"bar": 1.0, "kPa": 1.0, "Pa": 1.0, "%": 1.0, "on": 1.0},
+        "power": {"W": 1.0, "kW": W_PER_KW},
+        "energy": {"J": 1.0, "Wh": J_PER_WH, "kWh": J_PER_KWH},
+    }
+)
+"""Quantities of a recorder, and what one of each unit is in SI."""
+SPELLINGS: Mapping[str, str] = MappingProxyType(
+    {"kmh": "km/h", "kph": "km/h", "ms": "m/s", "mps": "m/s", "sec": "s", "seconds": "s"}
+)
+"""Units as names of columns spell them; 'ms' of a time is a millisecond."""
+NAMES: Mapping[str, Sequence[str]] = MappingProxyType(
+    {
+        "time": ("time", "t", "seconds", "timestamp", "elapsed", "elapsed_time", "clock"),
+        "position": ("position", "distance", "chainage", "odometer", "x"),
+        "speed": ("speed", "v", "velocity"),
+        "effort": ("effort", "force", "wheel_effort"),
+        "tractive_effort": ("tractive_effort", "traction_effort", "tractive_force"),
+        "braking_effort": ("braking_effort", "brake_effort", "braking_force"),
+        "brake": ("brake", "brake_pressure", "cylinder_pressure", "brake_applied"),
+        "power": ("power", "line_power", "electric_power"),
+        "energy": ("energy", "line_energy", "energy_counter", "meter"),
+    }
+)
+"""Names without their unit, by quantity."""
+NEEDED_UNITS = ("speed", "effort", "tractive_effort", "braking_effort", "power", "energy")
+"""Quantities whose unit nothing else tells; times count as seconds, positions as metres, brakes as on above 0."""
+LONGEST_GAP_S = 600.0
+USUAL_UNITS = MappingProxyType({"time": "s", "position": "m", "brake": "on"})
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of a file.
+
+    Parameters
+    ----------
+    quantity : str
+        One of `UNITS`.
+    header : str
+        Its name in the file.
+    unit : str
+        One of the quantity's.
+    """
+
+    quantity: str
+    header: str
+    unit: str
+
+    @property
+    def factor(self) -> float:
+        """What one of its unit is in SI."""
+        return UNITS[self.quantity][self.unit]
+
+
+PRESETS: Mapping[str, Sequence[Column]] = MappingProxyType(
+    {
+        "generic": (),
+        # what the export of a simulated run writes below three lines of text
+        "osrd": (
+            Column("time", "seconds", "s"),
+            Column("position", "position", "km"),
+            Column("speed", "speed", "km/h"),
+        ),
+        # Widmer, Ritter, Onder: ZTBus, doi 10.1038/s41597-023-02600-6, SI throughout
+        "ztbus": (
+            Column("time", "time_unix", "s"),
+            Column("speed", "odometry_vehicleSpeed", "m/s"),
+            Column("effort", "traction_tractionForce", "N"),
+            Column("brake", "traction_brakePressure", "Pa"),
+            Column("power", "electric_powerDemand", "W"),
+        ),
+    }
+)
+"""Columns of files of known programs; those of 'generic' are found by their names."""
+
+
+@dataclass(frozen=True)
+class RecorderFormat:
+    """How a recorder writes its files.
+
+    Parameters
+    ----------
+    preset : str
+        One of `PRESETS`.
+    columns, units : mapping of str to str
+        Names of columns and units by quantity, as the user says; they go before preset and names.
+    longest_gap_s : float
+        For how long samples may be missing [s]: what happened meanwhile is interpolated.
+    """
+
+    preset: str = "generic"
+    columns: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    longest_gap_s: float = 10.0
+
+    def require_known(self) -> None:
+        """Raise RecordingError if the preset, a quantity or a unit is unknown, or the gap no length of time."""
+        if self.preset not in PRESETS:
+            raise RecordingError(f"--preset {self.preset}: must be one of {', '.join(PRESETS)}.")
+        for option, given in (("--column", self.columns), ("--unit", self.units)):
+            for quantity in given:
+                if quantity not in UNITS:
+                    raise RecordingError(f"{option} {quantity}: must be one of {', '.join(UNITS)}.")
+        for quantity, unit in self.units.items():
+            if unit not in UNITS[quantity]:
+                raise RecordingError(f"--unit {quantity}={unit}: must be one of {', '.join(UNITS[quantity])}.")
+        if not 0 < self.longest_gap_s <= LONGEST_GAP_S:
+            raise RecordingError(
+                f"--longest-gap {self.longest_gap_s:g}: must be above 0 and at most {LONGEST_GAP_S:g} s."
+            )
+
+
+GENERIC = RecorderFormat()
+
+
+def recognised(headers: Sequence[str], form: RecorderFormat) -> list[Column]:
+    """Return the columns among some names that hold anything known; an empty unit where the name tells none.
+
+    Parameters
+    ----------
+    headers : sequence of str
+        Names of columns.
+    form : RecorderFormat
+        How the recorder writes.
+    """
+    preset, named = form.preset, form.columns
+    columns = [
+        Column(quantity, header, _unit_in(header, quantity) or "")
+        for quantity, header in named.items()
+        if header in headers
+    ]
+    if preset != "generic":
+        return columns + [known for known in PRESETS[preset] if known.header in headers and known.quantity not in named]
+    for header in headers:
+        quantity = _quantity_of(header)
+        if quantity is not None and quantity not in named and header not in named.values():
+            columns.append(Column(quantity, header, _unit_in(header, quantity) or ""))
+    return columns
+
+
+def find_columns(headers: Sequence[str], form: RecorderFormat, source: str) -> list[Column]:
+    """Return the columns of a file that hold anything known, each with its unit.
+
+    Parameters
+    ----------
+    headers, form
+        As in `recognised`.
+    source : str
+        The file, for sentences.
+
+    Raises
+    ------
+    RecordingError
+        If speed, or both time and position, are missing, a column that is named is not there, two columns hold one
+        quantity, or a unit is missing.
+    """
+    has = f"the file has {', '.join(headers)}"[:200]
+    for quantity, header in form.columns.items():
+        if header not in headers:
+            raise RecordingError(f"{source}: there is no column {header!r} for {quantity}; {has}.")
+    columns: dict[str, Column] = {}
+    for column in recognised(headers, form):
+        if column.quantity in columns:
+            raise RecordingError(
+                f"{source}: the columns {columns[column.quantity].header!r} and {column.header!r} both hold a "
+                f"{column.quantity}; choose one by --column {column.quantity}=NAME."
+            )
+        columns[column.quantity] = _with_unit(column, form.units, source)
+    if "speed" not in columns or not {"time", "position"} & columns.keys():
+        missing = "speed" if "speed" not in columns else "time"
+        words = "speed" if missing == "speed" else "time or position"
+        raise RecordingError(f"{source}: no column holds the {words}; {has}. Name it by --column {missing}=NAME.")
+    if "effort" in columns and {"tractive_effort", "braking_effort"} & columns.keys():
+        raise RecordingError(
+            f"{source}: column {columns['effort'].header!r} holds the effort of driving and braking, and another one "
+            "holds a part of it."
+        )
+    return list(columns.values())
+
+
+def _with_unit(column: Column, units: Mapping[str, str], source: str) -> Column:
+    unit = units.get(column.quantity) or column.unit or USUAL_UNITS.get(column.quantity)
+    if unit is None:
+        choices = " or ".join(f"--unit {column.quantity}={unit}" for unit in UNITS[column.quantity])
+        raise RecordingError(f"{source}: column {column.header!r} tells no unit; add {choices}.")
+    return Column(column.quantity, column.header, unit)
+
+
+def _words(header: str) -> tuple[str, str]:
+    """Return the name and what may be the unit of a column, such as 'speed' and 'km/h' of 'Speed [km/h]'."""
+    match = re.fullmatch(r"\s*(.*?)\s*[\[(]\s*(.*?)\s*[\])]\s*", header)
+    if match:
+        return _plain(match[1]), match[2]
+    return _plain(header), _plain(header).rpartition("_")[2]
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[\s\-.]+", "_", name.strip().lower())
+
+
+def _quantity_of(header: str) -> str | None:
+    name, unit = _words(header)
+    # the longest name of all that fit: 'brake_pressure_bar' is no 'brake' with a strange unit
+    for quantity, names in NAMES.items():
+        if name in names or (name.removesuffix(f"_{unit}") in names and _known_unit(unit, quantity)):
+            return quantity
+    return None
+
+
+def _unit_in(header: str, quantity: str) -> str | None:
+    """Return the unit that the name of a column tells, if it tells one."""
+    if _plain(header) in NAMES[quantity]:
+        return "s" if _plain(header) == "seconds" else None
+    return _known_unit(_words(header)[1], quantity)
+
+
+def _known_unit(word: str, quantity: str) -> str | None:
+    by_spelling = {unit.lower(): unit for unit in UNITS[quantity]}
+    # 'ms' is a millisecond of a time, and metres per second of a speed
+    return by_spelling.get(word.lower()) or by_spelling.get(SPELLINGS.get(word.lower(), ""))

@@ -1,0 +1,328 @@
+"""A recording: what a train's recorder wrote of one run, checked row by row, in SI."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from railjoule.core.arrays import BoolArray, FloatArray, frozen_array
+from railjoule.core.errors import RecordingError
+from railjoule.core.measured.columns import GENERIC, RecorderFormat
+from railjoule.core.measured.table import Table, read_table
+from railjoule.core.scenario.text_file import read_text
+from railjoule.core.units import MS_PER_KMH
+
+FEWEST_SAMPLES = 10
+"""Fewer show no course of a speed."""
+LARGEST_SPEED_MS = 600.0 * MS_PER_KMH
+"""As of the vehicles of a scenario."""
+# emergency brakes of trams, magnetic track brakes included, reach some 3 m/s2
+LARGEST_CHANGE_MS2 = 5.0
+"""More no train does: the recorder was reset, or columns are mixed up."""
+GAP_STEPS = 3.0
+"""Samples farther apart than so many usual steps leave a gap."""
+MOST_PARTS = 5
+"""Where few levels occur, no two of them may lie a single step apart, but hardly more than so many."""
+SAME_DISTANCE = 0.10
+"""By which share distances by position and by speed may differ; wrong units make factors of 3.6 and more."""
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """One run as a recorder wrote it: n samples, from the last one at rest before it to the first one at rest after it.
+
+    Parameters
+    ----------
+    name : str
+        The file.
+    time_s, speed_ms : array of shape (n,)
+        Time from the first sample [s] and speed [m/s].
+    position_m : array of shape (n,) or None
+        What the odometer says [m].
+    effort_n : array of shape (n,) or None
+        Effort at the wheels, braking negative [N]; NaN where it is not known.
+    brake_applied : array of bool of shape (n,) or None
+        Where a brake works that the effort does not count.
+    power_w : array of shape (n,) or None
+        Power taken from the line, negative where energy goes back [W]; NaN where it is not known.
+    energy_j : array of shape (n,) or None
+        What the energy meter says [J].
+    speed_step_ms : float
+        In such steps the speed is given [m/s]; 0 where it has none.
+    gap_s : array of shape (n - 1,)
+        For how long samples are missing after each sample [s]; 0 where none are.
+    notes : tuple of str
+        What was skipped, changed or missing, in sentences.
+    """
+
+    name: str
+    time_s: FloatArray
+    speed_ms: FloatArray
+    position_m: FloatArray | None
+    effort_n: FloatArray | None
+    brake_applied: BoolArray | None
+    power_w: FloatArray | None
+    energy_j: FloatArray | None
+    speed_step_ms: float
+    gap_s: FloatArray
+    notes: tuple[str, ...]
+
+    @property
+    def covered_m(self) -> FloatArray:
+        """Distance covered since the first sample by the speeds [m]; shape (n,)."""
+        return np.append(0.0, np.cumsum(0.5 * (self.speed_ms[1:] + self.speed_ms[:-1]) * np.diff(self.time_s)))
+
+    @property
+    def is_moving(self) -> BoolArray:
+        """Between which samples the train moves; shape (n - 1,)."""
+        moving: BoolArray = (self.speed_ms[1:] > 0) | (self.speed_ms[:-1] > 0)
+        return moving
+
+    @property
+    def duration_s(self) -> float:
+        """Time of the run [s]."""
+        return float(self.time_s[-1])
+
+
+def load_recording(path: Path, form: RecorderFormat = GENERIC) -> Recording:
+    """Return the run of a recorder's file.
+
+    Raises
+    ------
+    RailjouleError
+        As `read_recording`, or if there is no such file of text.
+    """
+    return read_recording(read_text(path), path.name, form)
+
+
+def read_recording(text: str, source: str, form: RecorderFormat = GENERIC) -> Recording:
+    """Return the run of a text in CSV.
+
+    Parameters
+    ----------
+    text, source : str
+        The text, and the file that it comes from.
+    form : RecorderFormat
+        How the recorder writes.
+
+    Raises
+    ------
+    RecordingError
+        If the text is no table, a column or a unit is missing, times or positions fall, a speed is negative or none
+        that a train has, samples are missing for too long, or the distances by speed and by position do not fit.
+    """
+    table = read_table(text, source, form)
+    rows = len(table.lines)
+    if rows < FEWEST_SAMPLES:
+        raise RecordingError(f"{source}: {rows} rows, but a run needs at least {FEWEST_SAMPLES}.")
+    notes = list(table.notes)
+    _require_speeds(table)
+    table = _without_repeats(table, notes)
+    _require_rising(table)
+    time = table.values.get("time")
+    time = _time_of_positions(table) if time is None else time - time[0]
+    _require_steady(table, time)
+    gaps = _gaps(table, time, form, notes)
+    first, last = _moving_part(table, time, notes)
+    if "time" in table.values:
+        time = between_samples(time, table.values["speed"])
+    part = slice(first, last + 1)
+    values = {quantity: column[part] for quantity, column in table.values.items()}
+    brake, position = values.get("brake"), values.get("position")
+    step = quantisation(table.values["speed"] / table.columns["speed"].factor) * table.columns["speed"].factor
+    recording = Recording(
+        name=source,
+        time_s=frozen_array(time[part] - time[first]),
+        speed_ms=frozen_array(values["speed"]),
+        position_m=None if position is None else frozen_array(position - position[0]),
+        effort_n=_effort(values),
+        brake_applied=None if brake is None else brake > 0,
+        power_w=values.get("power"),
+        energy_j=values.get("energy"),
+        speed_step_ms=step,
+        gap_s=frozen_array(gaps[first:last]),
+        notes=tuple(notes),
+    )
+    _require_same_distance(recording, table)
+    return recording
+
+
+def quantisation(values: FloatArray) -> float:
+    """Return in which steps values are given: the largest number of which all are multiples; 0 where there is none.
+
+    Parameters
+    ----------
+    values : array
+        In the unit in which they were written: rounding to its decimals must not hide the steps.
+    """
+    levels = np.unique(np.round(values, 9))
+    differences = np.diff(levels)
+    if len(differences) < 2:
+        return 0.0
+    # values of a continuous quantity hardly repeat, and have tiny differences that divide nothing
+    least = float(np.min(differences))
+    for parts in range(1, MOST_PARTS + 1):
+        step = least / parts
+        multiples = levels / step
+        shares = np.abs(multiples - np.round(multiples))
+        # decimals that cut the steps off, as 3.6 km/h as 1.0 m/s, make multiples a little off
+        if step > 1e-4 * levels[-1] and np.all(shares < 0.02):
+            return step
+    return 0.0
+
+
+def between_samples(time_s: FloatArray, speed_ms: FloatArray) -> FloatArray:
+    """Return times in which the samples at rest beside a motion are moved to where it begins or ends.
+
+    A train starts between two samples, and to count from the first of them would add half a second to each start and
+    stop at 1 Hz: as much as a driver can save. The line through the two speeds beside it meets zero where it starts.
+
+    Parameters
+    ----------
+    time_s, speed_ms : array of shape (n,)
+        Samples.
+    """
+    moved = np.array(time_s)
+    rest = speed_ms == 0
+    for sample in np.flatnonzero(rest):
+        for way in (1, -1):
+            beside, beyond = sample + way, sample + 2 * way
+            # a single sample at rest is the stop itself
+            lone = 0 <= sample - way < len(rest) and not rest[sample - way]
+            if not 0 <= beyond < len(rest) or rest[beside] or rest[beyond] or lone:
+                continue
+            rise = (speed_ms[beyond] - speed_ms[beside]) / abs(time_s[beyond] - time_s[beside])
+            reach = abs(time_s[beside] - time_s[sample])
+            if rise > 0 and speed_ms[beside] < rise * reach:
+                moved[sample] = time_s[beside] - way * speed_ms[beside] / rise
+    return moved
+
+
+def _effort(values: dict[str, FloatArray]) -> FloatArray | None:
+    """Return the effort with its sign: one column, or driving less braking."""
+    if "effort" in values:
+        return values["effort"]
+    driving, braking = values.get("tractive_effort"), values.get("braking_effort")
+    if driving is None:
+        return None
+    # some write braking as negative numbers
+    return driving if braking is None else driving - np.abs(braking)
+
+
+def _require_speeds(table: Table) -> None:
+    speed = table.values["speed"]
+    for row in np.flatnonzero(speed < 0)[:1]:
+        raise RecordingError(f"{table.source}: {table.told('speed', row)} must be at least 0.")
+    for row in np.flatnonzero(speed > LARGEST_SPEED_MS)[:1]:
+        column = table.columns["speed"]
+        bound = LARGEST_SPEED_MS / column.factor
+        raise RecordingError(
+            f"{table.source}: {table.told('speed', row)} must be at most {bound:.5g} {column.unit}; is it in another "
+            "unit (--unit speed=...)?"
+        )
+    if not np.any(speed > 0):
+        raise RecordingError(f"{table.source}: {table.columns['speed'].header} is 0 in all rows, so there is no run.")
+
+
+def _without_repeats(table: Table, notes: list[str]) -> Table:
+    """Return a table without rows that say the same place at the same time again."""
+    time, position = table.values.get("time"), table.values.get("position")
+    if time is None or position is None:
+        return table
+    # programs that write a run add a row at each signal and station, with times rounded
+    resolution = quantisation(time - time[0])
+    reach = np.maximum(table.values["speed"][1:], 1.0) * resolution
+    repeated = np.append(False, (np.diff(time) == 0) & (np.abs(np.diff(position)) <= reach))
+    if not np.any(repeated):
+        return table
+    notes.append(f"{int(repeated.sum())} rows repeat the time of the row before and are left out.")
+    kept = ~repeated
+    lines = tuple(line for line, keep in zip(table.lines, kept, strict=True) if keep)
+    values = {quantity: column[kept] for quantity, column in table.values.items()}
+    return Table(table.source, table.columns, values, lines, table.notes)
+
+
+def _require_rising(table: Table) -> None:
+    for quantity, may_stay in (("time", False), ("position", True)):
+        if quantity not in table.values:
+            continue
+        difference = np.diff(table.values[quantity])
+        for row in np.flatnonzero(difference < 0 if may_stay else difference <= 0)[:1]:
+            bound = "at least" if may_stay else "above"
+            raise RecordingError(
+                f"{table.source}: {table.told(quantity, row + 1)} must be {bound} that of the row before, "
+                f"{table.told(quantity, row).partition(' = ')[2]}: the rows are not in order, or the recorder"
+                " was reset."
+            )
+
+
+def _time_of_positions(table: Table) -> FloatArray:
+    """Return the times of samples over distance, with an even change of speed between two of them."""
+    position, speed = table.values["position"], table.values["speed"]
+    both = speed[1:] + speed[:-1]
+    for row in np.flatnonzero((both == 0) & (np.diff(position) > 0))[:1]:
+        raise RecordingError(
+            f"{table.source}: {table.told('speed', row + 1)} and in the row before, but the position rises: without a "
+            "column of time it is not known how long that took."
+        )
+    steps = np.divide(2 * np.diff(position), both, out=np.zeros(len(both)), where=both > 0)
+    return np.append(0.0, np.cumsum(steps))
+
+
+def _require_steady(table: Table, time_s: FloatArray) -> None:
+    """Refuse a jump of speed that no train does."""
+    step, change = np.diff(time_s), np.diff(table.values["speed"])
+    # a reading may be off by a whole step of its own, and a stop can lie anywhere between two samples
+    allowed = LARGEST_CHANGE_MS2 * np.maximum(step, 1.0)
+    for row in np.flatnonzero(np.abs(change) > allowed)[:1]:
+        before = table.told("speed", row).partition(" = ")[2]
+        raise RecordingError(
+            f"{table.source}: {table.told('speed', row + 1)} follows {before} after {step[row]:.4g} s: no train "
+            f"changes its speed by more than {LARGEST_CHANGE_MS2:g} m/s2; the recorder was reset, or "
+            "the unit is another one."
+        )
+
+
+def _gaps(table: Table, time_s: FloatArray, form: RecorderFormat, notes: list[str]) -> FloatArray:
+    """Return for how long samples are missing after each one [s]; shape (n - 1,)."""
+    steps = np.diff(time_s)
+    if "time" not in table.values:
+        return np.zeros(len(steps))
+    usual = float(np.median(steps))
+    moving = (table.values["speed"][1:] > 0) | (table.values["speed"][:-1] > 0)
+    # a recorder may well sleep while the train stands
+    gaps = np.where((steps > GAP_STEPS * usual) & moving, steps, 0.0)
+    for row in np.flatnonzero(gaps > form.longest_gap_s)[:1]:
+        raise RecordingError(
+            f"{table.source}: after line {table.lines[row]} samples are missing for {gaps[row]:.4g} s while the train "
+            f"moves; at most {form.longest_gap_s:g} s are interpolated (--longest-gap)."
+        )
+    if np.any(gaps):
+        places = ", ".join(f"{gaps[row]:.4g} s after line {table.lines[row]}" for row in np.flatnonzero(gaps)[:5])
+        more = " and others" if np.count_nonzero(gaps) > 5 else ""
+        notes.append(f"Samples are missing: {places}{more}; the speed there is interpolated.")
+    return gaps
+
+
+def _moving_part(table: Table, time_s: FloatArray, notes: list[str]) -> tuple[int, int]:
+    """Return the last sample at rest before the run and the first one after it."""
+    moving = np.flatnonzero(table.values["speed"] > 0)
+    first, last = max(int(moving[0]) - 1, 0), min(int(moving[-1]) + 1, len(time_s) - 1)
+    before, after = time_s[first] - time_s[0], time_s[-1] - time_s[last]
+    if before > 0 or after > 0:
+        notes.append(f"Standing for {before:.4g} s before the run and {after:.4g} s after it does not count.")
+    return first, last
+
+
+def _require_same_distance(recording: Recording, table: Table) -> None:
+    """Refuse a speed or a position in a wrong unit."""
+    if recording.position_m is None or "time" not in table.values:
+        return
+    by_speed, by_position = float(recording.covered_m[-1]), float(recording.position_m[-1])
+    if abs(by_speed - by_position) > SAME_DISTANCE * max(by_speed, by_position):
+        column = table.columns["speed"]
+        raise RecordingError(
+            f"{recording.name}: {column.header} in {column.unit} covers {by_speed:.5g} m, but "
+            f"{table.columns['position'].header} rises by {by_position:.5g} m; they may differ by at most "
+            f"{100 * SAME_DISTANCE:g} %: one of the units is another one (--unit), or samples are missing."
+        )

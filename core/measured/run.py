@@ -1,0 +1,350 @@
+"""A measured run as trajectories: by the scenario's model at the measured speeds, and with what was measured itself."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from railjoule.core.arrays import BoolArray, FloatArray, IntArray, frozen_array
+from railjoule.core.energy import Energy
+from railjoule.core.errors import RecordingError
+from railjoule.core.measured.columns import GENERIC, RecorderFormat
+from railjoule.core.measured.part_of_line import part_of_line
+from railjoule.core.measured.place import Placement, place_on_line
+from railjoule.core.measured.recording import Recording, load_recording
+from railjoule.core.measured.smoothing import LEAST_STEP_MS, smoothed_speed
+from railjoule.core.motion import Course, build_course
+from railjoule.core.motion.cell_step import COAST, exit_speed2
+from railjoule.core.physics.course_data import cell_of, train_of
+from railjoule.core.scenario import Line, Scenario, Station, Timetable
+from railjoule.core.scenario.line import SHORTEST_DISTANCE_M
+from railjoule.core.trajectory import MEASURED, Trajectory, make_trajectory
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN
+
+NEAR_STATION_M = 60.0
+"""A stop at most so far from a station has its name."""
+# a train that needs three times its effort is another train, or the effort is in another unit
+PASSES = 3
+COASTING_SHARE = 0.25
+"""A coasting train may leave the smoothed speed by this share of a step."""
+UNIT_FACTOR = 3.0
+"""Beyond this many times the largest effort of the vehicle, a measured one is in another unit."""
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredRun:
+    """A recording on its line.
+
+    Parameters
+    ----------
+    recording : Recording
+        What the recorder wrote.
+    placement : Placement
+        Where on the line it lies.
+    scenario : Scenario
+        The part of the line that it covers, in its time, with its stops and the speeds at its ends.
+    modelled : Trajectory
+        Efforts and energies by the scenario's model at the measured speeds; its account closes.
+    measured : Trajectory or None
+        With the measured effort and power where they are known; what its account does not explain is a loss named
+        'unexplained'. None where neither was measured.
+    speed_ms : array of shape (n,)
+        Speeds of the samples, smoothed and to the line's scale [m/s].
+    position_m : array of shape (n,)
+        Places of the samples on the part of the line [m].
+    notes : tuple of str
+        All that was changed on the way, in sentences.
+    """
+
+    recording: Recording
+    placement: Placement
+    scenario: Scenario
+    modelled: Trajectory
+    measured: Trajectory | None
+    speed_ms: FloatArray
+    position_m: FloatArray
+    notes: tuple[str, ...]
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """The run with what was measured of it, or else by the model."""
+        return self.modelled if self.measured is None else self.measured
+
+    @property
+    def measured_kwh(self) -> float | None:
+        """Energy at the line by the meter, or else by the power over time [kWh]; None where neither is there."""
+        recording = self.recording
+        if recording.energy_j is not None and not np.any(np.isnan(recording.energy_j[[0, -1]])):
+            return float(recording.energy_j[-1] - recording.energy_j[0]) / J_PER_KWH
+        power = recording.power_w
+        if power is None or np.any(np.isnan(power)):
+            return None
+        return float(np.sum(0.5 * (power[1:] + power[:-1]) * np.diff(recording.time_s))) / J_PER_KWH
+
+
+def load_run(
+    path: Path, scenario: Scenario, form: RecorderFormat = GENERIC, start_m: float | None = None
+) -> MeasuredRun:
+    """Return the measured run of a recorder's file.
+
+    Raises
+    ------
+    RailjouleError
+        As `railjoule.core.measured.load_recording` and `measured_run`.
+    """
+    return measured_run(load_recording(path, form), scenario, start_m)
+
+
+def measured_run(recording: Recording, scenario: Scenario, start_m: float | None = None) -> MeasuredRun:
+    """Return a recording as a run over the line of a scenario.
+
+    Parameters
+    ----------
+    recording : Recording
+        What the recorder wrote.
+    scenario : Scenario
+        Vehicle and line.
+    start_m : float, optional
+        Where on the line it begins [m], in running order; found where absent.
+
+    Raises
+    ------
+    RecordingError
+        If its place cannot be found, or an effort or an energy is none that this train has.
+    """
+    placement = place_on_line(recording, scenario, start_m)
+    speed, position = _to_scale(recording, placement, placement.scale * recording.speed_ms)
+    raw, step = speed, max(placement.scale * recording.speed_step_ms, LEAST_STEP_MS)
+    for _ in range(PASSES):
+        # the pull needs speeds and places, which are better known after each pass
+        pull = _pull_ms2(_own_scenario(recording, scenario, placement, speed, position), speed, position)
+        smooth, coasts = smoothed_speed(recording.time_s, raw, step, pull)
+        speed, position = _to_scale(recording, placement, smooth)
+    own = _own_scenario(recording, scenario, placement, speed, position)
+    kept, dwell = _nodes(recording, speed)
+    course = replace(build_course(own, position_m=position[kept]), dwell_s=dwell)
+    node_speed2 = _with_coasting(course, speed[kept] ** 2, coasts[kept[:-1]], COASTING_SHARE * step)
+    _require_units(recording, course)
+    notes = (*recording.notes, placement.how, *_told(recording, placement, smooth - raw), *_beyond(course, node_speed2))
+    modelled = make_trajectory(own, course, MEASURED, node_speed2, notes=notes)
+    measured = _with_measured(modelled, recording, course)
+    return MeasuredRun(
+        recording, placement, own, modelled, measured, frozen_array(speed), frozen_array(position), modelled.notes
+    )
+
+
+def _to_scale(recording: Recording, placement: Placement, speed_ms: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return speeds [m/s] that cover just the part of the line, and the places that they reach [m]."""
+    covered = np.append(0.0, np.cumsum(0.5 * (speed_ms[1:] + speed_ms[:-1]) * np.diff(recording.time_s)))
+    scale = (placement.end_m - placement.start_m) / float(covered[-1])
+    return scale * speed_ms, scale * covered
+
+
+def _pull_ms2(own: Scenario, speed_ms: FloatArray, position_m: FloatArray) -> FloatArray:
+    """Return resistance, gradient and curve between samples over inertia [m/s2]; 0 where the train stands."""
+    moves = np.diff(position_m) > 0
+    course = build_course(own, position_m=position_m[np.append(True, moves)])
+    # a cell begins at the last of the samples at its place, whose speed is that of all of them
+    starts, ends = speed_ms[:-1][moves] ** 2, speed_ms[1:][moves] ** 2
+    inertia = 2 * course.data.half_inertia_kg
+    acceleration = 0.5 * (ends - starts) / course.data.cell_length_m
+    pull = np.zeros(len(moves))
+    pull[moves] = course.force_between_n(starts, ends) / inertia - acceleration
+    return pull
+
+
+def _with_coasting(course: Course, speed2: FloatArray, coasts: BoolArray, within_ms: float) -> FloatArray:
+    """Return squares of speed at the nodes that coast exactly where the train coasts, as far as that stays close."""
+    data, exact = course.data, np.array(speed2)
+    train = train_of(data)
+    for cell in np.flatnonzero(coasts).tolist():
+        after = exit_speed2(cell_of(data, cell), train, data.traction, data.braking, exact[cell], COAST)
+        if after > 0 and speed2[cell + 1] > 0 and abs(np.sqrt(after) - np.sqrt(speed2[cell + 1])) <= within_ms:
+            exact[cell + 1] = after
+    return exact
+
+
+def _told(recording: Recording, placement: Placement, change_ms: FloatArray) -> list[str]:
+    notes = []
+    if recording.speed_step_ms > 0:
+        notes.append(
+            f"The speed has steps of {recording.speed_step_ms:.3g} m/s: smoothed by "
+            f"{float(np.sqrt(np.mean(change_ms**2))):.2g} m/s in the mean, by at most half a step."
+        )
+    if abs(placement.scale - 1) > 1e-4:
+        notes.append(
+            f"Speeds and distances are multiplied by {placement.scale:.4f}, so that they cover the line's "
+            f"{placement.end_m - placement.start_m:.0f} m."
+        )
+    return notes
+
+
+def _own_scenario(
+    recording: Recording, scenario: Scenario, placement: Placement, speed_ms: FloatArray, position_m: FloatArray
+) -> Scenario:
+    """Return the scenario of the run alone: its part of the line, its time, its stops."""
+    line = scenario.line.in_running_order()
+    length = placement.end_m - placement.start_m
+    stops = [
+        Station(name=_station_name(line, placement.start_m + place), position_m=place, dwell_s=dwell)
+        for place, dwell in _stops(recording, speed_ms, position_m)
+        if SHORTEST_DISTANCE_M <= place <= length - SHORTEST_DISTANCE_M
+    ]
+    timetable = Timetable(
+        travel_time_s=recording.duration_s,
+        entry_speed_kmh=float(speed_ms[0]) / MS_PER_KMH,
+        exit_speed_kmh=float(speed_ms[-1]) / MS_PER_KMH,
+    )
+    part = part_of_line(line, placement.start_m, placement.end_m, stops)
+    return scenario.model_copy(update={"line": part, "timetable": timetable})
+
+
+def _station_name(line: Line, place_m: float) -> str:
+    named = [(abs(station.position_m - place_m), station.name) for station in line.stations]
+    distance, name = min(named, default=(np.inf, ""))
+    return name if distance <= NEAR_STATION_M else ""
+
+
+def _stops(recording: Recording, speed_ms: FloatArray, position_m: FloatArray) -> list[tuple[float, float]]:
+    """Return places and times of all stands on the way."""
+    stands: dict[float, float] = {}
+    for cell in np.flatnonzero(_standing(speed_ms)):
+        place = float(position_m[cell])
+        stands[place] = stands.get(place, 0.0) + float(recording.time_s[cell + 1] - recording.time_s[cell])
+    # a single sample at rest is a stop without a dwell
+    for sample in np.flatnonzero(speed_ms == 0):
+        stands.setdefault(float(position_m[sample]), 0.0)
+    return sorted(stands.items())
+
+
+def _standing(speed_ms: FloatArray) -> BoolArray:
+    standing: BoolArray = (speed_ms[1:] == 0) & (speed_ms[:-1] == 0)
+    return standing
+
+
+def _nodes(recording: Recording, speed_ms: FloatArray) -> tuple[BoolArray, FloatArray]:
+    """Return which samples are nodes of a mesh, of a stand the last, and how long the train stands at each node [s]."""
+    standing = _standing(speed_ms)
+    kept: BoolArray = np.append(~standing, True)
+    node = np.cumsum(np.append(0, kept[:-1]))
+    steps = np.diff(recording.time_s)
+    dwell = np.bincount(node[:-1][standing], weights=steps[standing], minlength=int(kept.sum()))
+    return kept, dwell.astype(float)
+
+
+def _require_units(recording: Recording, course: Course) -> None:
+    """Refuse efforts and energies that this train cannot have."""
+    data = course.data
+    largest = max(data.traction.constant_n, data.braking.constant_n + data.friction_effort_n)
+    if recording.effort_n is not None:
+        reached = float(np.nanmax(np.abs(recording.effort_n), initial=0.0))
+        if reached > UNIT_FACTOR * largest:
+            raise RecordingError(
+                f"{recording.name}: the effort reaches {reached / N_PER_KN:.5g} kN, but the vehicle has at most "
+                f"{largest / N_PER_KN:.5g} kN; is it in another unit (--unit effort=...), or another vehicle?"
+            )
+    if recording.energy_j is not None:
+        falls = -np.diff(recording.energy_j)
+        # no brake gives back more than its whole effort at the highest speed
+        allowed = data.braking.constant_n * float(np.max(recording.speed_ms)) * np.diff(recording.time_s)
+        for row in np.flatnonzero(falls > np.maximum(allowed, 0.01 * J_PER_KWH))[:1]:
+            raise RecordingError(
+                f"{recording.name}: the energy falls by {falls[row] / J_PER_KWH:.4g} kWh at "
+                f"{recording.time_s[row + 1]:.4g} s, more than the {allowed[row] / J_PER_KWH:.4g} kWh that the "
+                "brakes can give back: the meter was reset."
+            )
+
+
+def _beyond(course: Course, speed2: FloatArray) -> list[str]:
+    """Return a sentence if the model's train could not have driven so."""
+    force, speed = course.net_force_n(speed2), np.sqrt(speed2)
+    mean = 0.5 * (speed[1:] + speed[:-1])
+    over = force - course.data.traction.effort_n(mean)
+    under = -force - course.data.braking.effort_n(mean) - course.data.friction_effort_n
+    told = []
+    for excess, what in ((over, "tractive effort"), (under, "braking effort")):
+        worst = int(np.argmax(excess))
+        # a few per cent are noise of the speed
+        if excess[worst] > 0.1 * course.data.traction.constant_n:
+            told.append(
+                f"At {course.position_m[worst]:.0f} m the measured speed takes {excess[worst] / N_PER_KN:.3g} kN more "
+                f"{what} than the scenario's vehicle has."
+            )
+    return told
+
+
+def _with_measured(modelled: Trajectory, recording: Recording, course: Course) -> Trajectory | None:
+    """Return a run with measured efforts and powers in place of the modelled ones, where there are any."""
+    effort, power = _of_cells(recording.effort_n), _of_cells(recording.power_w)
+    if effort is None and power is None:
+        return None
+    # a stand of several samples is one cell, without length
+    standing = _standing(recording.speed_ms)
+    cell = np.cumsum(~standing | ~np.append(False, standing[:-1])) - 1
+    effort = _mean_by_cell(effort, cell, recording, modelled.effort_n)
+    power = _mean_by_cell(power, cell, recording, None)
+    mean_speed = 0.5 * (modelled.speed_ms[1:] + modelled.speed_ms[:-1])
+    effort = np.where(mean_speed > 0, effort, 0.0)
+    driven, braked = np.maximum(effort, 0.0), np.maximum(-effort, 0.0)
+    electric = np.minimum(braked, modelled.largest_braking_n - course.data.friction_effort_n)
+    # a recorder that tells of a brake beside the effort leaves open how strong it was: the model fills it in
+    unmeasured = 0.0 if recording.brake_applied is None else modelled.friction_braking_n
+    friction = np.maximum(braked - electric, unmeasured)
+    auxiliary = course.data.auxiliary_power_w
+    by_model = course.drive.line_power_w(driven - electric, np.maximum(mean_speed, 1e-9)) * (mean_speed > 0) + auxiliary
+    line_power = np.where(np.isnan(power), by_model, power)
+    duration = np.diff(modelled.time_s)
+    return replace(
+        modelled,
+        tractive_effort_n=frozen_array(driven),
+        electric_braking_n=frozen_array(electric),
+        friction_braking_n=frozen_array(friction),
+        line_power_w=frozen_array(line_power),
+        line_energy_j=frozen_array(np.append(0.0, np.cumsum(line_power * duration))),
+        current_a=None,
+        line_current_a=None,
+        energy=_measured_energy(modelled, course, driven, electric, friction, line_power - auxiliary),
+    )
+
+
+def _of_cells(samples: FloatArray | None) -> FloatArray | None:
+    return None if samples is None else 0.5 * (samples[1:] + samples[:-1])
+
+
+def _mean_by_cell(
+    values: FloatArray | None, cell: IntArray, recording: Recording, otherwise: FloatArray | None
+) -> FloatArray:
+    """Return means over the cells of a trajectory; what is not known is the other value, or NaN."""
+    count = int(cell[-1]) + 1
+    missing = np.full(count, np.nan) if otherwise is None else otherwise
+    if values is None:
+        return missing
+    known = ~np.isnan(values)
+    steps = np.diff(recording.time_s)[known]
+    weights = np.bincount(cell[known], weights=steps, minlength=count)
+    sums = np.bincount(cell[known], weights=steps * values[known], minlength=count)
+    return np.where(weights > 0, np.divide(sums, weights, out=np.zeros(count), where=weights > 0), missing)
+
+
+def _measured_energy(
+    modelled: Trajectory,
+    course: Course,
+    driven: FloatArray,
+    electric: FloatArray,
+    friction: FloatArray,
+    line_power_w: FloatArray,
+) -> Energy:
+    """Return the account of measured efforts and powers; what no model explains is a part of its own."""
+    duration, account = np.diff(modelled.time_s), modelled.energy
+    mean_speed = 0.5 * (modelled.speed_ms[1:] + modelled.speed_ms[:-1])
+    moving = mean_speed > 0
+    losses = {
+        kind: float(np.where(moving, power, 0.0) @ duration)
+        for kind, power in course.drive.losses_w(driven - electric, np.maximum(mean_speed, 1e-9)).items()
+    }
+    losses["friction_brakes"] = float(friction @ np.diff(modelled.position_m))
+    traction = float(np.maximum(line_power_w, 0.0) @ duration)
+    recuperated = float(np.maximum(-line_power_w, 0.0) @ duration)
+    known = account.running_resistance_j + account.curve_resistance_j + account.kinetic_j + account.potential_j
+    losses["unexplained"] = traction - recuperated - known - sum(losses.values())
+    return replace(account, traction_j=traction, recuperated_j=recuperated, losses_j=losses)

@@ -1,0 +1,279 @@
+"""What `railjoule import` and `railjoule export` do: they read and write files of other programs."""
+
+import argparse
+import math
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from railjoule.core.imports import (
+    INTERVAL_KINDS,
+    PRESETS,
+    ColumnMap,
+    Finding,
+    Imported,
+    ImportedLine,
+    IntervalKind,
+    SourceFile,
+    line_of,
+    read_intervals,
+)
+from railjoule.core.imports.numbers import position_of
+from railjoule.core.imports.source_file import counted
+from railjoule.core.scenario import Line, Vehicle, scenario_from_document
+from railjoule.dashboard.command import terminal
+from railjoule.dashboard.command.cli import LONGEST_TIME_S
+from railjoule.dashboard.command.commands import (
+    TABLE_SUFFIXES,
+    CommandError,
+    announce_compilation,
+    failures_named,
+    load,
+    parsed_changes,
+    shortened,
+    table_file,
+    write_table,
+)
+
+if TYPE_CHECKING:
+    from railjoule.core.imports.measured_run import MeasuredRun
+    from railjoule.core.imports.ttobench import ImportedScenario
+
+ASSUMED_SLACK = 0.1
+"""Slack over the shortest time where nothing tells a travel time; told, and easily changed in the file."""
+
+
+def run(options: argparse.Namespace) -> None:
+    """Read the files that the options name, write the result, and tell what was noticed and not used.
+
+    Raises
+    ------
+    RailjouleError
+        If anything is wrong with a file or an option.
+    """
+    READERS[options.format](options)
+
+
+def intervals(options: argparse.Namespace) -> None:
+    """Put a line together from tables of intervals."""
+    target = _target(options.output, (".toml", ".csv"))
+    maps = _column_maps(options)
+    files = {kind: getattr(options, kind) for kind in INTERVAL_KINDS if getattr(options, kind) is not None}
+    for kind in maps:
+        if kind not in files:
+            raise CommandError(f"--{kind} is missing, whose columns are named.")
+    tables: dict[str, Any] = {
+        kind: read_intervals(SourceFile.read(file), kind, maps.get(kind)) for kind, file in files.items()
+    }
+    line = line_of(
+        **tables,
+        begin_m=_place("--begin", options.begin),
+        end_m=_place("--end", options.end),
+        reverse=options.reverse,
+        name=options.name or "",
+    )
+    _write(target, line.to_csv() if target.suffix.lower() == ".csv" else line.to_toml())
+    _tell(line)
+    print(f"{target}: {_line_words(line.line)}")
+
+
+def ttobench(options: argparse.Namespace) -> None:
+    """Make a scenario of a track and a train of TTOBench."""
+    from railjoule.core.imports.ttobench import read_ttobench  # noqa: PLC0415
+
+    target = _target(options.output, (".toml",))
+    imported = read_ttobench(
+        SourceFile.read(options.file),
+        SourceFile.read(options.train),
+        None if options.journey is None else SourceFile.read(options.journey),
+        stops=options.stops,
+        travel_time_s=options.travel_time_s,
+    )
+    if imported.travel_time_s is None:
+        imported = _with_some_time(imported)
+    # the time that the options name is checked here
+    scenario = scenario_from_document(imported.document, imported.source)
+    _write(target, imported.to_toml())
+    _tell(imported)
+    print(f"{target}: {_line_words(scenario.line)}, {terminal.time(scenario.travel_time_s)} s")
+
+
+def _with_some_time(imported: "ImportedScenario") -> "ImportedScenario":
+    """Return a scenario of which nothing says how long it takes with a time that its train can keep."""
+    from railjoule.core.strategies import prepare_task  # noqa: PLC0415
+
+    announce_compilation()
+    timetable = {**imported.document.get("timetable", {}), "travel_time_s": LONGEST_TIME_S}
+    any_time = {**imported.document, "timetable": timetable}
+    shortest = prepare_task(scenario_from_document(any_time, imported.source)).shortest_travel_time_s
+    travel_time = math.ceil((1 + ASSUMED_SLACK) * shortest)
+    sentence = (
+        f"no journey and no --travel-time-s: {travel_time} s, {100 * ASSUMED_SLACK:g} % above the shortest possible "
+        f"{terminal.time(shortest)} s."
+    )
+    return imported.with_travel_time(float(travel_time), Finding("assumption", sentence))
+
+
+def osrd_stock(options: argparse.Namespace) -> None:
+    """Make a vehicle of a rolling stock of OSRD."""
+    from railjoule.core.imports.osrd_stock import read_osrd_stock  # noqa: PLC0415
+
+    target = _target(options.output, (".toml",))
+    vehicle = read_osrd_stock(SourceFile.read(options.file), options.mode)
+    _write(target, vehicle.to_toml())
+    _tell(vehicle)
+    print(f"{target}: {_vehicle_words(vehicle.vehicle)}")
+
+
+def osrd_run(options: argparse.Namespace) -> None:
+    """Make a line, or a table of a run, of a simulation of OSRD."""
+    from railjoule.core.imports.osrd_run import read_osrd_line, read_osrd_run  # noqa: PLC0415
+
+    target = _target(options.output, (".toml", *TABLE_SUFFIXES))
+    source = SourceFile.read(options.file)
+    if target.suffix.lower() == ".toml":
+        line = read_osrd_line(source)
+        _write(target, line.to_toml())
+        _tell(line)
+        print(f"{target}: {_line_words(line.line)}")
+    else:
+        _write_run(target, read_osrd_run(source))
+
+
+def railtoolkit(options: argparse.Namespace) -> None:
+    """Make a vehicle or a line of a file of railtoolkit."""
+    from railjoule.core.imports.railtoolkit import read_railtoolkit  # noqa: PLC0415
+
+    target = _target(options.output, (".toml",))
+    imported = read_railtoolkit(SourceFile.read(options.file), options.id)
+    _write(target, imported.to_toml())
+    _tell(imported)
+    told = _line_words(imported.line) if isinstance(imported, ImportedLine) else _vehicle_words(imported.vehicle)
+    print(f"{target}: {told}")
+
+
+def measured_run(options: argparse.Namespace) -> None:
+    """Make a table of a run, with the columns that ours have, of a table of a recorder."""
+    from railjoule.core.imports.measured_run import read_run  # noqa: PLC0415
+
+    target = _target(options.output, TABLE_SUFFIXES)
+    pairs = [word.partition("=") for word in options.columns]
+    for word, (name, equals, column) in zip(options.columns, pairs, strict=True):
+        if not (name and equals and column):
+            raise CommandError(f"--columns {shortened(word)}: must be KEY=COLUMN, such as speed=v [m/s].")
+    _write_run(target, read_run(SourceFile.read(options.file), {name: column for name, _, column in pairs}))
+
+
+def _write_run(target: Path, run: "MeasuredRun") -> None:
+    import pandas  # noqa: PLC0415  (slow to import, and seldom needed)
+
+    path = table_file(str(target), "-o")  # says what parquet needs
+    write_table(pandas.DataFrame(run.to_columns()), path, index=False)
+    _tell(run)
+    length, time = run.position_m[-1] - run.position_m[0], run.time_s[-1] - run.time_s[0]
+    told = f"{terminal.distance(length)} km in {terminal.time(time)} s, {counted(len(run.time_s), 'row')}"
+    print(f"{target}: {told}")
+
+
+def _vehicle_words(vehicle: Vehicle) -> str:
+    mass, speed = terminal.number(vehicle.total_mass_kg / 1000), terminal.number(vehicle.traction.max_speed_kmh)
+    return f"{terminal.printable(vehicle.name)}, {mass} t, {speed} km/h"
+
+
+def export(options: argparse.Namespace) -> None:
+    """Write the line and the vehicle of a scenario as a track and a train of TTOBench.
+
+    Raises
+    ------
+    RailjouleError
+        If anything is wrong with the scenario or an option, or the format cannot hold its vehicle.
+    """
+    from railjoule.core.imports.ttobench import export_track, export_train  # noqa: PLC0415
+
+    if options.track is None and options.train is None:
+        raise CommandError("--track or --train is missing: which file to write.")
+    scenario = load(options.file, parsed_changes(options.set))
+    wanted = (("--track", options.track, export_track), ("--train", options.train, export_train))
+    # all of them are made before one is written
+    files = [(_target(name, (".json",), option), make(scenario)) for option, name, make in wanted if name is not None]
+    for target, file in files:
+        _write(target, file.to_json())
+        _print_on_stderr(f"not written to {target.name}: {sentence}" for sentence in file.lost)
+        print(f"{target}: {file.document['metadata']['id']}")
+
+
+READERS: Mapping[str, Callable[[argparse.Namespace], None]] = {
+    "intervals": intervals,
+    "ttobench": ttobench,
+    "osrd-stock": osrd_stock,
+    "osrd-run": osrd_run,
+    "railtoolkit": railtoolkit,
+    "run": measured_run,
+}
+
+
+def _line_words(line: Line) -> str:
+    return f"{terminal.distance(line.length_m)} km, {counted(len(line.sections), 'section')}"
+
+
+def _column_maps(options: argparse.Namespace) -> dict[IntervalKind, ColumnMap]:
+    """Return what the options say of each table's columns."""
+    maps: dict[IntervalKind, ColumnMap] = {}
+    for name in options.preset:
+        if name not in PRESETS:
+            raise CommandError(f"--preset {shortened(name)}: must be one of {', '.join(PRESETS)}.")
+        kind, columns = PRESETS[name]
+        maps[kind] = columns
+    for kind, key, value in _settings("--columns", options.columns):
+        maps[kind] = ColumnMap.of(key, value).over(maps.get(kind, ColumnMap()))
+    for kind, key, value in _settings("--rows", options.rows):
+        maps[kind] = ColumnMap(rows={key: value}).over(maps.get(kind, ColumnMap()))
+    return maps
+
+
+def _settings(option: str, given: Sequence[str]) -> Iterable[tuple[IntervalKind, str, str]]:
+    """Return the parts of words 'TABLE.KEY=VALUE'."""
+    for word in given:
+        path, equals, value = word.partition("=")
+        table, dot, key = path.partition(".")
+        kind = next((kind for kind in INTERVAL_KINDS if kind == table), None)
+        if kind is None or not (equals and dot and key):
+            raise CommandError(
+                f"{option} {shortened(word)}: must be TABLE.KEY=VALUE, where TABLE is {', '.join(INTERVAL_KINDS)}."
+            )
+        yield kind, key, value
+
+
+def _place(option: str, text: str | None) -> float | None:
+    """Return a chainage [m], as '12345', '12+345', '12.345km' or '7mi 40ch'."""
+    if text is None:
+        return None
+    try:
+        return position_of(text, "m", ".")
+    except ValueError as error:
+        raise CommandError(f"{option} {shortened(text)} {error}.") from None
+
+
+def _target(name: str, suffixes: Sequence[str], option: str = "-o") -> Path:
+    path = Path(name)
+    if path.suffix.lower() not in suffixes:
+        raise CommandError(f"{option} {shortened(name)}: must end in {' or '.join(suffixes)}.")
+    return path
+
+
+def _write(path: Path, text: str) -> None:
+    with failures_named(path):
+        path.write_text(text, encoding="utf-8")
+
+
+def _tell(imported: "Imported | MeasuredRun") -> None:
+    """Print on standard error what the reader of the files should know, and what was not used."""
+    _print_on_stderr(finding.sentence for finding in imported.findings)
+    _print_on_stderr(f"not used: {sentence}" for sentence in imported.unused)
+
+
+def _print_on_stderr(lines: Iterable[str]) -> None:
+    for line in lines:
+        # a file's text may hold control characters, which a terminal would obey
+        print(terminal.printable(line), file=sys.stderr)

@@ -1,0 +1,290 @@
+"""What the columns of a recorder's file mean: as the user says, else guessed from their names; asked where in doubt."""
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from railjoule.core import RailjouleError
+from railjoule.core.arrays import FloatArray
+from railjoule.core.imports.cells import Cell, CellTable, read_cells
+from railjoule.core.imports.source_file import SourceFile
+from railjoule.core.measured import PRESETS, RecorderFormat
+from railjoule.core.measured.columns import CLOCK, NEEDED_UNITS, UNITS, USUAL_UNITS, recognised
+from railjoule.core.measured.table import NEVER_EMPTY, NO_VALUES
+from railjoule.core.scenario import Vehicle
+from railjoule.core.units import MS_PER_KMH, N_PER_KN, W_PER_KW
+from railjoule.dashboard.look import words
+from railjoule.dashboard.work.uploads import LARGEST_RUN_BYTES, too_large
+
+MOST_ROWS = 20_000
+"""8,551 samples of a run of three minutes took 2.4 s to smooth and 3.5 s to fit, on a busy core."""
+NOT_USED = ""
+QUANTITY_WORDS: Mapping[str, str] = {
+    NOT_USED: "Not used",
+    "time": "Time",
+    "position": "Position",
+    "speed": "Speed",
+    "effort": "Effort",
+    "tractive_effort": "Tractive effort",
+    "braking_effort": "Braking effort",
+    "brake": "Brake",
+    "power": "Power",
+    "energy": "Energy meter",
+}
+"""What a column may hold, in the words of the page."""
+UNIT_WORDS: Mapping[str, str] = {CLOCK: "hh:mm:ss"}
+PARTS_OF_EFFORT = ("tractive_effort", "braking_effort")
+SAMPLES = 5
+"""Rows that are shown of a column: the first, and some in motion."""
+SEPARATOR = ";"
+PLAUSIBLE: Mapping[str, tuple[float, float]] = {
+    "speed": (0.1, 1.3),
+    "effort": (0.05, 3.0),
+    "tractive_effort": (0.05, 3.0),
+    "braking_effort": (0.05, 3.0),
+    "power": (0.02, 4.0),
+    "energy": (0.3, 150.0),
+}
+"""Between which shares of what the train has the largest value of a column lies where its unit is right: of its top
+speed, of its largest effort and power, and of its kinetic energy at top speed."""
+
+
+@dataclass(frozen=True)
+class Meaning:
+    """What a column holds: one of the quantities, and its unit; an empty one where its name tells none."""
+
+    quantity: str
+    unit: str = ""
+
+    @classmethod
+    def of(cls, text: str) -> "Meaning":
+        """Return what a kept text says, such as 'effort kN'; nothing where it says nothing known."""
+        quantity, _, unit = text.partition(" ")
+        known = UNITS.get(quantity, {})
+        return cls(quantity, unit) if unit in known else cls(NOT_USED)
+
+    @property
+    def text(self) -> str:
+        """The text by which it is kept."""
+        return f"{self.quantity} {self.unit}".strip()
+
+
+@dataclass(frozen=True)
+class Doubt:
+    """A question about the unit of a column.
+
+    Parameters
+    ----------
+    header : str
+        The column.
+    sentence : str
+    choices : tuple of Meaning
+        The likelier one first.
+    """
+
+    header: str
+    sentence: str
+    choices: tuple[Meaning, Meaning]
+
+
+@dataclass(frozen=True, eq=False)
+class RunFile:
+    """A file that was brought to the page, as a table.
+
+    Parameters
+    ----------
+    name : str
+    cells : CellTable
+    is_example : bool
+        Whether it is one of ours.
+    """
+
+    name: str
+    cells: CellTable
+    is_example: bool = False
+
+    def samples(self, header: str) -> list[str]:
+        """Return some cells of a column: the first, and those after a third of the rows."""
+        rows = self.cells.rows
+        index, third = self.cells.header.index(header), len(rows) // 3
+        shown = [rows[0], *rows[max(third, 1) : third + SAMPLES - 1]]
+        return [_text(cells[index]) for _, cells in shown]
+
+
+def read_run_file(name: str, content: bytes, is_example: bool = False) -> RunFile:
+    """Return a file as a table.
+
+    Raises
+    ------
+    RailjouleError
+        If it is too large, or no table with names above its columns.
+    """
+    if len(content) > LARGEST_RUN_BYTES:
+        raise RailjouleError(too_large(name))
+    cells = read_cells(SourceFile(name, content))
+    if not cells.has_header:
+        raise RailjouleError(f"{name}: the first row must name the columns, such as time_s, position_m, speed_kmh.")
+    if len(cells.rows) > MOST_ROWS:
+        raise RailjouleError(
+            f"{name}: {words.number(len(cells.rows), 0)} rows; at most {words.number(MOST_ROWS, 0)} can be read. Leave "
+            "out some samples, or cut the file into its runs."
+        )
+    return RunFile(name, cells, is_example)
+
+
+def meanings_of(file: RunFile, answers: Mapping[str, str]) -> dict[str, Meaning]:
+    """Return what each column of a file holds.
+
+    Parameters
+    ----------
+    file : RunFile
+    answers : mapping of str to str
+        What the user says, by the column's name: a quantity and a unit, or nothing where it is not used.
+    """
+    headers = file.cells.header
+    meanings = dict.fromkeys(headers, Meaning(NOT_USED))
+    said = {header: Meaning.of(answers[header]) for header in headers if header in answers}
+    meanings.update(said)
+    taken = {meaning.quantity for meaning in said.values()}
+    for column in recognised(headers, RecorderFormat(_preset_of(headers))):
+        if column.header in said or column.quantity in taken:
+            continue
+        # of two columns that may hold one quantity the first is used
+        taken.add(column.quantity)
+        meanings[column.header] = Meaning(
+            column.quantity, column.unit or _usual_unit(file, column.header, column.quantity)
+        )
+    if "effort" in taken:
+        for header, meaning in meanings.items():
+            if meaning.quantity in PARTS_OF_EFFORT and header not in said:
+                meanings[header] = Meaning(NOT_USED)
+    return meanings
+
+
+def _preset_of(headers: Sequence[str]) -> str:
+    """Return the format of a known program whose columns a file has; 'generic' where it has those of none."""
+    known = ((name, {column.header for column in columns}) for name, columns in PRESETS.items() if columns)
+    return next((name for name, needed in known if needed <= set(headers)), "generic")
+
+
+def _usual_unit(file: RunFile, header: str, quantity: str) -> str:
+    first = next((_text(cell) for _, cell in file.cells.column(header) if cell != ""), "")
+    return CLOCK if quantity == "time" and ":" in first else USUAL_UNITS.get(quantity, "")
+
+
+def settled(
+    file: RunFile, answers: Mapping[str, str], vehicle: Vehicle
+) -> tuple[dict[str, Meaning], tuple[Doubt, ...], tuple[str, ...]]:
+    """Return what the columns hold, the questions that are open, and what was assumed, in sentences.
+
+    A column with an open question is not used; nor is it asked about what the user has said.
+    """
+    meanings, doubts, assumed = meanings_of(file, answers), [], []
+    for header, meaning in meanings.items():
+        if header in answers or meaning.quantity not in NEEDED_UNITS:
+            continue
+        fitting = fitting_units(file, header, meaning.quantity, vehicle)
+        if meaning.unit in fitting or (meaning.unit and not fitting):
+            continue
+        if not meaning.unit and len(fitting) == 1:
+            meanings[header] = Meaning(meaning.quantity, fitting[0])
+            assumed.append(f"{header}: no unit is named, taken as {fitting[0]}.")
+            continue
+        doubts.append(_doubt(file, header, meaning, fitting, vehicle))
+    return meanings, tuple(doubts), tuple(assumed)
+
+
+def fitting_units(file: RunFile, header: str, quantity: str, vehicle: Vehicle) -> list[str]:
+    """Return the units in which the largest value of a column is one that such a train has."""
+    size = _extent(file, header, quantity)
+    low, high = PLAUSIBLE[quantity]
+    whole = _sizes(vehicle)[quantity]
+    return [unit for unit, factor in UNITS[quantity].items() if low * whole <= size * factor <= high * whole]
+
+
+def _doubt(file: RunFile, header: str, meaning: Meaning, fitting: Sequence[str], vehicle: Vehicle) -> Doubt:
+    units = dict.fromkeys([*fitting, *UNITS[meaning.quantity]])
+    size = words.number(_extent(file, header, meaning.quantity), 1)
+    tonnes = words.number(vehicle.total_mass_kg / 1000, 0)
+    what = "Rises by" if meaning.quantity == "energy" else "At most"
+    if meaning.unit:
+        first, second = next(unit for unit in units if unit != meaning.unit), meaning.unit
+        sentence = f"{what} {size} {second} in a train of {tonnes} t: was {first} meant?"
+    else:
+        first, second = list(units)[:2]
+        sentence = f"{what} {size} in a train of {tonnes} t, and no unit is named: is it {first} or {second}?"
+    return Doubt(header, sentence, (Meaning(meaning.quantity, first), Meaning(meaning.quantity, second)))
+
+
+def _sizes(vehicle: Vehicle) -> dict[str, float]:
+    """Return what such a train has at most of each quantity, in SI."""
+    traction = vehicle.traction
+    top = traction.max_speed_kmh * MS_PER_KMH
+    kinetic = 0.5 * vehicle.total_mass_kg * top**2
+    # a train whose effort is not named accelerates by about 1 m/s2
+    effort = (traction.max_effort_kn or vehicle.total_mass_kg / 1e3) * N_PER_KN
+    power = (traction.max_power_kw or effort * top / 2 / W_PER_KW) * W_PER_KW
+    return {"speed": top, **dict.fromkeys(("effort", *PARTS_OF_EFFORT), effort), "power": power, "energy": kinetic}
+
+
+def _extent(file: RunFile, header: str, quantity: str) -> float:
+    """Return the largest size of the values of a column, of a meter by how much it rises; 0 where none is a number."""
+    values = _numbers(file, header)
+    if not len(values):
+        return 0.0
+    return float(np.ptp(values)) if quantity == "energy" else float(np.max(np.abs(values)))
+
+
+def _numbers(file: RunFile, header: str) -> FloatArray:
+    found = []
+    for _, cell in file.cells.column(header):
+        try:
+            found.append(float(cell.replace(",", ".") if isinstance(cell, str) else cell))
+        except ValueError:
+            continue
+    values = np.array(found)
+    finite: FloatArray = values[np.isfinite(values)]
+    return finite
+
+
+def table_text(file: RunFile, used: Mapping[str, Meaning]) -> tuple[str, RecorderFormat, tuple[str, ...]]:
+    """Return the columns of a file that are used as CSV, their format, and which rows are left out, in sentences.
+
+    Each row stands in the line that it has in the file, so that sentences about it can name that.
+    """
+    headers = [header for header in file.cells.header if header in used]
+    indices = [file.cells.header.index(header) for header in headers]
+    needed = [k for k, header in enumerate(headers) if used[header].quantity in NEVER_EMPTY]
+    rows, gaps = {}, 0
+    for number, cells in file.cells.rows:
+        row = [_text(cells[index]) for index in indices]
+        if not any(row):
+            continue
+        if any(row[k].lower() in NO_VALUES for k in needed):
+            gaps += 1
+        else:
+            rows[number] = row
+    written = io.StringIO()
+    writer = csv.writer(written, delimiter=SEPARATOR, lineterminator="\n")
+    # no row stands in the first line: the file has its names there, or above them
+    writer.writerow(headers)
+    for number in range(2, max(rows, default=0) + 1):
+        if number in rows:
+            writer.writerow(rows[number])
+        else:
+            written.write("\n")
+    form = RecorderFormat(
+        columns={used[header].quantity: header for header in headers},
+        units={used[header].quantity: used[header].unit for header in headers},
+    )
+    what = " or ".join(headers[k] for k in needed)
+    left_out = (f"{words.number(gaps, 0)} rows without {what} are left out.",) if gaps else ()
+    return written.getvalue(), form, left_out
+
+
+def _text(cell: Cell) -> str:
+    """Return a cell in one line."""
+    return " ".join(cell.split()) if isinstance(cell, str) else f"{cell:.12g}"

@@ -1,0 +1,136 @@
+"""All printed numbers against ours in one figure of HoloViews: a dot for each row of the tables."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import holoviews as hv
+import numpy as np
+from bokeh.models import FixedTicker, HoverTool
+from bokeh.plotting import figure
+
+from railjoule.core.validation import Row
+from railjoule.core.validation.table import CLOSE_PERCENT
+from railjoule.dashboard.charts.chart import add_zero
+from railjoule.dashboard.charts.elements import dress_legends, figure_of
+from railjoule.dashboard.charts.figures import dress_alone
+from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.markup import Markup, joined, markup
+from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.pages.papers.compute import PaperTables
+from railjoule.dashboard.pages.papers.names import AUTHORS
+
+STYLES = {
+    "ftorek": ("accent", "circle"),
+    "liashenko": ("eoc", "triangle"),
+    "rawicki": ("phases", "square"),
+    "shtompel": ("bellman", "diamond"),
+}
+"""Colour and shape of each paper's dots: neither tells alone."""
+TOLD = ("Paper", "Table", "Case", "Quantity", "Printed", "Ours", "Difference")
+"""What a dot says beneath the mouse."""
+TIP_CSS = (
+    ":host { --tooltip-color: var(--rj-surface) !important; --tooltip-border: var(--rj-line2) !important; "
+    "--tooltip-arrow-color: var(--rj-line2) !important; opacity: 1 !important; } "
+    "div.told { font: 12px/1.45 var(--rj-font); color: var(--rj-ink2); width: 200px; white-space: normal; } "
+    "div.told b { color: var(--rj-ink); font-weight: 600; }"
+)
+"""Of what stands beneath the mouse, which the library draws within a root of its own."""
+TICKS_PERCENT = (-100, -30, -10, -3, -1, 0, 1, 3, 10, 30, 100)
+X_TITLE = "Row, in the order of the tables"
+NAME = "Differences of our numbers from the printed ones"
+
+
+def scaled(percent: float) -> float:
+    """Return the height of a difference: linear as long as a number counts as close, logarithmic from there on."""
+    return float(np.arcsinh(percent / CLOSE_PERCENT))
+
+
+def differences(papers: Sequence[PaperTables]) -> hv.Dataset:
+    """Return all rows that have a difference, in the order of the tables, numbered from 1."""
+    rows = [
+        (paper, table.title, row)
+        for paper in papers
+        for table in paper.validation.tables
+        for row in table.rows
+        if row.difference is not None
+    ]
+    told = [(AUTHORS[paper.name], title, row.case, *_numbers(row)) for paper, title, row in rows]
+    columns: dict[str, Any] = {
+        "row": np.arange(1, len(rows) + 1),
+        "name": np.array([paper.name for paper, _, _ in rows], dtype=object),
+        "height": np.array([scaled(row.difference or 0.0) for _, _, row in rows]),
+        **{word: np.array([texts[k] for texts in told], dtype=object) for k, word in enumerate(TOLD)},
+    }
+    return hv.Dataset(columns, ["row", "name"], ["height", *TOLD])
+
+
+def _numbers(row: Row) -> tuple[str, ...]:
+    unit = f" {row.unit}" if row.unit else ""
+    digits = words.decimals(row.printed)
+    printed = words.number(row.printed or 0.0, digits)
+    difference = comparisons.printed_difference(row.difference_percent, row.difference_points)
+    return row.quantity, f"{printed}{unit}", f"{words.number(row.ours, digits + 1)}{unit}", difference
+
+
+def difference_figure(papers: Sequence[PaperTables], dark: bool) -> tuple[figure, Palette]:
+    """Return the figure and the colours that it wears; it stands in no document yet, so any thread may make it."""
+    rows, palette = differences(papers), Palette(dark)
+    most = max(map(abs, rows.range("height")), default=1.0)
+    close = scaled(CLOSE_PERCENT)
+    names = [name for name in STYLES if name in set(rows.dimension_values("name"))]
+
+    def element() -> hv.Overlay:
+        dots = [_dots(rows.select(name=name), name) for name in names]
+        return hv.Overlay([hv.HSpan(-close, close).opts(backend="bokeh", line_color=None), *dots]).opts(
+            backend="bokeh",
+            responsive=True,
+            min_height=100,
+            xlim=(0, len(rows) + 1),
+            # the legend stands within the frame, above all dots
+            ylim=(-1.06 * most, 1.3 * most),
+            xlabel=X_TITLE,
+            ylabel="",
+            show_legend=True,
+            legend_position="top",
+            legend_cols=len(names),
+        )
+
+    f = figure_of(element)
+    _dress(f, names, palette)
+    return f, palette
+
+
+def tip() -> Markup:
+    """Return what a dot says, with the names of columns in the place of their values, which Bokeh escapes."""
+    lines = joined(markup("<div>{}: <b>@{}</b></div>", word, word) for word in TOLD)
+    return markup('<div class="told"><style>{}</style>{}</div>', Markup(TIP_CSS), lines)
+
+
+def _dots(rows: hv.Dataset, name: str) -> hv.Scatter:
+    dots = hv.Scatter(rows, "row", ["height", *TOLD], label=AUTHORS[name])
+    return dots.opts(
+        backend="bokeh",
+        marker=STYLES[name][1],
+        size=7,
+        fill_alpha=0.55,
+        line_width=0.8,
+        default_tools=[],
+        tools=["hover"],
+        hover_tooltips=tip(),
+    )
+
+
+def _dress(f: figure, names: Sequence[str], palette: Palette) -> None:
+    dress_alone(f, NAME, palette)
+    f.update(tools=[tool for tool in f.tools if isinstance(tool, HoverTool)], output_backend="canvas")
+    f.yaxis.axis_label = None
+    f.yaxis.formatter.args = {"digits": 0}
+    f.yaxis.ticker = f.ygrid.ticker = FixedTicker(ticks=[scaled(tick) for tick in TICKS_PERCENT])
+    f.yaxis.major_label_overrides = {scaled(tick): words.signed(tick, 0) for tick in TICKS_PERCENT}
+    band, *dots = f.renderers
+    palette.paint(band, fill_color="tint")
+    band.level = "underlay"
+    for layer, name in zip(dots, names, strict=True):
+        palette.paint(layer.glyph, fill_color=STYLES[name][0], line_color=STYLES[name][0])
+    add_zero(f, palette)
+    dress_legends(f, palette, None)

@@ -1,0 +1,47 @@
+"""The work behind what all pages begin with: the runs of the scenario as it stands."""
+
+from typing import Any
+
+from railjoule.dashboard.state.page_work import PageWork
+from railjoule.dashboard.state.scenario import PLAN_FIELDS
+from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs
+from railjoule.dashboard.work.warmup import warmup
+from railjoule.dashboard.work.worker import Worker
+
+
+class Plans(PageWork[Workbench]):
+    """Asks for the runs of the strategies that are drawn, whatever page is in sight."""
+
+    def __init__(self, state: Workbench) -> None:
+        super().__init__(state, state)
+        self.runs = Worker(
+            compute_runs,
+            self._take,
+            self.take_failure,
+            state.marks("Start", "Drive", "Compare", "Trade-off"),
+            is_slow=lambda request: request.is_slow,
+            about=state.scenario.identity,
+        )
+
+    def begin(self) -> None:
+        """Listen to what runs depend on: what the address has changed before is asked for once."""
+        self.state.scenario.param.watch(self.ask, [*PLAN_FIELDS, "acceleration_time_s"])
+        self.state.param.watch(self.ask, ["ticked", "chosen"])
+
+    def ask(self, *_: Any) -> None:
+        """Ask for the runs; what is asked for before their kernels are there, the page asks for again."""
+        if not warmup().holds_up_runs:
+            self.runs.ask(self._request())
+
+    def do_if_short(self) -> None:
+        """Compute the runs at once where a page that opens may wait for them."""
+        request = self._request()
+        if request.is_short:
+            self.runs.do(request)
+
+    def _request(self) -> RunsRequest:
+        return RunsRequest(self.state.scenario.scenario(), self.state.drawn, with_law=self.state.chosen == "bellman")
+
+    def _take(self, runs: Runs) -> None:
+        self.state.param.update(runs=self.state.proof.laid_on(runs), failure=None)

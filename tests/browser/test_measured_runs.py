@@ -1,0 +1,118 @@
+"""Measured runs, as a user works with it: from Start, by mouse, with the example and with files of her own."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from measured_example import DRIVERS, FOLDER
+from playwright.sync_api import BrowserContext, expect
+
+from browser.findings import assert_nothing_grave
+from browser.server import Server
+from browser.user import User, open_page
+
+EXAMPLE = FOLDER / DRIVERS[0].file
+CHARTS = ("measured_speed", "line", "measured_energy")
+CANARY = "<img src=x onerror=window.pwned=1>"
+
+
+@pytest.fixture(scope="module")
+def user(server: Server, window: BrowserContext) -> Iterator[User]:
+    """One user, who begins on Start and stays on the page for all tests of this file."""
+    with User.on(window, server.url, on_drive=False) as someone:
+        open_page(someone, "Measured runs")
+        yield someone
+
+
+def press(user: User, name: str) -> None:
+    user.page.get_by_role("button", name=name, exact=True).click()
+
+
+def bring(user: User, *paths: Path) -> None:
+    """Choose files on the page; the sidebar has another button for scenarios."""
+    user.page.locator("input[type=file][accept*=xlsx]").set_input_files(paths)
+
+
+def test_the_example_tells_what_could_be_saved(user: User) -> None:
+    expect(user.page.get_by_text("Drop the file of a run here")).to_be_visible()
+    press(user, "Try the example")
+    saved = user.figure_value("Could save")
+    # 9.26 kWh modelled, 7.61 the optimum: see test_work.py
+    expect(saved).to_have_text(re.compile(r"17\.\d%"))
+    expect(user.page.get_by_text("proven for the modelled train").first).to_be_visible()
+    for chart in CHARTS:
+        expect(user.page.locator(f".rj-chart-{chart}:visible canvas").first).to_be_visible()
+    expect(user.page.get_by_text("These runs do not determine B")).to_be_visible()
+    expect(user.page.get_by_text("Drop the file of a run here")).to_be_hidden()
+
+
+def test_fitted_values_are_one_step(user: User) -> None:
+    modelled = user.figure_value("Modelled")
+    before = modelled.inner_text()
+    press(user, "Use fitted values")
+    expect(modelled).not_to_have_text(before)
+    expect(user.page.get_by_role("button", name="fields changed")).to_be_visible()
+    press(user, "Undo")
+    expect(modelled).to_have_text(before)
+    expect(user.page.get_by_text("Unchanged")).to_be_visible()
+
+
+def test_a_question_about_a_unit_is_answered_by_a_press(user: User, tmp_path: Path) -> None:
+    path = tmp_path / "own.csv"
+    path.write_text(EXAMPLE.read_text().replace("line_power_kw", "power_w").replace("outside_degc", CANARY))
+    bring(user, path)
+    question = user.page.get_by_role("group", name="Question about power_w")
+    expect(question).to_contain_text("was kW meant?")
+    expect(user.page.get_by_text("no power was measured")).to_be_visible()
+    question.get_by_role("button", name="Use kW").click()
+    expect(question).to_be_hidden()
+    expect(user.figure_value("Measured")).to_have_text(re.compile(r"9\.6\d"))
+    press(user, "Change")
+    expect(user.page.get_by_label("Meaning of speed_kmh")).to_have_value("speed")
+    user.page.get_by_label("Meaning of effort_kn").select_option("")
+    expect(user.page.get_by_text("4 of 6 columns used.")).to_be_visible()
+    press(user, "Fold")
+    expect(user.page.get_by_label("Meaning of speed_kmh")).to_be_hidden()
+    assert user.page.evaluate("window.pwned") is None
+
+
+def test_a_file_that_is_no_run_says_why(user: User, tmp_path: Path) -> None:
+    path = tmp_path / "broken.xlsx"
+    path.write_bytes(b"PK\x03\x04 no workbook")
+    bring(user, path)
+    assert "broken.xlsx: not a workbook that can be read" in user.alert()
+    path = tmp_path / "words.csv"
+    path.write_text("a,b\n1,2\n")
+    bring(user, path)
+    expect(user.page.get_by_role("alert").locator("visible=true")).to_contain_text("no column holds the speed")
+    press(user, "Remove this run")
+    user.see_no_alert()
+
+
+def test_nothing_grave_and_nothing_too_wide(user: User) -> None:
+    assert_nothing_grave(user)
+    user.page.set_viewport_size({"width": 390, "height": 844})
+    user.rest(1000)
+    assert user.page.evaluate("document.documentElement.scrollWidth") <= 390
+    user.page.set_viewport_size({"width": 1280, "height": 900})
+    user.prefer("light")
+
+
+def test_a_run_is_dropped_on_any_page_and_the_example_survives_a_reload(user: User) -> None:
+    open_page(user, "Drive")
+    user.page.evaluate(
+        """text => {
+          const data = new DataTransfer();
+          data.items.add(new File([text], "dropped.csv"));
+          window.dispatchEvent(new DragEvent("drop", {dataTransfer: data, bubbles: true, cancelable: true}));
+        }""",
+        EXAMPLE.read_text(),
+    )
+    expect(user.question("Measured runs")).to_be_visible()
+    expect(user.page.get_by_text("dropped.csv, run").first).to_be_visible()
+    expect(user.figure_value("Could save")).to_have_text(re.compile(r"17\.\d%"))
+    user.rest(1000)
+    user.page.reload()
+    expect(user.question("Measured runs")).to_be_visible()
+    expect(user.page.get_by_text(f"{DRIVERS[-1].file}, run 2 of 2")).to_be_visible()

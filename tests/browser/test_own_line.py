@@ -1,0 +1,121 @@
+"""From three spreadsheets to the report, by mouse alone; and what Import says of other files."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import BrowserContext, Locator, expect
+
+from browser.findings import assert_nothing_grave
+from browser.server import Server
+from browser.user import User, open_page
+from railjoule.core.scenario import parse_scenario
+from railjoule.dashboard.keep.embedded import scenario_in_report
+from railjoule.dashboard.pages.imports.compute import examples
+
+CANARY = "</style><img src=x onerror='window.pwned=true'>"
+FILES = Path(__file__).parents[1] / "core" / "imports" / "files"
+
+
+@pytest.fixture(scope="module")
+def user(server: Server, window: BrowserContext) -> Iterator[User]:
+    """One user for all tests of this file, who begins on Start."""
+    with User.on(window, server.url, on_drive=False) as someone:
+        yield someone
+
+
+@pytest.fixture
+def spreadsheets(tmp_path: Path) -> list[Path]:
+    """Three spreadsheets in the columns that SNCF publishes, as they would lie in a folder of downloads."""
+    paths = [tmp_path / source.name for source in examples()]
+    for path, source in zip(paths, examples(), strict=True):
+        path.write_bytes(source.content)
+    return paths
+
+
+def card(user: User, name: str) -> Locator:
+    return user.page.get_by_role("region", name=name, exact=True)
+
+
+def bring(user: User, *paths: Path) -> None:
+    with user.page.expect_file_chooser() as chosen:
+        user.page.get_by_role("button", name="Choose files").click()
+    chosen.value.set_files(list(paths))
+
+
+def test_from_three_spreadsheets_to_the_report(user: User, spreadsheets: list[Path], tmp_path: Path) -> None:
+    page = user.page
+    page.get_by_role("button", name="Bring your own line").click()
+    expect(user.question("Import")).to_be_visible()
+    bring(user, *spreadsheets)
+    for name, kind in (("limits", "limits"), ("gradients", "gradients"), ("curves", "curves")):
+        expect(page.get_by_label(f"What example-{name}.csv is")).to_have_value(kind)
+    gradients = card(user, "example-gradients.csv")
+    expect(gradients.get_by_role("alert")).to_contain_text("its rows are of several NOM_VOIE: V1, V2; choose one.")
+    page.get_by_label("Only NOM_VOIE: example-gradients.csv").select_option("V1")
+    expect(gradients.get_by_role("alert")).to_have_count(0)
+    expect(gradients).to_contain_text("Nothing from 18,900 to 19,100 m")
+    expect(page.get_by_role("heading", name="Line of example-limits: 12.00 km")).to_be_visible()
+    for chart in ("import_height", "import_limits", "import_curves"):
+        expect(page.locator(f".rj-chart-{chart}:visible canvas").first).to_be_visible()
+    take = page.get_by_role("button", name="Take this line")
+    expect(take).to_be_visible()
+    expect(page.get_by_text("1.1 \u00d7 the shortest")).to_be_visible()
+    take.click()
+    expect(user.question("Drive")).to_be_visible()
+    expect(user.scenario("Line of example-limits, Metro 81-7036, 5 cars")).to_be_visible()
+    user.see_drive()
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Report", exact=True).click()
+    report = tmp_path / "report.html"
+    download.value.save_as(report)
+    scenario = parse_scenario(scenario_in_report(report.read_text(encoding="utf-8"), "report"), "report")
+    assert scenario.line.length_m == 12_000
+    assert scenario.vehicle.name == "Metro 81-7036, 5 cars"
+
+
+def test_one_undo_takes_it_back(user: User) -> None:
+    user.page.get_by_role("button", name="Undo").first.click()
+    expect(user.page.get_by_role("combobox", name="Scenario")).not_to_contain_text("Line of example-limits")
+
+
+def test_the_example_by_one_button_and_columns_by_hand(user: User) -> None:
+    page = user.page
+    open_page(user, "Import")
+    page.get_by_role("button", name="Load the example").click()
+    # the cards of the files that were there before have gone once the track is asked for again
+    expect(card(user, "example-gradients.csv").get_by_role("alert")).to_contain_text("choose one.")
+    page.get_by_label("Value: example-limits.csv").select_option("lib_ligne")
+    limits = card(user, "example-limits.csv")
+    expect(limits.get_by_role("alert")).to_contain_text("row 2: lib_ligne = 'Invented example line'")
+    page.get_by_label("Value: example-limits.csv").select_option("v_max")
+    expect(limits.get_by_role("alert")).to_have_count(0)
+    for name in ("limits", "gradients", "curves"):
+        page.get_by_role("button", name=f"Remove example-{name}.csv").click()
+    expect(page.get_by_role("button", name="Take this line")).to_have_count(0)
+
+
+def test_hostile_files_get_a_sentence(user: User, tmp_path: Path) -> None:
+    page = user.page
+    open_page(user, "Import")
+    bad = tmp_path / "limits.csv"
+    bad.write_text(f"from,to,{CANARY}\n0,{CANARY},80\n")
+    bring(user, bad)
+    expect(card(user, "limits.csv").get_by_role("alert")).to_contain_text("limits.csv: ")
+    large = tmp_path / "large.csv"
+    large.write_bytes(b"0" * 4_000_001)
+    bring(user, large)
+    expect(page.get_by_text("large.csv: larger than the 4 MB allowed for one file.")).to_be_visible()
+    assert page.evaluate("window.pwned === undefined")
+    page.get_by_role("button", name="Remove limits.csv").click()
+
+
+def test_a_train_and_a_track_are_taken_together(user: User) -> None:
+    page = user.page
+    open_page(user, "Import")
+    bring(user, FILES / "ttobench-track.json", FILES / "ttobench-train.json", FILES / "ttobench-journey.json")
+    expect(page.get_by_role("button", name="Take this train")).to_be_visible()
+    expect(page.get_by_role("heading", name="Example_Track: ")).to_be_visible()
+    assert_nothing_grave(user)
+    page.get_by_role("button", name="Take both").click()
+    expect(user.scenario("Example_Track, Example_Train")).to_be_visible()

@@ -1,0 +1,80 @@
+"""Whatever a file holds, it is read or refused in one sentence: examples with bytes changed, taken out and put in."""
+
+import random
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from railjoule.core.errors import ScenarioError
+from railjoule.core.imports import INTERVAL_KINDS, SourceFile, line_of, read_intervals
+from railjoule.core.imports.measured_run import read_run
+from railjoule.core.imports.osrd_run import read_osrd_line, read_osrd_run
+from railjoule.core.imports.osrd_stock import read_osrd_stock
+from railjoule.core.imports.railtoolkit import read_railtoolkit
+from railjoule.core.imports.ttobench import read_track, read_train
+from railjoule.core.imports.ttobench.journey import read_service
+
+FILES = Path(__file__).parent / "files"
+PIECES = [b"", b"\0", b"\xff", b"=1+1", b"-", b"1e999", b"NaN", b"null", b"{", b'"', b";", b",", b"\n"]
+PIECES += [b"9" * 400, b"[" * 100]
+
+
+def read_line(kind, source):
+    line_of(**{kind: read_intervals(source, kind)}).to_toml()
+
+
+READERS: dict[str, list[Callable[[SourceFile], object]]] = {
+    "gradients.csv": [partial(read_line, kind) for kind in INTERVAL_KINDS],
+    "sncf-curves.csv": [partial(read_line, "curves"), partial(read_line, "gradients")],
+    "osrd-run.csv": [read_osrd_line, read_osrd_run, read_run],
+    "run.csv": [read_run],
+    "osrd-stock.json": [read_osrd_stock],
+    "ttobench-train.json": [read_train],
+    "ttobench-track.json": [read_track],
+    "ttobench-journey.json": [read_service],
+    "railtoolkit-train.yaml": [read_railtoolkit],
+    "railtoolkit-detailed.yaml": [read_railtoolkit],
+    "railtoolkit-path.yaml": [read_railtoolkit],
+}
+
+
+def broken(content: bytes, seed: int) -> bytes:
+    """Return a file with one to four pieces of it replaced."""
+    chance = random.Random(seed)
+    for _ in range(chance.randint(1, 4)):
+        begin = chance.randrange(len(content) + 1)
+        end = min(begin + chance.choice([0, 0, 1, 3, 20]), len(content))
+        content = content[:begin] + chance.choice(PIECES) + content[end:]
+    return content
+
+
+def refusal(read: Callable[[SourceFile], object], source: SourceFile) -> str | None:
+    """Return the sentence by which a file is refused, None where it is read."""
+    try:
+        read(source)
+    except ScenarioError as error:
+        return str(error)
+    return None
+
+
+@pytest.mark.parametrize("name", READERS)
+@given(seed=st.integers(0, 2**32))
+@settings(max_examples=60, deadline=None)
+def test_broken_files_are_read_or_refused_in_one_sentence(name, seed):
+    content = broken((FILES / name).read_bytes(), seed)
+    for read in READERS[name]:
+        sentence = refusal(read, SourceFile(name, content))
+        assert sentence is None or (sentence.startswith(name) and sentence.endswith((".", "?")) and len(sentence) < 900)
+
+
+@given(content=st.binary(max_size=200))
+@settings(max_examples=200, deadline=None)
+def test_any_bytes_are_refused_or_read(content):
+    for readers in READERS.values():
+        for read in readers:
+            sentence = refusal(read, SourceFile("a", content))
+            assert sentence is None or sentence.startswith("a")

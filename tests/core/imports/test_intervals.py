@@ -1,0 +1,262 @@
+import math
+import re
+from pathlib import Path
+
+import pytest
+
+from railjoule.core.errors import ScenarioError
+from railjoule.core.imports import PRESETS, ColumnMap, SourceFile, read_intervals
+
+FILES = Path(__file__).parent / "files"
+
+
+def table_of(text, kind="gradients", name="a.csv", **columns):
+    return read_intervals(SourceFile(name, text.encode()), kind, ColumnMap(**columns))
+
+
+def values(table):
+    return [(one.from_m, one.to_m, one.value) for one in table.intervals]
+
+
+def told(table, kind):
+    return [finding.sentence for finding in table.findings if finding.kind == kind]
+
+
+@pytest.mark.parametrize(
+    ("file", "kind", "expected"),
+    [
+        ("gradients.csv", "gradients", [(0, 350, 2.5), (350, 800, -4), (800, 1500, 0)]),
+        ("limits.csv", "limits", [(0, 500, 60), (500, 1500, 80)]),
+        ("curves.csv", "curves", [(200, 400, 300), (600, 700, 0)]),
+    ],
+)
+def test_columns_and_units_are_found(file, kind, expected):
+    table = read_intervals(SourceFile.read(FILES / file), kind)
+    assert values(table) == expected
+    assert table.unused == ()
+
+
+def test_what_was_taken_for_granted_is_told():
+    assert told(table_of("from,to,gradient\n0,100,5\n"), "assumption") == [
+        "a.csv: no unit is named for 'from': taken as m.",
+        "a.csv: no unit is named for 'gradient': taken as per mille.",
+    ]
+    assert told(table_of("from (km),to (km),gradient (%)\n0,1,2\n"), "assumption") == []
+
+
+@pytest.mark.parametrize(
+    ("header", "value", "permille"),
+    [("gradient (%)", "2.5", 25), ("Neigung [\u2030]", "2.5", 2.5), ("slope", "1:40", 25), ("grade (mm/m)", "-3", -3)],
+)
+def test_units_of_gradients(header, value, permille):
+    assert values(table_of(f"from,to,{header}\n0,100,{value}\n")) == [(0, 100, permille)]
+
+
+@pytest.mark.parametrize(
+    ("header", "value", "kmh"), [("speed (km/h)", "80", 80), ("limit_mph", "50", 80.4672), ("v_max (m/s)", "20", 72)]
+)
+def test_units_of_limits(header, value, kmh):
+    assert values(table_of(f"from,to,{header}\n0,100,{value}\n", "limits")) == [(0, 100, pytest.approx(kmh))]
+
+
+def test_columns_are_named_in_any_capitals_and_accents():
+    text = "X,Y,D\u00c9CLIVIT\u00c9\n1,2,3\n"
+    table = table_of(text, columns={"from": "x", "to": "y", "value": "declivite"}, position_unit="km")
+    assert values(table) == [(1000, 2000, 3)]
+
+
+def test_a_table_without_names_goes_by_place():
+    assert values(table_of("0,100,5\n100,200,-3\n")) == [(0, 100, 5), (100, 200, -3)]
+    assert values(table_of("0,5\n100,-3\n")) == [(0, 100, 5), (100, math.inf, -3)]
+    assert values(table_of("0,100\n300,400\n", "neutral")) == [(0, 100, None), (300, 400, None)]
+
+
+@pytest.mark.parametrize("preset", [name for name in PRESETS if name != "rinf-gradients"])
+def test_presets_read_their_tables(preset):
+    kind, columns = PRESETS[preset]
+    chosen = ColumnMap(rows={"NOM_VOIE": "V1"} if kind == "gradients" else {}).over(columns)
+    table = read_intervals(SourceFile.read(FILES / f"{preset}.csv"), kind, chosen)
+    assert (
+        values(table)
+        == {
+            "gradients": [(12000, 12850, 2.5), (12850, 13400, -4), (13400, 14000, 0), (14200, 15000, 3)],
+            "limits": [(12000, 14000, 120), (14200, 15000, 90)],
+            "curves": [(12100, 12400, 450), (14500, 14600, 800)],
+        }[kind]
+    )
+
+
+def test_falling_and_rising_in_words_is_found_without_a_preset():
+    table = table_of("from,to,gradient,Art\n0,100,5,Gef\u00e4lle\n100,200,3,rise\n")
+    assert values(table) == [(0, 100, -5), (100, 200, 3)]
+
+
+def test_level_with_a_gradient_is_asked_about():
+    table = table_of("from,to,gradient,type\n0,100,5,level\n")
+    assert told(table, "question") == ["a.csv: row 2 says 'level' and 5 per mille."]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "ILL_GradProfile\n2.5(12.340)\n-4(12.690)\n0(13.140)\n",
+        "id;ILL_GradProfile\n1;2.5(12.340)\n1;-4(12.690)\n1;0(13.140)\n",
+        "+2.5 (12.340);-4 (12.690);0 (13.140)\n",
+        "id\tILL_GradProfile\n1\t2,5(12,340) -4(12,690) 0(13,140)\n",
+    ],
+)
+def test_gradients_with_their_km(text):
+    table = table_of(text)
+    assert values(table) == [(12340, 12690, 2.5), (12690, 13140, -4), (13140, math.inf, 0)]
+
+
+def test_gradients_with_their_km_are_of_one_line():
+    text = "line,ILL_GradProfile,name\nA,2.5(12.340),x\nA,-4(12.690),\nB,7(0.5),y\nA,,z\n"
+    with pytest.raises(ScenarioError, match=r"^a.csv: its rows are of several line: A, B; choose one, as gradients"):
+        table_of(text)
+    table = table_of(text, rows={"line": "A"})
+    assert values(table) == [(12340, 12690, 2.5), (12690, math.inf, -4)]
+    assert table.unused == (
+        "a.csv: 1 row not of line = A.",
+        "a.csv: columns not used: name.",
+        "a.csv: row 5 is without ILL_GradProfile.",
+    )
+
+
+def test_a_note_that_looks_like_a_gradient_is_none():
+    table = table_of("from,to,gradient,note\n0,100,5,bridge 2(3)\n100,200,1,\n")
+    assert values(table) == [(0, 100, 5), (100, 200, 1)]
+
+
+def test_one_line_and_one_track_must_be_chosen():
+    text = "from,to,gradient,track,line\n0,100,5,1,A\n0,100,-5,2,A\n"
+    with pytest.raises(ScenarioError, match=r"^a.csv: its rows are of several track: 1, 2; choose one, as "):
+        table_of(text)
+    table = table_of(text, rows={"track": "2"})
+    assert values(table) == [(0, 100, -5)]
+    assert table.unused == ("a.csv: 1 row not of track = 2.",)
+
+
+def test_rows_that_are_not_there_cannot_be_chosen():
+    with pytest.raises(ScenarioError, match=r"^a.csv: no row has track = '3'; there are 1\.$"):
+        table_of("from,to,gradient,track\n0,100,5,1\n", rows={"track": "3"})
+
+
+def test_columns_and_rows_without_use_are_told():
+    table = table_of("from,to,gradient,name\n0,100,5,a\n100,200,,b\n200,300,5,c\n")
+    assert table.unused == ("a.csv: columns not used: name.", "a.csv: row 3 is without from or gradient.")
+
+
+def test_gaps_are_told_with_rows():
+    table = table_of("from,to,gradient\n0,100,5\n150,200,5\n")
+    (gap,) = [finding for finding in table.findings if finding.kind == "gap"]
+    assert (gap.rows, gap.from_m, gap.to_m) == ((2, 3), 100, 150)
+    assert gap.sentence == (
+        "a.csv: nothing from 100 to 150 m, between rows 2 and 3: a gap of the table, taken as level, or a jump of the "
+        "chainage."
+    )
+
+
+def test_curves_may_have_gaps():
+    assert told(table_of("from,to,radius\n0,100,500\n150,200,500\n", "curves"), "gap") == []
+
+
+def test_overlaps_and_repeated_rows_are_told():
+    table = table_of("from,to,limit\n0,100,60\n80,200,50\n80,200,50\n", "limits")
+    assert told(table, "overlap") == [
+        "a.csv: rows 2 and 3 overlap from 80 to 100 m; the lower counts.",
+        "a.csv: row 4 repeats row 3.",
+    ]
+
+
+def test_rows_out_of_order_are_put_in_order_and_told():
+    table = table_of("from,to,gradient\n0,100,1\n200,300,3\n100,200,2\n")
+    assert [one.value for one in table.intervals] == [1, 2, 3]
+    assert told(table, "order") == ["a.csv: row 4 lies before the row above; put in order."]
+
+
+def test_rows_against_the_chainage_are_turned_round():
+    table = table_of("from,to,gradient\n300,200,3\n200,0,-1\n")
+    assert values(table) == [(0, 200, 1), (200, 300, -3)]
+    assert told(table, "order") == [
+        "a.csv: rows 2, 3 run against rising chainage; turned round, with the signs of their gradients changed."
+    ]
+
+
+def test_places_in_falling_chainage_hold_downwards():
+    """300 to 200 m rises by 3 towards 200 m, 200 to 0 m falls; where the value at 0 m ends, nobody says."""
+    table = table_of("position,gradient\n300,3\n200,-1\n0,7\n")
+    assert values(table) == [(0, 200, 1), (200, 300, -3)]
+    assert table.unused == ("a.csv: row 4, the last in falling chainage: no row says where it ends.",)
+
+
+def test_coinciding_places_are_told():
+    table = table_of("position,gradient\n0,3\n100,1\n100,2\n200,0\n")
+    assert values(table) == [(0, 100, 3), (100, 200, 2), (200, math.inf, 0)]
+    assert table.unused == ("a.csv: row 3 has no length.",)
+
+
+def test_a_line_of_some_metres_is_asked_about():
+    table = table_of("from,to,gradient\n0,48.5,5\n")
+    assert told(table, "question") == ["a.csv: covers 48.5 m in all: are the positions in km?"]
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "sentence"),
+    [
+        ("from,to,limit\n0,100,fast\n", "limits", "a.csv, row 2: limit = 'fast' must be a number."),
+        ("from,to,limit\n0,100,0\n", "limits", "a.csv, row 2: limit = '0' must be above 0 km/h."),
+        ("from,to,limit\n0,100,700\n", "limits", "a.csv, row 2: limit = '700' must be at most 600 km/h."),
+        (
+            "from,to,gradient (%)\n0,100,25\n",
+            "gradients",
+            "a.csv, row 2: gradient (%) = '25', which is 250 per mille, must be at most 200 per mille.",
+        ),
+        ("from,to,limit\n=A1,100,60\n", "limits", "a.csv, row 2: from = '=A1' is a formula; write what it gives."),
+        (
+            "a,b,c\n0,100,60\n",
+            "limits",
+            "a.csv: no column says where each row begins; name it, as limits.from=COLUMN, of a, b, c.",
+        ),
+        (
+            "from,to,c\n0,1,60\n",
+            "limits",
+            "a.csv: no column of limits was found; name it, as limits.value=COLUMN, of from, to, c.",
+        ),
+        (
+            "from,from km,speed\n0,1,60\n",
+            "limits",
+            "a.csv: 'from' and 'from km' may both be the column 'from'; name one, as limits.from=COLUMN.",
+        ),
+        ("from,to,limit\n,,\n,5,60\n", "limits", "a.csv: no row has both a position and a value."),
+        ("from,to,limit\n5,5,60\n", "limits", "a.csv: no row has a length: all begin where they end."),
+        ("0,1,2,3,4\n", "limits", "a.csv: 5 columns without names; the first row must name them."),
+        (
+            "2.5(12.3) x\n1(13)\n2(14)\n",
+            "gradients",
+            "a.csv, row 1: '2.5(12.3) x' must be a gradient and its km, as 2.5(12.340).",
+        ),
+    ],
+)
+def test_bad_tables_are_refused_in_one_sentence(text, kind, sentence):
+    with pytest.raises(ScenarioError, match=f"^{re.escape(sentence)}$"):
+        table_of(text, kind)
+
+
+@pytest.mark.parametrize(
+    ("columns", "sentence"),
+    [
+        ({"columns": {"value": "limits"}}, "a.csv: value = 'limits' is not a column of it, did you mean 'limit'?"),
+        ({"columns": {"begin": "from"}}, "a.csv: limits.begin is unknown, choose one of direction, from, to, value."),
+        (
+            {"position_unit": "furlong"},
+            "a.csv: limits.position_unit = 'furlong' must be one of m, km, mi, ch, yd, ft, pk, mi.ch, mi.yd.",
+        ),
+        ({"value_unit": "permille"}, "a.csv: limits.value_unit = 'permille' must be one of km/h, m/s, mph."),
+        ({"decimal": ";"}, "a.csv: limits.decimal = ';' must be . or ,."),
+        ({"rows": {"track": "1"}}, "a.csv: 'track' is not a column of it, so no rows can be chosen by it."),
+    ],
+)
+def test_wrong_settings_are_refused_in_one_sentence(columns, sentence):
+    with pytest.raises(ScenarioError, match=f"^{re.escape(sentence)}$"):
+        table_of("from,to,limit\n0,100,60\n", "limits", **columns)

@@ -1,0 +1,133 @@
+import math
+
+import pytest
+
+from railjoule.core.errors import ScenarioError
+from railjoule.core.imports.numbers import decimal_of, gradient_of, number_of, position_of, radius_of
+
+
+@pytest.mark.parametrize(
+    ("cell", "decimal", "value"),
+    [
+        ("12.5", ".", 12.5),
+        ("12,5", ",", 12.5),
+        ("1 234,5", ",", 1234.5),
+        ("1.234,5", ",", 1234.5),
+        ("1,234.5", ".", 1234.5),
+        ("12'345", ".", 12345.0),
+        ("\u22123.2", ".", -3.2),
+        (".5", ".", 0.5),
+        ("1e3", ".", 1000.0),
+        (7.25, ",", 7.25),
+    ],
+)
+def test_numbers_as_people_write_them(cell, decimal, value):
+    assert number_of(cell, decimal) == value
+
+
+@pytest.mark.parametrize(
+    "cell",
+    ["", "abc", "1,5", "1.2.3", "nan", "inf", "1e999", "0x10", "1_000", "12 km", "9" * 50, math.nan, math.inf],
+)
+def test_what_is_no_number_is_refused(cell):
+    with pytest.raises(ValueError, match=r"must be a (finite )?number"):
+        number_of(cell, ".")
+
+
+def test_a_formula_is_called_one():
+    with pytest.raises(ValueError, match=r"is a formula"):
+        number_of("=A1+5", ".")
+
+
+@pytest.mark.parametrize(
+    ("cells", "separator", "decimal", "in_doubt"),
+    [
+        (["1.5", "2"], ",", ".", None),
+        (["1,5", "2"], ";", ",", None),
+        (["1.234,5"], ";", ",", None),
+        (["1,234.5", "7.5"], ";", ".", None),
+        (["12,345"], ";", ",", 2),
+        (["12,345"], ",", ".", 2),
+        (["12,345", "1,5"], ";", ",", None),
+        (["1,234,567"], ";", ".", None),
+        (["1", "012+345"], ";", ".", None),
+    ],
+)
+def test_the_decimal_sign_is_told_from_all_rows(cells, separator, decimal, in_doubt):
+    assert decimal_of(enumerate(cells, 2), separator, "a.csv") == (decimal, in_doubt)
+
+
+def test_two_decimal_signs_in_one_table_are_refused():
+    with pytest.raises(ScenarioError, match=r"^a.csv: row 2 has '1.5' and row 3 '1,5'; name the decimal sign"):
+        decimal_of([(2, "1.5"), (3, "1,5")], ";", "a.csv")
+
+
+# 1 mile = 1609.344 m, 80 chains, 1760 yards
+@pytest.mark.parametrize(
+    ("cell", "unit", "position_m"),
+    [
+        ("350", "m", 350.0),
+        ("0.35", "km", 350.0),
+        (0.35, "km", 350.0),
+        ("012+345", "m", 12345.0),
+        ("012+345.5", "pk", 12345.5),
+        ("000-120", "pk", -120.0),
+        ("-0+120", "pk", -120.0),
+        ("12", "pk", 12000.0),
+        ("500 m", "km", 500.0),
+        ("12m", "km", 12.0),
+        ("12.5 km", "m", 12500.0),
+        ("2m 40ch", "m", 2.5 * 1609.344),
+        ("2 mi 440 yd", "m", 2.25 * 1609.344),
+        ("2.40", "mi.ch", 2.5 * 1609.344),
+        (2.4, "mi.ch", 2.5 * 1609.344),
+        ("2.0440", "mi.yd", 2.25 * 1609.344),
+        ("3", "mi", 3 * 1609.344),
+        ("40", "ch", 0.5 * 1609.344),
+        ("100", "ft", 30.48),
+    ],
+)
+def test_positions_in_all_notations(cell, unit, position_m):
+    assert position_of(cell, unit, ".") == pytest.approx(position_m, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("cell", "unit", "words"),
+    [
+        ("2m 85ch", "m", "fewer than 80 chains"),
+        ("2.85", "mi.ch", "fewer than 80 chains"),
+        ("2.401", "mi.ch", "must have 2 digits after the point"),
+        ("2.1800", "mi.yd", "fewer than 1760 yards"),
+        ("north end", "m", "must be a number"),
+    ],
+)
+def test_positions_that_are_none(cell, unit, words):
+    with pytest.raises(ValueError, match=words):
+        position_of(cell, unit, ".")
+
+
+@pytest.mark.parametrize(
+    ("cell", "unit", "permille"),
+    [
+        ("-4", "permille", -4.0),
+        ("2.5%", "percent", 25.0),
+        ("1:100", "permille", 10.0),
+        ("1 in 200 F", "permille", -5.0),
+        ("-1:80", "ratio", -12.5),
+        ("1:-80", "ratio", -12.5),
+        ("200", "ratio", 5.0),
+        (-200.0, "ratio", -5.0),
+        ("Level", "ratio", 0.0),
+    ],
+)
+def test_gradients_in_all_notations(cell, unit, permille):
+    assert gradient_of(cell, unit, ".") == pytest.approx(permille)
+
+
+def test_one_in_nothing_is_refused():
+    with pytest.raises(ValueError, match="one in 0"):
+        gradient_of("0", "ratio", ".")
+
+
+def test_radii_have_no_side():
+    assert [radius_of(cell, ".") for cell in ("300", "-300", "infinity", "0")] == [300.0, 300.0, 0.0, 0.0]

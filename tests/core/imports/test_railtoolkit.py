@@ -1,0 +1,189 @@
+import re
+import sys
+from pathlib import Path
+
+import pytest
+
+from railjoule.core.errors import ScenarioError
+from railjoule.core.imports import SourceFile
+from railjoule.core.imports.railtoolkit import read_railtoolkit
+
+pytest.importorskip("yaml")
+FILES = Path(__file__).parent / "files"
+TRAIN, DETAILED, PATH = (SourceFile.read(FILES / f"railtoolkit-{kind}.yaml") for kind in ("train", "detailed", "path"))
+
+
+def changed(source, *changes, wanted=None):
+    """Read a file with some of its words replaced."""
+    text = source.content.decode()
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    return read_railtoolkit(SourceFile("a.yaml", text.encode()), wanted)
+
+
+def told(imported, kind):
+    return [finding.sentence for finding in imported.findings if finding.kind == kind]
+
+
+def test_a_formation_becomes_a_vehicle():
+    """160 t: the unit 60 t at 3 and 20 t at 1 per mille, two coaches of 40 t at 1.5; air 5 and 2 at 100 km/h."""
+    train = read_railtoolkit(TRAIN)
+    assert train.document["vehicle"] == {
+        "name": "Example",
+        "tare_kg": 160_000,
+        "rotating_mass_factor": 0.075,
+        "length_m": 72,
+        "resistance": {
+            "constant_n_per_kn": 2.0,
+            "linear_n_per_kn_per_kmh": 0.0025,
+            "quadratic_n_per_kn_per_kmh2": 0.00035,
+        },
+        "traction": {"max_speed_kmh": 140, "curve": [[0, 200], [60, 180], [140, 70]]},
+        "braking": {"max_effort_kn": 0, "max_deceleration_ms2": 0.5, "friction_effort_kn": 86},
+        "drive": {"model": "constant_efficiency", "traction_efficiency": 1},
+    }
+    assert train.unused[-1] == "railtoolkit-train.yaml: load_limit: the train is empty, and may carry 20 t."
+    assert told(train, "question") == []
+
+
+def test_a_file_of_2024():
+    """Loaded with half of 10 t; brakes of 150 kN to 72 km/h, which is 3000 kW, and 60 and 40 kN of friction."""
+    train = read_railtoolkit(DETAILED)
+    vehicle = train.vehicle
+    assert vehicle.tare_kg == 125_000
+    assert vehicle.rotating_mass_factor == pytest.approx(8 / 120)
+    assert (vehicle.traction.max_effort_kn, vehicle.traction.max_power_kw) == (200, 3000)
+    assert (vehicle.braking.max_effort_kn, vehicle.braking.max_power_kw) == (150, 3000)
+    assert vehicle.braking.friction_effort_kn == 100
+    assert vehicle.resistance.constant_n_per_kn == 2.0
+    assert told(train, "question") == ["railtoolkit-detailed.yaml: no base_resistance of coach: none is taken."]
+    assert "railtoolkit-detailed.yaml: vehicle.tare_kg includes its load of 5 t." in told(train, "assumption")
+
+
+def test_what_is_told_twice_is_told():
+    train = changed(
+        DETAILED,
+        ("model_fidelity: force\n      electrodynamic_brake", "deceleration: -0.8\n      electrodynamic_brake"),
+        ("rated_power: 3000", "rated_power: 3000\n      tractive_effort: [{speed: 0, force: 9}, {speed: 9, force: 5}]"),
+    )
+    assert train.vehicle.traction.curve == ((0, 9), (9, 5))
+    assert train.vehicle.braking.max_deceleration_ms2 == 0.8
+    assert (
+        "a.yaml: vehicle unit: traction: rated_power, initial_tractive_force, beside tractive_effort." in train.unused
+    )
+    assert "a.yaml: vehicle unit: brakes: service_brake_effort, beside deceleration." in train.unused
+    assert "a.yaml: vehicle unit: brakes.friction_brake: model_fidelity." in train.unused
+
+
+def test_two_units_pull_together():
+    train = changed(TRAIN, ("[unit, coach, coach]", "[unit, unit]"))
+    assert train.vehicle.traction.curve == ((0, 400), (60, 360), (140, 140))
+
+
+def test_a_vehicle_alone_is_a_train():
+    assert read_railtoolkit(TRAIN, "unit").vehicle.tare_kg == 80_000
+
+
+def test_a_path_becomes_a_line():
+    line = read_railtoolkit(PATH)
+    assert line.document["line"] == {
+        "name": "Example line",
+        "sections": [
+            {"length_m": 400, "speed_limit_kmh": 80},
+            {"length_m": 1100, "gradient_permille": 2.5, "speed_limit_kmh": 100},
+        ],
+    }
+    assert line.begin_m == 100
+    assert line.unused == (
+        "railtoolkit-path.yaml: paths: other.",
+        "railtoolkit-path.yaml: path example: points_of_interest.",
+    )
+    assert told(line, "assumption") == [
+        "railtoolkit-path.yaml: resistance is taken as the gradient: it may hold that of curves too."
+    ]
+
+
+def test_sections_of_2024_tell_what_changes():
+    text = """
+schema: https://railtoolkit.org/schema/running-path.json
+schema_version: "2024.07"
+paths:
+  - id: p
+    characteristic_sections:
+      - {position: 0, speed: 80, section_id: a}
+      - {position: 400, resistance: 5}
+      - {position: 900, speed: 60}
+      - {position: 1000, speed: 60}
+"""
+    line = read_railtoolkit(SourceFile("p.yaml", text.encode()))
+    rows = [(s.length_m, s.speed_limit_kmh, s.gradient_permille) for s in line.line.sections]
+    assert rows == [(400, 80, 0), (500, 80, 5), (100, 60, 5)]
+    assert told(line, "gap") == ["p.yaml: nothing from 0 to 400 m, at the line's begin: taken as level."]
+    assert "p.yaml: characteristic_sections: section_id." in line.unused
+
+
+def test_an_engine_of_another_kind_is_asked_about():
+    train = changed(TRAIN, ("power_type: electric", "power_type: diesel"))
+    assert told(train, "question") == [
+        "a.yaml: vehicle unit is diesel: its efforts are taken, and its energy counts as electric."
+    ]
+
+
+def test_another_version_is_told():
+    train = changed(TRAIN, ("2022.05", "2030.01"))
+    (question,) = told(train, "question")
+    assert question.startswith("a.yaml: its schema_version is '2030.01', and 2022.05 and 2024.07 are known")
+
+
+@pytest.mark.parametrize(
+    ("source", "changes", "sentence"),
+    [
+        (TRAIN, [("mass: 80\n", "\n")], "a.yaml: vehicles[0].mass is missing."),
+        (TRAIN, [("mass: 80\n", "mass: -5\n")], "a.yaml: vehicles[0].mass = -5 must be above 0."),
+        (TRAIN, [("[unit, coach, coach]", "[unit, wagon]")], "a.yaml: train example: the vehicle 'wagon' is not in the "
+         "file."),
+        (TRAIN, [("formation: [unit, coach, coach]", "description: x")], "a.yaml: train example has no formation, and "
+         "so neither masses nor efforts."),
+        (TRAIN, [("[unit, coach, coach]", "[coach]")], "a.yaml: no vehicle of the train has a tractive effort."),
+        (TRAIN, [("speed_limit: 140", "x: 1"), ("speed_limit: 160", "x: 1")], "a.yaml: speed_limit is missing in all "
+         "vehicles of the train."),
+        (DETAILED, [("[0, 0.5]", "[0.5]")], "a.yaml: train example: loading_factor has 1 entries for 2 vehicles."),
+        (TRAIN, [("- [60, 180000]", f"- [60, {'9' * 400}]")], "a.yaml: vehicles[0].traction.tractive_effort[1] = "
+         "[60, 9999999999999999999999999999999999999999999999999999... must be a table."),
+        (TRAIN, [("- [60, 180000]", "- [160, 180000]")], "a.yaml: vehicle unit: tractive_effort must have rising "
+         "speeds."),
+        (PATH, [("[500.0, 100, 2.5]", "[50.0, 100, 2.5]")], "a.yaml: characteristic_sections[1].position = 50 must lie "
+         "beyond 100, the one before it."),
+        (PATH, [("100, 2.5", "fast, 2.5")], "a.yaml: paths[0].characteristic_sections[1].speed = 'fast' must be a "
+         "number (and 1 more)."),
+        (PATH, [("running-path", "timetable"), ("paths", "runs")], "a.yaml: schema = "
+         "'https://railtoolkit.org/schema/timetable.json' must be that of rolling-stock or running-path."),
+    ],
+)  # fmt: skip
+def test_bad_files_are_refused_in_one_sentence(source, changes, sentence):
+    with pytest.raises(ScenarioError, match=f"^{re.escape(sentence)}$"):
+        changed(source, *changes)
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("- a\n- b\n", "a.yaml: must be a YAML table."),
+        ("a: [1, 2", "a.yaml: not YAML: "),
+        ("a: &x [1]\nb: [*x, *x]\n", "a.yaml: the alias *x is not read; write out what it stands for."),
+        ("a: " + "[" * 5000 + "]" * 5000, "a.yaml: its lists or tables are nested too deeply."),
+        ("a: !!python/object/apply:os.system ['true']\n", "a.yaml: not YAML: could not determine a constructor"),
+        ("a: 2022-13-45\n", "a.yaml: not YAML: 'month must be in 1..12'."),
+        ("#" * 2_000_001, "a.yaml: larger than the 2 MB allowed."),
+    ],
+)
+def test_hostile_yaml_is_refused_in_one_sentence(text, sentence):
+    with pytest.raises(ScenarioError, match=f"^{re.escape(sentence)}"):
+        read_railtoolkit(SourceFile("a.yaml", text.encode()))
+
+
+def test_what_to_install_is_told(monkeypatch):
+    monkeypatch.setitem(sys.modules, "yaml", None)
+    with pytest.raises(ScenarioError, match=r"needs PyYAML, which is not installed: pip install 'railjoule\[yaml\]'"):
+        read_railtoolkit(TRAIN)

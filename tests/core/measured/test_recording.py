@@ -1,0 +1,203 @@
+import numpy as np
+import pytest
+from recordings import as_csv, samples
+
+from railjoule.core import load_scenario, solve
+from railjoule.core.errors import RecordingError
+from railjoule.core.measured import RecorderFormat, load_recording, read_recording
+from railjoule.core.measured.recording import between_samples, quantisation
+
+HEAD = "time_s,speed_kmh\n"
+
+
+def table(rows, head="time_s,speed_kmh"):
+    return "\n".join([head, *(",".join(str(value) for value in row) for row in rows)])
+
+
+def plain(count=20):
+    """A train that starts with 1 km/h a second, and stops again; 0 at both ends."""
+    speeds = [*range(count // 2), *range(count // 2, -1, -1)]
+    return [[second, speed] for second, speed in enumerate(speeds)]
+
+
+def refusal(text, form=None):
+    with pytest.raises(RecordingError) as caught:
+        read_recording(text, "run.csv", form or RecorderFormat())
+    sentence = str(caught.value)
+    assert sentence.endswith((".", "?"))
+    assert "\n" not in sentence
+    return sentence
+
+
+def test_reads_names_with_their_units():
+    recording = read_recording(table(plain(), "Time [s],Speed (km/h)"), "run.csv")
+    assert recording.speed_ms.max() == pytest.approx(10 / 3.6)
+    # a triangle of 20 s with a peak of 10 km/h
+    assert recording.covered_m[-1] == pytest.approx(0.5 * 20 * 10 / 3.6)
+
+
+def test_reads_semicolons_and_decimal_commas():
+    rows = [f"{second},0;{speed},5" if speed else f"{second},0;0" for second, speed in plain()]
+    recording = read_recording("\n".join(["time_s;speed_ms", *rows]), "run.csv")
+    assert recording.speed_ms.max() == pytest.approx(10.5)
+
+
+def test_reads_clock_times_past_midnight():
+    rows = [[f"{(86390 + second) // 3600 % 24:02}:{(86390 + second) // 60 % 60:02}:{(86390 + second) % 60:02}", speed]
+            for second, speed in plain()]  # fmt: skip
+    recording = read_recording(table(rows, "clock,speed_kmh"), "run.csv")
+    assert recording.duration_s == pytest.approx(20.0)
+    assert "The clock passes midnight." in recording.notes
+
+
+def test_reads_what_osrd_exports():
+    # three lines of text, an empty one, times to a tenth, a station as a row of its own
+    speeds = [0, *[18] * 19, 0]
+    rows = [
+        f";;;08:00:{second:02};{second},0;{0.005 * second:.3f};{speed:.3f};80;;;;".replace(".", ",")
+        for second, speed in enumerate(speeds)
+    ]
+    rows.insert(6, rows[5].replace(";;;08", "Station;BV;V1;08", 1))
+    head = "op;ch;trackName;time;seconds;position;speed;speedLimit;lineCode;electrificationType;electrificationMode;"
+    text = "Date: now\nName: train\nType: final_output\n\n" + head + "electrificationProfile\n" + "\n".join(rows)
+    recording = read_recording(text, "run.csv", RecorderFormat("osrd"))
+    assert recording.speed_ms.max() == pytest.approx(5.0)
+    assert recording.position_m[-1] == pytest.approx(100.0, abs=0.1)
+    assert any("1 rows repeat" in note for note in recording.notes)
+    assert any("lines above the header" in note for note in recording.notes)
+
+
+def test_reads_the_columns_of_ztbus():
+    head = "time_unix,odometry_vehicleSpeed,traction_tractionForce,traction_brakePressure,electric_powerDemand,doors"
+    rows = [[1.6e9 + second, speed, 100 * speed, 0 if second < 10 else 2e5, 1e4, 0] for second, speed in plain()]
+    recording = read_recording(table(rows, head), "B183.csv", RecorderFormat("ztbus"))
+    assert recording.effort_n.max() == pytest.approx(1000.0)
+    assert recording.brake_applied.sum() == 11
+    assert "Columns not used: doors." in recording.notes
+
+
+def test_driving_and_braking_efforts_become_one():
+    rows = [[s, v, max(10 - s, 0), max(s - 10, 0)] for s, v in plain()]
+    recording = read_recording(table(rows, "time_s,speed_kmh,tractive_effort_kn,braking_effort_kn"), "run.csv")
+    assert recording.effort_n[[0, -1]] == pytest.approx([10e3, -10e3])
+
+
+def test_columns_and_units_can_be_named():
+    form = RecorderFormat(columns={"speed": "vitesse"}, units={"speed": "km/h"})
+    recording = read_recording(table(plain(), "time_s,vitesse"), "run.csv", form)
+    assert recording.speed_ms.max() == pytest.approx(10 / 3.6)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda rows: rows[5].__setitem__(1, -4), "speed_kmh = -4 km/h in line 7 must be at least 0"),
+        (lambda rows: rows[5].__setitem__(1, 900), "speed_kmh = 900 km/h in line 7 must be at most 600 km/h"),
+        (lambda rows: rows[5].__setitem__(0, 4), "time_s = 4 s in line 7 must be above that of the row before"),
+        (lambda rows: rows[5].__setitem__(0, 2), "the rows are not in order, or the recorder was reset"),
+        (lambda rows: rows[5].__setitem__(1, "fast"), "line 7: speed_kmh = 'fast' must be a number"),
+        (lambda rows: rows[5].__setitem__(1, ""), "line 7: speed_kmh has no value"),
+        (lambda rows: rows[5].append(3), "line 7: 3 cells under 2 columns"),
+        (lambda rows: rows[5].__setitem__(1, 60), "no train changes its speed by more than 5 m/s2"),
+        (lambda rows: rows.__delitem__(slice(5, None)), "5 rows, but a run needs at least 10"),
+        (lambda rows: [row.__setitem__(1, 0) for row in rows], "speed_kmh is 0 in all rows"),
+        (lambda rows: [row.__setitem__(0, row[0] + 30) for row in rows[6:]], "missing for 31 s while the train moves"),
+    ],
+)
+def test_refuses_what_no_recorder_should_write(change, words):
+    rows = plain()
+    change(rows)
+    assert words in refusal(table(rows))
+
+
+@pytest.mark.parametrize(
+    ("head", "words"),
+    [
+        ("time_s,noise", "no column holds the speed"),
+        ("noise,speed_kmh", "no column holds the time or position"),
+        ("time_s,speed", "column 'speed' tells no unit; add --unit speed=km/h or --unit speed=m/s"),
+    ],
+)
+def test_refuses_missing_columns_and_units(head, words):
+    assert words in refusal(table(plain(), head))
+
+
+def test_refuses_two_columns_of_a_quantity():
+    rows = [[*row, row[1]] for row in plain()]
+    assert "both hold a speed" in refusal(table(rows, "time_s,speed_kmh,velocity_ms"))
+
+
+def test_refuses_a_wrong_unit_that_the_position_shows():
+    rows = [[second, speed, 2 * second] for second, speed in plain()]
+    sentence = refusal(table(rows, "time_s,speed_kmh,position_m"))
+    assert "covers 27.778 m, but position_m rises by 40 m" in sentence
+
+
+def test_refuses_positions_that_fall():
+    rows = [[second, speed, abs(second - 12)] for second, speed in plain()]
+    assert "position_m = 11 m in line 3 must be at least that of the row before, 12 m" in refusal(
+        table(rows, "time_s,speed_kmh,position_m")
+    )
+
+
+@pytest.mark.parametrize(
+    ("form", "words"),
+    [
+        (RecorderFormat("excel"), "--preset excel: must be one of generic, osrd, ztbus"),
+        (RecorderFormat(units={"speed": "knots"}), "--unit speed=knots: must be one of km/h, m/s"),
+        (RecorderFormat(columns={"mass": "m"}), "--column mass: must be one of time, position"),
+        (RecorderFormat(columns={"speed": "v"}), "there is no column 'v' for speed"),
+        (RecorderFormat(longest_gap_s=-1), "--longest-gap -1: must be above 0"),
+    ],
+)
+def test_refuses_formats_that_there_are_not(form, words):
+    assert words in refusal(table(plain()), form)
+
+
+def test_tells_gaps_that_it_fills():
+    rows = plain()
+    del rows[5:9]
+    recording = read_recording(table(rows), "run.csv")
+    assert recording.gap_s.max() == 5.0
+    assert any("Samples are missing: 5 s after line 6" in note for note in recording.notes)
+
+
+def test_tells_empty_cells_of_an_effort():
+    rows = [[second, speed, "" if second == 5 else 1] for second, speed in plain()]
+    recording = read_recording(table(rows, "time_s,speed_kmh,effort_kn"), "run.csv")
+    assert np.isnan(recording.effort_n).sum() == 1
+    assert "effort_kn has no value in 1 of 21 rows." in recording.notes
+
+
+def test_a_run_over_distance_has_the_time_of_its_speeds():
+    # 10 m at an even change of speed from 0 to 10 m/s take 2 s
+    rows = [[0, 0], *[[10 + 10 * k, 10] for k in range(10)]]
+    assert read_recording(table(rows, "position_m,speed_ms"), "run.csv").duration_s == pytest.approx(2 + 9)
+
+
+@pytest.mark.parametrize(("step", "unit"), [(0.1, 1.0), (1.0, 1 / 3.6), (0.5, 1.0)])
+def test_finds_in_which_steps_a_speed_is_given(step, unit):
+    values = np.round(np.linspace(0, 20, 77) / step) * step
+    assert quantisation(values) * unit == pytest.approx(step * unit)
+
+
+def test_a_continuous_speed_has_no_steps():
+    assert quantisation(np.random.default_rng(1).random(500)) == 0
+
+
+def test_a_start_between_two_samples_is_found():
+    # 1 m/s2 from 0.4 s on
+    time = np.arange(5.0)
+    moved = between_samples(time, np.maximum(time - 0.4, 0.0))
+    assert moved[0] == pytest.approx(0.4)
+    assert moved[1:] == pytest.approx(time[1:])
+
+
+def test_a_shipped_run_is_read_as_it_was_driven(tmp_path):
+    run = solve(load_scenario("liashenko-ii"))
+    file = tmp_path / "run.csv"
+    file.write_text(as_csv(samples(run)), encoding="utf-8")
+    recording = load_recording(file)
+    assert recording.speed_step_ms == pytest.approx(0.1)
+    assert recording.duration_s == pytest.approx(run.travel_time_s, abs=0.3)
+    assert recording.covered_m[-1] == pytest.approx(run.distance_m, rel=1e-3)

@@ -1,0 +1,224 @@
+import json
+import math
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+from commands import complaint
+
+from railjoule.core.scenario import parse_scenario
+from railjoule.dashboard.command.cli import BAD_INPUT, OK, main
+
+FILES = Path(__file__).parents[2] / "core" / "imports" / "files"
+
+
+def imported(capsys, *words):
+    """Run an import that must succeed; return what it printed and what it told."""
+    status = main(("import", *map(str, words)))
+    captured = capsys.readouterr()
+    assert status == OK, captured.err
+    return captured.out, captured.err.splitlines()
+
+
+def refusal(capsys, *words):
+    """Run an import that must fail; return its one sentence."""
+    return complaint(capsys, "import", *map(str, words))
+
+
+# ---- intervals
+
+
+def test_tables_become_a_line(capsys, tmp_path):
+    target = tmp_path / "line.toml"
+    names = (f"--{kind}={FILES / kind}.csv" for kind in ("gradients", "limits", "curves"))
+    out, told = imported(capsys, "intervals", *names, "--name", "Example", "-o", target)
+    assert out == f"{target}: 1.50 km, 6 sections\n"
+    assert told == ["limits.csv: no unit is named for 'from': taken as m."]
+    line = tomllib.loads(target.read_text())["line"]
+    assert (line["name"], len(line["sections"])) == ("Example", 6)
+
+
+def test_the_line_can_be_solved(capsys, tmp_path):
+    scenario = tmp_path / "scenario.toml"
+    imported(capsys, "intervals", "--limits", FILES / "limits.csv", "-o", tmp_path / "line.csv")
+    scenario.write_text('line.file = "line.csv"\nvehicle.preset = "metro-81-7036"\ntimetable.travel_time_s = 150\n')
+    assert main(("solve", str(scenario), "--json")) == OK
+    assert json.loads(capsys.readouterr().out)["distance_m"] == 1500
+
+
+def test_presets_rows_and_direction(capsys, tmp_path):
+    target = tmp_path / "line.toml"
+    words = (
+        "--gradients",
+        FILES / "sncf-gradients.csv",
+        "--preset",
+        "sncf-gradients",
+        "--rows",
+        "gradients.NOM_VOIE=V1",
+    )
+    out, told = imported(capsys, "intervals", *words, "--begin", "12.4km", "--end", "13+400", "--reverse", "-o", target)
+    assert out.endswith(": 1.00 km, 2 sections\n")
+    assert [row["gradient_permille"] for row in tomllib.loads(target.read_text())["line"]["sections"]] == [4, -2.5]
+    assert "not used: sncf-gradients.csv: 1 row not of NOM_VOIE = V1." in told
+    assert "not used: sncf-gradients.csv: columns not used: LIB_LIGNE." in told
+
+
+def test_columns_and_units_are_named(capsys, tmp_path):
+    (tmp_path / "t.csv").write_text("a;b;c\n1;2;0,5\n")
+    columns = ("gradients.from=a", "gradients.to=b", "gradients.value=c", "gradients.position_unit=km")
+    words = ("--gradients", tmp_path / "t.csv", "--columns", *columns, "gradients.value_unit=percent")
+    imported(capsys, "intervals", *words, "-o", tmp_path / "line.toml")
+    line = tomllib.loads((tmp_path / "line.toml").read_text())["line"]
+    assert line["sections"] == [{"length_m": 1000, "gradient_permille": 5}]
+
+
+def test_a_files_control_characters_do_not_reach_the_terminal(capsys, tmp_path):
+    (tmp_path / "t.csv").write_text("from,to,limit,\x1b[31mred\n0,100,60,x\n")
+    _, told = imported(capsys, "intervals", "--limits", tmp_path / "t.csv", "-o", tmp_path / "line.toml")
+    assert any("red" in line for line in told)
+    assert not any("\x1b" in line for line in told)
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["-o", "line.toml"], "no table of the line is given: gradients, limits, curves, tunnels or neutral."),
+        (["-o", "line.json"], "-o line.json: must end in .toml or .csv."),
+        (["--preset", "db", "-o", "a.csv"], "--preset db: must be one of sncf-limits, sncf-gradients, sncf-curves, "
+         "rinf-gradients."),
+        (["--columns", "from=x", "-o", "a.csv"], "--columns from=x: must be TABLE.KEY=VALUE, where TABLE is gradients, "
+         "limits, curves, tunnels, neutral."),
+        (["--columns", "limits.from=x", "-o", "a.csv"], "--limits is missing, whose columns are named."),
+        (["--begin", "here", "-o", "a.csv"], "--begin here must be a number."),
+        (["--limits", "missing.csv", "-o", "a.csv"], "missing.csv: there is no such file."),
+        (["--limits", FILES / "limits.csv", "-o", "missing/a.csv"], "missing/a.csv cannot be written: No such file or "
+         "directory."),
+    ],
+)  # fmt: skip
+def test_bad_words_are_answered_in_one_sentence(capsys, words, sentence):
+    assert refusal(capsys, "intervals", *words) == sentence
+
+
+def test_a_format_must_be_known(capsys):
+    assert refusal(capsys, "railml", "x").startswith("argument FORMAT: invalid choice: 'railml'")
+
+
+# ---- ttobench
+
+TTOBENCH = ("ttobench", FILES / "ttobench-track.json", "--train", FILES / "ttobench-train.json")
+JOURNEY = ("--journey", FILES / "ttobench-journey.json")
+
+
+def test_a_track_and_a_train_become_a_scenario(capsys, tmp_path):
+    target = tmp_path / "scenario.toml"
+    out, told = imported(capsys, *TTOBENCH, *JOURNEY, "-o", target)
+    assert out == f"{target}: 5.00 km, 9 sections, 360.0 s\n"
+    assert "not used: ttobench-train.json: num seats." in told
+    assert main(("solve", str(target), "--json")) == OK
+    assert json.loads(capsys.readouterr().out)["gap"] < 1e-6
+
+
+def test_without_a_time_some_slack_is_assumed_and_told(capsys, tmp_path):
+    target = tmp_path / "scenario.toml"
+    _, told = imported(capsys, *TTOBENCH, "--stops", "ends", "-o", target)
+    (sentence,) = [line for line in told if line.startswith("no journey and no --travel-time-s: ")]
+    time, shortest = (float(part) for part in re.findall(r"([\d.]+) s[, .]", sentence))
+    assert time == math.ceil(1.1 * shortest)
+    assert tomllib.loads(target.read_text())["timetable"] == {"travel_time_s": time}
+    assert f"# {sentence}" in target.read_text()
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["ttobench", "t.json", "-o", "s.toml"], "the following arguments are required: --train; see railjoule import "
+         "ttobench --help."),
+        ([*TTOBENCH, "-o", "s.csv"], "-o s.csv: must end in .toml."),
+        ([*TTOBENCH, "--travel-time-s", "nan", "-o", "s.toml"], "argument --travel-time-s: 'nan' is not a number of "
+         "seconds above 0, to 86400; see railjoule import ttobench --help."),
+        ([*TTOBENCH[:2], "--train", FILES / "ttobench-track.json", "-o", "s.toml"], "ttobench-track.json: mass is "
+         "missing (and 8 more)."),
+    ],
+)  # fmt: skip
+def test_bad_words_for_ttobench_are_answered_in_one_sentence(capsys, words, sentence):
+    assert refusal(capsys, *words) == sentence
+
+
+# ---- osrd and measured runs
+
+
+def test_a_rolling_stock_becomes_a_vehicle(capsys, tmp_path):
+    target = tmp_path / "vehicle.toml"
+    out, told = imported(capsys, "osrd-stock", FILES / "osrd-stock.json", "-o", target)
+    assert out == f"{target}: example, 200.0 t, 144.0 km/h\n"
+    assert "not used: osrd-stock.json: the efforts of the supplies 1500V." in told
+    assert tomllib.loads(target.read_text())["vehicle"]["length_m"] == 100
+
+
+def test_a_simulation_becomes_a_line_or_a_run(capsys, tmp_path):
+    line, run = tmp_path / "line.toml", tmp_path / "run.csv"
+    out, told = imported(capsys, "osrd-run", FILES / "osrd-run.csv", "-o", line)
+    assert out == f"{line}: 2.50 km, 2 sections\n"
+    assert "not used: osrd-run.csv: neutral sections: 500 to 600 m of the line." in told
+    out, _ = imported(capsys, "osrd-run", FILES / "osrd-run.csv", "-o", run)
+    assert out == f"{run}: 2.50 km in 240.5 s, 8 rows\n"
+    assert run.read_text().splitlines()[0] == "position_m,time_s,speed_kmh"
+
+
+def test_a_line_and_a_vehicle_are_half_a_scenario(capsys, tmp_path):
+    """Tables in files of their own: put one after the other they are those of one file."""
+    imported(capsys, "osrd-stock", FILES / "osrd-stock.json", "-o", tmp_path / "vehicle.toml")
+    imported(capsys, "osrd-run", FILES / "osrd-run.csv", "-o", tmp_path / "line.toml")
+    texts = [(tmp_path / name).read_text() for name in ("vehicle.toml", "line.toml")]
+    scenario = parse_scenario("\n".join([*texts, "[timetable]\ntravel_time_s = 300\n"]))
+    assert scenario.line.length_m == 2500
+
+
+def test_a_recorders_table_becomes_one_of_ours(capsys, tmp_path):
+    target = tmp_path / "run.csv"
+    out, told = imported(capsys, "run", FILES / "run.csv", "-o", target)
+    assert out == f"{target}: 0.00 km in 3.0 s, 4 rows\n"
+    assert told == ["not used: run.csv: columns not used: Door."]
+    imported(capsys, "run", FILES / "run.csv", "--columns", "speed=Velocity (km/h)", "-o", target)
+    assert refusal(capsys, "run", FILES / "run.csv", "--columns", "speed", "-o", target) == (
+        "--columns speed: must be KEY=COLUMN, such as speed=v [m/s]."
+    )
+
+
+# ---- railtoolkit
+
+
+def test_files_of_railtoolkit_become_vehicles_and_lines(capsys, tmp_path):
+    target = tmp_path / "out.toml"
+    out, _ = imported(capsys, "railtoolkit", FILES / "railtoolkit-train.yaml", "-o", target)
+    assert out == f"{target}: Example, 160.0 t, 140.0 km/h\n"
+    out, told = imported(capsys, "railtoolkit", FILES / "railtoolkit-path.yaml", "--id", "other", "-o", target)
+    assert out == f"{target}: 0.50 km, 1 section\n"
+    assert "not used: railtoolkit-path.yaml: paths: example." in told
+
+
+# ---- export
+
+
+def test_a_scenario_becomes_a_track_and_a_train(capsys, tmp_path):
+    track, train = tmp_path / "track.json", tmp_path / "train.json"
+    assert main(("export", "ttobench", "liashenko-ii", "--track", str(track), "--train", str(train))) == OK
+    captured = capsys.readouterr()
+    assert captured.out == f"{track}: Profile_II_medium\n{train}: Metro_81_7036_5_cars\n"
+    assert captured.err.startswith("not written to train.json: ")
+    out, _ = imported(capsys, "ttobench", track, "--train", train, "--travel-time-s", "150", "-o", tmp_path / "s.toml")
+    assert out.endswith(": 1.30 km, 6 sections, 150.0 s\n")
+
+
+@pytest.mark.parametrize(
+    ("words", "sentence"),
+    [
+        (["liashenko-ii"], "--track or --train is missing: which file to write."),
+        (["liashenko-ii", "--train", "t.toml"], "--train t.toml: must end in .json."),
+        (["nothing", "--train", "t.json"], "nothing: there is no such file or shipped scenario; choose one of "),
+    ],
+)
+def test_bad_words_for_export_are_answered_in_one_sentence(capsys, words, sentence):
+    assert main(("export", "ttobench", *words)) == BAD_INPUT
+    assert capsys.readouterr().err.startswith(f"railjoule: {sentence}")

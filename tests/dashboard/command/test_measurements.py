@@ -1,0 +1,82 @@
+import json
+from pathlib import Path
+
+import pytest
+from commands import answer, complaint
+
+from railjoule.core import load_scenario
+
+RECORDINGS = Path(__file__).parents[3] / "assets" / "recordings"
+RUNS = [str(RECORDINGS / f"liashenko-ii-{seconds}s.csv") for seconds in (83, 89, 108)]
+
+
+def test_measured_prints_json(capsys, tmp_path):
+    scenario, table = tmp_path / "run.toml", tmp_path / "run.csv"
+    words = ("measured", RUNS[2], "--scenario", "liashenko-ii", "-o", str(scenario), "--trajectory", str(table))
+    found = json.loads(answer(capsys, *words, "--json"))
+    assert found["travel_time_s"] == pytest.approx(108.0, abs=0.5)
+    assert found["optimal_kwh"] < found["modelled_kwh"]
+    assert found["possible_saving_kwh"] == pytest.approx(found["modelled_kwh"] - found["optimal_kwh"])
+    assert found["saving_at_most_kwh"] >= found["possible_saving_kwh"] - 1e-6
+    assert abs(found["gap"]) < 1e-6
+    assert load_scenario(str(scenario)).timetable.travel_time_s == pytest.approx(found["travel_time_s"], abs=0.2)
+    assert table.stat().st_size > 1000
+
+
+def test_measured_prints_words(capsys):
+    text = answer(capsys, "measured", RUNS[2], "--scenario", "liashenko-ii")
+    assert "Measured " in text
+    assert "by the scenario at the measured speeds" in text
+    assert "in the same time with the same stops, proven optimal" in text
+    assert "kWh: the optimum saves" in text
+    assert "The speed has steps of 0.1 m/s" in text
+
+
+def test_a_run_that_the_train_cannot_drive_is_told_without_a_saving(capsys):
+    words = ("--scenario", "liashenko-ii", "--set", "vehicle.traction.max_speed_kmh=55")
+    found = json.loads(answer(capsys, "measured", RUNS[0], *words, "--json"))
+    assert found["optimal_kwh"] is None
+    assert any("but the scenario's train needs at least" in note for note in found["notes"])
+
+
+def test_fit_prints_json(capsys, tmp_path):
+    target = tmp_path / "fitted.toml"
+    found = json.loads(answer(capsys, "fit", *RUNS, "--scenario", "liashenko-ii", "-o", str(target), "--json"))
+    # the recorded train has 0.82 and 0.10 where the scenario has 0.85 and 0.12
+    for name, true in (("drive.traction_efficiency", 0.82), ("rotating_mass_factor", 0.10)):
+        told = found["parameters"][name]
+        assert told["low"] <= true <= told["high"]
+    assert {"value", "low", "high"} <= found["parameters"]["resistance.constant_n"].keys()
+    assert found["residual_ms"] < 0.5
+    assert found["correlation"]["resistance.constant_n"]["resistance.constant_n"] == pytest.approx(1.0)
+    assert [one["run"] for one in found["held_out"]] == [Path(run).name for run in RUNS]
+    assert all(abs(one["energy_error"]) < 0.02 for one in found["held_out"])
+    fitted = load_scenario(str(target))
+    assert fitted.vehicle.drive.traction_efficiency == found["parameters"]["drive.traction_efficiency"]["value"]
+    assert fitted.montecarlo.resistance_factor.log_standard_deviation == pytest.approx(found["resistance_deviation"])
+
+
+def test_fit_prints_words(capsys):
+    text = answer(capsys, "fit", RUNS[2], "--scenario", "liashenko-ii", "--free", "resistance.constant_n")
+    assert "95 % interval" in text
+    assert "One run leaves none to hold out" in text
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("measured", RUNS[0]), "--scenario is missing"),
+        (("fit", RUNS[0]), "--scenario is missing"),
+        (("fit", "missing.csv", "--scenario", "liashenko-ii"), "missing.csv: there is no such file."),
+        (("measured", RUNS[0], "--scenario", "liashenko-ii", "--from", "here"), "--from here: must be a number."),
+        (
+            ("measured", RUNS[0], "--scenario", "liashenko-ii", "--unit", "speed"),
+            "--unit speed: must be QUANTITY=VALUE",
+        ),
+        (("measured", RUNS[0], "--scenario", "liashenko-ii", "-o", "out.csv"), "-o out.csv: must end in .toml."),
+        (("fit", RUNS[0], "--scenario", "liashenko-ii", "--free", "colour"), "--free colour: must be among"),
+        (("fit", RUNS[0], "--scenario", "liashenko-ii", "--longest-gap", "0"), "--longest-gap 0: must be above 0"),
+    ],
+)
+def test_bad_input_is_one_sentence(capsys, words, told):
+    assert told in complaint(capsys, *words)

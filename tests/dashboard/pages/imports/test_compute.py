@@ -1,0 +1,150 @@
+"""What files give together, and the scenarios that are made of it."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from railjoule.core import Scenario, load_scenario
+from railjoule.core.errors import RailjouleError
+from railjoule.core.imports import SourceFile
+from railjoule.core.scenario import parse_scenario
+from railjoule.dashboard.pages.imports.brought import Brought
+from railjoule.dashboard.pages.imports.compute import (
+    Reading,
+    Request,
+    Stretch,
+    card_of,
+    examples,
+    read_files,
+    taken,
+)
+
+FILES = Path(__file__).parents[3] / "core" / "imports" / "files"
+
+
+@pytest.fixture(scope="module")
+def base() -> Scenario:
+    return load_scenario("metro-with-limit")
+
+
+def example(stretch: Stretch | None = None) -> tuple[tuple[Brought, ...], Stretch]:
+    """The shipped example with its first track."""
+    brought = tuple(Brought.of(number, source) for number, source in enumerate(examples(), 1))
+    chosen = tuple(file.told("rows NOM_VOIE", "V1") if file.kind == "gradients" else file for file in brought)
+    return chosen, stretch or Stretch()
+
+
+def read(base: Scenario, files: tuple[Brought, ...], stretch: Stretch | None = None) -> Reading:
+    *_, last = read_files(Request(files, stretch or Stretch(), base))
+    return last
+
+
+def brought(*names: str) -> tuple[Brought, ...]:
+    return tuple(Brought.of(number, SourceFile.read(FILES / name)) for number, name in enumerate(names, 1))
+
+
+def test_the_example_asks_for_its_track() -> None:
+    cards = [card_of(Brought.of(1, source)) for source in examples()]
+    assert [card.kind for card in cards] == ["limits", "gradients", "curves"]
+    failures = [card.failure for card in cards]
+    assert failures == ["", "example-gradients.csv: its rows are of several NOM_VOIE: V1, V2; choose one.", ""]
+    menu = next(choice for choice in cards[1].choices if choice.key == "rows NOM_VOIE")
+    assert menu.options == (("", "choose"), ("V1", "V1"), ("V2", "V2"))
+
+
+def test_the_example_becomes_a_scenario_with_the_vehicle_that_is_there(base: Scenario) -> None:
+    files, _ = example()
+    reading = read(base, files)
+    assert reading.line is not None
+    # from 12+000 to 24+000 of the three tables
+    assert reading.line.line.length_m == 12_000
+    assert reading.offers is not None
+    (offer,) = reading.offers
+    assert offer.what == "line"
+    assert offer.shortest_s < offer.time_s <= 1.1 * offer.shortest_s + 1
+    scenario = parse_scenario(taken(offer, offer.time_s), "test")
+    assert scenario.vehicle == base.vehicle
+    assert scenario.line == reading.line.line
+    assert scenario.travel_time_s == offer.time_s
+
+
+def test_the_gap_of_the_example_is_told(base: Scenario) -> None:
+    files, _ = example()
+    card = card_of(files[1])
+    assert any("Nothing from 18,900 to 19,100 m, between rows 7 and 8" in one for one in card.findings)
+    assert card.unused == ("9 rows not of NOM_VOIE = V1.", "Columns not used: LIB_LIGNE.")
+
+
+def test_a_part_of_the_line_in_falling_chainage(base: Scenario) -> None:
+    files, _ = example()
+    reading = read(base, files, Stretch("12.7km", "15+100", reverse=True))
+    assert reading.line is not None
+    gradients = [(one.length_m, one.gradient_permille) for one in reading.line.line.sections]
+    # the rows -4 from 14+300 and 6.5 from 12+700, from the other side; the limit changes at 13+200, a curve at 14+900
+    assert gradients == [(200, 4), (600, 4), (1100, -6.5), (500, -6.5)]
+
+
+def test_a_place_that_is_none_is_refused(base: Scenario) -> None:
+    files, _ = example()
+    reading = read(base, files, Stretch("here"))
+    assert reading.line is None
+    assert reading.failure.startswith("From: 'here' ")
+
+
+def test_a_time_below_the_shortest_is_refused(base: Scenario) -> None:
+    files, _ = example()
+    (offer,) = read(base, files).offers or ()
+    with pytest.raises(RailjouleError, match=r"Travel time: 10 s must be at least the shortest possible"):
+        taken(offer, 10.0)
+
+
+def test_ttobench_gives_line_train_and_time(base: Scenario) -> None:
+    reading = read(base, brought("ttobench-track.json", "ttobench-train.json", "ttobench-journey.json"))
+    offers = {offer.what: offer for offer in reading.offers or ()}
+    assert list(offers) == ["both", "line", "train"]
+    # of the journey
+    assert (offers["both"].time_s, offers["both"].why) == (360.0, "the journey\u2019s")
+    both = parse_scenario(taken(offers["both"], 360.0), "test")
+    assert both.title == "Example_Track, Example_Train"
+    # the tunnel changes the train's resistance only where both are there
+    assert [one.tunnel_factor for one in both.line.sections if one.tunnel_factor != 1] == [2.0]
+    train = parse_scenario(taken(offers["train"], 300.0), "test")
+    assert train.line == base.line
+
+
+def test_a_journey_alone_says_what_it_needs(base: Scenario) -> None:
+    reading = read(base, brought("ttobench-journey.json"))
+    assert reading.failure == "ttobench-journey.json: it needs its track and its train; add both."
+    assert reading.offers == ()
+
+
+def test_a_unit_in_doubt_is_asked_and_answered(base: Scenario) -> None:
+    document = json.loads((FILES / "ttobench-train.json").read_text())
+    document["max traction force"] = {"unit": "N", "value": 190}
+    file = Brought.of(1, SourceFile("train.json", json.dumps(document).encode()))
+    (question,) = card_of(file).questions
+    assert question.sentence == "vehicle.traction.max_effort_kn = 0.19 kN for a train of 160 t: was 190 kN meant?"
+    assert (question.use, question.keep) == ("Use 190 kN", "Keep 0.19 kN")
+    used = card_of(file.told(question.key, question.value))
+    assert used.questions == ()
+    assert used.result.vehicle.traction.max_effort_kn == 190
+    kept = card_of(file.told(question.key, question.kept))
+    assert kept.questions == ()
+    assert kept.result.vehicle.traction.max_effort_kn == 0.19
+
+
+def test_positions_in_doubt_are_asked_and_answered() -> None:
+    content = b"from,to,gradient_permille\n0,1.5,2\n1.5,4,-3\n"
+    file = Brought.of(1, SourceFile("g.csv", content))
+    (question,) = card_of(file).questions
+    assert question.sentence == "g.csv: covers 4 m in all: are the positions in km?"
+    assert card_of(file.told(question.key, question.value)).result.end_m == 4000
+    assert card_of(file.told(question.key, question.kept)).questions == ()
+
+
+def test_of_two_files_of_a_kind_the_last_counts_and_it_is_told(base: Scenario) -> None:
+    files = brought("limits.csv", "sncf-limits.csv")
+    reading = read(base, files)
+    assert reading.unused[0] == "limits.csv: sncf-limits.csv is taken for it."
+    assert [table.source for table in reading.tables] == ["sncf-limits.csv"]

@@ -1,0 +1,121 @@
+import io
+
+import openpyxl
+import pytest
+
+from railjoule.core import RailjouleError, load_scenario
+from railjoule.core.measured import read_recording
+from railjoule.dashboard.pages.measured_runs.columns import (
+    MOST_ROWS,
+    Meaning,
+    RunFile,
+    meanings_of,
+    read_run_file,
+    settled,
+    table_text,
+)
+from railjoule.dashboard.work.uploads import LARGEST_RUN_BYTES
+
+VEHICLE = load_scenario("metro-with-limit").vehicle
+"""212 t, 285 kN, 80 km/h."""
+
+
+def file(header: str, *rows: str) -> RunFile:
+    """Return a file; without rows it holds a short run of five columns."""
+    usual = tuple(f"{k},{10 * k},36,{150 + k},900" for k in range(12))
+    return read_run_file("run.csv", "\n".join([header, *(rows or usual)]).encode())
+
+
+def test_columns_are_known_by_their_names() -> None:
+    found = meanings_of(file("time_s,position_m,speed_kmh,effort_kn,notch"), {})
+    assert found == {
+        "time_s": Meaning("time", "s"),
+        "position_m": Meaning("position", "m"),
+        "speed_kmh": Meaning("speed", "km/h"),
+        "effort_kn": Meaning("effort", "kN"),
+        "notch": Meaning(""),
+    }
+
+
+def test_the_columns_of_a_published_set_are_known() -> None:
+    # Widmer, Ritter, Onder: ZTBus, whose efforts are N and speeds m/s
+    names = "time_unix,odometry_vehicleSpeed,traction_tractionForce,electric_powerDemand,traction_brakePressure"
+    found = meanings_of(file(names), {})
+    assert found["traction_tractionForce"] == Meaning("effort", "N")
+    assert found["odometry_vehicleSpeed"] == Meaning("speed", "m/s")
+
+
+def test_what_a_user_says_goes_before_names() -> None:
+    table = file("time_s,weg,speed_kmh,effort_kn,x")
+    answers = {"weg": "position m", "effort_kn": "", "x": "nonsense furlong"}
+    found = meanings_of(table, answers)
+    assert found["weg"] == Meaning("position", "m")
+    assert found["effort_kn"] == found["x"] == Meaning("")
+
+
+def test_a_unit_that_cannot_be_is_asked_about_and_not_used_before() -> None:
+    # 161 N in a train of 212 t would be an effort of nothing
+    table = file("time_s,position_m,speed_kmh,effort_n,power_kw")
+    _, doubts, _ = settled(table, {}, VEHICLE)
+    (doubt,) = doubts
+    assert doubt.sentence == "At most 161.0 N in a train of 212 t: was kN meant?"
+    assert doubt.choices == (Meaning("effort", "kN"), Meaning("effort", "N"))
+    for answer in doubt.choices:
+        found, left, _ = settled(table, {"effort_n": answer.text}, VEHICLE)
+        assert left == ()
+        assert found["effort_n"] == answer
+
+
+def test_a_unit_that_is_not_named_is_assumed_where_one_alone_fits() -> None:
+    found, doubts, assumed = settled(file("time_s,position_m,speed_kmh,effort,power"), {}, VEHICLE)
+    assert doubts == ()
+    assert found["effort"].unit == "kN"
+    assert assumed == ("effort: no unit is named, taken as kN.", "power: no unit is named, taken as kW.")
+
+
+def test_a_unit_that_is_not_named_is_asked_for_where_two_fit() -> None:
+    # 18 are a slow train in km/h, and a usual one in m/s
+    table = file("time_s,position_m,speed", *(f"{k},{18 * k},18" for k in range(12)))
+    _, doubts, _ = settled(table, {}, VEHICLE)
+    (doubt,) = doubts
+    assert doubt.sentence == "At most 18.0 in a train of 212 t, and no unit is named: is it km/h or m/s?"
+
+
+def test_rows_stand_in_the_lines_that_they_have_in_the_file() -> None:
+    table = file("made by a program", "time_s;x;speed_kmh", *(f"{k};0;{'' if k == 5 else k}" for k in range(15)))
+    text, form, left_out = table_text(table, {"time_s": Meaning("time", "s"), "speed_kmh": Meaning("speed", "km/h")})
+    lines = text.splitlines()
+    assert (lines[0], lines[1], lines[2], lines[7]) == ("time_s;speed_kmh", "", "0;0", "")
+    assert left_out == ("1 rows without time_s or speed_kmh are left out.",)
+    assert len(read_recording(text, "run.csv", form).time_s) == 14
+
+
+def test_a_workbook_is_read_as_a_table() -> None:
+    book = openpyxl.Workbook()
+    for row in [["time_s", "speed_kmh"], *([0.5 * k, 3.6 * k] for k in range(12))]:
+        book.active.append(row)
+    written = io.BytesIO()
+    book.save(written)
+    table = read_run_file("run.xlsx", written.getvalue())
+    text, form, _ = table_text(table, meanings_of(table, {}))
+    # 3.6 km/h more each half second
+    assert read_recording(text, "run.xlsx", form).speed_ms[-1] == pytest.approx(11.0)
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        (b"", "run.csv: holds no rows."),
+        (b"1,2\n3,4\n", "the first row must name the columns"),
+        (b"\x00\x01\x02", "not a text file"),
+        (b"PK\x03\x04junk", "not a workbook that can be read"),
+        (b"time_s,time_s\n1,2\n", "appears twice"),
+        (b"a" * (LARGEST_RUN_BYTES + 1), "larger than the 8 MB"),
+        (b"t,v\n" + b"1,1\n" * (MOST_ROWS + 1), "at most 20\u202f000 can be read"),
+    ],
+)
+def test_what_is_no_run_is_told_in_one_sentence(content: bytes, told: str) -> None:
+    with pytest.raises(RailjouleError) as caught:
+        read_run_file("run.csv", content)
+    assert told in str(caught.value)
+    assert len(str(caught.value)) < 200

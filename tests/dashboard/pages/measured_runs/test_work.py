@@ -1,0 +1,172 @@
+import numpy as np
+import pytest
+from measured_example import DRIVERS, FOLDER, driven, recorded
+
+from railjoule.core import solve
+from railjoule.core.units import J_PER_KWH
+from railjoule.dashboard.keep.snapshot import snapshot_of
+from railjoule.dashboard.pages.measured_runs import texts
+from railjoule.dashboard.pages.measured_runs.compute import energy_so_far, power_error
+from railjoule.dashboard.pages.measured_runs.fit_parts import fit_block
+from railjoule.dashboard.pages.measured_runs.work import MeasuredRuns, open_on_drive, try_example, use_fit
+from railjoule.dashboard.state.workbench import Workbench
+
+EXAMPLE = (FOLDER / DRIVERS[0].file).read_bytes()
+
+
+@pytest.fixture
+def state() -> Workbench:
+    """A workbench whose page Measured runs is in sight; all work is done in the test's own turn."""
+    state = Workbench(page="Measured runs")
+    MeasuredRuns(state)
+    return state
+
+
+def test_the_shipped_examples_are_what_the_script_writes() -> None:
+    for driver in DRIVERS:
+        written = (FOLDER / driver.file).read_text().splitlines()
+        anew = recorded(driven(driver), driver.seed).splitlines()
+        # a solver may end a rounding elsewhere on another machine, and a row has steps
+        assert len(written) == len(anew)
+        assert sum(a != b for a, b in zip(written, anew, strict=True)) < 0.05 * len(written)
+
+
+def test_an_example_has_a_saving_that_is_proven_for_the_modelled_train(state: Workbench) -> None:
+    try_example(state)
+    measured = state.measured_runs.measured
+    assert measured is not None
+    assert measured.saving is not None
+    run, saving = measured.shown.run, measured.saving
+    assert run is not None
+    # the run that the recorder is made of; its power has an error of 1 % a sample
+    assert run.measured_kwh == pytest.approx(driven(DRIVERS[0]).energy_kwh, rel=0.01)
+    assert saving.optimum.is_proven
+    assert saving.optimum.travel_time_s == pytest.approx(run.recording.duration_s)
+    assert saving.possible_kwh == pytest.approx(run.modelled.energy_kwh - saving.optimum.energy_kwh)
+    shown = str(texts.figures(measured))
+    assert f"{100 * saving.possible_kwh / run.modelled.energy_kwh:.1f}<span>%" in shown
+    assert "proven for the modelled train" in shown
+
+
+def test_a_fit_to_the_examples_finds_their_train_and_is_one_step(state: Workbench) -> None:
+    try_example(state)
+    measured = state.measured_runs.measured
+    assert measured is not None
+    assert measured.fit is not None
+    found = {parameter.name: parameter for parameter in measured.fit.parameters}
+    # the train of tests/measured_example.py: 1.2 N/kN of its 2078.9 kN, 1.8 N/(km/h)2
+    for name, true in {
+        "resistance.constant_n": 1.2 * 2078.9,
+        "resistance.quadratic_n_per_kmh2": 1.8,
+        "drive.traction_efficiency": 0.845,
+        "auxiliary_power_kw": 2.5,
+    }.items():
+        assert found[name].low <= true <= found[name].high
+    assert "do not determine B" in str(fit_block(measured))
+    before, heard = texts.model_error(measured.runs[0]), []
+    state.scenario.param.watch(lambda *events: heard.append(events), "edits")
+    use_fit(state)
+    assert len(heard) == 1
+    after = state.measured_runs.measured
+    assert after is not None
+    assert before is not None
+    error = texts.model_error(after.runs[0])
+    assert error is not None
+    assert abs(error) < 0.01 < abs(before)
+    vehicle = state.scenario.scenario().vehicle
+    assert vehicle.drive.traction_efficiency == pytest.approx(found["drive.traction_efficiency"].value)
+    assert vehicle.resistance.constant_n_per_kn == 0
+    state.scenario.restore()
+    assert state.scenario.scenario().vehicle.resistance.constant_n_per_kn == pytest.approx(1.1)
+
+
+def test_the_optimum_of_a_run_is_that_of_the_scenario_opened_on_drive(state: Workbench) -> None:
+    try_example(state)
+    measured = state.measured_runs.measured
+    assert measured is not None
+    assert measured.saving is not None
+    open_on_drive(state)
+    assert state.page == "Drive"
+    scenario = state.scenario.scenario()
+    assert scenario.title == "Metro, profile II + I, metro-0714.csv"
+    assert solve(scenario).energy_kwh == pytest.approx(measured.saving.optimum.energy_kwh, rel=1e-4)
+
+
+def test_no_saving_is_claimed_where_the_model_errs_by_more(state: Workbench) -> None:
+    try_example(state)
+    state.scenario.edit({"drive.traction_efficiency": 0.6})
+    measured = state.measured_runs.measured
+    assert measured is not None
+    assert measured.saving is not None
+    assert not texts.can_claim(measured.runs[0], measured.saving)
+    assert "No saving can be claimed: the model is" in str(texts.figures(measured))
+
+
+def test_a_question_that_is_answered_brings_the_energy(state: Workbench) -> None:
+    text = EXAMPLE.decode().replace("line_power_kw", "power_w")
+    state.measured_runs.bring([("mine.csv", text.encode())])
+    measured = state.measured_runs.measured
+    assert measured is not None
+    (doubt,) = measured.shown.doubts
+    assert measured.runs[0].measured_kwh is None
+    assert power_error(measured.runs[0]) is None
+    state.measured_runs.say(doubt.header, doubt.choices[0].text)
+    measured = state.measured_runs.measured
+    assert measured is not None
+    assert measured.shown.doubts == ()
+    assert measured.runs[0].measured_kwh == pytest.approx(driven(DRIVERS[0]).energy_kwh, rel=0.01)
+    known = energy_so_far(measured.runs[0])
+    assert known is not None
+    assert known[2][-1] == pytest.approx(measured.runs[0].measured_kwh * J_PER_KWH)
+    assert np.all(np.diff(known[0]) > 0)
+
+
+def test_a_file_without_a_speed_says_so_and_a_run_too_long_too(state: Workbench) -> None:
+    model = state.measured_runs
+    model.bring([("none.csv", b"time_s,x\n" + b"".join(b"%d,1\n" % k for k in range(12)))])
+    assert model.measured is not None
+    assert model.measured.shown.refusal.startswith("none.csv: no column holds the speed; say which one does.")
+    model.say("x", "speed km/h")
+    assert model.measured.shown.refusal
+    long = b"time_s,speed_kmh\n" + b"".join(b"%d,%d\n" % (k, min(3 * k, 72, 3 * (599 - k))) for k in range(600))
+    model.bring([("long.csv", long)])
+    assert "the line of the scenario has 2300 m" in model.measured.shown.refusal
+    assert "--" not in model.measured.shown.refusal
+
+
+def test_files_are_replaced_removed_and_refused(state: Workbench) -> None:
+    model = state.measured_runs
+    model.bring([("one.csv", EXAMPLE), ("bad.csv", b"\x00")])
+    assert [file.name for file in model.files] == ["one.csv"]
+    assert model.refusal.startswith("bad.csv: not a text file")
+    model.bring([("one.csv", EXAMPLE)])
+    assert len(model.files) == 1
+    assert model.refusal == ""
+    model.remove("one.csv")
+    assert model.files == ()
+    assert model.measured is None
+
+
+def test_the_example_is_kept_and_files_are_not(state: Workbench) -> None:
+    model = state.measured_runs
+    model.bring([("one.csv", EXAMPLE)])
+    try_example(state)
+    kept = model.keep()
+    assert kept["example"] is True
+    assert "files" not in kept
+    assert "one.csv" not in str(snapshot_of(state))
+    other = Workbench(page="Measured runs")
+    MeasuredRuns(other)
+    other.measured_runs.lay(kept)
+    assert [file.name for file in other.measured_runs.files] == [driver.file for driver in DRIVERS]
+    model.example = False
+    assert [file.name for file in model.files] == ["one.csv"]
+
+
+@pytest.mark.parametrize("answers", [{"time_s": 5}, {"speed_kmh": ["x"]}, {"<b>": "speed parsecs"}, {"speed_kmh": ""}])
+def test_answers_of_a_hostile_link_do_no_harm(state: Workbench, answers: dict[str, object]) -> None:
+    state.measured_runs.answers = answers
+    try_example(state)
+    measured = state.measured_runs.measured
+    assert measured is not None
+    assert measured.shown.run is not None or measured.shown.refusal

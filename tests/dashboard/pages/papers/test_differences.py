@@ -1,0 +1,77 @@
+"""Printed numbers against ours: the rows of the figure, and what it looks like."""
+
+import math
+
+import numpy as np
+import pytest
+from bokeh.models import HoverTool
+
+from railjoule.core.validation import Row, Table, Validation
+from railjoule.dashboard.look.tokens import THEMES
+from railjoule.dashboard.pages.papers.compute import PaperTables, shipped_tables
+from railjoule.dashboard.pages.papers.differences import STYLES, TOLD, difference_figure, differences, scaled, tip
+from railjoule.dashboard.pages.papers.names import AUTHORS
+
+ROWS = (
+    Row("a", "W", "Wh", 100.0, 103.0),
+    Row("b", "W", "Wh", None, 7.0),
+    Row("c", "more", "%", 2.0, 1.5),
+    Row("d", "W", "Wh", 0.0, 7.0),
+)
+
+
+def paper(name: str) -> PaperTables:
+    return PaperTables(name, Validation(name, "", (Table("Energies", ROWS),), ()), 1)
+
+
+def test_a_row_with_a_difference_is_a_dot() -> None:
+    rows = differences([paper("ftorek"), paper("rawicki")])
+    np.testing.assert_array_equal(rows.dimension_values("row"), [1, 2, 3, 4])
+    # 3 % of 100 Wh, and half a percentage point less
+    np.testing.assert_allclose(rows.dimension_values("height")[:2], [math.asinh(3.0), math.asinh(-0.5)])
+    assert list(rows.dimension_values("Paper")) == ["Ftorek", "Ftorek", "Rawicki", "Rawicki"]
+    assert [rows.dimension_values(word)[0] for word in TOLD] == [
+        "Ftorek",
+        "Energies",
+        "a",
+        "W",
+        "100 Wh",
+        "103.0 Wh",
+        "+3.0 %",
+    ]
+
+
+def test_the_scale_is_even_and_keeps_the_order() -> None:
+    heights = [scaled(percent) for percent in (-67.0, -1.0, 0.0, 0.5, 1.0, 30.0)]
+    assert heights == sorted(heights)
+    assert scaled(-3.0) == -scaled(3.0)
+
+
+@pytest.mark.parametrize("dark", [False, True])
+def test_the_shipped_numbers_are_drawn_by_paper(dark: bool) -> None:
+    papers = list(shipped_tables().papers.values())
+    f, _ = difference_figure(papers, dark)
+    compared = {
+        one.name: sum(row.difference is not None for table in one.validation.tables for row in table.rows)
+        for one in papers
+    }
+    drawn = [name for name, count in compared.items() if count]
+    assert [item.label.value for item in f.legend[0].items] == [AUTHORS[name] for name in drawn]
+    tokens = THEMES["dark" if dark else "light"]
+    band, *dots = f.renderers
+    assert band.fill_color == tokens["tint"]
+    for layer, name in zip(dots, drawn, strict=True):
+        assert len(layer.data_source.data["row"]) == compared[name]
+        assert (layer.glyph.fill_color, layer.glyph.marker) == (tokens[STYLES[name][0]], STYLES[name][1])
+    assert all(isinstance(tool, HoverTool) for tool in f.tools)
+    assert f.yaxis[0].major_label_overrides[scaled(-30)] == "\u221230"
+
+
+def test_every_paper_has_a_colour_and_a_name() -> None:
+    assert STYLES.keys() == AUTHORS.keys() == shipped_tables().papers.keys()
+    assert all(f"@{word}" in tip() for word in TOLD)
+
+
+def test_without_any_difference_there_is_an_empty_figure() -> None:
+    f, _ = difference_figure([], dark=False)
+    assert len(f.renderers) == 1

@@ -1,0 +1,40 @@
+import pytest
+
+from railjoule.dashboard.state.plan_work import Plans
+from railjoule.dashboard.state.workbench import Workbench
+
+
+@pytest.fixture
+def plans() -> Plans:
+    """The work of a workbench whose address has been read; it is done in the test's own turn."""
+    plans = Plans(Workbench())
+    plans.state.scenario.travel_time_s = 150.0
+    assert plans.state.runs is None
+    plans.begin()
+    plans.ask()
+    return plans
+
+
+def test_runs_follow_the_scenario_and_what_is_drawn(plans: Plans) -> None:
+    state = plans.state
+    assert state.run is not None
+    assert state.run.travel_time_s == pytest.approx(150.0, abs=1e-3)
+    state.scenario.choose("ftorek-300s")
+    state.ticked = ["optimal", "enoc"]
+    assert list(state.runs.runs) == ["optimal", "enoc"]
+
+
+def test_a_failure_keeps_the_runs(plans: Plans) -> None:
+    before = plans.state.runs
+    plans.state.scenario.travel_time_s = 20.0
+    assert plans.state.failure is not None
+    assert plans.state.runs is before
+
+
+def test_only_short_runs_are_waited_for() -> None:
+    plans = Plans(Workbench(ticked=["optimal", "bellman"]))
+    plans.do_if_short()
+    assert plans.state.runs is None
+    plans.state.ticked = ["optimal"]
+    plans.do_if_short()
+    assert plans.state.runs is not None
