@@ -1,5 +1,6 @@
 """The page's scripts by themselves, in a blank page: as they are sent, what they compute, rules of the house."""
 
+import json
 import math
 import re
 from collections.abc import Iterator
@@ -113,6 +114,7 @@ const change = (values) => {
   Object.assign(model, values);
   for (const name of Object.keys(values)) { (watchers[name] ?? []).forEach((act) => act()); }
 };
+const drawn = () => new Promise((resolve) => queueMicrotask(resolve));
 const remove = () => (watchers.remove ?? []).forEach((act) => act());
 const shown = (host) => { document.body.replaceChildren(host); return host; };
 """
@@ -213,6 +215,7 @@ def test_a_field_tells_what_was_typed_and_takes_it_back_by_escape(page: Page) ->
       input.value = "2e5";
       input.dispatchEvent(new Event("change"));
       change({{fields: [{{...a.fields[0], text: "2e5", changed: true, sentence: "At most 1e5."}}], version: 1}});
+      await drawn();
       const error = host.querySelector("[role=alert]");
       return {{kept, closes, told, invalid: input.ariaInvalid, error: error.textContent,
         name: host.querySelector("button").ariaLabel, described: input.getAttribute("aria-describedby")}};
@@ -227,6 +230,30 @@ def test_a_field_tells_what_was_typed_and_takes_it_back_by_escape(page: Page) ->
         "name": "Reset Tare, kg to 160000",
         "described": "field0-help field0-error",
     }
+
+
+def test_what_can_be_taken_is_drawn_whatever_comes_first_of_it(page: Page) -> None:
+    """The counter of what was sent may come before what was: the document combines changes that it holds."""
+    offer = {
+        "what": "line",
+        "label": "Take this line",
+        "time": "700",
+        "why": "",
+        "about": "",
+        "failure": "",
+        "main": True,
+    }
+    code = f"""
+      {MODEL}
+      const host = shown(m.render({{model}}));
+      change({{version: 1}});
+      change({{status: ""}});
+      change({{offers: [{json.dumps(offer)}]}});
+      await drawn();
+      return [...host.querySelectorAll("button")].map((one) => one.textContent);
+    """
+    start = {"offers": [], "stretch": {"begin": "", "end": "", "reverse": False}, "has_stretch": False, "version": 0}
+    assert run(page, "import_take", code, {**start, "status": "Computing.", "refusal": ""}) == ["Take this line"]
 
 
 FIELD = f"""

@@ -22,14 +22,15 @@ from railjoule.dashboard.work.worker import Worker
 REST_MS = 150
 """What changes at once, as several files that are dropped, is computed once."""
 PAGE = "Measured runs"
+EXAMPLE_FILES = ("metro-0714.csv", "metro-1742.csv")
+"""Two drivers' runs over one line: the folder has those of other lines too."""
 
 
 @cache
 def example_files() -> tuple[RunFile, ...]:
     """Return the example runs, which never change."""
     folder = resources("railjoule.assets") / "recordings"
-    found = sorted((file for file in folder.iterdir() if file.name.endswith(".csv")), key=lambda file: file.name)
-    return tuple(read_run_file(file.name, file.read_bytes(), is_example=True) for file in found)
+    return tuple(read_run_file(name, (folder / name).read_bytes(), is_example=True) for name in EXAMPLE_FILES)
 
 
 def read_brought(brought: tuple[str, bytes]) -> RunFile:
