@@ -7,7 +7,7 @@ from railjoule.dashboard.actual.compute import ActualRequest, compute_actual
 from railjoule.dashboard.actual.follower import FOLLOWER, REALITY
 from railjoule.dashboard.actual.model import ActualModel, actual_changes
 from railjoule.dashboard.state.page_work import PageWork
-from railjoule.dashboard.state.scenario import PLAN_FIELDS
+from railjoule.dashboard.state.scenario import RUN_FIELDS
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import is_slow
 
@@ -27,7 +27,7 @@ class Actual(PageWork[ActualModel]):
         )
         state.scenario.follow(lambda scenario: scenario.disturbance, self.model.take)
         self.model.take(state.scenario.edited)
-        state.scenario.param.watch(self._ask, list(PLAN_FIELDS))
+        state.scenario.param.watch(self._ask, list(RUN_FIELDS))
         # the runs too: only they tell which strategy the plan is by, `chosen_now`
         state.param.watch(self._ask, ["page", "chosen", "runs"])
         state.robustness.param.watch(self._ask, [*REALITY, *FOLLOWER])

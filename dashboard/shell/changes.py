@@ -9,7 +9,7 @@ from railjoule.core import RailjouleError
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.state.kept import short
-from railjoule.dashboard.state.scenario import PLAN_FIELDS
+from railjoule.dashboard.state.scenario import RUN_FIELDS
 from railjoule.dashboard.state.workbench import Workbench
 
 OPENED, CLOSED = "expand_less", "expand_more"
@@ -39,7 +39,7 @@ class Changes:
         self.view = stack(
             pn.FlexBox(self.unchanged, self.count, self.back, margin=0, sizing_mode="stretch_width"), self.list
         )
-        state.scenario.param.watch(self._show, ["preset", "opened", *PLAN_FIELDS, "acceleration_time_s"])
+        state.scenario.param.watch(self._show, ["preset", "opened", *RUN_FIELDS])
         self._show()
 
     def _turn(self, *_: Any) -> None:

@@ -3,7 +3,7 @@
 from typing import Any
 
 from railjoule.dashboard.state.page_work import PageWork
-from railjoule.dashboard.state.scenario import PLAN_FIELDS
+from railjoule.dashboard.state.scenario import RUN_FIELDS
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs
 from railjoule.dashboard.work.warmup import warmup
@@ -26,7 +26,7 @@ class Plans(PageWork[Workbench]):
 
     def begin(self) -> None:
         """Listen to what runs depend on: what the address has changed before is asked for once."""
-        self.state.scenario.param.watch(self.ask, [*PLAN_FIELDS, "acceleration_time_s"])
+        self.state.scenario.param.watch(self.ask, list(RUN_FIELDS))
         self.state.param.watch(self.ask, ["ticked", "chosen"])
 
     def ask(self, *_: Any) -> None:

@@ -21,6 +21,8 @@ TIME_FIELDS = {"travel_time_s": (1.0, 86_400.0), "acceleration_time_s": (1.0, 43
 """Bounds of the fields that a slider shows only in part [s]."""
 PLAN_FIELDS = ("travel_time_s", "load_percent", "recuperation_percent", "edits")
 """What every plan depends on."""
+RUN_FIELDS = (*PLAN_FIELDS, "acceleration_time_s")
+"""What the runs of all strategies depend on: ENOC's has a field of its own."""
 LEAST_RANGE, TIMETABLE_RANGE = 0.97, 2.0
 """The slider of the travel time begins and ends at these times the shortest time."""
 LEAST_OF_TIMETABLE = 0.75

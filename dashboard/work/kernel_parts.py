@@ -6,6 +6,7 @@ in numba's cache, and beside them a file for each part that is done.
 """
 
 import contextlib
+import hashlib
 import logging
 import os
 import subprocess
@@ -63,8 +64,8 @@ KERNELS = 400
 """About how many kernels there are: what the progress is measured by."""
 LOOKS_EVERY_S = 1.0
 HELPERS_NICENESS = 10
-DONE = "{}.done"
-"""The file that says, beside the kernels, that those of a part are there."""
+DONE = "{}-{}.done"
+"""The file that says, beside the kernels, that those of a part are there, for the sources of one place."""
 ALL = "all"
 
 
@@ -188,16 +189,23 @@ def cache_folder() -> Path:
     return Path(os.environ["NUMBA_CACHE_DIR"])
 
 
+def mark_of(part: str) -> Path:
+    """Return the file that says that the kernels of a part are there."""
+    # The folder's name has a hash of the core's sources, so that no mark of former sources is found. Numba keeps the
+    # kernels by the path of their source too: a second copy of the same sources has to compile its own.
+    place = hashlib.sha256(os.fsencode(Path(__file__).parent)).hexdigest()[:12]
+    return cache_folder() / DONE.format(part, place)
+
+
 def is_done(part: str) -> bool:
     """Return whether the kernels of a part have been compiled before."""
-    # the folder's name has a hash of the core's sources, so that no mark of former sources is found
-    return (cache_folder() / DONE.format(part)).is_file()
+    return mark_of(part).is_file()
 
 
 def tell_done(part: str) -> None:
     """Leave word that the kernels of a part are in the cache, for whoever waits and for the next start."""
     try:
-        (cache_folder() / DONE.format(part)).touch()
+        mark_of(part).touch()
     except OSError:  # numba has said so already, where its cache cannot be written to
         LOG.info("the compiled kernels could not be kept")
 

@@ -6,7 +6,7 @@ from railjoule.core import RailjouleError
 from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.state.page_work import PageWork
-from railjoule.dashboard.state.scenario import PLAN_FIELDS
+from railjoule.dashboard.state.scenario import RUN_FIELDS
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs_in_steps
 
@@ -26,7 +26,7 @@ class Compare(PageWork[Workbench]):
     def __init__(self, state: Workbench) -> None:
         super().__init__(state, state)
         self.runs = self.study(compute_runs_in_steps, self._take)
-        state.scenario.param.watch(self._ask, [*PLAN_FIELDS, "acceleration_time_s"])
+        state.scenario.param.watch(self._ask, list(RUN_FIELDS))
         state.param.watch(self._ask, ["page", "compare_all"])
 
     def _ask(self, *_: Any) -> None:

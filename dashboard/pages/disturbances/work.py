@@ -14,7 +14,7 @@ from railjoule.dashboard.pages.disturbances.compute import (
 )
 from railjoule.dashboard.pages.disturbances.model import DisturbancesModel
 from railjoule.dashboard.state.page_work import Items, PageWork
-from railjoule.dashboard.state.scenario import PLAN_FIELDS
+from railjoule.dashboard.state.scenario import RUN_FIELDS
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import is_slow
 
@@ -39,7 +39,7 @@ class Disturbances(PageWork[DisturbancesModel]):
         self._drawn: RidesRequest | None = None
         self._events = Items(lambda *_: self.model.param.trigger("changed"))
         state.scenario.follow(lambda scenario: scenario.disturbance, self.model.take)
-        state.scenario.param.watch(self._ask, list(PLAN_FIELDS))
+        state.scenario.param.watch(self._ask, list(RUN_FIELDS))
         state.param.watch(self._ask, ["page", "chosen"])
         self.model.param.watch(self._watch_events, "events")
         self.model.param.watch(self._ask, ["accepted_delay_s", "changed"])

@@ -20,7 +20,7 @@ from railjoule.dashboard.pages.motor.compute import (
 )
 from railjoule.dashboard.pages.motor.model import CONTROL_FIELDS, MotorModel
 from railjoule.dashboard.state.page_work import PageWork
-from railjoule.dashboard.state.scenario import PLAN_FIELDS
+from railjoule.dashboard.state.scenario import RUN_FIELDS
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import is_slow
 
@@ -48,7 +48,7 @@ class Motor(PageWork[MotorModel]):
         self._taken: Any = None
         state.scenario.param.watch(self._take_edits, "edits")
         # the plan may be ENOC's, which depends on its acceleration time as well
-        state.scenario.param.watch(self._ask, [*PLAN_FIELDS, "acceleration_time_s"])
+        state.scenario.param.watch(self._ask, list(RUN_FIELDS))
         state.param.watch(self._ask, ["page", "chosen"])
         self.model.param.watch(self._ask, list(CONTROL_FIELDS))
         self.model.param.watch(self._ask_ripple, "ripple_at_s")

@@ -24,7 +24,7 @@ from railjoule.dashboard.pages.robustness.model import (
 )
 from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.programs import page_run
-from railjoule.dashboard.state.scenario import PLAN_FIELDS
+from railjoule.dashboard.state.scenario import RUN_FIELDS
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import is_slow
 
@@ -53,7 +53,7 @@ class Robustness(PageWork[RobustnessModel]):
         state.scenario.follow(lambda scenario: (scenario.disturbance, scenario.simulation), self.model.take)
         state.scenario.follow(lambda scenario: scenario.vehicle.crush_load_factor, self._take_crush_load)
         self._take_crush_load()
-        state.scenario.param.watch(self._ask, list(PLAN_FIELDS))
+        state.scenario.param.watch(self._ask, list(RUN_FIELDS))
         state.param.watch(self._ask, ["page", "chosen"])
         self.model.param.watch(self._ask, [*REALITY, *FOLLOWER, *CHANCE_FIELDS, *TABLE_FIELDS])
         self.model.param.watch(self._draw_all, "draw_all")

@@ -74,6 +74,10 @@ def test_a_filled_cache_is_known_again(monkeypatch: pytest.MonkeyPatch, tmp_path
     assert not is_done(ALL)
     tell_done(ALL)
     assert is_done(ALL)
+    with monkeypatch.context() as elsewhere:
+        # a second copy of the same sources shares the folder, but not the kernels
+        elsewhere.setattr(module, "__file__", str(tmp_path / "copy" / "kernel_parts.py"))
+        assert not is_done(ALL)
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "missing"))
     tell_done(ALL)
     assert not is_done(ALL)

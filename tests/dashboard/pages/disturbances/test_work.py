@@ -66,3 +66,15 @@ def test_the_strategy_of_a_file_is_the_one_that_plans() -> None:
     state = Workbench()
     state.scenario.choose("tram-950m-stop")
     assert state.chosen == "phases"
+
+
+def test_the_plan_follows_the_field_of_its_strategy_alone() -> None:
+    state = Workbench()
+    Disturbances(state)
+    state.scenario.choose("ftorek-300s")
+    state.chosen = "enoc"
+    state.page = "Disturbances"
+    before = state.disturbances.rides
+    assert before is not None
+    state.scenario.acceleration_time_s = 40.0
+    assert state.disturbances.rides is not before
