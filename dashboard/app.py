@@ -8,12 +8,13 @@ from typing import Any
 import panel as pn
 from bokeh.settings import settings
 from panel.io.callbacks import PeriodicCallback
+from panel.io.server import Server
 
 from railjoule.core.workspace import Workspace
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.editor.view import EditorView
 from railjoule.dashboard.faults import handle
-from railjoule.dashboard.insides import count_no_events
+from railjoule.dashboard.insides import application_of, count_no_events
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.keep.pins import Pins
@@ -22,9 +23,11 @@ from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.page import PageView, view_of
 from railjoule.dashboard.report.button import ReportButton
 from railjoule.dashboard.report.work import Reporting
-from railjoule.dashboard.server.health import HealthHandler
+from railjoule.dashboard.server.guard import guard
+from railjoule.dashboard.server.health import HealthHandler, ReadyHandler
 from railjoule.dashboard.server.logs import keep_quiet, write_down
 from railjoule.dashboard.server.not_found import NotFoundHandler
+from railjoule.dashboard.server.options import ServerOptions
 from railjoule.dashboard.shell.share import Share
 from railjoule.dashboard.shell.shell import Page, Shell
 from railjoule.dashboard.state.files import serve_files_of
@@ -40,9 +43,15 @@ settings.perform_error_diagnostics = False
 
 LOG = logging.getLogger(__name__)
 POLL_MS = 300
+OPENS_WITHIN_MS = 2000
+"""A page that has no connection by then is taken for one that was left."""
 LOOK_MS = 3000
 """How often a page looks at My files, which others may change too."""
-EXTRA_PATTERNS = [("/health", HealthHandler)]
+NO_LOGIN = (
+    "There is no login: everybody who reaches this port can use the pages, and change the files of a workspace. Let a "
+    "proxy that asks for a password stand before it, or serve at 127.0.0.1."
+)
+EXTRA_PATTERNS = [("/health", HealthHandler), ("/ready", ReadyHandler)]
 VIEWS: dict[str, type[PageView]] = {name: view_of(name) for name in PAGES}
 """What draws each page."""
 
@@ -163,32 +172,64 @@ def make_page() -> Page:
     return Session().shell.page
 
 
-def serve(address: str = "127.0.0.1", port: int = 5006, workspace: Workspace | None = None) -> None:
+def serve(options: ServerOptions, workspace: Workspace | None = None) -> None:
     """Serve the dashboard until it is stopped.
 
     Parameters
     ----------
-    address : str
-        Where to listen.
-    port : int
-        The port to listen on.
+    options : ServerOptions
+        Where, and to whom.
     workspace : Workspace, optional
         The files that My files shows, and that every visitor may change.
     """
     serve_files_of(workspace)
-    # a browser on this machine may call it by either name
-    origins = [f"{address}:{port}", f"localhost:{port}", f"127.0.0.1:{port}"]
     write_down()
+    if not options.is_for_this_machine:
+        LOG.warning(NO_LOGIN)
     warmup().start()
-    pn.serve(
+    run(make_server(options))
+
+
+def make_server(options: ServerOptions, *patterns: Any, **settings: Any) -> Server:
+    """Return a server of the dashboard that is yet to run.
+
+    Parameters
+    ----------
+    options : ServerOptions
+    *patterns
+        What it answers beside the page, as tornado takes it.
+    **settings
+        Of Bokeh's server.
+    """
+    server = pn.serve(
         {"/": make_page},
-        extra_patterns=EXTRA_PATTERNS,
-        address=address,
-        port=port,
+        extra_patterns=[*EXTRA_PATTERNS, *patterns],
+        address=options.address,
+        port=options.port,
+        prefix=options.prefix,
         show=False,
-        websocket_origin=origins,
+        start=False,
+        websocket_origin=options.websocket_origins,
         title="railjoule",
         default_handler_class=NotFoundHandler,
+        **settings,
+    )
+    guard(application_of(server), options, lambda: open_pages(server))
+    return server
+
+
+def run(server: Server) -> None:
+    """Run a server until it is stopped."""
+    server.start()
+    server.io_loop.start()
+
+
+def open_pages(server: Server) -> int:
+    """Return how many pages a server has open, with those that are just opening."""
+    # a session outlives its page for half a minute, in which it has no connection
+    return sum(
+        session.connection_count > 0 or session.milliseconds_since_last_unsubscribe < OPENS_WITHIN_MS
+        for session in server.get_sessions()
     )
 
 

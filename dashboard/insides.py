@@ -18,7 +18,9 @@ from bokeh.model import Model
 from bokeh.models import InlineStyleSheet
 from panel.custom import JSComponent
 from panel.io.resources import LOCAL_DIST
+from panel.io.server import Server
 from panel.viewable import Viewable
+from tornado.web import Application
 
 SHEETS: WeakKeyDictionary[Document, dict[str, InlineStyleSheet]] = WeakKeyDictionary()
 """Style sheets of each document: there are hundreds of panes, and it is sent each sheet once."""
@@ -180,6 +182,12 @@ def attach(document: Any, model: Model) -> None:
             models._new_models.add(new)
             if new.name is not None:
                 models._models_by_name.add_value(new.name, new)
+
+
+def application_of(server: Server) -> Application:
+    """Return the application of tornado that answers a server's requests, for which Bokeh has no public name."""
+    application: Application = server._tornado
+    return application
 
 
 def turns_of(document: Document) -> Callable[[Callable[[], None]], object]:

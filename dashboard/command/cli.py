@@ -7,8 +7,16 @@ import sys
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
-DEFAULT_ADDRESS, DEFAULT_PORT = "127.0.0.1", 5006
-LARGEST_PORT = 65_535
+from railjoule.dashboard.server.options import (
+    DEFAULT_ADDRESS,
+    DEFAULT_PORT,
+    HIGHEST_PORT,
+    PREFIX,
+    ServerOptions,
+    origin_parts,
+)
+
+MOST_SESSIONS = 10_000
 # as core/scenario bounds timetable.travel_time_s
 LONGEST_TIME_S = 86_400.0
 """The longest that a scenario may take."""
@@ -94,9 +102,12 @@ def _call(options: argparse.Namespace) -> bool:
     own = None
     if options.command == "serve":
         # whoever reaches a page may change the files that it shows: others do only where somebody has said so
-        if not options.no_workspace and (options.workspace is not None or commands.is_this_machine(options.address)):
+        place = ServerOptions(
+            options.address, options.port, tuple(options.origin), options.prefix.rstrip("/"), options.sessions
+        )
+        if not options.no_workspace and (options.workspace is not None or place.is_for_this_machine):
             own = commands.workspace_at(options.workspace, make=True)
-        commands.serve(options.address, options.port, own)
+        commands.serve(place, own)
         return True
     if options.command in {"import", "export"}:
         from railjoule.dashboard.command import imports  # noqa: PLC0415
@@ -197,6 +208,23 @@ def _add_serve(commands: "argparse._SubParsersAction[_Parser]") -> None:
     serve = _add(commands, "serve", "serve the dashboard in the browser")
     serve.add_argument("--port", type=_port, default=DEFAULT_PORT, help=f"default: {DEFAULT_PORT}")
     serve.add_argument("--address", default=DEFAULT_ADDRESS, help=f"default: {DEFAULT_ADDRESS}, this machine only")
+    serve.add_argument(
+        "--origin",
+        type=_origin,
+        metavar="NAME[:PORT]",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="further names under which browsers reach the server, as behind a proxy; it answers to no others",
+    )
+    serve.add_argument("--prefix", type=_prefix, default="", metavar="PATH", help="serve below this path, not at /")
+    serve.add_argument(
+        "--sessions", type=_sessions, metavar="N", help="pages open at a time at most; default: any number"
+    )
+    serve.epilog = (
+        "There is no login: whoever reaches the port can use the pages, and change the files of a workspace. With the "
+        "default address that is this machine's users alone."
+    )
     _add_workspace(
         serve,
         "the folder that My files shows, which every visitor may change; default: a folder of your own, but none where "
@@ -429,11 +457,31 @@ def _seconds(text: str) -> float:
     return seconds
 
 
+def _origin(text: str) -> str:
+    try:
+        origin_parts(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+    return text
+
+
+def _prefix(text: str) -> str:
+    if text.strip("/") and not PREFIX.fullmatch(text.rstrip("/")):
+        raise argparse.ArgumentTypeError(f"{text[:60]!r} is not a path such as /tools/railjoule")
+    return text
+
+
+def _sessions(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) < 6 and 1 <= int(text) <= MOST_SESSIONS):
+        raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a whole number from 1 to {MOST_SESSIONS}")
+    return int(text)
+
+
 def _port(text: str) -> int:
     # to `isdigit`, superscripts are digits too, which `int` refuses
     # the length before `int` as well, which refuses thousands of digits by an error of its own
-    if not (text.isascii() and text.isdigit() and len(text) < 6 and 1 <= int(text) <= LARGEST_PORT):
-        raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a port from 1 to {LARGEST_PORT}")
+    if not (text.isascii() and text.isdigit() and len(text) < 6 and 1 <= int(text) <= HIGHEST_PORT):
+        raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a port from 1 to {HIGHEST_PORT}")
     return int(text)
 
 

@@ -2,7 +2,6 @@
 
 import importlib.util
 import io
-import ipaddress
 import json
 import os
 import sys
@@ -35,6 +34,8 @@ from railjoule.dashboard.keep.embedded import scenario_in_report
 
 if TYPE_CHECKING:
     import pandas
+
+    from railjoule.dashboard.server.options import ServerOptions
 
 TABLE_SUFFIXES = (".csv", ".parquet")
 REPORT_SUFFIXES = (".html", ".htm")
@@ -274,7 +275,7 @@ def validate(paper: str | None, output: Output) -> None:
     output.show({"papers": papers}, terminal.validations_text)
 
 
-def serve(address: str, port: int, own: Workspace | None = None) -> None:
+def serve(options: "ServerOptions", own: Workspace | None = None) -> None:
     """Serve the dashboard, with a user's own files where it has any, until it is interrupted.
 
     Raises
@@ -289,9 +290,10 @@ def serve(address: str, port: int, own: Workspace | None = None) -> None:
     with missing_named("the dashboard"):
         from railjoule.dashboard import app  # noqa: PLC0415
     try:
-        app.serve(address=address, port=port, workspace=own)
+        app.serve(options, own)
     except OSError as error:
-        raise CommandError(f"cannot serve at {address}, port {port}: {error.strerror or error}.") from None
+        told = error.strerror or error
+        raise CommandError(f"cannot serve at {options.address}, port {options.port}: {told}.") from None
 
 
 def workspace_at(folder: str | None, make: bool = False) -> Workspace | None:
@@ -326,14 +328,6 @@ def workspace_at(folder: str | None, make: bool = False) -> Workspace | None:
     if not workspace.folder.is_dir():
         raise CommandError(f"--workspace {shortened(folder)}: there is no such folder.")
     return workspace
-
-
-def is_this_machine(address: str) -> bool:
-    """Return whether only programs of this machine reach an address."""
-    try:
-        return address == "localhost" or ipaddress.ip_address(address).is_loopback
-    except ValueError:
-        return False
 
 
 def load(file: str, changes: Mapping[str, Any], own: Workspace | None = None) -> Scenario:

@@ -6,7 +6,7 @@ from railjoule.core import load_scenario, solve
 from railjoule.dashboard.work.kernel_parts import SCENARIOS
 from railjoule.dashboard.work.warmup import warmup
 
-SERVICE_UNAVAILABLE = 503
+OK, SERVICE_UNAVAILABLE = 200, 503
 
 
 # Panel's own check of liveness only makes a document: it says yes where every page fails
@@ -25,3 +25,21 @@ class HealthHandler(RequestHandler):
         # one that the warm-up runs too, so that nothing is left to compile
         run = solve(load_scenario(SCENARIOS[0]))
         self.finish({"status": "ok", "energy_kwh": run.energy_kwh, "solve_time_s": run.solve_time_s})
+
+    # who watches a server may ask for the status alone
+    head = get
+
+
+class ReadyHandler(RequestHandler):
+    """Answers 200 once a page can compute, 503 before: where a proxy may send visitors."""
+
+    def _log(self) -> None:
+        """Write down nothing."""
+
+    def get(self) -> None:
+        """Tell whether the kernels are there, without solving anything."""
+        is_ready = warmup().ready.is_set()
+        self.set_status(OK if is_ready else SERVICE_UNAVAILABLE)
+        self.finish({"status": "ready" if is_ready else "starting"})
+
+    head = get

@@ -26,12 +26,12 @@ def free_port() -> int:
 class Server:
     """A running server."""
 
-    def __init__(self, process: subprocess.Popen[bytes], port: int) -> None:
-        self.process, self.port = process, port
+    def __init__(self, process: subprocess.Popen[bytes], port: int, path: str = "") -> None:
+        self.process, self.port, self.path = process, port, path
 
     @property
     def url(self) -> str:
-        return f"http://127.0.0.1:{self.port}/"
+        return f"http://127.0.0.1:{self.port}/{self.path}"
 
     @property
     def drive_url(self) -> str:
@@ -73,8 +73,12 @@ def serving(
     log: Path | None = None,
     environment: Mapping[str, str] | None = None,
     warm: bool = True,
+    path: str = "",
 ) -> Iterator[Server]:
-    """Run a command that takes --port, and end it afterwards; `log` takes what it writes down."""
+    """Run a command that takes --port, and end it afterwards.
+
+    `log` takes what it writes down, `path` is the one below which it serves.
+    """
     port = free_port() if port is None else port
     with contextlib.ExitStack() as stack:
         output = None if log is None else stack.enter_context(log.open("wb"))
@@ -84,7 +88,7 @@ def serving(
             stdout=output,
             stderr=output,
         )
-        server = Server(process, port)
+        server = Server(process, port, path)
         try:
             server.wait(warm)
             yield server

@@ -3,10 +3,10 @@
 import gc
 import sys
 
-import panel as pn
 from tornado.web import RequestHandler
 
-from railjoule.dashboard.app import EXTRA_PATTERNS, make_page
+from railjoule.dashboard.app import make_server, run
+from railjoule.dashboard.server.options import ServerOptions
 from railjoule.dashboard.shell.shell import Page
 from railjoule.dashboard.work.warmup import warmup
 
@@ -24,11 +24,5 @@ class PagesHandler(RequestHandler):
 if __name__ == "__main__":
     port = int(sys.argv[sys.argv.index("--port") + 1])
     warmup().start()
-    pn.serve(
-        {"/": make_page},
-        port=port,
-        show=False,
-        websocket_origin=[f"127.0.0.1:{port}"],
-        extra_patterns=[*EXTRA_PATTERNS, ("/pages", PagesHandler)],
-        check_unused_sessions_milliseconds=LOOKS_EVERY_MS,
-    )
+    watched = ("/pages", PagesHandler)
+    run(make_server(ServerOptions(port=port), watched, check_unused_sessions_milliseconds=LOOKS_EVERY_MS))

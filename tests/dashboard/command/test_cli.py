@@ -17,6 +17,7 @@ from railjoule.core.validation.benchmark import Timing
 from railjoule.core.workspace import Workspace
 from railjoule.dashboard.command import cli, commands
 from railjoule.dashboard.command.cli import BAD_INPUT, BROKEN_PIPE, BROKEN_RULE, INTERRUPTED, OK, main
+from railjoule.dashboard.server.options import ServerOptions
 
 COMMAND = [sys.executable, "-m", "railjoule.dashboard"]
 ON_SCREEN = ("panel", "panel_material_ui", "param", "bokeh", "holoviews", "plotly", "pandas", "casadi", "pyarrow")
@@ -369,7 +370,7 @@ def test_benchmark_prints_both(capsys, monkeypatch):
 def app(monkeypatch):
     fake = types.ModuleType("railjoule.dashboard.app")
     fake.calls = []
-    fake.serve = lambda **settings: fake.calls.append(settings)
+    fake.serve = lambda options, workspace: fake.calls.append((options, workspace))
     monkeypatch.setitem(sys.modules, fake.__name__, fake)
     monkeypatch.setattr(fake.__name__, fake, raising=False)
     return fake
@@ -378,8 +379,13 @@ def app(monkeypatch):
 def test_serve_passes_address_and_port(capsys, app):
     answer(capsys, "serve")
     answer(capsys, "serve", "--port", "8080", "--address", "0.0.0.0")
-    served = [(call["address"], call["port"]) for call in app.calls]
-    assert served == [("127.0.0.1", 5006), ("0.0.0.0", 8080)]
+    words = ("--origin", "a.example", "b.example:80", "--prefix", "/tools/rail/", "--sessions", "60")
+    answer(capsys, "serve", *words)
+    assert [options for options, _ in app.calls] == [
+        ServerOptions("127.0.0.1", 5006),
+        ServerOptions("0.0.0.0", 8080),
+        ServerOptions(origins=("a.example", "b.example:80"), prefix="/tools/rail", sessions=60),
+    ]
 
 
 # ---- a workspace
@@ -462,14 +468,14 @@ def test_no_name_leads_out_of_a_workspace(capsys, own, name):
 )
 def test_others_change_no_files_unless_it_was_said(capsys, app, tmp_path, words, served):
     calls = []
-    app.serve = lambda **parameters: calls.append(parameters["workspace"])
+    app.serve = lambda _, workspace: calls.append(workspace)
     assert main(["serve", *(word.format(tmp_path / "own") for word in words)]) == OK
     assert (calls[0] is not None) == served
     assert (tmp_path / "own").is_dir() == ("--workspace" in words)
 
 
 def test_a_port_in_use_is_one_sentence(capsys, app):
-    def serve(**_):
+    def serve(*_):
         raise OSError(98, "Address already in use")
 
     app.serve = serve
@@ -573,6 +579,9 @@ def test_a_bad_change(capsys, change, words):
         (["serve", "--port", "65536"], "'65536' is not a port from 1 to 65535"),
         (["serve", "--port", "-1"], "port"),
         (["serve", "--port", "0"], "'0' is not a port"),
+        (["serve", "--origin", "http://a.example"], "'http://a.example' is not NAME or NAME:PORT"),
+        (["serve", "--prefix", "a b"], "'a b' is not a path such as /tools/railjoule"),
+        (["serve", "--sessions", "0"], "'0' is not a whole number from 1 to 10000"),
         (["serve", "--port", "9" * 5000], "is not a port"),
         (["serve", "--port", "http"], "'http' is not a port"),
         (["benchmark", "liashenko-ii"], "unrecognized arguments"),
