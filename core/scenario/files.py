@@ -13,6 +13,7 @@ from railjoule.core.scenario.presets import OwnPresets, preset_names, preset_tex
 from railjoule.core.scenario.scenario import Scenario
 from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES, read_text
 from railjoule.core.scenario.toml_text import NESTED_TOO_DEEPLY, read_toml
+from railjoule.core.written import write_text
 
 
 def load_scenario(
@@ -90,4 +91,4 @@ def format_scenario(scenario: Scenario, own: OwnPresets | None = None) -> str:
 
 def save_scenario(scenario: Scenario, path: str | Path) -> None:
     """Write `scenario` to a TOML file that gives exactly it when it is read again."""
-    Path(path).write_text(format_scenario(scenario), encoding="utf-8")
+    write_text(path, format_scenario(scenario))

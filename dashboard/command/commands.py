@@ -29,6 +29,7 @@ from railjoule.core.scenario.text_file import read_text
 from railjoule.core.scenario.toml_text import read_toml
 from railjoule.core.strategies import prepare_task
 from railjoule.core.workspace import Workspace, default_folder
+from railjoule.core.written import write_text, written
 from railjoule.dashboard.command import summary, terminal
 from railjoule.dashboard.keep.embedded import scenario_in_report
 
@@ -210,9 +211,9 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str, own: Wo
         table = frontier.to_dataframe().set_index("travel_time_s").to_xarray()
         table.attrs["notes"] = " ".join(frontier.notes)
     if path.suffix.lower() == ".nc":
-        with failures_named(path):
+        with failures_named(path), written(path) as place:
             # scipy is there anyway; the default engine would need one of netCDF's own libraries
-            table.to_netcdf(path, engine="scipy")
+            table.to_netcdf(place, engine="scipy")
     else:
         write_table(table.to_dataframe(), path, index=True)
     shape = " x ".join(f"{size} {dimension}" for dimension, size in table.sizes.items())
@@ -243,7 +244,7 @@ def report(
     *_, findings = compute_findings(ReportRequest(scenario, prove_seconds=prove_seconds))
     text = report_html(findings, datetime.now().astimezone())
     with failures_named(path):
-        path.write_text(text, encoding="utf-8")
+        write_text(path, text)
     print(f"{shortened(str(path))}: {len(text.encode()) / 1e6:.1f} MB")
 
 
@@ -454,11 +455,11 @@ def write_table(table: "pandas.DataFrame", path: Path, index: bool) -> None:
     CommandError
         If the file cannot be written.
     """
-    with failures_named(path):
+    with failures_named(path), written(path) as place:
         if path.suffix.lower() == ".csv":
-            table.to_csv(path, index=index)
+            table.to_csv(place, index=index)
         else:
-            table.to_parquet(path, index=index)
+            table.to_parquet(place, index=index)
 
 
 @contextmanager

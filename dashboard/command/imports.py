@@ -22,6 +22,7 @@ from railjoule.core.imports import (
 from railjoule.core.imports.numbers import position_of
 from railjoule.core.imports.source_file import counted
 from railjoule.core.scenario import Line, Vehicle, scenario_from_document
+from railjoule.core.written import write_text
 from railjoule.dashboard.command import terminal
 from railjoule.dashboard.command.cli import LONGEST_TIME_S
 from railjoule.dashboard.command.commands import (
@@ -264,7 +265,7 @@ def _target(name: str, suffixes: Sequence[str], option: str = "-o") -> Path:
 
 def _write(path: Path, text: str) -> None:
     with failures_named(path):
-        path.write_text(text, encoding="utf-8")
+        write_text(path, text)
 
 
 def _tell(imported: "Imported | MeasuredRun") -> None:

@@ -4,6 +4,7 @@ import runpy
 import subprocess
 import sys
 import types
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -474,6 +475,26 @@ def test_others_change_no_files_unless_it_was_said(capsys, app, tmp_path, words,
     assert (tmp_path / "own").is_dir() == ("--workspace" in words)
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("study", "tradeoff", "tram-950m", "-o", "{}.csv"),
+        ("solve", "tram-950m", "--trajectory", "{}.csv"),
+        ("solve", "tram-950m", "--trajectory", "{}.parquet"),
+    ],
+)
+def test_a_full_disk_is_one_sentence_and_leaves_the_old_file(capsys, tmp_path, monkeypatch, words):
+    target = Path(words[-1].format(tmp_path / "old"))
+    target.write_text("old")
+
+    # the last step of each writer, whichever library wrote
+    monkeypatch.setattr("os.fsync", full_disk)
+    told = complaint(capsys, *(word.format(tmp_path / "old") for word in words))
+    assert told == f"{target} cannot be written: No space left on device."
+    assert target.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [target]
+
+
 def test_a_port_in_use_is_one_sentence(capsys, app):
     def serve(*_):
         raise OSError(98, "Address already in use")
@@ -733,8 +754,17 @@ def test_a_report_is_one_file_that_is_a_scenario_too(capsys, tmp_path):
     assert result["energy_kwh"] == expected.energy_kwh
 
 
-def test_a_report_that_cannot_be_written_or_read(capsys, tmp_path):
-    assert "cannot be written" in complaint(capsys, "report", "liashenko-0", "-o", str(tmp_path / "no" / "x.html"))
+def full_disk(_):
+    raise OSError(28, "No space left on device")
+
+
+def test_a_report_that_cannot_be_written_or_read(capsys, tmp_path, monkeypatch):
+    (tmp_path / "old.html").write_text("old")
+    with monkeypatch.context() as patch:
+        patch.setattr("os.fsync", full_disk)
+        told = complaint(capsys, "report", "liashenko-0", "-o", str(tmp_path / "old.html"))
+    assert told.endswith("old.html cannot be written: No space left on device.")
+    assert (tmp_path / "old.html").read_text() == "old"
     words = complaint(
         capsys, "report", "liashenko-0", "-o", str(tmp_path / "x.html"), "--set", "timetable.travel_time_s=9"
     )
