@@ -452,8 +452,17 @@ def read_table(name: str, own: Workspace | None = None) -> "pandas.DataFrame":
     return table
 
 
-def write_table(table: "pandas.DataFrame", path: Path, index: bool) -> None:
+def write_table(table: "pandas.DataFrame", path: Path, index: bool, place: Path | None = None) -> None:
     """Write a table, with its index if asked for.
+
+    Parameters
+    ----------
+    table : DataFrame
+    path : Path
+        What the user has named.
+    index : bool
+    place : Path, optional
+        Where it is written instead, if it is to be moved there afterwards.
 
     Raises
     ------
@@ -462,9 +471,9 @@ def write_table(table: "pandas.DataFrame", path: Path, index: bool) -> None:
     """
     with failures_named(path):
         if path.suffix.lower() == ".csv":
-            table.to_csv(path, index=index)
+            table.to_csv(place or path, index=index)
         else:
-            table.to_parquet(path, index=index)
+            table.to_parquet(place or path, index=index)
 
 
 @contextmanager
