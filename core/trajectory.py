@@ -364,6 +364,15 @@ def durations_s(course: Course, cells: RunAccount) -> FloatArray:
     return _DwellInserter(stops).cells(cells.duration_s, course.dwell_s[stops])
 
 
+def line_energies_j(course: Course, cells: RunAccount) -> tuple[float, float, float]:
+    """Return what a run takes from the line to drive, gives back, and takes for its auxiliaries [J]."""
+    duration = cells.duration_s
+    # a cell takes or gives, never both: its power is constant
+    taken = float(np.maximum(cells.line_power_w, 0.0) @ duration)
+    given = float(np.maximum(-cells.line_power_w, 0.0) @ duration)
+    return taken, given, course.data.auxiliary_power_w * float(np.sum(duration) + np.sum(course.dwell_s))
+
+
 def energy_account(course: Course, speed2: FloatArray, cells: RunAccount) -> Energy:
     """Return the energy account of a run from those of its cells.
 
@@ -385,11 +394,11 @@ def energy_account(course: Course, speed2: FloatArray, cells: RunAccount) -> Ene
     }
     # force times distance is exact in a cell, as the force is constant there
     losses["friction_brakes"] = float(cells.friction_braking_n @ length)
-    # a cell takes or gives, never both: its power is constant
+    traction_j, recuperated_j, auxiliary_j = line_energies_j(course, cells)
     return Energy(
-        traction_j=float(np.maximum(cells.line_power_w, 0.0) @ duration),
-        recuperated_j=float(np.maximum(-cells.line_power_w, 0.0) @ duration),
-        auxiliary_j=data.auxiliary_power_w * float(np.sum(duration) + np.sum(course.dwell_s)),
+        traction_j=traction_j,
+        recuperated_j=recuperated_j,
+        auxiliary_j=auxiliary_j,
         running_resistance_j=float(course.running_resistance_n(speed2) @ length),
         curve_resistance_j=float(course.curve_force_n @ length),
         losses_j=losses,

@@ -9,7 +9,7 @@ import math
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -17,17 +17,17 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.bounds import chain_target_j, minimise, proven_j
 from railjoule.core.bounds.tightening import OPTIMUM
 from railjoule.core.budget import Budget, within
-from railjoule.core.energy import Energy
+from railjoule.core.energy import Energy, net_energy
 from railjoule.core.errors import RailjouleError, SolverError
-from railjoule.core.motion.course import CourseParts, course_of, drive_of, limits_of, line_of
-from railjoule.core.physics.account import account_of_run
+from railjoule.core.motion.course import Course, CourseParts, course_of, drive_of, limits_of, line_of
+from railjoule.core.physics.account import RunAccount, account_of_run
 from railjoule.core.scenario import Scenario, StrategyName
 from railjoule.core.strategies import solve
 from railjoule.core.strategies.line_parts import arrival_windows
 from railjoule.core.studies.sweep.columns import COLUMNS
 from railjoule.core.studies.sweep.fields import Field, Patch
 from railjoule.core.task import Task, task_over
-from railjoule.core.trajectory import LATE_SHARE, Trajectory, durations_s, energy_account
+from railjoule.core.trajectory import LATE_SHARE, Trajectory, durations_s, energy_account, line_energies_j
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
 # What is not named here makes a part of a course anew, so that a field that is forgotten costs time alone
@@ -140,18 +140,41 @@ def _engine_of(plan: Plan) -> "Engine":
 
 @dataclass(frozen=True, eq=False)
 class ProvenRun:
-    """The numbers of an optimum that its bound proves, named as in `Trajectory`."""
+    """The numbers of an optimum that its bound proves, named as in `Trajectory`.
 
-    energy: Energy
+    Parameters
+    ----------
+    course : Course
+        The mesh and what holds on it.
+    speed2 : array of shape (n + 1,)
+        Squares of speed at the nodes [m2/s2].
+    cells : RunAccount
+        The accounts of its cells.
+    net_j, bound_j : float
+        Net energy at the line, and the energy that no run undercuts [J].
+    travel_time_s : float
+        Time of the whole run, dwells included [s].
+    price_of_time_w : float
+        By how much the optimum falls if the timetable is a second longer [J/s].
+    """
+
+    course: Course
+    speed2: FloatArray
+    cells: RunAccount
+    net_j: float
     bound_j: float
     travel_time_s: float
     price_of_time_w: float
-    greatest_speed_ms: float
+
+    @cached_property
+    def energy(self) -> Energy:
+        """The account of the whole run, which takes longer than its net energy alone."""
+        return energy_account(self.course, self.speed2, self.cells)
 
     @property
     def energy_kwh(self) -> float:
         """Net energy at the line, auxiliaries included [kWh]."""
-        return self.energy.net_kwh
+        return self.net_j / J_PER_KWH
 
     @property
     def lower_bound_kwh(self) -> float:
@@ -161,7 +184,7 @@ class ProvenRun:
     @property
     def max_speed_kmh(self) -> float:
         """Greatest speed [km/h]."""
-        return self.greatest_speed_ms / MS_PER_KMH
+        return math.sqrt(float(self.speed2.max())) / MS_PER_KMH
 
 
 class Engine:
@@ -236,9 +259,9 @@ def proven_optimum(task: Task) -> ProvenRun | None:
         return None
     course, speed2 = task.course, optimum.speed2
     cells = account_of_run(course.data, speed2)
-    energy, time_s = energy_account(course, speed2, cells), float(np.cumsum(durations_s(course, cells))[-1])
-    bound_j = proven_j(task, optimum)
+    net_j = net_energy(*line_energies_j(course, cells))
+    time_s, bound_j = float(np.cumsum(durations_s(course, cells))[-1]), proven_j(task, optimum)
     # a bound covers no run that is later, and a loose one is tightened
-    if time_s > task.travel_time_s * (1 + LATE_SHARE) or bound_j < chain_target_j(task, energy.net_j):
+    if time_s > task.travel_time_s * (1 + LATE_SHARE) or bound_j < chain_target_j(task, net_j):
         return None
-    return ProvenRun(energy, bound_j, time_s, optimum.price_of_time_w, math.sqrt(float(speed2.max())))
+    return ProvenRun(course, speed2, cells, net_j, bound_j, time_s, optimum.price_of_time_w)

@@ -27,6 +27,8 @@ FIRST_CHUNK, LARGEST_CHUNK = 64, 2048
 CHUNK_S = 1.0
 """A chunk is to take about so long [s]: short enough to show progress and to stop, long beside what handing it over
 takes."""
+SHORTEST_CHUNKS = 8
+"""By which the last chunks are shorter at most."""
 CHUNKS_A_WORKER = 2
 """Handed over at a time: one that is worked on, and one that waits."""
 LARGEST_TABLE_BYTES = 2**29
@@ -207,9 +209,16 @@ def _hand_over(
             rows = future.result()
             keep(first, rows)
             done, seconds = done + count, seconds + rows.seconds
-        size = max(1, min(int(CHUNK_S * done / seconds), LARGEST_CHUNK))
+        size = _chunk_size(seconds / done, len(samples) - drawn)
         if progress is not None:
             progress(done)
+
+
+def _chunk_size(row_s: float, left: int) -> int:
+    """Return how many rows the next chunk has, of those that are left, where one takes `row_s` [s]."""
+    most = max(1, min(int(CHUNK_S / row_s), LARGEST_CHUNK))
+    # towards the end shorter ones, so that all workers end at about the same time
+    return max(min(most, left // (CHUNKS_A_WORKER * worker_count())), most // SHORTEST_CHUNKS, 1)
 
 
 def worker_count() -> int:
