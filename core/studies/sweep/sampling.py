@@ -51,7 +51,7 @@ class Sampler:
             raise ScenarioError(f"method = {show(method)} must be one of {', '.join(METHODS)}.")
         self._fields, self._rows, self._drawn = tuple(fields), rows, 0
         self._levels = _levels(fields, rows) if method == "grid" else None
-        self._generator = None if method == "grid" else _generator(method, len(fields), seed)
+        self._generator: Any = None if method == "grid" else _generator(method, len(fields), seed)
 
     def take(self, count: int) -> FloatArray:
         """Return the next rows, at most so many; shape (rows, fields)."""
@@ -69,10 +69,11 @@ class Sampler:
 
     def _shares(self, first: int, count: int) -> FloatArray:
         """Return the next points of the unit cube; shape (count, fields)."""
-        generator: Any = self._generator
-        shape = (count, len(self._fields)) if isinstance(generator, np.random.Generator) else (count,)
-        if isinstance(generator, np.random.Generator) or first > 0 or count < 2:
-            shares: FloatArray = generator.random(*shape) if len(shape) == 1 else generator.random(shape)
+        generator = self._generator
+        if isinstance(generator, np.random.Generator):
+            return generator.random((count, len(self._fields)))
+        if first > 0 or count < 2:
+            shares: FloatArray = generator.random(count)
             return shares
         # SciPy warns of a first draw of Sobol' points that is no power of two; 1 is one
         return np.concatenate([generator.random(1), generator.random(count - 1)])
