@@ -4,6 +4,7 @@ import os
 import time
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from contextlib import nullcontext
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -31,8 +32,8 @@ SHORTEST_CHUNKS = 8
 """By which the last chunks are shorter at most."""
 CHUNKS_A_WORKER = 2
 """Handed over at a time: one that is worked on, and one that waits."""
-LARGEST_TABLE_BYTES = 2**29
-"""What the numbers of a table may take: with its copies on the way to a file a process stays under 2 GB."""
+LARGEST_TABLE_BYTES = 2**28
+"""What the numbers of a table may take: with its copies on the way to a Parquet file a process takes about 1 GB."""
 BYTES_A_NUMBER = 8
 
 
@@ -175,13 +176,8 @@ def _solved(
         values[first : first + len(done.values)] = done.values
         reasons.update({first + row: reason for row, reason in done.reasons.items()})
 
-    own = ThreadPoolExecutor(worker_count(), "sweep") if executor is None else None
-    try:
-        _hand_over(plan, sampler, samples, own or executor, keep, progress)  # type: ignore[arg-type]
-    finally:
-        if own is not None:
-            # whoever stops waits for no chunk that has not begun
-            own.shutdown(cancel_futures=True)
+    with ThreadPoolExecutor(worker_count(), "sweep") if executor is None else nullcontext(executor) as workers:
+        _hand_over(plan, sampler, samples, workers, keep, progress)
     return samples, values, reasons
 
 
@@ -197,21 +193,26 @@ def _hand_over(
     waiting: dict[Future[Rows], tuple[int, int]] = {}
     drawn = done = 0
     size, seconds = FIRST_CHUNK, 0.0
-    while drawn < len(samples) or waiting:
-        while drawn < len(samples) and len(waiting) < CHUNKS_A_WORKER * worker_count():
-            chunk = sampler.take(size)
-            samples[drawn : drawn + len(chunk)] = chunk
-            waiting[executor.submit(solve_rows, plan, chunk)] = drawn, len(chunk)
-            drawn += len(chunk)
-        finished, _ = wait(waiting, return_when=FIRST_COMPLETED)
-        for future in finished:
-            first, count = waiting.pop(future)
-            rows = future.result()
-            keep(first, rows)
-            done, seconds = done + count, seconds + rows.seconds
-        size = _chunk_size(seconds / done, len(samples) - drawn)
-        if progress is not None:
-            progress(done)
+    try:
+        while drawn < len(samples) or waiting:
+            while drawn < len(samples) and len(waiting) < CHUNKS_A_WORKER * worker_count():
+                chunk = sampler.take(size)
+                samples[drawn : drawn + len(chunk)] = chunk
+                waiting[executor.submit(solve_rows, plan, chunk)] = drawn, len(chunk)
+                drawn += len(chunk)
+            finished, _ = wait(waiting, return_when=FIRST_COMPLETED)
+            for future in finished:
+                first, count = waiting.pop(future)
+                rows = future.result()
+                keep(first, rows)
+                done, seconds = done + count, seconds + rows.seconds
+            size = _chunk_size(seconds / done, len(samples) - drawn)
+            if progress is not None:
+                progress(done)
+    finally:
+        # whoever stops waits for no chunk that has not begun
+        for future in waiting:
+            future.cancel()
 
 
 def _chunk_size(row_s: float, left: int) -> int:

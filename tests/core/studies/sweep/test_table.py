@@ -1,13 +1,17 @@
 """A sweep is held against `solve`, run by run: nothing else says what a row has to be."""
 
+import pickle
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
 from railjoule.core import RailjouleError, ScenarioError, load_scenario, solve, sweep
+from railjoule.core.budget import current_budget
 from railjoule.core.studies.sweep import COLUMNS
 from railjoule.core.studies.sweep import table as module
+from railjoule.core.studies.sweep.engine import Plan, solve_rows
+from railjoule.core.studies.sweep.fields import fields_of
 from tests.builders import HILLS, plain_scenario
 
 OVER = {
@@ -55,6 +59,10 @@ NUMBERS = {
 }
 
 
+def samples_of(table):
+    return np.column_stack(list(table.samples.values()))
+
+
 def hills():
     return plain_scenario({"line.sections": HILLS, "timetable.travel_time_s": 170.0})
 
@@ -99,6 +107,16 @@ def test_each_number_reaches_what_depends_on_it(field):
     assert_same(base, sweep(base, {field: NUMBERS[field]}, 3, "grid"))
     beside = {"vehicle.load_factor": (0.2, 0.8), "drive.recuperation_factor": (0.3, 0.9), field: NUMBERS[field]}
     assert_same(base, sweep(base, beside, 4, "random"))
+
+
+def test_a_line_with_stations_has_its_dwells():
+    base = load_scenario("metro-10-stations").with_(**{"solver.mesh_m": 100.0})
+    over = {"vehicle.load_factor": (0.0, 1.0), "vehicle.auxiliary_power_kw": (0.0, 50.0)}
+    table = sweep(base, over, 9, "grid", columns=tuple(COLUMNS))
+    # its stations make it stand for some minutes: a time without dwells would be another
+    assert table.columns["travel_time_s"] == pytest.approx(base.travel_time_s, abs=0.01)
+    assert not table.reasons
+    assert_same(base, table)
 
 
 def test_what_cannot_be_driven_keeps_its_row_with_the_reason():
@@ -168,6 +186,32 @@ def test_neither_order_nor_number_of_workers_changes_a_table():
             assert np.array_equal(of, table.samples[name])
 
 
+def test_another_process_can_take_a_chunk():
+    """What an executor of processes or of a cluster does with it: it is sent there and back."""
+    base, over = hills(), {"vehicle.load_factor": (0.0, 1.0), "timetable.travel_time_s": (100.0, 200.0)}
+    table = sweep(base, over, 16)
+    plan = Plan(base, fields_of(base, over), "optimal", tuple(table.columns), True, current_budget())
+    rows = pickle.loads(pickle.dumps(solve_rows))(*pickle.loads(pickle.dumps((plan, samples_of(table)))))
+    sent = pickle.loads(pickle.dumps(rows))
+    assert np.array_equal(sent.values, np.column_stack(list(table.columns.values())), equal_nan=True)
+    assert sent.reasons == table.reasons != {}
+
+
+def test_who_stops_leaves_nothing_waiting():
+    def stop(_done):
+        raise KeyboardInterrupt
+
+    with ThreadPoolExecutor(1) as executor:
+        given = []
+        submit = executor.submit
+        executor.submit = lambda *arguments: given.append(submit(*arguments)) or given[-1]
+        with pytest.raises(KeyboardInterrupt):
+            sweep(hills(), {"vehicle.load_factor": (0.0, 1.0)}, 10_000, executor=executor, progress=stop)
+    # one thread: what it had begun when the first chunk was told, and that chunk itself
+    assert len(given) > 2
+    assert sum(not future.cancelled() for future in given) <= 3
+
+
 def test_progress_ends_with_all_rows():
     told = []
     sweep(hills(), {"vehicle.load_factor": (0.0, 1.0)}, 150, progress=told.append)
@@ -187,7 +231,7 @@ def test_a_table_cannot_be_written_to():
         ({"strategy": "best"}, "strategy = 'best' must be one of optimal, bellman"),
         ({"columns": ("energy",)}, "there is no column energy: did you mean 'energy_kwh'"),
         ({"columns": ("energy_kwh", "energy_kwh")}, "the column energy_kwh is named twice"),
-        ({"sample": 10**9}, "a table of 5 columns takes at most 13,421,772 rows"),
+        ({"sample": 10**9}, "a table of 5 columns takes at most 6,710,886 rows"),
         ({"sample": 0}, "sample = 0 must be a whole number from 1"),
         ({"seed": -1}, "seed = -1 must be a whole number from 0"),
         ({"method": "latin"}, "method = 'latin' must be one of grid, random, sobol, halton"),
