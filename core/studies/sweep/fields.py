@@ -118,8 +118,9 @@ def _place(scenario: Scenario, name: str) -> tuple[tuple[str, ...], bool]:
 
 
 def _require_key(table: BaseModel, key: str, name: str) -> None:
-    known = type(table).model_fields
+    known = set(type(table).model_fields)
     if key not in known:
+        known |= {"drive"} if isinstance(table, Scenario) else set()
         raise ScenarioError(f"unknown key {shorten(name)}, {suggestion(key, known)}.".replace("?.", "?"))
 
 

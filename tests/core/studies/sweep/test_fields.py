@@ -40,6 +40,7 @@ def test_corners_tell_whether_all_within_is_a_scenario():
         ({}, "a sweep varies 1 to 10 fields, not 0"),
         ({"vehicle.loadfactor": (0, 1)}, r"unknown key vehicle.loadfactor, did you mean .*'load_factor'"),
         ({"train.load_factor": (0, 1)}, "unknown key train.load_factor, choose one of"),
+        ({"drve.recuperation_factor": (0, 1)}, "unknown key drve.recuperation_factor, did you mean 'drive'"),
         ({"vehicle.name": (0, 1)}, "vehicle.name is no number"),
         ({"line.reverse": (0, 1)}, "line.reverse is no number"),
         ({"line.sections": (0, 1)}, "line.sections is no number"),
