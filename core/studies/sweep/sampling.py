@@ -65,13 +65,15 @@ class Sampler:
         whole = np.array([field.whole for field in self._fields])
         shares = self._shares(first, count)
         # each whole number has an equal share; low + (high - low) may end a rounding above high
-        return np.minimum(np.where(whole, low + np.floor(shares * (high - low + 1)), low + shares * (high - low)), high)
+        values: FloatArray = np.where(whole, low + np.floor(shares * (high - low + 1)), low + shares * (high - low))
+        return np.minimum(values, high)
 
     def _shares(self, first: int, count: int) -> FloatArray:
         """Return the next points of the unit cube; shape (count, fields)."""
         generator = self._generator
         if isinstance(generator, np.random.Generator):
-            return generator.random((count, len(self._fields)))
+            drawn: FloatArray = generator.random((count, len(self._fields)))
+            return drawn
         if first > 0 or count < 2:
             shares: FloatArray = generator.random(count)
             return shares
