@@ -65,8 +65,9 @@ class Sampler:
         whole = np.array([field.whole for field in self._fields])
         shares = self._shares(first, count)
         # each whole number has an equal share; low + (high - low) may end a rounding above high
-        values: FloatArray = np.where(whole, low + np.floor(shares * (high - low + 1)), low + shares * (high - low))
-        return np.minimum(values, high)
+        values = np.where(whole, low + np.floor(shares * (high - low + 1)), low + shares * (high - low))
+        within: FloatArray = np.minimum(values, high)
+        return within
 
     def _shares(self, first: int, count: int) -> FloatArray:
         """Return the next points of the unit cube; shape (count, fields)."""
