@@ -113,3 +113,14 @@ def test_a_file_that_was_there_stays_where_a_sweep_fails(capsys, tmp_path):
     complaint(capsys, target, "--strategy", "best")
     assert target.read_text() == "earlier"
     assert [path.name for path in tmp_path.iterdir()] == [target.name]
+
+
+def test_a_person_at_a_terminal_sees_how_far_it_is(capsys, tmp_path, monkeypatch):
+    assert command(tmp_path / "out.csv") == OK
+    # none of it where nobody looks: a pipe's reader looks for errors
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    assert command(tmp_path / "out.csv", sample="1200", over=("vehicle.load_factor=0:1",)) == OK
+    told = capsys.readouterr().err
+    assert told.count("\r") > 1
+    assert told.endswith("1,200 of 1,200 runs\n")
