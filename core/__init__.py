@@ -1,5 +1,7 @@
 """The solver core of railjoule: scenarios, drives, motion, strategies, studies. It knows no screen."""
 
+from typing import TYPE_CHECKING, Any
+
 from railjoule.core._numba_cache import select_cache_folder
 
 select_cache_folder()  # before any module below imports numba
@@ -22,6 +24,9 @@ from railjoule.core.scenario import Scenario, load_scenario, save_scenario  # no
 from railjoule.core.strategies import compare, solve  # noqa: E402
 from railjoule.core.trajectory import Bound, Trajectory  # noqa: E402
 
+if TYPE_CHECKING:
+    from railjoule.core.studies.sweep import SweepTable, sweep
+
 __all__ = [
     "Bound",
     "Check",
@@ -35,6 +40,7 @@ __all__ = [
     "ScenarioError",
     "SolverError",
     "StrategyRefusedError",
+    "SweepTable",
     "TimetableError",
     "Trajectory",
     "check_run",
@@ -43,4 +49,14 @@ __all__ = [
     "load_scenario",
     "save_scenario",
     "solve",
+    "sweep",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    # studies take a tenth of a second to import, which most of what asks for the core need not wait for
+    if name in {"SweepTable", "sweep"}:
+        from railjoule.core.studies import sweep as swept  # noqa: PLC0415
+
+        return getattr(swept, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

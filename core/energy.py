@@ -60,7 +60,7 @@ class Energy:
     @property
     def net_j(self) -> float:
         """Net energy at the line, auxiliaries included [J]."""
-        return self.traction_j - self.recuperated_j + self.auxiliary_j
+        return net_energy(self.traction_j, self.recuperated_j, self.auxiliary_j)
 
     @property
     def net_kwh(self) -> float:
@@ -74,6 +74,11 @@ class Energy:
         parts += self.kinetic_j + self.potential_j + self.magnetic_field_j
         # the energy that moved, as the net energy may be zero; at least 1 J for a run that does not move at all
         return (parts - self.traction_j + self.recuperated_j) / max(self.traction_j + self.recuperated_j, 1.0)
+
+
+def net_energy(traction: float, recuperated: float, auxiliary: float) -> float:
+    """Return the net energy at the line of what is taken to drive, given back, and taken for auxiliaries."""
+    return traction - recuperated + auxiliary
 
 
 @overload

@@ -1,6 +1,7 @@
 """A scenario made ready for any strategy: its course, its shortest time, the time that it may take."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -43,7 +44,7 @@ class Task:
     shortest_time_s: float
     running_time_s: float
 
-    @property
+    @cached_property
     def dwell_s(self) -> float:
         """Time for which the train stands [s]."""
         return float(self.course.dwell_s.sum())

@@ -329,10 +329,8 @@ def make_trajectory(
     """
     data, cells = course.data, account_of_run(course.data, speed2)
     stops = np.flatnonzero(course.dwell_s > 0)
-    # Efforts and powers are of cells, and standing is one with time and without length: so all sums over cells hold,
-    # and a chart over time shows the stop.
     with_dwell = _DwellInserter(stops)
-    durations = with_dwell.cells(cells.duration_s, course.dwell_s[stops])
+    durations = durations_s(course, cells)
     power = with_dwell.cells(cells.line_power_w) + data.auxiliary_power_w
     current = course.drive.current_a(cells.tractive_effort_n - cells.electric_braking_n, cells.mean_speed_ms)
     # friction is the same at all speeds, and adds to what the electric brake has
@@ -352,14 +350,41 @@ def make_trajectory(
         line_power_w=frozen_array(power),
         current_a=None if current is None else frozen_array(with_dwell.cells(current)),
         gradient_permille=frozen_array(with_dwell.cells(course.gradient_permille)),
-        energy=_energy(course, speed2, cells),
+        energy=energy_account(course, speed2, cells),
         line_current_a=line_current_a(power, scenario.vehicle.line_voltage_v),
         **details,
     )
 
 
-def _energy(course: Course, speed2: FloatArray, cells: RunAccount) -> Energy:
-    """Return the energy account of a run from those of its cells."""
+def durations_s(course: Course, cells: RunAccount) -> FloatArray:
+    """Return the times of a run's cells and dwells in their order [s]; a dwell is a cell without length."""
+    # Efforts and powers are of cells, and standing is one with time and without length: so all sums over cells hold,
+    # and a chart over time shows the stop.
+    stops = np.flatnonzero(course.dwell_s > 0)
+    return _DwellInserter(stops).cells(cells.duration_s, course.dwell_s[stops])
+
+
+def line_energies_j(course: Course, cells: RunAccount) -> tuple[float, float, float]:
+    """Return what a run takes from the line to drive, gives back, and takes for its auxiliaries [J]."""
+    duration = cells.duration_s
+    # a cell takes or gives, never both: its power is constant
+    taken = float(np.maximum(cells.line_power_w, 0.0) @ duration)
+    given = float(np.maximum(-cells.line_power_w, 0.0) @ duration)
+    return taken, given, course.data.auxiliary_power_w * float(np.sum(duration) + np.sum(course.dwell_s))
+
+
+def energy_account(course: Course, speed2: FloatArray, cells: RunAccount) -> Energy:
+    """Return the energy account of a run from those of its cells.
+
+    Parameters
+    ----------
+    course : Course
+        The mesh and what holds on it.
+    speed2 : array of shape (n + 1,)
+        Squares of speed at the nodes [m2/s2].
+    cells : RunAccount
+        What `account_of_run` says of them.
+    """
     data, length, duration = course.data, course.data.cell_length_m, cells.duration_s
     losses = {
         kind: float(power @ duration)
@@ -369,11 +394,11 @@ def _energy(course: Course, speed2: FloatArray, cells: RunAccount) -> Energy:
     }
     # force times distance is exact in a cell, as the force is constant there
     losses["friction_brakes"] = float(cells.friction_braking_n @ length)
-    # a cell takes or gives, never both: its power is constant
+    traction_j, recuperated_j, auxiliary_j = line_energies_j(course, cells)
     return Energy(
-        traction_j=float(np.maximum(cells.line_power_w, 0.0) @ duration),
-        recuperated_j=float(np.maximum(-cells.line_power_w, 0.0) @ duration),
-        auxiliary_j=data.auxiliary_power_w * float(np.sum(duration) + np.sum(course.dwell_s)),
+        traction_j=traction_j,
+        recuperated_j=recuperated_j,
+        auxiliary_j=auxiliary_j,
         running_resistance_j=float(course.running_resistance_n(speed2) @ length),
         curve_resistance_j=float(course.curve_force_n @ length),
         losses_j=losses,

@@ -1,5 +1,6 @@
 """Files that are there as a whole or not at all: a full disk or a lost process leaves the old one as it was."""
 
+import errno
 import os
 import secrets
 import shutil
@@ -22,11 +23,7 @@ def written(path: str | Path) -> Iterator[Path]:
     OSError
         If the file cannot be written; what was there before is unchanged then, and nothing lies beside it.
     """
-    target = Path(path).resolve()
-    if target.is_dir():
-        raise IsADirectoryError(21, os.strerror(21), str(path))
-    # in the same folder, as a file is moved at once only within a file system; the ending tells libraries the format
-    place = target.with_name(f".{target.stem[:100]}.{secrets.token_hex(4)}{target.suffix}")
+    target, place = _target_and_place(path)
     try:
         yield place
         with place.open("rb+") as file:
@@ -37,6 +34,21 @@ def written(path: str | Path) -> Iterator[Path]:
         place.replace(target)
     finally:
         place.unlink(missing_ok=True)
+
+
+def require_writable(path: str | Path) -> None:
+    """Raise OSError where `written` could not begin: for who computes for long before there is anything to write."""
+    _, place = _target_and_place(path)
+    place.touch()
+    place.unlink()
+
+
+def _target_and_place(path: str | Path) -> tuple[Path, Path]:
+    target = Path(path).resolve()
+    if target.is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    # in the same folder, as a file is moved at once only within a file system; the ending tells libraries the format
+    return target, target.with_name(f".{target.stem[:100]}.{secrets.token_hex(4)}{target.suffix}")
 
 
 def write_text(path: str | Path, text: str) -> None:

@@ -104,21 +104,27 @@ def _covering(task: Task, run: Trajectory) -> Task:
 
 def certify(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> Bound:
     """Return the lower bound that the multipliers of an optimum prove, and what it covers."""
-    # a cellwise proof needs a power that is continuous in effort; the other bounds its convex hull
-    jumps = task.course.drive.jumps_at_no_effort
-    if jumps:
-        proven = _switched_bound_j(task, optimum, proof_budget)
-        statement = switched_bound_statement(task)
-    else:
-        given = task.course.data, optimum, task.greatest_speed2, task.running_time_s
-        proven = prove(*given, PROOF_SHARE * PROVEN_GAP, proof_budget).bound_j
-        statement = bound_statement(task)
-    # where multipliers prove little, as those that have not converged, the plain work may be the better bound
-    energy = max(proven + task.dwell_energy_j, work_floor_j(task))
+    energy, jumps = proven_j(task, optimum, proof_budget), task.course.drive.jumps_at_no_effort
+    statement = switched_bound_statement(task) if jumps else bound_statement(task)
     # next to a stop, where the optimum itself is slower, its proof covers runs down to its speed
     slowest = np.minimum(SLOWEST_PROVEN_MS, np.sqrt(optimum.speed2))
     bound = Bound(energy, statement, task.course.position_m, task.travel_time_s, slowest)
     return replace(bound, switched_j=energy, premise=switched_premise(task)) if jumps else bound
+
+
+def proven_j(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> float:
+    """Return the energy that no run of a task undercuts [J], dwells included, as the multipliers of an optimum prove.
+
+    Arguments as for `certify`, which says what that covers.
+    """
+    # a cellwise proof needs a power that is continuous in effort; the other bounds its convex hull
+    if task.course.drive.jumps_at_no_effort:
+        proven = _switched_bound_j(task, optimum, proof_budget)
+    else:
+        given = task.course.data, optimum, task.greatest_speed2, task.running_time_s
+        proven = prove(*given, PROOF_SHARE * PROVEN_GAP, proof_budget).bound_j
+    # where multipliers prove little, as those that have not converged, the plain work may be the better bound
+    return max(proven + task.dwell_energy_j, work_floor_j(task))
 
 
 def chain_proof(task: Task, optimum: Optimum, speed2: FloatArray, energy_j: float) -> ChainProof:

@@ -1,6 +1,7 @@
 """A course: all that a run of this vehicle over this line obeys, as arrays over the mesh."""
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from railjoule.core.motion.line_forces import TrainExtent
 from railjoule.core.motion.line_geometry import LineGeometry, geometry_at, meshed_geometry
 from railjoule.core.physics.cell import mean_speed, needed_force
 from railjoule.core.physics.course_data import CourseData, cells_of, data_between
+from railjoule.core.physics.effort_limit import EffortLimit
 from railjoule.core.physics.resistance import (
     curve_force_n,
     gradient_force_n,
@@ -123,6 +125,25 @@ def train_extent(scenario: Scenario) -> TrainExtent:
     return TrainExtent(vehicle.length_m, vehicle.car_count, vehicle.gradient_at, scenario.limits_last_m)
 
 
+class CourseParts(NamedTuple):
+    """What of a course takes longest to make, and what few changes of a scenario's numbers touch.
+
+    Parameters
+    ----------
+    line : LineGeometry
+        The line over its mesh, as the train meets it.
+    drive : Drive
+        The vehicle's loss model.
+    traction, braking : EffortLimit
+        What vehicle and drive together can do at each speed.
+    """
+
+    line: LineGeometry
+    drive: Drive
+    traction: EffortLimit
+    braking: EffortLimit
+
+
 def build_course(
     scenario: Scenario,
     initial_speed_ms: float | None = None,
@@ -146,18 +167,74 @@ def build_course(
         If the scenario has more rows or the mesh more cells than the current budget, a limit of effort is missing, or
         an end's speed is none.
     """
+    line, drive = line_of(scenario, position_m), drive_of(scenario)
+    return course_of(scenario, CourseParts(line, drive, *limits_of(scenario, drive)), initial_speed_ms, final_speed_ms)
+
+
+def line_of(scenario: Scenario, position_m: FloatArray | None = None) -> LineGeometry:
+    """Return a scenario's line over its mesh or over given nodes [m]; arguments and errors as `build_course`."""
+    _require_few_rows(scenario)
+    if position_m is None:
+        return meshed_geometry(scenario.line, scenario.solver.mesh_m, train_extent(scenario))
+    nodes = np.asarray(position_m, dtype=float)
+    return geometry_at(scenario.line.in_running_order(), nodes, train_extent(scenario))
+
+
+def drive_of(scenario: Scenario) -> Drive:
+    """Return the drive of a scenario's vehicle.
+
+    Raises
+    ------
+    ScenarioError
+        If it knows nothing of the vehicle's largest speed.
+    """
+    drive = make_drive(scenario.vehicle.drive)
+    # a drive that knows no such speed says so here, before any solver asks its table beyond its end
+    drive.require_speed(scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH)
+    return drive
+
+
+def limits_of(scenario: Scenario, drive: Drive) -> tuple[EffortLimit, EffortLimit]:
+    """Return the limits of tractive and of electric braking effort of a scenario with its drive.
+
+    Raises
+    ------
+    ScenarioError
+        If a limit of effort is missing.
+    """
+    pulling = effort_limit(scenario.vehicle, drive)
+    electric = effort_limit(scenario.vehicle, drive, braking=True)
+    least_braking = MISSING_BRAKE_SHARE * pulling.constant_n
+    return pulling, electric._replace(constant_n=max(electric.constant_n, least_braking))
+
+
+def course_of(
+    scenario: Scenario,
+    parts: CourseParts,
+    initial_speed_ms: float | None = None,
+    final_speed_ms: float | None = None,
+) -> Course:
+    """Return the course of a scenario from its parts, which others of its kind may share.
+
+    Parameters
+    ----------
+    scenario, initial_speed_ms, final_speed_ms
+        As for `build_course`.
+    parts : CourseParts
+        Those of this scenario: nothing here checks that.
+
+    Raises
+    ------
+    ScenarioError
+        If an end's speed is none.
+    """
     entry_ms, exit_ms = scenario.timetable.end_speeds_ms
     initial_speed_ms = entry_ms if initial_speed_ms is None else initial_speed_ms
     final_speed_ms = exit_ms if final_speed_ms is None else final_speed_ms
     for name, speed in (("initial_speed_ms", initial_speed_ms), ("final_speed_ms", final_speed_ms)):
         if not 0 <= speed < np.inf:
             raise ScenarioError(f"{name} = {speed:g} must be a finite number of at least 0.")
-    _require_few_rows(scenario)
-    vehicle, train = scenario.vehicle, train_extent(scenario)
-    if position_m is None:
-        line = meshed_geometry(scenario.line, scenario.solver.mesh_m, train)
-    else:
-        line = geometry_at(scenario.line.in_running_order(), np.asarray(position_m, dtype=float), train)
+    vehicle, line = scenario.vehicle, parts.line
     gradient_force = gradient_force_n(vehicle, line.gradient_permille)
     curve_force = curve_force_n(vehicle, line.curvature_per_m)
     fixed = np.full(len(line.position_m), FREE)
@@ -165,7 +242,6 @@ def build_course(
     for node, passing_ms in line.passing_ms:
         fixed[node] = passing_ms**2
     fixed[[0, -1]] = initial_speed_ms**2, final_speed_ms**2
-    drive = make_drive(vehicle.drive)
     return Course(
         position_m=line.position_m,
         gradient_permille=line.gradient_permille,
@@ -174,8 +250,8 @@ def build_course(
         curve_force_n=frozen_array(curve_force),
         cell_limit_ms=frozen_array(np.minimum(line.cell_limit_ms, vehicle.traction.max_speed_kmh * MS_PER_KMH)),
         dwell_s=line.dwell_s,
-        drive=drive,
-        data=_course_data(scenario, drive, line, gradient_force + curve_force, fixed),
+        drive=parts.drive,
+        data=_course_data(scenario, parts, gradient_force + curve_force, fixed),
     )
 
 
@@ -191,15 +267,11 @@ def _require_few_rows(scenario: Scenario) -> None:
 
 
 def _course_data(
-    scenario: Scenario, drive: Drive, line: LineGeometry, line_force_n: FloatArray, fixed_speed2: FloatArray
+    scenario: Scenario, parts: CourseParts, line_force_n: FloatArray, fixed_speed2: FloatArray
 ) -> CourseData:
-    vehicle = scenario.vehicle
+    vehicle, line, drive = scenario.vehicle, parts.line, parts.drive
     constant, linear, quadratic = resistance_coefficients(vehicle, scenario.line.head_wind_kmh * MS_PER_KMH)
     traction, braking = vehicle.traction, vehicle.braking
-    # a drive that knows no such speed says so here, before any solver asks its table beyond its end
-    drive.require_speed(traction.max_speed_kmh * MS_PER_KMH)
-    pulling, electric = effort_limit(vehicle, drive), effort_limit(vehicle, drive, braking=True)
-    least_braking = MISSING_BRAKE_SHARE * pulling.constant_n
     return CourseData(
         cell_length_m=np.diff(line.position_m),
         line_force_n=line_force_n,
@@ -209,8 +281,8 @@ def _course_data(
         resistance_constant_n=constant,
         resistance_linear=linear,
         resistance_quadratic=quadratic_in_tunnels(quadratic, line.tunnel_factor),
-        traction=pulling,
-        braking=electric._replace(constant_n=max(electric.constant_n, least_braking)),
+        traction=parts.traction,
+        braking=parts.braking,
         friction_effort_n=braking.friction_effort_kn * N_PER_KN,
         # infinite, not None: compiled code compares numbers
         max_acceleration_ms2=traction.max_acceleration_ms2 or np.inf,

@@ -20,7 +20,13 @@ MOST_SESSIONS = 10_000
 # as core/scenario bounds timetable.travel_time_s
 LONGEST_TIME_S = 86_400.0
 """The longest that a scenario may take."""
-STUDIES = ("tradeoff", "sensitivity", "montecarlo")
+STUDIES = {
+    "tradeoff": "solve a scenario for many travel times",
+    "sensitivity": "drive a plan with other loads and errors of place than planned",
+    "montecarlo": "drive a plan under what chance brings",
+    "sweep": "solve a scenario very many times with other numbers",
+}
+"""What each study does."""
 OK, BROKEN_RULE, BAD_INPUT, INTERRUPTED, BROKEN_PIPE = 0, 1, 2, 130, 141
 """Exit statuses; the last two are those of a shell for programs ended by such a signal."""
 CHECK_STATUS = "Exit status: 0 if the run keeps every rule, 1 if it breaks one, 2 for bad input."
@@ -125,6 +131,10 @@ def _call(options: argparse.Namespace) -> bool:
     output = commands.Output(getattr(options, "json", False))
     if options.command == "benchmark":
         commands.benchmark(output)
+    elif options.command == "study" and options.study == "sweep":
+        from railjoule.dashboard.command import sweeps  # noqa: PLC0415
+
+        sweeps.study_sweep(options, commands.parsed_changes(options.set), own)
     elif options.command == "study":
         commands.study(options.study, options.file, commands.parsed_changes(options.set), options.output, own)
     elif options.command == "validate":
@@ -176,12 +186,7 @@ def build_parser() -> argparse.ArgumentParser:
         help="changes of regime between two stops at most, 2 to 9; default: as few as cost no more than 1 %% of energy",
     )
     _add_scenario_command(commands, "simulate", "follow the plan of a scenario under its disturbance")
-    study = _add(commands, "study", "solve many scenarios and write a labelled table")
-    study.add_argument("study", metavar="STUDY", choices=STUDIES, help=" or ".join(STUDIES))
-    study.add_argument("file", metavar="FILE", help="a scenario file, or the name of a scenario")
-    study.add_argument("-o", "--output", metavar="OUT", required=True, help="OUT.nc (netCDF), OUT.csv or OUT.parquet")
-    study.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help="as in solve")
-    _add_workspace(study)
+    _add_study(commands)
     report = _add(commands, "report", "write all results of a scenario to one HTML file that works offline")
     report.add_argument("file", metavar="FILE", help="a scenario file, or the name of a scenario")
     report.add_argument("-o", "--output", metavar="OUT", required=True, help="OUT.html")
@@ -231,6 +236,51 @@ def _add_serve(commands: "argparse._SubParsersAction[_Parser]") -> None:
         "the address is not of this machine only",
         "no My files, as on a public server",
     )
+
+
+def _add_study(commands: "argparse._SubParsersAction[_Parser]") -> None:
+    studies = _add(commands, "study", "solve many scenarios and write a labelled table").add_subparsers(
+        dest="study", metavar="STUDY", required=True
+    )
+    for name, words in STUDIES.items():
+        study = _add(studies, name, words)
+        study.add_argument("file", metavar="FILE", help="a scenario file, or the name of a scenario")
+        formats = "OUT.csv or OUT.parquet" if name == "sweep" else "OUT.nc (netCDF), OUT.csv or OUT.parquet"
+        _add_output(study, formats)
+        study.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help="as in solve")
+        _add_workspace(study)
+        if name == "sweep":
+            _add_sweep(study)
+
+
+def _add_sweep(sweep: _Parser) -> None:
+    sweep.epilog = "A row that cannot be driven stands in the table with its reason; it is no error."
+    sweep.add_argument(
+        "--over",
+        metavar="FIELD=LOW:HIGH",
+        nargs="+",
+        action="extend",
+        required=True,
+        help="a number of the scenario and between which values it varies, such as vehicle.load_factor=0:1",
+    )
+    sweep.add_argument("--sample", metavar="N", type=_whole, required=True, help="how many rows")
+    sweep.add_argument(
+        "--method",
+        choices=("grid", "random", "sobol", "halton"),
+        default="sobol",
+        help="how the rows are drawn; default: sobol; a grid has N^(1/fields) values of each field",
+    )
+    sweep.add_argument("--seed", metavar="K", type=_whole, default=0, help="the same seed draws the same; default: 0")
+    sweep.add_argument("--strategy", metavar="S", help="the driving strategy; default: the scenario's own")
+    sweep.add_argument(
+        "--columns",
+        metavar="NAME",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="further columns, such as max_speed_kmh, traction_energy_kwh, recuperated_kwh or losses_kwh",
+    )
+    _add_json(sweep)
 
 
 def _add_check(commands: "argparse._SubParsersAction[_Parser]") -> None:
@@ -443,6 +493,13 @@ def _changes(text: str) -> int:
     # as core/studies/simple_advice.py bounds them, which is too slow to import for a line of help
     if not text.isdecimal() or not 2 <= int(text) <= 9:
         raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 2 to 9")
+    return int(text)
+
+
+def _whole(text: str) -> int:
+    # the length before `int`, which refuses thousands of digits by an error of its own
+    if not (text.isascii() and text.isdigit() and len(text) < 20):
+        raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a whole number of at least 0")
     return int(text)
 
 

@@ -12,6 +12,7 @@ from tests.benchmarks.command_line import command_line
 from tests.benchmarks.measurement import Measurement
 from tests.benchmarks.population import population
 from tests.benchmarks.solvers import frontiers, long_line, profile_two, surface
+from tests.benchmarks.sweep import sweeps
 
 
 def measurements(scenarios: int, in_browser: bool) -> Iterator[Measurement]:
@@ -21,7 +22,7 @@ def measurements(scenarios: int, in_browser: bool) -> Iterator[Measurement]:
 
         yield from pages()
         return
-    for benchmark in (profile_two, long_line, surface, frontiers, command_line):
+    for benchmark in (profile_two, long_line, surface, frontiers, sweeps, command_line):
         yield from benchmark()
     if scenarios:
         yield from population(scenarios)

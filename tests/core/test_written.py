@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from railjoule.core.written import write_text, written
+from railjoule.core.written import require_writable, write_text, written
 
 
 @pytest.fixture
@@ -78,3 +78,13 @@ def test_a_folder_and_a_missing_folder_are_errors_of_the_system(tmp_path: Path) 
         write_text(tmp_path, "new")
     with pytest.raises(FileNotFoundError):
         write_text(tmp_path / "missing" / "run.csv", "new")
+
+
+def test_what_cannot_be_written_is_known_before(tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    path.write_text("old")
+    require_writable(path)
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+    with pytest.raises(FileNotFoundError):
+        require_writable(tmp_path / "missing" / "run.csv")

@@ -1,0 +1,17 @@
+"""A sweep: very many runs of one scenario whose numbers vary, as one table.
+
+A study of one run each validates a scenario, a course and a trajectory anew. Here a scenario is validated once, at the
+corners of the box over which its fields vary (`fields`); a run then patches numbers, makes what they touch of a course
+again, and solves and certifies it in compiled code that lets other threads go on (`engine`). All of it goes through the
+functions that `solve` itself uses, so that a row is the same to the last bit. What cannot be patched goes the ordinary
+way, by `solve`, and is as right, only slower.
+
+A row depends on its number and the seed alone (`sampling`), so that neither the order of the runs nor the number of
+workers changes a table. `sweep` in `table` is the entry.
+"""
+
+from railjoule.core.studies.sweep.columns import COLUMNS, DEFAULT_COLUMNS
+from railjoule.core.studies.sweep.sampling import METHODS, Method
+from railjoule.core.studies.sweep.table import SweepTable, sweep
+
+__all__ = ["COLUMNS", "DEFAULT_COLUMNS", "METHODS", "Method", "SweepTable", "sweep"]

@@ -1,0 +1,267 @@
+"""Solve and certify the rows of a sweep: a scenario's numbers are patched, and only what they touch is made again.
+
+An optimum of a smooth drive takes the same functions as `solve` does, in the same order, and none of what a table has
+no column for: phases, notes, arrays over distance. All else, another strategy, a drive that takes power without effort,
+windows of arrival, and the few optima that are not found or not proven at once, is left to `solve` itself.
+"""
+
+import math
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.bounds import chain_target_j, minimise, proven_j
+from railjoule.core.bounds.tightening import OPTIMUM
+from railjoule.core.budget import Budget, within
+from railjoule.core.energy import Energy, net_energy
+from railjoule.core.errors import RailjouleError, SolverError
+from railjoule.core.motion.course import Course, CourseParts, course_of, drive_of, limits_of, line_of
+from railjoule.core.physics.account import RunAccount, account_of_run
+from railjoule.core.scenario import Scenario, StrategyName
+from railjoule.core.strategies import solve
+from railjoule.core.strategies.line_parts import arrival_windows
+from railjoule.core.studies.sweep.columns import COLUMNS
+from railjoule.core.studies.sweep.fields import Field, Patch
+from railjoule.core.task import Task, task_over
+from railjoule.core.trajectory import LATE_SHARE, Trajectory, durations_s, energy_account, line_energies_j
+from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+
+# What is not named here makes a part of a course anew, so that a field that is forgotten costs time alone
+SPARES_LINE = (
+    "timetable.",
+    "disturbance.",
+    "line.head_wind_kmh",
+    "vehicle.drive.",
+    "vehicle.resistance.",
+    "vehicle.traction.",
+    "vehicle.braking.",
+    "vehicle.tare_kg",
+    "vehicle.capacity_passengers",
+    "vehicle.passenger_mass_kg",
+    "vehicle.load_factor",
+    "vehicle.rotating_mass_factor",
+    "vehicle.inertial_mass_kg",
+    "vehicle.auxiliary_power_kw",
+)
+"""Fields, or beginnings of their paths, that leave a line over its mesh as it is."""
+SPARES_LIMITS = (
+    "timetable.",
+    "disturbance.",
+    "line.",
+    "solver.",
+    "vehicle.drive.recuperation_factor",
+    "vehicle.resistance.",
+    "vehicle.tare_kg",
+    "vehicle.capacity_passengers",
+    "vehicle.passenger_mass_kg",
+    "vehicle.load_factor",
+    "vehicle.rotating_mass_factor",
+    "vehicle.inertial_mass_kg",
+    "vehicle.auxiliary_power_kw",
+    "vehicle.length_m",
+    "vehicle.car_count",
+)
+"""The same for the limits of effort, and for the drive but for its recuperation factor."""
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What the rows of a sweep have in common; other processes take it whole.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    fields : tuple of Field
+        What varies.
+    strategy : str
+    columns : tuple of str
+        What is told of each run.
+    patched : bool
+        Whether values within the ranges need no further check.
+    budget : Budget
+        What each run may take.
+    """
+
+    scenario: Scenario
+    fields: tuple[Field, ...]
+    strategy: StrategyName
+    columns: tuple[str, ...]
+    patched: bool
+    budget: Budget
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Rows of a sweep that are done.
+
+    Parameters
+    ----------
+    values : array of shape (rows, columns)
+        NaN where a number is not known, or there is no run.
+    reasons : dict of int to str
+        Why there is no run, by the row.
+    seconds : float
+        How long they took [s].
+    """
+
+    values: FloatArray
+    reasons: dict[int, str]
+    seconds: float
+
+
+def solve_rows(plan: Plan, samples: FloatArray) -> Rows:
+    """Return what comes out for samples of the fields' values of shape (rows, fields)."""
+    started = time.perf_counter()
+    engine, columns = _engine_of(plan), [COLUMNS[name] for name in plan.columns]
+    values, reasons = np.full((len(samples), len(columns)), np.nan), {}
+    with within(plan.budget):
+        for row, sample in enumerate(samples.tolist()):
+            try:
+                run = engine.run(sample)
+            except RailjouleError as error:
+                # what cannot be is a result of a study, too
+                reasons[row] = str(error)
+                continue
+            for column, told in enumerate(columns):
+                number = told(run)
+                values[row, column] = math.nan if number is None else number
+    return Rows(values, reasons, time.perf_counter() - started)
+
+
+@lru_cache(maxsize=4)
+def _engine_of(plan: Plan) -> "Engine":
+    """Return the engine of a plan; all threads of a process share it."""
+    return Engine(plan)
+
+
+@dataclass(frozen=True, eq=False)
+class ProvenRun:
+    """The numbers of an optimum that its bound proves, named as in `Trajectory`.
+
+    Parameters
+    ----------
+    course : Course
+        The mesh and what holds on it.
+    speed2 : array of shape (n + 1,)
+        Squares of speed at the nodes [m2/s2].
+    cells : RunAccount
+        The accounts of its cells.
+    net_j, bound_j : float
+        Net energy at the line, and the energy that no run undercuts [J].
+    travel_time_s : float
+        Time of the whole run, dwells included [s].
+    price_of_time_w : float
+        By how much the optimum falls if the timetable is a second longer [J/s].
+    """
+
+    course: Course
+    speed2: FloatArray
+    cells: RunAccount
+    net_j: float
+    bound_j: float
+    travel_time_s: float
+    price_of_time_w: float
+
+    @cached_property
+    def energy(self) -> Energy:
+        """The account of the whole run, which takes longer than its net energy alone."""
+        return energy_account(self.course, self.speed2, self.cells)
+
+    @property
+    def energy_kwh(self) -> float:
+        """Net energy at the line, auxiliaries included [kWh]."""
+        return self.net_j / J_PER_KWH
+
+    @property
+    def lower_bound_kwh(self) -> float:
+        """Energy that no run undercuts [kWh]."""
+        return self.bound_j / J_PER_KWH
+
+    @property
+    def max_speed_kmh(self) -> float:
+        """Greatest speed [km/h]."""
+        return math.sqrt(float(self.speed2.max())) / MS_PER_KMH
+
+
+class Engine:
+    """Makes runs of a plan from samples of its fields' values.
+
+    Parameters
+    ----------
+    plan : Plan
+    """
+
+    def __init__(self, plan: Plan) -> None:
+        self._plan, self._scenario = plan, plan.scenario
+        self._patch = Patch(plan.scenario, plan.fields)
+        names = [".".join(field.path) for field in plan.fields]
+        self._keeps_line = all(name.startswith(SPARES_LINE) for name in names)
+        self._keeps_limits = all(name.startswith(SPARES_LIMITS) for name in names)
+        # other threads may find neither and make both as well: they are the same
+        self._kept: CourseParts | None = None
+        self._windows: bool | None = None
+
+    def run(self, sample: Sequence[float]) -> ProvenRun | Trajectory:
+        """Return the run for a sample, one value a field; errors as `solve`."""
+        scenario = self._scenario_at(sample)
+        if self._plan.strategy == OPTIMUM:
+            task = task_over(scenario, course_of(scenario, self._parts(scenario)))
+            task.require_timetable()
+            if not task.course.drive.jumps_at_no_effort and not self._has_windows(task):
+                run = proven_optimum(task)
+                if run is not None:
+                    return run
+        return solve(scenario, self._plan.strategy)
+
+    def _scenario_at(self, sample: Sequence[float]) -> Scenario:
+        if self._plan.patched:
+            return self._patch(sample)
+        pairs = zip(self._plan.fields, sample, strict=True)
+        return self._scenario.with_(**{field.name: field.value(value) for field, value in pairs})
+
+    def _parts(self, scenario: Scenario) -> CourseParts:
+        """Return the parts of a scenario's course: those of an earlier one where no field touches them."""
+        kept = self._kept
+        if kept is None:
+            drive = drive_of(scenario)
+            self._kept = CourseParts(line_of(scenario), drive, *limits_of(scenario, drive))
+            return self._kept
+        line = kept.line if self._keeps_line else line_of(scenario)
+        if not self._keeps_limits:
+            drive = drive_of(scenario)
+            return CourseParts(line, drive, *limits_of(scenario, drive))
+        # no limit asks for it, and no drive is made of it
+        drive = replace(kept.drive, recuperation_factor=scenario.vehicle.drive.recuperation_factor)
+        return CourseParts(line, drive, kept.traction, kept.braking)
+
+    def _has_windows(self, task: Task) -> bool:
+        """Return whether stations have windows of arrival, which no field of a sweep can change."""
+        if self._windows is None:
+            self._windows = bool(arrival_windows(task))
+        return self._windows
+
+
+def proven_optimum(task: Task) -> ProvenRun | None:
+    """Return the optimum of a smooth drive with its bound; None where `solve` would go on looking for either.
+
+    Parameters
+    ----------
+    task : Task
+        Its timetable has slack, and no station a window of arrival.
+    """
+    try:
+        optimum = minimise(task).optimum
+    except SolverError:
+        return None
+    course, speed2 = task.course, optimum.speed2
+    cells = account_of_run(course.data, speed2)
+    net_j = net_energy(*line_energies_j(course, cells))
+    time_s, bound_j = float(np.cumsum(durations_s(course, cells))[-1]), proven_j(task, optimum)
+    # a bound covers no run that is later, and a loose one is tightened
+    if time_s > task.travel_time_s * (1 + LATE_SHARE) or bound_j < chain_target_j(task, net_j):
+        return None
+    return ProvenRun(course, speed2, cells, net_j, bound_j, time_s, optimum.price_of_time_w)

@@ -1,0 +1,81 @@
+"""Runs a second of a sweep, beside the same runs by `solve` in a loop and by IPOPT, all in one go.
+
+`python -m tests.benchmarks.sweep` prints them; with `--rows` more of them.
+"""
+
+import argparse
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+
+from railjoule.core import Scenario, load_scenario, solve
+from railjoule.core.strategies import prepare_task
+from railjoule.core.studies.sweep import SweepTable, sweep
+from railjoule.core.validation.ipopt import IpoptProblem, is_installed
+from tests.benchmarks.measurement import Measurement
+
+ROWS, ROUNDS = 4096, 3
+LOOP_ROWS, IPOPT_ROWS = 256, 16
+OVER = {
+    "vehicle.load_factor": (0.0, 1.0),
+    "timetable.travel_time_s": (105.0, 135.0),
+    "vehicle.resistance.constant_n_per_kn": (0.9, 1.5),
+    "drive.recuperation_factor": (0.0, 1.0),
+}
+LEAST_RUNS_PER_S = 3000
+
+
+def profile_two() -> Scenario:
+    """Liashenko's profile II at a 10 m mesh."""
+    return load_scenario("liashenko-ii").with_(**{"solver.mesh_m": 10.0})
+
+
+def fastest_of(call: Callable[[], object]) -> tuple[float, float]:
+    """Return the least time of a call and the least time of processors that it takes [s], of a few rounds."""
+    wall, cpu = [], []
+    for _ in range(ROUNDS):
+        # a shared machine only ever makes both longer
+        started, used = time.perf_counter(), time.process_time()
+        call()
+        wall.append(time.perf_counter() - started)
+        cpu.append(time.process_time() - used)
+    return min(wall), min(cpu)
+
+
+def sweeps(rows: int = ROWS) -> Iterator[Measurement]:
+    """Four numbers of profile II vary, each run proven."""
+    base = profile_two()
+
+    def swept(threads: int, count: int) -> SweepTable:
+        with ThreadPoolExecutor(threads) as executor:
+            return sweep(base, OVER, count, executor=executor)
+
+    table = swept(1, 64)
+    changes = [{name: float(of[row]) for name, of in table.samples.items()} for row in range(table.rows)]
+    for threads in (1, 2):
+        wall, cpu = fastest_of(lambda threads=threads: swept(threads, rows))
+        name, bar = f"sweep, {threads} thread{'s' * (threads > 1)}", LEAST_RUNS_PER_S if threads > 1 else None
+        yield Measurement(name, rows / wall, "runs/s", at_least=bar)
+        yield Measurement(f"{name}: processor", 1e3 * cpu / rows, "ms a run")
+    few = (changes * LOOP_ROWS)[:LOOP_ROWS]
+    wall, cpu = fastest_of(lambda: [solve(base.with_(**change)) for change in few])
+    yield Measurement("solve(scenario.with_()) in a loop", LOOP_ROWS / wall, "runs/s")
+    yield Measurement("solve(scenario.with_()): processor", 1e3 * cpu / LOOP_ROWS, "ms a run")
+    if is_installed():
+        tasks = [prepare_task(base.with_(**change)) for change in changes[:IPOPT_ROWS]]
+        # the problem is built anew for each run, as its numbers are constants of CasADi's graph; no proof is made
+        wall, cpu = fastest_of(lambda: [IpoptProblem(task).solve() for task in tasks])
+        yield Measurement("CasADi and IPOPT in a loop, not proven", IPOPT_ROWS / wall, "runs/s")
+        yield Measurement("CasADi and IPOPT: processor", 1e3 * cpu / IPOPT_ROWS, "ms a run")
+
+
+def main() -> None:
+    """Print all measurements."""
+    parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.sweep", description=__doc__)
+    parser.add_argument("--rows", type=int, default=ROWS, help="rows of the sweeps")
+    for measured in sweeps(parser.parse_args().rows):
+        print(f"{measured.name:45}{measured.value:12,.4g} {measured.unit}", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,126 @@
+import json
+from types import SimpleNamespace
+
+import numpy as np
+import pandas
+import pytest
+
+from railjoule.core import load_scenario, solve
+from railjoule.dashboard.command import sweeps
+from railjoule.dashboard.command.cli import BAD_INPUT, OK, main
+
+RANGES = ("vehicle.load_factor=0:1", "timetable.travel_time_s=105:130")
+
+
+def command(target, *words, over=RANGES, sample="9", file="liashenko-ii"):
+    asked = ["study", "sweep", file, "--over", *over, "--sample", sample, "-o", str(target), "--no-workspace"]
+    return main([*asked, "--set", "solver.mesh_m=25", *words])
+
+
+def complaint(capsys, *words, **asked):
+    """Return the one sentence of a command that is refused."""
+    assert command(*words, **asked) == BAD_INPUT
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert told.err.count("\n") == 1
+    assert "Traceback" not in told.err
+    return told.err
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
+def test_a_sweep_becomes_a_table(capsys, tmp_path, suffix):
+    target = tmp_path / f"out{suffix}"
+    assert command(target, "--method", "grid", "--columns", "max_speed_kmh", "--json") == OK
+    told = json.loads(capsys.readouterr().out)
+    assert (told["rows"], told["without_run"]) == (9, 0)
+    assert told["runs_per_s"] == pytest.approx(9 / told["seconds"])
+    table = pandas.read_csv(target) if suffix == ".csv" else pandas.read_parquet(target)
+    # the contract of design.md: one column a field, then energy, bound, time and price
+    assert list(table.columns) == [
+        "vehicle.load_factor", "timetable.travel_time_s", "energy_kwh", "lower_bound_kwh", "travel_time_s",
+        "price_of_time_w", "max_speed_kmh", "reason",
+    ]  # fmt: skip
+    assert table["vehicle.load_factor"].tolist() == [0.0] * 3 + [0.5] * 3 + [1.0] * 3
+    run = solve(load_scenario("liashenko-ii", {"solver.mesh_m": 25, "timetable.travel_time_s": 117.5}))
+    assert table["energy_kwh"][4] == run.energy_kwh
+    assert np.all(table["lower_bound_kwh"] <= table["energy_kwh"])
+    # nothing is left of what was written aside
+    assert [path.name for path in tmp_path.iterdir()] == [target.name]
+
+
+def test_the_same_seed_gives_the_same_file(tmp_path):
+    files = [tmp_path / f"{name}.csv" for name in "abc"]
+    for file, seed in zip(files, "110", strict=True):
+        assert command(file, "--method", "random", "--seed", seed) == OK
+    assert files[0].read_bytes() == files[1].read_bytes() != files[2].read_bytes()
+
+
+def test_rows_without_a_run_are_told(capsys, tmp_path):
+    over = ("timetable.travel_time_s=50:130",)
+    assert command(tmp_path / "out.csv", "--method", "grid", over=over, sample="3") == OK
+    told = capsys.readouterr().out
+    assert "3 rows" in told
+    assert "of them without a run, such as: timetable.travel_time_s = 50 s is shorter than the shortest" in told
+
+
+@pytest.mark.parametrize(
+    ("asked", "words"),
+    [
+        ({"over": ("vehicle.load_factor",)}, "must be FIELD=LOW:HIGH"),
+        ({"over": ("vehicle.load_factor=0",)}, "must be FIELD=LOW:HIGH"),
+        ({"over": ("vehicle.load_factor=low:1",)}, "must be FIELD=LOW:HIGH"),
+        ({"over": ("vehicle.load_factor=0:1", "vehicle.load_factor=0:1")}, "vehicle.load_factor is named twice"),
+        ({"over": ("vehicle.load_factor=1:0",)}, "begins above its end"),
+        ({"over": ("vehicle.load_factor=0:7",)}, "vehicle.load_factor = 7 must be at most 3"),
+        ({"over": ("vehicle.laod_factor=0:1",)}, "did you mean 'load_factor'"),
+        ({"over": ("vehicle.name=0:1",)}, "vehicle.name is no number"),
+        ({"sample": "many"}, "'many' is not a whole number"),
+        ({"sample": "0"}, "sample = 0 must be"),
+        ({"sample": "99999999"}, "takes at most"),
+        ({"file": "nowhere"}, "nowhere: there is no such file"),
+    ],
+)
+def test_bad_words_are_one_sentence(capsys, tmp_path, asked, words):
+    assert words in complaint(capsys, tmp_path / "out.csv", **asked)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("out.nc", "must end in .csv or .parquet"),
+        ("nowhere/out.csv", "cannot be written: No such file or directory"),
+        ("folder.csv", "cannot be written: it is a folder"),
+    ],
+)
+def test_what_cannot_be_written_is_told_before_anything_is_solved(capsys, tmp_path, monkeypatch, name, words):
+    monkeypatch.setattr(sweeps, "sweep", None)
+    (tmp_path / "folder.csv").mkdir()
+    assert words in complaint(capsys, tmp_path / name)
+
+
+def test_a_table_that_no_disk_takes_is_refused_before_anything_is_solved(capsys, tmp_path, monkeypatch):
+    monkeypatch.setattr(sweeps, "sweep", None)
+    # 100,000 rows of 6 numbers of 20 bytes
+    monkeypatch.setattr(sweeps.shutil, "disk_usage", lambda _: SimpleNamespace(free=11_000_000))
+    told = complaint(capsys, tmp_path / "out.csv", sample="100000")
+    assert "would take about 0.012 GB, and there are 0.011 GB left" in told
+
+
+def test_a_file_that_was_there_stays_where_a_sweep_fails(capsys, tmp_path):
+    target = tmp_path / "out.csv"
+    target.write_text("earlier")
+    complaint(capsys, target, "--strategy", "best")
+    assert target.read_text() == "earlier"
+    assert [path.name for path in tmp_path.iterdir()] == [target.name]
+
+
+def test_a_person_at_a_terminal_sees_how_far_it_is(capsys, tmp_path, monkeypatch):
+    assert command(tmp_path / "out.csv") == OK
+    # none of it where nobody looks: a pipe's reader looks for errors
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    assert command(tmp_path / "out.csv", sample="1200", over=("vehicle.load_factor=0:1",)) == OK
+    told = capsys.readouterr().err
+    assert told.count("\r") > 1
+    assert told.endswith("1,200 of 1,200 runs\n")
