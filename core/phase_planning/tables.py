@@ -30,6 +30,9 @@ LEAST_KNOTS = 8
 LEAST_ACCELERATION_MS2 = 2e-3
 # A brake that has less than this share of the tractive effort is none: what stands for a missing one is not quite zero
 LEAST_BRAKING_SHARE = 1e-6
+# Distances from the tables are good to a millionth or two; a curve of braking must not be passed by their error
+UNDER_CURVE = 1e-5
+"""A train brakes by this share less than its braking curve."""
 # A corner closer than this to a knot takes its place: a piece without length would divide by nothing
 SAME_KNOT_MS = 1e-3
 # leaves 2e-13 m/s of the step between two knots
@@ -182,10 +185,10 @@ class PhaseModel:
             return deceleration, self.braking_power_w(effort, speed)
 
         effort = self.braking_effort_n(self._knots())
-        limit_ms2, key = self._largest_deceleration
+        limit_ms2, told = self._largest_deceleration
         if np.min(self.resistance_n(self._knots())) >= limit_ms2 * self.inertia_kg:
             raise StrategyRefusedError(
-                f"needs a line on which a coasting train slows down by less than {key} = {limit_ms2:g} m/s2."
+                f"needs a line on which a coasting train slows down by less than {told}."
             )
         if not np.isfinite(effort).all() or np.max(effort) <= LEAST_BRAKING_SHARE * self._largest_effort_n:
             raise StrategyRefusedError("needs a brake whose largest effort is given.")
@@ -194,13 +197,16 @@ class PhaseModel:
 
     @cached_property
     def _largest_deceleration(self) -> tuple[float, str]:
-        """The largest deceleration of braking [m/s2] and the key that says so; infinite where none does."""
-        braking, permitted_ms2 = self.vehicle.braking, least_permitted_deceleration_ms2(self.vehicle)
-        # One row is kept exactly. Of more the least holds, which stays under the curve: between two of them a table
-        # over speed would jump, and its cubics cannot.
-        if braking.max_deceleration_ms2 is not None and braking.max_deceleration_ms2 <= permitted_ms2:
-            return braking.max_deceleration_ms2, "vehicle.braking.max_deceleration_ms2"
-        return permitted_ms2, "vehicle.braking.permitted_deceleration"
+        """The largest deceleration of braking [m/s2], infinite where there is none, and the key that says so."""
+        largest_ms2, permitted_ms2 = (
+            self.vehicle.braking.max_deceleration_ms2,
+            least_permitted_deceleration_ms2(self.vehicle),
+        )
+        if largest_ms2 is not None and largest_ms2 <= permitted_ms2:
+            return largest_ms2, f"vehicle.braking.max_deceleration_ms2 = {largest_ms2:g} m/s2"
+        # of several steps the least, which stays under the curve: a table over speed would jump between two of them
+        told = f"vehicle.braking.permitted_deceleration = {permitted_ms2:g} m/s2"
+        return (1 - UNDER_CURVE) * permitted_ms2, told
 
     @cached_property
     def _largest_effort_n(self) -> float:
