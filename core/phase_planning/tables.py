@@ -187,9 +187,7 @@ class PhaseModel:
         effort = self.braking_effort_n(self._knots())
         limit_ms2, told = self._largest_deceleration
         if np.min(self.resistance_n(self._knots())) >= limit_ms2 * self.inertia_kg:
-            raise StrategyRefusedError(
-                f"needs a line on which a coasting train slows down by less than {told}."
-            )
+            raise StrategyRefusedError(f"needs a line on which a coasting train slows down by less than {told}.")
         if not np.isfinite(effort).all() or np.max(effort) <= LEAST_BRAKING_SHARE * self._largest_effort_n:
             raise StrategyRefusedError("needs a brake whose largest effort is given.")
         knots = self._knots(self._corner_ms(None, braking=True), self._drawing_until_ms())

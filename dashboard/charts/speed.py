@@ -45,6 +45,7 @@ class SpeedChart(RunChart):
         super().__init__(SPEED, height, axis, palette, form=Form(ticks=5))
         self._limits: Curve = np.zeros(0), np.zeros(0)
         self._braking: Curve | None = None
+        """What is drawn: the permitted speed, on the limits but where a braking curve is lower."""
 
     def beneath(self) -> None:
         """Draw the limits beneath the lines."""
@@ -148,7 +149,7 @@ class SpeedChart(RunChart):
         names = [Name(name, line_words(name, scene), self.name_colour(name)) for name in reversed(list(lines))]
         if self._braking is not None:
             names.append(Name(BRAKING, BRAKING_WORDS, self.palette.tokens["limit"]))
-            lines = {**lines, BRAKING: self._braking}
+            lines = {**lines, BRAKING: last_descent(self._braking)}
         self.place_names({**lines, "limit": self._limits}, names, taken)
 
     def _sign_boxes(self, frame: Frame, source: str, lift_px: float) -> list[Box]:
@@ -158,3 +159,12 @@ class SpeedChart(RunChart):
             frame.box(x, y, text, SIGN_PX, lift_px=lift_px)
             for x, y, text in zip(signs["x"], signs["y"], signs["text"], strict=True)
         ]
+
+
+def last_descent(line: Curve) -> Curve:
+    """Return the part of a line that falls up to its end; all of it where it does not fall there."""
+    x, y = line
+    # elsewhere a braking curve lies on the limits, and its name would name those
+    rises = np.flatnonzero(np.diff(y) >= 0)
+    first = int(rises[-1]) + 1 if len(rises) else 0
+    return (x[first:], y[first:]) if first < len(x) - 1 else line
