@@ -243,6 +243,8 @@ class PhaseModel:
         """Return speeds from 0 to the top one, with corners of the vehicle's limits and `further_ms` among them."""
         corners = [*further_ms]
         for limits in (self.vehicle.traction, self.vehicle.braking):
+            if limits.max_effort_kn and limits.max_power_kw:
+                corners.append(limits.max_power_kw / limits.max_effort_kn)
             corners += limit_corners_ms(limits).tolist()
         inside = [speed for speed in corners if SAME_KNOT_MS < speed < self.top_speed_ms - SAME_KNOT_MS]
         count = max(int(np.ceil(self.top_speed_ms / KNOT_STEP_MS)), LEAST_KNOTS)

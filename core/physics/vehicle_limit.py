@@ -74,10 +74,8 @@ def _combined(limits: Traction | Braking, drive: Drive, top_speed_ms: float) -> 
 
 
 def limit_corners_ms(limits: Traction | Braking) -> FloatArray:
-    """Return the speeds [m/s] at which a vehicle's own limits of one direction have corners; shape (k,)."""
+    """Return the speeds [m/s] at which what varies with speed of a vehicle's own limits has corners; shape (k,)."""
     corners = [speed * MS_PER_KMH for speed, _ in limits.curve or ()]
-    if limits.max_effort_kn and limits.max_power_kw:
-        corners.append(limits.max_power_kw / limits.max_effort_kn)
     if limits.breakdown_speed_kmh is not None:
         corners.append(limits.breakdown_speed_kmh * MS_PER_KMH)
     return np.array(corners)
