@@ -11,7 +11,7 @@ from railjoule.core.arrays import BoolArray, FloatArray, IntArray, frozen_array
 from railjoule.core.check import CheckResult
 from railjoule.core.energy import Energy, share_above
 from railjoule.core.line_current import line_current_a
-from railjoule.core.motion.course import Course
+from railjoule.core.motion.course import Course, build_course
 from railjoule.core.motion.line_profile import speed_limit_at
 from railjoule.core.phases import Phase, RunData, find_phases
 from railjoule.core.physics.account import RunAccount, account_of_run
@@ -268,6 +268,24 @@ class Trajectory:
             inertia_kg=vehicle.total_inertia_kg,
             max_deceleration_ms2=vehicle.braking.max_deceleration_ms2 or np.inf,
         )
+
+    @cached_property
+    def permitted_speed_ms(self) -> FloatArray | None:
+        """Speed that limits and braking curves permit at each node [m/s]; None for a vehicle without a braking curve.
+
+        Shape (n + 1,). Where the train stands, the first of both nodes has the end of a curve, the second what permits
+        the start.
+        """
+        if self.scenario.vehicle.braking.permitted_deceleration is None:
+            return None
+        entry_ms, exit_ms = self.speed_ms[[0, -1]].tolist()
+        data = build_course(self.scenario, entry_ms, exit_ms, self.nodes_m).data
+        departing2, prescribed2 = data.largest_speed2, data.fixed_speed2
+        arriving2 = np.where(prescribed2 >= 0, np.minimum(prescribed2, departing2), departing2)
+        # before the first node lies no curve
+        arriving2[0] = departing2[0]
+        node = np.cumsum(self._moved) - 1
+        return frozen_array(np.sqrt(np.where(self._moved, arriving2[node], departing2[node])))
 
     @cached_property
     def phases(self) -> tuple[Phase, ...]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.check.drives import loss_model
+from railjoule.core.check.limits import limit_beyond_breakdown_n, stated_limit_n
 from railjoule.core.check.loss_model import Losses, LossModel
 from railjoule.core.check.record import Record
 from railjoule.core.check.train import Route, Train, route_of, train_of
@@ -203,13 +204,8 @@ class Case:
     def electric_limit_n(self) -> FloatArray:
         """Largest effort of the electric brake, within the limits of vehicle and motors [N]."""
         braking, speed = self.scenario.vehicle.braking, self.record.mean_speed_ms
-        limit = self.model.largest_effort_n(speed, True)
-        if braking.max_effort_kn is not None:
-            limit = np.minimum(limit, braking.max_effort_kn * N_PER_KN)
-        if braking.max_power_kw is not None:
-            # at standstill power limits nothing; 1e-9 only avoids the division by zero
-            limit = np.minimum(limit, braking.max_power_kw * W_PER_KW / np.maximum(speed, 1e-9))
-        return limit
+        stated = np.minimum(stated_limit_n(braking, speed), limit_beyond_breakdown_n(braking, speed))
+        return np.minimum(self.model.largest_effort_n(speed, True), stated)
 
     def line_power_of_terminal_w(self, terminal_power_w: FloatArray) -> FloatArray:
         """Return what the line gives for a power of the drive [W]: it takes back a share of what is generated."""

@@ -10,8 +10,9 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.check.case import Case
+from railjoule.core.check.limits import curve_limit_n, limit_beyond_breakdown_n
 from railjoule.core.check.result import Check, Finding, Unchecked, largest_of
-from railjoule.core.units import MS_PER_KMH, N_PER_KN, W_PER_KW
+from railjoule.core.units import N_PER_KN, W_PER_KW
 
 # Interior points stop just inside a limit, exact coasting and joined runs put some efforts just beyond it. 2e-6 of the
 # largest effort is below a newton for trains of up to 500 kN.
@@ -49,11 +50,12 @@ def _traction(case: Case, effort_n: FloatArray) -> Iterator[Check]:
     if traction.max_power_kw is not None:
         yield _power(case, "tractive power", effort_n, traction.max_power_kw * W_PER_KW)
     if traction.curve is not None:
-        # linear between the points, as the file format states; the product tabulates the same curve with rounded
-        # corners
-        kmh, kn = np.array(traction.curve).T
-        limit = np.interp(speed, kmh * MS_PER_KMH, kn * N_PER_KN)
+        # the product tabulates the same curve with rounded corners
+        limit = curve_limit_n(traction.curve, speed)
         yield _effort(case, "curve of tractive effort", effort_n, limit, ROUNDED_CORNERS)
+    if traction.breakdown_speed_kmh is not None:
+        limit = limit_beyond_breakdown_n(traction, speed)
+        yield _effort(case, "breakdown of tractive effort", effort_n, limit, ROUNDED_CORNERS)
     yield from _motors(case, "motors while driving", effort_n, False)
 
 
@@ -64,6 +66,12 @@ def _brakes(case: Case, electric_n: FloatArray, friction_n: FloatArray) -> Itera
         yield _effort(case, "electric braking effort", electric_n, limit)
     if braking.max_power_kw is not None:
         yield _power(case, "electric braking power", electric_n, braking.max_power_kw * W_PER_KW)
+    if braking.curve is not None:
+        limit = curve_limit_n(braking.curve, case.record.mean_speed_ms)
+        yield _effort(case, "curve of electric braking effort", electric_n, limit, ROUNDED_CORNERS)
+    if braking.breakdown_speed_kmh is not None:
+        limit = limit_beyond_breakdown_n(braking, case.record.mean_speed_ms)
+        yield _effort(case, "breakdown of electric braking effort", electric_n, limit, ROUNDED_CORNERS)
     yield from _motors(case, "motors while braking", electric_n, True)
     limit = np.full(len(friction_n), braking.friction_effort_kn * N_PER_KN)
     yield _effort(case, "friction braking effort", friction_n, limit)

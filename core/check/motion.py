@@ -8,6 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from railjoule.core.arrays import FloatArray
 from railjoule.core.check.case import Case
 from railjoule.core.check.result import Check, Finding, Unchecked, largest_of
 from railjoule.core.units import MS_PER_KMH, N_PER_KN
@@ -19,6 +20,8 @@ SAME_PLACE_M = 1e-5
 ROUNDING, ROUNDED_GRADIENT, ROUNDED_FORCE = 1e-7, 1e-10, 1e-5
 # 1e-6 of a limit of 80 km/h is 0.1 m/h: above the tolerances of the solvers, far below what anybody means by speeding
 ROUNDED_SPEED, ROUNDED_ACCELERATION = 1e-6, 1e-5
+# distance goes with the square of speed: twice the share of a speed, and more where the deceleration steps
+ROUNDED_CURVE = 1e-5
 LATE_S, LATE_SHARE = 1e-6, 2e-9
 # a window is kept to a hundredth of a millisecond, and times of a table are written with ten digits
 MISSED_S = 1e-4
@@ -41,6 +44,7 @@ def motion_findings(case: Case) -> Iterator[Finding]:
     yield from _windows(case)
     yield from _arrival(case)
     yield _speed_limit(case)
+    yield from _braking_curve(case)
     yield from _accelerations(case)
     yield _gradient(case)
     yield _forces(case)
@@ -214,6 +218,70 @@ def _speed_limit(case: Case) -> Check:
     fastest = np.sqrt(np.maximum(speed2[1:], speed2[:-1])[whole])
     limit = np.minimum(route.speed_limit_ms(middle), case.scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH)
     return largest_of("speed limit", "the limit", ROUNDED_SPEED, fastest / limit - 1, middle)
+
+
+def _braking_curve(case: Case) -> Iterator[Check]:
+    """Compare braking distances: at each place, that from the speed there with what all targets ahead leave of it.
+
+    With s(v), the distance from v to rest at the decelerations of the curve, a train at x is under the curve that ends
+    at X with V where s(v) - s(V) <= X - x. So s(v) + x is held against the least s(V) + X ahead.
+    """
+    steps = case.scenario.vehicle.braking.permitted_deceleration
+    if steps is None:
+        return
+    record, route = case.record, case.route
+    kmh, deceleration = np.array(steps).T
+    step_speed2 = (kmh * MS_PER_KMH) ** 2
+    at_steps = np.append(0.0, np.cumsum(np.diff(step_speed2) / (2 * deceleration[:-1])))
+
+    def to_rest_m(speed2: FloatArray) -> FloatArray:
+        step = np.searchsorted(step_speed2, speed2, side="right") - 1
+        distance: FloatArray = at_steps[step] + (speed2 - step_speed2[step]) / (2 * deceleration[step])
+        return distance
+
+    targets, speeds = _curve_ends(case)
+    least = np.append(np.minimum.accumulate((to_rest_m(speeds**2) + targets)[::-1])[::-1], np.inf)
+    places, speed2 = _corners_of_distance(case, step_speed2)
+    places = np.concatenate([places, record.position_m, route.limit_borders_m])
+    speed2 = np.concatenate([speed2, record.speed_ms**2, np.zeros(len(route.limit_borders_m))])
+    # a limit may begin within a cell of a run that has nodes of its own
+    borders = slice(len(places) - len(route.limit_borders_m), None)
+    speed2[borders] = np.interp(places[borders], record.position_m, record.speed_ms**2)
+    distance = to_rest_m(speed2)
+    # rounding of a place must not put a train that stands at its stop before or behind it
+    excess = distance + places - least[np.searchsorted(targets, places - SAME_PLACE_M)]
+    share = excess / np.maximum(distance, 1.0)
+    yield largest_of("braking curve", "the braking distance, at least 1 m", ROUNDED_CURVE, share, places)
+
+
+def _curve_ends(case: Case) -> tuple[FloatArray, FloatArray]:
+    """Return the places [m], rising, at which braking curves end, and the speeds there [m/s]."""
+    route, most = case.route, case.scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH
+    borders = route.limit_borders_m[route.limit_borders_m <= route.length_m]
+    limits = np.minimum(route.speed_limit_ms(0.5 * (borders[1:] + borders[:-1])), most)
+    ends = [
+        # at a border the lower of its two limits holds; where a limit rises, the lower one holds before it anyway
+        *zip(borders, np.minimum(np.append(limits[0], limits), np.append(limits, limits[-1])), strict=True),
+        *((stop.position_m, 0.0) for stop in route.stops),
+        *route.passes,
+        (route.length_m, case.final_speed_ms),
+    ]
+    places, speeds = np.array(sorted(ends)).T
+    return places, speeds
+
+
+def _corners_of_distance(case: Case, step_speed2: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the places [m] within cells, and squares of speed, at which the deceleration of the curve steps."""
+    record = case.record
+    before, after = record.entering_speed2, record.leaving_speed2
+    start = record.moving(record.position_m[:-1])
+    places, squares = [np.zeros(0)], [np.zeros(0)]
+    for step2 in step_speed2[1:]:
+        passes = (before - step2) * (after - step2) < 0
+        share = (step2 - before[passes]) / (after - before)[passes]
+        places.append(start[passes] + share * record.length_m[passes])
+        squares.append(np.full(int(passes.sum()), step2))
+    return np.concatenate(places), np.concatenate(squares)
 
 
 def _accelerations(case: Case) -> Iterator[Check]:

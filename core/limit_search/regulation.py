@@ -1,8 +1,8 @@
 """What a regulator obeys: the line's own limits and stops with the braking curves before them, and section limits.
 
 Limits of sections hold for the front of the train. Those of the line are kept at any price, by braking ahead at a
-constant deceleration; a regulator that brakes keeps those of the sections alike, one that coasts does not brake for
-them.
+constant deceleration, no more than a braking curve of the vehicle has anywhere; a regulator that brakes keeps those of
+the sections alike, one that coasts does not brake for them.
 """
 
 from typing import NamedTuple
@@ -56,7 +56,7 @@ def regulation_of(course: Course, stop_deceleration_ms2: float, brakes: bool) ->
         position_m=course.position_m,
         top_speed2=course.cell_limit_ms**2,
         bound_speed2=bound,
-        deceleration_ms2=min(stop_deceleration_ms2, data.max_deceleration_ms2),
+        deceleration_ms2=min(stop_deceleration_ms2, data.max_deceleration_ms2, course.permitted_deceleration_ms2),
         brakes=brakes,
     )
 

@@ -11,6 +11,7 @@ from railjoule.core.drive import Drive, make_drive
 from railjoule.core.errors import ScenarioError
 from railjoule.core.motion.line_forces import TrainExtent
 from railjoule.core.motion.line_geometry import LineGeometry, geometry_at, meshed_geometry
+from railjoule.core.motion.permitted_speed import least_permitted_deceleration_ms2, permitted_speed2
 from railjoule.core.physics.cell import mean_speed, needed_force
 from railjoule.core.physics.course_data import CourseData, cells_of, data_between
 from railjoule.core.physics.effort_limit import EffortLimit
@@ -52,13 +53,15 @@ class Course:
     gradient_force_n, curve_force_n : array of shape (n,)
         Forces of the line against the train [N].
     cell_limit_ms : array of shape (n,)
-        Limit of line and vehicle within each cell [m/s].
+        Limit of line and vehicle within each cell [m/s], without braking curves before lower ones.
     dwell_s : array of shape (n + 1,)
         How long the train stands at each node [s].
     drive : Drive
         The vehicle's loss model.
     data : CourseData
         The same for compiled code.
+    permitted_deceleration_ms2 : float
+        The least deceleration of the vehicle's braking curve [m/s2], infinite where it has none.
     """
 
     position_m: FloatArray
@@ -70,6 +73,7 @@ class Course:
     dwell_s: FloatArray
     drive: Drive
     data: CourseData
+    permitted_deceleration_ms2: float = np.inf
 
     def between(self, first: int, last: int) -> "Course":
         """Return the course between two nodes, over the same mesh; the train does not stand at its ends."""
@@ -252,6 +256,7 @@ def course_of(
         dwell_s=line.dwell_s,
         drive=parts.drive,
         data=_course_data(scenario, parts, gradient_force + curve_force, fixed),
+        permitted_deceleration_ms2=least_permitted_deceleration_ms2(vehicle),
     )
 
 
@@ -272,10 +277,12 @@ def _course_data(
     vehicle, line, drive = scenario.vehicle, parts.line, parts.drive
     constant, linear, quadratic = resistance_coefficients(vehicle, scenario.line.head_wind_kmh * MS_PER_KMH)
     traction, braking = vehicle.traction, vehicle.braking
+    cell_length = np.diff(line.position_m)
+    limit2 = np.minimum(line.speed_limit_ms, traction.max_speed_kmh * MS_PER_KMH) ** 2
     return CourseData(
-        cell_length_m=np.diff(line.position_m),
+        cell_length_m=cell_length,
         line_force_n=line_force_n,
-        largest_speed2=np.minimum(line.speed_limit_ms, traction.max_speed_kmh * MS_PER_KMH) ** 2,
+        largest_speed2=permitted_speed2(vehicle, cell_length, limit2, fixed_speed2),
         fixed_speed2=fixed_speed2,
         half_inertia_kg=0.5 * vehicle.total_inertia_kg,
         resistance_constant_n=constant,

@@ -14,11 +14,12 @@ from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.drive import Drive, make_drive
 from railjoule.core.drive.induction.drive import InductionDrive
 from railjoule.core.errors import StrategyRefusedError
+from railjoule.core.motion.permitted_speed import least_permitted_deceleration_ms2
 from railjoule.core.physics.braking import electric_efforts
 from railjoule.core.physics.resistance import resistance_coefficients, running_resistance
-from railjoule.core.physics.vehicle_limit import vehicle_limit_n
+from railjoule.core.physics.vehicle_limit import limit_corners_ms, vehicle_limit_n
 from railjoule.core.scenario import Vehicle
-from railjoule.core.units import MS_PER_KMH, N_PER_KN
+from railjoule.core.units import N_PER_KN
 
 # Speed from knot to knot of the cubics: half or double of it changes 2 ppm of a run's energy
 KNOT_STEP_MS = 0.25
@@ -29,6 +30,9 @@ LEAST_KNOTS = 8
 LEAST_ACCELERATION_MS2 = 2e-3
 # A brake that has less than this share of the tractive effort is none: what stands for a missing one is not quite zero
 LEAST_BRAKING_SHARE = 1e-6
+# Distances from the tables are good to a millionth or two; a curve of braking must not be passed by their error
+UNDER_CURVE = 1e-5
+"""A train brakes by this share less than its braking curve."""
 # A corner closer than this to a knot takes its place: a piece without length would divide by nothing
 SAME_KNOT_MS = 1e-3
 # leaves 2e-13 m/s of the step between two knots
@@ -103,9 +107,8 @@ class PhaseModel:
             effort = np.minimum(
                 vehicle_limit_n(self.vehicle, speed_ms, braking=True), self.drive.effort_limit_n(speed_ms, braking=True)
             )
-        limit_ms2 = self.vehicle.braking.max_deceleration_ms2
-        if limit_ms2 is not None:
-            effort = np.minimum(effort, limit_ms2 * self.inertia_kg - self.resistance_n(speed_ms))
+        limit_ms2, _ = self._largest_deceleration
+        effort = np.minimum(effort, limit_ms2 * self.inertia_kg - self.resistance_n(speed_ms))
         at_least_none: FloatArray = np.maximum(effort, 0.0)
         return at_least_none
 
@@ -182,16 +185,26 @@ class PhaseModel:
             return deceleration, self.braking_power_w(effort, speed)
 
         effort = self.braking_effort_n(self._knots())
-        limit_ms2 = self.vehicle.braking.max_deceleration_ms2
-        if limit_ms2 is not None and np.min(self.resistance_n(self._knots())) >= limit_ms2 * self.inertia_kg:
-            raise StrategyRefusedError(
-                "needs a line on which a coasting train slows down by less than "
-                f"vehicle.braking.max_deceleration_ms2 = {limit_ms2:g} m/s2."
-            )
+        limit_ms2, told = self._largest_deceleration
+        if np.min(self.resistance_n(self._knots())) >= limit_ms2 * self.inertia_kg:
+            raise StrategyRefusedError(f"needs a line on which a coasting train slows down by less than {told}.")
         if not np.isfinite(effort).all() or np.max(effort) <= LEAST_BRAKING_SHARE * self._largest_effort_n:
             raise StrategyRefusedError("needs a brake whose largest effort is given.")
         knots = self._knots(self._corner_ms(None, braking=True), self._drawing_until_ms())
         return _integrate(knots, *_at_points(motion, knots))
+
+    @cached_property
+    def _largest_deceleration(self) -> tuple[float, str]:
+        """The largest deceleration of braking [m/s2], infinite where there is none, and the key that says so."""
+        largest_ms2, permitted_ms2 = (
+            self.vehicle.braking.max_deceleration_ms2,
+            least_permitted_deceleration_ms2(self.vehicle),
+        )
+        if largest_ms2 is not None and largest_ms2 <= permitted_ms2:
+            return largest_ms2, f"vehicle.braking.max_deceleration_ms2 = {largest_ms2:g} m/s2"
+        # of several steps the least, which stays under the curve: a table over speed would jump between two of them
+        told = f"vehicle.braking.permitted_deceleration = {permitted_ms2:g} m/s2"
+        return (1 - UNDER_CURVE) * permitted_ms2, told
 
     @cached_property
     def _largest_effort_n(self) -> float:
@@ -232,7 +245,7 @@ class PhaseModel:
         for limits in (self.vehicle.traction, self.vehicle.braking):
             if limits.max_effort_kn and limits.max_power_kw:
                 corners.append(limits.max_power_kw / limits.max_effort_kn)
-        corners += [speed * MS_PER_KMH for speed, _ in self.vehicle.traction.curve or ()]
+            corners += limit_corners_ms(limits).tolist()
         inside = [speed for speed in corners if SAME_KNOT_MS < speed < self.top_speed_ms - SAME_KNOT_MS]
         count = max(int(np.ceil(self.top_speed_ms / KNOT_STEP_MS)), LEAST_KNOTS)
         uniform = np.linspace(0, self.top_speed_ms, count + 1)

@@ -34,8 +34,7 @@ def vehicle_limit_n(vehicle: Vehicle, speed_ms: FloatArray, braking: bool = Fals
     Infinite where it sets none.
     """
     limits = vehicle.braking if braking else vehicle.traction
-    effort = _varying_n(limits, np.asarray(speed_ms, dtype=float))
-    return effort if limits.max_effort_kn is None else np.minimum(effort, limits.max_effort_kn * N_PER_KN)
+    return np.minimum(_varying_n(limits, np.asarray(speed_ms, dtype=float)), _constant_n(limits))
 
 
 def effort_limit(vehicle: Vehicle, drive: Drive, braking: bool = False) -> EffortLimit:
@@ -55,34 +54,52 @@ def _combined(limits: Traction | Braking, drive: Drive, top_speed_ms: float) -> 
     """Combine the limits of a vehicle's table with those of its drive; kept for the next call."""
     braking = isinstance(limits, Braking)
     steps = table_speeds(top_speed_ms)
-    by_file = np.inf if limits.max_effort_kn is None else limits.max_effort_kn * N_PER_KN
     # the highest point of a curve counts as a constant limit: the table need only be close to what lies below that
-    by_curve = max((effort * N_PER_KN for _, effort in _curve_of(limits)), default=np.inf)
-    constant = float(min(by_file, by_curve, np.max(drive.effort_limit_n(steps, braking))))
+    by_curve = max((effort * N_PER_KN for _, effort in limits.curve or ()), default=np.inf)
+    constant = float(min(_constant_n(limits), by_curve, np.max(drive.effort_limit_n(steps, braking))))
     if not np.isfinite(constant):
         table = "braking" if braking else "traction"
         raise ScenarioError(f"vehicle.{table}.max_effort_kn is missing: this drive sets no limit of effort.")
     by_drive = np.isfinite(drive.weakening_limit_n(steps, braking)).any()
     # a limit of power alone is closed and exact: no table
-    if not _curve_of(limits) and not by_drive:
+    if not limits.curve and limits.breakdown_speed_kmh is None and not by_drive:
         return untabulated_limit(constant, np.inf if limits.max_power_kw is None else limits.max_power_kw * W_PER_KW)
 
     def varying(speed: FloatArray) -> FloatArray:
         return np.minimum(drive.weakening_limit_n(speed, braking), _varying_n(limits, speed))
 
     # a cubic across a corner of the curve would cut it off: pieces end there
-    corners = np.array([speed * MS_PER_KMH for speed, _ in _curve_of(limits)])
-    return fitted_limit(constant, varying, top_speed_ms, np.append(corners, drive.limit_corners_ms(braking)))
+    corners = np.append(limit_corners_ms(limits), drive.limit_corners_ms(braking))
+    return fitted_limit(constant, varying, top_speed_ms, corners)
 
 
-def _curve_of(limits: Traction | Braking) -> Curve:
-    return limits.curve or () if isinstance(limits, Traction) else ()
+def limit_corners_ms(limits: Traction | Braking) -> FloatArray:
+    """Return the speeds [m/s] at which what varies with speed of a vehicle's own limits has corners; shape (k,)."""
+    corners = [speed * MS_PER_KMH for speed, _ in limits.curve or ()]
+    if limits.breakdown_speed_kmh is not None:
+        corners.append(limits.breakdown_speed_kmh * MS_PER_KMH)
+    return np.array(corners)
+
+
+def _constant_n(limits: Traction | Braking) -> float:
+    return np.inf if limits.max_effort_kn is None else limits.max_effort_kn * N_PER_KN
 
 
 def _varying_n(limits: Traction | Braking, speed_ms: FloatArray) -> FloatArray:
     """Return what varies with speed of a vehicle's own limits [N]; infinite where nothing does."""
+    if limits.breakdown_speed_kmh is None:
+        return _before_breakdown_n(limits, speed_ms)
+    # with the constant one, or the effort would jump at a breakdown below the corner of the power
+    effort = np.minimum(_before_breakdown_n(limits, speed_ms), _constant_n(limits))
+    breakdown = np.array(limits.breakdown_speed_kmh * MS_PER_KMH)
+    at_breakdown = np.minimum(_before_breakdown_n(limits, breakdown), _constant_n(limits))
+    # The pull-out torque of an induction machine falls with the square of flux, which falls with 1 / v at full voltage
+    beyond = at_breakdown * (breakdown / np.maximum(speed_ms, breakdown)) ** 2
+    return np.where(speed_ms > breakdown, np.minimum(effort, beyond), effort)
+
+
+def _before_breakdown_n(limits: Traction | Braking, speed_ms: FloatArray) -> FloatArray:
     effort = np.full(speed_ms.shape, np.inf)
     if limits.max_power_kw is not None:
         effort = np.minimum(effort, limits.max_power_kw * W_PER_KW / np.maximum(speed_ms, SLOWEST_MS))
-    curve = _curve_of(limits)
-    return np.minimum(effort, curve_effort_n(curve, speed_ms)) if curve else effort
+    return np.minimum(effort, curve_effort_n(limits.curve, speed_ms)) if limits.curve else effort

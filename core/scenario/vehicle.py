@@ -1,5 +1,6 @@
 """A vehicle: masses, running resistance, limits of traction and braking, drive."""
 
+from collections.abc import Iterable
 from itertools import pairwise
 from typing import Annotated, Literal, Self
 
@@ -12,6 +13,25 @@ from railjoule.core.scenario.drive import Drive
 MOST_LOAD_FACTOR = 3.0
 """Of any vehicle: a capacity that counts seats alone, and standing passengers wherever there is room."""
 CurvePoint = tuple[Annotated[Number, Field(ge=0, le=600)], Annotated[Number, Field(ge=0, le=1e4)]]
+DecelerationStep = tuple[Annotated[Number, Field(ge=0, le=600)], Annotated[Number, Field(gt=0, le=20)]]
+
+
+def _require_rising_speeds(name: str, points: Iterable[tuple[float, float]]) -> None:
+    # interpolation needs rising speeds, and a jump of the effort would leave its value there open
+    if any(later[0] <= earlier[0] for earlier, later in pairwise(points)):
+        raise ValueError(f"{name} must have rising speeds")
+
+
+def _require_usable_curve(limits: "Traction | Braking") -> None:
+    """Refuse a curve of effort that is none, and a breakdown of an effort that nothing limits."""
+    _require_rising_speeds("curve", limits.curve or ())
+    # a curve of zeros is a train that cannot start, or a brake that is none: that has a key of its own
+    if limits.curve is not None and not any(effort > 0 for _, effort in limits.curve):
+        raise ValueError("curve must have an effort above 0")
+    # what falls with the square of the speed is the effort that these give at the breakdown
+    given = (limits.max_effort_kn, limits.max_power_kw, limits.curve)
+    if limits.breakdown_speed_kmh is not None and all(one is None for one in given):
+        raise ValueError("breakdown_speed_kmh needs max_effort_kn, max_power_kw or curve")
 
 
 class SpecificResistance(Part):
@@ -58,16 +78,13 @@ class Traction(Part):
         max_length=1000,
         description="Largest tractive effort over speed, [[km/h, kN], ...]; beyond the last point its power goes on.",
     )
+    breakdown_speed_kmh: Number | None = Field(
+        None, gt=0, le=600, description="From this speed on the effort falls with the square of the speed [km/h]."
+    )
 
     @model_validator(mode="after")
     def _curve_can_be_followed(self) -> Self:
-        speeds = [speed for speed, _ in self.curve or ()]
-        # interpolation needs rising speeds, and a jump of the effort would leave its value there open
-        if any(later <= earlier for earlier, later in pairwise(speeds)):
-            raise ValueError("curve must have rising speeds")
-        # a curve of zeros is a train that cannot start, which would only show as an infeasible line
-        if self.curve is not None and not any(effort > 0 for _, effort in self.curve):
-            raise ValueError("curve must have an effort above 0")
+        _require_usable_curve(self)
         return self
 
 
@@ -79,6 +96,36 @@ class Braking(Part):
     max_power_kw: Number | None = Field(None, gt=0, le=1e5, description="Largest electric braking power [kW].")
     friction_effort_kn: Number = Field(0.0, ge=0, le=1e4, description="Largest effort of the friction brakes [kN].")
     max_deceleration_ms2: Number | None = Field(None, gt=0, le=20, description="Largest -dv/dt [m/s2].")
+    curve: tuple[CurvePoint, ...] | None = Field(
+        None,
+        min_length=2,
+        max_length=1000,
+        description="Largest electric braking effort over speed, [[km/h, kN], ...]; beyond the last point its power "
+        "goes on.",
+    )
+    breakdown_speed_kmh: Number | None = Field(
+        None,
+        gt=0,
+        le=600,
+        description="From this speed on the electric effort falls with the square of the speed [km/h].",
+    )
+    # what train protection supervises, whatever the brakes can do: no limit of the brakes but one of speed over place
+    permitted_deceleration: tuple[DecelerationStep, ...] | None = Field(
+        None,
+        min_length=1,
+        max_length=100,
+        description="Braking curve before lower limits and stops, [[from km/h, m/s2], ...]: the deceleration with "
+        "which it is computed from each speed up.",
+    )
+
+    @model_validator(mode="after")
+    def _curves_can_be_followed(self) -> Self:
+        _require_usable_curve(self)
+        steps = self.permitted_deceleration or ()
+        _require_rising_speeds("permitted_deceleration", steps)
+        if steps and steps[0][0] != 0:
+            raise ValueError(f"permitted_deceleration begins at {steps[0][0]:g} km/h, but must begin at 0")
+        return self
 
 
 class Vehicle(Part):

@@ -1,5 +1,7 @@
 """The vehicle of the day: its actual load, its running resistance and the line voltage that it finds."""
 
+from typing import Any
+
 from railjoule.core.scenario import Scenario, Vehicle
 from railjoule.core.scenario.drive import DriveParameters
 from railjoule.core.scenario.vehicle import Braking, Resistance, SpecificResistance, Traction
@@ -50,20 +52,25 @@ def at_voltage(vehicle: Vehicle, factor: float) -> Vehicle:
     traction, braking = vehicle.traction, vehicle.braking
     # The motor's voltage limits its speed at a given effort, so at a lower one the knees of all curves come at a
     # proportionally lower speed: power over speed falls by the same factor.
-    power, curve = traction.max_power_kw, traction.curve
-    less_traction = {
-        "max_power_kw": None if power is None else factor * power,
-        "curve": None if curve is None else tuple((factor * speed, effort) for speed, effort in curve),
-    }
-    less_braking = {"max_power_kw": None if braking.max_power_kw is None else factor * braking.max_power_kw}
     if vehicle.line_voltage_v is not None:
         vehicle = changed(vehicle, line_voltage_v=factor * vehicle.line_voltage_v)
     return changed(
         vehicle,
-        traction=traction.model_copy(update=less_traction),
-        braking=braking.model_copy(update=less_braking),
+        traction=traction.model_copy(update=_at_lower_speed(traction, factor)),
+        braking=braking.model_copy(update=_at_lower_speed(braking, factor)),
         drive=vehicle.drive.at_voltage(factor),
     )
+
+
+def _at_lower_speed(limits: Traction | Braking, factor: float) -> dict[str, Any]:
+    """Return the limits of effort of one direction that vary with speed, all at another speed by a factor."""
+    power, curve, breakdown = limits.max_power_kw, limits.curve, limits.breakdown_speed_kmh
+    return {
+        "max_power_kw": None if power is None else factor * power,
+        "curve": None if curve is None else tuple((factor * speed, effort) for speed, effort in curve),
+        # beyond it the effort then falls with the square of the voltage, as the pull-out torque does
+        "breakdown_speed_kmh": None if breakdown is None else factor * breakdown,
+    }
 
 
 def voltage_notes(vehicle: Vehicle) -> tuple[str, ...]:
@@ -75,8 +82,8 @@ def voltage_notes(vehicle: Vehicle) -> tuple[str, ...]:
     untouched = []
     if traction.max_power_kw is None and traction.curve is None:
         untouched.append("tractive effort, as vehicle.traction has neither max_power_kw nor curve")
-    if braking.max_power_kw is None and braking.max_effort_kn != 0:
-        untouched.append("electric braking, as vehicle.braking has no max_power_kw")
+    if braking.max_power_kw is None and braking.curve is None and braking.max_effort_kn != 0:
+        untouched.append("electric braking, as vehicle.braking has neither max_power_kw nor curve")
     if not untouched:
         return ()
     model = getattr(vehicle.drive, "model", "")

@@ -71,11 +71,17 @@ def literal_run(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> 
     Raises
     ------
     StrategyRefusedError
-        If the line has stops on its way, the regulator takes too many steps, or drives no run that the train can.
+        If the line has stops on its way or the train a braking curve, the regulator takes too many steps, or drives no
+        run that the train can.
     """
     options = task.scenario.search
     if task.scenario.line.inner_stations:
         raise StrategyRefusedError("needs a line without stops between its ends for the literal regulator.")
+    if np.isfinite(task.course.permitted_deceleration_ms2):
+        # it reacts in steps of time, and would pass the curve by what it drives in one
+        raise StrategyRefusedError(
+            "needs a train without vehicle.braking.permitted_deceleration for the literal regulator."
+        )
     _require_few_steps(options.time_step_s, task.running_time_s)
     relay = _relay(options)
     regulation, curve = literal_regulation(task.course, options.stop_deceleration_ms2, relay.dead_zone_ms)

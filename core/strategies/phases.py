@@ -15,7 +15,12 @@ from railjoule.core.phase_planning.plan import PhasePlan
 from railjoule.core.phase_planning.planner import ON_TIME, PhasePlanner
 from railjoule.core.phase_planning.run import PhaseRun, lay_out
 from railjoule.core.phase_planning.tables import phase_model
-from railjoule.core.strategies.plain_line import check_accelerations, require_no_passing_points
+from railjoule.core.strategies.plain_line import (
+    check_accelerations,
+    check_speeds,
+    plain_limits_ms,
+    require_no_passing_points,
+)
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
@@ -95,6 +100,8 @@ def trajectory_of(task: Task, planner: PhasePlanner, plans: tuple[PhasePlan, ...
     price, speed2 = planner.price_of_time_w(plans[0]), np.concatenate(speeds) ** 2
     # where the line slows a coasting train down more than is allowed, no brake mends it
     check_accelerations(course, speed2)
+    # it starts and coasts by plans that know of no curve, and brakes no harder than it
+    check_speeds(course, speed2)
     return make_trajectory(
         task.scenario,
         course,
@@ -131,10 +138,10 @@ def _line_force_n(course: Course) -> float:
 
 def _top_speed_ms(course: Course) -> float:
     """Return the limit of a line that has one limit [m/s]."""
-    limits = course.data.largest_speed2
+    limits = plain_limits_ms(course)
     if np.ptp(limits) > UNEVEN * np.max(limits):
         raise StrategyRefusedError("needs a line with one speed limit from end to end.")
-    return float(np.sqrt(limits[0]))
+    return float(limits[0])
 
 
 def _sentence(plan: PhasePlan) -> str:

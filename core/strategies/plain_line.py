@@ -72,8 +72,7 @@ def plain_line(task: Task) -> PlainLine:
     if data.fixed_speed2[0] > 0 or data.fixed_speed2[-1] > 0:
         raise StrategyRefusedError("needs a run that starts and ends at rest.")
     require_no_passing_points(task)
-    vehicle_limit = (scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH) ** 2
-    if np.min(data.largest_speed2) < vehicle_limit * (1 - SAME):
+    if np.min(plain_limits_ms(course)) < scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH * (1 - SAME):
         raise StrategyRefusedError("needs a line without limits.")
     if data.drive_kind != COPPER_LOSS or data.drive_parameters[0] <= 0:
         raise StrategyRefusedError("needs a drive with copper loss.")
@@ -95,6 +94,18 @@ def plain_line(task: Task) -> PlainLine:
         loss_coefficient=float(data.drive_parameters[0]),
         notes=tuple(notes),
     )
+
+
+def plain_limits_ms(course: Course) -> FloatArray:
+    """Return the limits of a course [m/s] without a braking curve of the vehicle; shape (n,) with one, else (n + 1,).
+
+    Whether a run keeps such a curve shows once there is a run.
+    """
+    return course.cell_limit_ms if _has_braking_curve(course) else np.sqrt(course.data.largest_speed2)
+
+
+def _has_braking_curve(course: Course) -> bool:
+    return bool(np.isfinite(course.permitted_deceleration_ms2))
 
 
 def require_no_passing_points(task: Task) -> None:
@@ -119,11 +130,7 @@ def check_feasible(course: Course, speed2: FloatArray) -> None:
         With the first place where it does.
     """
     data = course.data
-    over = np.flatnonzero(speed2 > data.largest_speed2 * (1 + ALLOWED_EXCESS))
-    if len(over):
-        speed_kmh, limit_kmh = (float(np.sqrt(of[over[0]])) / MS_PER_KMH for of in (speed2, data.largest_speed2))
-        needed, allowed = distinct_numbers(speed_kmh, limit_kmh)
-        raise StrategyRefusedError(f"needs {needed} km/h, but only {allowed} km/h is allowed.")
+    check_speeds(course, speed2)
     for broken in broken_efforts(course, speed2):
         # what stands for a missing brake is none
         negligible = broken.limit < ALLOWED_EXCESS * data.traction.constant_n
@@ -134,6 +141,25 @@ def check_feasible(course: Course, speed2: FloatArray) -> None:
             f"{broken.does} with {needed} kN at {place:.0f} m, where at most {most} kN are available."
         )
     check_accelerations(course, speed2)
+
+
+def check_speeds(course: Course, speed2: FloatArray) -> None:
+    """Refuse a run that is faster than limits or a braking curve permit; errors as `check_feasible`."""
+    permitted2 = course.data.largest_speed2
+    over = np.flatnonzero(speed2 > permitted2 * (1 + ALLOWED_EXCESS))
+    if not len(over):
+        return
+    node = int(over[0])
+    speed_kmh, limit_kmh = (float(np.sqrt(of[node])) / MS_PER_KMH for of in (speed2, permitted2))
+    needed, allowed = distinct_numbers(speed_kmh, limit_kmh)
+    # of both cells that meet at the node
+    limit_ms = np.min(course.cell_limit_ms[max(node - 1, 0) : node + 1])
+    if _has_braking_curve(course) and permitted2[node] < limit_ms**2 * (1 - SAME):
+        raise StrategyRefusedError(
+            f"needs {needed} km/h at {course.position_m[node]:.0f} m, but vehicle.braking.permitted_deceleration "
+            f"permits only {allowed} km/h there."
+        )
+    raise StrategyRefusedError(f"needs {needed} km/h, but only {allowed} km/h is allowed.")
 
 
 def check_accelerations(course: Course, speed2: FloatArray) -> None:

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from railjoule.core.motion.line_profile import section_borders
+from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.charts.chart import Axis, xy
 from railjoule.dashboard.charts.label_places import Box, text_width_px
 from railjoule.dashboard.charts.line_names import Frame, Name
@@ -26,6 +27,8 @@ from railjoule.dashboard.look import words
 from railjoule.dashboard.look.comparisons import OTHER_TIME_S
 from railjoule.dashboard.look.paint import Palette
 
+BRAKING, BRAKING_WORDS = "braking", "braking curve"
+"""The source of the speed permitted by braking curves, and what it is called."""
 SIGN_PX = 11
 # over the highest limit or speed: the sign of a limit stands above its line
 HEADROOM = 1.16
@@ -41,10 +44,13 @@ class SpeedChart(RunChart):
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
         super().__init__(SPEED, height, axis, palette, form=Form(ticks=5))
         self._limits: Curve = np.zeros(0), np.zeros(0)
+        self._braking: Curve | None = None
+        """What is drawn: the permitted speed, on the limits but where a braking curve is lower."""
 
     def beneath(self) -> None:
         """Draw the limits beneath the lines."""
         add_limits(self)
+        self.line(BRAKING, "limit", line_width=1, line_dash=[4, 2])
         super().beneath()
 
     def above(self) -> None:
@@ -77,6 +83,7 @@ class SpeedChart(RunChart):
     def draw(self, scene: RunScene) -> None:
         """Draw limits, runs and names."""
         self._draw_limits(scene)
+        self._draw_braking_curve(scene)
         draw_passing_points(self, scene.run.scenario.line.in_running_order(), scene.x_of_place)
         lines = self.draw_runs(scene)
         self._tell_cursor(scene)
@@ -104,6 +111,8 @@ class SpeedChart(RunChart):
             ["limit", self.sources["limit"], "x", "y", self.unit, 0],
             ["gradient", self.sources["gradient"], "x", "y", words.PER_MILLE, 1],
         ]
+        if self._braking is not None:
+            self.told["sources"].append([BRAKING_WORDS, self.sources[BRAKING], "x", "y", self.unit, 0])
         if fastest is not None and scene.chosen != "fastest":
             # its line may be hidden: it is not drawn before it is ticked
             self.axis.columns("fastest").take(fastest, {x.name: x.values(fastest), SPEED.name: self.values(fastest)})
@@ -122,12 +131,25 @@ class SpeedChart(RunChart):
             "signs", **xy(x[:-1][fits], limits[fits]), text=[text for text, fit in zip(texts, fits, strict=True) if fit]
         )
 
+    def _draw_braking_curve(self, scene: RunScene) -> None:
+        """Draw the speed that the braking curves before limits and stops permit, where the vehicle has such a curve."""
+        permitted = scene.run.permitted_speed_ms
+        if permitted is None:
+            self._braking = None
+            self.clear(BRAKING)
+            return
+        self._braking = scene.x(scene.run), permitted / MS_PER_KMH
+        self.put(BRAKING, **xy(*self._braking))
+
     def _draw_names(self, scene: RunScene, lines: Mapping[str, Curve]) -> None:
         """Name the lines where nothing else is, the chosen one first."""
         frame = self.frame_now
         taken = [box for source, lift_px in SIGN_LIFTS_PX.items() for box in self._sign_boxes(frame, source, lift_px)]
         # against the order of drawing: what lies on top is named first
         names = [Name(name, line_words(name, scene), self.name_colour(name)) for name in reversed(list(lines))]
+        if self._braking is not None:
+            names.append(Name(BRAKING, BRAKING_WORDS, self.palette.tokens["limit"]))
+            lines = {**lines, BRAKING: last_descent(self._braking)}
         self.place_names({**lines, "limit": self._limits}, names, taken)
 
     def _sign_boxes(self, frame: Frame, source: str, lift_px: float) -> list[Box]:
@@ -137,3 +159,12 @@ class SpeedChart(RunChart):
             frame.box(x, y, text, SIGN_PX, lift_px=lift_px)
             for x, y, text in zip(signs["x"], signs["y"], signs["text"], strict=True)
         ]
+
+
+def last_descent(line: Curve) -> Curve:
+    """Return the part of a line that falls up to its end; all of it where it does not fall there."""
+    x, y = line
+    # elsewhere a braking curve lies on the limits, and its name would name those
+    rises = np.flatnonzero(np.diff(y) >= 0)
+    first = int(rises[-1]) + 1 if len(rises) else 0
+    return (x[first:], y[first:]) if first < len(x) - 1 else line

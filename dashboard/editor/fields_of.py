@@ -70,6 +70,7 @@ SMALL_UNIT = re.compile(r" \[[^\[\]]+\]")
 """The unit in a description: the label says it already."""
 POINT_COLUMNS: Mapping[str, tuple[str, ...]] = {
     "curve": ("speed_kmh", "effort_kn"),
+    "permitted_deceleration": ("speed_kmh", "deceleration_ms2"),
     "points": MAP_COLUMNS,
 }
 """Names for the columns of lists whose rows are plain lists of numbers."""

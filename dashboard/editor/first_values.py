@@ -11,7 +11,15 @@ from railjoule.core.scenario.drive import DriveParameters
 Row = dict[str, Any]
 
 FIRST_LIMIT_KMH, FIRST_STOP_S, FIRST_EFFORT_KN, FIRST_PASS_KMH = 50.0, 30.0, 100.0, 30.0
-RISING = {"line.stations": "position_m", "line.passing_points": "position_m", "vehicle.traction.curve": "speed_kmh"}
+FIRST_DECELERATION_MS2 = 0.7
+"""Of a first braking curve; service braking of passenger trains."""
+RISING = {
+    "line.stations": "position_m",
+    "line.passing_points": "position_m",
+    "vehicle.traction.curve": "speed_kmh",
+    "vehicle.braking.curve": "speed_kmh",
+    "vehicle.braking.permitted_deceleration": "speed_kmh",
+}
 """Tables whose rows must rise, and in what."""
 OF_ITS_PLACE = ("name", "arrival_s", "earliest_arrival_s", "latest_arrival_s")
 """What a new row between two others does not take from the one above it: it belongs to that place alone."""
@@ -52,9 +60,10 @@ def drive_of_kind(model: str, before: DriveParameters) -> Row:
 
 def first_rows(table: str, scenario: Scenario) -> list[Row]:
     """Return the rows that an empty table begins with; its key is a dotted path."""
-    length, traction = scenario.line.length_m, scenario.vehicle.traction
+    length, traction, braking = scenario.line.length_m, scenario.vehicle.traction, scenario.vehicle.braking
     stretch = {"from_m": float(round(length / 3)), "to_m": float(round(2 * length / 3)), "limit_kmh": FIRST_LIMIT_KMH}
     effort = traction.max_effort_kn or FIRST_EFFORT_KN
+    electric = braking.max_effort_kn or effort
     rows: Mapping[str, list[Row]] = {
         "line.speed_limits": [stretch],
         "line.passing_points": [_first_passing_point(scenario)],
@@ -67,6 +76,13 @@ def first_rows(table: str, scenario: Scenario) -> list[Row]:
         "vehicle.traction.curve": [
             {"speed_kmh": 0.0, "effort_kn": effort},
             {"speed_kmh": traction.max_speed_kmh, "effort_kn": effort},
+        ],
+        "vehicle.braking.curve": [
+            {"speed_kmh": 0.0, "effort_kn": electric},
+            {"speed_kmh": traction.max_speed_kmh, "effort_kn": electric},
+        ],
+        "vehicle.braking.permitted_deceleration": [
+            {"speed_kmh": 0.0, "deceleration_ms2": braking.max_deceleration_ms2 or FIRST_DECELERATION_MS2}
         ],
     }
     return rows.get(table, [])

@@ -347,6 +347,12 @@ TRAIN = (
         ("Braking, m/s\u00b2", "Target curve, m/s\u00b2"),
     ),
     Term(
+        "Braking curve",
+        "The speed that train protection permits before a lower limit or a stop: it ends there and rises backwards "
+        "with the permitted deceleration.",
+        ("Permitted deceleration",),
+    ),
+    Term(
         "Storage power",
         "How fast the storage takes and gives energy; braking above it is lost in resistors.",
         ("Power, kW",),

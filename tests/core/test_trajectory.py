@@ -246,3 +246,13 @@ def test_an_electric_brake_that_would_draw_power_leaves_it_to_friction():
     fast = mean_speed > 2 * coefficient * by_motors.electric_braking_n
     assert 0 < np.count_nonzero(~fast) < 8
     assert np.array_equal(by_both.electric_braking_n[fast], by_motors.electric_braking_n[fast])
+
+
+def test_the_permitted_speed_ends_at_a_stop_and_begins_anew_behind_it():
+    """At 0.5 m/s2: 10 m/s 100 m before the stop, and from there 1100 m to the end, the limit of 100 km/h."""
+    run = solve(plain_scenario({**DWELL, "vehicle.braking.permitted_deceleration": [[0, 0.5]]}), "fastest")
+    permitted = run.permitted_speed_ms
+    assert permitted[np.argmin(np.abs(run.position_m - 800))] == pytest.approx(10)
+    assert permitted[run.position_m == 900.0].tolist() == [0.0, pytest.approx(100 / 3.6)]
+    assert permitted[[0, -1]].tolist() == [pytest.approx(100 / 3.6), 0.0]
+    assert solve(plain_scenario(DWELL), "fastest").permitted_speed_ms is None

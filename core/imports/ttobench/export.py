@@ -87,7 +87,8 @@ def export_train(scenario: Scenario) -> ExportedFile:
     weight_kn = vehicle.total_mass_kg * STANDARD_GRAVITY_MS2 / N_PER_KN
     over_weight, terms = vehicle.specific_resistance, vehicle.resistance
     # without an electric brake there is no power either
-    electric_kn = effort if braking.max_effort_kn is None else braking.max_effort_kn
+    strongest = [braking.max_effort_kn, max((force for _, force in braking.curve or ()), default=None)]
+    electric_kn = min((one for one in strongest if one is not None), default=effort)
     electric_kw = 0.0 if electric_kn == 0 else power if braking.max_power_kw is None else braking.max_power_kw
     quantities: dict[str, tuple[float | None, str]] = {
         "num coaches": (vehicle.car_count, "-"),
@@ -129,8 +130,11 @@ def _traction(vehicle: Vehicle) -> tuple[float, float, list[str]]:
     efforts = [traction.max_effort_kn, max((force for _, force in curve), default=None)]
     powers = [traction.max_power_kw, max((force * speed * MS_PER_KMH for speed, force in curve), default=None)]
     effort, power = (min((one for one in given if one is not None), default=None) for given in (efforts, powers))
-    if curve:
-        lost.append("traction.curve: a train has its largest effort and power alone.")
+    for name, limits in (("traction", traction), ("braking", vehicle.braking)):
+        if limits.curve:
+            lost.append(f"{name}.curve: a train has its largest effort and power alone.")
+        if limits.breakdown_speed_kmh is not None:
+            lost.append(f"{name}.breakdown_speed_kmh = {limits.breakdown_speed_kmh:g}: its power stays beyond it.")
     if effort is None or power is None:
         name = "max_effort_kn" if effort is None else "max_power_kw"
         raise ScenarioError(f"vehicle.traction.{name} is missing, and a train of TTOBench needs it.")
@@ -155,6 +159,8 @@ def _efficiencies(vehicle: Vehicle) -> tuple[dict[str, tuple[float | None, str]]
 
 def _without_place(vehicle: Vehicle) -> list[str]:
     lost = []
+    if vehicle.braking.permitted_deceleration:
+        lost.append("braking.permitted_deceleration: a train has no braking curve.")
     if vehicle.auxiliary_power_kw:
         lost.append(f"auxiliary_power_kw = {vehicle.auxiliary_power_kw:g}.")
     if vehicle.resistance.curve_constant_m_n_per_kn:

@@ -291,6 +291,11 @@ STRICTER: list[tuple[str, dict[str, Any]]] = [
     ("curve of tractive effort", {"vehicle.traction.curve": [[0, 60], [100, 10]]}),
     ("electric braking effort", {"vehicle.braking.max_effort_kn": 30.0}),
     ("electric braking power", {"vehicle.braking.max_power_kw": 200.0}),
+    ("breakdown of tractive effort", {"vehicle.traction.breakdown_speed_kmh": 20.0}),
+    ("curve of electric braking effort", {"vehicle.braking.curve": [[0, 40], [100, 10]]}),
+    ("breakdown of electric braking effort", {"vehicle.braking.breakdown_speed_kmh": 20.0}),
+    ("braking curve", {"vehicle.braking.permitted_deceleration": [[0, 0.3]]}),
+    ("braking curve", {"vehicle.braking.permitted_deceleration": [[0, 2.0], [36, 0.2]]}),
     ("line power", {"drive.recuperation_factor": 0.6}),
     ("line power", {"drive.resistance_ohm": 0.1001}),
     ("line power", {"vehicle.auxiliary_power_kw": 21.0}),
@@ -301,6 +306,18 @@ STRICTER: list[tuple[str, dict[str, Any]]] = [
 @pytest.mark.parametrize(("rule", "changes"), STRICTER)
 def test_a_run_of_another_scenario_breaks_the_rule(run, rule, changes):
     assert rule in broken(run.scenario.with_(**changes), run)
+
+
+def test_a_braking_curve_is_held_against_the_distance_that_is_left():
+    """From any speed 0.49 m/s2 take longer than 0.5 m/s2 by 1 - 0.49 / 0.5 of their own distance."""
+    changes = {"vehicle.braking": {"max_effort_kn": 80.0, "permitted_deceleration": [[0, 0.5]]}}
+    run = solve(plain_scenario(changes), "fastest")
+    found = {rule.name: rule.largest for rule in check_run(run.scenario, run).checks}
+    assert found["braking curve"] < 1e-9
+    # the run along a curve of 0.5 m/s2, under one of 0.49
+    stricter = run.scenario.with_(**{"vehicle.braking.permitted_deceleration": [[0, 0.49]]})
+    breach = broken(stricter, run)["braking curve"]
+    assert breach.largest == pytest.approx(1 - 0.49 / 0.5, rel=1e-6)
 
 
 def test_a_tunnel_that_the_run_does_not_know_breaks_the_balance_of_forces(run):

@@ -178,3 +178,37 @@ def test_a_speed_that_is_no_number_leads_out_of_no_table():
 def test_a_lowered_limit_is_lower_at_every_speed(changes):
     traction, _ = limits(changes)
     assert traction.lowered(0.01).effort_n(SPEEDS) == pytest.approx(0.99 * traction.effort_n(SPEEDS), rel=1e-12)
+
+
+def test_a_curve_of_the_electric_brake_is_followed_and_then_keeps_its_power():
+    _, braking = limits({"vehicle.braking": {"curve": [[0, 0], [10, 60], [60, 60]]}})
+    speeds = SPEEDS[SPEEDS < 60 / 3.6]
+    assert_just_below(braking.effort_n(speeds), 1e3 * np.interp(3.6 * speeds, [0, 10, 60], [0, 60, 60]))
+    assert braking.constant_n == 60e3
+    beyond = np.array([70, 99]) / 3.6
+    assert braking.effort_n(beyond) * beyond == pytest.approx(60e3 * 60 / 3.6, rel=1e-5)
+
+
+@pytest.mark.parametrize("table", ["traction", "braking"])
+@pytest.mark.parametrize(
+    ("own", "at_breakdown_kn"),
+    [
+        ({"max_effort_kn": 80.0, "max_power_kw": 1000.0}, 60.0),
+        ({"max_effort_kn": 40.0, "max_power_kw": 1000.0}, 40.0),
+        ({"curve": [[0, 90], [60, 45], [100, 40]]}, 45.0),
+    ],
+    ids=["beyond the corner", "before the corner", "curve"],
+)
+def test_beyond_the_breakdown_the_effort_falls_with_the_square_of_the_speed(table, own, at_breakdown_kn):
+    """At 60 km/h, 1000 kW are 60 kN; at 90 km/h, 4/9 of the effort at 60 km/h is left."""
+    changes = {"max_effort_kn": None, "breakdown_speed_kmh": 60.0, **own}
+    more = {"max_speed_kmh": 100.0} if table == "traction" else {}
+    both = limits({f"vehicle.{table}": {key: it for key, it in {**changes, **more}.items() if it is not None}})
+    limit = both[table == "braking"]
+    beyond = np.array([60.001, 75.0, 90.0, 100.0])
+    assert limit.effort_n(beyond / 3.6) == pytest.approx(1e3 * at_breakdown_kn * (60 / beyond) ** 2, rel=2e-5)
+    before = np.array([10.0, 30.0, 50.0])
+    efforts = [min(own.get("max_effort_kn", 1e3), own.get("max_power_kw", 1e6) / (kmh / 3.6)) for kmh in before]
+    if "curve" in own:
+        efforts = np.interp(before, [0, 60, 100], [90, 45, 40])
+    assert limit.effort_n(before / 3.6) == pytest.approx(1e3 * np.array(efforts), rel=2e-5)

@@ -39,6 +39,8 @@ changes = st.fixed_dictionaries(
         "vehicle.traction.max_power_kw": numbers(0, 1e5, exclude_min=True),
         "vehicle.traction.curve": st.just([[0, 80], [50.5, 60], [90, 20.25]]),
         "vehicle.braking.friction_effort_kn": numbers(0, 1e4),
+        "vehicle.braking.curve": st.just([[0, 20], [10, 70.5], [90, 30]]),
+        "vehicle.braking.permitted_deceleration": st.just([[0, 0.7], [60.5, 0.55]]),
         "drive.recuperation_factor": numbers(0, 1),
         "drive.braking_efficiency": numbers(0, 1, exclude_min=True),
         "line.name": st.text(st.characters(exclude_categories=["Cs"]), max_size=40),

@@ -112,6 +112,38 @@ CASES = {
         {"vehicle.traction.curve": [[0, 0], [50, 0]]},
         "vehicle.traction.curve must have an effort above 0.",
     ),
+    "brake that falls back": (
+        {"vehicle.braking.curve": [[0, 100], [50, 80], [50, 60]]},
+        "vehicle.braking.curve must have rising speeds.",
+    ),
+    "brake of no effort": (
+        {"vehicle.braking.curve": [[0, 0], [50, 0]]},
+        "vehicle.braking.curve must have an effort above 0.",
+    ),
+    "breakdown of nothing": (
+        {"vehicle.braking": {"breakdown_speed_kmh": 60}},
+        "vehicle.braking.breakdown_speed_kmh needs max_effort_kn, max_power_kw or curve.",
+    ),
+    "braking curve that begins in motion": (
+        {"vehicle.braking.permitted_deceleration": [[5, 0.7]]},
+        "vehicle.braking.permitted_deceleration begins at 5 km/h, but must begin at 0.",
+    ),
+    "braking curve that falls back": (
+        {"vehicle.braking.permitted_deceleration": [[0, 0.7], [50, 0.6], [40, 0.5]]},
+        "vehicle.braking.permitted_deceleration must have rising speeds.",
+    ),
+    "braking curve that never stops": (
+        {"vehicle.braking.permitted_deceleration": [[0, 0.7], [50, 0]]},
+        "vehicle.braking.permitted_deceleration[1][1] = 0 must be above 0.",
+    ),
+    "braking curve of nothing": (
+        {"vehicle.braking.permitted_deceleration": []},
+        "vehicle.braking.permitted_deceleration is empty.",
+    ),
+    "braking curve of too many steps": (
+        {"vehicle.braking.permitted_deceleration": [[k, 0.7] for k in range(101)]},
+        "vehicle.braking.permitted_deceleration has more than 100 entries.",
+    ),
     "cars without a length": ({"vehicle.car_count": 3}, "vehicle.car_count needs length_m."),
     "inertia below the mass": (
         {"vehicle.inertial_mass_kg": 5e4},

@@ -40,6 +40,20 @@ def test_a_curve_of_effort_is_pressed_together_along_the_speed():
     assert actual_vehicle(scenario).vehicle.traction.curve == ((0.0, 200.0), (15.0, 200.0), (30.0, 100.0), (40.0, 60.0))
 
 
+def test_the_electric_brakes_curve_and_the_breakdown_move_with_the_voltage():
+    """Beyond the breakdown the effort goes with the square of the voltage: a quarter at half of it."""
+    changes = {
+        "vehicle.braking": {"curve": [[0, 100], [40, 100], [80, 50]], "breakdown_speed_kmh": 60},
+        "disturbance.line_voltage_factor": 0.5,
+    }
+    scenario = load_scenario("liashenko-i").with_(**changes)
+    braking = actual_vehicle(scenario).vehicle.braking
+    assert (braking.curve, braking.breakdown_speed_kmh) == (((0.0, 100.0), (20.0, 100.0), (40.0, 50.0)), 30.0)
+    plan, real = build_course(scenario).data, build_course(actual_vehicle(scenario)).data
+    assert real.braking.effort_n(20.0) == pytest.approx(plan.braking.effort_n(20.0) / 4, rel=1e-5)
+    assert not any("electric braking" in note for note in voltage_notes(scenario.vehicle))
+
+
 def test_head_wind_costs_energy_and_less_voltage_costs_time():
     scenario = load_scenario("liashenko-ii")
     windy = simulate_following(scenario.with_(**{"disturbance.resistance_factor": 1.2}))

@@ -1,3 +1,5 @@
+import re
+
 import numpy as np
 import pytest
 from builders import INDUCTION, plain_scenario
@@ -203,3 +205,17 @@ def test_many_events_are_taken_as_they_come():
 def test_events_that_cannot_be(disturbance, sentence):
     with pytest.raises(ScenarioError, match=sentence):
         simulate_disturbances(metro(**disturbance))
+
+
+def test_a_stop_noticed_within_its_braking_curve_is_made_with_all_brakes_until_the_curve_is_met():
+    """120 m before the stop 0.5 m/s2 permit the root of 120 in m/s; the train is faster, and its brakes stronger."""
+    stop = {"position_m": 1000.0, "duration_s": 20.0, "noticed_at_m": 880.0, "reaction": "driver"}
+    changes = {"vehicle.braking.permitted_deceleration": [[0, 0.5]], "disturbance.stops": [stop]}
+    run = simulate_disturbances(load_scenario("liashenko-ii", changes))
+    (slow_m,) = (
+        float(re.search(r"slow enough only at (\d+) m", note)[1]) for note in run.notes if "slow enough" in note
+    )
+    place, speed = run.actual.position_m, run.actual.speed_ms
+    assert np.interp(880.0, place, speed) > np.sqrt(120.0)
+    after = (place >= slow_m + 1.0) & (place <= 1000.0)
+    assert (speed[after] <= np.sqrt(1000.0 - place[after]) * (1 + 1e-6) + 1e-9).all()

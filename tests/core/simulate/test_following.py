@@ -119,3 +119,11 @@ def test_a_hill_that_the_real_load_cannot_climb():
 def test_bad_input_is_one_sentence(changes, words):
     with pytest.raises(ScenarioError, match=words):
         simulate_following(plain_scenario(changes))
+
+
+def test_the_actual_train_has_the_braking_curve_of_its_plan():
+    """Without a disturbance it drives the plan, and so keeps the curve."""
+    curve = {"vehicle.braking.permitted_deceleration": [[0, 0.6]]}
+    followed = simulate_following(load_scenario("liashenko-ii", curve))
+    for run in (followed.planned, followed.actual):
+        assert (run.speed_ms <= run.permitted_speed_ms * (1 + 1e-6)).all()

@@ -52,8 +52,9 @@ def test_an_inner_limit_and_copper_loss(name, share):
         {"vehicle.traction.curve": [[0, 100], [40, 90], [100, 30]], "vehicle.auxiliary_power_kw": 40.0},
         {"timetable.travel_time_s": 111.0},
         {"timetable.travel_time_s": 900.0},
+        {"vehicle.braking.permitted_deceleration": [[0, 0.35], [50, 0.25]], "timetable.travel_time_s": 170.0},
     ],
-    ids=["stop", "acceleration", "friction", "curve", "tight", "slow"],
+    ids=["stop", "acceleration", "friction", "curve", "tight", "slow", "braking curve"],
 )
 def test_whatever_a_scenario_may_ask(changes):
     scenario = plain_scenario(changes)
@@ -62,6 +63,8 @@ def test_whatever_a_scenario_may_ask(changes):
     assert run.energy.net_j - optimum.energy.net_j < 0.002 * max(optimum.energy.net_j, 0.1 * kinetic)
     assert run.travel_time_s <= scenario.travel_time_s + 1e-3
     assert abs(run.energy.imbalance) < 1e-9
+    permitted_ms = run.permitted_speed_ms
+    assert permitted_ms is None or (run.speed_ms <= permitted_ms * (1 + 1e-7)).all()
 
 
 @pytest.mark.parametrize("seed", range(24))

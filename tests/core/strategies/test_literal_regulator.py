@@ -98,3 +98,9 @@ def test_a_train_that_comes_to_rest_for_ever_is_given_up():
     """After three times its timetable's 220 s."""
     with pytest.raises(StrategyRefusedError, match=r"does not arrive within 660 s with the literal regulator"):
         speed_limits(prepare_task(scenario_from_document(COMES_TO_REST_FOR_EVER)))
+
+
+def test_it_knows_no_braking_curve():
+    sentence = r"^needs a train without vehicle\.braking\.permitted_deceleration for the literal regulator\.$"
+    with pytest.raises(StrategyRefusedError, match=sentence):
+        literal({"vehicle.braking.permitted_deceleration": [[0, 0.5]]})

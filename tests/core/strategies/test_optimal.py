@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from random_scenarios import random_run
 
-from railjoule.core import SolverError, load_scenario, solve
+from railjoule.core import SolverError, check_run, load_scenario, solve
 from railjoule.core.bounds import minimise, work_floor_j
 from railjoule.core.bounds.minimum import TOLERANCE
 from railjoule.core.scenario import scenario_from_document
@@ -256,3 +256,17 @@ def test_where_both_fail_the_first_failure_is_told(monkeypatch):
     monkeypatch.setattr(import_module("railjoule.core.strategies.optimal"), "bellman", fails)
     with pytest.raises(SolverError, match="the optimum was not found within 250 iterations"):
         optimal(prepare_task(plain_scenario()))
+
+
+@pytest.mark.parametrize("steps", [[[0, 0.35]], [[0, 0.4], [30, 0.25]], [[0, 0.25], [30, 0.4]]])
+def test_a_braking_curve_is_kept_and_the_optimum_proven(steps):
+    curve = {"vehicle.braking.permitted_deceleration": steps, "timetable.travel_time_s": 270.0}
+    task = prepare_task(plain_scenario(EVERYTHING | curve))
+    run = run_strategy(task, "optimal")
+    assert abs(run.gap) < PROVEN_GAP
+    assert check_run(run.scenario, run).ok
+    permitted = run.permitted_speed_ms
+    assert (run.speed_ms <= permitted * (1 + 1e-7)).all()
+    # it binds: without it the same time takes less
+    free = minimise(prepare_task(plain_scenario(EVERYTHING | {"timetable.travel_time_s": 270.0})))
+    assert free.energy_j < minimise(task).energy_j

@@ -359,3 +359,29 @@ def test_a_time_that_only_the_phases_cannot_keep():
     )
     assert float(words[2]) == pytest.approx(shortest, abs=0.06)
     assert solve(scenario.with_(**{"timetable.travel_time_s": float(words[1])}), "phases").energy_kwh > 0
+
+
+@pytest.mark.parametrize("steps", [[[0, 0.4]], [[0, 0.6], [40, 0.4]]], ids=["one", "two"])
+def test_braking_keeps_to_the_braking_curve(steps):
+    """One deceleration is driven all the way down; of two the least, which is under both."""
+    scenario = plain_scenario(
+        {"vehicle.braking.permitted_deceleration": steps, "timetable.travel_time_s": 160.0, "solver.mesh_m": 20.0}
+    )
+    run = solve(scenario, "phases")
+    assert check_run(scenario, run).ok
+    slowest = np.min(0.5 * np.diff(run.speed_ms**2) / np.diff(run.position_m))
+    assert slowest == pytest.approx(-0.4, rel=2e-5)
+
+
+def test_the_tables_error_does_not_pass_the_braking_curve():
+    """Without a margin this run is above its curve by a millionth: 37.6921 km/h where 37.692 is permitted."""
+    curve = {"vehicle.braking.permitted_deceleration": [[0, 0.26286569959590633]]}
+    scenario = any_task(142).scenario.with_(**curve, timetable={"travel_time_s": 242.35587847209638})
+    assert check_run(scenario, solve(scenario, "phases")).ok
+
+
+def test_a_coasting_train_that_slows_down_faster_than_its_braking_curve_is_refused():
+    changes = {"line.sections": [{"length_m": 2000.0, "gradient_permille": 40.0}], "timetable.travel_time_s": 300.0}
+    curve = "vehicle.braking.permitted_deceleration"
+    with pytest.raises(StrategyRefusedError, match=rf"^needs a line on which .* slows down by less than {curve} = 0.3"):
+        solve(plain_scenario(changes | {curve: [[0, 0.3]]}), "phases")

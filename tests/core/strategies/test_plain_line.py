@@ -148,3 +148,16 @@ def test_the_first_cell_that_accelerates_too_much_is_named_with_its_acceleration
     assert (slowing.does, slowing.cell, slowing.limit) == ("slows down", 4, 0.1)
     assert slowing.reached == pytest.approx(3.5 / length[4])
     assert broken_accelerations(course, np.full(course.cell_count + 1, 9.0)) == []
+
+
+def test_a_run_above_the_braking_curve_is_refused_with_the_key():
+    """v^2 of 0.4 x meets 0.2 (2000 - x) at 667 m: at the next node the roots of 268 and 266 m2/s2."""
+    curve = {"vehicle.braking.permitted_deceleration": [[0, 0.1]]}
+    task = prepare_task(plain_scenario({**COPPER, **curve, "timetable.travel_time_s": 400.0}))
+    # the curve is no limit of the line
+    assert plain_line(task).distance_m == 2000.0
+    with pytest.raises(StrategyRefusedError) as refusal:
+        check_feasible(task.course, triangle(task.course, 20.0))
+    assert str(refusal.value) == (
+        "needs 58.93 km/h at 670 m, but vehicle.braking.permitted_deceleration permits only 58.71 km/h there."
+    )

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from builders import HILLS, plain_scenario
 
-from railjoule.core import ScenarioError, StrategyRefusedError, load_scenario, solve
+from railjoule.core import ScenarioError, StrategyRefusedError, check_run, load_scenario, solve
 from railjoule.core.strategies import compare, prepare_task
 from railjoule.core.strategies.speed_limits import section_boundaries, speed_limits_with_search
 
@@ -98,3 +98,21 @@ def test_the_bound_lies_below_every_run():
     tight = load_scenario("kharkiv-like-40kmh")
     bound = solve(tight, "optimal").lower_bound_kwh
     assert bound < solve(tight, "bellman").energy_kwh < solve(tight).energy_kwh
+
+
+@pytest.mark.parametrize("regulator", ["brake", "coast"])
+def test_set_speeds_under_a_braking_curve(regulator):
+    """Its regulator brakes ahead with one deceleration, the least of the curve."""
+    scenario = plain_scenario(
+        {
+            "vehicle.braking.permitted_deceleration": [[0, 0.5], [40, 0.35]],
+            "line.speed_limits": [{"from_m": 900.0, "to_m": 1100.0, "limit_kmh": 45.0}],
+            "search.boundaries_m": [700.0, 1300.0],
+            "search.regulator": regulator,
+            "search.limits_kmh": [60.0, 50.0, 65.0],
+            "timetable.travel_time_s": 220.0,
+        }
+    )
+    run = solve(scenario, "speed_limits")
+    assert check_run(scenario, run).ok
+    assert (run.speed_ms <= run.permitted_speed_ms * (1 + 1e-7)).all()

@@ -182,6 +182,8 @@ def test_a_line_too_short_for_its_limit_is_refused(model: ScenarioModel, editor:
         "disturbance.voltage_changes",
         "disturbance.recuperation_changes",
         "vehicle.traction.curve",
+        "vehicle.braking.curve",
+        "vehicle.braking.permitted_deceleration",
     ],
 )
 def test_rows_can_be_added_to_every_table(editor: EditorModel, key: str) -> None:

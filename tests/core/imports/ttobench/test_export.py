@@ -76,3 +76,12 @@ def test_a_train_whose_motors_alone_limit_it_cannot_be_told():
         ScenarioError, match=r"^vehicle.traction.max_power_kw is missing, and a train of TTOBench needs"
     ):
         export_train(SCENARIO.with_(**{"vehicle.traction.max_power_kw": None}))
+
+
+def test_braking_curves_have_no_place():
+    """The electric brake's largest effort is that of its curve."""
+    changes = {"braking": {"curve": [[0, 80], [60, 120]], "permitted_deceleration": [[0, 0.7]]}}
+    exported = export_train(SCENARIO.with_(**{f"vehicle.{key}": it for key, it in changes.items()}))
+    assert exported.document["max reg braking force"]["value"] == 120
+    assert exported.lost[0] == "braking.curve: a train has its largest effort and power alone."
+    assert "braking.permitted_deceleration: a train has no braking curve." in exported.lost

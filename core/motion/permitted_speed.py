@@ -1,0 +1,100 @@
+"""The braking curve of train protection: the permitted speed before each lower limit, stop and prescribed speed.
+
+The curve ends at a place with the speed that holds there, and rises backwards with a deceleration a(v) that steps with
+speed: dv^2/dx = -2 a(v), so that v^2 is linear over distance between the steps. It limits the speed over place and no
+effort: where the brakes are weaker, they govern. Stepwise decelerations as in UNISIG SUBSET-026, 3.13.
+
+A run has v^2 linear within a cell, the curve has a corner in each cell in which it passes a step. A run shall nowhere
+be above the curve, so that the steepest line within the cell that stays below the curve is taken. Nodes are then exact
+where the deceleration falls with rising speed. Where it rises from a to b, v^2 is too low by less than 2 (b - a) h for
+a cell of length h, from there backwards up to where a limit is lower: an error on the safe side, of the order of h.
+"""
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray
+from railjoule.core.compiled import njit
+from railjoule.core.scenario import Vehicle
+from railjoule.core.units import MS_PER_KMH
+
+
+def permitted_speed2(
+    vehicle: Vehicle, cell_length_m: FloatArray, largest_speed2: FloatArray, fixed_speed2: FloatArray
+) -> FloatArray:
+    """Return the largest squares of speed at the nodes under limits and, where the vehicle has one, a braking curve.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+        With `braking.permitted_deceleration`, or without.
+    cell_length_m : array of shape (n,)
+        Lengths of the cells [m].
+    largest_speed2 : array of shape (n + 1,)
+        Squares of the limits at the nodes [m2/s2].
+    fixed_speed2 : array of shape (n + 1,)
+        Squares of prescribed speeds [m2/s2], negative where there is none. The curve before such a node ends there;
+        the node itself keeps what is permitted but for it, so that a speed that is asked for in vain is seen.
+
+    Returns
+    -------
+    array of shape (n + 1,)
+        Squares of speed [m2/s2].
+    """
+    steps = vehicle.braking.permitted_deceleration
+    if steps is None:
+        return largest_speed2
+    speeds_kmh, decelerations_ms2 = np.array(steps, dtype=float).T
+    return _under_curve(
+        cell_length_m, largest_speed2, fixed_speed2, (speeds_kmh * MS_PER_KMH) ** 2, 1.0 * decelerations_ms2
+    )
+
+
+def least_permitted_deceleration_ms2(vehicle: Vehicle) -> float:
+    """Return the least deceleration of a vehicle's braking curve [m/s2], infinite where it has none.
+
+    Braking at this rate towards a place on the curve stays under the curve.
+    """
+    return min((deceleration for _, deceleration in vehicle.braking.permitted_deceleration or ()), default=np.inf)
+
+
+@njit(cache=True)
+def _under_curve(
+    cell_length_m: FloatArray,
+    largest_speed2: FloatArray,
+    fixed_speed2: FloatArray,
+    from_speed2: FloatArray,
+    deceleration_ms2: FloatArray,
+) -> FloatArray:
+    """Return `permitted_speed2` for steps that begin at squares of speed, from 0 up [m2/s2]."""
+    permitted = largest_speed2.copy()
+    # backwards, as what a place permits depends on what lies ahead alone
+    for i in range(cell_length_m.shape[0] - 1, -1, -1):
+        leaving = permitted[i + 1]
+        if fixed_speed2[i + 1] >= 0.0:
+            leaving = min(leaving, fixed_speed2[i + 1])
+        rise = _rise_under_curve(cell_length_m[i], leaving, from_speed2, deceleration_ms2)
+        permitted[i] = min(permitted[i], leaving + rise)
+    return permitted
+
+
+@njit(cache=True)
+def _rise_under_curve(
+    length_m: float, leaving_speed2: float, from_speed2: FloatArray, deceleration_ms2: FloatArray
+) -> float:
+    """Return by how much v^2 may be higher a length before a square of speed, on a line under the curve [m2/s2]."""
+    step, last = 0, from_speed2.shape[0] - 1
+    # the curve above a step's speed has its deceleration: on the step itself the next one begins
+    while step < last and from_speed2[step + 1] <= leaving_speed2:
+        step += 1
+    speed2, back, least = leaving_speed2, 0.0, np.inf
+    while step < last:
+        needed = (from_speed2[step + 1] - speed2) / (2.0 * deceleration_ms2[step])
+        if back + needed >= length_m:
+            break
+        back += needed
+        step += 1
+        speed2 = from_speed2[step]
+        # a line under the curve is under each of its corners
+        least = min(least, (speed2 - leaving_speed2) / back)
+    rise: float = speed2 + 2.0 * deceleration_ms2[step] * (length_m - back) - leaving_speed2
+    return min(rise, least * length_m)
