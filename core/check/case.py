@@ -24,6 +24,9 @@ OFF_SHARE = 1e-6
 # a weak brake behind strong motors: what is rounding of the one's effort is not much of the other's
 OFF_SHARE_OF_MOST = 1e-7
 """The same of the largest tractive effort that the vehicle has."""
+# places are told to less than a micrometre
+SAME_PLACE_M = 1e-5
+"""A node this close to a border lies on it."""
 # a table's error is one of its scale, so towards no loss a share of the loss itself would be stricter than any table
 SMALL_LOSS_SHARE = 0.1
 """Losses below this share of the largest are known no better than those."""
@@ -200,8 +203,17 @@ class Case:
         return unsure
 
     @cached_property
+    def neutral(self) -> BoolArray:
+        """Where some of the cell lies in a neutral section."""
+        start, end = self._ends_m
+        neutral = np.zeros(len(start), dtype=bool)
+        for begins, ends in self.route.neutral:
+            neutral |= np.minimum(end, ends) - np.maximum(start, begins) > SAME_PLACE_M
+        return neutral
+
+    @cached_property
     def electric_limit_n(self) -> FloatArray:
-        """Largest effort of the electric brake, within the limits of vehicle and motors [N]."""
+        """Largest effort of the electric brake, within the limits of vehicle, motors and supply [N]."""
         braking, speed = self.scenario.vehicle.braking, self.record.mean_speed_ms
         limit = self.model.largest_effort_n(speed, True)
         if braking.max_effort_kn is not None:
@@ -209,7 +221,7 @@ class Case:
         if braking.max_power_kw is not None:
             # at standstill power limits nothing; 1e-9 only avoids the division by zero
             limit = np.minimum(limit, braking.max_power_kw * W_PER_KW / np.maximum(speed, 1e-9))
-        return limit
+        return np.where(self.neutral, 0.0, limit)
 
     def line_power_of_terminal_w(self, terminal_power_w: FloatArray) -> FloatArray:
         """Return what the line gives for a power of the drive [W]: it takes back a share of what is generated."""

@@ -11,7 +11,7 @@ from railjoule.core.errors import ScenarioError
 from railjoule.core.motion.line_forces import TrainExtent
 from railjoule.core.motion.line_geometry import LineGeometry, geometry_at, meshed_geometry
 from railjoule.core.physics.cell import mean_speed, needed_force
-from railjoule.core.physics.course_data import CourseData, cells_of, data_between
+from railjoule.core.physics.course_data import POWERED_EVERYWHERE, CourseData, cells_of, data_between
 from railjoule.core.physics.resistance import (
     curve_force_n,
     gradient_force_n,
@@ -33,6 +33,8 @@ PER_CELL = ("gradient_permille", "tunnel_factor", "gradient_force_n", "curve_for
 # an interior point needs an inside: between no effort and a largest one of zero there is none
 MISSING_BRAKE_SHARE = 1e-9
 """A missing electric brake counts as this share of the tractive effort."""
+NEUTRAL_SHARE = 1e-9
+"""What is left of the limits of the drive in a neutral section, for the same reason."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,6 +186,7 @@ def _require_few_rows(scenario: Scenario) -> None:
     for key, rows in (
         ("line.sections", scenario.line.sections),
         ("line.speed_limits", scenario.line.speed_limits),
+        ("line.neutral_sections", scenario.line.neutral_sections),
         ("drive.points", getattr(scenario.vehicle.drive, "points", ())),
     ):
         if len(rows) > budget.row_count:
@@ -219,4 +222,5 @@ def _course_data(
         drive_kind=drive.kind,
         drive_parameters=drive.parameters,
         recuperation_factor=drive.recuperation_factor,
+        powered=np.where(line.neutral, NEUTRAL_SHARE, 1.0) if line.neutral.any() else POWERED_EVERYWHERE,
     )

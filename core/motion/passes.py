@@ -53,12 +53,13 @@ def _excess(
         value, slope = needed_force(cell, known, x, v), force_slopes(cell, 0.0, v_slope)[1]
     else:
         value, slope = -needed_force(cell, x, known, v) - friction, -force_slopes(cell, v_slope, 0.0)[0]
+    constant_n = cell.powered * limit.constant_n
     # most cells are slow enough for the constant limit: no look at the other
     if limit.power_w < np.inf or limit.table.shape[0] > 0:
         effort, effort_slope, _ = limit_over_speed(limit, v)
-        if effort < limit.constant_n:
+        if effort < constant_n:
             return value - effort, slope - effort_slope * v_slope
-    return value - limit.constant_n, slope
+    return value - constant_n, slope
 
 
 @njit(cache=True)

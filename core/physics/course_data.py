@@ -11,9 +11,10 @@ from railjoule.core.physics.effort_limit import EffortLimit, borrowed_limit
 
 # an empty array, not None: compiled code knows one type of each field
 SWITCHED_AT_WILL = np.zeros(0)
+POWERED_EVERYWHERE = np.zeros(0)
 # what `CourseData.machines_on` says of a cell
 DRIVING, OFF, BRAKING = 1.0, 0.0, -1.0
-PER_CELL = ("cell_length_m", "line_force_n", "resistance_quadratic", "machines_on")
+PER_CELL = ("cell_length_m", "line_force_n", "resistance_quadratic", "machines_on", "powered")
 PER_NODE = ("largest_speed2", "fixed_speed2")
 """The arrays of a course's data with one entry a cell, and with one a node."""
 
@@ -50,6 +51,9 @@ class CourseData(NamedTuple):
     machines_on : array of shape (n,) or (0,)
         What is decided of a drive that takes power without effort: on to drive, 1, on to brake, -1, or off, 0; empty
         where it may be switched at will within a cell.
+    powered : array of shape (n,) or (0,)
+        Share of the drive's largest efforts that there is: 1, or next to nothing in a neutral section; empty where the
+        whole line has traction power.
     """
 
     cell_length_m: FloatArray
@@ -70,6 +74,7 @@ class CourseData(NamedTuple):
     drive_parameters: FloatArray
     recuperation_factor: float
     machines_on: FloatArray = SWITCHED_AT_WILL
+    powered: FloatArray = POWERED_EVERYWHERE
 
 
 class Train(NamedTuple):
@@ -109,6 +114,12 @@ def shared_by_cells(course: CourseData) -> tuple[Train, EffortLimit, EffortLimit
 
 
 @njit(cache=True, error_model="numpy")
+def powered_share(course: CourseData, number: int) -> float:
+    """Return the share of the drive's largest efforts that there is in a cell."""
+    return 1.0 if course.powered.shape[0] == 0 else course.powered[number]
+
+
+@njit(cache=True, error_model="numpy")
 def cell_of(course: CourseData, number: int) -> Cell:
     """Return one cell of a course."""
     return Cell(
@@ -117,6 +128,7 @@ def cell_of(course: CourseData, number: int) -> Cell:
         course.resistance_constant_n + course.line_force_n[number],
         course.resistance_linear,
         course.resistance_quadratic[number],
+        powered_share(course, number),
     )
 
 
@@ -130,6 +142,7 @@ def scaled_cell_of(course: CourseData, number: int, scale: float) -> Cell:
         (course.resistance_constant_n + course.line_force_n[number]) / scale,
         course.resistance_linear / scale,
         course.resistance_quadratic[number] / scale,
+        powered_share(course, number),
     )
 
 
@@ -138,7 +151,7 @@ def part_of_cell(cell: Cell, length_m: float) -> Cell:
     """Return a part of a cell [m]: as its force is constant, only its length differs, and inertia over length."""
     # k = m / (2 h)
     inertia = cell.inertia * (cell.length_m / length_m)
-    return Cell(length_m, inertia, cell.constant_n, cell.linear, cell.quadratic)
+    return Cell(length_m, inertia, cell.constant_n, cell.linear, cell.quadratic, cell.powered)
 
 
 def data_between(course: CourseData, first: int, last: int) -> CourseData:
@@ -157,7 +170,27 @@ def cells_of(course: CourseData) -> Cell:
         course.resistance_constant_n + course.line_force_n,
         course.resistance_linear,
         course.resistance_quadratic,
+        course.powered if len(course.powered) else 1.0,
     )
+
+
+def tractive_limit_n(course: CourseData, speed_ms: FloatArray) -> FloatArray:
+    """Return the largest tractive effort [N] of each cell at speeds above zero [m/s], of shape (n,) or (n, k)."""
+    return _supplied_n(course, course.traction, speed_ms)
+
+
+def electric_limit_n(course: CourseData, speed_ms: FloatArray) -> FloatArray:
+    """Return the largest electric braking effort [N] of each cell at speeds above zero [m/s], of shape (n,) or (n, k)."""
+    return _supplied_n(course, course.braking, speed_ms)
+
+
+def _supplied_n(course: CourseData, limit: EffortLimit, speed_ms: FloatArray) -> FloatArray:
+    effort = limit.effort_n(speed_ms)
+    if not len(course.powered):
+        return effort
+    most = limit.constant_n * course.powered
+    supplied: FloatArray = np.minimum(effort, most if effort.ndim == 1 else most[:, None])
+    return supplied
 
 
 def lowered_limits(course: CourseData, share: float) -> CourseData:
