@@ -308,6 +308,4 @@ def _without_factor(tunnels: ImportedTable | None, placed: Mapping[str, Sequence
     if tunnels is None or not placed["tunnels"]:
         return []
     stretches = [f"{place(one.from_m)} to {place(one.to_m)} m" for one in placed["tunnels"]]
-    return [
-        f"{tunnels.source}: tunnels without a factor on quadratic resistance: {shown_list(stretches)} of the line."
-    ]
+    return [f"{tunnels.source}: tunnels without a factor on quadratic resistance: {shown_list(stretches)} of the line."]

@@ -75,8 +75,9 @@ def account_of_cell(
     kind = train.drive_kind
     if cell.powered < 1.0:
         # in a neutral section the drive is off: what a solver leaves of an effort takes no power
-        driven, electric, friction, power = 0.0, 0.0, max(-force, 0.0), 0.0
-        excess = force if force >= 0.0 else -force - train.friction_effort_n
+        driven, friction, power = max(force, 0.0), min(max(-force, 0.0), train.friction_effort_n), 0.0
+        electric = max(-force, 0.0) - friction
+        excess = max(force, -force - train.friction_effort_n)
     elif force >= 0.0:
         driven, electric, friction = force, 0.0, 0.0
         power = driving_power(kind, drive, force, v)[0]

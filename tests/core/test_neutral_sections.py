@@ -17,7 +17,7 @@ from railjoule.core.studies.whole_line import whole_line
 NEUTRAL = {"line.neutral_sections": [{"from_m": 700.0, "to_m": 850.0}]}
 FRICTION = {"vehicle.braking.friction_effort_kn": 60.0}
 # of the largest effort: what a solver leaves of none, below what every check of an effort allows
-NO_EFFORT = 1e-8
+NO_EFFORT = 1e-7
 
 
 def neutral_cells(run, start_m=700.0, end_m=850.0):
@@ -28,8 +28,10 @@ def neutral_cells(run, start_m=700.0, end_m=850.0):
 def require_no_effort(run, **place):
     cells = neutral_cells(run, **place)
     assert cells.sum() > 5
-    assert not run.tractive_effort_n[cells].any()
-    assert not run.electric_braking_n[cells].any()
+    most = NO_EFFORT * run.largest_effort_n.max()
+    assert run.tractive_effort_n[cells].max() < most
+    assert run.electric_braking_n[cells].max() < most
+    np.testing.assert_allclose(run.line_power_w[cells], run.scenario.vehicle.auxiliary_power_kw * 1e3, atol=1e-9)
     # Newton's second law in the check finds what the speeds need, whatever the run says of its efforts
     assert check_run(run.scenario, run).ok
 
@@ -78,8 +80,6 @@ def test_a_drive_that_idles_is_off_in_them():
     scenario = load_scenario("tram-950m-recuperating", {"line.neutral_sections": [{"from_m": 60.0, "to_m": 120.0}]})
     run, without = solve(scenario, "optimal"), solve(load_scenario("tram-950m-recuperating"), "optimal")
     require_no_effort(run, start_m=60.0, end_m=120.0)
-    cells = neutral_cells(run, 60.0, 120.0)
-    np.testing.assert_allclose(run.line_power_w[cells], scenario.vehicle.auxiliary_power_kw * 1e3, atol=1e-9)
     assert run.energy.net_j > without.energy.net_j
     assert run.bound is not None
     # a thousandth is what is asked of shipped scenarios with such drives
@@ -197,14 +197,14 @@ def test_the_actual_train_coasts_through_them_too():
     run = actual_run(plain_scenario({**NEUTRAL, "disturbance.actual_load_factor": 0.9}))
     require_no_effort(run.planned)
     cells = neutral_cells(run.actual)
-    assert not run.actual.tractive_effort_n[cells].any()
-    assert not run.actual.electric_braking_n[cells].any()
+    assert run.actual.tractive_effort_n[cells].max() < NO_EFFORT * run.actual.largest_effort_n.max()
+    assert run.actual.electric_braking_n[cells].max() < NO_EFFORT * run.actual.largest_effort_n.max()
 
 
 def test_a_whole_line_keeps_them():
     stations = [{"position_m": 1200.0, "dwell_s": 10.0}]
     line = whole_line(plain_scenario({**NEUTRAL, "line.stations": stations, "timetable.travel_time_s": 200.0}))
-    assert not line.run.tractive_effort_n[neutral_cells(line.run)].any()
+    assert line.run.tractive_effort_n[neutral_cells(line.run)].max() < NO_EFFORT * line.run.largest_effort_n.max()
 
 
 def test_the_closed_loop_refuses_them():
@@ -233,4 +233,4 @@ def test_short_ones_close_together_are_kept_each(strategy):
     for section in sections:
         cells = neutral_cells(run, section["from_m"], section["to_m"])
         assert cells.any()
-        assert not run.tractive_effort_n[cells].any()
+        assert run.tractive_effort_n[cells].max() < NO_EFFORT * run.largest_effort_n.max()

@@ -7,7 +7,11 @@ from railjoule.core.scenario import Line
 
 
 def test_what_lies_across_the_ends_is_cut():
-    stretches = [{"from_m": 100.0, "to_m": 500.0}, {"from_m": 900.0, "to_m": 1000.0}, {"from_m": 1400.0, "to_m": 1900.0}]
+    stretches = [
+        {"from_m": 100.0, "to_m": 500.0},
+        {"from_m": 900.0, "to_m": 1000.0},
+        {"from_m": 1400.0, "to_m": 1900.0},
+    ]
     limits = [{**one, "limit_kmh": 50.0} for one in stretches]
     line = Line.model_validate({"sections": HILLS, "speed_limits": limits, "neutral_sections": stretches})
     part = part_of_line(line, 400.0, 1500.0, [])

@@ -47,4 +47,7 @@ def test_a_line_in_reverse_has_them_from_its_other_end() -> None:
         solve(load_scenario("metro-with-limit", {"line.neutral_sections": SECTIONS[:1], "line.reverse": True})), False
     )
     # of 2300 m
-    assert (list(chart.sources["neutral"].data["left"]), list(chart.sources["neutral"].data["right"])) == ([1900], [2000])
+    assert (list(chart.sources["neutral"].data["left"]), list(chart.sources["neutral"].data["right"])) == (
+        [1900],
+        [2000],
+    )
