@@ -180,7 +180,7 @@ def tractive_limit_n(course: CourseData, speed_ms: FloatArray) -> FloatArray:
 
 
 def electric_limit_n(course: CourseData, speed_ms: FloatArray) -> FloatArray:
-    """Return the largest electric braking effort [N] of each cell at speeds above zero [m/s], of shape (n,) or (n, k)."""
+    """Return the largest electric braking effort [N] of each cell; speeds as for `tractive_limit_n`."""
     return _supplied_n(course, course.braking, speed_ms)
 
 

@@ -136,13 +136,15 @@ class Line(Part):
         length = self.length_m
         if length < SHORTEST_DISTANCE_M:
             raise ValueError(f"is {length:g} m long, and must be at least {SHORTEST_DISTANCE_M:g} m")
-        for key, stretches in (("speed_limits", self.speed_limits), ("neutral_sections", self.neutral_sections)):
-            for index, stretch in enumerate(stretches):
-                # the length is a sum of sections, whose last digits need not be those of a limit that ends with the line
-                if stretch.to_m > length + 1e-9:
-                    raise ValueError(
-                        f"{key}[{index}].to_m = {stretch.to_m:g} lies beyond the end of the line at {length:g} m"
-                    )
+        ends = {
+            "speed_limits": [limit.to_m for limit in self.speed_limits],
+            "neutral_sections": [section.to_m for section in self.neutral_sections],
+        }
+        for key, places in ends.items():
+            for index, place in enumerate(places):
+                # the length is a sum of sections, whose last digits need not be those of a limit that ends with it
+                if place > length + 1e-9:
+                    raise ValueError(f"{key}[{index}].to_m = {place:g} lies beyond the end of the line at {length:g} m")
         positions = [station.position_m for station in self.stations]
         # two stations closer than a cell would share a node of the mesh, at which the train could stand only once
         if any(later - earlier < SHORTEST_DISTANCE_M for earlier, later in pairwise(positions)):

@@ -58,7 +58,7 @@ def test_shipped_trains_keep_them(strategy):
 
 
 @pytest.mark.parametrize(
-    ("preset", "start_m"), [("metro-with-limit", 100.0), ("ftorek-300s", 400.0), ("liashenko-ii", 250.0)]
+    ("preset", "start_m"), [("metro-with-limit", 800.0), ("ftorek-300s", 400.0), ("liashenko-ii", 20.0)]
 )
 def test_the_optimum_is_proven_and_agrees_with_backward_induction(preset, start_m):
     scenario = load_scenario(preset)
@@ -71,7 +71,7 @@ def test_the_optimum_is_proven_and_agrees_with_backward_induction(preset, start_
     assert best.energy.net_j > without.energy.net_j * (1 + 1e-4)
     assert best.bound is not None
     assert best.energy.net_j - best.bound.energy_j < 1e-5 * best.energy.net_j
-    # not below what is proven; its grid gives away up to some ten-thousandths: `core/dynamic_programming/search.py`
+    # not below what is proven, and no worse than elsewhere: of `ftorek-300s` alone it misses 4.4e-4 without them
     assert best.bound.energy_j < found.energy.net_j * (1 + 1e-9)
     assert found.energy.net_j < best.energy.net_j * (1 + 5e-4)
 
