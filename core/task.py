@@ -158,7 +158,7 @@ def _require_speeds_within_limits(course: Course) -> None:
 
 
 def _obstacle_sentence(course: Course, cell: int, braking: bool) -> str:
-    if len(course.data.powered) and course.data.powered[cell] < 1:
+    if course.data.powered[cell] < 1:
         return _neutral_sentence(course, cell, braking)
     place, gradient = course.position_m[cell], course.gradient_permille[cell]
     if braking:

@@ -8,7 +8,7 @@ from railjoule.core.arrays import BoolArray, FloatArray, IntArray
 from railjoule.core.chain_proof.boxes import BLEND, BRAKE, DRIVE, OFF, steps_of
 from railjoule.core.chain_proof.limit_lines import WIDENING
 from railjoule.core.compiled import njit
-from railjoule.core.physics.course_data import CourseData, powered_share
+from railjoule.core.physics.course_data import CourseData
 
 FIRST_SHARE, GROWTH = 1 / 80, 1.4
 """Width of the first intervals around a run as a share of the greatest speed, and by what they widen away from it."""
@@ -76,7 +76,7 @@ def _fill_pairs(
     m = 0
     for i in range(n):
         first[i] = m
-        steps, powered = steps_of(course, i), powered_share(course, i) >= 1.0
+        steps, powered = steps_of(course, i), course.powered[i] >= 1.0
         resisting = steps.linear * fastest
         for k in range(count[i]):
             a, b = low[i, k], high[i, k]

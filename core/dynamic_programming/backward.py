@@ -180,8 +180,6 @@ def laid_along_coasting(course: CourseData, grid: FloatArray, greatest_speed2: F
     """
     # Between two points the cost to go is infinite if it is at one of them, as at the edge of a band, beyond which no
     # state is known. A train that only coasts cannot steer clear of it, and each cell would take another point
-    if course.powered.shape[0] == 0:
-        return grid
     limits, last = limits_of(course), grid.shape[1] - 1
     for i in range(grid.shape[0] - 1):
         if course.powered[i] >= 1.0 or course.fixed_speed2[i] >= 0.0 or course.fixed_speed2[i + 1] >= 0.0:

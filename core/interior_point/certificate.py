@@ -194,6 +194,7 @@ def price_cells(course: CourseData, optimum: Optimum) -> tuple[FloatArray, float
     node = node_prices(course, optimum, price_of_time, over, tangents)
     cells = np.zeros((n, COLUMNS))
     inertia = 2.0 * course.half_inertia_kg
+    top_traction, top_braking = course.traction.constant_n, course.braking.constant_n
     for i in range(n):
         c, cell = cells[i], cell_of(course, i)
         force = optimum.force_price[i]
@@ -212,8 +213,7 @@ def price_cells(course: CourseData, optimum: Optimum) -> tuple[FloatArray, float
         c[MEAN_SPEED] = mean_speed(math.sqrt(w[i]), math.sqrt(w[i + 1]))
         c[BY_TRACTION], c[BY_BRAKING], c[BY_FRICTION] = tangents[1, i] - force, tangents[2, i] + force, force
         c[OVER_TRACTION], c[OVER_BRAKING] = over[0, i], over[1, i]
-        c[TOP_TRACTION] = cell.powered * course.traction.constant_n
-        c[TOP_BRAKING] = cell.powered * course.braking.constant_n
+        c[TOP_TRACTION], c[TOP_BRAKING] = cell.powered * top_traction, cell.powered * top_braking
         c[TOP_FRICTION] = course.friction_effort_n
     return cells, node[n] * w[n] - node[0] * w[0], time
 

@@ -32,7 +32,7 @@ from railjoule.core.interior_point.layout import (
 from railjoule.core.interior_point.switching import tabulate_hulls
 from railjoule.core.motion.passes import running_time as running_time_of
 from railjoule.core.physics.cell import duration, mean_speed, needed_force
-from railjoule.core.physics.course_data import CourseData, powered_share, scaled_cell_of
+from railjoule.core.physics.course_data import CourseData, scaled_cell_of
 from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
 from railjoule.core.physics.energy_per_metre import energy_per_metre
 
@@ -104,7 +104,7 @@ def _use_limits(course: CourseData, scale: float, fastest: FloatArray, work: Wor
         top_speed = mean_speed(math.sqrt(fastest[i]), math.sqrt(fastest[i + 1]))
         for row in (TRACTION_POSITIVE, TRACTION_CONSTANT, BRAKING_POSITIVE, BRAKING_CONSTANT):
             weight[row, i] = h[i]
-        powered = powered_share(course, i) >= 1.0
+        powered = course.powered[i] >= 1.0
         if powered and _binds(traction, top_speed):
             weight[TRACTION_OVER_SPEED, i] = h[i]
         if powered and _binds(braking, top_speed):

@@ -52,11 +52,10 @@ EXACT = 1e-9
 FIRST_EFFORT = 0.3
 """Share of the largest effort to begin with, where the neighbouring piece tells none."""
 
-START, END, CONSTANT, TIME, BY_SPEED, PRICE, RETURNED, LENGTH, POWERED = range(9)
+START, END, CONSTANT, TIME, BY_SPEED, PRICE, RETURNED, LENGTH, TOP_TRACTION, TOP_BRAKING = range(10)
 """What a priced cell is [J]: START w0 + END w1 + CONSTANT + TIME / v + BY_SPEED v, and over its LENGTH [m] efforts
-at a PRICE per metre; RETURNED is the share of generated energy that counts, POWERED that of the drive's largest
-efforts that there is."""
-COLUMNS = 9
+at a PRICE per metre, up to TOP_TRACTION and TOP_BRAKING [N]; RETURNED is the share of generated energy that counts."""
+COLUMNS = 10
 
 
 @njit(cache=True, error_model="numpy")
@@ -164,9 +163,9 @@ def effort_value(
     """
     price, share = cell[PRICE], cell[RETURNED]
     precision /= cell[LENGTH]
-    most = min(greatest_effort(course.traction, slow, fast), cell[POWERED] * course.traction.constant_n)
+    most = min(greatest_effort(course.traction, slow, fast), cell[TOP_TRACTION])
     total, cheapest[0] = cheapest_effort(course, False, 1.0, price, slow, speed, most, cheapest[0], precision)
-    most = min(greatest_effort(course.braking, slow, fast), cell[POWERED] * course.braking.constant_n)
+    most = min(greatest_effort(course.braking, slow, fast), cell[TOP_BRAKING])
     braking, cheapest[1] = cheapest_effort(course, True, share, price, slow, speed, most, cheapest[1], precision)
     # A standstill brake does it without power. Here every drive may: so what one would draw to brake never counts, and
     # only where it generates must its losses not fall with speed
@@ -335,6 +334,7 @@ def price_switched_cells(course: CourseData, optimum: Optimum) -> tuple[FloatArr
     node = node_prices(course, optimum, price_of_time, over, tangents)
     cells = np.zeros((n, COLUMNS))
     inertia = 2.0 * course.half_inertia_kg
+    top_traction, top_braking = course.traction.constant_n, course.braking.constant_n
     for i in range(n):
         c, cell, force = cells[i], cell_of(course, i), optimum.force_price[i]
         by_start, by_end = force_slopes(cell, 0.0, 0.0)
@@ -346,7 +346,8 @@ def price_switched_cells(course: CourseData, optimum: Optimum) -> tuple[FloatArr
         c[START] = node[i] + force * by_start - rise
         c[END] = force * by_end + rise - node[i + 1]
         c[TIME], c[BY_SPEED] = price_of_time * h[i], force * cell.linear
-        c[PRICE], c[RETURNED], c[LENGTH], c[POWERED] = force / h[i], returned[i], h[i], cell.powered
+        c[PRICE], c[RETURNED], c[LENGTH] = force / h[i], returned[i], h[i]
+        c[TOP_TRACTION], c[TOP_BRAKING] = cell.powered * top_traction, cell.powered * top_braking
     return cells, node[n] * w[n] - node[0] * w[0]
 
 

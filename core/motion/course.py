@@ -11,7 +11,7 @@ from railjoule.core.errors import ScenarioError
 from railjoule.core.motion.line_forces import TrainExtent
 from railjoule.core.motion.line_geometry import LineGeometry, geometry_at, meshed_geometry
 from railjoule.core.physics.cell import mean_speed, needed_force
-from railjoule.core.physics.course_data import POWERED_EVERYWHERE, CourseData, cells_of, data_between
+from railjoule.core.physics.course_data import CourseData, cells_of, data_between
 from railjoule.core.physics.resistance import (
     curve_force_n,
     gradient_force_n,
@@ -222,5 +222,5 @@ def _course_data(
         drive_kind=drive.kind,
         drive_parameters=drive.parameters,
         recuperation_factor=drive.recuperation_factor,
-        powered=np.where(line.neutral, NEUTRAL_SHARE, 1.0) if line.neutral.any() else POWERED_EVERYWHERE,
+        powered=np.where(line.neutral, NEUTRAL_SHARE, 1.0),
     )

@@ -11,7 +11,6 @@ from railjoule.core.physics.effort_limit import EffortLimit, borrowed_limit
 
 # an empty array, not None: compiled code knows one type of each field
 SWITCHED_AT_WILL = np.zeros(0)
-POWERED_EVERYWHERE = np.zeros(0)
 # what `CourseData.machines_on` says of a cell
 DRIVING, OFF, BRAKING = 1.0, 0.0, -1.0
 PER_CELL = ("cell_length_m", "line_force_n", "resistance_quadratic", "machines_on", "powered")
@@ -48,12 +47,11 @@ class CourseData(NamedTuple):
         What `railjoule.core.drive.kernels` take.
     recuperation_factor : float
         Share of the generated energy that the line takes back.
+    powered : array of shape (n,)
+        Share of the drive's largest efforts that there is: 1, or next to nothing in a neutral section.
     machines_on : array of shape (n,) or (0,)
         What is decided of a drive that takes power without effort: on to drive, 1, on to brake, -1, or off, 0; empty
         where it may be switched at will within a cell.
-    powered : array of shape (n,) or (0,)
-        Share of the drive's largest efforts that there is: 1, or next to nothing in a neutral section; empty where the
-        whole line has traction power.
     """
 
     cell_length_m: FloatArray
@@ -73,8 +71,8 @@ class CourseData(NamedTuple):
     drive_kind: int
     drive_parameters: FloatArray
     recuperation_factor: float
+    powered: FloatArray
     machines_on: FloatArray = SWITCHED_AT_WILL
-    powered: FloatArray = POWERED_EVERYWHERE
 
 
 class Train(NamedTuple):
@@ -114,12 +112,6 @@ def shared_by_cells(course: CourseData) -> tuple[Train, EffortLimit, EffortLimit
 
 
 @njit(cache=True, error_model="numpy")
-def powered_share(course: CourseData, number: int) -> float:
-    """Return the share of the drive's largest efforts that there is in a cell."""
-    return 1.0 if course.powered.shape[0] == 0 else course.powered[number]
-
-
-@njit(cache=True, error_model="numpy")
 def cell_of(course: CourseData, number: int) -> Cell:
     """Return one cell of a course."""
     return Cell(
@@ -128,7 +120,7 @@ def cell_of(course: CourseData, number: int) -> Cell:
         course.resistance_constant_n + course.line_force_n[number],
         course.resistance_linear,
         course.resistance_quadratic[number],
-        powered_share(course, number),
+        course.powered[number],
     )
 
 
@@ -142,7 +134,7 @@ def scaled_cell_of(course: CourseData, number: int, scale: float) -> Cell:
         (course.resistance_constant_n + course.line_force_n[number]) / scale,
         course.resistance_linear / scale,
         course.resistance_quadratic[number] / scale,
-        powered_share(course, number),
+        course.powered[number],
     )
 
 
@@ -170,7 +162,7 @@ def cells_of(course: CourseData) -> Cell:
         course.resistance_constant_n + course.line_force_n,
         course.resistance_linear,
         course.resistance_quadratic,
-        course.powered if len(course.powered) else 1.0,
+        course.powered,
     )
 
 
@@ -185,10 +177,7 @@ def electric_limit_n(course: CourseData, speed_ms: FloatArray) -> FloatArray:
 
 
 def _supplied_n(course: CourseData, limit: EffortLimit, speed_ms: FloatArray) -> FloatArray:
-    effort = limit.effort_n(speed_ms)
-    if not len(course.powered):
-        return effort
-    most = limit.constant_n * course.powered
+    effort, most = limit.effort_n(speed_ms), limit.constant_n * course.powered
     supplied: FloatArray = np.minimum(effort, most if effort.ndim == 1 else most[:, None])
     return supplied
 

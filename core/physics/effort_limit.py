@@ -188,6 +188,12 @@ def supplied_effort(limit: EffortLimit, powered: float, speed: float) -> float:
 
 
 @njit(cache=True, error_model="numpy")
+def supplied_limit(limit: EffortLimit, powered: float) -> EffortLimit:
+    """Return a limit where there is a share of its constant."""
+    return EffortLimit(powered * limit.constant_n, limit.power_w, limit.table, limit.first_piece)
+
+
+@njit(cache=True, error_model="numpy")
 def largest_effort(limit: EffortLimit, speed: float) -> float:
     """Return the largest effort [N] at a speed above zero [m/s]."""
     return supplied_effort(limit, 1.0, speed)

@@ -77,10 +77,9 @@ class Program:
             Floor of the squares of speed [m2/s2].
         """
         data, cells = self.data, np.ones(len(self.data.cell_length_m))
-        powered = data.powered if len(data.powered) else cells
-        high = [data.largest_speed2[self.free], powered]
+        high = [data.largest_speed2[self.free], data.powered]
         if self.has_braking:
-            high.append(powered * (data.braking.constant_n / self.scale))
+            high.append(data.powered * (data.braking.constant_n / self.scale))
         if self.may_draw:
             high.append(cells * np.inf)
         # efforts and drawn power are positive, and all but the speeds begin at 0

@@ -9,6 +9,7 @@ from builders import COPPER_LOSS, HILLS, INDUCTION, plain_scenario
 from railjoule.core import load_scenario, solve
 from railjoule.core.check import check_run
 from railjoule.core.errors import InfeasibleLineError, ScenarioError, StrategyRefusedError
+from railjoule.core.physics.course_data import tractive_limit_n
 from railjoule.core.simulate.actual_run import actual_run
 from railjoule.core.simulate.field_oriented import simulate_field_oriented
 from railjoule.core.strategies import compare, prepare_task
@@ -105,11 +106,15 @@ def test_friction_brakes_work_in_them():
 
 
 def test_a_line_without_them_is_as_it_was():
-    """No array is made for one, so that all kernels take the way that they took."""
-    assert prepare_task(plain_scenario()).course.data.powered.shape == (0,)
-    beyond = plain_scenario({"line.neutral_sections": [{"from_m": 700.0, "to_m": 850.0}]})
-    assert prepare_task(beyond).course.data.powered.shape == (prepare_task(beyond).course.cell_count,)
-    assert prepare_task(beyond).course.between(0, 5).data.powered.shape == (5,)
+    """Each limit is multiplied by exactly 1."""
+    task, without = prepare_task(plain_scenario(NEUTRAL)), prepare_task(plain_scenario())
+    assert without.course.data.powered.tolist() == [1.0] * without.course.cell_count
+    # 150 m in cells of 10 m
+    assert (task.course.data.powered < 1).sum() == 15
+    speed = np.linspace(0.1, 25.0, without.course.cell_count)
+    limit = without.course.data.traction.effort_n(speed)
+    assert tractive_limit_n(without.course.data, speed).tolist() == limit.tolist()
+    assert tractive_limit_n(task.course.data, speed)[70:85].max() < NO_EFFORT * limit.max()
 
 
 def test_the_check_sees_a_drive_that_works_in_one():
