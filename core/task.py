@@ -159,6 +159,8 @@ def _require_speeds_within_limits(course: Course) -> None:
 
 
 def _obstacle_sentence(course: Course, cell: int, braking: bool) -> str:
+    if course.data.powered[cell] < 1:
+        return _neutral_sentence(course, cell, braking)
     place, gradient = course.position_m[cell], course.gradient_permille[cell]
     if braking:
         effort = round((course.data.braking.constant_n + course.data.friction_effort_n) / N_PER_KN, 3)
@@ -172,4 +174,29 @@ def _obstacle_sentence(course: Course, cell: int, braking: bool) -> str:
     return (
         f"At {place:.0f} m, on a gradient of {gradient:.4g} per mille{resisting}, the train comes to a stand: its "
         f"effort of at most {effort:.4g} kN and its momentum are not enough."
+    )
+
+
+def _neutral_sentence(course: Course, cell: int, braking: bool) -> str:
+    """Return why no run passes a cell without traction power."""
+    place, gradient = course.position_m[cell], course.gradient_permille[cell]
+    powered = np.flatnonzero(course.data.powered >= 1)
+    # nodes: after the last cell before it that has power, and before the first one behind it
+    start = course.position_m[int(np.max(powered[powered < cell], initial=-1)) + 1]
+    end = course.position_m[int(np.min(powered[powered > cell], initial=course.cell_count))]
+    section = f"the neutral section from {start:.0f} to {end:.0f} m (line.neutral_sections)"
+    if braking:
+        effort = round(course.data.friction_effort_n / N_PER_KN, 3)
+        return (
+            f"At {place:.0f} m, on a gradient of {gradient:.4g} per mille in {section}, friction brakes of at most "
+            f"{effort:.4g} kN alone cannot slow the train down for what lies ahead."
+        )
+    if course.data.fixed_speed2[cell] == 0:
+        return (
+            f"At {place:.0f} m, on a gradient of {gradient:.4g} per mille in {section}, the train stands and cannot "
+            "start: it has no traction power there."
+        )
+    return (
+        f"At {place:.0f} m, on a gradient of {gradient:.4g} per mille in {section}, the train comes to a stand: it has "
+        "no traction power there, and its momentum is not enough."
     )

@@ -15,6 +15,7 @@ from railjoule.core.motion.course import Course, build_course
 from railjoule.core.motion.line_profile import speed_limit_at
 from railjoule.core.phases import Phase, RunData, find_phases
 from railjoule.core.physics.account import RunAccount, account_of_run
+from railjoule.core.physics.course_data import electric_limit_n, tractive_limit_n
 from railjoule.core.physics.reference import SMALL_ENERGY_SHARE
 from railjoule.core.scenario import Scenario
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN, W_PER_KW
@@ -352,7 +353,7 @@ def make_trajectory(
     power = with_dwell.cells(cells.line_power_w) + data.auxiliary_power_w
     current = course.drive.current_a(cells.tractive_effort_n - cells.electric_braking_n, cells.mean_speed_ms)
     # friction is the same at all speeds, and adds to what the electric brake has
-    largest_braking = data.braking.effort_n(cells.mean_speed_ms) + data.friction_effort_n
+    largest_braking = electric_limit_n(data, cells.mean_speed_ms) + data.friction_effort_n
     return Trajectory(
         scenario=scenario,
         strategy=strategy,
@@ -363,7 +364,7 @@ def make_trajectory(
         tractive_effort_n=frozen_array(with_dwell.cells(cells.tractive_effort_n)),
         electric_braking_n=frozen_array(with_dwell.cells(cells.electric_braking_n)),
         friction_braking_n=frozen_array(with_dwell.cells(cells.friction_braking_n)),
-        largest_effort_n=frozen_array(with_dwell.cells(data.traction.effort_n(cells.mean_speed_ms))),
+        largest_effort_n=frozen_array(with_dwell.cells(tractive_limit_n(data, cells.mean_speed_ms))),
         largest_braking_n=frozen_array(with_dwell.cells(largest_braking)),
         line_power_w=frozen_array(power),
         current_a=None if current is None else frozen_array(with_dwell.cells(current)),

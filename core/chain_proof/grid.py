@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray, IntArray
-from railjoule.core.chain_proof.boxes import BLEND, BRAKE, DRIVE, steps_of
+from railjoule.core.chain_proof.boxes import BLEND, BRAKE, DRIVE, OFF, steps_of
 from railjoule.core.chain_proof.limit_lines import WIDENING
 from railjoule.core.compiled import njit
 from railjoule.core.physics.course_data import CourseData
@@ -76,7 +76,7 @@ def _fill_pairs(
     m = 0
     for i in range(n):
         first[i] = m
-        steps = steps_of(course, i)
+        steps, powered = steps_of(course, i), course.powered[i] >= 1.0
         resisting = steps.linear * fastest
         for k in range(count[i]):
             a, b = low[i, k], high[i, k]
@@ -90,6 +90,9 @@ def _fill_pairs(
                     continue
                 for mode in range(4):
                     if (mode >= BRAKE and not brakes) or (mode == BLEND and course.friction_effort_n <= 0.0):
+                        continue
+                    # in a neutral section friction brakes work with the drive off
+                    if mode != OFF and not powered:
                         continue
                     if mode == DRIVE and steps.k1 * high[i + 1, q] - steps.k0 * a + steps.constant_n + resisting <= 0.0:
                         continue

@@ -25,6 +25,9 @@ OFF_SHARE = 1e-6
 # a weak brake behind strong motors: what is rounding of the one's effort is not much of the other's
 OFF_SHARE_OF_MOST = 1e-7
 """The same of the largest tractive effort that the vehicle has."""
+# places are told to less than a micrometre
+SAME_PLACE_M = 1e-5
+"""A node this close to a border lies on it."""
 # a table's error is one of its scale, so towards no loss a share of the loss itself would be stricter than any table
 SMALL_LOSS_SHARE = 0.1
 """Losses below this share of the largest are known no better than those."""
@@ -201,11 +204,20 @@ class Case:
         return unsure
 
     @cached_property
+    def neutral(self) -> BoolArray:
+        """Where some of the cell lies in a neutral section."""
+        start, end = self._ends_m
+        neutral = np.zeros(len(start), dtype=bool)
+        for begins, ends in self.route.neutral:
+            neutral |= np.minimum(end, ends) - np.maximum(start, begins) > SAME_PLACE_M
+        return neutral
+
+    @cached_property
     def electric_limit_n(self) -> FloatArray:
-        """Largest effort of the electric brake, within the limits of vehicle and motors [N]."""
+        """Largest effort of the electric brake, within the limits of vehicle, motors and supply [N]."""
         braking, speed = self.scenario.vehicle.braking, self.record.mean_speed_ms
         stated = np.minimum(stated_limit_n(braking, speed), limit_beyond_breakdown_n(braking, speed))
-        return np.minimum(self.model.largest_effort_n(speed, True), stated)
+        return np.where(self.neutral, 0.0, np.minimum(self.model.largest_effort_n(speed, True), stated))
 
     def line_power_of_terminal_w(self, terminal_power_w: FloatArray) -> FloatArray:
         """Return what the line gives for a power of the drive [W]: it takes back a share of what is generated."""

@@ -34,6 +34,8 @@ def effort_findings(case: Case) -> Iterator[Finding]:
         yield Unchecked("efforts and their limits", "the table has no column effort_kn")
         return
     yield from _traction(case, record.moving(record.tractive_effort_n))
+    if case.route.neutral:
+        yield _neutral(case)
     if record.electric_braking_n is None or record.friction_braking_n is None:
         yield from _all_brakes(case, np.maximum(-record.moving(record.effort_n), 0.0))
         return
@@ -57,6 +59,18 @@ def _traction(case: Case, effort_n: FloatArray) -> Iterator[Check]:
         limit = limit_beyond_breakdown_n(traction, speed)
         yield _effort(case, "breakdown of tractive effort", effort_n, limit, ROUNDED_CORNERS)
     yield from _motors(case, "motors while driving", effort_n, False)
+
+
+def _neutral(case: Case) -> Check:
+    """Compare the effort of the drive with none where there is no traction power."""
+    # where one number tells of all brakes, the drive's share is known of driving alone
+    record = case.record
+    told = record.electric_braking_n is not None
+    effort = np.abs(case.electric_n) if told else np.maximum(case.electric_n, 0.0)
+    used = np.where(case.neutral, effort - case.rounding_n, 0.0)
+    return largest_of(
+        "neutral sections", "the largest effort", ROUNDED_LIMIT, used / case.effort_scale_n, record.middle_m
+    )
 
 
 def _brakes(case: Case, electric_n: FloatArray, friction_n: FloatArray) -> Iterator[Check]:

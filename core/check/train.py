@@ -12,7 +12,7 @@ With a wind w against the train the air meets it at v + w, which adds C w^2 to A
 tau is the factor of tunnels. In a cell v and v^2 are the means of both ends, and the line's values are means over the
 cell and over the train behind its front: at its front for a train without length, over its length, or at the centres
 of its cars, or at its front or its middle where the vehicle asks for that. Before the start the first value continues.
-A limit holds for the front of the train, or until its rear has left it.
+A limit holds for the front of the train, or until its rear has left it. A neutral section is where its front is.
 """
 
 from collections.abc import Callable
@@ -64,6 +64,8 @@ class Route:
         Between the ends.
     passes : tuple of (float, float)
         Places [m] that are passed at a given speed [m/s].
+    neutral : tuple of (float, float)
+        Stretches without traction power: from [m], to [m].
     train_m, cars
         Length of the train [m] and number of its cars, or None.
     at_point_m : float or None
@@ -77,6 +79,7 @@ class Route:
     limits: tuple[tuple[float, float, float], ...]
     stops: tuple[Stop, ...]
     passes: tuple[tuple[float, float], ...]
+    neutral: tuple[tuple[float, float], ...]
     train_m: float | None
     cars: int | None
     at_point_m: float | None
@@ -188,7 +191,9 @@ def route_of(scenario: Scenario) -> Route:
         for station in line.stations
     ]
     passes = [(point.position_m, point.speed_kmh * MS_PER_KMH) for point in line.passing_points]
+    neutral = [(section.from_m, section.to_m) for section in line.neutral_sections]
     if line.reverse:
+        neutral = [(length - end, length - start) for start, end in neutral]
         limits = [(length - end, length - start, speed) for start, end, speed in limits]
         stations = [(length - place, dwell, window) for place, dwell, window in reversed(stations)]
         passes = [(length - place, speed) for place, speed in reversed(passes)]
@@ -198,6 +203,7 @@ def route_of(scenario: Scenario) -> Route:
         limits=tuple(limits),
         stops=tuple(Stop(*station) for station in stations if END_M < station[0] < length - END_M),
         passes=tuple(passes),
+        neutral=tuple(neutral),
         train_m=vehicle.length_m,
         cars=vehicle.car_count,
         at_point_m={"front": 0.0, "middle": 0.5 * (vehicle.length_m or 0.0)}.get(vehicle.gradient_at),

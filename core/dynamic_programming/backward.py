@@ -165,12 +165,42 @@ def speed_grid(
     return grid
 
 
+@njit(cache=True, error_model="numpy")
+def laid_along_coasting(course: CourseData, grid: FloatArray, greatest_speed2: FloatArray) -> FloatArray:
+    """Return a grid whose points in neutral sections are those to which the points before them coast.
+
+    Parameters
+    ----------
+    course : CourseData
+        What the run obeys.
+    grid : array of shape (nodes, points)
+        Squares of speed, rising at each node [m2/s2]; changed in place.
+    greatest_speed2 : array of shape (nodes,)
+        Greatest feasible squares of speed [m2/s2].
+    """
+    # Between two points the cost to go is infinite if it is at one of them, as at the edge of a band, beyond which no
+    # state is known. A train that only coasts cannot steer clear of it, and each cell would take another point
+    limits, last = limits_of(course), grid.shape[1] - 1
+    for i in range(grid.shape[0] - 1):
+        if course.powered[i] >= 1.0 or course.fixed_speed2[i] >= 0.0 or course.fixed_speed2[i + 1] >= 0.0:
+            continue
+        cell, greatest = cell_of(course, i), greatest_speed2[i + 1]
+        top = _exit_speed2(limits, cell, grid[i, last], COAST)
+        # where it has to brake instead, the points stay
+        if top > greatest * (1.0 + ON_GRID) or _exit_speed2(limits, cell, grid[i, 0], COAST) <= 0.0:
+            continue
+        for k in range(last + 1):
+            grid[i + 1, k] = min(_exit_speed2(limits, cell, grid[i, k], COAST), greatest)
+    return grid
+
+
 def band_of_speeds(
     course: CourseData, greatest_speed2: FloatArray, centre_speed2: FloatArray, half_width_ms: float, points: int
 ) -> FloatArray:
     """Return the grid of a band of speeds around a run, squares of speed in all [m2/s2]; as `speed_grid`."""
     bounds = greatest_speed2, least_speeds(course, greatest_speed2), course.fixed_speed2
-    return speed_grid(*bounds, np.sqrt(centre_speed2), half_width_ms, points)
+    grid = speed_grid(*bounds, np.sqrt(centre_speed2), half_width_ms, points)
+    return laid_along_coasting(course, grid, greatest_speed2)
 
 
 @njit(cache=True, error_model="numpy")

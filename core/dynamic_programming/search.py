@@ -8,7 +8,14 @@ import numpy as np
 import scipy
 
 from railjoule.core.arrays import FloatArray, IntArray
-from railjoule.core.dynamic_programming.backward import Steps, least_speeds, speed_grid, sweep_back, tabulate_steps
+from railjoule.core.dynamic_programming.backward import (
+    Steps,
+    laid_along_coasting,
+    least_speeds,
+    speed_grid,
+    sweep_back,
+    tabulate_steps,
+)
 from railjoule.core.dynamic_programming.rollout import roll_out
 from railjoule.core.errors import SolverError
 from railjoule.core.motion import running_time
@@ -304,7 +311,7 @@ def search(course: CourseData, greatest_speed2: FloatArray, time_s: float) -> Fo
     kinetic = scale * time_s
     half_width, points, tolerance = float(greatest.max()), FIRST_POINTS, FIRST_TIME_TOLERANCE * time_s
     bounds = greatest_speed2, least_speeds(course, greatest_speed2), course.fixed_speed2
-    grid = speed_grid(*bounds, 0.5 * greatest, half_width, points)
+    grid = laid_along_coasting(course, speed_grid(*bounds, 0.5 * greatest, half_width, points), greatest_speed2)
     first = level = search_level(course, grid, greatest_speed2, time_s, scale, scale, FIRST_FACTOR, tolerance)
     speed2, sweeps = meet_time(course, first.slower, first.faster, time_s), first.sweeps
     best, least, price = speed2, _total_energy(course, speed2), first.price_w
@@ -313,7 +320,7 @@ def search(course: CourseData, greatest_speed2: FloatArray, time_s: float) -> Fo
     for number in range(MOST_LEVELS):
         points = POINTS[min(number, len(POINTS) - 1)]
         tolerance = max(0.5 * tolerance, LEAST_TIME_TOLERANCE * time_s)
-        grid = speed_grid(*bounds, np.sqrt(speed2), half_width, points)
+        grid = laid_along_coasting(course, speed_grid(*bounds, np.sqrt(speed2), half_width, points), greatest_speed2)
         try:
             level = search_level(course, grid, greatest_speed2, time_s, scale, level.price_w, NEXT_FACTOR, tolerance)
         except SolverError:

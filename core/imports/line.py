@@ -60,15 +60,14 @@ class ImportedLine(Imported):
         The chainage of its start, or with `is_reversed` of its end [m].
     is_reversed : bool
         Whether it runs in falling chainage.
-    tunnels, neutral_sections : tuple of Interval
-        Where these lie on the line [m]; a tunnel's value is as its table says.
+    tunnels : tuple of Interval
+        Where they lie on the line [m], with values as their table says.
     """
 
     line: Line
     begin_m: float
     is_reversed: bool = False
     tunnels: tuple[Interval, ...] = field(default=(), kw_only=True)
-    neutral_sections: tuple[Interval, ...] = field(default=(), kw_only=True)
 
     def to_csv(self) -> str:
         """Return the sections as a table that a scenario's `line.file` can name."""
@@ -128,8 +127,10 @@ def line_of(
         # the sections and not the rows: which of two rows counts is told in the order of the chainage
         sections = [_against(section) for section in reversed(sections)]
         placed = {kind: _turned(intervals, length) for kind, intervals in placed.items()}
-    unused += _without_key(tunnels if not with_factor else None, neutral, placed)
+    unused += _without_factor(tunnels if not with_factor else None, placed)
     document: dict[str, Any] = {**({"name": name} if name else {}), "sections": sections}
+    if without_power := _neutral_sections(placed.get("neutral", ())):
+        document["neutral_sections"] = without_power
     if stations := _stations(stops, begin, end, reverse):
         document["stations"] = stations
     line = checked_line(document, source)
@@ -140,7 +141,6 @@ def line_of(
         begin,
         reverse,
         tunnels=placed.get("tunnels", ()),
-        neutral_sections=placed.get("neutral", ()),
         findings=tuple(findings),
         unused=tuple(unused),
     )
@@ -270,6 +270,11 @@ def _stations(stops: Sequence[Stop], begin: float, end: float, reverse: bool) ->
     ]
 
 
+def _neutral_sections(intervals: Sequence[Interval]) -> list[dict[str, float]]:
+    """Return the neutral sections of a line; what rounding leaves no length of is none."""
+    return [{"from_m": one.from_m, "to_m": one.to_m} for one in intervals if one.to_m > one.from_m]
+
+
 def _last_of(borders: FloatArray, intervals: Sequence[Interval], default: float) -> FloatArray:
     """Return the value in each cell of the interval that begins last of those over it."""
     values = np.full(len(borders) - 1, default)
@@ -298,14 +303,9 @@ def _section(length: float, gradient: float, limit: float, curvature: float, tun
     return section
 
 
-def _without_key(
-    tunnels: ImportedTable | None, neutral: ImportedTable | None, placed: Mapping[str, Sequence[Interval]]
-) -> list[str]:
-    """Return in words which stretches a scenario's line has no key for."""
-    told = []
-    for table, what in ((tunnels, "tunnels"), (neutral, "neutral sections")):
-        if table is not None and placed[table.kind]:
-            stretches = [f"{place(one.from_m)} to {place(one.to_m)} m" for one in placed[table.kind]]
-            why = " without a factor on quadratic resistance" if what == "tunnels" else ""
-            told.append(f"{table.source}: {what}{why}: {shown_list(stretches)} of the line.")
-    return told
+def _without_factor(tunnels: ImportedTable | None, placed: Mapping[str, Sequence[Interval]]) -> list[str]:
+    """Return in words which tunnels a scenario's line has no key for."""
+    if tunnels is None or not placed["tunnels"]:
+        return []
+    stretches = [f"{place(one.from_m)} to {place(one.to_m)} m" for one in placed["tunnels"]]
+    return [f"{tunnels.source}: tunnels without a factor on quadratic resistance: {shown_list(stretches)} of the line."]

@@ -109,7 +109,8 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
         e, g = taken[0], generated[0]
         energy += h[i] * smooth_line_power(e, g, cells.drawn[i], share)
         gross += h[i] * abs(e)
-        _fill_constant_rows(work, i, (f, x, f - force - x), (top_braking, top_friction))
+        largest = cell.powered, cell.powered * top_braking, top_friction
+        _fill_constant_rows(work, i, (f, x, f - force - x), largest)
         # Of g, what braking generates, the supply takes its share; where braking draws (g < 0) all of it is paid for:
         # cost -share g + (1 - share) psi with psi >= 0, psi >= -g. The multiplier of the latter acts on g like a share.
         returned = h[i] * share
@@ -134,7 +135,9 @@ def evaluate(course: CourseData, scale: float, time_price: float, work: Work) ->
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)
-def _fill_constant_rows(work: Work, i: int, efforts: tuple[float, float, float], largest: tuple[float, float]) -> None:
+def _fill_constant_rows(
+    work: Work, i: int, efforts: tuple[float, float, float], largest: tuple[float, float, float]
+) -> None:
     """Evaluate the limits of effort that no speed changes.
 
     Parameters
@@ -142,17 +145,17 @@ def _fill_constant_rows(work: Work, i: int, efforts: tuple[float, float, float],
     efforts : tuple
         Traction, electric and friction braking: f, x and q.
     largest : tuple
-        The largest electric and friction braking effort; that of traction is 1.
+        The largest of them, that of traction 1 but for neutral sections.
     """
     residual = work.rows.residual
     f, x, q = efforts
     residual[TRACTION_POSITIVE, i] = f
-    residual[TRACTION_CONSTANT, i] = 1.0 - f
+    residual[TRACTION_CONSTANT, i] = largest[0] - f
     residual[BRAKING_POSITIVE, i] = x
-    residual[BRAKING_CONSTANT, i] = largest[0] - x
+    residual[BRAKING_CONSTANT, i] = largest[1] - x
     if work.used[FRICTION_POSITIVE] > 0.0:
         residual[FRICTION_POSITIVE, i] = q
-        residual[FRICTION_CONSTANT, i] = largest[1] - q
+        residual[FRICTION_CONSTANT, i] = largest[2] - q
 
 
 @njit(cache=True, error_model="numpy", fastmath=FAST)

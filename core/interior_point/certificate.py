@@ -36,9 +36,9 @@ from railjoule.core.physics.course_data import CourseData, cell_of
 from railjoule.core.physics.effort_limit import (
     TABLE_STEP_MS,
     EffortLimit,
-    largest_effort,
     limit_over_speed,
     piece_at,
+    supplied_effort,
 )
 from railjoule.core.physics.energy_per_metre import energy_per_metre
 from railjoule.core.physics.resistance import running_resistance
@@ -73,8 +73,8 @@ LOOSE = 1e-10
 ) = range(16)
 """Columns of a priced cell: it is CONSTANT + START w0 + END w1 + (TIME - POWER) / v + BY_SPEED v [J], less what limits
 over speed cost that are tables, plus what efforts cost beyond the price of the net force. From MOTION on stands what
-that force depends on, as in `physics.cell.Cell`."""
-COLUMNS = MOTION + 5
+that force depends on, and the supply, as in `physics.cell.Cell`."""
+COLUMNS = MOTION + 6
 
 
 @njit(cache=True, error_model="numpy")
@@ -194,11 +194,12 @@ def price_cells(course: CourseData, optimum: Optimum) -> tuple[FloatArray, float
     node = node_prices(course, optimum, price_of_time, over, tangents)
     cells = np.zeros((n, COLUMNS))
     inertia = 2.0 * course.half_inertia_kg
+    top_traction, top_braking = course.traction.constant_n, course.braking.constant_n
     for i in range(n):
         c, cell = cells[i], cell_of(course, i)
         force = optimum.force_price[i]
         rise = (z[ACCELERATION, i] - z[DECELERATION, i]) * cell.inertia
-        for column in range(5):
+        for column in range(6):
             c[MOTION + column] = cell[column]
         by_start, by_end = force_slopes(cell, 0.0, 0.0)
         c[CONSTANT] = tangents[0, i] + force * cell.constant_n
@@ -212,7 +213,7 @@ def price_cells(course: CourseData, optimum: Optimum) -> tuple[FloatArray, float
         c[MEAN_SPEED] = mean_speed(math.sqrt(w[i]), math.sqrt(w[i + 1]))
         c[BY_TRACTION], c[BY_BRAKING], c[BY_FRICTION] = tangents[1, i] - force, tangents[2, i] + force, force
         c[OVER_TRACTION], c[OVER_BRAKING] = over[0, i], over[1, i]
-        c[TOP_TRACTION], c[TOP_BRAKING] = course.traction.constant_n, course.braking.constant_n
+        c[TOP_TRACTION], c[TOP_BRAKING] = cell.powered * top_traction, cell.powered * top_braking
         c[TOP_FRICTION] = course.friction_effort_n
     return cells, node[n] * w[n] - node[0] * w[0], time
 
@@ -282,14 +283,17 @@ def cell_minimum(
     low0, high0, low1, high1 : float
         The box: speeds at start and end [m/s].
     """
-    motion = Cell(cell[MOTION], cell[MOTION + 1], cell[MOTION + 2], cell[MOTION + 3], cell[MOTION + 4])
+    motion = Cell(
+        cell[MOTION], cell[MOTION + 1], cell[MOTION + 2], cell[MOTION + 3], cell[MOTION + 4], cell[MOTION + 5]
+    )
     slow, fast = mean_speed(low0, low1), mean_speed(high0, high1)
     # the force falls with the speed at the start and rises with that at the end and with the mean one
     least = needed_force(motion, high0 * high0, low1 * low1, slow)
     most = needed_force(motion, low0 * low0, high1 * high1, fast)
-    strongest, rounding = cell[TOP_TRACTION], FORCE_ROUNDING * cell[TOP_TRACTION]
+    # of the largest effort anywhere: where there is none, a point still has what its solver leaves
+    strongest, rounding = cell[TOP_TRACTION], FORCE_ROUNDING * traction.constant_n
     if traction.table.shape[0] == 0 and slow > 0.0:
-        strongest = largest_effort(traction, slow)
+        strongest = supplied_effort(traction, motion.powered, slow)
     if least > strongest + rounding or -most > cell[TOP_BRAKING] + cell[TOP_FRICTION] + rounding:
         return np.inf
     most = min(most, strongest)

@@ -23,7 +23,8 @@ by the mean speed v of the cell:
     ACCELERATION         largest inertia force - k (w1 - w0)
     DECELERATION         largest inertia force + k (w1 - w0)
 
-Per node there are two, w above a floor and below the limit, and one for the time.
+Per node there are two, w above a floor and below the limit, and one for the time. In a neutral section the largest
+efforts of the drive are next to nothing in place of 1 and the electric brake's, and no limit over speed is used.
 """
 
 from typing import NamedTuple

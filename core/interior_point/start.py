@@ -104,9 +104,10 @@ def _use_limits(course: CourseData, scale: float, fastest: FloatArray, work: Wor
         top_speed = mean_speed(math.sqrt(fastest[i]), math.sqrt(fastest[i + 1]))
         for row in (TRACTION_POSITIVE, TRACTION_CONSTANT, BRAKING_POSITIVE, BRAKING_CONSTANT):
             weight[row, i] = h[i]
-        if _binds(traction, top_speed):
+        powered = course.powered[i] >= 1.0
+        if powered and _binds(traction, top_speed):
             weight[TRACTION_OVER_SPEED, i] = h[i]
-        if _binds(braking, top_speed):
+        if powered and _binds(braking, top_speed):
             weight[BRAKING_OVER_SPEED, i] = h[i]
         if kinked:
             weight[DRAWN_POSITIVE, i] = weight[DRAWN, i] = h[i]
@@ -187,10 +188,10 @@ def _start_cells(course: CourseData, scale: float, work: Work) -> None:
             over_traction = limit_over_speed(course.traction, v)[0] / scale
         if rows.weight[BRAKING_OVER_SPEED, i] > 0.0:
             over_braking = limit_over_speed(course.braking, v)[0] / scale
-        electric = min(top_braking, over_braking)
+        electric = min(cell.powered * top_braking, over_braking)
         low = max(force, 0.0)
         # a tenth into the interval: most of an optimal run coasts or uses little effort
-        f = low + 0.1 * max(min(1.0, over_traction, electric + top_friction + force) - low, 0.0)
+        f = low + 0.1 * max(min(cell.powered, over_traction, electric + top_friction + force) - low, 0.0)
         b = f - force
         x = b if top_friction <= 0.0 else 0.5 * (max(b - top_friction, 0.0) + min(b, electric))
         power = generated_power(course.drive_kind, course.drive_parameters, max(x, 0.0) * scale, v)
@@ -198,10 +199,10 @@ def _start_cells(course: CourseData, scale: float, work: Work) -> None:
         drawn = max(-generated, 0.0) + 1e-2 if rows.weight[DRAWN, i] > 0.0 else 0.0
         cells.traction[i], cells.braking[i], cells.drawn[i] = f, x, drawn
         rows.slack[TRACTION_POSITIVE, i] = f
-        rows.slack[TRACTION_CONSTANT, i] = 1.0 - f
+        rows.slack[TRACTION_CONSTANT, i] = cell.powered - f
         rows.slack[TRACTION_OVER_SPEED, i] = over_traction - f
         rows.slack[BRAKING_POSITIVE, i] = x
-        rows.slack[BRAKING_CONSTANT, i] = top_braking - x
+        rows.slack[BRAKING_CONSTANT, i] = cell.powered * top_braking - x
         rows.slack[BRAKING_OVER_SPEED, i] = over_braking - x
         rows.slack[DRAWN_POSITIVE, i] = drawn
         rows.slack[DRAWN, i] = drawn + generated

@@ -52,10 +52,10 @@ EXACT = 1e-9
 FIRST_EFFORT = 0.3
 """Share of the largest effort to begin with, where the neighbouring piece tells none."""
 
-START, END, CONSTANT, TIME, BY_SPEED, PRICE, RETURNED, LENGTH = range(8)
+START, END, CONSTANT, TIME, BY_SPEED, PRICE, RETURNED, LENGTH, TOP_TRACTION, TOP_BRAKING = range(10)
 """What a priced cell is [J]: START w0 + END w1 + CONSTANT + TIME / v + BY_SPEED v, and over its LENGTH [m] efforts
-at a PRICE per metre; RETURNED is the share of generated energy that counts."""
-COLUMNS = 8
+at a PRICE per metre, up to TOP_TRACTION and TOP_BRAKING [N]; RETURNED is the share of generated energy that counts."""
+COLUMNS = 10
 
 
 @njit(cache=True, error_model="numpy")
@@ -163,9 +163,9 @@ def effort_value(
     """
     price, share = cell[PRICE], cell[RETURNED]
     precision /= cell[LENGTH]
-    most = greatest_effort(course.traction, slow, fast)
+    most = min(greatest_effort(course.traction, slow, fast), cell[TOP_TRACTION])
     total, cheapest[0] = cheapest_effort(course, False, 1.0, price, slow, speed, most, cheapest[0], precision)
-    most = greatest_effort(course.braking, slow, fast)
+    most = min(greatest_effort(course.braking, slow, fast), cell[TOP_BRAKING])
     braking, cheapest[1] = cheapest_effort(course, True, share, price, slow, speed, most, cheapest[1], precision)
     # A standstill brake does it without power. Here every drive may: so what one would draw to brake never counts, and
     # only where it generates must its losses not fall with speed
@@ -334,6 +334,7 @@ def price_switched_cells(course: CourseData, optimum: Optimum) -> tuple[FloatArr
     node = node_prices(course, optimum, price_of_time, over, tangents)
     cells = np.zeros((n, COLUMNS))
     inertia = 2.0 * course.half_inertia_kg
+    top_traction, top_braking = course.traction.constant_n, course.braking.constant_n
     for i in range(n):
         c, cell, force = cells[i], cell_of(course, i), optimum.force_price[i]
         by_start, by_end = force_slopes(cell, 0.0, 0.0)
@@ -346,6 +347,7 @@ def price_switched_cells(course: CourseData, optimum: Optimum) -> tuple[FloatArr
         c[END] = force * by_end + rise - node[i + 1]
         c[TIME], c[BY_SPEED] = price_of_time * h[i], force * cell.linear
         c[PRICE], c[RETURNED], c[LENGTH] = force / h[i], returned[i], h[i]
+        c[TOP_TRACTION], c[TOP_BRAKING] = cell.powered * top_traction, cell.powered * top_braking
     return cells, node[n] * w[n] - node[0] * w[0]
 
 

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from railjoule.core.motion.line_profile import section_borders
-from railjoule.core.scenario import Line, Section, SpeedLimit, Station
-from railjoule.core.scenario.line import SHORTEST_DISTANCE_M
+from railjoule.core.scenario import Line, Section, Station
+from railjoule.core.scenario.line import SHORTEST_DISTANCE_M, Stretch
 
 # a border that rounding puts beside an end would make a section of nothing
 SHORTEST_PIECE_M = 1e-6
@@ -25,11 +25,6 @@ def part_of_line(line: Line, start_m: float, end_m: float, stops: Sequence[Stati
         The stops of the part, in its own metres; they stand for those of the line.
     """
     length = end_m - start_m
-    limits = [
-        limit.model_copy(update={"from_m": max(limit.from_m - start_m, 0.0), "to_m": min(limit.to_m - start_m, length)})
-        for limit in line.speed_limits
-        if limit.from_m < end_m - SHORTEST_PIECE_M and limit.to_m > start_m + SHORTEST_PIECE_M
-    ]
     fixed = [stop.position_m for stop in stops] + [0.0, length]
     points = [
         point.model_copy(update={"position_m": point.position_m - start_m})
@@ -41,10 +36,27 @@ def part_of_line(line: Line, start_m: float, end_m: float, stops: Sequence[Stati
         update={
             "preset": None,
             "sections": tuple(_sections_between(line, start_m, end_m)),
-            "speed_limits": tuple(SpeedLimit(**limit.model_dump()) for limit in limits),
+            "speed_limits": _stretches_between(line.speed_limits, start_m, end_m),
+            "neutral_sections": _stretches_between(line.neutral_sections, start_m, end_m),
             "stations": tuple(stops),
             "passing_points": tuple(points),
         }
+    )
+
+
+def _stretches_between(stretches: Sequence[Stretch], start_m: float, end_m: float) -> tuple[Stretch, ...]:
+    """Return what of stretches lies between two places, in metres from the first."""
+    return tuple(
+        # made anew, as a copy is not checked
+        type(one)(
+            **{
+                **one.model_dump(),
+                "from_m": max(one.from_m - start_m, 0.0),
+                "to_m": min(one.to_m - start_m, end_m - start_m),
+            }
+        )
+        for one in stretches
+        if one.from_m < end_m - SHORTEST_PIECE_M and one.to_m > start_m + SHORTEST_PIECE_M
     )
 
 

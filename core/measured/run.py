@@ -15,7 +15,7 @@ from railjoule.core.measured.recording import Recording, load_recording
 from railjoule.core.measured.smoothing import LEAST_STEP_MS, smoothed_speed
 from railjoule.core.motion import Course, build_course
 from railjoule.core.motion.cell_step import COAST, exit_speed2
-from railjoule.core.physics.course_data import cell_of, train_of
+from railjoule.core.physics.course_data import cell_of, electric_limit_n, tractive_limit_n, train_of
 from railjoule.core.scenario import Line, Scenario, Station, Timetable
 from railjoule.core.scenario.line import SHORTEST_DISTANCE_M
 from railjoule.core.trajectory import MEASURED, Trajectory, make_trajectory
@@ -259,8 +259,8 @@ def _beyond(course: Course, speed2: FloatArray) -> list[str]:
     """Return a sentence if the model's train could not have driven so."""
     force, speed = course.net_force_n(speed2), np.sqrt(speed2)
     mean = 0.5 * (speed[1:] + speed[:-1])
-    over = force - course.data.traction.effort_n(mean)
-    under = -force - course.data.braking.effort_n(mean) - course.data.friction_effort_n
+    over = force - tractive_limit_n(course.data, mean)
+    under = -force - electric_limit_n(course.data, mean) - course.data.friction_effort_n
     told = []
     for excess, what in ((over, "tractive effort"), (under, "braking effort")):
         worst = int(np.argmax(excess))

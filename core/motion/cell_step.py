@@ -7,7 +7,7 @@ from railjoule.core.compiled import njit
 from railjoule.core.physics.account import account_of_cell
 from railjoule.core.physics.cell import NEARLY_AT_REST_MS, Cell, mean_speed, reached_speed2
 from railjoule.core.physics.course_data import Train
-from railjoule.core.physics.effort_limit import EffortLimit, largest_effort
+from railjoule.core.physics.effort_limit import EffortLimit, supplied_effort
 
 FULL_TRACTION, COAST, FULL_BRAKE = range(3)
 # A step of the fixed point shrinks its error by what effort and resistance change over what the change of speed takes.
@@ -33,9 +33,9 @@ def exit_speed2(
         v = max(mean_speed(entry, math.sqrt(max(leaving_speed2, 0.0))), NEARLY_AT_REST_MS)
         force = 0.0
         if control == FULL_TRACTION:
-            force = largest_effort(traction, v)
+            force = supplied_effort(traction, cell.powered, v)
         elif control == FULL_BRAKE:
-            force = -(largest_effort(braking, v) + train.friction_effort_n)
+            force = -(supplied_effort(braking, cell.powered, v) + train.friction_effort_n)
         before = leaving_speed2
         leaving_speed2 = reached_speed2(cell, entering_speed2, v, force)
         change = leaving_speed2 - before

@@ -36,6 +36,8 @@ PER_CELL = ("gradient_permille", "tunnel_factor", "gradient_force_n", "curve_for
 # an interior point needs an inside: between no effort and a largest one of zero there is none
 MISSING_BRAKE_SHARE = 1e-9
 """A missing electric brake counts as this share of the tractive effort."""
+NEUTRAL_SHARE = 1e-9
+"""What is left of the limits of the drive in a neutral section, for the same reason."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -265,6 +267,7 @@ def _require_few_rows(scenario: Scenario) -> None:
     for key, rows in (
         ("line.sections", scenario.line.sections),
         ("line.speed_limits", scenario.line.speed_limits),
+        ("line.neutral_sections", scenario.line.neutral_sections),
         ("drive.points", getattr(scenario.vehicle.drive, "points", ())),
     ):
         if len(rows) > budget.row_count:
@@ -298,4 +301,5 @@ def _course_data(
         drive_kind=drive.kind,
         drive_parameters=drive.parameters,
         recuperation_factor=drive.recuperation_factor,
+        powered=np.where(line.neutral, NEUTRAL_SHARE, 1.0),
     )

@@ -1,14 +1,14 @@
-"""A line over its mesh: gradient, curvature, limits, stops and passing speeds, as one train feels them."""
+"""A line over its mesh: gradient, curvature, limits, supply, stops and passing speeds, as one train feels them."""
 
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.arrays import BoolArray, FloatArray, frozen_array
 from railjoule.core.budget import LIBRARY
 from railjoule.core.motion.line_forces import POINT, TrainExtent, car_crossings, mean_over_train
-from railjoule.core.motion.line_profile import speed_limit_at
+from railjoule.core.motion.line_profile import is_neutral, speed_limit_at
 from railjoule.core.motion.mesh import line_mesh, require_budget, with_nodes_at
 from railjoule.core.scenario import Line, Section
 from railjoule.core.units import MS_PER_KMH
@@ -36,6 +36,8 @@ class LineGeometry:
         Limit of the line [m/s], infinite where there is none; the lower one where two cells meet.
     cell_limit_ms : array of shape (n,)
         The same within each cell [m/s].
+    neutral : array of shape (n,)
+        Whether the cell lies in a neutral section.
     stop_nodes : tuple of int
         Nodes of the stations between the ends.
     passing_ms : tuple of (int, float)
@@ -50,6 +52,7 @@ class LineGeometry:
     tunnel_factor: FloatArray
     speed_limit_ms: FloatArray
     cell_limit_ms: FloatArray
+    neutral: BoolArray
     stop_nodes: tuple[int, ...]
     passing_ms: tuple[tuple[int, float], ...]
     dwell_s: FloatArray
@@ -116,6 +119,7 @@ def geometry_at(line: Line, position_m: FloatArray, train: TrainExtent = POINT) 
         tunnel_factor=over_train([section.tunnel_factor for section in line.sections]),
         speed_limit_ms=frozen_array(np.minimum(np.append(limits[0], limits), np.append(limits, limits[-1]))),
         cell_limit_ms=frozen_array(limits),
+        neutral=is_neutral(line, middle),
         stop_nodes=tuple(stops),
         passing_ms=tuple(
             (int(np.argmin(np.abs(position_m - point.position_m))), point.speed_kmh * MS_PER_KMH) for point in passing

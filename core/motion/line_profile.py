@@ -1,8 +1,8 @@
-"""A line as it lies on the ground, before any train or mesh: heights and speed limits over distance."""
+"""A line as it lies on the ground, before any train or mesh: heights, limits, neutral sections over distance."""
 
 import numpy as np
 
-from railjoule.core.arrays import FloatArray
+from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.scenario import Line
 
 
@@ -49,6 +49,27 @@ def speed_limit_at(line: Line, position_m: FloatArray, lasts_m: float = 0.0) -> 
 def limit_borders(line: Line, lasts_m: float = 0.0) -> FloatArray:
     """Return where limits beside those of the sections begin and end [m]; arguments as `speed_limit_at`."""
     return np.unique(_stretches(line, lasts_m)[:, :2])
+
+
+def neutral_stretches(line: Line) -> FloatArray:
+    """Return from and to [m] of where a line in running order has no traction power, those that meet as one; (k, 2)."""
+    length = line.length_m
+    joined: list[list[float]] = []
+    for section in sorted(line.neutral_sections, key=lambda section: section.from_m):
+        start, end = section.from_m, min(section.to_m, length)
+        if joined and start <= joined[-1][1]:
+            joined[-1][1] = max(joined[-1][1], end)
+        else:
+            joined.append([start, end])
+    return np.array(joined).reshape(-1, 2)
+
+
+def is_neutral(line: Line, position_m: FloatArray) -> BoolArray:
+    """Return whether a line in running order has no traction power at places [m], none on a border; shape (k,)."""
+    stretches = neutral_stretches(line)
+    begun, ended = (np.searchsorted(stretches[:, column], position_m) for column in (0, 1))
+    neutral: BoolArray = begun > ended
+    return neutral
 
 
 def _stretches(line: Line, lasts_m: float) -> FloatArray:

@@ -7,7 +7,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.budget import LIBRARY, current_budget, rounded_up
 from railjoule.core.errors import ScenarioError
-from railjoule.core.motion.line_profile import limit_borders, section_borders
+from railjoule.core.motion.line_profile import limit_borders, neutral_stretches, section_borders
 from railjoule.core.scenario.line import Line
 
 # borders closer than a micrometre are one: lengths of sections add up with rounding, and a cell's inertia is over its
@@ -19,7 +19,7 @@ GRADING = (1.0, 0.5, 0.25, 0.125)
 
 
 def line_borders(line: Line, lasts_m: float = 0.0) -> FloatArray:
-    """Return the places [m] where gradient, curve or limit change, the train stops or passes at a given speed.
+    """Return the places [m] where gradient, curve, limit or supply change, the train stops or passes at a given speed.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ def line_borders(line: Line, lasts_m: float = 0.0) -> FloatArray:
         Rising, ends included.
     """
     sections = section_borders(line)
-    places = [*sections, *limit_borders(line, lasts_m)]
+    places = [*sections, *limit_borders(line, lasts_m), *neutral_stretches(line).ravel()]
     places += [station.position_m for station in line.inner_stations]
     places += [point.position_m for point in line.passing_points]
     borders = np.unique(np.clip(places, 0.0, sections[-1]))

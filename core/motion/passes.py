@@ -25,7 +25,7 @@ from railjoule.core.physics.cell import (
     needed_force,
 )
 from railjoule.core.physics.course_data import CourseData, cell_of
-from railjoule.core.physics.effort_limit import EffortLimit, limit_over_speed
+from railjoule.core.physics.effort_limit import EffortLimit, borrowed_limit, limit_over_speed, supplied_limit
 
 MOVED = -1
 """Result of a pass that met no obstacle."""
@@ -118,26 +118,29 @@ def _greatest_steady(
 @njit(cache=True)
 def _take_off_unsteady(course: CourseData, speed2: FloatArray) -> None:
     """Lower `speed2` to where full effort keeps the deceleration, and full braking the acceleration, within limits."""
-    traction, braking, friction = course.traction, course.braking, course.friction_effort_n
+    traction, braking = borrowed_limit(course.traction), borrowed_limit(course.braking)
+    friction = course.friction_effort_n
     for i in range(course.cell_length_m.shape[0]):
         cell = cell_of(course, i)
         if course.max_deceleration_ms2 < np.inf:
             change = 2.0 * course.max_deceleration_ms2 * cell.length_m
-            speed2[i] = _greatest_steady(traction, 0.0, cell, speed2[i], change, 1.0)
+            speed2[i] = _greatest_steady(supplied_limit(traction, cell.powered), 0.0, cell, speed2[i], change, 1.0)
         if course.max_acceleration_ms2 < np.inf:
             change = 2.0 * course.max_acceleration_ms2 * cell.length_m
-            speed2[i + 1] = _greatest_steady(braking, friction, cell, speed2[i + 1], change, -1.0)
+            speed2[i + 1] = _greatest_steady(
+                supplied_limit(braking, cell.powered), friction, cell, speed2[i + 1], change, -1.0
+            )
 
 
 @njit(cache=True)
 def _forward(course: CourseData, speed2: FloatArray) -> int:
     """Lower `speed2` to what full effort reaches; return the cell that cannot be passed, or MOVED."""
-    traction = course.traction
+    traction = borrowed_limit(course.traction)
     for i in range(course.cell_length_m.shape[0]):
         cell = cell_of(course, i)
         # v^2 rises by 2 a h over a cell
         bound = min(speed2[i + 1], speed2[i] + 2.0 * course.max_acceleration_ms2 * cell.length_m)
-        reached = _greatest_reachable(traction, 0.0, cell, speed2[i], bound, 1.0)
+        reached = _greatest_reachable(supplied_limit(traction, cell.powered), 0.0, cell, speed2[i], bound, 1.0)
         # rest is an end where a stop is prescribed, and nowhere else
         if reached < 0.0 or (reached <= 0.0 and course.fixed_speed2[i + 1] != 0.0):
             return i
@@ -154,18 +157,19 @@ def entering_speed2_under_brakes(
     Negative where full braking does not slow the train down to `leaving_speed2` at all; all in [m2/s2].
     """
     cell, friction = cell_of(course, number), course.friction_effort_n
-    return _greatest_reachable(course.braking, friction, cell, leaving_speed2, largest_speed2, -1.0)
+    braking = supplied_limit(course.braking, cell.powered)
+    return _greatest_reachable(braking, friction, cell, leaving_speed2, largest_speed2, -1.0)
 
 
 @njit(cache=True)
 def _backward(course: CourseData, speed2: FloatArray) -> int:
     """Lower `speed2` to what full braking can still slow down; return the cell that cannot be passed, or MOVED."""
-    braking, friction = course.braking, course.friction_effort_n
+    braking, friction = borrowed_limit(course.braking), course.friction_effort_n
     for i in range(course.cell_length_m.shape[0] - 1, -1, -1):
         cell = cell_of(course, i)
         bound = min(speed2[i], speed2[i + 1] + 2.0 * course.max_deceleration_ms2 * cell.length_m)
         # the same backwards in time: the known end is the leaving one
-        entered = _greatest_reachable(braking, friction, cell, speed2[i + 1], bound, -1.0)
+        entered = _greatest_reachable(supplied_limit(braking, cell.powered), friction, cell, speed2[i + 1], bound, -1.0)
         if entered < 0.0 or (entered <= 0.0 and course.fixed_speed2[i] != 0.0):
             return i
         speed2[i] = entered

@@ -73,7 +73,12 @@ def account_of_cell(
     force = needed_force(cell, start_speed2, end_speed2, v)
     # no force is coasting: traction of zero, so that a drive which idles when it is on is off
     kind = train.drive_kind
-    if force >= 0.0:
+    if cell.powered < 1.0:
+        # in a neutral section the drive is off: what a solver leaves of an effort takes no power
+        driven, friction, power = max(force, 0.0), min(max(-force, 0.0), train.friction_effort_n), 0.0
+        electric = max(-force, 0.0) - friction
+        excess = max(force, -force - train.friction_effort_n)
+    elif force >= 0.0:
         driven, electric, friction = force, 0.0, 0.0
         power = driving_power(kind, drive, force, v)[0]
         excess = force - largest_effort(traction, v)

@@ -22,7 +22,7 @@ NEARLY_AT_REST_MS = 1e-9
 
 
 class Cell(NamedTuple):
-    """What the motion through a cell depends on: numbers of one cell, or arrays of many.
+    """What the motion through a cell depends on, and its supply: numbers of one cell, or arrays of many.
 
     Plain numbers: inner loops that make a tuple with arrays in it for each cell are ten times slower.
 
@@ -38,6 +38,8 @@ class Cell(NamedTuple):
         B [N s/m].
     quadratic : float or array
         C [N s2/m2].
+    powered : float or array
+        Share of the largest efforts of the drive that there is: 1, or next to nothing in a neutral section.
     """
 
     length_m: Numbers
@@ -45,6 +47,7 @@ class Cell(NamedTuple):
     constant_n: Numbers
     linear: Numbers
     quadratic: Numbers
+    powered: Numbers
 
 
 @formula

@@ -13,7 +13,7 @@ from railjoule.core.physics.effort_limit import EffortLimit, borrowed_limit
 SWITCHED_AT_WILL = np.zeros(0)
 # what `CourseData.machines_on` says of a cell
 DRIVING, OFF, BRAKING = 1.0, 0.0, -1.0
-PER_CELL = ("cell_length_m", "line_force_n", "resistance_quadratic", "machines_on")
+PER_CELL = ("cell_length_m", "line_force_n", "resistance_quadratic", "machines_on", "powered")
 PER_NODE = ("largest_speed2", "fixed_speed2")
 """The arrays of a course's data with one entry a cell, and with one a node."""
 
@@ -47,6 +47,8 @@ class CourseData(NamedTuple):
         What `railjoule.core.drive.kernels` take.
     recuperation_factor : float
         Share of the generated energy that the line takes back.
+    powered : array of shape (n,)
+        Share of the drive's largest efforts that there is: 1, or next to nothing in a neutral section.
     machines_on : array of shape (n,) or (0,)
         What is decided of a drive that takes power without effort: on to drive, 1, on to brake, -1, or off, 0; empty
         where it may be switched at will within a cell.
@@ -69,6 +71,7 @@ class CourseData(NamedTuple):
     drive_kind: int
     drive_parameters: FloatArray
     recuperation_factor: float
+    powered: FloatArray
     machines_on: FloatArray = SWITCHED_AT_WILL
 
 
@@ -117,6 +120,7 @@ def cell_of(course: CourseData, number: int) -> Cell:
         course.resistance_constant_n + course.line_force_n[number],
         course.resistance_linear,
         course.resistance_quadratic[number],
+        course.powered[number],
     )
 
 
@@ -130,6 +134,7 @@ def scaled_cell_of(course: CourseData, number: int, scale: float) -> Cell:
         (course.resistance_constant_n + course.line_force_n[number]) / scale,
         course.resistance_linear / scale,
         course.resistance_quadratic[number] / scale,
+        course.powered[number],
     )
 
 
@@ -138,7 +143,7 @@ def part_of_cell(cell: Cell, length_m: float) -> Cell:
     """Return a part of a cell [m]: as its force is constant, only its length differs, and inertia over length."""
     # k = m / (2 h)
     inertia = cell.inertia * (cell.length_m / length_m)
-    return Cell(length_m, inertia, cell.constant_n, cell.linear, cell.quadratic)
+    return Cell(length_m, inertia, cell.constant_n, cell.linear, cell.quadratic, cell.powered)
 
 
 def data_between(course: CourseData, first: int, last: int) -> CourseData:
@@ -157,7 +162,24 @@ def cells_of(course: CourseData) -> Cell:
         course.resistance_constant_n + course.line_force_n,
         course.resistance_linear,
         course.resistance_quadratic,
+        course.powered,
     )
+
+
+def tractive_limit_n(course: CourseData, speed_ms: FloatArray) -> FloatArray:
+    """Return the largest tractive effort [N] of each cell at speeds above zero [m/s], of shape (n,) or (n, k)."""
+    return _supplied_n(course, course.traction, speed_ms)
+
+
+def electric_limit_n(course: CourseData, speed_ms: FloatArray) -> FloatArray:
+    """Return the largest electric braking effort [N] of each cell; speeds as for `tractive_limit_n`."""
+    return _supplied_n(course, course.braking, speed_ms)
+
+
+def _supplied_n(course: CourseData, limit: EffortLimit, speed_ms: FloatArray) -> FloatArray:
+    effort, most = limit.effort_n(speed_ms), limit.constant_n * course.powered
+    supplied: FloatArray = np.minimum(effort, most if effort.ndim == 1 else most[:, None])
+    return supplied
 
 
 def lowered_limits(course: CourseData, share: float) -> CourseData:

@@ -179,12 +179,24 @@ def limit_over_speed(limit: EffortLimit, speed: float) -> tuple[float, float, fl
 
 
 @njit(cache=True, error_model="numpy")
-def largest_effort(limit: EffortLimit, speed: float) -> float:
-    """Return the largest effort [N] at a speed above zero [m/s]."""
+def supplied_effort(limit: EffortLimit, powered: float, speed: float) -> float:
+    """Return the largest effort [N] at a speed above zero [m/s] where there is a share of the constant limit."""
     # apart, as it needs no derivatives: compilers do not drop those of a call they do not inline
     if limit.table.shape[0] == 0:
-        return min(limit.constant_n, limit.power_w / speed)
-    return min(limit.constant_n, limit_over_speed(limit, speed)[0])
+        return min(powered * limit.constant_n, limit.power_w / speed)
+    return min(powered * limit.constant_n, limit_over_speed(limit, speed)[0])
+
+
+@njit(cache=True, error_model="numpy")
+def supplied_limit(limit: EffortLimit, powered: float) -> EffortLimit:
+    """Return a limit where there is a share of its constant."""
+    return EffortLimit(powered * limit.constant_n, limit.power_w, limit.table, limit.first_piece)
+
+
+@njit(cache=True, error_model="numpy")
+def largest_effort(limit: EffortLimit, speed: float) -> float:
+    """Return the largest effort [N] at a speed above zero [m/s]."""
+    return supplied_effort(limit, 1.0, speed)
 
 
 @njit(cache=True, error_model="numpy")

@@ -2,7 +2,7 @@
 
 from railjoule.core.scenario.document import document_of, scenario_from_document
 from railjoule.core.scenario.files import format_scenario, load_scenario, parse_scenario, save_scenario
-from railjoule.core.scenario.line import Line, Section, SpeedLimit, Station
+from railjoule.core.scenario.line import Line, NeutralSection, Section, SpeedLimit, Station
 from railjoule.core.scenario.presets import preset_document, preset_names, preset_text
 from railjoule.core.scenario.scenario import STRATEGY_NAMES, Scenario, StrategyName
 from railjoule.core.scenario.timetable import Timetable
@@ -12,6 +12,7 @@ __all__ = [
     "STRATEGY_NAMES",
     "Braking",
     "Line",
+    "NeutralSection",
     "Resistance",
     "Scenario",
     "Section",

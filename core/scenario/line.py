@@ -1,7 +1,7 @@
-"""A line: sections of gradient, curve and limit, temporary limits, stations, passing points."""
+"""A line: sections of gradient, curve and limit, temporary limits, neutral sections, stations, passing points."""
 
 from itertools import pairwise
-from typing import Literal, Self
+from typing import Literal, Self, TypeVar
 
 from pydantic import Field, model_validator
 
@@ -32,6 +32,23 @@ class SpeedLimit(Part):
     from_m: Number = Field(ge=0, le=1e7, description="Where the limit begins [m].")
     to_m: Number = Field(gt=0, le=1e7, description="Where the limit ends [m].")
     limit_kmh: Number = Field(gt=0, le=600, description="The limit [km/h].")
+
+    @model_validator(mode="after")
+    def _has_length(self) -> Self:
+        if self.to_m <= self.from_m:
+            raise ValueError(f"to_m = {self.to_m:g} is not beyond from_m = {self.from_m:g}")
+        return self
+
+
+class NeutralSection(Part):
+    """A piece of line without traction power.
+
+    As long as the front of the train is in it, where the pantograph is taken to be, the drive neither pulls nor brakes;
+    friction brakes work. The auxiliaries go on, and count the same: what feeds them meanwhile is charged again.
+    """
+
+    from_m: Number = Field(ge=0, le=1e7, description="Where the front of the train loses traction power [m].")
+    to_m: Number = Field(gt=0, le=1e7, description="Where it has it again [m].")
 
     @model_validator(mode="after")
     def _has_length(self) -> Self:
@@ -80,6 +97,16 @@ class PassingPoint(Part):
     speed_kmh: Number = Field(gt=0, le=600, description="Speed of the train there [km/h].")
 
 
+Stretch = TypeVar("Stretch", SpeedLimit, NeutralSection)
+
+
+def _turned(stretch: Stretch, length_m: float) -> Stretch:
+    """Return a stretch as a train meets it that runs the line from its end."""
+    # max: a stretch up to the very end may begin a rounding error before the start once it is turned round
+    ends = {"from_m": max(length_m - stretch.to_m, 0.0), "to_m": length_m - stretch.from_m}
+    return stretch.model_copy(update=ends)
+
+
 class Line(Part):
     """A line as it is described in its forward direction.
 
@@ -91,6 +118,9 @@ class Line(Part):
     reverse: bool = Field(False, strict=True, description="Run the line from its end to its start.")
     sections: tuple[Section, ...] = Field(min_length=1, max_length=100_000)
     speed_limits: tuple[SpeedLimit, ...] = Field((), max_length=10_000)
+    neutral_sections: tuple[NeutralSection, ...] = Field(
+        (), max_length=10_000, description="Where the drive neither pulls nor brakes, for want of traction power."
+    )
     stations: tuple[Station, ...] = Field((), max_length=1000)
     passing_points: tuple[PassingPoint, ...] = Field((), max_length=1000)
     limits_hold_for: Literal["front", "whole_train"] = Field(
@@ -106,12 +136,15 @@ class Line(Part):
         length = self.length_m
         if length < SHORTEST_DISTANCE_M:
             raise ValueError(f"is {length:g} m long, and must be at least {SHORTEST_DISTANCE_M:g} m")
-        for index, limit in enumerate(self.speed_limits):
-            # the length is a sum of sections, whose last digits need not be those of a limit that ends with the line
-            if limit.to_m > length + 1e-9:
-                raise ValueError(
-                    f"speed_limits[{index}].to_m = {limit.to_m:g} lies beyond the end of the line at {length:g} m"
-                )
+        ends = {
+            "speed_limits": [limit.to_m for limit in self.speed_limits],
+            "neutral_sections": [section.to_m for section in self.neutral_sections],
+        }
+        for key, places in ends.items():
+            for index, place in enumerate(places):
+                # the length is a sum of sections, whose last digits need not be those of a limit that ends with it
+                if place > length + 1e-9:
+                    raise ValueError(f"{key}[{index}].to_m = {place:g} lies beyond the end of the line at {length:g} m")
         positions = [station.position_m for station in self.stations]
         # two stations closer than a cell would share a node of the mesh, at which the train could stand only once
         if any(later - earlier < SHORTEST_DISTANCE_M for earlier, later in pairwise(positions)):
@@ -159,11 +192,8 @@ class Line(Part):
                     section.model_copy(update={"gradient_permille": -section.gradient_permille})
                     for section in reversed(self.sections)
                 ),
-                # max: a limit up to the very end may begin a rounding error before the start once it is turned round
-                "speed_limits": tuple(
-                    limit.model_copy(update={"from_m": max(length - limit.to_m, 0.0), "to_m": length - limit.from_m})
-                    for limit in reversed(self.speed_limits)
-                ),
+                "speed_limits": tuple(_turned(limit, length) for limit in reversed(self.speed_limits)),
+                "neutral_sections": tuple(_turned(section, length) for section in reversed(self.neutral_sections)),
                 "stations": tuple(
                     station.model_copy(update={"position_m": max(length - station.position_m, 0.0)})
                     for station in reversed(self.stations)

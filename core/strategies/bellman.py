@@ -13,6 +13,7 @@ from railjoule.core.dynamic_programming.backward import sweep_back
 from railjoule.core.dynamic_programming.search import Level
 from railjoule.core.energy import energy_decimals
 from railjoule.core.physics.cell import NEARLY_AT_REST_MS, mean_speed
+from railjoule.core.physics.course_data import electric_limit_n, tractive_limit_n
 from railjoule.core.physics.stretches import shortest_stretch_s
 from railjoule.core.strategies.decisions import DecidedRun, recursion
 from railjoule.core.strategies.spacing import seldom
@@ -110,8 +111,8 @@ def _control_law(task: Task, level: Level, price_w: float) -> ControlLaw:
     speed = np.maximum(mean_speed(np.sqrt(entering_speed2), np.sqrt(leaving_speed2)), NEARLY_AT_REST_MS)
     force = course.force_between_n(entering_speed2.T, leaving_speed2.T).T
     # braking is electric and friction together, of which the law does not tell the one from the other
-    traction = data.traction.effort_n(speed)
-    braking = data.braking.effort_n(speed) + data.friction_effort_n
+    traction = tractive_limit_n(data, speed)
+    braking = electric_limit_n(data, speed) + data.friction_effort_n
     largest = np.where(force > 0, traction, braking)
     control = np.divide(force, largest, out=np.full_like(force, np.nan), where=largest > 0)
     return ControlLaw(

@@ -24,7 +24,7 @@ from railjoule.core.limit_search.literal import (
 from railjoule.core.limit_search.whole_cells import followed
 from railjoule.core.motion import Course, build_course
 from railjoule.core.scenario.options import SearchOptions
-from railjoule.core.strategies.plain_line import check_accelerations
+from railjoule.core.strategies.plain_line import check_accelerations, require_no_neutral_sections
 from railjoule.core.task import Task
 from railjoule.core.units import MS_PER_KMH
 
@@ -71,10 +71,11 @@ def literal_run(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> 
     Raises
     ------
     StrategyRefusedError
-        If the line has stops on its way or the train a braking curve, the regulator takes too many steps, or drives no
-        run that the train can.
+        If the line has stops or neutral sections on its way or the train a braking curve, the regulator takes too many
+        steps, or drives no run that the train can.
     """
     options = task.scenario.search
+    require_no_neutral_sections(task)
     if task.scenario.line.inner_stations:
         raise StrategyRefusedError("needs a line without stops between its ends for the literal regulator.")
     if np.isfinite(task.course.permitted_deceleration_ms2):

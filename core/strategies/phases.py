@@ -19,6 +19,7 @@ from railjoule.core.strategies.plain_line import (
     check_accelerations,
     check_speeds,
     plain_limits_ms,
+    require_no_neutral_sections,
     require_no_passing_points,
 )
 from railjoule.core.task import Task
@@ -38,11 +39,12 @@ def phases(task: Task) -> Trajectory:
     TimetableError
         If the timetable cannot be kept.
     StrategyRefusedError
-        If gradient, curve or limit change along the line, it is passed at a given speed, the phases cannot be driven,
-        or not in this time.
+        If gradient, curve, limit or supply change along the line, it is passed at a given speed, the phases cannot be
+        driven, or not in this time.
     """
     task.require_timetable()
     require_no_passing_points(task)
+    require_no_neutral_sections(task)
     planner = planner_of(task)
     first, last = task.course.position_m[[0, -1]].tolist()
     stops = [station.position_m for station in task.scenario.line.in_running_order().inner_stations]

@@ -10,6 +10,7 @@ from railjoule.core.drive.kinds import COPPER_LOSS
 from railjoule.core.errors import StrategyRefusedError
 from railjoule.core.motion import Course
 from railjoule.core.physics.cell import mean_speed
+from railjoule.core.physics.course_data import electric_limit_n, tractive_limit_n
 from railjoule.core.physics.resistance import running_resistance
 from railjoule.core.task import Task
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, distinct_numbers
@@ -62,8 +63,8 @@ def plain_line(task: Task) -> PlainLine:
     Raises
     ------
     StrategyRefusedError
-        If the run has planned stops, passing points, moving ends or a lower limit than the vehicle's, or the drive no
-        copper loss.
+        If the run has planned stops, passing points, neutral sections, moving ends or a lower limit than the vehicle's,
+        or the drive no copper loss.
     """
     course, scenario = task.course, task.scenario
     data = course.data
@@ -72,6 +73,7 @@ def plain_line(task: Task) -> PlainLine:
     if data.fixed_speed2[0] > 0 or data.fixed_speed2[-1] > 0:
         raise StrategyRefusedError("needs a run that starts and ends at rest.")
     require_no_passing_points(task)
+    require_no_neutral_sections(task)
     if np.min(plain_limits_ms(course)) < scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH * (1 - SAME):
         raise StrategyRefusedError("needs a line without limits.")
     if data.drive_kind != COPPER_LOSS or data.drive_parameters[0] <= 0:
@@ -112,6 +114,12 @@ def require_no_passing_points(task: Task) -> None:
     """Raise StrategyRefusedError if the train passes a place at a given speed."""
     if task.scenario.line.passing_points:
         raise StrategyRefusedError("needs a line without passing points.")
+
+
+def require_no_neutral_sections(task: Task) -> None:
+    """Raise StrategyRefusedError if a part of the line has no traction power."""
+    if task.scenario.line.neutral_sections:
+        raise StrategyRefusedError("needs a line without neutral sections: line.neutral_sections has some.")
 
 
 def _note_on_the_mean(course: Course) -> str:
@@ -185,8 +193,8 @@ def broken_efforts(course: Course, speed2: FloatArray) -> list[BrokenLimit]:
     speed = np.sqrt(speed2)
     mean = mean_speed(speed[:-1], speed[1:])
     force = course.net_force_n(speed2)
-    pulls = force - data.traction.effort_n(mean), force, "pulls"
-    brakes = -force - data.braking.effort_n(mean) - data.friction_effort_n, -force, "brakes"
+    pulls = force - tractive_limit_n(data, mean), force, "pulls"
+    brakes = -force - electric_limit_n(data, mean) - data.friction_effort_n, -force, "brakes"
     broken = []
     for excess, effort, does in (pulls, brakes):
         over = np.flatnonzero(excess > ALLOWED_EXCESS * data.traction.constant_n)

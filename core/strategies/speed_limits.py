@@ -21,7 +21,7 @@ from railjoule.core.motion.mesh import finer_at_stops
 from railjoule.core.scenario import Scenario
 from railjoule.core.strategies.literal_regulator import literal_run
 from railjoule.core.strategies.optimal import known_optimum
-from railjoule.core.strategies.plain_line import require_no_passing_points
+from railjoule.core.strategies.plain_line import require_no_neutral_sections, require_no_passing_points
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH, distinct_numbers
@@ -113,12 +113,19 @@ def _given_limits(scenario: Scenario, sections: int) -> FloatArray:
 
 
 def limit_problem_of(task: Task) -> LimitProblem:
-    """Return the problem that the search of a task solves: trips within the latest time that its window allows."""
+    """Return the problem that the search of a task solves: trips within the latest time that its window allows.
+
+    Raises
+    ------
+    StrategyRefusedError
+        If the line has neutral sections.
+    """
     return _problem(task, (1 + task.scenario.search.time_window) * task.running_time_s)
 
 
 def _problem(task: Task, running_time_s: float) -> LimitProblem:
     """Return the problem of a task. The printed relay brakes for limits: its ideal does, and is searched with."""
+    require_no_neutral_sections(task)
     options, vehicle = task.scenario.search, task.scenario.vehicle
     stops = task.course.position_m[task.course.data.fixed_speed2 == 0].tolist()
     nodes = finer_at_stops(task.course.position_m, stops, HALVINGS_AT_STOPS)

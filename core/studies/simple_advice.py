@@ -15,7 +15,13 @@ import numpy as np
 import scipy
 
 from railjoule.core.arrays import FloatArray, IntArray
-from railjoule.core.dynamic_programming.backward import Steps, least_speeds, speed_grid, tabulate_steps
+from railjoule.core.dynamic_programming.backward import (
+    Steps,
+    laid_along_coasting,
+    least_speeds,
+    speed_grid,
+    tabulate_steps,
+)
 from railjoule.core.dynamic_programming.regimes import POWER, drive_regimes, roll_out_regimes, sweep_back_regimes
 from railjoule.core.dynamic_programming.search import log_price_range, price_scale_w
 from railjoule.core.errors import SolverError, StrategyRefusedError
@@ -134,7 +140,8 @@ class _Table:
         greatest = task.greatest_speed2
         bounds = greatest, least_speeds(self.data, greatest), self.data.fixed_speed2
         fastest = np.sqrt(greatest)
-        self.grid: FloatArray = speed_grid(*bounds, 0.5 * fastest, float(fastest.max()), POINTS)
+        grid = speed_grid(*bounds, 0.5 * fastest, float(fastest.max()), POINTS)
+        self.grid: FloatArray = laid_along_coasting(self.data, grid, greatest)
         self.steps: Steps = tabulate_steps(self.data, self.grid)
         self.prices = log_price_range(self.data, price_scale_w(self.data, task.running_time_s))
 

@@ -53,7 +53,7 @@ class Program:
         self.traction = symbol("f", cells)
         self.braking = symbol("x", cells if self.has_braking else 0)
         self.drawn = symbol("psi", cells if self.may_draw else 0)
-        self._constraints: list[tuple[Any, float, float]] = []
+        self._constraints: list[tuple[Any, float, float | FloatArray]] = []
         self.objective = self._formulate(running_time_s, np.sqrt(reachable_speed2))
 
     def solver(self, options: dict[str, Any]) -> Any:
@@ -77,9 +77,9 @@ class Program:
             Floor of the squares of speed [m2/s2].
         """
         data, cells = self.data, np.ones(len(self.data.cell_length_m))
-        high = [data.largest_speed2[self.free], cells]
+        high = [data.largest_speed2[self.free], data.powered]
         if self.has_braking:
-            high.append(cells * (data.braking.constant_n / self.scale))
+            high.append(data.powered * (data.braking.constant_n / self.scale))
         if self.may_draw:
             high.append(cells * np.inf)
         # efforts and drawn power are positive, and all but the speeds begin at 0
@@ -89,7 +89,9 @@ class Program:
             "lbx": np.append(slowest_speed2[self.free], others),
             "ubx": np.concatenate(high),
             "lbg": np.repeat([low for _, low, _ in self._constraints], counts),
-            "ubg": np.repeat([top for _, _, top in self._constraints], counts),
+            "ubg": np.concatenate(
+                [np.broadcast_to(top, count) for (_, _, top), count in zip(self._constraints, counts, strict=True)]
+            ),
         }
 
     def start(self, speed2: FloatArray, force_n: FloatArray) -> FloatArray:
@@ -125,7 +127,7 @@ class Program:
         if self.has_braking:
             self._keep(self.traction - force - braking, 0.0, data.friction_effort_n / self.scale)
         else:
-            self._keep(braking, 0.0, data.braking.constant_n / self.scale)
+            self._keep(braking, 0.0, data.powered * (data.braking.constant_n / self.scale))
         if np.isfinite([data.max_acceleration_ms2, data.max_deceleration_ms2]).any():
             inertia = 2 * data.half_inertia_kg / self.scale
             self._keep(acceleration_force, -inertia * data.max_deceleration_ms2, inertia * data.max_acceleration_ms2)
@@ -134,7 +136,7 @@ class Program:
         self._keep(time, -np.inf, running_time_s)
         return sum_of(h * self._energy_per_metre(v, braking)) + data.auxiliary_power_w / self.scale * time
 
-    def _keep(self, expression: Any, low: float, high: float) -> None:
+    def _keep(self, expression: Any, low: float, high: float | FloatArray) -> None:
         self._constraints.append((expression, low, high))
 
     def _speed2_at_nodes(self) -> Any:

@@ -8,10 +8,11 @@ import numpy as np
 from bokeh.models import GlyphRenderer
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.motion.line_profile import limit_steps
+from railjoule.core.motion.line_profile import limit_steps, neutral_stretches
 from railjoule.core.scenario import Line as ScenarioLine
 from railjoule.core.scenario import Scenario
 from railjoule.dashboard.charts.chart import Axis, Chart, DistanceChart, add_zero, columns, nice_range, xy
+from railjoule.dashboard.charts.label_places import text_width_px
 from railjoule.dashboard.charts.quantities import Quantity, along
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
@@ -20,9 +21,14 @@ DRIVEN_DASH = [6, 3]
 FAR_ABOVE = 9e3
 """The tint of what is forbidden ends there, beyond any speed [km/h] to which an axis reaches."""
 
+SIGN_PX = 11
 PASSES = "passes"
 """The source of the places that the train passes at a given speed."""
 PASS_LIFT_PX = 4
+NEUTRAL, NEUTRAL_SIGNS = "neutral", "neutral_signs"
+"""The sources of the bands of neutral sections and of their words."""
+NEUTRAL_SHARE, NEUTRAL_LIFT_PX, NEUTRAL_WORD = 0.05, 2, "neutral"
+"""Height of a band over that of the axis, its word, and how far above the band that stands."""
 
 Curve = tuple[FloatArray, FloatArray]
 """Places and values of a line, in the units of the axes."""
@@ -248,6 +254,30 @@ def add_stations(chart: Chart) -> None:
 def draw_stations(chart: Chart, places_m: Sequence[float]) -> None:
     """Draw the hairlines of the stations."""
     chart.put("stations", **columns(x=np.array(places_m)))
+
+
+def add_neutral_sections(chart: Chart) -> None:
+    """Add the bands of neutral sections, at the foot of the chart, and their words."""
+    sides, hatched = ("left", "right", 0, "top"), {"line_color": "ink3", "hatch_color": "ink3"}
+    chart.glyphs("quad", NEUTRAL, *sides, paint=hatched, fill_color=None, line_width=0.5, hatch_pattern="/")
+    chart.source(NEUTRAL_SIGNS, "x", "y", "text")
+    chart.signs(NEUTRAL_SIGNS, "ink2", x_offset=2, y_offset=-NEUTRAL_LIFT_PX)
+
+
+def draw_neutral_sections(
+    chart: Chart, line: ScenarioLine, x_of_place: Callable[[FloatArray], FloatArray], top: float
+) -> None:
+    """Draw the neutral sections of a line in running order, as `draw_passing_points`; the axis ends at `top`."""
+    left, right = (x_of_place(places) for places in neutral_stretches(line).T)
+    height = np.full(len(left), NEUTRAL_SHARE * top)
+    chart.put(NEUTRAL, **columns(left=left, right=right, top=height))
+    named, free_px = [], -np.inf
+    for number, begin_px in enumerate(chart.frame_now.x_px(left).tolist()):
+        # a word may reach beyond its band, but not into the next word
+        if begin_px >= free_px:
+            named.append(number)
+            free_px = begin_px + text_width_px(f"{NEUTRAL_WORD} ", SIGN_PX)
+    chart.put(NEUTRAL_SIGNS, **xy(left[named], height[named]), text=[NEUTRAL_WORD] * len(named))
 
 
 def add_passing_points(chart: Chart) -> None:

@@ -4,21 +4,26 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from railjoule.core.motion.line_profile import section_borders
+from railjoule.core.motion.line_profile import neutral_stretches, section_borders
 from railjoule.core.units import MS_PER_KMH
 from railjoule.dashboard.charts.chart import Axis, xy
 from railjoule.dashboard.charts.label_places import Box, text_width_px
 from railjoule.dashboard.charts.line_names import Frame, Name
 from railjoule.dashboard.charts.quantities import SPEED, along
 from railjoule.dashboard.charts.run_lines import (
+    NEUTRAL_LIFT_PX,
+    NEUTRAL_SIGNS,
     PASS_LIFT_PX,
     PASSES,
+    SIGN_PX,
     Curve,
     Form,
     add_limits,
+    add_neutral_sections,
     add_passing_points,
     as_steps,
     draw_limits,
+    draw_neutral_sections,
     draw_passing_points,
     limits_of,
 )
@@ -29,10 +34,9 @@ from railjoule.dashboard.look.paint import Palette
 
 BRAKING, BRAKING_WORDS = "braking", "braking curve"
 """The source of the speed permitted by braking curves, and what it is called."""
-SIGN_PX = 11
 # over the highest limit or speed: the sign of a limit stands above its line
 HEADROOM = 1.16
-SIGN_LIFTS_PX = {"signs": 2, "stops": 5, "late": 3, PASSES: PASS_LIFT_PX}
+SIGN_LIFTS_PX = {"signs": 2, "stops": 5, "late": 3, PASSES: PASS_LIFT_PX, NEUTRAL_SIGNS: NEUTRAL_LIFT_PX}
 """How far above its place each kind of sign is written."""
 
 
@@ -44,6 +48,7 @@ class SpeedChart(RunChart):
     def __init__(self, height: int, axis: Axis, palette: Palette) -> None:
         super().__init__(SPEED, height, axis, palette, form=Form(ticks=5))
         self._limits: Curve = np.zeros(0), np.zeros(0)
+        self.top = 1.0
         self._braking: Curve | None = None
         """What is drawn: the permitted speed, on the limits but where a braking curve is lower."""
 
@@ -51,6 +56,7 @@ class SpeedChart(RunChart):
         """Draw the limits beneath the lines."""
         add_limits(self)
         self.line(BRAKING, "limit", line_width=1, line_dash=[4, 2])
+        add_neutral_sections(self)
         super().beneath()
 
     def above(self) -> None:
@@ -84,7 +90,9 @@ class SpeedChart(RunChart):
         """Draw limits, runs and names."""
         self._draw_limits(scene)
         self._draw_braking_curve(scene)
-        draw_passing_points(self, scene.run.scenario.line.in_running_order(), scene.x_of_place)
+        line = scene.run.scenario.line.in_running_order()
+        draw_neutral_sections(self, line, scene.x_of_place, self.top)
+        draw_passing_points(self, line, scene.x_of_place)
         lines = self.draw_runs(scene)
         self._tell_cursor(scene)
         self._draw_day(scene)
@@ -93,10 +101,15 @@ class SpeedChart(RunChart):
     def alternative(self, scene: RunScene) -> str:
         """Return in words what it shows, for who cannot see it."""
         run, names = scene.run, ", ".join(words.STRATEGY_WORDS[name] for name in scene.runs)
+        stretches = [
+            f"{words.number(start, 0)} to {words.number(end, 0)} m"
+            for start, end in neutral_stretches(run.scenario.line.in_running_order()).tolist()
+        ]
+        neutral = f" Without traction power: {', '.join(stretches)}." if stretches else ""
         return (
             f"Speed over distance of {names}; {words.STRATEGY_WORDS[scene.chosen]} reaches "
-            f"{words.number(run.max_speed_kmh)} km/h and takes {words.number(run.travel_time_s)} s. "
-            "A table of the phases follows."
+            f"{words.number(run.max_speed_kmh)} km/h and takes {words.number(run.travel_time_s)} s."
+            f"{neutral} A table of the phases follows."
         )
 
     def _tell_cursor(self, scene: RunScene) -> None:
@@ -122,7 +135,8 @@ class SpeedChart(RunChart):
         """Draw the limits, each with its number where there is room."""
         places, limits = limits_of(scene.run.scenario)
         x = scene.x_of_place(places)
-        self.set_range(0, HEADROOM * max(float(np.max(limits)), *(run.max_speed_kmh for run in scene.named().values())))
+        self.top = HEADROOM * max(float(np.max(limits)), *(run.max_speed_kmh for run in scene.named().values()))
+        self.set_range(0, self.top)
         self._limits = draw_limits(self, x, limits)
         texts = [f"limit {words.number(limit, 0)}" for limit in limits]
         room = np.diff(self.frame_now.x_px(x))

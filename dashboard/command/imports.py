@@ -4,6 +4,7 @@ import argparse
 import math
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -74,7 +75,13 @@ def intervals(options: argparse.Namespace) -> None:
         reverse=options.reverse,
         name=options.name or "",
     )
-    _write(target, line.to_csv() if target.suffix.lower() == ".csv" else line.to_toml())
+    if target.suffix.lower() != ".csv":
+        _write(target, line.to_toml())
+    else:
+        _write(target, line.to_csv())
+        # a table of sections has no row for them
+        if line.line.neutral_sections:
+            line = replace(line, unused=(*line.unused, f"{target.name}: it holds sections alone, no neutral ones."))
     _tell(line)
     print(f"{target}: {_line_words(line.line)}")
 

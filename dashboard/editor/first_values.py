@@ -10,6 +10,8 @@ from railjoule.core.scenario.drive import DriveParameters
 
 Row = dict[str, Any]
 
+FIRST_NEUTRAL_M = 100.0
+"""Assumed: the next rows are copies that are typed over."""
 FIRST_LIMIT_KMH, FIRST_STOP_S, FIRST_EFFORT_KN, FIRST_PASS_KMH = 50.0, 30.0, 100.0, 30.0
 FIRST_DECELERATION_MS2 = 0.7
 """Of a first braking curve; service braking of passenger trains."""
@@ -62,10 +64,13 @@ def first_rows(table: str, scenario: Scenario) -> list[Row]:
     """Return the rows that an empty table begins with; its key is a dotted path."""
     length, traction, braking = scenario.line.length_m, scenario.vehicle.traction, scenario.vehicle.braking
     stretch = {"from_m": float(round(length / 3)), "to_m": float(round(2 * length / 3)), "limit_kmh": FIRST_LIMIT_KMH}
+    middle = length / 2
+    neutral = {"from_m": round(middle, 1), "to_m": round(min(middle + FIRST_NEUTRAL_M, length), 1)}
     effort = traction.max_effort_kn or FIRST_EFFORT_KN
     electric = braking.max_effort_kn or effort
     rows: Mapping[str, list[Row]] = {
         "line.speed_limits": [stretch],
+        "line.neutral_sections": [neutral],
         "line.passing_points": [_first_passing_point(scenario)],
         "line.stations": [{"name": "Station", "position_m": float(round(length / 2)), "dwell_s": FIRST_STOP_S}],
         "disturbance.stops": [{"position_m": float(round(length / 2)), "duration_s": FIRST_STOP_S}],

@@ -9,7 +9,7 @@ from railjoule.core import Scenario
 from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.scenario import Line, Vehicle
 from railjoule.core.scenario.disturbance import Disturbance
-from railjoule.core.scenario.line import PassingPoint, Section, SpeedLimit, Station
+from railjoule.core.scenario.line import NeutralSection, PassingPoint, Section, SpeedLimit, Station
 from railjoule.dashboard.editor.fields_of import Field, Table, describe, words_of
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup
@@ -129,6 +129,7 @@ def _line_tables(line: Line) -> Iterator[Markup]:
     yield _rows_table(f"Track{f': {line.name}' if line.name else ''}", head, rows)
     for title, kind, entries in (
         ("Speed limits", SpeedLimit, running.speed_limits),
+        ("Neutral sections", NeutralSection, running.neutral_sections),
         ("Stations", Station, running.stations),
         ("Passing points", PassingPoint, running.passing_points),
     ):

@@ -8,6 +8,7 @@ import panel as pn
 import panel_material_ui as pmui
 from panel.viewable import Viewable
 
+from railjoule.core.motion.line_profile import neutral_stretches
 from railjoule.core.scenario import load_scenario, preset_names
 from railjoule.core.strategies.enoc import best_acceleration_time
 from railjoule.dashboard.actual.fields import ActualFields
@@ -308,5 +309,12 @@ def line_rows(state: Workbench) -> Markup:
             *(f"{value:g}" for value in (limit.limit_kmh, limit.from_m, limit.to_m)),
         )
         for limit in line.speed_limits
+    ]
+    rows += [
+        markup(
+            '<div class="row"><span>Neutral section</span><span>{}\u2013{} m</span></div>',
+            *(f"{end:g}" for end in ends),
+        )
+        for ends in neutral_stretches(line).tolist()
     ]
     return joined(rows)

@@ -49,6 +49,8 @@ def export_track(scenario: Scenario) -> ExportedFile:
     lost = []
     if any(section.tunnel_factor != 1 for section in line.sections):
         lost.append("tunnel_factor of sections: a track has tunnels by their cross sections.")
+    if line.neutral_sections:
+        lost.append("neutral_sections: a track has traction power everywhere.")
     if any(station.dwell_s for station in line.stations):
         lost.append("dwell times of stations: a journey has them.")
     begins = np.append(0.0, np.cumsum([section.length_m for section in line.sections])[:-1])

@@ -84,6 +84,7 @@ def _refuse_what_is_not_simulated(scenario: Scenario) -> None:
         # the loop begins with machines at rest
         ("timetable.entry_speed_kmh", scenario.timetable.entry_speed_kmh != 0),
         ("timetable.exit_speed_kmh", scenario.timetable.exit_speed_kmh != 0),
+        ("line.neutral_sections", bool(scenario.line.neutral_sections)),
         ("events on the way", bool(disturbance.events)),
         ("disturbance.coordinate_error_m", disturbance.coordinate_error_m != 0),
         ("disturbance.departure_delay_s", disturbance.departure_delay_s != 0),

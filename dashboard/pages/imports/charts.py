@@ -134,7 +134,7 @@ class ImportedCurves(DistanceChart):
         signed = [text for text, fit in zip(texts, fits, strict=True) if fit]
         self.put("radii", **xy((0.5 * (left + right))[fits], bend[fits]), text=signed)
         bands = [(one.from_m, one.to_m, "tunnel") for one in imported.tunnels]
-        bands += [(one.from_m, one.to_m, "neutral") for one in imported.neutral_sections]
+        bands += [(one.from_m, one.to_m, "neutral") for one in line.neutral_sections]
         self.put("bands", **spans([(a, b) for a, b, _ in bands], 0.0, top))
         named = [(0.5 * (a + b), name) for a, b, name in bands if b - a > len(name) * WORD_PX * metres]
         self.put("names", **xy(np.array([at for at, _ in named]), np.full(len(named), top)), text=[n for _, n in named])

@@ -17,9 +17,11 @@ from railjoule.dashboard.charts.run_lines import (
     Line,
     RunLines,
     add_limits,
+    add_neutral_sections,
     add_passing_points,
     add_stations,
     draw_limits,
+    draw_neutral_sections,
     draw_passing_points,
     draw_stations,
     ends_of,
@@ -75,6 +77,7 @@ class LineSpeedChart(RunLines):
     def beneath(self) -> None:
         """Draw limits and stations beneath the lines."""
         add_limits(self)
+        add_neutral_sections(self)
         add_stations(self)
 
     def above(self) -> None:
@@ -91,7 +94,9 @@ class LineSpeedChart(RunLines):
         top = HEADROOM * float(np.max(limits))
         self.set_range(0, top)
         draw_stations(self, stations(best.legs))
-        draw_passing_points(self, best.run.scenario.line.in_running_order(), np.asarray)
+        line = best.run.scenario.line.in_running_order()
+        draw_neutral_sections(self, line, np.asarray, top)
+        draw_passing_points(self, line, np.asarray)
         stops = [(best.legs[0].start_m, best.legs[0].departs_from), *((leg.end_m, leg.arrives_at) for leg in best.legs)]
         chosen = fitting(stops, best.run.distance_m / width_px)
         self.put(

@@ -142,17 +142,24 @@ def test_a_factor_of_a_tunnel_is_used():
     assert [section.tunnel_factor for section in line.line.sections] == [1, 1.5, 1]
 
 
+def test_neutral_sections_lie_on_the_line_as_it_runs():
+    limits = table_of("from,to,limit\n1000,1400,60\n", "limits")
+    # the second begins before the line
+    neutral = table_of("from,to\n1350,1390\n900,1020\n", "neutral")
+    line = line_of(limits=limits, neutral=neutral)
+    assert [(one.from_m, one.to_m) for one in line.line.neutral_sections] == [(0, 20), (350, 390)]
+    line = line_of(limits=limits, neutral=neutral, reverse=True)
+    assert line.document["line"]["neutral_sections"] == [{"from_m": 10, "to_m": 50}, {"from_m": 380, "to_m": 400}]
+    assert line.unused == ()
+    assert "neutral_sections" in line.to_toml()
+
+
 def test_what_a_line_has_no_key_for_is_kept_and_told():
     limits = table_of("from,to,limit\n1000,1400,60\n", "limits")
     tunnels = table_of("from,to,area (m2)\n1100,1300,40\n", "tunnels")
-    neutral = table_of("from,to\n1350,1390\n", "neutral")
-    line = line_of(limits=limits, tunnels=tunnels, neutral=neutral, reverse=True)
+    line = line_of(limits=limits, tunnels=tunnels, reverse=True)
     assert [(one.from_m, one.to_m, one.value) for one in line.tunnels] == [(100, 300, 40)]
-    assert [(one.from_m, one.to_m) for one in line.neutral_sections] == [(10, 50)]
-    assert line.unused == (
-        "tunnels.csv: tunnels without a factor on quadratic resistance: 100 to 300 m of the line.",
-        "neutral.csv: neutral sections: 10 to 50 m of the line.",
-    )
+    assert line.unused == ("tunnels.csv: tunnels without a factor on quadratic resistance: 100 to 300 m of the line.",)
 
 
 @pytest.mark.parametrize(

@@ -18,12 +18,12 @@ def test_limits_neutral_sections_and_stops_become_a_line():
             {"length_m": 1000, "speed_limit_kmh": 80},
             {"length_m": 1500, "speed_limit_kmh": 100},
         ],
+        "neutral_sections": [{"from_m": 500, "to_m": 600}],
         "stations": [{"name": "B", "position_m": 1500, "dwell_s": 30}],
     }
-    assert [(one.from_m, one.to_m) for one in line.neutral_sections] == [(500, 600)]
+    assert [(one.from_m, one.to_m) for one in line.line.neutral_sections] == [(500, 600)]
     assert line.unused == (
         "osrd-run.csv: columns not used: ch, trackName, lineCode, electrificationMode, electrificationProfile.",
-        "osrd-run.csv: neutral sections: 500 to 600 m of the line.",
     )
     assert [finding.sentence for finding in line.findings] == ["osrd-run.csv: it tells no gradients: a level line."]
 

@@ -17,6 +17,8 @@ from railjoule.core.interior_point.switching_bound import (
     RETURNED,
     START,
     TIME,
+    TOP_BRAKING,
+    TOP_TRACTION,
     least_of_cell,
 )
 from railjoule.core.physics.effort_limit import largest_effort
@@ -58,6 +60,8 @@ def cell_with(price, time=2e5):
     cell = np.zeros(COLUMNS)
     cell[PRICE], cell[RETURNED], cell[LENGTH], cell[TIME] = price, 1.0, 50.0, time
     cell[START] = cell[END] = 400.0
+    # no less than the limits of the train
+    cell[TOP_TRACTION] = cell[TOP_BRAKING] = math.inf
     return cell
 
 

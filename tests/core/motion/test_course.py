@@ -114,7 +114,9 @@ def test_a_speed_at_an_end_that_is_none(name, speed):
 
 def test_a_part_of_a_course_is_the_course_of_that_part():
     """Every array, those of the data too: one that is added and not cut would keep its length."""
-    scenario = plain_scenario({"line.sections": HILLS, "line.stations": [{"position_m": 700.0, "dwell_s": 30.0}]})
+    stations = [{"position_m": 700.0, "dwell_s": 30.0}]
+    neutral = [{"from_m": 300.0, "to_m": 400.0}]
+    scenario = plain_scenario({"line.sections": HILLS, "line.stations": stations, "line.neutral_sections": neutral})
     course = build_course(scenario)
     first, last = 17, int(np.flatnonzero(course.dwell_s)[0])
     part = course.between(first, last)

@@ -7,7 +7,7 @@ from builders import HILLS, plain_scenario
 from railjoule.core.motion.line_forces import TrainExtent
 from railjoule.core.motion.line_geometry import geometry_at, meshed_geometry
 from railjoule.core.scenario import Line
-from railjoule.core.scenario.line import PassingPoint
+from railjoule.core.scenario.line import NeutralSection, PassingPoint
 
 LINE = Line.model_validate(
     {
@@ -67,6 +67,17 @@ def test_passing_points_are_nodes():
     assert geometry_at(line, np.array([0.0, 600.0, 1200.0])).passing_ms == ()
     ((node, _),) = meshed_geometry(line.model_copy(update={"reverse": True}), 10.0).passing_ms
     assert meshed_geometry(line.model_copy(update={"reverse": True}), 10.0).position_m[node] == pytest.approx(667.0)
+
+
+def test_borders_of_neutral_sections_are_nodes():
+    sections = (NeutralSection(from_m=1333.0, to_m=1402.5), NeutralSection(from_m=1400.0, to_m=1455.5))
+    line = LINE.model_copy(update={"neutral_sections": sections})
+    geometry = meshed_geometry(line, 10.0)
+    inside = (geometry.position_m[:-1] >= 1333.0 - 1e-9) & (geometry.position_m[1:] <= 1455.5 + 1e-9)
+    assert np.array_equal(geometry.neutral, inside)
+    assert np.diff(geometry.position_m)[inside].sum() == pytest.approx(122.5)
+    turned = meshed_geometry(line.model_copy(update={"reverse": True}), 10.0)
+    assert turned.position_m[:-1][turned.neutral][0] == pytest.approx(2000.0 - 1455.5)
 
 
 def test_curvature_is_one_over_radius():

@@ -1,10 +1,10 @@
-"""Limits of a line over distance, against a plain rule."""
+"""Limits and neutral sections of a line over distance, against plain rules."""
 
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from railjoule.core.motion.line_profile import speed_limit_at
+from railjoule.core.motion.line_profile import is_neutral, neutral_stretches, speed_limit_at
 from railjoule.core.scenario import Line
 
 STRETCHES = st.lists(
@@ -24,3 +24,16 @@ def test_the_lowest_limit_of_all_that_cover_a_place(stretches):
         for place in places
     ]
     assert speed_limit_at(line, places).tolist() == expected
+
+
+@given(STRETCHES)
+def test_a_place_is_neutral_where_any_section_covers_it(stretches):
+    sections = [{"from_m": start, "to_m": end} for start, end, _ in stretches]
+    line = Line.model_validate({"sections": [{"length_m": 100}], "neutral_sections": sections})
+    places = np.arange(100) + 0.5
+    expected = [any(start < place < end for start, end, _ in stretches) for place in places]
+    assert is_neutral(line, places).tolist() == expected
+    joined = neutral_stretches(line)
+    # joined, they rise and have gaps between them
+    assert (np.diff(joined.ravel()) > 0).all()
+    assert (joined[:, 1] - joined[:, 0]).sum() == sum(expected)

@@ -20,7 +20,13 @@ from railjoule.core.physics.cell import (
 from railjoule.core.physics.course_data import part_of_cell
 
 cells = st.builds(
-    Cell, st.floats(1, 100), st.floats(100, 1e4), st.floats(-2e4, 2e4), st.floats(0, 500), st.floats(0, 50)
+    Cell,
+    st.floats(1, 100),
+    st.floats(100, 1e4),
+    st.floats(-2e4, 2e4),
+    st.floats(0, 500),
+    st.floats(0, 50),
+    st.just(1.0),
 )
 squares = st.floats(1.0, 900.0)
 
@@ -36,7 +42,7 @@ def by_differences(function, at, step):
 
 def test_a_cell_by_hand():
     """From 10 to 14 m/s over 60 m in 5 s; 50 t: 50e3 * 96 / 120 = 40 kN, and 1000 + 20 * 12 + 3 * 148 N resist."""
-    cell = Cell(60.0, 0.5 * 50e3 / 60, 1000.0, 20.0, 3.0)
+    cell = Cell(60.0, 0.5 * 50e3 / 60, 1000.0, 20.0, 3.0, 1.0)
     assert mean_speed(10.0, 14.0) == 12
     assert duration(60.0, 12.0) == 5
     assert force_between(cell, 100.0, 196.0) == pytest.approx(40e3 + 1684)
@@ -89,10 +95,10 @@ def test_the_parts_of_a_cell_need_the_force_of_the_whole_but_for_resistance(cell
 
 def test_arrays_of_cells():
     cells_of_two = Cell(
-        np.array([10.0, 20.0]), np.array([5e3, 2.5e3]), np.array([1e3, -1e3]), 20.0, np.array([3.0, 4.0])
+        np.array([10.0, 20.0]), np.array([5e3, 2.5e3]), np.array([1e3, -1e3]), 20.0, np.array([3.0, 4.0]), 1.0
     )
     w0, w1 = np.array([100.0, 144.0]), np.array([144.0, 121.0])
     force = needed_force(cells_of_two, w0, w1, mean_speed(np.sqrt(w0), np.sqrt(w1)))
     for i in range(2):
-        cell = Cell(10.0 * (i + 1), 5e3 / (i + 1), 1e3 * (-1) ** i, 20.0, 3.0 + i)
+        cell = Cell(10.0 * (i + 1), 5e3 / (i + 1), 1e3 * (-1) ** i, 20.0, 3.0 + i, 1.0)
         assert force[i] == force_between(cell, w0[i], w1[i])

@@ -20,6 +20,7 @@ def lines(draw):
         {
             "sections": HILLS,
             "speed_limits": [{"from_m": ends[0], "to_m": ends[1], "limit_kmh": 50}],
+            "neutral_sections": [{"from_m": ends[0] / 2, "to_m": ends[1] / 2}, {"from_m": ends[0], "to_m": ends[1]}],
             "stations": [{"position_m": 2 * place, "dwell_s": 10 + place} for place in stations],
         }
     )
@@ -36,9 +37,10 @@ def test_a_line_reversed_twice_is_the_line(line):
     for one, other in zip(again.stations, line.stations, strict=True):
         assert math.isclose(one.position_m, other.position_m, abs_tol=1e-9)
         assert one.dwell_s == other.dwell_s
-    for one, other in zip(again.speed_limits, line.speed_limits, strict=True):
-        assert math.isclose(one.from_m, other.from_m, abs_tol=1e-9)
-        assert math.isclose(one.to_m, other.to_m, abs_tol=1e-9)
+    for key in ("speed_limits", "neutral_sections"):
+        for one, other in zip(getattr(again, key), getattr(line, key), strict=True):
+            assert math.isclose(one.from_m, other.from_m, abs_tol=1e-9)
+            assert math.isclose(one.to_m, other.to_m, abs_tol=1e-9)
 
 
 @given(lines())
@@ -51,6 +53,10 @@ def test_reversing_mirrors_places_and_negates_gradients(line):
     assert [station.position_m for station in turned.stations] == [
         LENGTH_M - station.position_m for station in line.stations[::-1]
     ]
+    for key in ("speed_limits", "neutral_sections"):
+        assert [(one.from_m, one.to_m) for one in getattr(turned, key)] == [
+            (LENGTH_M - one.to_m, LENGTH_M - one.from_m) for one in getattr(line, key)[::-1]
+        ]
     # a line that was turned is valid as it stands
     assert Line.model_validate(turned.model_dump()) == turned
 

@@ -34,7 +34,11 @@ STOP = {
     "timetable.travel_time_s": 190.0,
 }
 KINKED_COPPER = {"drive.recuperation_factor": 0.3}
+NEUTRAL = {"line.neutral_sections": [{"from_m": 20.0, "to_m": 120.0}, {"from_m": 700.0, "to_m": 850.0}]}
 CASES = {
+    "neutral sections": ("liashenko-iii", NEUTRAL),
+    "neutral sections and friction brakes": ("liashenko-ii", {**FRICTION, **NEUTRAL}),
+    "copper loss with neutral sections": ("ftorek-300s", {**KINKED_COPPER, **NEUTRAL, "solver.mesh_m": 20.0}),
     "friction brakes": ("liashenko-ii", FRICTION),
     "limits of acceleration": ("liashenko-ii", RISE_LIMITS),
     "an effort curve": ("liashenko-ii", CURVE),

@@ -145,6 +145,15 @@ def test_bad_words_for_ttobench_are_answered_in_one_sentence(capsys, words, sent
     assert refusal(capsys, *words) == sentence
 
 
+def test_a_table_of_sections_holds_no_neutral_ones(capsys, tmp_path):
+    (tmp_path / "neutral.csv").write_text("from,to\n100,200\n")
+    words = ("--limits", FILES / "limits.csv", "--neutral", tmp_path / "neutral.csv")
+    _, told = imported(capsys, "intervals", *words, "-o", tmp_path / "line.csv")
+    assert "not used: line.csv: it holds sections alone, no neutral ones." in told
+    _, told = imported(capsys, "intervals", *words, "-o", tmp_path / "line.toml")
+    assert "neutral" not in told
+
+
 # ---- osrd and measured runs
 
 
@@ -160,7 +169,8 @@ def test_a_simulation_becomes_a_line_or_a_run(capsys, tmp_path):
     line, run = tmp_path / "line.toml", tmp_path / "run.csv"
     out, told = imported(capsys, "osrd-run", FILES / "osrd-run.csv", "-o", line)
     assert out == f"{line}: 2.50 km, 2 sections\n"
-    assert "not used: osrd-run.csv: neutral sections: 500 to 600 m of the line." in told
+    assert "neutral" not in told
+    assert tomllib.loads(line.read_text())["line"]["neutral_sections"] == [{"from_m": 500, "to_m": 600}]
     out, _ = imported(capsys, "osrd-run", FILES / "osrd-run.csv", "-o", run)
     assert out == f"{run}: 2.50 km in 240.5 s, 8 rows\n"
     assert run.read_text().splitlines()[0] == "position_m,time_s,speed_kmh"

@@ -175,6 +175,7 @@ def test_a_line_too_short_for_its_limit_is_refused(model: ScenarioModel, editor:
     "key",
     [
         "line.speed_limits",
+        "line.neutral_sections",
         "line.stations",
         "line.passing_points",
         "disturbance.stops",
@@ -231,6 +232,7 @@ def test_what_the_line_and_its_ends_ask_for_is_in_the_editor_in_plain_words() ->
         "line.limits_hold_for": "Speed limits hold for",
         "line.head_wind_kmh": "Head wind, km/h",
         "line.passing_points": "Passing points",
+        "line.neutral_sections": "Neutral sections",
         "timetable.entry_speed_kmh": "Entry speed, km/h",
         "timetable.exit_speed_kmh": "Exit speed, km/h",
         "vehicle.gradient_at": "Gradient acts on",

@@ -43,7 +43,9 @@ def test_a_line_is_told_in_running_order() -> None:
 def test_stations_have_columns_for_what_is_given_alone() -> None:
     stations = [{"name": "Middle", "position_m": 400.0, "dwell_s": 20.0}]
     points = [{"name": "Signal", "position_m": 700.0, "speed_kmh": 45.0}]
+    neutral = [{"from_m": 150.0, "to_m": 250.0}]
     changes = {"line.stations": stations, "line.passing_points": points, "line.head_wind_kmh": 12.5}
+    assert ["150", "250"] in rows(scenario_tables(load_scenario("liashenko-0", {"line.neutral_sections": neutral})))
     told = rows(scenario_tables(load_scenario("liashenko-0", changes)))
     assert ["Middle", "400", "20"] in told
     assert ["Signal", "700", "45"] in told

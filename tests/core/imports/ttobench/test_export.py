@@ -35,6 +35,11 @@ def test_what_is_exported_is_read_back():
     )
 
 
+def test_neutral_sections_are_told_as_lost():
+    track = export_track(SCENARIO.with_(**{"line.neutral_sections": [{"from_m": 100.0, "to_m": 200.0}]}))
+    assert track.lost[1] == "neutral_sections: a track has traction power everywhere."
+
+
 def test_the_line_is_that_of_the_running_direction():
     turned = export_track(SCENARIO.with_(**{"line.reverse": True})).document
     assert turned["gradients"]["values"] == [[0, 3.5], [4000, -5]]
