@@ -1,4 +1,4 @@
-"""Runs that OSRD exports as CSV: the line's limits and neutral sections, and the run itself."""
+"""The lines of runs that OSRD exports as CSV: limits, neutral sections and stops; `core.measured` reads the run."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -9,12 +9,10 @@ from railjoule.core.imports.cells import CellTable, read_cells
 from railjoule.core.imports.columns import IntervalKind
 from railjoule.core.imports.findings import Finding, Notes
 from railjoule.core.imports.line import ImportedLine, Stop, line_of
-from railjoule.core.imports.measured_run import MeasuredRun, run_of_cells
 from railjoule.core.imports.numbers import M_PER_KM, decimal_of, number_of, text_of_cell
 from railjoule.core.imports.source_file import SourceFile, shown_list
 from railjoule.core.imports.table import DIGITS_M, ImportedTable, Interval, bounded
 from railjoule.core.scenario._sentences import show
-from railjoule.core.units import MS_PER_KMH
 
 NEEDED = ("seconds", "position", "speed", "speedLimit")
 USED = (*NEEDED, "time", "op", "electrificationType")
@@ -30,20 +28,6 @@ class _Row:
     limit_kmh: float | None
     is_neutral: bool
     point: str
-
-
-def read_osrd_run(source: SourceFile) -> MeasuredRun:
-    """Return the run of a simulation's CSV.
-
-    Raises
-    ------
-    ScenarioError
-        If it is no such file; the sentence names row, column and value.
-    """
-    cells, notes = _cells(source)
-    found = {"time": ("seconds", 1.0), "position": ("position", M_PER_KM), "speed": ("speed", MS_PER_KMH)}
-    notes.unused.append(f"{source.name}: speedLimit, op and electrificationType, which a line is made of.")
-    return run_of_cells(cells, found, notes)
 
 
 def read_osrd_line(source: SourceFile, name: str = "") -> ImportedLine:

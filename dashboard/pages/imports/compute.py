@@ -19,7 +19,7 @@ from railjoule.core.imports import (
     read_intervals,
 )
 from railjoule.core.imports.columns import VALUE_UNITS, ResolvedColumns, resolve
-from railjoule.core.imports.findings import OtherUnit
+from railjoule.core.imports.findings import OtherUnit, without_name
 from railjoule.core.imports.intervals import SHORTEST_LINE_M
 from railjoule.core.imports.numbers import COMPOUND_UNITS, POSITION_UNITS, position_of, text_of_cell
 from railjoule.core.imports.osrd_run import read_osrd_line
@@ -243,7 +243,7 @@ def _with_table(card: Card, file: Brought) -> Card:
     except RailjouleError as error:
         return _failed(card, file, str(error))
     card, asked = _with_result(card, file, table), tuple(_about_positions(file, table))
-    told = {_without_name(question.sentence, file.name) for question in asked}
+    told = {without_name(question.sentence, file.name) for question in asked}
     return replace(card, questions=asked, findings=tuple(one for one in card.findings if one not in told))
 
 
@@ -338,8 +338,8 @@ def _with_result(card: Card, file: Brought, result: Any) -> Card:
     return replace(
         card,
         result=result,
-        findings=tuple(_without_name(finding.sentence, file.name) for finding in (*plain, *told)),
-        unused=tuple(_without_name(sentence, file.name) for sentence in result.unused),
+        findings=tuple(without_name(finding.sentence, file.name) for finding in (*plain, *told)),
+        unused=tuple(without_name(sentence, file.name) for sentence in result.unused),
         questions=tuple(_asked(finding) for finding in asked),
     )
 
@@ -348,12 +348,6 @@ def _asked(finding: Finding) -> Question:
     unit = _unit(finding)
     sentence = finding.sentence.partition(": ")[2]
     return Question(sentence, f"Use {unit.meant}", f"Keep {unit.given}", f"factor {unit.key}", f"{unit.factor:g}", "1")
-
-
-def _without_name(sentence: str, name: str) -> str:
-    """Return a sentence without the file that it begins with: the card has its name."""
-    rest = sentence.removeprefix(f"{name}: ").removeprefix(f"{name}, ")
-    return rest[:1].upper() + rest[1:]
 
 
 # ---- all files together

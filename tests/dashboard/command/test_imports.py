@@ -179,10 +179,21 @@ def test_a_recorders_table_becomes_one_of_ours(capsys, tmp_path):
     target = tmp_path / "run.csv"
     out, told = imported(capsys, "run", FILES / "run.csv", "-o", target)
     assert out == f"{target}: 0.00 km in 3.0 s, 4 rows\n"
-    assert told == ["not used: run.csv: columns not used: Door."]
+    assert "run.csv: Columns not used: Door." in told
     imported(capsys, "run", FILES / "run.csv", "--columns", "speed=Velocity (km/h)", "-o", target)
+    imported(
+        capsys,
+        "run",
+        FILES / "run.csv",
+        "--column",
+        "speed=velocity (km/h) [m/s]",
+        "--unit",
+        "time=clock",
+        "-o",
+        target,
+    )
     assert refusal(capsys, "run", FILES / "run.csv", "--columns", "speed", "-o", target) == (
-        "--columns speed: must be KEY=COLUMN, such as speed=v [m/s]."
+        "--column speed: must be QUANTITY=VALUE, such as speed=v [m/s]."
     )
 
 
