@@ -164,7 +164,8 @@ def test_a_line_current_gives_the_power(scenario):
     alone = read_recording(as_csv(columns, names[:3]), "run.csv")
     assert measured_run(alone, at_750).measured_kwh == pytest.approx(with_power.measured_kwh, rel=1e-6)
     assert any("line_voltage_v of 750 V" in note for note in measured_run(alone, at_750).notes)
-    unknown = measured_run(alone, scenario.with_(**{"vehicle.line_voltage_v": None}))
+    no_voltage = scenario.vehicle.model_copy(update={"line_voltage_v": None})
+    unknown = measured_run(alone, scenario.model_copy(update={"vehicle": no_voltage}))
     assert unknown.measured_kwh is None
     assert any("the vehicle no line_voltage_v" in note for note in unknown.notes)
 
