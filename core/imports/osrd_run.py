@@ -30,15 +30,24 @@ class _Row:
     point: str
 
 
-def read_osrd_line(source: SourceFile, name: str = "") -> ImportedLine:
+def read_osrd_line(source: SourceFile, name: str = "", sheet: str | None = None) -> ImportedLine:
     """Return the line of a simulation's CSV: its limits, neutral sections and stops; it tells no gradients.
+
+    Parameters
+    ----------
+    source : SourceFile
+        CSV, or a workbook.
+    name : str
+        The line's.
+    sheet : str, optional
+        Of a workbook; by default its only one.
 
     Raises
     ------
     ScenarioError
         If it is no such file; the sentence names row, column, value and bound.
     """
-    cells, notes = _cells(source)
+    cells, notes = _cells(source, sheet)
     rows = _in_order(_rows(cells), source.name, notes)
     # a row holds up to the next; where a limit changes, two rows stand at one place
     stretches = [
@@ -62,8 +71,8 @@ def read_osrd_line(source: SourceFile, name: str = "") -> ImportedLine:
     return replace(line, findings=(*notes.findings, *line.findings), unused=(*notes.unused, *line.unused))
 
 
-def _cells(source: SourceFile) -> tuple[CellTable, Notes]:
-    cells = read_cells(source)
+def _cells(source: SourceFile, sheet: str | None) -> tuple[CellTable, Notes]:
+    cells = read_cells(source, sheet)
     missing = [name for name in NEEDED if name not in cells.header]
     if missing:
         columns = shown_list(list(cells.header))

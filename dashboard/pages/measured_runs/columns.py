@@ -1,6 +1,7 @@
 """What the columns of a recorder's file mean: as the user says, else guessed from their names; asked where in doubt."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,7 +9,7 @@ import numpy as np
 from railjoule.core import RailjouleError
 from railjoule.core.arrays import FloatArray
 from railjoule.core.imports.cells import Cell, CellTable
-from railjoule.core.imports.source_file import SourceFile
+from railjoule.core.imports.source_file import SourceFile, shown_list
 from railjoule.core.measured import RecorderFormat, recorder_cells
 from railjoule.core.measured.columns import CLOCK, NEEDED_UNITS, UNITS, USUAL_UNITS, recognised
 from railjoule.core.scenario import Vehicle
@@ -18,6 +19,8 @@ from railjoule.dashboard.work.uploads import LARGEST_RUN_BYTES, too_large
 
 MOST_ROWS = 20_000
 """8,551 samples of a run of three minutes took 2.4 s to smooth and 3.5 s to fit, on a busy core."""
+MOST_SHEETS = 12
+"""As many runs as a page can have open."""
 NOT_USED = ""
 QUANTITY_WORDS: Mapping[str, str] = {
     NOT_USED: "Not used",
@@ -118,8 +121,37 @@ class RunFile:
         return [_text(cells[index]) for _, cells in shown]
 
 
-def read_run_file(name: str, content: bytes, is_example: bool = False) -> RunFile:
-    """Return a file as a table.
+def run_sheets(name: str, content: bytes, sheets: Sequence[str]) -> tuple[RunFile, ...]:
+    """Return the sheets of a workbook that name a speed, each as a file of its own.
+
+    Raises
+    ------
+    RailjouleError
+        If none of them does.
+    """
+    found, others = [], list(sheets[MOST_SHEETS:])
+    for sheet in sheets[:MOST_SHEETS]:
+        # a sheet of notes is no table
+        with suppress(RailjouleError):
+            file = read_run_file(name, content, sheet=sheet)
+            if any(column.quantity == "speed" for column in recognised(file.cells.header, RecorderFormat())):
+                found.append((sheet, file))
+                continue
+        others.append(sheet)
+    if not found:
+        raise RailjouleError(f"{name}: none of its sheets is a table with a speed; it has {shown_list(list(sheets))}.")
+    told = (f"Sheets that are not read as a run: {shown_list(others)}.",) if others else ()
+    return tuple(_sheet_as_file(file, f"{name}, {sheet}", told) for sheet, file in found)
+
+
+def _sheet_as_file(file: RunFile, name: str, told: tuple[str, ...]) -> RunFile:
+    """Return a sheet as a file of its own, which is silent about the other sheets that are runs."""
+    kept = [sentence for sentence in file.cells.unused if "sheets not read" not in sentence]
+    return RunFile(name, replace(file.cells, source=name, unused=(*kept, *told)))
+
+
+def read_run_file(name: str, content: bytes, is_example: bool = False, sheet: str | None = None) -> RunFile:
+    """Return a file, of a workbook a sheet, as a table.
 
     Raises
     ------
@@ -128,7 +160,7 @@ def read_run_file(name: str, content: bytes, is_example: bool = False) -> RunFil
     """
     if len(content) > LARGEST_RUN_BYTES:
         raise RailjouleError(too_large(name))
-    cells = recorder_cells(SourceFile(name, content))
+    cells = recorder_cells(SourceFile(name, content), sheet=sheet)
     if not cells.has_header:
         raise RailjouleError(f"{name}: the first row must name the columns, such as time_s, position_m, speed_kmh.")
     if len(cells.rows) > MOST_ROWS:

@@ -11,9 +11,11 @@ from railjoule.dashboard.pages.measured_runs.columns import (
     RunFile,
     meanings_of,
     read_run_file,
+    run_sheets,
     settled,
     used_table,
 )
+from railjoule.dashboard.pages.measured_runs.work import read_brought
 from railjoule.dashboard.work.uploads import LARGEST_RUN_BYTES
 
 VEHICLE = load_scenario("metro-with-limit").vehicle
@@ -109,6 +111,27 @@ def test_a_workbook_is_read_as_a_table() -> None:
     table = read_run_file("run.xlsx", written.getvalue())
     # 3.6 km/h more each half second
     assert recording_of(*used_table(table, meanings_of(table, {}))).speed_ms[-1] == pytest.approx(11.0)
+
+
+def test_each_sheet_of_a_workbook_that_names_a_speed_is_a_run() -> None:
+    book = openpyxl.Workbook()
+    book.active.title = "About"
+    book.active.append(["made by", "a program"])
+    for name in ("Monday", "Tuesday"):
+        sheet = book.create_sheet(name)
+        for row in [["time_s", "speed_kmh"], *([k, 3.6 * k] for k in range(12))]:
+            sheet.append(row)
+    written = io.BytesIO()
+    book.save(written)
+    found = read_brought(("runs.xlsx", written.getvalue()))
+    assert [file.name for file in found] == ["runs.xlsx, Monday", "runs.xlsx, Tuesday"]
+    cells, form = used_table(found[1], meanings_of(found[1], {}))
+    assert recording_of(cells, form).name == "runs.xlsx, Tuesday"
+    assert "Sheets that are not read as a run: About." in recording_of(cells, form).notes
+    with pytest.raises(
+        RailjouleError, match=r"^runs.xlsx: none of its sheets is a table with a speed; it has About\.$"
+    ):
+        run_sheets("runs.xlsx", written.getvalue(), ("About",))
 
 
 @pytest.mark.parametrize(
