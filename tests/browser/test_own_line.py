@@ -24,6 +24,8 @@ CANARY = "</style><img src=x onerror='window.pwned=true'>"
 CATENARY_V = 750.0
 LONGEST_WALK_S = 300.0
 """What a new user is to need at most; the mouse of a test is faster, the machine may be slower."""
+STEPS_OF_WALK = 3
+"""From the line to the pin, at most: a run that is shown is one."""
 FILES = Path(__file__).parents[1] / "core" / "imports" / "files"
 
 
@@ -124,7 +126,7 @@ def test_from_three_spreadsheets_and_a_recorders_file_to_the_report(
     page.get_by_role("button", name="Pin this run").click()
     expect(page.get_by_role("button", name="Unpin this run")).to_be_visible()
     open_page(user, "Compare")
-    expect(page.get_by_role("table", name="Runs side by side").get_by_text("enregistreur.csv")).to_be_visible()
+    expect(page.get_by_role("cell", name=re.compile(r"^1 Measured, \d+\.\d s, enregistreur.csv$"))).to_be_visible()
     with page.expect_download() as download:
         page.get_by_role("button", name="Report", exact=True).click()
     report = tmp_path / "report.html"
@@ -139,9 +141,21 @@ def test_from_three_spreadsheets_and_a_recorders_file_to_the_report(
     assert scenario.vehicle.name == "Metro 81-7036, 5 cars"
 
 
-def test_one_undo_takes_it_back(user: User) -> None:
-    user.page.get_by_role("button", name="Undo").first.click()
-    expect(user.page.get_by_role("combobox", name="Scenario")).not_to_contain_text("Line of example-limits")
+def test_undo_takes_it_back_step_by_step(user: User) -> None:
+    """First the pin, then the choice of the run, and the whole line at once."""
+    undo, scenario = (
+        user.page.get_by_role("button", name="Undo").first,
+        user.page.get_by_role("combobox", name="Scenario"),
+    )
+    undo.click()
+    expect(user.page.get_by_role("button", name="Unpin run 1")).to_have_count(0)
+    for _ in range(STEPS_OF_WALK):
+        expect(scenario).to_contain_text("Line of example-limits")
+        undo.click()
+        user.rest(1000)
+        if "Line of example-limits" not in scenario.inner_text():
+            break
+    expect(scenario).not_to_contain_text("Line of example-limits")
 
 
 def test_the_example_by_one_button_and_columns_by_hand(user: User) -> None:
