@@ -211,7 +211,7 @@ def test_a_run_is_opened_on_measured_runs(user: User) -> None:
     expect(user.figure_value("Measured")).to_have_text(re.compile(r"\d"))
     user.page.get_by_role("button", name="Remove this run").click()
     user.page.get_by_role("combobox", name="From My files").click()
-    user.page.get_by_role("option", name="tuesday").click()
+    user.page.get_by_role("menuitem", name="tuesday").click()
     expect(user.page.get_by_text("tuesday.csv, run 1 of 1").first).to_be_visible()
     user.turn_to("Start")
 
