@@ -360,6 +360,8 @@ def load(file: str, changes: Mapping[str, Any], own: Workspace | None = None) ->
         raise CommandError(f"{shortened(file)}: {error.strerror or error}.") from None
 
 
+OTHER_NAMES = {"brake_pressure": "brake"}
+"""Quantities of a recorder by the names that they had."""
 EXAMPLES = {"--column": "speed=v [m/s]", "--unit": "speed=km/h"}
 
 
@@ -393,7 +395,7 @@ def quantities(option: str, words: Sequence[str]) -> dict[str, str]:
         quantity, equals, value = (part.strip() for part in word.partition("="))
         if not (quantity and equals and value):
             raise CommandError(f"{option} {shortened(word)}: must be QUANTITY=VALUE, such as {EXAMPLES[option]}.")
-        said[quantity] = value
+        said[OTHER_NAMES.get(quantity, quantity)] = value
     return said
 
 

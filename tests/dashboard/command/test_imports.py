@@ -193,6 +193,8 @@ def test_a_recorders_table_becomes_one_of_ours(capsys, tmp_path):
         "-o",
         target,
     )
+    imported(capsys, "run", FILES / "run.csv", "--columns", "brake_pressure=Counter (kWh) [bar]", "-o", target)
+    assert target.read_text().splitlines()[0].endswith(",brake_pressure_kpa")
     assert refusal(capsys, "run", FILES / "run.csv", "--columns", "speed", "-o", target) == (
         "--column speed: must be QUANTITY=VALUE, such as speed=v [m/s]."
     )
