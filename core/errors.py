@@ -12,6 +12,25 @@ class ScenarioError(RailjouleError):
     """A scenario, vehicle or line that cannot be read, or a value out of its bounds."""
 
 
+class ChoiceError(ScenarioError):
+    """A file that holds several things of which one is wanted.
+
+    Parameters
+    ----------
+    source, what : str
+        The file, and what each of the things is: a sheet, a train, a path.
+    names : tuple of str
+        What they are called.
+    """
+
+    def __init__(self, source: str, what: str, names: tuple[str, ...]) -> None:
+        # kept beside the text, for whoever offers them
+        self.what, self.names = what, names
+        shown = ", ".join(name if len(name) <= 40 else f"{name[:37]}..." for name in names[:8])
+        more = f" and {len(names) - 8} more" if len(names) > 8 else ""
+        super().__init__(f"{source}: holds {len(names)} {what}s, {shown}{more}; choose one {what} by its name.")
+
+
 class DriveRangeError(ScenarioError):
     """An effort or a speed beyond what the map of a drive holds."""
 

@@ -1,4 +1,4 @@
-"""The current that a vehicle takes from its line."""
+"""The current that a vehicle takes from its line, and the power of a measured one."""
 
 from railjoule.core.arrays import FloatArray, frozen_array
 
@@ -19,3 +19,16 @@ def line_current_a(line_power_w: FloatArray, line_voltage_v: float | None) -> Fl
         Negative where energy goes back [A].
     """
     return None if line_voltage_v is None else frozen_array(line_power_w / line_voltage_v)
+
+
+def power_of_line_current_w(current_a: FloatArray, line_voltage_v: FloatArray | float) -> FloatArray:
+    """Return the power taken from the line, current times voltage [W]; negative where energy goes back.
+
+    Parameters
+    ----------
+    current_a : array of shape (n,)
+        Current at the line, negative where energy goes back [A]; on an alternating voltage its active part.
+    line_voltage_v : array of shape (n,) or float
+        Voltage at the vehicle [V].
+    """
+    return frozen_array(current_a * line_voltage_v)

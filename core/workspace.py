@@ -517,18 +517,21 @@ def kind_of(file_name: str, text: str, own: Workspace | None = None) -> tuple[Ki
 def _kind_of_table(file_name: str, text: str) -> Kind:
     """Tell a line's sections from a run, which is any table of at least two columns of numbers and two rows."""
     try:
-        rows = [row for row in csv.reader(text.splitlines()) if row]
+        lines = text.splitlines()
+        # a decimal comma stands in files with semicolons or tabs alone
+        separator = max(",;\t", key=lines[0].count) if lines else ","
+        rows = [row for row in csv.reader(lines, delimiter=separator) if row]
     except csv.Error as error:
         raise WorkspaceError(f"{show(file_name)}: not a table in CSV: {error}.") from None
     header = [column.strip() for column in rows[0]] if rows else []
     if "length_m" in header:
         read_sections(file_name, lambda _: text)
         return "lines"
-    numbers = sum(_is_number(cell) for row in rows[1:3] for cell in row)
+    numbers = sum(_is_number(cell if separator == "," else cell.replace(",", ".")) for row in rows[1:3] for cell in row)
     if len(header) < 2 or len(rows) < 3 or numbers < 4 or any(len(row) != len(header) for row in rows):
         raise WorkspaceError(
             f"{show(file_name)}: neither a line's sections, with a column length_m, nor a run: a row of names, and at "
-            "least two rows of numbers below it, separated by commas."
+            "least two rows of numbers below it, separated by commas, semicolons or tabs."
         )
     return "runs"
 

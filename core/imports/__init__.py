@@ -1,4 +1,4 @@
-"""Lines, vehicles and runs from files of other programs; nothing else of the core knows of it."""
+"""Lines and vehicles from files of other programs; of the core, `measured` alone reads its tables with it."""
 
 from railjoule.core.imports.columns import INTERVAL_KINDS, PRESETS, ColumnMap, IntervalKind
 from railjoule.core.imports.findings import Finding, Imported

@@ -2,8 +2,8 @@
 
 import csv
 import io
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from threading import Lock
 
 from railjoule.core.errors import ScenarioError
@@ -20,8 +20,10 @@ LONGEST_NAME = 200
 """Characters of a column's name."""
 # in this order: a decimal comma never splits a row where another separator does
 SEPARATORS = ("\t", ";", ",")
-LEADING_ROWS = 20
-"""Rows among which that of the columns' names is looked for."""
+LEADING_ROWS = 30
+"""Rows among which that of the columns' names is looked for: programs write who made the file, and when, above it."""
+HeaderTest = Callable[[Sequence[str]], bool]
+"""Whether some names can be those of a table's columns."""
 ZIP_MARK, OLD_WORKBOOK_MARK = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
 
 _LONG_CELLS = Lock()
@@ -43,6 +45,8 @@ class CellTable:
         What stands between cells; empty in a workbook.
     has_header : bool
         Whether the names are the file's.
+    sheets : tuple of str
+        Of a workbook all that hold anything.
     findings, unused
         See `Imported`.
     """
@@ -52,6 +56,7 @@ class CellTable:
     rows: tuple[tuple[int, tuple[Cell, ...]], ...]
     separator: str = ""
     has_header: bool = True
+    sheets: tuple[str, ...] = ()
     findings: tuple[Finding, ...] = field(default=(), kw_only=True)
     unused: tuple[str, ...] = field(default=(), kw_only=True)
 
@@ -61,7 +66,7 @@ class CellTable:
         return [(number, cells[index]) for number, cells in self.rows]
 
 
-def read_cells(source: SourceFile, sheet: str | None = None) -> CellTable:
+def read_cells(source: SourceFile, sheet: str | None = None, is_header: HeaderTest | None = None) -> CellTable:
     """Return the cells of a CSV file or of a sheet of a workbook.
 
     Parameters
@@ -69,10 +74,15 @@ def read_cells(source: SourceFile, sheet: str | None = None) -> CellTable:
     source : SourceFile
         The file.
     sheet : str, optional
-        The workbook's sheet; by default its first.
+        The workbook's sheet; by default its only one.
+    is_header : callable, optional
+        Tells the names of the columns from other rows above the table; where no row passes, or without it, the first
+        row of at least two cells has them.
 
     Raises
     ------
+    ChoiceError
+        If a workbook has several sheets and none is named.
     ScenarioError
         If it is no table, or larger than allowed.
     """
@@ -82,13 +92,15 @@ def read_cells(source: SourceFile, sheet: str | None = None) -> CellTable:
         # only here: it is the one that needs a package which need not be installed
         from railjoule.core.imports.workbook import rows_of_workbook  # noqa: PLC0415
 
-        rows, unused = rows_of_workbook(source, sheet)
-        return _table(source.name, rows, "", [], unused)
+        rows, sheets, name = rows_of_workbook(source, sheet)
+        others = [other for other in sheets if other != name]
+        unused = [f"{source.name}: sheets not read: {shown_list(others)}."] if others else []
+        return replace(_table(source.name, rows, "", [], unused, is_header), sheets=sheets)
     if sheet is not None:
         raise ScenarioError(f"{source.name}: sheet = {show(sheet)}, but the file is no workbook (.xlsx).")
     text, findings = text_of(source)
-    separator = _separator_of(text)
-    return _table(source.name, _csv_rows(source.name, text, separator), separator, findings, [])
+    separator = _separator_of(text, is_header)
+    return _table(source.name, _csv_rows(source.name, text, separator), separator, findings, [], is_header)
 
 
 def checked_row(name: str, number: int, cells: Iterable[Cell]) -> tuple[int, tuple[Cell, ...]]:
@@ -109,9 +121,14 @@ def checked_row(name: str, number: int, cells: Iterable[Cell]) -> tuple[int, tup
     return number, tuple(row)
 
 
-def _separator_of(text: str) -> str:
-    """Return what stands between cells: what splits most of the first rows."""
+def _separator_of(text: str, is_header: HeaderTest | None) -> str:
+    """Return what stands between cells: what splits the names of the columns, or else most of the first rows."""
     beginning = [line for line in text.split("\n", LEADING_ROWS)[:LEADING_ROWS] if line.strip()]
+    if is_header is not None:
+        for line in beginning:
+            for separator in SEPARATORS:
+                if separator in line and is_header([_name(cell.strip().strip('"')) for cell in line.split(separator)]):
+                    return separator
     for separator in SEPARATORS:
         if sum(separator in line for line in beginning) > len(beginning) / 2:
             return separator
@@ -138,19 +155,20 @@ def _table(
     separator: str,
     findings: list[Finding],
     unused: list[str],
+    is_header: HeaderTest | None,
 ) -> CellTable:
     """Put the names of the columns over the rows beneath them."""
     filled = [row for row in rows if row[1]]
     if not filled:
         raise ScenarioError(f"{name}: holds no rows.")
-    begin = _header_index(filled)
+    begin = _header_index(filled, is_header)
     above = [f"{name}, row {number}: {shorten(str(cells[0]))!r} above the table." for number, cells in filled[:begin]]
     has_header = not _holds_numbers(filled[begin][1])
     body = filled[begin + 1 :] if has_header else filled[begin:]
     width = max(len(cells) for _, cells in filled[begin:])
     if has_header:
         number, names = filled[begin]
-        header = [" ".join(str(cell).split()) for cell in names]
+        header = [_name(cell) for cell in names]
         for row_number, cells in body:
             if len(cells) > len(header):
                 raise ScenarioError(f"{name}, row {row_number}: {len(cells)} cells under {len(header)} columns.")
@@ -174,8 +192,12 @@ def _table(
     )
 
 
-def _header_index(rows: list[tuple[int, tuple[Cell, ...]]]) -> int:
+def _header_index(rows: list[tuple[int, tuple[Cell, ...]]], is_header: HeaderTest | None) -> int:
     """Return the index of the row of names: titles over a table have one cell, its columns at least two."""
+    if is_header is not None:
+        for index, (_, cells) in enumerate(rows[:LEADING_ROWS]):
+            if len(cells) > 1 and is_header([_name(cell) for cell in cells]):
+                return index
     counts = [sum(cell != "" for cell in cells) for _, cells in rows[:LEADING_ROWS]]
     if max(counts) < 2:
         return 0
@@ -186,3 +208,8 @@ def _holds_numbers(cells: tuple[Cell, ...]) -> bool:
     """Return whether a row holds values and not names: no name of a column begins with a digit or a sign."""
     texts = [cell for cell in cells if cell != ""]
     return all(not isinstance(cell, str) or cell.strip()[:1] in "+-0123456789" for cell in texts)
+
+
+def _name(cell: Cell) -> str:
+    """Return a cell as the name of a column, in one line."""
+    return " ".join(str(cell).split())

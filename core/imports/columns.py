@@ -83,7 +83,7 @@ class ColumnMap:
     rows : mapping of str to str
         Rows are used where these columns have these values.
     sheet : str or None
-        The sheet of a workbook; by default the first.
+        The sheet of a workbook; by default its only one.
     """
 
     columns: Mapping[str, str] = field(default_factory=dict)

@@ -99,5 +99,11 @@ class Notes:
     unused: list[str] = field(default_factory=list)
 
 
+def without_name(sentence: str, name: str) -> str:
+    """Return a sentence without the file that it begins with, for where that is told already."""
+    rest = sentence.removeprefix(f"{name}: ").removeprefix(f"{name}, ")
+    return rest[:1].upper() + rest[1:]
+
+
 def _printable(text: str) -> str:
     return "".join(character if character.isprintable() else " " for character in text)

@@ -1,4 +1,4 @@
-"""Runs that OSRD exports as CSV: the line's limits and neutral sections, and the run itself."""
+"""The lines of runs that OSRD exports as CSV: limits, neutral sections and stops; `core.measured` reads the run."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -9,12 +9,10 @@ from railjoule.core.imports.cells import CellTable, read_cells
 from railjoule.core.imports.columns import IntervalKind
 from railjoule.core.imports.findings import Finding, Notes
 from railjoule.core.imports.line import ImportedLine, Stop, line_of
-from railjoule.core.imports.measured_run import MeasuredRun, run_of_cells
 from railjoule.core.imports.numbers import M_PER_KM, decimal_of, number_of, text_of_cell
 from railjoule.core.imports.source_file import SourceFile, shown_list
 from railjoule.core.imports.table import DIGITS_M, ImportedTable, Interval, bounded
 from railjoule.core.scenario._sentences import show
-from railjoule.core.units import MS_PER_KMH
 
 NEEDED = ("seconds", "position", "speed", "speedLimit")
 USED = (*NEEDED, "time", "op", "electrificationType")
@@ -32,29 +30,24 @@ class _Row:
     point: str
 
 
-def read_osrd_run(source: SourceFile) -> MeasuredRun:
-    """Return the run of a simulation's CSV.
-
-    Raises
-    ------
-    ScenarioError
-        If it is no such file; the sentence names row, column and value.
-    """
-    cells, notes = _cells(source)
-    found = {"time": ("seconds", 1.0), "position": ("position", M_PER_KM), "speed": ("speed", MS_PER_KMH)}
-    notes.unused.append(f"{source.name}: speedLimit, op and electrificationType, which a line is made of.")
-    return run_of_cells(cells, found, notes)
-
-
-def read_osrd_line(source: SourceFile, name: str = "") -> ImportedLine:
+def read_osrd_line(source: SourceFile, name: str = "", sheet: str | None = None) -> ImportedLine:
     """Return the line of a simulation's CSV: its limits, neutral sections and stops; it tells no gradients.
+
+    Parameters
+    ----------
+    source : SourceFile
+        CSV, or a workbook.
+    name : str
+        The line's.
+    sheet : str, optional
+        Of a workbook; by default its only one.
 
     Raises
     ------
     ScenarioError
         If it is no such file; the sentence names row, column, value and bound.
     """
-    cells, notes = _cells(source)
+    cells, notes = _cells(source, sheet)
     rows = _in_order(_rows(cells), source.name, notes)
     # a row holds up to the next; where a limit changes, two rows stand at one place
     stretches = [
@@ -78,8 +71,8 @@ def read_osrd_line(source: SourceFile, name: str = "") -> ImportedLine:
     return replace(line, findings=(*notes.findings, *line.findings), unused=(*notes.unused, *line.unused))
 
 
-def _cells(source: SourceFile) -> tuple[CellTable, Notes]:
-    cells = read_cells(source)
+def _cells(source: SourceFile, sheet: str | None) -> tuple[CellTable, Notes]:
+    cells = read_cells(source, sheet)
     missing = [name for name in NEEDED if name not in cells.header]
     if missing:
         columns = shown_list(list(cells.header))

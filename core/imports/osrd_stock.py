@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from railjoule.core.errors import ScenarioError
+from railjoule.core.errors import ChoiceError, ScenarioError
 from railjoule.core.imports.findings import Finding, Notes
 from railjoule.core.imports.foreign import Foreign, checked, unknown_keys
 from railjoule.core.imports.parts import checked_vehicle
@@ -17,6 +17,8 @@ from railjoule.core.units import MS_PER_KMH, N_PER_KN
 
 KNOWN_VERSIONS = ((3, 0), (3, 4))
 """The first and the last that are known."""
+LISTS = ("results", "rolling_stocks")
+"""Keys of a list of rolling stocks: that of a page of answers, and that of an infrastructure."""
 PER_MASS_SINCE = (3, 4)
 """From this version on, resistance is that of a kilogram."""
 Effort = Annotated[Number, Field(ge=0)]
@@ -76,23 +78,28 @@ class RollingStock(Foreign):
     effort_curves: EffortCurves
 
 
-def read_osrd_stock(source: SourceFile, mode: str | None = None) -> ImportedVehicle:
-    """Return the vehicle of a rolling stock's file.
+def read_osrd_stock(source: SourceFile, mode: str | None = None, wanted: str | None = None) -> ImportedVehicle:
+    """Return a vehicle of a file of rolling stock.
 
     Parameters
     ----------
     source : SourceFile
-        JSON of version 3.0 to 3.4; of other versions what is known is read.
+        JSON of version 3.0 to 3.4, one rolling stock or a list of them; of other versions what is known is read.
     mode : str, optional
         The supply whose efforts are taken, such as '25000V'; by default the file's.
+    wanted : str, optional
+        The name of the rolling stock; by default the only one.
 
     Raises
     ------
+    ChoiceError
+        If there are several and none is named.
     ScenarioError
         If anything is wrong with the file; the sentence names field, value and bound.
     """
-    stock = checked(RollingStock, json_of(source), source.name)
-    notes = Notes([], unknown_keys(stock, source.name))
+    document, others = _chosen(stocks_of(source), source.name, wanted)
+    stock = checked(RollingStock, document, source.name)
+    notes = Notes([], [*others, *unknown_keys(stock, source.name)])
     version = _version(stock.railjson_version, source.name, notes)
     table = short_numbers(
         {
@@ -117,6 +124,37 @@ def read_osrd_stock(source: SourceFile, mode: str | None = None) -> ImportedVehi
     return ImportedVehicle(
         source.name, {"vehicle": table}, vehicle, findings=tuple(notes.findings), unused=tuple(notes.unused)
     )
+
+
+def stocks_of(source: SourceFile) -> list[dict[str, Any]]:
+    """Return the rolling stocks of a file: the one that it is, or those of its list.
+
+    Raises
+    ------
+    ScenarioError
+        If it is no JSON, or a list of something else.
+    """
+    document = json_of(source, lists=True)
+    if isinstance(document, dict):
+        listed = next((document[key] for key in LISTS if isinstance(document.get(key), list)), None)
+        if listed is None:
+            return [document]
+        document = listed
+    if not document or not all(isinstance(one, dict) for one in document):
+        raise ScenarioError(f"{source.name}: its list must hold rolling stocks, each a JSON object.")
+    return document
+
+
+def _chosen(stocks: list[dict[str, Any]], source: str, wanted: str | None) -> tuple[dict[str, Any], list[str]]:
+    """Return the rolling stock of a name, or the only one, and a sentence about the others."""
+    names = [str(stock.get("name", f"{number}")) for number, stock in enumerate(stocks, 1)]
+    if wanted is None and len(names) > 1:
+        raise ChoiceError(source, "train", tuple(names))
+    if wanted is not None and wanted not in names:
+        raise ScenarioError(f"{source}: there is no train with the name {show(wanted)}, only {shown_list(names)}.")
+    index = 0 if wanted is None else names.index(wanted)
+    others = [*names[:index], *names[index + 1 :]]
+    return stocks[index], [f"{source}: trains: {shown_list(others)}."] if others else []
 
 
 def _version(text: str, source: str, notes: Notes) -> tuple[int, int]:

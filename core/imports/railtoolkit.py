@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from railjoule.core.errors import ScenarioError
+from railjoule.core.errors import ChoiceError, ScenarioError
 from railjoule.core.imports.columns import IntervalKind
 from railjoule.core.imports.findings import Finding, Notes
 from railjoule.core.imports.foreign import Foreign, checked, unknown_keys
@@ -57,10 +57,12 @@ def read_railtoolkit(source: SourceFile, wanted: str | None = None) -> ImportedV
     source : SourceFile
         YAML of the schema rolling-stock or running-path, 2022.05 or 2024.07.
     wanted : str, optional
-        The id of the train or path; by default the first.
+        The id of the train or path; by default the only one.
 
     Raises
     ------
+    ChoiceError
+        If there are several and none is named.
     ScenarioError
         If anything is wrong with the file; the sentence names field, value and bound.
     """
@@ -178,8 +180,10 @@ def _table(kind: IntervalKind, source: str, rows: list[tuple[float, float | None
 
 
 def _chosen(entries: tuple[Path, ...], source: str, what: str, wanted: str | None, notes: Notes) -> Path:
-    """Return the entry of an id, or the first."""
+    """Return the entry of an id, or the only one."""
     names = [entry.id for entry in entries]
+    if wanted is None and len(names) > 1:
+        raise ChoiceError(source, "path", tuple(names))
     if wanted is not None and wanted not in names:
         raise ScenarioError(f"{source}: {what}: id = {show(wanted)} must be one of {shown_list(names)}.")
     index = names.index(wanted) if wanted is not None else 0

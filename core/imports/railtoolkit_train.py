@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import Field
 
-from railjoule.core.errors import ScenarioError
+from railjoule.core.errors import ChoiceError, ScenarioError
 from railjoule.core.imports.findings import Finding, Notes
 from railjoule.core.imports.foreign import Foreign, checked, unknown_keys
 from railjoule.core.imports.parts import checked_vehicle
@@ -120,12 +120,14 @@ def read_train(document: Mapping[str, Any], source: str, wanted: str | None, not
     source : str
         The file.
     wanted : str or None
-        The id of a train or vehicle; by default the first train, or without trains the first vehicle.
+        The id of a train or vehicle; by default the only train, or without trains the only vehicle.
     notes : Notes
         What was noticed so far.
 
     Raises
     ------
+    ChoiceError
+        If there are several and none is named.
     ScenarioError
         If anything is wrong with the file.
     """
@@ -193,6 +195,8 @@ def _formation(file: RollingStock, source: str, wanted: str | None, notes: Notes
     """Return a train and its vehicles, one by one."""
     vehicles = {vehicle.id: vehicle for vehicle in file.vehicles}
     trains = {train.id: train for train in file.trains}
+    if wanted is None and len(trains or vehicles) > 1:
+        raise ChoiceError(source, "train" if trains else "vehicle", tuple(trains or vehicles))
     name = wanted if wanted is not None else next(iter(trains or vehicles))
     if name in trains:
         train = trains[name]

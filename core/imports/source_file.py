@@ -4,7 +4,7 @@ import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, Literal, NoReturn, overload
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.findings import Finding
@@ -59,8 +59,16 @@ def text_of(source: SourceFile) -> tuple[str, list[Finding]]:
     return text, findings
 
 
-def json_of(source: SourceFile) -> dict[str, Any]:
-    """Return the table that a JSON file holds.
+@overload
+def json_of(source: SourceFile) -> dict[str, Any]: ...
+
+
+@overload
+def json_of(source: SourceFile, lists: Literal[True]) -> dict[str, Any] | list[Any]: ...
+
+
+def json_of(source: SourceFile, lists: bool = False) -> dict[str, Any] | list[Any]:
+    """Return the table that a JSON file holds, or where lists are taken the list.
 
     Raises
     ------
@@ -78,7 +86,7 @@ def json_of(source: SourceFile) -> dict[str, Any]:
         raise ScenarioError(f"{source.name}: {error} is not a number that can be used.") from None
     except ValueError:  # of an integer with more than 4300 digits
         raise ScenarioError(f"{source.name}: a number in it has too many digits.") from None
-    if not isinstance(value, dict):
+    if not isinstance(value, dict | list if lists else dict):
         raise ScenarioError(f"{source.name}: must be a JSON object, {{...}}.")
     return value
 

@@ -4,10 +4,10 @@ import io
 import zipfile
 from collections.abc import Iterator
 from datetime import date, datetime, time, timedelta
-from itertools import zip_longest
+from itertools import islice, zip_longest
 from typing import Any
 
-from railjoule.core.errors import ScenarioError
+from railjoule.core.errors import ChoiceError, ScenarioError
 from railjoule.core.imports.cells import MOST_ROWS, Cell, checked_row
 from railjoule.core.imports.source_file import LARGEST_BYTES, SourceFile, shown_list
 from railjoule.core.scenario._sentences import show
@@ -16,13 +16,19 @@ from railjoule.core.scenario._sentences import show
 LARGEST_UNPACKED_BYTES = 4 * LARGEST_BYTES
 MOST_FILES = 2000
 """Files in the zip file; a workbook has one a sheet, picture and chart, and some ten of its own."""
+ROWS_OF_TITLES = 100
+"""A sheet whose first so many rows are empty counts as empty."""
 
 
-def rows_of_workbook(source: SourceFile, sheet: str | None) -> tuple[list[tuple[int, tuple[Cell, ...]]], list[str]]:
-    """Return the numbered rows of a sheet, by default the first, and which sheets are not used.
+def rows_of_workbook(
+    source: SourceFile, sheet: str | None
+) -> tuple[list[tuple[int, tuple[Cell, ...]]], tuple[str, ...], str]:
+    """Return the numbered rows of a sheet, the names of all sheets that hold anything, and that of the sheet.
 
     Raises
     ------
+    ChoiceError
+        If several sheets hold anything and none is named.
     ScenarioError
         If openpyxl is missing, the file is no workbook, or it unpacks to more than allowed.
     """
@@ -41,7 +47,8 @@ def rows_of_workbook(source: SourceFile, sheet: str | None) -> tuple[list[tuple[
             openpyxl.load_workbook(io.BytesIO(source.content), read_only=True, data_only=data_only, keep_links=False)
             for data_only in (True, False)
         )
-        name = _sheet_name(source.name, values.sheetnames, sheet)
+        sheets = _filled_sheets(values)
+        name = _sheet_name(source.name, sheets, sheet)
         rows = [
             checked_row(source.name, number, (_cell(source.name, number, *pair) for pair in pairs))
             for number, pairs in _rows(source.name, values[name], formulas[name])
@@ -51,8 +58,7 @@ def rows_of_workbook(source: SourceFile, sheet: str | None) -> tuple[list[tuple[
     # openpyxl has no error of its own for a broken file: whatever its parsers meet comes through
     except Exception as error:
         raise ScenarioError(f"{source.name}: not a workbook that can be read: {show(str(error))}.") from None
-    others = [other for other in values.sheetnames if other != name]
-    return rows, [f"{source.name}: sheets not read: {shown_list(others)}."] if others else []
+    return rows, sheets, name
 
 
 def _require_small(source: SourceFile) -> None:
@@ -75,13 +81,30 @@ def _require_small(source: SourceFile) -> None:
         raise ScenarioError(f"{source.name}: holds {len(parts)} files; at most {MOST_FILES} are allowed.")
 
 
-def _sheet_name(source: str, names: list[str], sheet: str | None) -> str:
+def _filled_sheets(book: Any) -> tuple[str, ...]:
+    """Return the names of the sheets that hold anything: spreadsheet programs add empty ones."""
+    names = []
+    for name in book.sheetnames:
+        sheet = book[name]
+        if hasattr(sheet, "reset_dimensions"):
+            sheet.reset_dimensions()
+        # a sheet of a chart has no rows
+        rows = islice(sheet.iter_rows(values_only=True), ROWS_OF_TITLES) if hasattr(sheet, "iter_rows") else ()
+        if any(cell is not None for row in rows for cell in row):
+            names.append(name)
+    # in one that begins far down, reading it says what is wrong
+    return tuple(names or book.sheetnames[:1])
+
+
+def _sheet_name(source: str, names: tuple[str, ...], sheet: str | None) -> str:
     if not names:
-        raise ScenarioError(f"{source}: the workbook has no sheet.")
+        raise ScenarioError(f"{source}: holds no rows.")
+    if sheet is None and len(names) > 1:
+        raise ChoiceError(source, "sheet", names)
     if sheet is None:
         return names[0]
     if sheet not in names:
-        raise ScenarioError(f"{source}: sheet = {show(sheet)} must be one of {shown_list(names)}.")
+        raise ScenarioError(f"{source}: sheet = {show(sheet)} must be one of {shown_list(list(names))}.")
     return sheet
 
 

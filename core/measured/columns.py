@@ -1,11 +1,14 @@
 """Which column of a recorder's file holds what, in which unit: by its name, by a preset, or as the user says."""
 
 import re
+import unicodedata
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
 from railjoule.core.errors import RecordingError
+from railjoule.core.imports.columns import same_name
+from railjoule.core.imports.numbers import M_PER_MILE
 from railjoule.core.units import J_PER_KWH, J_PER_WH, MS_PER_KMH, N_PER_KN, W_PER_KW
 
 CLOCK = "clock"
@@ -13,37 +16,72 @@ CLOCK = "clock"
 UNITS: Mapping[str, Mapping[str, float]] = MappingProxyType(
     {
         "time": {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0, CLOCK: 1.0},
-        "position": {"m": 1.0, "km": 1e3},
-        "speed": {"km/h": MS_PER_KMH, "m/s": 1.0},
+        "position": {"m": 1.0, "km": 1e3, "mi": M_PER_MILE},
+        "speed": {"km/h": MS_PER_KMH, "m/s": 1.0, "mph": M_PER_MILE / 3600.0},
         "effort": {"N": 1.0, "kN": N_PER_KN},
         "tractive_effort": {"N": 1.0, "kN": N_PER_KN},
         "braking_effort": {"N": 1.0, "kN": N_PER_KN},
-        # of a brake it is only asked whether it is applied
-        "brake": {"bar": 1.0, "kPa": 1.0, "Pa": 1.0, "%": 1.0, "on": 1.0},
-        "power": {"W": 1.0, "kW": W_PER_KW},
-        "energy": {"J": 1.0, "Wh": J_PER_WH, "kWh": J_PER_KWH},
+        # a pressure, or something that is above 0 where the brake is applied
+        "brake": {"bar": 1e5, "kPa": 1e3, "Pa": 1.0, "%": 1.0, "on": 1.0},
+        "power": {"W": 1.0, "kW": W_PER_KW, "MW": 1e3 * W_PER_KW},
+        "energy": {"J": 1.0, "Wh": J_PER_WH, "kWh": J_PER_KWH, "MWh": 1e3 * J_PER_KWH},
+        "line_current": {"A": 1.0, "kA": 1e3},
+        "line_voltage": {"V": 1.0, "kV": 1e3},
     }
 )
 """Quantities of a recorder, and what one of each unit is in SI."""
+PRESSURES = ("bar", "kPa", "Pa")
 SPELLINGS: Mapping[str, str] = MappingProxyType(
     {"kmh": "km/h", "kph": "km/h", "ms": "m/s", "mps": "m/s", "sec": "s", "seconds": "s"}
 )
 """Units as names of columns spell them; 'ms' of a time is a millisecond."""
 NAMES: Mapping[str, Sequence[str]] = MappingProxyType(
     {
-        "time": ("time", "t", "seconds", "timestamp", "elapsed", "elapsed_time", "clock"),
-        "position": ("position", "distance", "chainage", "odometer", "x"),
-        "speed": ("speed", "v", "velocity"),
-        "effort": ("effort", "force", "wheel_effort"),
-        "tractive_effort": ("tractive_effort", "traction_effort", "tractive_force"),
-        "braking_effort": ("braking_effort", "brake_effort", "braking_force"),
-        "brake": ("brake", "brake_pressure", "cylinder_pressure", "brake_applied"),
-        "power": ("power", "line_power", "electric_power"),
-        "energy": ("energy", "line_energy", "energy_counter", "meter"),
+        "time": (
+            *("time", "t", "seconds", "timestamp", "elapsed", "elapsed_time", "clock"),
+            *("zeit", "uhrzeit", "temps", "heure", "horodatage"),
+        ),
+        "position": (
+            *("position", "distance", "chainage", "odometer", "x", "s"),
+            *("weg", "pk", "point_kilometrique", "distance_parcourue", "abscisse"),
+        ),
+        "speed": ("speed", "v", "velocity", "geschwindigkeit", "vitesse"),
+        "effort": ("effort", "force", "wheel_effort", "effort_a_la_jante", "effort_jante"),
+        "tractive_effort": (
+            *("tractive_effort", "traction_effort", "tractive_force"),
+            *("zugkraft", "effort_de_traction", "effort_traction"),
+        ),
+        "braking_effort": (
+            *("braking_effort", "brake_effort", "braking_force"),
+            *("bremskraft", "effort_de_freinage", "effort_freinage"),
+        ),
+        "brake": (
+            *("brake", "brake_pressure", "cylinder_pressure", "brake_applied", "pressure"),
+            *("bremsdruck", "pression_frein", "pression_cylindre_frein"),
+        ),
+        "power": ("power", "line_power", "electric_power", "power_demand", "leistung", "puissance"),
+        "energy": (
+            *("energy", "line_energy", "energy_counter", "meter", "counter"),
+            *("energie", "compteur_energie"),
+        ),
+        # no plain 'current', which may be that of a motor
+        "line_current": (
+            *("line_current", "catenary_current", "pantograph_current", "collector_current"),
+            *("netzstrom", "fahrleitungsstrom"),
+            *("courant_ligne", "courant_catenaire", "courant_pantographe", "intensite_ligne"),
+        ),
+        "line_voltage": (
+            *("line_voltage", "catenary_voltage", "pantograph_voltage"),
+            *("netzspannung", "fahrleitungsspannung"),
+            *("tension_ligne", "tension_catenaire", "tension_pantographe"),
+        ),
     }
 )
-"""Names without their unit, by quantity."""
-NEEDED_UNITS = ("speed", "effort", "tractive_effort", "braking_effort", "power", "energy")
+"""Names without their unit, by quantity, in English, German and French."""
+NEEDED_UNITS = (
+    *("speed", "effort", "tractive_effort", "braking_effort", "power", "energy"),
+    *("line_current", "line_voltage"),
+)
 """Quantities whose unit nothing else tells; times count as seconds, positions as metres, brakes as on above 0."""
 LONGEST_GAP_S = 600.0
 USUAL_UNITS = MappingProxyType({"time": "s", "position": "m", "brake": "on"})
@@ -61,11 +99,14 @@ class Column:
         Its name in the file.
     unit : str
         One of the quantity's.
+    is_assumed : bool
+        Whether nobody says that it is in this unit.
     """
 
     quantity: str
     header: str
     unit: str
+    is_assumed: bool = False
 
     @property
     def factor(self) -> float:
@@ -93,6 +134,14 @@ PRESETS: Mapping[str, Sequence[Column]] = MappingProxyType(
     }
 )
 """Columns of files of known programs; those of 'generic' are found by their names."""
+MARKS: Mapping[str, Sequence[str]] = MappingProxyType(
+    {
+        # other files too have seconds, position and speed, with the position in other units
+        "osrd": (*(column.header for column in PRESETS["osrd"]), "speedLimit"),
+        "ztbus": tuple(column.header for column in PRESETS["ztbus"]),
+    }
+)
+"""The columns by which files of known programs are known, where no preset is named."""
 
 
 @dataclass(frozen=True)
@@ -104,15 +153,19 @@ class RecorderFormat:
     preset : str
         One of `PRESETS`.
     columns, units : mapping of str to str
-        Names of columns and units by quantity, as the user says; they go before preset and names.
+        Names of columns and units by quantity, as the user says; they go before preset and names. A name may have its
+        unit behind it, as 'v [m/s]'.
     longest_gap_s : float
         For how long samples may be missing [s]: what happened meanwhile is interpolated.
+    assumed : mapping of str to str
+        Units by quantity that are taken, and told, where nothing tells one.
     """
 
     preset: str = "generic"
     columns: Mapping[str, str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     longest_gap_s: float = 10.0
+    assumed: Mapping[str, str] = field(default_factory=dict)
 
     def require_known(self) -> None:
         """Raise RecordingError if the preset, a quantity or a unit is unknown, or the gap no length of time."""
@@ -134,6 +187,11 @@ class RecorderFormat:
 GENERIC = RecorderFormat()
 
 
+def preset_of(headers: Sequence[str]) -> str:
+    """Return the known program whose columns a file has; 'generic' where it has those of none."""
+    return next((name for name, marks in MARKS.items() if set(marks) <= set(headers)), "generic")
+
+
 def recognised(headers: Sequence[str], form: RecorderFormat) -> list[Column]:
     """Return the columns among some names that hold anything known; an empty unit where the name tells none.
 
@@ -144,19 +202,35 @@ def recognised(headers: Sequence[str], form: RecorderFormat) -> list[Column]:
     form : RecorderFormat
         How the recorder writes.
     """
-    preset, named = form.preset, form.columns
+    named = {quantity: _named(headers, told) for quantity, told in form.columns.items()}
     columns = [
-        Column(quantity, header, _unit_in(header, quantity) or "")
-        for quantity, header in named.items()
-        if header in headers
+        Column(quantity, header, unit or _unit_in(header, quantity) or "")
+        for quantity, (header, unit) in named.items()
+        if header is not None
     ]
+    preset = form.preset if form.preset != "generic" else preset_of(headers)
     if preset != "generic":
         return columns + [known for known in PRESETS[preset] if known.header in headers and known.quantity not in named]
+    taken = {header for header, _ in named.values()}
     for header in headers:
         quantity = _quantity_of(header)
-        if quantity is not None and quantity not in named and header not in named.values():
+        if quantity is not None and quantity not in named and header not in taken:
             columns.append(Column(quantity, header, _unit_in(header, quantity) or ""))
     return columns
+
+
+def _named(headers: Sequence[str], told: str) -> tuple[str | None, str]:
+    """Return the column that a user names, None where there is none, and the unit in brackets behind its name."""
+    match = re.fullmatch(r"(.*?)\s*\[([^\]]*)\]", told)
+    for name, unit in ((told, ""), *([(match[1], match[2])] if match else [])):
+        for header in headers:
+            if header == name:
+                return header, unit
+        # a name in other letters would be nothing but signs to `same_name`, and like any other such name
+        alike = [header for header in headers if name.isascii() and same_name(header, name)]
+        if alike:
+            return alike[0], unit
+    return None, ""
 
 
 def find_columns(headers: Sequence[str], form: RecorderFormat, source: str) -> list[Column]:
@@ -176,9 +250,14 @@ def find_columns(headers: Sequence[str], form: RecorderFormat, source: str) -> l
         quantity, or a unit is missing.
     """
     has = f"the file has {', '.join(headers)}"[:200]
-    for quantity, header in form.columns.items():
-        if header not in headers:
-            raise RecordingError(f"{source}: there is no column {header!r} for {quantity}; {has}.")
+    for quantity, told in form.columns.items():
+        header, unit = _named(headers, told)
+        if header is None:
+            raise RecordingError(f"{source}: there is no column {told!r} for {quantity}; {has}.")
+        if unit and not _known_unit(unit, quantity):
+            raise RecordingError(
+                f"{source}: {quantity} = {told!r}: the unit must be one of {', '.join(UNITS[quantity])}."
+            )
     columns: dict[str, Column] = {}
     for column in recognised(headers, form):
         if column.quantity in columns:
@@ -186,7 +265,7 @@ def find_columns(headers: Sequence[str], form: RecorderFormat, source: str) -> l
                 f"{source}: the columns {columns[column.quantity].header!r} and {column.header!r} both hold a "
                 f"{column.quantity}; choose one by --column {column.quantity}=NAME."
             )
-        columns[column.quantity] = _with_unit(column, form.units, source)
+        columns[column.quantity] = _with_unit(column, form, source)
     if "speed" not in columns or not {"time", "position"} & columns.keys():
         missing = "speed" if "speed" not in columns else "time"
         words = "speed" if missing == "speed" else "time or position"
@@ -199,12 +278,15 @@ def find_columns(headers: Sequence[str], form: RecorderFormat, source: str) -> l
     return list(columns.values())
 
 
-def _with_unit(column: Column, units: Mapping[str, str], source: str) -> Column:
-    unit = units.get(column.quantity) or column.unit or USUAL_UNITS.get(column.quantity)
+def _with_unit(column: Column, form: RecorderFormat, source: str) -> Column:
+    quantity = column.quantity
+    told = form.units.get(quantity) or _known_unit(column.unit, quantity)
+    assumed = form.assumed.get(quantity) or USUAL_UNITS.get(quantity)
+    unit = told or assumed
     if unit is None:
-        choices = " or ".join(f"--unit {column.quantity}={unit}" for unit in UNITS[column.quantity])
+        choices = " or ".join(f"--unit {quantity}={unit}" for unit in UNITS[quantity])
         raise RecordingError(f"{source}: column {column.header!r} tells no unit; add {choices}.")
-    return Column(column.quantity, column.header, unit)
+    return Column(quantity, column.header, unit, is_assumed=not told)
 
 
 def _words(header: str) -> tuple[str, str]:
@@ -216,7 +298,9 @@ def _words(header: str) -> tuple[str, str]:
 
 
 def _plain(name: str) -> str:
-    return re.sub(r"[\s\-.]+", "_", name.strip().lower())
+    """Return a name in small letters, without accents, and with one sign between its words."""
+    letters = (letter for letter in unicodedata.normalize("NFKD", name) if not unicodedata.combining(letter))
+    return re.sub(r"[\s\-.'\u2019]+", "_", "".join(letters).strip().lower())
 
 
 def _quantity_of(header: str) -> str | None:

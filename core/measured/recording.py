@@ -1,5 +1,6 @@
 """A recording: what a train's recorder wrote of one run, checked row by row, in SI."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -7,15 +8,19 @@ import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray, frozen_array
 from railjoule.core.errors import RecordingError
+from railjoule.core.imports.cells import CellTable
+from railjoule.core.imports.source_file import SourceFile, counted
 from railjoule.core.measured.columns import GENERIC, RecorderFormat
-from railjoule.core.measured.table import Table, read_table
-from railjoule.core.scenario.text_file import read_text
+from railjoule.core.measured.table import Table, read_table, recorder_cells
 from railjoule.core.units import MS_PER_KMH
 
 FEWEST_SAMPLES = 10
 """Fewer show no course of a speed."""
 LARGEST_SPEED_MS = 600.0 * MS_PER_KMH
 """As of the vehicles of a scenario."""
+LARGEST_VOLTAGE_V = 100_000.0
+"""As of `vehicle.line_voltage_v`."""
+FALLING = "Positions fall: the train runs in falling chainage, counted from the first row."
 # emergency brakes of trams, magnetic track brakes included, reach some 3 m/s2
 LARGEST_CHANGE_MS2 = 5.0
 """More no train does: the recorder was reset, or columns are mixed up."""
@@ -47,6 +52,8 @@ class Recording:
         Power taken from the line, negative where energy goes back [W]; NaN where it is not known.
     energy_j : array of shape (n,) or None
         What the energy meter says [J].
+    line_current_a, line_voltage_v : array of shape (n,) or None
+        Current taken from the line, negative where energy goes back [A], and its voltage [V]; NaN where not known.
     speed_step_ms : float
         In such steps the speed is given [m/s]; 0 where it has none.
     gap_s : array of shape (n - 1,)
@@ -63,6 +70,8 @@ class Recording:
     brake_applied: BoolArray | None
     power_w: FloatArray | None
     energy_j: FloatArray | None
+    line_current_a: FloatArray | None
+    line_voltage_v: FloatArray | None
     speed_step_ms: float
     gap_s: FloatArray
     notes: tuple[str, ...]
@@ -84,43 +93,55 @@ class Recording:
         return float(self.time_s[-1])
 
 
-def load_recording(path: Path, form: RecorderFormat = GENERIC) -> Recording:
-    """Return the run of a recorder's file.
+def load_recording(path: Path, form: RecorderFormat = GENERIC, sheet: str | None = None) -> Recording:
+    """Return the run of a recorder's file, CSV or a sheet of a workbook.
 
     Raises
     ------
     RailjouleError
-        As `read_recording`, or if there is no such file of text.
+        As `recording_of`, or if there is no such file.
     """
-    return read_recording(read_text(path), path.name, form)
+    return recording_of(recorder_cells(SourceFile.read(path), form, sheet), form)
 
 
 def read_recording(text: str, source: str, form: RecorderFormat = GENERIC) -> Recording:
-    """Return the run of a text in CSV.
+    """Return the run of a text in CSV; errors as of `load_recording`."""
+    return recording_of(recorder_cells(SourceFile(source, text.encode()), form), form)
+
+
+def recording_of(cells: CellTable, form: RecorderFormat = GENERIC) -> Recording:
+    """Return the run in the cells of a recorder's file.
 
     Parameters
     ----------
-    text, source : str
-        The text, and the file that it comes from.
+    cells : CellTable
+        As `recorder_cells` returns it.
     form : RecorderFormat
         How the recorder writes.
 
     Raises
     ------
     RecordingError
-        If the text is no table, a column or a unit is missing, times or positions fall, a speed is negative or none
-        that a train has, samples are missing for too long, or the distances by speed and by position do not fit.
+        If a column or a unit is missing, times or positions fall, a speed is negative or none that a train has, samples
+        are missing for too long, or the distances by speed and by position do not fit.
     """
-    table = read_table(text, source, form)
-    rows = len(table.lines)
+    table = read_table(cells, form)
+    source = table.source
+    rows = len(table.rows)
     if rows < FEWEST_SAMPLES:
         raise RecordingError(f"{source}: {rows} rows, but a run needs at least {FEWEST_SAMPLES}.")
     notes = list(table.notes)
     _require_speeds(table)
+    _require_voltages(table)
     table = _without_repeats(table, notes)
-    _require_rising(table)
+    if "time" in table.values:
+        require_rising(table, "time", may_stay=False)
+    if "position" in table.values:
+        require_rising(table, "position", may_stay=True)
+        if direction_of(table) < 0:
+            notes.append(FALLING)
     time = table.values.get("time")
-    time = _time_of_positions(table) if time is None else time - time[0]
+    time = time_of_positions(table) if time is None else time - time[0]
     _require_steady(table, time)
     gaps = _gaps(table, time, form, notes)
     first, last = _moving_part(table, time, notes)
@@ -134,11 +155,13 @@ def read_recording(text: str, source: str, form: RecorderFormat = GENERIC) -> Re
         name=source,
         time_s=frozen_array(time[part] - time[first]),
         speed_ms=frozen_array(values["speed"]),
-        position_m=None if position is None else frozen_array(position - position[0]),
-        effort_n=_effort(values),
+        position_m=None if position is None else frozen_array(direction_of(table) * (position - position[0])),
+        effort_n=effort_of(values),
         brake_applied=None if brake is None else brake > 0,
         power_w=values.get("power"),
         energy_j=values.get("energy"),
+        line_current_a=values.get("line_current"),
+        line_voltage_v=values.get("line_voltage"),
         speed_step_ms=step,
         gap_s=frozen_array(gaps[first:last]),
         notes=tuple(notes),
@@ -198,7 +221,7 @@ def between_samples(time_s: FloatArray, speed_ms: FloatArray) -> FloatArray:
     return moved
 
 
-def _effort(values: dict[str, FloatArray]) -> FloatArray | None:
+def effort_of(values: Mapping[str, FloatArray]) -> FloatArray | None:
     """Return the effort with its sign: one column, or driving less braking."""
     if "effort" in values:
         return values["effort"]
@@ -224,6 +247,19 @@ def _require_speeds(table: Table) -> None:
         raise RecordingError(f"{table.source}: {table.columns['speed'].header} is 0 in all rows, so there is no run.")
 
 
+def _require_voltages(table: Table) -> None:
+    voltage = table.values.get("line_voltage")
+    if voltage is None:
+        return
+    for row in np.flatnonzero(voltage < 0)[:1]:
+        raise RecordingError(f"{table.source}: {table.told('line_voltage', row)} must be at least 0.")
+    for row in np.flatnonzero(voltage > LARGEST_VOLTAGE_V)[:1]:
+        raise RecordingError(
+            f"{table.source}: {table.told('line_voltage', row)} must be at most {LARGEST_VOLTAGE_V / 1e3:g} kV; is it "
+            "in another unit (--unit line_voltage=...)?"
+        )
+
+
 def _without_repeats(table: Table, notes: list[str]) -> Table:
     """Return a table without rows that say the same place at the same time again."""
     time, position = table.values.get("time"), table.values.get("position")
@@ -235,37 +271,47 @@ def _without_repeats(table: Table, notes: list[str]) -> Table:
     repeated = np.append(False, (np.diff(time) == 0) & (np.abs(np.diff(position)) <= reach))
     if not np.any(repeated):
         return table
-    notes.append(f"{int(repeated.sum())} rows repeat the time of the row before and are left out.")
-    kept = ~repeated
-    lines = tuple(line for line, keep in zip(table.lines, kept, strict=True) if keep)
-    values = {quantity: column[kept] for quantity, column in table.values.items()}
-    return Table(table.source, table.columns, values, lines, table.notes)
+    count = int(repeated.sum())
+    repeat = "repeats the time of the row before and is" if count == 1 else "repeat the time of the row before and are"
+    notes.append(f"{counted(count, 'row')} {repeat} left out.")
+    return table.at(~repeated)
 
 
-def _require_rising(table: Table) -> None:
-    for quantity, may_stay in (("time", False), ("position", True)):
-        if quantity not in table.values:
-            continue
-        difference = np.diff(table.values[quantity])
-        for row in np.flatnonzero(difference < 0 if may_stay else difference <= 0)[:1]:
-            bound = "at least" if may_stay else "above"
-            raise RecordingError(
-                f"{table.source}: {table.told(quantity, row + 1)} must be {bound} that of the row before, "
-                f"{table.told(quantity, row).partition(' = ')[2]}: the rows are not in order, or the recorder"
-                " was reset."
-            )
+def direction_of(table: Table) -> int:
+    """Return -1 for a train that runs in falling chainage, else 1: in falling chainage most steps fall."""
+    steps = np.sign(np.diff(table.values["position"]))
+    return -1 if float(np.sum(steps)) < 0 and table.values["position"][-1] < table.values["position"][0] else 1
 
 
-def _time_of_positions(table: Table) -> FloatArray:
-    """Return the times of samples over distance, with an even change of speed between two of them."""
-    position, speed = table.values["position"], table.values["speed"]
-    both = speed[1:] + speed[:-1]
-    for row in np.flatnonzero((both == 0) & (np.diff(position) > 0))[:1]:
+def require_rising(table: Table, quantity: str, may_stay: bool) -> None:
+    """Raise RecordingError if a time, or a position in the direction of the run, goes back."""
+    direction = direction_of(table) if quantity == "position" else 1
+    difference = direction * np.diff(table.values[quantity])
+    for row in np.flatnonzero(difference < 0 if may_stay else difference <= 0)[:1]:
+        bound = ("at least" if direction > 0 else "at most") if may_stay else "above"
         raise RecordingError(
-            f"{table.source}: {table.told('speed', row + 1)} and in the row before, but the position rises: without a "
-            "column of time it is not known how long that took."
+            f"{table.source}: {table.told(quantity, row + 1)} must be {bound} that of the row before, "
+            f"{table.told(quantity, row).partition(' = ')[2]}: the rows are not in order, or the recorder"
+            " was reset."
         )
-    steps = np.divide(2 * np.diff(position), both, out=np.zeros(len(both)), where=both > 0)
+
+
+def time_of_positions(table: Table) -> FloatArray:
+    """Return the times of samples over distance, with an even change of speed between two of them.
+
+    Raises
+    ------
+    RecordingError
+        If the train moves on without speed.
+    """
+    lengths, speed = np.abs(np.diff(table.values["position"])), table.values["speed"]
+    both = speed[1:] + speed[:-1]
+    for row in np.flatnonzero((both <= 0) & (lengths > 0))[:1]:
+        raise RecordingError(
+            f"{table.source}: {table.told('speed', row + 1)} and in the row before, but the position changes: without "
+            "a column of time it is not known how long that took."
+        )
+    steps = np.divide(2 * lengths, both, out=np.zeros(len(both)), where=both > 0)
     return np.append(0.0, np.cumsum(steps))
 
 
@@ -294,11 +340,11 @@ def _gaps(table: Table, time_s: FloatArray, form: RecorderFormat, notes: list[st
     gaps = np.where((steps > GAP_STEPS * usual) & moving, steps, 0.0)
     for row in np.flatnonzero(gaps > form.longest_gap_s)[:1]:
         raise RecordingError(
-            f"{table.source}: after line {table.lines[row]} samples are missing for {gaps[row]:.4g} s while the train "
+            f"{table.source}: after row {table.rows[row]} samples are missing for {gaps[row]:.4g} s while the train "
             f"moves; at most {form.longest_gap_s:g} s are interpolated (--longest-gap)."
         )
     if np.any(gaps):
-        places = ", ".join(f"{gaps[row]:.4g} s after line {table.lines[row]}" for row in np.flatnonzero(gaps)[:5])
+        places = ", ".join(f"{gaps[row]:.4g} s after row {table.rows[row]}" for row in np.flatnonzero(gaps)[:5])
         more = " and others" if np.count_nonzero(gaps) > 5 else ""
         notes.append(f"Samples are missing: {places}{more}; the speed there is interpolated.")
     return gaps

@@ -9,6 +9,7 @@ from railjoule.core.arrays import BoolArray, FloatArray, IntArray, frozen_array
 from railjoule.core.energy import Energy
 from railjoule.core.errors import RecordingError
 from railjoule.core.measured.columns import GENERIC, RecorderFormat
+from railjoule.core.measured.line_power import with_line_power
 from railjoule.core.measured.part_of_line import part_of_line
 from railjoule.core.measured.place import Placement, place_on_line
 from railjoule.core.measured.recording import Recording, load_recording
@@ -38,7 +39,7 @@ class MeasuredRun:
     Parameters
     ----------
     recording : Recording
-        What the recorder wrote.
+        What the recorder wrote; of a line current its power.
     placement : Placement
         Where on the line it lies.
     scenario : Scenario
@@ -83,7 +84,11 @@ class MeasuredRun:
 
 
 def load_run(
-    path: Path, scenario: Scenario, form: RecorderFormat = GENERIC, start_m: float | None = None
+    path: Path,
+    scenario: Scenario,
+    form: RecorderFormat = GENERIC,
+    start_m: float | None = None,
+    sheet: str | None = None,
 ) -> MeasuredRun:
     """Return the measured run of a recorder's file.
 
@@ -92,7 +97,7 @@ def load_run(
     RailjouleError
         As `railjoule.core.measured.load_recording` and `measured_run`.
     """
-    return measured_run(load_recording(path, form), scenario, start_m)
+    return measured_run(load_recording(path, form, sheet), scenario, start_m)
 
 
 def measured_run(recording: Recording, scenario: Scenario, start_m: float | None = None) -> MeasuredRun:
@@ -112,6 +117,7 @@ def measured_run(recording: Recording, scenario: Scenario, start_m: float | None
     RecordingError
         If its place cannot be found, or an effort or an energy is none that this train has.
     """
+    recording = with_line_power(recording, scenario.vehicle.line_voltage_v)
     placement = place_on_line(recording, scenario, start_m)
     speed, position = _to_scale(recording, placement, placement.scale * recording.speed_ms)
     raw, step = speed, max(placement.scale * recording.speed_step_ms, LEAST_STEP_MS)

@@ -1,28 +1,32 @@
-"""A recorder's file as columns of numbers: separator, decimal comma, lines before the header, clock times."""
+"""A recorder's file as columns of numbers: which row has the names, decimal comma, clock times, rows without values."""
 
-import csv
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.errors import RecordingError
+from railjoule.core.errors import RecordingError, ScenarioError
+from railjoule.core.imports.cells import Cell, CellTable, read_cells
+from railjoule.core.imports.findings import without_name
+from railjoule.core.imports.numbers import Decimal, decimal_of, number_of, position_of, text_of_cell
+from railjoule.core.imports.source_file import SourceFile, counted, shown_list
 from railjoule.core.measured.columns import CLOCK, GENERIC, Column, RecorderFormat, find_columns, recognised
+from railjoule.core.scenario._sentences import show
 from railjoule.core.units import plain_number
 
-# programs write who made the file, when and with which settings above the header
-MOST_LINES_ABOVE = 30
-"""In so many lines the header is looked for."""
 S_PER_DAY = 86_400.0
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
-LONGEST_SHOWN = 30
 NO_VALUES = ("", "nan", "null", "na", "n/a", "-")
 """What stands in a cell without a value."""
 NEVER_EMPTY = ("time", "position", "speed")
 """A row without these is no sample; a row without an effort or a power is one without that."""
+TIME_OF_DAY = r"(\d{1,2}):(\d{2})(?::(\d{2}(?:[.,]\d{1,9})?))?"
+DAY_FIRST = re.compile(rf"(\d{{1,2}})[./](\d{{1,2}})[./](\d{{4}})[ T]+({TIME_OF_DAY})")
+MOST_ROWS_TOLD = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,141 +41,188 @@ class Table:
         Those that are used, by quantity.
     values : mapping of str to array of shape (n,)
         Their values in SI, by quantity; NaN where a cell is empty.
-    lines : tuple of int
-        The line of the file where each row stands.
+    rows : tuple of int
+        The row of the file where each of them stands, as a spreadsheet counts.
     notes : tuple of str
-        What was skipped or changed, in sentences.
+        What was skipped, assumed or changed, in sentences.
     """
 
     source: str
     columns: Mapping[str, Column]
     values: Mapping[str, FloatArray]
-    lines: tuple[int, ...]
+    rows: tuple[int, ...]
     notes: tuple[str, ...]
 
     def told(self, quantity: str, row: int) -> str:
-        """Return a value as the file has it, such as 'speed = 41.5 km/h in line 12'."""
+        """Return a value as the file has it, such as 'speed = 41.5 km/h in row 12'."""
         column = self.columns[quantity]
         value = plain_number(float(self.values[quantity][row]) / column.factor, 6)
         unit = "s" if column.unit == CLOCK else column.unit
-        return f"{column.header} = {value} {unit} in line {self.lines[row]}"
+        return f"{column.header} = {value} {unit} in row {self.rows[row]}"
+
+    def at(self, kept: Sequence[bool] | np.ndarray) -> "Table":
+        """Return the rows that are kept."""
+        chosen = np.flatnonzero(kept)
+        return replace(
+            self,
+            values={quantity: column[chosen] for quantity, column in self.values.items()},
+            rows=tuple(self.rows[row] for row in chosen.tolist()),
+        )
 
 
-def read_table(text: str, source: str, form: RecorderFormat = GENERIC) -> Table:
-    """Return the known columns of a text in CSV.
+def recorder_cells(source: SourceFile, form: RecorderFormat = GENERIC, sheet: str | None = None) -> CellTable:
+    """Return the cells of a recorder's file, CSV or a workbook, under the row that names a speed.
 
     Parameters
     ----------
-    text, source : str
-        The text, and the file that it comes from.
+    source : SourceFile
+        The file.
+    form : RecorderFormat
+        Which columns hold what.
+    sheet : str, optional
+        Of a workbook; by default its only one.
+
+    Raises
+    ------
+    RailjouleError
+        If it is no table, or larger than allowed.
+    """
+    form.require_known()
+
+    def is_header(names: Sequence[str]) -> bool:
+        return any(column.quantity == "speed" for column in recognised(names, form))
+
+    return read_cells(source, sheet, is_header)
+
+
+def read_table(cells: CellTable, form: RecorderFormat = GENERIC) -> Table:
+    """Return the known columns of a table.
+
+    Parameters
+    ----------
+    cells : CellTable
+        As `recorder_cells` returns it.
     form : RecorderFormat
         Which columns hold what.
 
     Raises
     ------
     RecordingError
-        If it is no such table, or a cell that is needed is empty or no number.
+        If a column or a unit is missing, or a cell holds no number; the sentence names row, column and value.
     """
     form.require_known()
-    lines = text.splitlines()
-    place = _header(lines, form)
-    if place is None:
-        raise RecordingError(f"{source} is no table: no line has columns with a semicolon, tab or comma between them.")
-    header, separator = place
-    headers = _cells(lines[header], separator)
-    columns = find_columns(headers, form, source)
-    rows = [
-        (number, cells)
-        for number, line in enumerate(lines[header + 1 :], header + 2)
-        if any(cells := _cells(line, separator))
+    source = cells.source
+    if len(cells.header) < 2:
+        raise RecordingError(f"{source} is no table: no row has columns with a semicolon, tab or comma between them.")
+    columns = [_with_clock(column, cells, form) for column in find_columns(cells.header, form, source)]
+    notes = [without_name(told, source) for told in (*(one.sentence for one in cells.findings), *cells.unused)]
+    notes += [
+        f"No unit is named for {column.header!r}: taken as {column.unit}."
+        for column in columns
+        if column.is_assumed and column.unit != CLOCK and column.quantity != "brake"
     ]
-    for number, cells in rows:
-        if len(cells) != len(headers):
-            raise RecordingError(f"{source}, line {number}: {len(cells)} cells under {len(headers)} columns.")
-    notes = [f"{header} lines above the header are not read."] if header else []
-    unused = [name for name in headers if name and name not in [column.header for column in columns]]
+    unused = [name for name in cells.header if name not in [column.header for column in columns]]
     if unused:
-        notes.append(f"Columns not used: {', '.join(unused)}.")
-    numbers = tuple(number for number, _ in rows)
-    comma = separator != ","
-    used, values = {}, {}
-    for column in columns:
-        index = headers.index(column.header)
-        cells_of = [cells[index] for _, cells in rows]
-        is_clock = column.quantity == "time" and "time" not in form.units and ":" in (cells_of or [""])[0]
-        used[column.quantity] = replace(column, unit=CLOCK) if is_clock else column
-        values[column.quantity] = _column(used[column.quantity], cells_of, numbers, source, comma, notes)
-    return Table(source, used, values, numbers, tuple(notes))
+        notes.append(f"Columns not used: {shown_list(unused)}.")
+    values = _numbers(cells, columns)
+    table = Table(source, {one.quantity: one for one in columns}, values, tuple(number for number, _ in cells.rows), ())
+    table = _whole_rows(table, notes)
+    return replace(table, values=_past_midnight(table, notes), notes=tuple(notes))
 
 
-def _header(lines: Sequence[str], form: RecorderFormat) -> tuple[int, str] | None:
-    """Return the line of the header and the separator; None where no line has columns.
+def _with_clock(column: Column, cells: CellTable, form: RecorderFormat) -> Column:
+    """Return a column of times with the unit of times of day, where it holds those and nobody says otherwise."""
+    if column.quantity != "time" or "time" in form.units:
+        return column
+    first = next((text for _, cell in cells.column(column.header) if (text := text_of_cell(cell))), "")
+    return replace(column, unit=CLOCK) if ":" in first else column
 
-    The first line that names a speed, or else the first line with columns, of which a sentence can then tell what it
-    lacks.
-    """
-    first = None
-    for index, line in enumerate(lines[:MOST_LINES_ABOVE]):
-        separator = next((sign for sign in (";", "\t", ",") if sign in line), None)
-        if separator is None:
+
+def _numbers(cells: CellTable, columns: Sequence[Column]) -> dict[str, FloatArray]:
+    """Return all columns as numbers in SI; NaN where a cell is empty."""
+    decimals = _decimals({one.quantity: cells.column(one.header) for one in columns if one.unit != CLOCK}, cells)
+    return {column.quantity: _column(column, cells, decimals.get(column.quantity, ".")) for column in columns}
+
+
+def _decimals(columns: Mapping[str, Sequence[tuple[int, Cell]]], cells: CellTable) -> dict[str, Decimal]:
+    """Return the decimal sign of each quantity: one for the file, or where it mixes them one for each column."""
+
+    def sign_of(some: Iterable[tuple[int, Cell]]) -> Decimal:
+        return decimal_of(some, cells.separator, cells.source)[0]
+
+    with suppress(ScenarioError):
+        return dict.fromkeys(columns, sign_of(pair for pairs in columns.values() for pair in pairs))
+    return {quantity: sign_of(pairs) for quantity, pairs in columns.items()}
+
+
+def _column(column: Column, cells: CellTable, decimal: Decimal) -> FloatArray:
+    values = np.full(len(cells.rows), np.nan)
+    for index, (row, cell) in enumerate(cells.column(column.header)):
+        if text_of_cell(cell).lower() in NO_VALUES:
             continue
-        first = first or (index, separator)
-        columns = recognised(_cells(line, separator), form)
-        if any(column.quantity == "speed" for column in columns):
-            return index, separator
-    return first
-
-
-def _cells(line: str, separator: str) -> list[str]:
-    return [cell.strip() for cell in next(csv.reader([line], delimiter=separator), [])]
-
-
-def _column(
-    column: Column, cells: Sequence[str], lines: Sequence[int], source: str, comma: bool, notes: list[str]
-) -> FloatArray:
-    values = np.full(len(cells), np.nan)
-    for row, cell in enumerate(cells):
-        if cell.lower() not in NO_VALUES:
-            value = _clock(cell) if column.unit == CLOCK else _number(cell, comma)
-            if value is None:
-                what = "a time of day" if column.unit == CLOCK else "a number"
-                raise RecordingError(
-                    f"{source}, line {lines[row]}: {column.header} = {cell[:LONGEST_SHOWN]!r} must be {what}."
-                )
-            values[row] = value
-        elif column.quantity in NEVER_EMPTY:
-            raise RecordingError(f"{source}, line {lines[row]}: {column.header} has no value.")
-    empty = int(np.isnan(values).sum())
-    if empty:
-        notes.append(f"{column.header} has no value in {empty} of {len(values)} rows.")
-    values *= column.factor
-    if column.unit == CLOCK and len(values):
-        midnights = np.cumsum(np.diff(values, prepend=values[0]) < -0.5 * S_PER_DAY)
-        # a date makes times of its own, which never fall by half a day
-        if midnights[-1]:
-            notes.append("The clock passes midnight.")
-            values = values + S_PER_DAY * midnights
+        try:
+            values[index] = _number(cell, column, decimal)
+        except ValueError as error:
+            raise RecordingError(f"{cells.source}, row {row}: {column.header} = {show(cell)} {error}.") from None
     return values
 
 
-def _number(cell: str, comma: bool) -> float | None:
-    """Return the number of a cell; None where it is none, or not a finite one."""
-    try:
-        value = float(cell.replace(",", ".") if comma else cell)
-    except ValueError:
-        return None
-    return value if np.isfinite(value) else None
+def _number(cell: Cell, column: Column, decimal: Decimal) -> float:
+    """Return the value of a cell in SI; raises ValueError, with the end of a sentence, if it holds none."""
+    if column.unit == CLOCK:
+        return _clock(text_of_cell(cell))
+    if column.quantity == "position":
+        return position_of(cell, column.unit, decimal)
+    return number_of(cell, decimal) * column.factor
 
 
-def _clock(cell: str) -> float | None:
-    """Return a time of day, or a date with one, in s; None where it is neither."""
-    match = re.fullmatch(r"(\d{1,2}):(\d{2})(?::(\d{2}(?:[.,]\d+)?))?", cell)
-    if match:
-        hours, minutes, seconds = int(match[1]), int(match[2]), float((match[3] or "0").replace(",", "."))
-        return 3600.0 * hours + 60.0 * minutes + seconds
-    try:
-        moment = datetime.fromisoformat(cell)
-    except ValueError:
-        return None
-    # differences alone count, and every zone has the same
-    return (moment.replace(tzinfo=moment.tzinfo or UTC) - EPOCH).total_seconds()
+def _whole_rows(table: Table, notes: list[str]) -> Table:
+    """Return a table without rows that lack a time, a position or a speed, and tell what else is empty."""
+    needed = [quantity for quantity in NEVER_EMPTY if quantity in table.values]
+    whole = np.all([np.isfinite(table.values[quantity]) for quantity in needed], axis=0)
+    empty = np.flatnonzero(~whole).tolist()
+    if empty:
+        names = " or ".join(table.columns[quantity].header for quantity in needed)
+        rows = shown_list([str(table.rows[row]) for row in empty], MOST_ROWS_TOLD)
+        are = "is" if len(empty) == 1 else "are"
+        notes.append(f"{counted(len(empty), 'row')} without {names} {are} left out: {rows}.")
+        table = table.at(whole)
+    for quantity, values in table.values.items():
+        missing = int(np.isnan(values).sum())
+        if missing:
+            notes.append(f"{table.columns[quantity].header} has no value in {missing} of {len(values)} rows.")
+    return table
+
+
+def _past_midnight(table: Table, notes: list[str]) -> dict[str, FloatArray]:
+    """Return the values with times of day that rise beyond midnight."""
+    values = dict(table.values)
+    if len(table.rows) and table.columns.get("time", Column("", "", "")).unit == CLOCK:
+        time = values["time"]
+        midnights = np.cumsum(np.diff(time, prepend=time[0]) < -0.5 * S_PER_DAY)
+        # a date makes times of its own, which never fall by half a day
+        if midnights[-1]:
+            notes.append("The clock passes midnight.")
+            values["time"] = time + S_PER_DAY * midnights
+    return values
+
+
+def _clock(text: str) -> float:
+    """Return a time of day, or a date with one, in s; raises ValueError where it is neither."""
+    if match := re.fullmatch(TIME_OF_DAY, text):
+        return _seconds(*match.groups())
+    if match := DAY_FIRST.fullmatch(text):
+        first, second, year, _, *clock = match.groups()
+        # differences alone count: which of the two is the day matters at midnight alone
+        day, month = (int(first), int(second)) if int(second) <= 12 else (int(second), int(first))
+        with suppress(ValueError):
+            return (datetime(int(year), month, day, tzinfo=UTC) - EPOCH).total_seconds() + _seconds(*clock)
+    with suppress(ValueError, OverflowError):
+        moment = datetime.fromisoformat(text)
+        # differences alone count, and every zone has the same
+        return (moment.replace(tzinfo=moment.tzinfo or UTC) - EPOCH).total_seconds()
+    raise ValueError("must be a time, as 10:15:30 or 2026-01-31T10:15:30")
+
+
+def _seconds(hours: str, minutes: str, seconds: str | None) -> float:
+    return 3600.0 * int(hours) + 60.0 * int(minutes) + float((seconds or "0").replace(",", "."))

@@ -302,6 +302,7 @@ def _add_import(commands: "argparse._SubParsersAction[_Parser]") -> None:
     _add_intervals(formats)
     stock = _add(formats, "osrd-stock", "make a vehicle of a rolling stock of OSRD, JSON 3.0 to 3.4")
     stock.add_argument("file", metavar="FILE", help="FILE.json")
+    stock.add_argument("--train", metavar="NAME", help="the rolling stock of that name; needed where there are several")
     stock.add_argument("--mode", metavar="M", help="the supply whose efforts are taken; default: the file's")
     _add_output(stock, "OUT.toml")
     run = _add(formats, "osrd-run", "make a line with limits, or the table of a run, of a simulation of OSRD")
@@ -309,19 +310,18 @@ def _add_import(commands: "argparse._SubParsersAction[_Parser]") -> None:
     _add_output(run, "OUT.toml for the line, OUT.csv or OUT.parquet for the run")
     toolkit = _add(formats, "railtoolkit", "make a vehicle or a line of a file of railtoolkit, YAML 2022.05 or 2024.07")
     toolkit.add_argument("file", metavar="FILE", help="FILE.yaml")
-    toolkit.add_argument("--id", metavar="ID", help="the train, vehicle or path of that id; default: the first")
+    toolkit.add_argument(
+        "--train",
+        "--path",
+        "--id",
+        dest="train",
+        metavar="ID",
+        help="the train, vehicle or path of that id; needed where there are several",
+    )
     _add_output(toolkit, "OUT.toml")
     measured = _add(formats, "run", "make the table of a run of what a recorder measured, CSV or XLSX")
     measured.add_argument("file", metavar="FILE", help="FILE.csv or FILE.xlsx")
-    measured.add_argument(
-        "--columns",
-        metavar="KEY=COLUMN",
-        nargs="+",
-        action="extend",
-        default=[],
-        help="which column holds what, as 'speed=v [m/s]'; KEY is time, position, speed, effort, power, energy or "
-        "brake_pressure",
-    )
+    _add_columns(measured, "--columns")
     _add_output(measured, "OUT.csv or OUT.parquet")
 
 
@@ -402,7 +402,7 @@ def _add_output(parser: _Parser, told: str) -> None:
 
 def _add_measured(commands: "argparse._SubParsersAction[_Parser]") -> None:
     measured = _add(commands, "measured", "put a measured run beside the model and the optimum in its time")
-    measured.add_argument("run", metavar="RUN", help="the table of a recorder: RUN.csv")
+    measured.add_argument("run", metavar="RUN", help="the table of a recorder: RUN.csv or RUN.xlsx")
     _add_recording(measured)
     measured.add_argument("--trajectory", metavar="OUT", help="write the run to OUT.csv or OUT.parquet")
     measured.add_argument("-o", "--output", metavar="OUT", help="write its line, stops and time as OUT.toml")
@@ -411,7 +411,7 @@ def _add_measured(commands: "argparse._SubParsersAction[_Parser]") -> None:
 
 def _add_fit(commands: "argparse._SubParsersAction[_Parser]") -> None:
     fit = _add(commands, "fit", "find resistance, inertia, efficiency and auxiliaries of a train from measured runs")
-    fit.add_argument("runs", metavar="RUN", nargs="+", help="tables of a recorder: RUN.csv")
+    fit.add_argument("runs", metavar="RUN", nargs="+", help="tables of a recorder: RUN.csv or RUN.xlsx")
     _add_recording(fit)
     fit.add_argument(
         "--free",
@@ -426,22 +426,32 @@ def _add_fit(commands: "argparse._SubParsersAction[_Parser]") -> None:
     _add_json(fit)
 
 
-def _add_recording(parser: _Parser) -> None:
-    parser.add_argument("--scenario", metavar="S", help="vehicle and line: a scenario file, or a shipped scenario")
-    parser.add_argument("--from", dest="start_m", metavar="M", help="where on the line the run begins; default: found")
-    parser.add_argument("--preset", metavar="P", default="generic", help="generic, osrd or ztbus; default: generic")
+def _add_columns(parser: _Parser, *other_names: str) -> None:
+    """Add what says how a recorder writes its files."""
+    parser.add_argument(
+        "--preset", metavar="P", default="generic", help="generic, osrd or ztbus; default: found by the columns"
+    )
     parser.add_argument(
         "--column",
+        *other_names,
         metavar="QUANTITY=NAME",
         nargs="+",
         action="extend",
         default=[],
-        help="which column holds time, position, speed, effort (braking negative), tractive_effort, braking_effort, "
-        "brake, power or energy, where its name does not tell",
+        help="which column holds what, where its name does not tell, as 'speed=v [m/s]': time, position, speed, effort "
+        "(braking negative), tractive_effort, braking_effort, brake, power, energy, line_current (regenerated "
+        "negative) or line_voltage",
     )
     parser.add_argument(
         "--unit", metavar="QUANTITY=UNIT", nargs="+", action="extend", default=[], help="such as speed=km/h effort=kN"
     )
+    parser.add_argument("--sheet", metavar="NAME", help="the sheet of a workbook; needed where it has several")
+
+
+def _add_recording(parser: _Parser) -> None:
+    parser.add_argument("--scenario", metavar="S", help="vehicle and line: a scenario file, or a shipped scenario")
+    parser.add_argument("--from", dest="start_m", metavar="M", help="where on the line the run begins; default: found")
+    _add_columns(parser)
     parser.add_argument("--longest-gap", metavar="S", help="for how long samples may be missing; default: 10 s")
     parser.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help="as in solve")
 

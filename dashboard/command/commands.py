@@ -355,6 +355,11 @@ def load(file: str, changes: Mapping[str, Any], own: Workspace | None = None) ->
         raise CommandError(f"{shortened(file)}: {error.strerror or error}.") from None
 
 
+OTHER_NAMES = {"brake_pressure": "brake"}
+"""Quantities of a recorder by the names that they had."""
+EXAMPLES = {"--column": "speed=v [m/s]", "--unit": "speed=km/h"}
+
+
 def parsed_changes(words: Sequence[str]) -> dict[str, Any]:
     """Return the changes that 'key=value' words ask for; the values are TOML, bare words are texts.
 
@@ -370,6 +375,23 @@ def parsed_changes(words: Sequence[str]) -> dict[str, Any]:
             raise CommandError(f"--set {shortened(word)}: must be KEY=VALUE, such as vehicle.load_factor=0.3.")
         changes[key.strip()] = parsed_value(value)
     return changes
+
+
+def quantities(option: str, words: Sequence[str]) -> dict[str, str]:
+    """Return what 'QUANTITY=VALUE' words say of a recorder's columns.
+
+    Raises
+    ------
+    CommandError
+        If a word has no quantity, no equals sign or no value.
+    """
+    said = {}
+    for word in words:
+        quantity, equals, value = (part.strip() for part in word.partition("="))
+        if not (quantity and equals and value):
+            raise CommandError(f"{option} {shortened(word)}: must be QUANTITY=VALUE, such as {EXAMPLES[option]}.")
+        said[OTHER_NAMES.get(quantity, quantity)] = value
+    return said
 
 
 def parsed_seconds(text: str | None) -> float | None:

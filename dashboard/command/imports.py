@@ -33,14 +33,15 @@ from railjoule.dashboard.command.commands import (
     failures_named,
     load,
     parsed_changes,
+    quantities,
     shortened,
     table_file,
     write_table,
 )
 
 if TYPE_CHECKING:
-    from railjoule.core.imports.measured_run import MeasuredRun
     from railjoule.core.imports.ttobench import ImportedScenario
+    from railjoule.core.measured import RecorderFormat, RunTable
 
 ASSUMED_SLACK = 0.1
 """Slack over the shortest time where nothing tells a travel time; told, and easily changed in the file."""
@@ -128,7 +129,7 @@ def osrd_stock(options: argparse.Namespace) -> None:
     from railjoule.core.imports.osrd_stock import read_osrd_stock  # noqa: PLC0415
 
     target = _target(options.output, (".toml",))
-    vehicle = read_osrd_stock(SourceFile.read(options.file), options.mode)
+    vehicle = read_osrd_stock(SourceFile.read(options.file), options.mode, options.train)
     _write(target, vehicle.to_toml())
     _tell(vehicle)
     print(f"{target}: {_vehicle_words(vehicle.vehicle)}")
@@ -136,7 +137,8 @@ def osrd_stock(options: argparse.Namespace) -> None:
 
 def osrd_run(options: argparse.Namespace) -> None:
     """Make a line, or a table of a run, of a simulation of OSRD."""
-    from railjoule.core.imports.osrd_run import read_osrd_line, read_osrd_run  # noqa: PLC0415
+    from railjoule.core.imports.osrd_run import read_osrd_line  # noqa: PLC0415
+    from railjoule.core.measured import RecorderFormat  # noqa: PLC0415
 
     target = _target(options.output, (".toml", *TABLE_SUFFIXES))
     source = SourceFile.read(options.file)
@@ -146,7 +148,7 @@ def osrd_run(options: argparse.Namespace) -> None:
         _tell(line)
         print(f"{target}: {_line_words(line.line)}")
     else:
-        _write_run(target, read_osrd_run(source))
+        _write_run(target, source, RecorderFormat("osrd"))
 
 
 def railtoolkit(options: argparse.Namespace) -> None:
@@ -154,7 +156,7 @@ def railtoolkit(options: argparse.Namespace) -> None:
     from railjoule.core.imports.railtoolkit import read_railtoolkit  # noqa: PLC0415
 
     target = _target(options.output, (".toml",))
-    imported = read_railtoolkit(SourceFile.read(options.file), options.id)
+    imported = read_railtoolkit(SourceFile.read(options.file), options.train)
     _write(target, imported.to_toml())
     _tell(imported)
     told = _line_words(imported.line) if isinstance(imported, ImportedLine) else _vehicle_words(imported.vehicle)
@@ -163,22 +165,23 @@ def railtoolkit(options: argparse.Namespace) -> None:
 
 def measured_run(options: argparse.Namespace) -> None:
     """Make a table of a run, with the columns that ours have, of a table of a recorder."""
-    from railjoule.core.imports.measured_run import read_run  # noqa: PLC0415
+    from railjoule.core.measured import RecorderFormat  # noqa: PLC0415
 
     target = _target(options.output, TABLE_SUFFIXES)
-    pairs = [word.partition("=") for word in options.columns]
-    for word, (name, equals, column) in zip(options.columns, pairs, strict=True):
-        if not (name and equals and column):
-            raise CommandError(f"--columns {shortened(word)}: must be KEY=COLUMN, such as speed=v [m/s].")
-    _write_run(target, read_run(SourceFile.read(options.file), {name: column for name, _, column in pairs}))
+    columns, units = quantities("--column", options.column), quantities("--unit", options.unit)
+    form = RecorderFormat(options.preset, columns, units)
+    _write_run(target, SourceFile.read(options.file), form, options.sheet)
 
 
-def _write_run(target: Path, run: "MeasuredRun") -> None:
+def _write_run(target: Path, source: SourceFile, form: "RecorderFormat", sheet: str | None = None) -> None:
     import pandas  # noqa: PLC0415  (slow to import, and seldom needed)
 
+    from railjoule.core.measured import recorder_cells, run_table  # noqa: PLC0415
+
     path = table_file(str(target), "-o")  # says what parquet needs
+    run: RunTable = run_table(recorder_cells(source, form, sheet), form)
     write_table(pandas.DataFrame(run.to_columns()), path, index=False)
-    _tell(run)
+    _print_on_stderr(f"{run.source}: {note}" for note in run.notes)
     length, time = run.position_m[-1] - run.position_m[0], run.time_s[-1] - run.time_s[0]
     told = f"{terminal.distance(length)} km in {terminal.time(time)} s, {counted(len(run.time_s), 'row')}"
     print(f"{target}: {told}")
@@ -275,7 +278,7 @@ def _write(path: Path, text: str) -> None:
         write_text(path, text)
 
 
-def _tell(imported: "Imported | MeasuredRun") -> None:
+def _tell(imported: Imported) -> None:
     """Print on standard error what the reader of the files should know, and what was not used."""
     _print_on_stderr(finding.sentence for finding in imported.findings)
     _print_on_stderr(f"not used: {sentence}" for sentence in imported.unused)

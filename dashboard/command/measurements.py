@@ -30,7 +30,7 @@ def measured(options: argparse.Namespace) -> None:
     target = None if options.output is None else commands.table_file(options.output, "-o", SCENARIO_SUFFIXES)
     scenario = _scenario(options)
     commands.announce_compilation()
-    run = load_run(Path(options.run), scenario, _format(options), _start(options.start_m))
+    run = load_run(Path(options.run), scenario, _format(options), _start(options.start_m), options.sheet)
     saving, refusal = None, ""
     try:
         saving = possible_saving(run)
@@ -56,7 +56,7 @@ def fit(options: argparse.Namespace) -> None:
     scenario = _scenario(options)
     commands.announce_compilation()
     form, start = _format(options), _start(options.start_m)
-    runs = [load_run(Path(name), scenario, form, start) for name in options.runs]
+    runs = [load_run(Path(name), scenario, form, start, options.sheet) for name in options.runs]
     found = fit_runs(runs, scenario, options.free, options.coasting)
     held = hold_out(runs, scenario, options.free, options.coasting)
     if target is not None:
@@ -217,7 +217,8 @@ def _scenario(options: argparse.Namespace) -> Scenario:
 
 def _format(options: argparse.Namespace) -> RecorderFormat:
     gap = RecorderFormat.longest_gap_s if options.longest_gap is None else _number("--longest-gap", options.longest_gap)
-    columns, units = _pairs("--column", options.column), _pairs("--unit", options.unit)
+    columns = commands.quantities("--column", options.column)
+    units = commands.quantities("--unit", options.unit)
     return RecorderFormat(options.preset, columns, units, gap)
 
 
@@ -229,16 +230,6 @@ def _number(option: str, text: str) -> float:
     with suppress(ValueError):
         return float(text)
     raise CommandError(f"{option} {commands.shortened(text)}: must be a number.")
-
-
-def _pairs(option: str, given: Sequence[str]) -> dict[str, str]:
-    pairs = {}
-    for word in given:
-        quantity, equals, value = word.partition("=")
-        if not equals or not value:
-            raise CommandError(f"{option} {commands.shortened(word)}: must be QUANTITY=VALUE, such as speed=km/h.")
-        pairs[quantity.strip()] = value.strip()
-    return pairs
 
 
 def _write_scenario(scenario: Scenario, path: Path) -> None:

@@ -77,7 +77,7 @@ class Keeping(param.Parameterized):
             "too_large": lambda message: self.refuse_file(str(message.get("name")), TOO_LARGE),
             "no_text": lambda message: self.refuse_file(str(message.get("name")), NO_TEXT),
             "table": self._take_table,
-            "large_table": lambda message: self._show_runs(too_large(str(message.get("name"))[:LONGEST_NAME])),
+            "large_table": lambda message: self._refuse_run(too_large(str(message.get("name"))[:LONGEST_NAME])),
             "copied": self._take_copied,
         }
         for kind, callback in listeners.items():
@@ -150,11 +150,10 @@ class Keeping(param.Parameterized):
             content = base64.b64decode(str(message.get("data")), validate=True)
         except ValueError:
             return  # no browser of ours sends it
-        self._show_runs()
-        self.state.measured_runs.bring([(name, content)])
+        self.state.show_run(name, content)
 
-    def _show_runs(self, refusal: str = "") -> None:
-        """Turn to the page of measured runs."""
+    def _refuse_run(self, refusal: str) -> None:
+        """Turn to the page of measured runs, which tells why a file was not taken."""
         self.state.measured_runs.refusal = refusal
         self.state.page = "Measured runs"
 

@@ -8,6 +8,10 @@ from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.recipes import RecipeRun, compute_recipes
 from railjoule.dashboard.work.worker import Worker
 
+LOST = (
+    "No longer pinned: {}. The file of a measured run is in no link; bring it to Measured runs, and pin it there again."
+)
+
 
 class Pins:
     """Keeps the pins of one page and what its address has of them alike."""
@@ -36,17 +40,31 @@ class Pins:
         if len(wanted) > MOST_PINS or len({one.colour for one in wanted}) < len(wanted):
             self._refuse(TOO_MANY if len(wanted) > MOST_PINS else "Two pinned runs of the link have one colour.")
             return
-        self.worker.ask(tuple(wanted))
+        lost = [one for one in wanted if one.recording and one.recording not in self.state.recorded]
+        if lost:
+            names = ", ".join(one.called for one in lost)
+            self.state.notice = LOST.format(names)
+            self.state.kept_pins = [one for one in wanted if one not in lost]
+            return
+        self.worker.ask(tuple(one for one in wanted if not one.recording))
 
     def _take(self, found: tuple[RecipeRun, ...]) -> None:
-        wanted = self.state.kept_pins
-        recipes = [one.recipe() for one in wanted]
+        wanted = [(one, one.recipe()) for one in self.state.kept_pins]
+        computed = [recipe for _, recipe in wanted if not recipe.recording]
+        known = all(recipe.recording in self.state.recorded for _, recipe in wanted if recipe.recording)
         # another pin may have come, or one may have gone, while these were run
-        if recipes == [run.recipe for run in found]:
-            self.state.pins = tuple(
-                Pin(one.called, self.state.proof.bounded(run.trajectory), one.colour, recipe)
-                for one, recipe, run in zip(wanted, recipes, found, strict=True)
+        if not known or computed != [run.recipe for run in found]:
+            return
+        runs = (self.state.proof.bounded(run.trajectory) for run in found)
+        self.state.pins = tuple(
+            Pin(
+                one.called,
+                self.state.recorded[recipe.recording] if recipe.recording else next(runs),
+                one.colour,
+                recipe,
             )
+            for one, recipe in wanted
+        )
 
     def _take_failure(self, failure: RailjouleError) -> None:
         self._refuse(f"What was pinned cannot be run again: {failure}")

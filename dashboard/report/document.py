@@ -37,6 +37,7 @@ from railjoule.dashboard.report.findings import Findings
 SECTIONS: Sequence[Callable[[Findings, Figures], Markup]] = (
     sections.result,
     sections.energy,
+    sections.pinned,
     sections.trade_off,
     sections.proof,
     sections.reality,

@@ -45,6 +45,8 @@ class ReportRequest:
         As for `railjoule.core.solve`.
     note : str
         What its reader must know of the page that it comes from; empty where there is nothing.
+    pinned : tuple of (str, Trajectory)
+        Runs that stand beside those of the scenario, with their names.
     """
 
     scenario: Scenario
@@ -52,6 +54,7 @@ class ReportRequest:
     bound: Bound | None = None
     prove_seconds: float | None = None
     note: str = ""
+    pinned: tuple[tuple[str, Trajectory], ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +81,7 @@ class Findings:
         ENOC's energy over travel time and acceleration time, where it takes the scenario.
     share : float
         How much of the work is done, 0 to 1.
-    note : str
+    note, pinned
         As of the request.
     """
 
@@ -92,6 +95,7 @@ class Findings:
     enoc_map: EnocMap | None = None
     share: float = RUNS_SHARE
     note: str = ""
+    pinned: tuple[tuple[str, Trajectory], ...] = ()
 
     @property
     def run(self) -> Trajectory:
@@ -112,7 +116,7 @@ def compute_findings(request: ReportRequest) -> Iterator[Findings]:
         scenario = scenario.with_(strategy=request.strategy)
     runs = compute_runs(RunsRequest(scenario, tuple(STRATEGIES)))
     runs = tightened_runs(runs, request.bound, request.prove_seconds)
-    findings = Findings(scenario, runs, enoc_map=compute_enoc_map(scenario), note=request.note)
+    findings = Findings(scenario, runs, enoc_map=compute_enoc_map(scenario), note=request.note, pinned=request.pinned)
     yield findings
     # one by one, as the work can be stopped between two steps alone
     for optima, share in _optima(findings):

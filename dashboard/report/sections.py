@@ -12,6 +12,7 @@ from railjoule.core.scenario import format_scenario
 from railjoule.core.simulate.disturbances import DisturbedRun
 from railjoule.core.simulate.field_oriented import FieldOrientedRun
 from railjoule.core.studies.sensitivity import SensitivityTable
+from railjoule.core.trajectory import MEASURED
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup, joined, markup
@@ -26,6 +27,10 @@ FRONTIER_ROWS = 10
 NOT_PROVEN = (
     "The bound does not say that the data of vehicle and line are right, nor how much a finer mesh would gain; it is "
     "computed in ordinary floating-point numbers."
+)
+OF_MEASURED = (
+    "A measured run has the speeds of a train\u2019s recorder, and its efforts and powers where the recorder has them; "
+    "what it lacks is the scenario\u2019s model at these speeds. All others are computed by the model alone."
 )
 HINT = Markup(
     '<p class="note screen">Drag to zoom in, double click to see all; Ctrl and the wheel zoom as well. '
@@ -146,6 +151,36 @@ def energy(findings: Findings, figures: Figures) -> Markup:
         parts.phase_table(run),
     )
     return section("energy", "Energy, runs and phases", columns)
+
+
+def pinned(findings: Findings, figures: Figures) -> Markup:
+    """Return the runs that were pinned on the page, measured ones among them, beside the first run."""
+    run = findings.run
+    if not findings.pinned:
+        return Markup()
+    rows = [
+        ((name, *_pinned_cells(one, run)), one is run)
+        for name, one in ((words.strategy(run.strategy), run), *findings.pinned)
+    ]
+    head = ("Run", "kWh", "kWh more", "%", "s", "km/h", "m")
+    measured = any(one.strategy == MEASURED for _, one in findings.pinned)
+    return section(
+        "pinned",
+        "Pinned runs",
+        parts.table("Pinned runs beside the first run", head, rows),
+        note(OF_MEASURED) if measured else "",
+    )
+
+
+def _pinned_cells(run: Trajectory, first: Trajectory) -> tuple[str, ...]:
+    return (
+        words.energy(run.energy_kwh),
+        words.energy_difference(run.energy_kwh - first.energy_kwh),
+        comparisons.cell(comparisons.above(run.energy_kwh, first.energy_kwh)),
+        words.time(run.travel_time_s),
+        words.number(run.max_speed_kmh),
+        words.number(run.distance_m, 0),
+    )
 
 
 def trade_off(findings: Findings, figures: Figures) -> Markup:

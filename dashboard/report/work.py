@@ -76,7 +76,12 @@ class Reporting(PageWork[ReportingModel]):
             scenario = recipe.scenario
             # what Drive has proven by now need not be proven once more
             known = self.state.proof.of(scenario)
-            request = ReportRequest(scenario, bound=known.bound if known is not None else None, note=_note(recipe))
+            request = ReportRequest(
+                scenario,
+                bound=known.bound if known is not None else None,
+                note=_note(recipe),
+                pinned=tuple((pin.name, pin.trajectory) for pin in self.state.pins),
+            )
         except RailjouleError as error:
             self.take_failure(error)
             return

@@ -115,6 +115,12 @@ class FilesModel(param.Parameterized):
         if file.kind != "runs":
             self._ask(lambda: self._read(file), take)
 
+    def open_run(self, file: OwnFile, show: Callable[[str, bytes], None]) -> None:
+        """Hand over the name and the content of a run's file."""
+        if file.kind == "runs":
+            name = f"{file.name}{file.suffix}"
+            self._ask(lambda: self._workspace.read(file)[0], lambda text: show(name, text.encode()))
+
     def rename(self, file: OwnFile, name: str) -> None:
         """Give a file another name."""
 

@@ -1,5 +1,6 @@
 """Pinned runs: what was run, by which strategy, and how it comes about again."""
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -28,6 +29,7 @@ PIN_KEYS = tuple(f"pin_{number}" for number in range(1, MOST_PINS + 1))
 """Colours and strokes of the pins, by the tokens of the look."""
 TOO_MANY = f"At most {MOST_PINS} runs can be pinned; unpin one first."
 LONGEST_NAME = 60
+LONGEST_KEY = 16
 
 
 @dataclass(frozen=True)
@@ -46,6 +48,8 @@ class Recipe:
         Who drives, unless it is simple advice.
     simple : int
         Of simple advice, how often the regime may change between two stops; 0 for a run of the strategy.
+    recording : str
+        Of a measured run the key under which the page holds it, as its file is in no link; empty for all others.
     """
 
     preset: str | None
@@ -53,6 +57,7 @@ class Recipe:
     changes: Mapping[str, Any]
     strategy: StrategyName
     simple: int = 0
+    recording: str = ""
 
     def scenario(self) -> Scenario:
         """Return the scenario of the run.
@@ -101,12 +106,13 @@ class Pin:
 class KeptPin(Kept):
     """A pin without its run, as an address holds it."""
 
-    kept = ("called", "strategy", "simple", "preset", "toml", "changes", "colour")
+    kept = ("called", "strategy", "simple", "recording", "preset", "toml", "changes", "colour")
 
     called = param.String(default="", doc="Name given by the user.")
     strategy = param.Selector(default="optimal", objects=list(STRATEGIES), doc="The strategy.")
     # as core/studies/simple_advice.py bounds them, which no page loads before it is asked for
     simple = param.Integer(default=0, bounds=(0, 9), doc="Changes of regime of simple advice; 0: the strategy.")
+    recording = param.String(default="", doc="Of a measured run the key under which the page holds it.")
     preset = param.Selector(
         default=None, allow_None=True, objects=list(preset_names("scenarios")), doc="Shipped scenario."
     )
@@ -122,6 +128,7 @@ class KeptPin(Kept):
             called=pin.name,
             strategy=recipe.strategy,
             simple=recipe.simple,
+            recording=recipe.recording,
             preset=recipe.preset,
             toml=None if recipe.document is None else format_scenario(scenario_from_document(recipe.document)),
             changes=dict(recipe.changes),
@@ -137,7 +144,7 @@ class KeptPin(Kept):
             If its text is no scenario.
         """
         document = None if self.toml is None else document_of(open_scenario(self.toml, "the pinned run").scenario)
-        return Recipe(self.preset, document, dict(self.changes), self.strategy, self.simple)
+        return Recipe(self.preset, document, dict(self.changes), self.strategy, self.simple, self.recording)
 
 
 def pin_name(run: Trajectory) -> str:
@@ -146,6 +153,18 @@ def pin_name(run: Trajectory) -> str:
     load = words.load(vehicle.load_factor)
     recuperation = words.setting(vehicle.drive.recuperation_factor)
     return f"{strategy}, {words.time(run.travel_time_s)} s, {load}, recuperation {recuperation} %"
+
+
+def measured_name(run: Trajectory, has_energy: bool, file: str) -> str:
+    """Return what the pin of a measured run is called: without an effort or a power its energy is the model's."""
+    what = "Measured" if has_energy else "Measured speeds"
+    return f"{what}, {words.time(run.travel_time_s)} s, {' '.join(file.split())}"[:LONGEST_NAME]
+
+
+def recipe_of_recording(run: Trajectory) -> Recipe:
+    """Return how a measured run comes about: it cannot be computed, so the page holds it under a key of its own."""
+    told = f"{run.travel_time_s!r} {run.energy.net_j!r} {run.position_m.tobytes()!r} {run.speed_ms.tobytes()!r}"
+    return Recipe(None, None, {}, "optimal", recording=hashlib.sha256(told.encode()).hexdigest()[:LONGEST_KEY])
 
 
 def recipe_of(model: ScenarioModel, scenario: Scenario, strategy: StrategyName) -> Recipe:

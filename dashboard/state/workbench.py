@@ -39,8 +39,10 @@ from railjoule.dashboard.state.pins import (
     Pin,
     Recipe,
     make_pin,
+    measured_name,
     pin_name,
     recipe_of,
+    recipe_of_recording,
     same_run,
 )
 from railjoule.dashboard.state.scenario import ScenarioModel
@@ -92,6 +94,8 @@ class Workbench(Kept, PageModel):
     def __init__(self, **params: Any) -> None:
         self.faults = Faults(self._tell_fault)
         self._late: dict[object, tuple[str, ...]] = {}
+        self.recorded: dict[str, Trajectory] = {}
+        """Measured runs that were pinned, by the keys of their recipes: a step back finds them here."""
         # before the models of the pages: a snapshot is laid in this order, and where the scenario changes, pages take
         # their values from it anew, so that what was laid on them before would be lost
         self.scenario = ScenarioModel()
@@ -193,6 +197,22 @@ class Workbench(Kept, PageModel):
         name = f"{pin_name(chosen.run)}, {chosen.changes} changes"
         self._pin(chosen.run, replace(recipe, simple=chosen.changes_allowed), name)
 
+    def show_run(self, name: str, content: bytes) -> None:
+        """Turn to the page of measured runs with the file of one."""
+        self.page = "Measured runs"
+        self.measured_runs.bring([(name, content)])
+
+    def pin_measured(self) -> None:
+        """Pin the measured run that is shown."""
+        measured = self.measured_runs.measured
+        found = None if measured is None else measured.shown.run
+        if found is None or self.pin_of(found.trajectory) is not None:
+            return
+        run = found.trajectory
+        recipe = recipe_of_recording(run)
+        self.recorded[recipe.recording] = run
+        self._pin(run, recipe, measured_name(run, found.measured is not None, found.recording.name))
+
     def pin_of(self, run: Trajectory) -> Pin | None:
         """Return the pin of a run that is no strategy's, if it is pinned."""
         return next((pin for pin in self.pins if same_run(pin.trajectory, run)), None)
@@ -216,7 +236,8 @@ class Workbench(Kept, PageModel):
         """Give a greater bound to all runs of a scenario's plan that are shown or pinned."""
         pins = tuple(
             replace(pin, trajectory=with_tighter_bound(pin.trajectory, bound))
-            if same_plan(pin.trajectory.scenario, scenario)
+            # what was measured is bounded by no model
+            if same_plan(pin.trajectory.scenario, scenario) and not pin.recipe.recording
             else pin
             for pin in self.pins
         )

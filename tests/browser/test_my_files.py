@@ -202,6 +202,20 @@ def test_files_that_are_brought(user: User, workspace: Workspace, tmp_path: Path
     assert workspace.text("runs", "tuesday").startswith("position_m,")
 
 
+def test_a_run_is_opened_on_measured_runs(user: User) -> None:
+    user.turn_to("Start")
+    button(user, "Open on Measured runs: tuesday").click()
+    expect(user.question("Measured runs")).to_be_visible()
+    expect(user.page.get_by_text("tuesday.csv, run 1 of 1").first).to_be_visible()
+    # the run that this program solved: what was measured is what its model needs
+    expect(user.figure_value("Measured")).to_have_text(re.compile(r"\d"))
+    user.page.get_by_role("button", name="Remove this run").click()
+    user.page.get_by_role("combobox", name="From My files").click()
+    user.page.get_by_role("menuitem", name="tuesday").click()
+    expect(user.page.get_by_text("tuesday.csv, run 1 of 1").first).to_be_visible()
+    user.turn_to("Start")
+
+
 def test_another_page_sees_what_was_saved(
     user: User, own_server: Server, chromium: Browser, workspace: Workspace
 ) -> None:

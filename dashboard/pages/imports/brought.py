@@ -12,6 +12,7 @@ from railjoule.core.imports import INTERVAL_KINDS, PRESETS, ColumnMap, IntervalK
 from railjoule.core.imports.cells import CellTable, read_cells
 from railjoule.core.imports.columns import NAMES, ROLES, SELECTORS, resolve, same_name
 from railjoule.core.imports.osrd_run import NEEDED
+from railjoule.core.imports.osrd_stock import LISTS
 from railjoule.core.imports.railtoolkit import yaml_of
 from railjoule.core.imports.source_file import json_of
 
@@ -42,6 +43,8 @@ KEYS_OF_JSON: dict[OtherKind, str] = {
 }
 """By which key of a JSON file its kind is known."""
 WORKBOOKS, YAMLS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0"), (".yaml", ".yml")
+SHEET, CHOSEN = "sheet", "chosen"
+"""What is said of a file that holds several things: which sheet, which train or path."""
 GENERIC = ("value", "valeur")
 """Names of columns that say nothing of the kind."""
 WORDS_IN_NAMES: dict[IntervalKind, tuple[str, ...]] = {
@@ -74,6 +77,8 @@ class Brought:
         What the user says of its columns.
     factors : mapping of str to float
         What numbers of a vehicle are multiplied with, by their keys: answers to questions about units.
+    chosen : str or None
+        Of a file with several trains or paths the name of the one that is wanted.
     """
 
     number: int
@@ -82,6 +87,7 @@ class Brought:
     said_kind: Kind = ""
     columns: ColumnMap = field(default_factory=ColumnMap)
     factors: dict[str, float] = field(default_factory=dict)
+    chosen: str | None = None
 
     @classmethod
     def of(cls, number: int, source: SourceFile) -> "Brought":
@@ -90,13 +96,19 @@ class Brought:
 
     def with_kind(self, kind: Kind) -> "Brought":
         """Return it as a file of another kind; what was said of its columns is forgotten."""
-        return replace(self, said_kind=kind, columns=ColumnMap())
+        return replace(self, said_kind=kind, columns=ColumnMap(sheet=self.columns.sheet))
 
     def told(self, key: str, value: str) -> "Brought":
         """Return it with one thing more that the user says: a column, a unit, a line, or an answer about a number."""
         what, _, name = key.partition(" ")
         if what == "factor":
             return replace(self, factors={**self.factors, name: 1.0 if value == "1" else float(value)})
+        if what == CHOSEN:
+            # what was answered about another train says nothing of this one
+            return replace(self, chosen=value or None, factors={})
+        if what == SHEET:
+            # nor do the columns of another sheet
+            return replace(self, columns=ColumnMap(sheet=value or None))
         if what == "rows":
             rows = {column: text for column, text in self.columns.rows.items() if column != name}
             return replace(self, columns=replace(self.columns, rows={**rows, name: value} if value else rows))
@@ -152,8 +164,10 @@ class Brought:
         beginning = content.removeprefix(b"\xef\xbb\xbf").lstrip()[:1]
         if not content:
             raise ScenarioError(f"{self.name}: it is empty.")
-        if beginning == b"{":
-            document = json_of(self.source)
+        if beginning in {b"{", b"["}:
+            document = json_of(self.source, lists=True)
+            if isinstance(document, list) or any(isinstance(document.get(key), list) for key in LISTS):
+                return "stock"
             found = next((kind for kind, key in KEYS_OF_JSON.items() if key in document), None)
             if found is None:
                 raise ScenarioError(f"{self.name}: {UNKNOWN}.")

@@ -9,6 +9,7 @@ from importlib.resources import files
 from typing import Any
 
 from railjoule.core import RailjouleError, Scenario, ScenarioError
+from railjoule.core.errors import ChoiceError
 from railjoule.core.imports import (
     INTERVAL_KINDS,
     Finding,
@@ -19,7 +20,7 @@ from railjoule.core.imports import (
     read_intervals,
 )
 from railjoule.core.imports.columns import VALUE_UNITS, ResolvedColumns, resolve
-from railjoule.core.imports.findings import OtherUnit
+from railjoule.core.imports.findings import OtherUnit, without_name
 from railjoule.core.imports.intervals import SHORTEST_LINE_M
 from railjoule.core.imports.numbers import COMPOUND_UNITS, POSITION_UNITS, position_of, text_of_cell
 from railjoule.core.imports.osrd_run import read_osrd_line
@@ -31,7 +32,7 @@ from railjoule.core.imports.vehicle import ImportedVehicle, questions, short_num
 from railjoule.core.scenario import format_scenario, scenario_from_document
 from railjoule.core.scenario.document import document_of
 from railjoule.core.strategies import prepare_task
-from railjoule.dashboard.pages.imports.brought import Brought, selectors_of
+from railjoule.dashboard.pages.imports.brought import CHOSEN, SHEET, Brought, selectors_of
 
 FIRST_ROWS = 4
 """Rows of each file that are shown."""
@@ -201,12 +202,38 @@ def card_of(file: Brought) -> Card:
     try:
         card = replace(card, kind=file.kind)
         if file.kind in INTERVAL_KINDS:
-            return _with_table(card, file)
-        return _with_result(card, file, _read_other(file))
+            return _with_several(_with_table(card, file), file)
+        return _with_several(_with_result(card, file, _read_other(file)), file)
+    except ChoiceError as error:
+        return replace(card, failure=str(error), choices=(_one_of(error.what, error.names, ""),))
     except RailjouleError as error:
         return _failed(card, file, str(error))
     except (MemoryError, RecursionError):
         return replace(card, failure=f"{file.name}: it is too large or too deeply nested to be read.")
+
+
+def _with_several(card: Card, file: Brought) -> Card:
+    """Return the card of a file that holds several sheets, trains or paths with the choice among them first."""
+    several = _others(file)
+    return card if several is None else replace(card, choices=(several, *card.choices))
+
+
+def _others(file: Brought) -> Choice | None:
+    """Return the choice among what a file holds several of; None where it holds one alone."""
+    if file.columns.sheet is not None:
+        return _one_of(SHEET, file.cells.sheets, file.columns.sheet)
+    if file.chosen is None:
+        return None
+    try:
+        _read_other(replace(file, chosen=None))
+    except ChoiceError as error:
+        return _one_of(error.what, error.names, file.chosen)
+    return None
+
+
+def _one_of(what: str, names: Sequence[str], value: str) -> Choice:
+    options = (("", "choose"), *((name, name) for name in names[:MOST_CHOICES]))
+    return Choice(SHEET if what == SHEET else CHOSEN, what.capitalize(), options, value)
 
 
 def _failed(card: Card, file: Brought, sentence: str) -> Card:
@@ -243,7 +270,7 @@ def _with_table(card: Card, file: Brought) -> Card:
     except RailjouleError as error:
         return _failed(card, file, str(error))
     card, asked = _with_result(card, file, table), tuple(_about_positions(file, table))
-    told = {_without_name(question.sentence, file.name) for question in asked}
+    told = {without_name(question.sentence, file.name) for question in asked}
     return replace(card, questions=asked, findings=tuple(one for one in card.findings if one not in told))
 
 
@@ -290,11 +317,11 @@ def _read_other(file: Brought) -> ImportedLine | ImportedVehicle | None:
     if file.kind == "train":
         return with_factors(read_train(source), file.factors)
     if file.kind == "stock":
-        return with_factors(read_osrd_stock(source), file.factors)
+        return with_factors(read_osrd_stock(source, wanted=file.chosen), file.factors)
     if file.kind == "osrd_run":
-        return read_osrd_line(source)
+        return read_osrd_line(source, sheet=file.columns.sheet)
     if file.kind == "railtoolkit":
-        found = read_railtoolkit(source)
+        found = read_railtoolkit(source, file.chosen)
         return with_factors(found, file.factors) if isinstance(found, ImportedVehicle) else found
     return None
 
@@ -338,8 +365,8 @@ def _with_result(card: Card, file: Brought, result: Any) -> Card:
     return replace(
         card,
         result=result,
-        findings=tuple(_without_name(finding.sentence, file.name) for finding in (*plain, *told)),
-        unused=tuple(_without_name(sentence, file.name) for sentence in result.unused),
+        findings=tuple(without_name(finding.sentence, file.name) for finding in (*plain, *told)),
+        unused=tuple(without_name(sentence, file.name) for sentence in result.unused),
         questions=tuple(_asked(finding) for finding in asked),
     )
 
@@ -348,12 +375,6 @@ def _asked(finding: Finding) -> Question:
     unit = _unit(finding)
     sentence = finding.sentence.partition(": ")[2]
     return Question(sentence, f"Use {unit.meant}", f"Keep {unit.given}", f"factor {unit.key}", f"{unit.factor:g}", "1")
-
-
-def _without_name(sentence: str, name: str) -> str:
-    """Return a sentence without the file that it begins with: the card has its name."""
-    rest = sentence.removeprefix(f"{name}: ").removeprefix(f"{name}, ")
-    return rest[:1].upper() + rest[1:]
 
 
 # ---- all files together

@@ -12,7 +12,7 @@ from railjoule.core.imports.vehicle import ImportedVehicle
 from railjoule.dashboard.editor.forms import Form
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.scripts import module
-from railjoule.dashboard.pages.imports.brought import KIND_WORDS, TABLE_WORDS
+from railjoule.dashboard.pages.imports.brought import CHOSEN, KIND_WORDS, SHEET, TABLE_WORDS
 from railjoule.dashboard.pages.imports.compute import Card, Choice, Offer, Stretch, examples
 from railjoule.dashboard.pages.imports.model import LARGEST_FILE_BYTES, ImportModel, Wanted
 
@@ -23,7 +23,7 @@ FORMATS = (
     "example is an invented line in SNCF\u2019s columns."
 )
 ROLE_WORDS = {"from": "from", "to": "to", "value": "value", "direction": "rises or falls"}
-NEEDED = ("from", "value")
+NEEDED = ("from", "value", SHEET, CHOSEN)
 OFFER_WORDS = {"both": "Take both", "line": "Take this line", "train": "Take this train"}
 ABOUT = {
     "both": "Line and train become the scenario.",

@@ -1,19 +1,17 @@
 """What the columns of a recorder's file mean: as the user says, else guessed from their names; asked where in doubt."""
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from railjoule.core import RailjouleError
 from railjoule.core.arrays import FloatArray
-from railjoule.core.imports.cells import Cell, CellTable, read_cells
-from railjoule.core.imports.source_file import SourceFile
-from railjoule.core.measured import PRESETS, RecorderFormat
+from railjoule.core.imports.cells import Cell, CellTable
+from railjoule.core.imports.source_file import SourceFile, shown_list
+from railjoule.core.measured import RecorderFormat, recorder_cells
 from railjoule.core.measured.columns import CLOCK, NEEDED_UNITS, UNITS, USUAL_UNITS, recognised
-from railjoule.core.measured.table import NEVER_EMPTY, NO_VALUES
 from railjoule.core.scenario import Vehicle
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, W_PER_KW
 from railjoule.dashboard.look import words
@@ -21,6 +19,8 @@ from railjoule.dashboard.work.uploads import LARGEST_RUN_BYTES, too_large
 
 MOST_ROWS = 20_000
 """8,551 samples of a run of three minutes took 2.4 s to smooth and 3.5 s to fit, on a busy core."""
+MOST_SHEETS = 12
+"""As many runs as a page can have open."""
 NOT_USED = ""
 QUANTITY_WORDS: Mapping[str, str] = {
     NOT_USED: "Not used",
@@ -33,13 +33,14 @@ QUANTITY_WORDS: Mapping[str, str] = {
     "brake": "Brake",
     "power": "Power",
     "energy": "Energy meter",
+    "line_current": "Line current",
+    "line_voltage": "Line voltage",
 }
 """What a column may hold, in the words of the page."""
 UNIT_WORDS: Mapping[str, str] = {CLOCK: "hh:mm:ss"}
 PARTS_OF_EFFORT = ("tractive_effort", "braking_effort")
 SAMPLES = 5
 """Rows that are shown of a column: the first, and some in motion."""
-SEPARATOR = ";"
 PLAUSIBLE: Mapping[str, tuple[float, float]] = {
     "speed": (0.1, 1.3),
     "effort": (0.05, 3.0),
@@ -47,9 +48,15 @@ PLAUSIBLE: Mapping[str, tuple[float, float]] = {
     "braking_effort": (0.05, 3.0),
     "power": (0.02, 4.0),
     "energy": (0.3, 150.0),
+    # wide where the vehicle names no voltage: from 600 V to 25 kV, and less current the more of it
+    "line_current": (0.015, 10.0),
+    "line_voltage": (0.2, 20.0),
 }
 """Between which shares of what the train has the largest value of a column lies where its unit is right: of its top
-speed, of its largest effort and power, and of its kinetic energy at top speed."""
+speed, of its largest effort and power, of its kinetic energy at top speed, of its line's voltage and of the current
+that its power takes from it."""
+USUAL_VOLTAGE_V = 1500.0
+"""Where the vehicle names none."""
 
 
 @dataclass(frozen=True)
@@ -114,8 +121,37 @@ class RunFile:
         return [_text(cells[index]) for _, cells in shown]
 
 
-def read_run_file(name: str, content: bytes, is_example: bool = False) -> RunFile:
-    """Return a file as a table.
+def run_sheets(name: str, content: bytes, sheets: Sequence[str]) -> tuple[RunFile, ...]:
+    """Return the sheets of a workbook that name a speed, each as a file of its own.
+
+    Raises
+    ------
+    RailjouleError
+        If none of them does.
+    """
+    found, others = [], list(sheets[MOST_SHEETS:])
+    for sheet in sheets[:MOST_SHEETS]:
+        # a sheet of notes is no table
+        with suppress(RailjouleError):
+            file = read_run_file(name, content, sheet=sheet)
+            if any(column.quantity == "speed" for column in recognised(file.cells.header, RecorderFormat())):
+                found.append((sheet, file))
+                continue
+        others.append(sheet)
+    if not found:
+        raise RailjouleError(f"{name}: none of its sheets is a table with a speed; it has {shown_list(list(sheets))}.")
+    told = (f"Sheets that are not read as a run: {shown_list(others)}.",) if others else ()
+    return tuple(_sheet_as_file(file, f"{name}, {sheet}", told) for sheet, file in found)
+
+
+def _sheet_as_file(file: RunFile, name: str, told: tuple[str, ...]) -> RunFile:
+    """Return a sheet as a file of its own, which is silent about the other sheets that are runs."""
+    kept = [sentence for sentence in file.cells.unused if "sheets not read" not in sentence]
+    return RunFile(name, replace(file.cells, source=name, unused=(*kept, *told)))
+
+
+def read_run_file(name: str, content: bytes, is_example: bool = False, sheet: str | None = None) -> RunFile:
+    """Return a file, of a workbook a sheet, as a table.
 
     Raises
     ------
@@ -124,7 +160,7 @@ def read_run_file(name: str, content: bytes, is_example: bool = False) -> RunFil
     """
     if len(content) > LARGEST_RUN_BYTES:
         raise RailjouleError(too_large(name))
-    cells = read_cells(SourceFile(name, content))
+    cells = recorder_cells(SourceFile(name, content), sheet=sheet)
     if not cells.has_header:
         raise RailjouleError(f"{name}: the first row must name the columns, such as time_s, position_m, speed_kmh.")
     if len(cells.rows) > MOST_ROWS:
@@ -149,7 +185,7 @@ def meanings_of(file: RunFile, answers: Mapping[str, str]) -> dict[str, Meaning]
     said = {header: Meaning.of(answers[header]) for header in headers if header in answers}
     meanings.update(said)
     taken = {meaning.quantity for meaning in said.values()}
-    for column in recognised(headers, RecorderFormat(_preset_of(headers))):
+    for column in recognised(headers, RecorderFormat()):
         if column.header in said or column.quantity in taken:
             continue
         # of two columns that may hold one quantity the first is used
@@ -162,12 +198,6 @@ def meanings_of(file: RunFile, answers: Mapping[str, str]) -> dict[str, Meaning]
             if meaning.quantity in PARTS_OF_EFFORT and header not in said:
                 meanings[header] = Meaning(NOT_USED)
     return meanings
-
-
-def _preset_of(headers: Sequence[str]) -> str:
-    """Return the format of a known program whose columns a file has; 'generic' where it has those of none."""
-    known = ((name, {column.header for column in columns}) for name, columns in PRESETS.items() if columns)
-    return next((name for name, needed in known if needed <= set(headers)), "generic")
 
 
 def _usual_unit(file: RunFile, header: str, quantity: str) -> str:
@@ -227,7 +257,15 @@ def _sizes(vehicle: Vehicle) -> dict[str, float]:
     # a train whose effort is not named accelerates by about 1 m/s2
     effort = (traction.max_effort_kn or vehicle.total_mass_kg / 1e3) * N_PER_KN
     power = (traction.max_power_kw or effort * top / 2 / W_PER_KW) * W_PER_KW
-    return {"speed": top, **dict.fromkeys(("effort", *PARTS_OF_EFFORT), effort), "power": power, "energy": kinetic}
+    voltage = vehicle.line_voltage_v or USUAL_VOLTAGE_V
+    return {
+        "speed": top,
+        **dict.fromkeys(("effort", *PARTS_OF_EFFORT), effort),
+        "power": power,
+        "energy": kinetic,
+        "line_current": power / voltage,
+        "line_voltage": voltage,
+    }
 
 
 def _extent(file: RunFile, header: str, quantity: str) -> float:
@@ -250,39 +288,17 @@ def _numbers(file: RunFile, header: str) -> FloatArray:
     return finite
 
 
-def table_text(file: RunFile, used: Mapping[str, Meaning]) -> tuple[str, RecorderFormat, tuple[str, ...]]:
-    """Return the columns of a file that are used as CSV, their format, and which rows are left out, in sentences.
-
-    Each row stands in the line that it has in the file, so that sentences about it can name that.
-    """
+def used_table(file: RunFile, used: Mapping[str, Meaning]) -> tuple[CellTable, RecorderFormat]:
+    """Return the columns of a file that are used, without its rows that hold nothing in them, and their format."""
     headers = [header for header in file.cells.header if header in used]
     indices = [file.cells.header.index(header) for header in headers]
-    needed = [k for k, header in enumerate(headers) if used[header].quantity in NEVER_EMPTY]
-    rows, gaps = {}, 0
-    for number, cells in file.cells.rows:
-        row = [_text(cells[index]) for index in indices]
-        if not any(row):
-            continue
-        if any(row[k].lower() in NO_VALUES for k in needed):
-            gaps += 1
-        else:
-            rows[number] = row
-    written = io.StringIO()
-    writer = csv.writer(written, delimiter=SEPARATOR, lineterminator="\n")
-    # no row stands in the first line: the file has its names there, or above them
-    writer.writerow(headers)
-    for number in range(2, max(rows, default=0) + 1):
-        if number in rows:
-            writer.writerow(rows[number])
-        else:
-            written.write("\n")
+    chosen = ((number, tuple(cells[index] for index in indices)) for number, cells in file.cells.rows)
     form = RecorderFormat(
         columns={used[header].quantity: header for header in headers},
         units={used[header].quantity: used[header].unit for header in headers},
     )
-    what = " or ".join(headers[k] for k in needed)
-    left_out = (f"{words.number(gaps, 0)} rows without {what} are left out.",) if gaps else ()
-    return written.getvalue(), form, left_out
+    rows = tuple((number, cells) for number, cells in chosen if any(_text(cell) for cell in cells))
+    return replace(file.cells, header=tuple(headers), rows=rows), form
 
 
 def _text(cell: Cell) -> str:

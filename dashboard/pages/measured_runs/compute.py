@@ -12,10 +12,10 @@ from railjoule.core.errors import RecordingError
 from railjoule.core.fit import Fit, HeldOut, fit_runs, hold_out
 from railjoule.core.fit.parameters import AUXILIARY, EFFICIENCY, MASS, MASS_FACTOR, RESISTANCE
 from railjoule.core.imports.source_file import shown_list
-from railjoule.core.measured import MeasuredRun, Recording, Saving, measured_run, possible_saving, read_recording
+from railjoule.core.measured import MeasuredRun, Recording, Saving, measured_run, possible_saving, recording_of
 from railjoule.core.measured.columns import NAMES
 from railjoule.core.scenario import Timetable
-from railjoule.dashboard.pages.measured_runs.columns import Doubt, Meaning, RunFile, settled, table_text
+from railjoule.dashboard.pages.measured_runs.columns import Doubt, Meaning, RunFile, settled, used_table
 
 ANY_TIMETABLE = Timetable(travel_time_s=100.0)
 """A measured run brings its own: that of the scenario changes nothing."""
@@ -162,10 +162,8 @@ def read_run(request: RunsRequest, file: RunFile, scenario: Scenario) -> ReadRun
     used = {header: one for header, one in meanings.items() if one.quantity and header not in asked}
     run, refusal, notes = None, _missing(file, meanings, used), assumed
     if not refusal:
-        text, form, left_out = table_text(file, used)
-        notes = (*assumed, *left_out)
         try:
-            recording = read_recording(text, file.name, form)
+            recording = recording_of(*used_table(file, used))
             _require_time(recording)
             run = measured_run(recording, scenario, request.start_m)
             notes = (*notes, *(_without_options(note) for note in run.notes))

@@ -29,6 +29,7 @@ from railjoule.dashboard.pages.page import BODY_CSS, PageView
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import box, over_time_buttons
 from railjoule.dashboard.parts.number_field import NumberField
+from railjoule.dashboard.state.pins import Pin
 from railjoule.dashboard.work.uploads import LARGEST_RUN_BYTES, too_large
 
 HEIGHTS = {"measured_speed": (270, 340, 220), "line": (88, 96, 80), "measured_energy": (200, 240, 180)}
@@ -42,6 +43,7 @@ SIDES_CSS = (
     "@media (min-width: 1200px) and (max-width: 1599px) { :host { display: grid; gap: 0 32px; align-items: start; "
     "grid-template-columns: minmax(0, 1.35fr) minmax(0, 1fr); } }"
 )
+PIN, UNPIN = "Pin this run", "Unpin this run"
 ROW_CSS = padded("0 20px", "0 14px")
 TEXT_CSS = padded("0 20px 12px", "0 14px 12px")
 
@@ -104,6 +106,15 @@ class MeasuredRunsView(PageView):
             margin=(8, 8, 0, 0),
             on_click=lambda _: try_example(self.state),
         )
+        self.own = pmui.Select(
+            label="From My files",
+            options={"choose": ""},
+            value="",
+            size="small",
+            margin=(6, 8, 0, 0),
+            width=170,
+            visible=False,
+        )
         self.chosen = pmui.Select(label="Run", options=[], size="small", margin=(6, 8, 0, 8), width=220, visible=False)
         self.remove = pmui.Button(
             label="Remove this run",
@@ -116,9 +127,11 @@ class MeasuredRunsView(PageView):
         self.over = parts.stack(over_time_buttons(self.state, margin=(10, 0, 0, 8)), visible=False, sizing_mode=None)
         self.files.param.watch(self._bring, "value")
         self.chosen.param.watch(self._choose, "value")
+        self.own.param.watch(self._open_own, "value")
         tools = pn.FlexBox(
             self.files,
             self.example,
+            parts.stack(self.own, sizing_mode=None),
             parts.stack(self.chosen, sizing_mode=None),
             self.remove,
             self.over,
@@ -159,12 +172,17 @@ class MeasuredRunsView(PageView):
             margin=(4, 0, 0, 0),
             on_click=lambda _: open_on_drive(self.state),
         )
-        return parts.stack(self.where, self.begins, opened)
+        self.pin = pmui.Button(
+            label=PIN, variant="outlined", size="small", height=30, margin=(4, 8, 0, 0), on_click=self._turn_pin
+        )
+        return parts.stack(self.where, self.begins, pn.Row(self.pin, opened, margin=0, stylesheets=[parts.WRAP_CSS]))
 
     def _listen(self) -> None:
         model = self.model
         self.shows(self._show_files, (model, ["files", "shown", "reading", "refusal", "failure"]))
         self.shows(self._show, (model, ["measured"]), (self.state, ["over_time"]))
+        self.shows(self._show_own, (self.state.files, ["listing"]))
+        self.shows(self._name_pin, (model, ["measured"]), (self.state, ["pins"]))
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -189,15 +207,44 @@ class MeasuredRunsView(PageView):
         if not self._quiet and event.new:
             self.model.shown = event.new
 
+    def _open_own(self, event: Any) -> None:
+        """Show a run of My files; the list is then as before, so that the same one can be chosen again."""
+        file = self.state.files.named("runs", event.new or "")
+        if file is not None:
+            self.own.value = ""
+            self.state.files.open_run(file, self.state.show_run)
+
     def _remove(self, *_: Any) -> None:
         if self.chosen.value:
             self.model.remove(self.chosen.value)
+
+    def _turn_pin(self, *_: Any) -> None:
+        """Pin the measured run, or let go of it."""
+        pin = self._pin_of_run()
+        if pin is None:
+            self.state.pin_measured()
+        else:
+            self.state.unpin(pin)
+
+    def _pin_of_run(self) -> Pin | None:
+        measured = self.model.measured
+        run = None if measured is None else measured.shown.run
+        return None if run is None else self.state.pin_of(run.trajectory)
+
+    def _name_pin(self) -> None:
+        self.pin.label = PIN if self._pin_of_run() is None else UNPIN
 
     def _unfold(self, *_: Any) -> None:
         self._unfolded = not self._unfolded
         self._show()
 
     # ---- what is shown
+
+    def _show_own(self) -> None:
+        """Offer the runs of My files, where there are any."""
+        names = [file.name for file in self.state.files.listing.files if file.kind == "runs"]
+        self.own.options = {"choose": "", **{name: name for name in names}}
+        self.own.visible = bool(names)
 
     def _show_files(self) -> None:
         model = self.model

@@ -5,8 +5,9 @@ from importlib.resources import files as resources
 from typing import Any
 
 from railjoule.core import RailjouleError
+from railjoule.core.errors import ChoiceError
 from railjoule.core.scenario import format_scenario
-from railjoule.dashboard.pages.measured_runs.columns import RunFile, read_run_file
+from railjoule.dashboard.pages.measured_runs.columns import RunFile, read_run_file, run_sheets
 from railjoule.dashboard.pages.measured_runs.compute import (
     Measured,
     RunsRequest,
@@ -33,9 +34,18 @@ def example_files() -> tuple[RunFile, ...]:
     return tuple(read_run_file(name, (folder / name).read_bytes(), is_example=True) for name in EXAMPLE_FILES)
 
 
-def read_brought(brought: tuple[str, bytes]) -> RunFile:
-    """Return a file, given by its name and content, as a table; errors as `read_run_file`."""
-    return read_run_file(*brought)
+def read_brought(brought: tuple[str, bytes]) -> tuple[RunFile, ...]:
+    """Return a file, given by its name and content, as a table, or each sheet of a workbook as one.
+
+    Raises
+    ------
+    RailjouleError
+        As `read_run_file`; of a workbook with several sheets if none of them names a speed.
+    """
+    try:
+        return (read_run_file(*brought),)
+    except ChoiceError as several:
+        return run_sheets(*brought, several.names)
 
 
 class MeasuredRuns(PageWork[MeasuredRunsModel]):
@@ -67,9 +77,10 @@ class MeasuredRuns(PageWork[MeasuredRunsModel]):
             # a worker each: of what one is asked meanwhile, it does the last alone
             Worker(read_brought, self._add, self._refuse).ask((name, content))
 
-    def _add(self, file: RunFile) -> None:
+    def _add(self, files: tuple[RunFile, ...]) -> None:
         self.model.reading -= 1
-        self.model.add(file)
+        for file in files:
+            self.model.add(file)
 
     def _refuse(self, failure: RailjouleError) -> None:
         self.model.param.update(reading=self.model.reading - 1, refusal=str(failure))

@@ -11,8 +11,13 @@ from railjoule.dashboard.look.scripts import module
 from railjoule.dashboard.state.files import FilesModel
 
 LABELS = {"scenarios": "Scenario", "vehicles": "Vehicle", "lines": "Line", "runs": "Run"}
-OPENS = {"scenarios": "Open", "vehicles": "Use in the scenario:", "lines": "Use in the scenario:", "runs": ""}
-"""What pressing a name does; runs are for `railjoule check`."""
+OPENS = {
+    "scenarios": "Open",
+    "vehicles": "Use in the scenario:",
+    "lines": "Use in the scenario:",
+    "runs": "Open on Measured runs:",
+}
+"""What pressing a name does."""
 
 
 class FileList(Form):
@@ -23,6 +28,8 @@ class FileList(Form):
     files : FilesModel
     opened : callable
         Called when the scenario has changed by one of them.
+    show_run : callable
+        Called with the name and the content of a measured run that is to be shown.
     """
 
     files = param.List(default=[], doc="What each row shows.")
@@ -33,9 +40,9 @@ class FileList(Form):
 
     _esm = module("file_list")
 
-    def __init__(self, files: FilesModel, opened: Callable[[], None]) -> None:
+    def __init__(self, files: FilesModel, opened: Callable[[], None], show_run: Callable[[str, bytes], None]) -> None:
         super().__init__(self._take)
-        self.model, self._opened = files, opened
+        self.model, self._opened, self._show_run = files, opened, show_run
         self.show()
 
     def show(self) -> None:
@@ -73,6 +80,8 @@ class FileList(Form):
             return
         if what == "rename":
             files.rename(file, str(message.get("text", "")))
+        elif what == "open" and file.kind == "runs":
+            files.open_run(file, self._show_run)
         elif what == "open":
             files.open(file, self._opened)
         elif what == "duplicate":

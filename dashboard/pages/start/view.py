@@ -152,7 +152,7 @@ class StartView(PageView):
         self._shown: dict[str, Card] = {}
         self.browser.on_open(self._open)
         files = self.state.files
-        self.own = [FileList(files, self._turn_to_drive)] if files.there else []
+        self.own = [FileList(files, self._turn_to_drive, self.state.show_run)] if files.there else []
         self.bring = pmui.Button(
             label="Bring your own line",
             icon="upload_file",

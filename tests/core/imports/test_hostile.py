@@ -9,15 +9,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from railjoule.core.errors import ScenarioError
+from railjoule.core import RailjouleError
 from railjoule.core.imports import INTERVAL_KINDS, SourceFile, line_of, read_intervals
-from railjoule.core.imports.measured_run import read_run
-from railjoule.core.imports.osrd_run import read_osrd_line, read_osrd_run
+from railjoule.core.imports.osrd_run import read_osrd_line
 from railjoule.core.imports.osrd_stock import read_osrd_stock
 from railjoule.core.imports.railtoolkit import read_railtoolkit
 from railjoule.core.imports.ttobench import read_track, read_train
 from railjoule.core.imports.ttobench.journey import read_service
+from railjoule.core.measured import RecorderFormat, recorder_cells, recording_of, run_table
 
+GENERIC = RecorderFormat()
 FILES = Path(__file__).parent / "files"
 PIECES = [b"", b"\0", b"\xff", b"=1+1", b"-", b"1e999", b"NaN", b"null", b"{", b'"', b";", b",", b"\n"]
 PIECES += [b"9" * 400, b"[" * 100]
@@ -27,10 +28,17 @@ def read_line(kind, source):
     line_of(**{kind: read_intervals(source, kind)}).to_toml()
 
 
+def read_run(source, form=GENERIC):
+    """Read a recorder's file both as a table and as a recording."""
+    cells = recorder_cells(source, form)
+    run_table(cells, form)
+    recording_of(cells, form)
+
+
 READERS: dict[str, list[Callable[[SourceFile], object]]] = {
     "gradients.csv": [partial(read_line, kind) for kind in INTERVAL_KINDS],
     "sncf-curves.csv": [partial(read_line, "curves"), partial(read_line, "gradients")],
-    "osrd-run.csv": [read_osrd_line, read_osrd_run, read_run],
+    "osrd-run.csv": [read_osrd_line, read_run],
     "run.csv": [read_run],
     "osrd-stock.json": [read_osrd_stock],
     "ttobench-train.json": [read_train],
@@ -56,7 +64,7 @@ def refusal(read: Callable[[SourceFile], object], source: SourceFile) -> str | N
     """Return the sentence by which a file is refused, None where it is read."""
     try:
         read(source)
-    except ScenarioError as error:
+    except RailjouleError as error:
         return str(error)
     return None
 

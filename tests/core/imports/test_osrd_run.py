@@ -5,7 +5,7 @@ import pytest
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports import SourceFile
-from railjoule.core.imports.osrd_run import read_osrd_line, read_osrd_run
+from railjoule.core.imports.osrd_run import read_osrd_line
 
 FILE = SourceFile.read(Path(__file__).parent / "files" / "osrd-run.csv")
 
@@ -26,14 +26,6 @@ def test_limits_neutral_sections_and_stops_become_a_line():
         "osrd-run.csv: columns not used: ch, trackName, lineCode, electrificationMode, electrificationProfile.",
     )
     assert [finding.sentence for finding in line.findings] == ["osrd-run.csv: it tells no gradients: a level line."]
-
-
-def test_the_run_itself():
-    run = read_osrd_run(FILE)
-    assert run.time_s.tolist() == [0, 20, 45, 50, 70, 120, 150, 240.5]
-    assert run.position_m.tolist() == [0, 100, 500, 600, 1000, 1500, 1500, 2500]
-    assert run.speed_ms[1:3].tolist() == [10, 20]
-    assert "osrd-run.csv: 1 row at the time of the row above." in run.unused
 
 
 def test_rows_out_of_order_are_told():

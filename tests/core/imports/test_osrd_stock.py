@@ -4,12 +4,13 @@ from pathlib import Path
 
 import pytest
 
-from railjoule.core.errors import ScenarioError
+from railjoule.core.errors import ChoiceError, ScenarioError
 from railjoule.core.imports import SourceFile
 from railjoule.core.imports.osrd_stock import read_osrd_stock
 
 FILE = Path(__file__).parent / "files" / "osrd-stock.json"
 STOCK = json.loads(FILE.read_text())
+FILE_SOURCE = SourceFile.read(FILE)
 
 
 def stock_of(mode=None, **changes):
@@ -121,3 +122,24 @@ def test_a_step_of_the_effort_is_told():
 def test_bad_stocks_are_refused_in_one_sentence(changes, sentence):
     with pytest.raises(ScenarioError, match=f"^{re.escape(sentence)}$"):
         stock_of(**changes)
+
+
+@pytest.mark.parametrize("wrap", [lambda stocks: stocks, lambda stocks: {"count": 2, "results": stocks}])
+def test_one_of_a_list_is_chosen_by_its_name(wrap):
+    source = SourceFile("stock.json", json.dumps(wrap([STOCK, {**STOCK, "name": "heavy", "mass": 300_000}])).encode())
+    with pytest.raises(ChoiceError) as caught:
+        read_osrd_stock(source)
+    assert str(caught.value) == "stock.json: holds 2 trains, example, heavy; choose one train by its name."
+    heavy = read_osrd_stock(source, wanted="heavy")
+    assert heavy.vehicle.tare_kg == 300_000
+    assert "stock.json: trains: example." in heavy.unused
+    with pytest.raises(ScenarioError, match=r"there is no train with the name 'light', only example, heavy\.$"):
+        read_osrd_stock(source, wanted="light")
+    alone = SourceFile("stock.json", json.dumps(wrap([STOCK])).encode())
+    assert read_osrd_stock(alone).vehicle == read_osrd_stock(FILE_SOURCE).vehicle
+
+
+@pytest.mark.parametrize("text", ["[]", "[1]", '{"results": []}'])
+def test_a_list_of_something_else_is_refused(text):
+    with pytest.raises(ScenarioError, match=r"^stock.json: its list must hold rolling stocks, each a JSON object\.$"):
+        read_osrd_stock(SourceFile("stock.json", text.encode()))

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from railjoule.core.errors import ScenarioError
+from railjoule.core.errors import ChoiceError, ScenarioError
 from railjoule.core.imports import SourceFile
 from railjoule.core.imports.railtoolkit import read_railtoolkit
 
@@ -86,7 +86,7 @@ def test_a_vehicle_alone_is_a_train():
 
 
 def test_a_path_becomes_a_line():
-    line = read_railtoolkit(PATH)
+    line = read_railtoolkit(PATH, "example")
     assert line.document["line"] == {
         "name": "Example line",
         "sections": [
@@ -102,6 +102,21 @@ def test_a_path_becomes_a_line():
     assert told(line, "assumption") == [
         "railtoolkit-path.yaml: resistance is taken as the gradient: it may hold that of curves too."
     ]
+
+
+def test_one_of_several_is_chosen_by_its_id():
+    with pytest.raises(ChoiceError) as caught:
+        read_railtoolkit(PATH)
+    assert str(caught.value) == "railtoolkit-path.yaml: holds 2 paths, example, other; choose one path by its name."
+    assert (caught.value.what, caught.value.names) == ("path", ("example", "other"))
+    assert read_railtoolkit(PATH, "other").line.length_m == 500
+    two = (
+        "    formation: [unit, coach, coach]",
+        "    formation: [unit, coach, coach]\n  - {id: short, formation: [unit]}",
+    )
+    with pytest.raises(ChoiceError, match=r"holds 2 trains, example, short; choose one train by its name\.$"):
+        changed(TRAIN, two)
+    assert changed(TRAIN, two, wanted="short").vehicle.tare_kg == 80_000
 
 
 def test_sections_of_2024_tell_what_changes():
@@ -163,7 +178,7 @@ def test_another_version_is_told():
 )  # fmt: skip
 def test_bad_files_are_refused_in_one_sentence(source, changes, sentence):
     with pytest.raises(ScenarioError, match=f"^{re.escape(sentence)}$"):
-        changed(source, *changes)
+        changed(source, *changes, wanted="example")
 
 
 @pytest.mark.parametrize(

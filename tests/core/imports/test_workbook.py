@@ -6,12 +6,15 @@ from datetime import date
 
 import pytest
 
-from railjoule.core.errors import ScenarioError
+from railjoule.core.errors import ChoiceError, ScenarioError
 from railjoule.core.imports import SourceFile, read_intervals
 from railjoule.core.imports.cells import MOST_COLUMNS, read_cells
 from railjoule.core.imports.workbook import LARGEST_UNPACKED_BYTES, MOST_FILES
 
 openpyxl = pytest.importorskip("openpyxl")
+
+
+EMPTY = "Sheet2"
 
 
 def workbook(rows, sheets=("Line",)):
@@ -20,7 +23,10 @@ def workbook(rows, sheets=("Line",)):
     for row in rows:
         book.active.append(row)
     for name in sheets[1:]:
-        book.create_sheet(name)
+        sheet = book.create_sheet(name)
+        if name != EMPTY:
+            sheet.append(["from", "to"])
+            sheet.append([5, 6])
     stream = io.BytesIO()
     book.save(stream)
     return stream.getvalue()
@@ -43,16 +49,21 @@ def test_a_workbook_is_read_like_csv():
     ]
 
 
-def test_other_sheets_are_told():
-    content = workbook([["from", "to"], [0, 1]], ("Line", "Notes", "Old"))
-    assert read_cells(SourceFile("line.xlsx", content)).unused == ("line.xlsx: sheets not read: Notes, Old.",)
-
-
 def test_a_sheet_is_chosen_by_its_name():
-    content = workbook([["from", "to"], [0, 1]], ("Line", "Notes"))
+    source = SourceFile("line.xlsx", workbook([["from", "to"], [0, 1]], ("Line", "Notes", EMPTY)))
+    with pytest.raises(ChoiceError, match=r"^line.xlsx: holds 2 sheets, Line, Notes; choose one sheet by its name\.$"):
+        read_cells(source)
     with pytest.raises(ScenarioError, match=r"^line.xlsx: sheet = 'Lines' must be one of Line, Notes\.$"):
-        read_cells(SourceFile("line.xlsx", content), "Lines")
-    assert read_cells(SourceFile("line.xlsx", content), "Line").rows == ((2, (0.0, 1.0)),)
+        read_cells(source, "Lines")
+    table = read_cells(source, "Line")
+    assert table.rows == ((2, (0.0, 1.0)),)
+    assert (table.sheets, table.unused) == (("Line", "Notes"), ("line.xlsx: sheets not read: Notes.",))
+
+
+def test_the_only_sheet_that_holds_anything_needs_no_name():
+    source = SourceFile("line.xlsx", workbook([["from", "to"], [0, 1]], ("Line", EMPTY)))
+    assert read_cells(source).rows == ((2, (0.0, 1.0)),)
+    assert read_cells(source).unused == ()
 
 
 def test_a_formula_without_its_result_is_no_empty_cell():

@@ -1,9 +1,9 @@
 import numpy as np
+import openpyxl
 import pytest
 from recordings import as_csv, samples
 
-from railjoule.core import load_scenario, solve
-from railjoule.core.errors import RecordingError
+from railjoule.core import RailjouleError, load_scenario, solve
 from railjoule.core.measured import RecorderFormat, load_recording, read_recording
 from railjoule.core.measured.recording import between_samples, quantisation
 
@@ -21,7 +21,7 @@ def plain(count=20):
 
 
 def refusal(text, form=None):
-    with pytest.raises(RecordingError) as caught:
+    with pytest.raises(RailjouleError) as caught:
         read_recording(text, "run.csv", form or RecorderFormat())
     sentence = str(caught.value)
     assert sentence.endswith((".", "?"))
@@ -63,8 +63,8 @@ def test_reads_what_osrd_exports():
     recording = read_recording(text, "run.csv", RecorderFormat("osrd"))
     assert recording.speed_ms.max() == pytest.approx(5.0)
     assert recording.position_m[-1] == pytest.approx(100.0, abs=0.1)
-    assert any("1 rows repeat" in note for note in recording.notes)
-    assert any("lines above the header" in note for note in recording.notes)
+    assert any("1 row repeats" in note for note in recording.notes)
+    assert any("above the table" in note for note in recording.notes)
 
 
 def test_reads_the_columns_of_ztbus():
@@ -91,13 +91,12 @@ def test_columns_and_units_can_be_named():
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda rows: rows[5].__setitem__(1, -4), "speed_kmh = -4 km/h in line 7 must be at least 0"),
-        (lambda rows: rows[5].__setitem__(1, 900), "speed_kmh = 900 km/h in line 7 must be at most 600 km/h"),
-        (lambda rows: rows[5].__setitem__(0, 4), "time_s = 4 s in line 7 must be above that of the row before"),
+        (lambda rows: rows[5].__setitem__(1, -4), "speed_kmh = -4 km/h in row 7 must be at least 0"),
+        (lambda rows: rows[5].__setitem__(1, 900), "speed_kmh = 900 km/h in row 7 must be at most 600 km/h"),
+        (lambda rows: rows[5].__setitem__(0, 4), "time_s = 4 s in row 7 must be above that of the row before"),
         (lambda rows: rows[5].__setitem__(0, 2), "the rows are not in order, or the recorder was reset"),
-        (lambda rows: rows[5].__setitem__(1, "fast"), "line 7: speed_kmh = 'fast' must be a number"),
-        (lambda rows: rows[5].__setitem__(1, ""), "line 7: speed_kmh has no value"),
-        (lambda rows: rows[5].append(3), "line 7: 3 cells under 2 columns"),
+        (lambda rows: rows[5].__setitem__(1, "fast"), "row 7: speed_kmh = 'fast' must be a number"),
+        (lambda rows: rows[5].append(3), "row 7: 3 cells under 2 columns"),
         (lambda rows: rows[5].__setitem__(1, 60), "no train changes its speed by more than 5 m/s2"),
         (lambda rows: rows.__delitem__(slice(5, None)), "5 rows, but a run needs at least 10"),
         (lambda rows: [row.__setitem__(1, 0) for row in rows], "speed_kmh is 0 in all rows"),
@@ -134,8 +133,8 @@ def test_refuses_a_wrong_unit_that_the_position_shows():
 
 
 def test_refuses_positions_that_fall():
-    rows = [[second, speed, abs(second - 12)] for second, speed in plain()]
-    assert "position_m = 11 m in line 3 must be at least that of the row before, 12 m" in refusal(
+    rows = [[second, speed, abs(second - 8)] for second, speed in plain()]
+    assert "position_m = 7 m in row 3 must be at least that of the row before, 8 m" in refusal(
         table(rows, "time_s,speed_kmh,position_m")
     )
 
@@ -144,9 +143,10 @@ def test_refuses_positions_that_fall():
     ("form", "words"),
     [
         (RecorderFormat("excel"), "--preset excel: must be one of generic, osrd, ztbus"),
-        (RecorderFormat(units={"speed": "knots"}), "--unit speed=knots: must be one of km/h, m/s"),
+        (RecorderFormat(units={"speed": "knots"}), "--unit speed=knots: must be one of km/h, m/s, mph"),
         (RecorderFormat(columns={"mass": "m"}), "--column mass: must be one of time, position"),
         (RecorderFormat(columns={"speed": "v"}), "there is no column 'v' for speed"),
+        (RecorderFormat(columns={"speed": "speed_kmh [knots]"}), "the unit must be one of km/h, m/s, mph"),
         (RecorderFormat(longest_gap_s=-1), "--longest-gap -1: must be above 0"),
     ],
 )
@@ -159,7 +159,26 @@ def test_tells_gaps_that_it_fills():
     del rows[5:9]
     recording = read_recording(table(rows), "run.csv")
     assert recording.gap_s.max() == 5.0
-    assert any("Samples are missing: 5 s after line 6" in note for note in recording.notes)
+    assert any("Samples are missing: 5 s after row 6" in note for note in recording.notes)
+
+
+def test_rows_without_a_speed_are_left_out_and_told():
+    rows = plain()
+    rows[5][1] = ""
+    recording = read_recording(table(rows), "run.csv")
+    assert len(recording.time_s) == len(rows) - 1
+    assert "1 row without time_s or speed_kmh is left out: 7." in recording.notes
+
+
+def test_a_train_that_runs_in_falling_chainage():
+    # the distance that a speed of 1 km/h more each second, then less, covers
+    speeds = np.array([speed for _, speed in plain()]) / 3.6
+    places = 12_000 - np.append(0, np.cumsum(0.5 * (speeds[1:] + speeds[:-1])))
+    rows = [[*row, f"{place:.3f}"] for row, place in zip(plain(), places, strict=True)]
+    recording = read_recording(table(rows, "time_s,speed_kmh,position_m"), "run.csv")
+    assert recording.position_m[-1] == pytest.approx(recording.covered_m[-1], abs=0.01)
+    rows[12][2] = 12_000
+    assert "must be at most that of the row before" in refusal(table(rows, "time_s,speed_kmh,position_m"))
 
 
 def test_tells_empty_cells_of_an_effort():
@@ -201,3 +220,19 @@ def test_a_shipped_run_is_read_as_it_was_driven(tmp_path):
     assert recording.speed_step_ms == pytest.approx(0.1)
     assert recording.duration_s == pytest.approx(run.travel_time_s, abs=0.3)
     assert recording.covered_m[-1] == pytest.approx(run.distance_m, rel=1e-3)
+
+
+@pytest.mark.parametrize(("volts", "words"), [(-750, "must be at least 0"), (2e5, "must be at most 100 kV")])
+def test_refuses_voltages_that_no_line_has(volts, words):
+    rows = [[*row, 10, volts] for row in plain()]
+    assert words in refusal(table(rows, "time_s,speed_kmh,line_current_a,line_voltage_v"))
+
+
+def test_a_workbook_is_a_recording(tmp_path):
+    book = openpyxl.Workbook()
+    for row in [["Time (s)", "Speed (km/h)"], *plain()]:
+        book.active.append(row)
+    book.save(tmp_path / "run.xlsx")
+    found, expected = load_recording(tmp_path / "run.xlsx"), read_recording(table(plain()), "run.csv")
+    assert found.speed_ms.tolist() == expected.speed_ms.tolist()
+    assert found.time_s.tolist() == expected.time_s.tolist()

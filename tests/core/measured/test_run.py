@@ -147,3 +147,42 @@ def test_the_table_of_a_solution_is_a_recording(scenario, tmp_path):
     file = tmp_path / "run.csv"
     run.to_dataframe().to_csv(file, index=False)
     assert load_run(file, scenario).modelled.energy_kwh == pytest.approx(run.energy_kwh, rel=0.01)
+
+
+def test_a_line_current_gives_the_power(scenario):
+    """A recorder that has current and voltage tells the energy as one that has the power does."""
+    columns = samples(solve(scenario))
+    columns["line_voltage_v"] = np.full(len(columns["time_s"]), 750.0)
+    columns["line_current_a"] = 1e3 * columns["power_kw"] / 750.0
+    names = ("time_s", "speed_ms", "line_current_a", "line_voltage_v")
+    run = measured_run(read_recording(as_csv(columns, names), "run.csv"), scenario)
+    with_power = measured_run(read_recording(as_csv(columns, ("time_s", "speed_ms", "power_kw")), "run.csv"), scenario)
+    assert run.measured_kwh == pytest.approx(with_power.measured_kwh, rel=1e-6)
+    assert any(note.startswith("The electric power is the line current times the line voltage; ") for note in run.notes)
+    # without a voltage in the file that of the vehicle counts
+    at_750 = scenario.with_(**{"vehicle.line_voltage_v": 750})
+    alone = read_recording(as_csv(columns, names[:3]), "run.csv")
+    assert measured_run(alone, at_750).measured_kwh == pytest.approx(with_power.measured_kwh, rel=1e-6)
+    assert any("line_voltage_v of 750 V" in note for note in measured_run(alone, at_750).notes)
+    no_voltage = scenario.vehicle.model_copy(update={"line_voltage_v": None})
+    unknown = measured_run(alone, scenario.model_copy(update={"vehicle": no_voltage}))
+    assert unknown.measured_kwh is None
+    assert any("the vehicle no line_voltage_v" in note for note in unknown.notes)
+
+
+def test_a_current_is_not_used_beside_a_meter(scenario):
+    columns = samples(solve(scenario))
+    columns["line_current_a"] = np.full(len(columns["time_s"]), 1e4)
+    names = ("time_s", "speed_ms", "energy_kwh", "line_current_a")
+    run = measured_run(read_recording(as_csv(columns, names), "run.csv"), scenario)
+    assert run.measured_kwh == pytest.approx(solve(scenario).energy_kwh, rel=1e-3)
+    assert "The line current is not used: the file has the energy meter." in run.notes
+
+
+def test_refuses_a_voltage_in_another_unit(scenario):
+    columns = samples(solve(scenario))
+    columns |= {"line_voltage_v": np.full(len(columns["time_s"]), 0.75), "line_current_a": columns["power_kw"]}
+    names = ("time_s", "speed_ms", "line_current_a", "line_voltage_v")
+    recording = read_recording(as_csv(columns, names), "run.csv")
+    with pytest.raises(RecordingError, match=r"about 0.75 V, but the vehicle's line_voltage_v is 750 V; is it in"):
+        measured_run(recording, scenario.with_(**{"vehicle.line_voltage_v": 750}))

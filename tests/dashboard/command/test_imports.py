@@ -4,6 +4,7 @@ import re
 import tomllib
 from pathlib import Path
 
+import openpyxl
 import pytest
 from commands import complaint
 
@@ -189,11 +190,51 @@ def test_a_recorders_table_becomes_one_of_ours(capsys, tmp_path):
     target = tmp_path / "run.csv"
     out, told = imported(capsys, "run", FILES / "run.csv", "-o", target)
     assert out == f"{target}: 0.00 km in 3.0 s, 4 rows\n"
-    assert told == ["not used: run.csv: columns not used: Door."]
+    assert "run.csv: Columns not used: Door." in told
     imported(capsys, "run", FILES / "run.csv", "--columns", "speed=Velocity (km/h)", "-o", target)
-    assert refusal(capsys, "run", FILES / "run.csv", "--columns", "speed", "-o", target) == (
-        "--columns speed: must be KEY=COLUMN, such as speed=v [m/s]."
+    imported(
+        capsys,
+        "run",
+        FILES / "run.csv",
+        "--column",
+        "speed=velocity (km/h) [m/s]",
+        "--unit",
+        "time=clock",
+        "-o",
+        target,
     )
+    imported(capsys, "run", FILES / "run.csv", "--columns", "brake_pressure=Counter (kWh) [bar]", "-o", target)
+    assert target.read_text().splitlines()[0].endswith(",brake_pressure_kpa")
+    assert refusal(capsys, "run", FILES / "run.csv", "--columns", "speed", "-o", target) == (
+        "--column speed: must be QUANTITY=VALUE, such as speed=v [m/s]."
+    )
+
+
+def test_one_of_several_is_named(capsys, tmp_path):
+    book = openpyxl.Workbook()
+    book.active.title = "Monday"
+    for sheet in (book.active, book.create_sheet("Tuesday")):
+        for row in [["time_s", "speed_kmh"], [0, 0], [10, 36]]:
+            sheet.append(row)
+    book.save(tmp_path / "runs.xlsx")
+    target = tmp_path / "run.csv"
+    words = ("run", tmp_path / "runs.xlsx", "-o", target)
+    assert refusal(capsys, *words) == "runs.xlsx: holds 2 sheets, Monday, Tuesday; choose one sheet by its name."
+    assert refusal(capsys, *words, "--sheet", "Sunday") == (
+        "runs.xlsx: sheet = 'Sunday' must be one of Monday, Tuesday."
+    )
+    # the mean of 0 and 10 m/s for 10 s
+    assert imported(capsys, *words, "--sheet", "Tuesday")[0] == f"{target}: 0.05 km in 10.0 s, 2 rows\n"
+    path = ("railtoolkit", FILES / "railtoolkit-path.yaml", "-o", tmp_path / "line.toml")
+    assert refusal(capsys, *path) == (
+        "railtoolkit-path.yaml: holds 2 paths, example, other; choose one path by its name."
+    )
+    assert imported(capsys, *path, "--path", "other")[0].endswith(": 0.50 km, 1 section\n")
+    stocks = [{**json.loads((FILES / "osrd-stock.json").read_text()), "name": name} for name in ("light", "heavy")]
+    (tmp_path / "stocks.json").write_text(json.dumps(stocks))
+    stock = ("osrd-stock", tmp_path / "stocks.json", "-o", tmp_path / "vehicle.toml")
+    assert refusal(capsys, *stock) == "stocks.json: holds 2 trains, light, heavy; choose one train by its name."
+    assert imported(capsys, *stock, "--train", "heavy")[0].endswith("heavy, 200.0 t, 144.0 km/h\n")
 
 
 # ---- railtoolkit

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from railjoule.dashboard.keep.link import read_link, write_link
 from railjoule.dashboard.keep.pins import Pins
 from railjoule.dashboard.keep.snapshot import lay, snapshot_of
+from railjoule.dashboard.pages.measured_runs.work import MeasuredRuns, try_example
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 
@@ -61,3 +62,30 @@ def test_seven_pins_of_an_address_are_refused() -> None:
     lay(state, snapshot_of(state) | {"kept_pins": [{"preset": "liashenko-i"}] * 7})
     assert "At most 6 runs can be pinned" in state.notice
     assert state.kept_pins == []
+
+
+def test_a_measured_run_comes_back_by_a_step_back_and_is_in_no_link() -> None:
+    state = opened()
+    state.page = "Measured runs"
+    MeasuredRuns(state)
+    try_example(state)
+    measured = state.measured_runs.measured
+    assert measured is not None
+    assert measured.shown.run is not None
+    state.pin_measured()
+    state.pin_measured()
+    (pinned,) = state.pins
+    assert pinned.trajectory is measured.shown.run.trajectory
+    assert pinned.name == "Measured, 171.0 s, metro-0714.csv"
+    pin(state, vehicle__load_factor=0.2)
+    snapshot = snapshot_of(state)
+    state.unpin(pinned)
+    assert lay(state, snapshot) == ()
+    await_(lambda: len(state.pins) == 2)
+    assert state.pins[0].trajectory is pinned.trajectory
+    # another page does not have the file: the other pin is run again, and the loss is told
+    other = opened()
+    lay(other, read_link(write_link(snapshot, snapshot_of(Workbench()))).snapshot)
+    await_(lambda: len(other.pins) == 1)
+    assert other.pins[0].name == state.pins[1].name
+    assert other.notice.startswith("No longer pinned: Measured, 171.0 s, metro-0714.csv. ")

@@ -1,6 +1,9 @@
+from dataclasses import replace
+
 import pytest
 
 from railjoule.core.scenario import parse_scenario
+from railjoule.core.trajectory import MEASURED
 from railjoule.dashboard.keep.embedded import scenario_in_report
 from railjoule.dashboard.report.work import Reporting, file_name
 from railjoule.dashboard.state.workbench import Workbench
@@ -48,6 +51,20 @@ def test_a_failure_is_told_and_ends_with_the_next_report(reporting: Reporting) -
     model.param.trigger("wanted")
     assert model.failure is None
     assert model.text != ""
+
+
+def test_pinned_runs_stand_beside_the_first_one(reporting: Reporting) -> None:
+    state, model = reporting.state, reporting.model
+    model.param.trigger("wanted")
+    assert "Pinned runs" not in model.text
+    state.pin()
+    run = state.pins[0].trajectory
+    measured = replace(state.pins[0], name="Measured, <b>", trajectory=replace(run, strategy=MEASURED))
+    state.pins = (*state.pins, measured)
+    model.param.trigger("wanted")
+    assert model.text.count('<section id="pinned"') == 1
+    assert "Measured, &lt;b&gt;" in model.text
+    assert "A measured run has the speeds of a train\u2019s recorder" in model.text
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,11 @@
 """What files give together, and the scenarios that are made of it."""
 
+import io
 import json
+from dataclasses import replace
 from pathlib import Path
 
+import openpyxl
 import pytest
 
 from railjoule.core import Scenario, load_scenario
@@ -148,3 +151,46 @@ def test_of_two_files_of_a_kind_the_last_counts_and_it_is_told(base: Scenario) -
     reading = read(base, files)
     assert reading.unused[0] == "limits.csv: sncf-limits.csv is taken for it."
     assert [table.source for table in reading.tables] == ["sncf-limits.csv"]
+
+
+def test_one_of_several_trains_is_chosen_on_the_card() -> None:
+    stock = json.loads((FILES / "osrd-stock.json").read_text())
+    content = json.dumps([stock, {**stock, "name": "heavy", "mass": 300_000}]).encode()
+    file = Brought.of(1, SourceFile("stock.json", content))
+    card = card_of(file)
+    assert card.failure == "stock.json: holds 2 trains, example, heavy; choose one train by its name."
+    (choice,) = card.choices
+    assert (choice.label, choice.options) == ("Train", (("", "choose"), ("example", "example"), ("heavy", "heavy")))
+    card = card_of(file.told(choice.key, "heavy"))
+    assert card.failure == ""
+    assert card.result.vehicle.tare_kg == 300_000
+    # the choice stays, so that another one can be taken
+    assert card.choices == (replace(choice, value="heavy"),)
+    assert card_of(file.told(choice.key, "heavy").told(choice.key, "")).failure != ""
+
+
+def test_one_of_several_paths_is_chosen_on_the_card() -> None:
+    (file,) = brought("railtoolkit-path.yaml")
+    (choice,) = card_of(file).choices
+    assert (choice.label, [value for value, _ in choice.options]) == ("Path", ["", "example", "other"])
+    assert card_of(file.told(choice.key, "other")).result.line.length_m == 500
+
+
+def test_one_of_several_sheets_is_chosen_on_the_card() -> None:
+    book = openpyxl.Workbook()
+    book.active.title = "Gradients"
+    for row in [["from_m", "to_m", "gradient"], [0, 500, 2.5]]:
+        book.active.append(row)
+    sheet = book.create_sheet("Limits")
+    for row in [["from_m", "to_m", "limit"], [0, 500, 80]]:
+        sheet.append(row)
+    written = io.BytesIO()
+    book.save(written)
+    file = Brought.of(1, SourceFile("line.xlsx", written.getvalue()))
+    card = card_of(file)
+    assert card.failure == "line.xlsx: holds 2 sheets, Gradients, Limits; choose one sheet by its name."
+    (choice,) = card.choices
+    for name, kind in (("Limits", "limits"), ("Gradients", "gradients")):
+        card = card_of(file.told(choice.key, name))
+        assert (card.kind, card.failure) == (kind, "")
+        assert card.choices[0] == replace(choice, value=name)

@@ -4,16 +4,18 @@ import openpyxl
 import pytest
 
 from railjoule.core import RailjouleError, load_scenario
-from railjoule.core.measured import read_recording
+from railjoule.core.measured import recording_of
 from railjoule.dashboard.pages.measured_runs.columns import (
     MOST_ROWS,
     Meaning,
     RunFile,
     meanings_of,
     read_run_file,
+    run_sheets,
     settled,
-    table_text,
+    used_table,
 )
+from railjoule.dashboard.pages.measured_runs.work import read_brought
 from railjoule.dashboard.work.uploads import LARGEST_RUN_BYTES
 
 VEHICLE = load_scenario("metro-with-limit").vehicle
@@ -81,13 +83,23 @@ def test_a_unit_that_is_not_named_is_asked_for_where_two_fit() -> None:
     assert doubt.sentence == "At most 18.0 in a train of 212 t, and no unit is named: is it km/h or m/s?"
 
 
+def test_a_line_current_and_its_voltage_are_known() -> None:
+    head = "Temps (s);Vitesse (km/h);Courant ligne (A);Tension cat\u00e9naire (V)"
+    table = file(head, *(f"{k};{3 * k};{100 * k};750" for k in range(12)))
+    found, doubts, _ = settled(table, {}, VEHICLE)
+    assert doubts == ()
+    assert found["Courant ligne (A)"] == Meaning("line_current", "A")
+    assert found["Tension cat\u00e9naire (V)"] == Meaning("line_voltage", "V")
+
+
 def test_rows_stand_in_the_lines_that_they_have_in_the_file() -> None:
     table = file("made by a program", "time_s;x;speed_kmh", *(f"{k};0;{'' if k == 5 else k}" for k in range(15)))
-    text, form, left_out = table_text(table, {"time_s": Meaning("time", "s"), "speed_kmh": Meaning("speed", "km/h")})
-    lines = text.splitlines()
-    assert (lines[0], lines[1], lines[2], lines[7]) == ("time_s;speed_kmh", "", "0;0", "")
-    assert left_out == ("1 rows without time_s or speed_kmh are left out.",)
-    assert len(read_recording(text, "run.csv", form).time_s) == 14
+    cells, form = used_table(table, {"time_s": Meaning("time", "s"), "speed_kmh": Meaning("speed", "km/h")})
+    assert cells.header == ("time_s", "speed_kmh")
+    assert cells.rows[0] == (3, ("0", "0"))
+    recording = recording_of(cells, form)
+    assert len(recording.time_s) == 14
+    assert "1 row without time_s or speed_kmh is left out: 8." in recording.notes
 
 
 def test_a_workbook_is_read_as_a_table() -> None:
@@ -97,9 +109,29 @@ def test_a_workbook_is_read_as_a_table() -> None:
     written = io.BytesIO()
     book.save(written)
     table = read_run_file("run.xlsx", written.getvalue())
-    text, form, _ = table_text(table, meanings_of(table, {}))
     # 3.6 km/h more each half second
-    assert read_recording(text, "run.xlsx", form).speed_ms[-1] == pytest.approx(11.0)
+    assert recording_of(*used_table(table, meanings_of(table, {}))).speed_ms[-1] == pytest.approx(11.0)
+
+
+def test_each_sheet_of_a_workbook_that_names_a_speed_is_a_run() -> None:
+    book = openpyxl.Workbook()
+    book.active.title = "About"
+    book.active.append(["made by", "a program"])
+    for name in ("Monday", "Tuesday"):
+        sheet = book.create_sheet(name)
+        for row in [["time_s", "speed_kmh"], *([k, 3.6 * k] for k in range(12))]:
+            sheet.append(row)
+    written = io.BytesIO()
+    book.save(written)
+    found = read_brought(("runs.xlsx", written.getvalue()))
+    assert [file.name for file in found] == ["runs.xlsx, Monday", "runs.xlsx, Tuesday"]
+    cells, form = used_table(found[1], meanings_of(found[1], {}))
+    assert recording_of(cells, form).name == "runs.xlsx, Tuesday"
+    assert "Sheets that are not read as a run: About." in recording_of(cells, form).notes
+    with pytest.raises(
+        RailjouleError, match=r"^runs.xlsx: none of its sheets is a table with a speed; it has About\.$"
+    ):
+        run_sheets("runs.xlsx", written.getvalue(), ("About",))
 
 
 @pytest.mark.parametrize(

@@ -26,17 +26,17 @@ def files(tmp_path: Path) -> Iterator[FilesModel]:
 
 
 def test_rows_say_what_a_press_does(files: FilesModel) -> None:
-    shown = FileList(files, lambda: None)
+    shown = FileList(files, lambda: None, lambda *_: None)
     assert [(row["name"], row["label"], row["opens"]) for row in shown.files] == [
         ("my-run", "Scenario", "Open"),
-        ("monday", "Run", ""),
+        ("monday", "Run", "Open on Measured runs:"),
     ]
     assert shown.folder == str(files.workspace.folder)  # type: ignore[union-attr]
 
 
 def test_what_is_open_and_what_has_changed_are_marked(files: FilesModel) -> None:
     opened: list[bool] = []
-    shown = FileList(files, lambda: opened.append(True))
+    shown = FileList(files, lambda: opened.append(True), lambda *_: None)
     shown._take({"what": "open", "kind": "scenarios", "name": "my-run"})
     shown.show()
     assert opened == [True]
@@ -46,6 +46,16 @@ def test_what_is_open_and_what_has_changed_are_marked(files: FilesModel) -> None
     files.look()
     shown.show()
     assert shown.files[0]["stale"]
+
+
+def test_a_run_is_handed_to_measured_runs(files: FilesModel) -> None:
+    shown: list[tuple[str, bytes]] = []
+    before = files.scenario.scenario()
+    FileList(files, lambda: None, lambda *run: shown.append(run))._take(
+        {"what": "open", "kind": "runs", "name": "monday"}
+    )
+    assert shown == [("monday.csv", b"time_s,speed_kmh\n0,0\n1,3.6\n")]
+    assert files.scenario.scenario() == before
 
 
 @pytest.mark.parametrize(
@@ -67,7 +77,7 @@ def test_what_is_open_and_what_has_changed_are_marked(files: FilesModel) -> None
 )
 def test_a_message_that_asks_for_nothing_there_changes_nothing(files: FilesModel, message: dict[str, object]) -> None:
     before, scenario = files.listing, files.scenario.scenario()
-    FileList(files, lambda: None)._hear(message)
+    FileList(files, lambda: None, lambda *_: None)._hear(message)
     files.look()
     assert files.listing == before
     assert files.scenario.scenario() == scenario
