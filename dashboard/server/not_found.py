@@ -2,6 +2,7 @@
 
 from tornado.web import RequestHandler
 
+from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.server.refusal import told
 
 NOT_FOUND = 404
@@ -20,4 +21,4 @@ class NotFoundHandler(RequestHandler):
         path = self.request.path
         shown = path if len(path) <= LONGEST_SHOWN else path[: LONGEST_SHOWN - 3] + "..."
         front = "../" * (path.count("/") - 1) or "./"
-        self.finish(told(TITLE.format(shown), TEXT.format(front)))
+        self.finish(told(TITLE.format(shown), markup(TEXT, front)))

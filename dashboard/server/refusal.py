@@ -1,9 +1,8 @@
 """An answer in words where a request cannot be served."""
 
-import html
-
 from tornado.web import RequestHandler
 
+from railjoule.dashboard.look.markup import Markup, markup
 from railjoule.dashboard.look.theme import bare_css
 
 PAGE = """<!DOCTYPE html>
@@ -16,9 +15,9 @@ a {{ color: var(--rj-accent); }}
 """
 
 
-def told(title: str, text: str) -> str:
-    """Return a page with a title, which is escaped, and some HTML below it."""
-    return PAGE.format(css=bare_css(), title=html.escape(title), text=text)
+def told(title: str, text: Markup) -> Markup:
+    """Return a page with a title and what stands below it."""
+    return markup(PAGE, css=Markup(bare_css()), title=title, text=text)
 
 
 class RefusalHandler(RequestHandler):
@@ -35,4 +34,4 @@ class RefusalHandler(RequestHandler):
         if self._again_after_s:
             self.set_header("Retry-After", str(self._again_after_s))
             self.set_header("Refresh", str(self._again_after_s))
-        self.finish(told(self._title, f"<p>{html.escape(self._advice)}</p>"))
+        self.finish(told(self._title, markup("<p>{}</p>", self._advice)))

@@ -490,7 +490,7 @@ def test_a_full_disk_is_one_sentence_and_leaves_the_old_file(capsys, tmp_path, m
     # the last step of each writer, whichever library wrote
     monkeypatch.setattr("os.fsync", full_disk)
     told = complaint(capsys, *(word.format(tmp_path / "old") for word in words))
-    assert told == f"{target} cannot be written: No space left on device."
+    assert told.endswith("cannot be written: No space left on device.")
     assert target.read_text() == "old"
     assert list(tmp_path.iterdir()) == [target]
 

@@ -90,7 +90,7 @@ def test_bad_words_are_one_sentence(capsys, tmp_path, asked, words):
     [
         ("out.nc", "must end in .csv or .parquet"),
         ("nowhere/out.csv", "cannot be written: No such file or directory"),
-        ("folder.csv", "cannot be written: it is a folder"),
+        ("folder.csv", "cannot be written: Is a directory"),
     ],
 )
 def test_what_cannot_be_written_is_told_before_anything_is_solved(capsys, tmp_path, monkeypatch, name, words):
