@@ -10,6 +10,10 @@ export function render({model}) {
   head.setAttribute("aria-hidden", "true");
   root.append(head);
   const rows = new Map();
+  // What was pressed and the server has not confirmed: numbers of the run before may come first, and would undo it.
+  const asked = {chosen: null, ticks: new Map()};
+  const is_chosen = (name) => name === (asked.chosen ?? model.chosen);
+  const is_ticked = (name) => asked.ticks.get(name) ?? model.ticked.includes(name);
   for (const {name, label, swatch, info} of model.strategies) {
     const radio = make("input", {class: "one", type: "radio", name: "this-run", value: name, "aria-label": label});
     const box = make("input", {class: "draw", type: "checkbox", "aria-label": `Draw ${label}`});
@@ -18,10 +22,12 @@ export function render({model}) {
     const row = make("div", {class: "strategy"},
       radio, box, filled("span", "swatch", swatch), text, filled("span", "", info), result);
     radio.addEventListener("change", () => {
+      asked.chosen = name;
       model.send_msg({kind: "choose", name});
-      for (const [other, one] of rows) { mark(one, other === name, one.box.dataset.ticked === "1"); }
+      for (const [other, one] of rows) { mark(one, is_chosen(other), is_ticked(other)); }
     });
     box.addEventListener("change", () => {
+      asked.ticks.set(name, box.checked);
       box.dataset.ticked = +box.checked;
       model.send_msg({kind: "draw", name, on: box.checked});
     });
@@ -38,7 +44,7 @@ export function render({model}) {
   };
   const show = () => {
     for (const [name, one] of rows) {
-      mark(one, name === model.chosen, model.ticked.includes(name));
+      mark(one, is_chosen(name), is_ticked(name));
       const html = model.results[name] ?? model.unknown;
       if (one.html !== html) { one.html = html; one.result.innerHTML = html; }
       one.row.classList.toggle("refused", html.includes("reason"));
@@ -46,6 +52,10 @@ export function render({model}) {
     head.querySelector(".above").textContent = model.above;
     root.classList.toggle("undrawn", !model.draws);
   };
+  model.on("chosen", () => { asked.chosen = null; });
+  model.on("ticked", () => {
+    for (const [name, on] of asked.ticks) { if (model.ticked.includes(name) === on) { asked.ticks.delete(name); } }
+  });
   for (const name of ["chosen", "ticked", "results", "unknown", "above", "draws"]) { model.on(name, show); }
   show();
   return root;

@@ -256,6 +256,40 @@ def test_what_can_be_taken_is_drawn_whatever_comes_first_of_it(page: Page) -> No
     assert run(page, "import_take", code, {**start, "status": "Computing.", "refusal": ""}) == ["Take this line"]
 
 
+def test_a_tick_outlasts_numbers_that_come_before_its_answer(page: Page) -> None:
+    code = f"""
+      {MODEL}
+      const host = shown(m.render({{model}}));
+      const [one, two] = host.querySelectorAll("input.draw"), [first, second] = host.querySelectorAll("input.one");
+      const state = () => [one.checked, two.checked, first.checked, second.checked];
+      const seen = [];
+      two.click();
+      change({{results: {{a: "1", b: "2"}}}});
+      seen.push(state());
+      change({{ticked: ["b"]}});
+      change({{ticked: []}});
+      seen.push(state());
+      second.click();
+      change({{results: {{a: "3", b: "4"}}}});
+      seen.push(state());
+      change({{chosen: "b"}});
+      change({{chosen: "a"}});
+      seen.push(state());
+      return [told.map((message) => message.kind), ...seen];
+    """
+    names = [{"name": name, "label": name, "swatch": "", "info": ""} for name in "ab"]
+    start = {"strategies": names, "chosen": "a", "ticked": [], "results": {}, "above": "", "unknown": "", "draws": True}
+    assert run(page, "strategies", code, start) == [
+        ["draw", "choose"],
+        [True, True, True, False],
+        # confirmed, and then undone by the server
+        [True, False, True, False],
+        # the one that all numbers speak of is always drawn
+        [False, True, False, True],
+        [True, False, True, False],
+    ]
+
+
 FIELD = f"""
   {MODEL}
   const host = shown(m.render({{model}}));
