@@ -27,7 +27,7 @@ from railjoule.dashboard.server.guard import guard
 from railjoule.dashboard.server.health import HealthHandler, ReadyHandler
 from railjoule.dashboard.server.logs import keep_quiet, write_down
 from railjoule.dashboard.server.not_found import NotFoundHandler
-from railjoule.dashboard.server.options import ServerOptions
+from railjoule.dashboard.server.options import NO_LOGIN, ServerOptions
 from railjoule.dashboard.shell.share import Share
 from railjoule.dashboard.shell.shell import Page, Shell
 from railjoule.dashboard.state.files import serve_files_of
@@ -47,10 +47,6 @@ OPENS_WITHIN_MS = 2000
 """A page that has no connection by then is taken for one that was left."""
 LOOK_MS = 3000
 """How often a page looks at My files, which others may change too."""
-NO_LOGIN = (
-    "There is no login: everybody who reaches this port can use the pages, and change the files of a workspace. Let a "
-    "proxy that asks for a password stand before it, or serve at 127.0.0.1."
-)
 EXTRA_PATTERNS = [("/health", HealthHandler), ("/ready", ReadyHandler)]
 VIEWS: dict[str, type[PageView]] = {name: view_of(name) for name in PAGES}
 """What draws each page."""
@@ -185,7 +181,7 @@ def serve(options: ServerOptions, workspace: Workspace | None = None) -> None:
     serve_files_of(workspace)
     write_down()
     if not options.is_for_this_machine:
-        LOG.warning(NO_LOGIN)
+        LOG.warning("%s A proxy that asks for a password belongs before it.", NO_LOGIN)
     warmup().start()
     run(make_server(options))
 

@@ -82,12 +82,6 @@ class Recording:
         return np.append(0.0, np.cumsum(0.5 * (self.speed_ms[1:] + self.speed_ms[:-1]) * np.diff(self.time_s)))
 
     @property
-    def is_moving(self) -> BoolArray:
-        """Between which samples the train moves; shape (n - 1,)."""
-        moving: BoolArray = (self.speed_ms[1:] > 0) | (self.speed_ms[:-1] > 0)
-        return moving
-
-    @property
     def duration_s(self) -> float:
         """Time of the run [s]."""
         return float(self.time_s[-1])

@@ -11,6 +11,7 @@ from railjoule.dashboard.server.options import (
     DEFAULT_ADDRESS,
     DEFAULT_PORT,
     HIGHEST_PORT,
+    NO_LOGIN,
     PREFIX,
     ServerOptions,
     origin_parts,
@@ -192,7 +193,7 @@ def build_parser() -> argparse.ArgumentParser:
     report.add_argument("-o", "--output", metavar="OUT", required=True, help="OUT.html")
     report.add_argument("--strategy", metavar="S", help="whose results come first; default: the scenario's own")
     _add_proof(report)
-    report.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help="as in solve")
+    _add_changes(report)
     _add_workspace(report)
     benchmark = _add(commands, "benchmark", "time every strategy on the shipped scenarios, and CasADi with IPOPT")
     _add_json(benchmark)
@@ -226,10 +227,7 @@ def _add_serve(commands: "argparse._SubParsersAction[_Parser]") -> None:
     serve.add_argument(
         "--sessions", type=_sessions, metavar="N", help="pages open at a time at most; default: any number"
     )
-    serve.epilog = (
-        "There is no login: whoever reaches the port can use the pages, and change the files of a workspace. With the "
-        "default address that is this machine's users alone."
-    )
+    serve.epilog = f"{NO_LOGIN} With the default address that is this machine's users alone."
     _add_workspace(
         serve,
         "the folder that My files shows, which every visitor may change; default: a folder of your own, but none where "
@@ -247,7 +245,7 @@ def _add_study(commands: "argparse._SubParsersAction[_Parser]") -> None:
         study.add_argument("file", metavar="FILE", help="a scenario file, or the name of a scenario")
         formats = "OUT.csv or OUT.parquet" if name == "sweep" else "OUT.nc (netCDF), OUT.csv or OUT.parquet"
         _add_output(study, formats)
-        study.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help="as in solve")
+        _add_changes(study)
         _add_workspace(study)
         if name == "sweep":
             _add_sweep(study)
@@ -289,7 +287,7 @@ def _add_check(commands: "argparse._SubParsersAction[_Parser]") -> None:
     check.add_argument("run", metavar="RUN", help="RUN.csv or RUN.parquet, as solve --trajectory writes it, or a name")
     check.add_argument("--scenario", metavar="S", help="its scenario file, report, or the name of a scenario")
     check.add_argument("--strategy", metavar="S", help="the strategy that made the run; default: the scenario's own")
-    check.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help="as in solve")
+    _add_changes(check)
     _add_json(check)
     _add_workspace(check)
 
@@ -333,7 +331,7 @@ def _add_export(commands: "argparse._SubParsersAction[_Parser]") -> None:
     ttobench.add_argument("file", metavar="FILE", help="a scenario file, or the name of a shipped scenario")
     ttobench.add_argument("--track", metavar="OUT", help="OUT.json for the line")
     ttobench.add_argument("--train", metavar="OUT", help="OUT.json for the vehicle with its load")
-    ttobench.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help="as in solve")
+    _add_changes(ttobench)
 
 
 def _add_ttobench(formats: "argparse._SubParsersAction[_Parser]") -> None:
@@ -453,23 +451,20 @@ def _add_recording(parser: _Parser) -> None:
     parser.add_argument("--from", dest="start_m", metavar="M", help="where on the line the run begins; default: found")
     _add_columns(parser)
     parser.add_argument("--longest-gap", metavar="S", help="for how long samples may be missing; default: 10 s")
-    parser.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help="as in solve")
+    _add_changes(parser)
 
 
 def _add_scenario_command(commands: "argparse._SubParsersAction[_Parser]", name: str, words: str) -> _Parser:
     parser = _add(commands, name, words)
     parser.add_argument("file", metavar="FILE", nargs="?", help="a scenario file, or the name of a scenario")
-    parser.add_argument(
-        "--set",
-        metavar="KEY=VALUE",
-        nargs="+",
-        action="extend",
-        default=[],
-        help="change a key of the file, such as vehicle.load_factor=0.3; the value is TOML",
-    )
+    _add_changes(parser, "change a key of the file, such as vehicle.load_factor=0.3; the value is TOML")
     _add_json(parser)
     _add_workspace(parser)
     return parser
+
+
+def _add_changes(parser: argparse.ArgumentParser, words: str = "as in solve") -> None:
+    parser.add_argument("--set", metavar="KEY=VALUE", nargs="+", action="extend", default=[], help=words)
 
 
 def _add(commands: "argparse._SubParsersAction[_Parser]", name: str, words: str) -> _Parser:

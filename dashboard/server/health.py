@@ -6,40 +6,44 @@ from railjoule.core import load_scenario, solve
 from railjoule.dashboard.work.kernel_parts import SCENARIOS
 from railjoule.dashboard.work.warmup import warmup
 
-OK, SERVICE_UNAVAILABLE = 200, 503
+SERVICE_UNAVAILABLE = 503
 
 
-# Panel's own check of liveness only makes a document: it says yes where every page fails
-class HealthHandler(RequestHandler):
-    """Answers 200 with the energy of a small run, 503 while kernels compile: the first page may be open by then."""
+class Watched(RequestHandler):
+    """Answers programs that watch the server, which may ask for the status alone: 503 while kernels compile."""
 
     def _log(self) -> None:
         """Write down nothing: who waits for the server asks often."""
 
+    def is_ready(self) -> bool:
+        """Return whether the kernels are there, and answer that they are not."""
+        if warmup().ready.is_set():
+            return True
+        self.set_status(SERVICE_UNAVAILABLE)
+        self.finish({"status": "starting"})
+        return False
+
+    def head(self) -> None:
+        """Answer as `get`; tornado sends no body."""
+        self.get()
+
+
+# Panel's own check of liveness only makes a document: it says yes where every page fails
+class HealthHandler(Watched):
+    """Answers 200 with the energy of a small run; the first page may be open before."""
+
     def get(self) -> None:
         """Solve, once the kernels are ready."""
-        if not warmup().ready.is_set():
-            self.set_status(SERVICE_UNAVAILABLE)
-            self.finish({"status": "starting"})
-            return
-        # one that the warm-up runs too, so that nothing is left to compile
-        run = solve(load_scenario(SCENARIOS[0]))
-        self.finish({"status": "ok", "energy_kwh": run.energy_kwh, "solve_time_s": run.solve_time_s})
-
-    # who watches a server may ask for the status alone
-    head = get
+        if self.is_ready():
+            # one that the warm-up runs too, so that nothing is left to compile
+            run = solve(load_scenario(SCENARIOS[0]))
+            self.finish({"status": "ok", "energy_kwh": run.energy_kwh, "solve_time_s": run.solve_time_s})
 
 
-class ReadyHandler(RequestHandler):
-    """Answers 200 once a page can compute, 503 before: where a proxy may send visitors."""
-
-    def _log(self) -> None:
-        """Write down nothing."""
+class ReadyHandler(Watched):
+    """Answers 200 once pages can compute: where a proxy may send visitors."""
 
     def get(self) -> None:
-        """Tell whether the kernels are there, without solving anything."""
-        is_ready = warmup().ready.is_set()
-        self.set_status(OK if is_ready else SERVICE_UNAVAILABLE)
-        self.finish({"status": "ready" if is_ready else "starting"})
-
-    head = get
+        """Tell that the kernels are there, without solving anything."""
+        if self.is_ready():
+            self.finish({"status": "ready"})

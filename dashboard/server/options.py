@@ -7,6 +7,7 @@ import socket
 from dataclasses import dataclass
 
 DEFAULT_ADDRESS, DEFAULT_PORT = "127.0.0.1", 5006
+NO_LOGIN = "There is no login: whoever reaches the port can use the pages, and change the files of a workspace."
 LOCAL_NAMES = ("localhost", "127.0.0.1")
 """A browser on this machine may call the server by any of them."""
 ORIGIN = re.compile(r"(?P<name>[A-Za-z0-9](?:[A-Za-z0-9.-]*[A-Za-z0-9])?)(?::(?P<port>\d{1,5}))?")

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from typing import Any, cast
 
-import panel_material_ui as pmui
 import param
 
 from railjoule.core import RailjouleError, Scenario
@@ -14,6 +13,7 @@ from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.look.scripts import module
 from railjoule.dashboard.parts.html import stack
 from railjoule.dashboard.shell.share import file_name
+from railjoule.dashboard.shell.text_button import text_button
 from railjoule.dashboard.state.recipes import recipe_of
 from railjoule.dashboard.state.workbench import Workbench
 
@@ -45,14 +45,7 @@ class SavingOwn:
 
     def __init__(self, state: Workbench, keeping: Keeping) -> None:
         self.state, self.keeping, self.files = state, keeping, state.files
-        self.button = pmui.Button(
-            label="Save to My files",
-            icon="save",
-            variant="text",
-            size="small",
-            margin=(2, 8, 0, 8),
-            on_click=self._turn,
-        )
+        self.button = text_button("Save to My files", "save", self._turn)
         self.form = SaveForm(self._hear)
         # hidden in a stack: the form's own sheet would show it
         self.place = stack(self.form, visible=False)

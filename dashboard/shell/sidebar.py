@@ -28,6 +28,7 @@ from railjoule.dashboard.parts.number_field import LoadField, NumberField
 from railjoule.dashboard.shell.changes import Changes
 from railjoule.dashboard.shell.saving_own import SavingOwn
 from railjoule.dashboard.shell.strategies import StrategyList
+from railjoule.dashboard.shell.text_button import STYLE, text_button
 from railjoule.dashboard.state.files import OWN
 from railjoule.dashboard.state.workbench import Workbench
 
@@ -59,25 +60,13 @@ class Sidebar:
             # the larger of both kinds: which one a file is, only its text tells
             max_file_size=LARGEST_REPORT_BYTES,
             icon="folder_open",
-            variant="text",
-            size="small",
-            margin=(2, 8, 0, 8),
+            **STYLE,
         )
-        self.bring = pmui.Button(
-            label="Import a line or train",
-            icon="upload_file",
-            variant="text",
-            size="small",
-            margin=(2, 8, 0, 8),
-            on_click=lambda _: setattr(state, "page", "Import"),
-        )
-        self.edit = pmui.Button(
-            label="Edit scenario",
-            icon="tune",
-            variant="text",
-            size="small",
-            margin=(2, 8, 0, 8),
-            on_click=lambda _: setattr(state.editor, "open", not state.editor.open),
+        self.bring = text_button("Import a line or train", "upload_file", lambda _: setattr(state, "page", "Import"))
+        self.edit = text_button(
+            "Edit scenario",
+            "tune",
+            lambda _: setattr(state.editor, "open", not state.editor.open),
             # by this class the browser's half opens the drawer at a press, before the server answers
             css_classes=["rj-edit"],
         )

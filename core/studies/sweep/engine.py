@@ -31,28 +31,9 @@ from railjoule.core.trajectory import LATE_SHARE, Trajectory, durations_s, energ
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 
 # What is not named here makes a part of a course anew, so that a field that is forgotten costs time alone
-SPARES_LINE = (
+SPARES_BOTH = (
     "timetable.",
     "disturbance.",
-    "line.head_wind_kmh",
-    "vehicle.drive.",
-    "vehicle.resistance.",
-    "vehicle.traction.",
-    "vehicle.braking.",
-    "vehicle.tare_kg",
-    "vehicle.capacity_passengers",
-    "vehicle.passenger_mass_kg",
-    "vehicle.load_factor",
-    "vehicle.rotating_mass_factor",
-    "vehicle.inertial_mass_kg",
-    "vehicle.auxiliary_power_kw",
-)
-"""Fields, or beginnings of their paths, that leave a line over its mesh as it is."""
-SPARES_LIMITS = (
-    "timetable.",
-    "disturbance.",
-    "line.",
-    "solver.",
     "vehicle.drive.recuperation_factor",
     "vehicle.resistance.",
     "vehicle.tare_kg",
@@ -62,10 +43,12 @@ SPARES_LIMITS = (
     "vehicle.rotating_mass_factor",
     "vehicle.inertial_mass_kg",
     "vehicle.auxiliary_power_kw",
-    "vehicle.length_m",
-    "vehicle.car_count",
 )
-"""The same for the limits of effort, and for the drive but for its recuperation factor."""
+"""Fields, or beginnings of their paths, that leave a line over its mesh and the limits of effort as they are."""
+SPARES_LINE = (*SPARES_BOTH, "line.head_wind_kmh", "vehicle.drive.", "vehicle.traction.", "vehicle.braking.")
+"""Those that leave the line."""
+SPARES_LIMITS = (*SPARES_BOTH, "line.", "solver.", "vehicle.length_m", "vehicle.car_count")
+"""Those that leave the limits of effort, and the drive but for its recuperation factor."""
 
 
 @dataclass(frozen=True, eq=False)
