@@ -190,7 +190,7 @@ def _told(study: Study, column: str, terms: IntArray, moments: FloatArray, rows:
 
 def _shares(terms: IntArray, moments: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return first order and total indices by the field, and the coefficients, of products summed over rows."""
-    coefficients = np.linalg.lstsq(moments[:-1, :-1], moments[:-1, -1], rcond=None)[0]
+    coefficients: FloatArray = np.linalg.lstsq(moments[:-1, :-1], moments[:-1, -1], rcond=None)[0]
     squares = coefficients**2
     # the first term is the mean
     squares[0] = 0.0

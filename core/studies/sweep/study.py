@@ -126,8 +126,7 @@ def study_of(
     fields = fields_of(scenario, over)
     # a sampler that can be made is what shows that method, seed and number of rows are right
     Sampler(fields, sample, method, seed)
-    own_method, own_name = cast("Method", method), cast("StrategyName", name)
-    return Study(scenario, fields, sample, own_method, seed, own_name, tuple(columns), current_budget())
+    return Study(scenario, fields, sample, cast("Method", method), seed, name, tuple(columns), current_budget())
 
 
 def study_from(identity: Mapping[str, Any]) -> Study:

@@ -125,9 +125,9 @@ def test_a_lost_worker_ends_a_study_in_a_sentence_and_what_is_done_stays():
             os.kill(next(iter(pool._processes)), signal.SIGKILL)
 
     # one process: with a second one `_processes` may hold one that has not begun
-    with ProcessPoolExecutor(1, get_context("spawn")) as pool:
-        with pytest.raises(InterruptedStudyError, match="the workers of the study are gone; [0-9,]+ of 20,000 rows"):
-            run_study(results, executor=pool, workers=lambda: 1, progress=kill)
+    words = r"the workers of the study are gone; [0-9,]+ of 20,000 rows"
+    with ProcessPoolExecutor(1, get_context("spawn")) as pool, pytest.raises(InterruptedStudyError, match=words):
+        run_study(results, executor=pool, workers=lambda: 1, progress=kill)
     done = table_of(results)
     assert 0 < done.rows < study.sample
     assert np.array_equal(done.columns["energy_kwh"], sweep(hills(), LOADS, done.rows).columns["energy_kwh"])
