@@ -58,7 +58,7 @@ USED_BY_PANEL = {"plotly"}
 """Packages that panel imports for us, but does not bring."""
 EXTRAS = PROJECT["project"]["optional-dependencies"]
 COMMAND_LINE = (
-    *(f"command/{name}" for name in ("cli", "commands", "imports", "summary", "terminal")),
+    *(f"command/{name}" for name in ("cli", "commands", "imports", "measurements", "summary", "sweeps", "terminal")),
     "keep/embedded",
     "look/comparisons",
     "look/words",
@@ -88,15 +88,16 @@ def declared(requirements: Iterable[str]) -> set[str]:
 DEPENDENCIES = declared(PROJECT["project"]["dependencies"])
 IMPORTED_AS = {"pyyaml": "yaml"}
 """Packages that are imported by another name."""
-FORMATS = {IMPORTED_AS.get(name, name) for extra in ("excel", "yaml") for name in declared(EXTRAS[extra])}
-"""Packages that read a kind of file, each imported where one is read."""
+OF_THE_CORE = ("cluster", "excel", "parquet", "yaml")
+SELDOM = {IMPORTED_AS.get(name, name) for extra in OF_THE_CORE for name in declared(EXTRAS[extra])}
+"""Packages that read or write a kind of file, or find a cluster, each imported where that is asked for."""
 NOTEBOOK = ROOT / "dashboard" / "notebook.py"
 
 
 def test_dependencies_are_those_that_the_core_and_the_command_line_use():
     dashboard = ROOT / "dashboard"
     paths = [*(ROOT / "core").rglob("*.py"), *(dashboard / f"{name}.py" for name in COMMAND_LINE)]
-    assert imported_packages(paths) == DEPENDENCIES | FORMATS
+    assert imported_packages(paths) == DEPENDENCIES | SELDOM
 
 
 def test_the_extra_of_the_page_has_what_it_needs_beside_them():

@@ -29,6 +29,8 @@ SHORTEST_CHUNKS = 8
 """By which the last chunks are shorter at most."""
 CHUNKS_A_WORKER = 2
 """Handed over at a time: one that is worked on, and one that waits."""
+# a stop, and workers that are gone for good, are noticed after this
+LONGEST_WAIT_S = 1.0
 # of rows that are drawn only to come to those behind them
 SKIPPED_AT_ONCE = 65_536
 
@@ -61,7 +63,8 @@ def run_study(
     executor : Executor, optional
         What solves the rows; by default threads, one a processor.
     workers : callable, optional
-        Tells how many chunks it works on at a time, which may change; by default one a processor.
+        Tells how many chunks it works on at a time, which may change; by default one a processor. What it raises ends
+        the study.
     progress : callable, optional
         Is told how many rows are done, from time to time.
     stop : Stop, optional
@@ -99,7 +102,7 @@ class _Run:
         chunks = self._chunks()
         try:
             while self._hand_over(chunks) or self._waiting:
-                finished, _ = wait(self._waiting, return_when=FIRST_COMPLETED)
+                finished, _ = wait(self._waiting, LONGEST_WAIT_S, FIRST_COMPLETED)
                 for future in finished:
                     self._keep(future)
                 if self._progress is not None and finished:
