@@ -6,6 +6,7 @@ import json
 import os
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import datetime
@@ -197,19 +198,21 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str, own: Wo
         If anything is wrong with the scenario or the file to write.
     """
     from railjoule.core.studies import energy_time_frontier, frontier_times, monte_carlo, sensitivity  # noqa: PLC0415
+    from railjoule.core.studies.sweep.running import worker_count  # noqa: PLC0415
 
     path = table_file(target, "-o", (".nc", *TABLE_SUFFIXES))
     scenario = load(file, changes, own)
     announce_compilation()
-    if name in {"sensitivity", "montecarlo"}:
-        compute = sensitivity if name == "sensitivity" else monte_carlo
-        with refusals_named(scenario.strategy):
-            table = compute(scenario).to_dataset()
-    else:
-        task = prepare_task(scenario)
-        frontier = energy_time_frontier(task, frontier_times(task), with_bounds=True)
-        table = frontier.to_dataframe().set_index("travel_time_s").to_xarray()
-        table.attrs["notes"] = " ".join(frontier.notes)
+    with ThreadPoolExecutor(worker_count(), "study") as executor, refusals_named(scenario.strategy):
+        if name == "sensitivity":
+            table = sensitivity(scenario, executor=executor).to_dataset()
+        elif name == "montecarlo":
+            table = monte_carlo(scenario, executor).to_dataset()
+        else:
+            task = prepare_task(scenario)
+            frontier = energy_time_frontier(task, frontier_times(task), with_bounds=True, executor=executor)
+            table = frontier.to_dataframe().set_index("travel_time_s").to_xarray()
+            table.attrs["notes"] = " ".join(frontier.notes)
     if path.suffix.lower() == ".nc":
         with failures_named(path), written(path) as place:
             # scipy is there anyway; the default engine would need one of netCDF's own libraries

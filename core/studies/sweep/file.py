@@ -19,8 +19,8 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import RailjouleError
 from railjoule.core.scenario._sentences import shorten
-from railjoule.core.studies.sweep.engine import Rows
 from railjoule.core.studies.sweep.results import Chunk, gaps_between
+from railjoule.core.studies.sweep.rows import Rows
 from railjoule.core.studies.sweep.study import Study, study_from
 
 FORMAT = "railjoule study 1"
