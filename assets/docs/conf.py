@@ -33,6 +33,8 @@ smartquotes = False
 
 autodoc_typehints = "none"
 autodoc_member_order = "bysource"
+autodoc_default_options = {"exclude-members": "model_config"}
+toc_object_entries = False
 napoleon_google_docstring = False
 napoleon_use_rtype = False
 

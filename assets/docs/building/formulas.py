@@ -24,7 +24,7 @@ def visit_inline(translator: Any, node: nodes.math) -> None:
 
 def visit_block(translator: Any, node: nodes.math_block) -> None:
     """Write a formula that stands for itself."""
-    translator.body.append(f'<div class="formula">{_mathml(node, as_block=True)}</div>')
+    translator.body.append(f'<div class="formula" tabindex="0">{_mathml(node, as_block=True)}</div>')
     raise nodes.SkipNode
 
 

@@ -1,4 +1,4 @@
-"""The gallery: the examples of its page run while the pages are built, and what they print and draw is put below them."""
+"""The gallery: its examples run while the pages are built; what they print and draw is put below each."""
 
 import contextlib
 import io
@@ -15,7 +15,7 @@ from building.colours import NAMES, with_variables
 from railjoule.dashboard.look.tokens import FONT, LIGHT
 
 mpl.use("svg")
-from matplotlib import pyplot as plt  # noqa: E402  (the backend comes first)
+from matplotlib import pyplot as plt
 
 PAGE = "gallery"
 EXAMPLE = re.compile(r"^## (?P<title>.+?)$(?P<told>.*?)^```python\n(?P<code>.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -86,7 +86,12 @@ def _as_part_of_a_page(svg: str, title: str) -> str:
     svg = re.sub(r"font: [\d.]+px [^;\"]*|font-family: [^;\"]*", lambda found: _in_our_font(found[0]), svg)
     svg = re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", svg, count=1)
     svg = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", svg, count=1)
-    named = f'<svg role="img" aria-label="Picture of the example: {title}" '
+    # matplotlib's own style sheet would hold for the whole page
+    svg = re.sub(r"<style.*?</style>", "", svg, flags=re.DOTALL)
+    named = (
+        f'<svg role="img" aria-label="Picture of the example: {title}" '
+        'style="stroke-linejoin: round; stroke-linecap: butt" '
+    )
     return "\n".join(line for line in svg.replace("<svg ", named, 1).splitlines() if line.strip())
 
 

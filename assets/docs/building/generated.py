@@ -209,9 +209,16 @@ def _if_there(pages: Path, name: str) -> str:
     return f"/{name}\n" if (pages / f"{name}.md").is_file() else ""
 
 
+def _let_the_keyboard_scroll(_app: Sphinx, _page: str, _template: str, context: dict[str, Any], _tree: Any) -> None:
+    # what is wider than the window scrolls by itself; without a place in the order of tabs only a mouse could do it
+    for tag in ("<pre", "<table"):
+        context["body"] = context.get("body", "").replace(tag, f'{tag} tabindex="0"')
+
+
 def setup(app: Sphinx) -> dict[str, bool]:
     """Fill the marked places when a page is read."""
     app.connect("source-read", _fill)
+    app.connect("html-page-context", _let_the_keyboard_scroll)
     # Pygments knows no tables
     app.add_lexer("csv", TextLexer)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
