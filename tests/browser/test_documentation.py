@@ -92,6 +92,10 @@ def test_it_builds_without_a_warning_in_time(built: Built) -> None:
 def test_the_gallery_has_ten_pictures_that_its_code_drew(built: Built) -> None:
     text = (built.folder / "gallery.html").read_text(encoding="utf-8")
     assert text.count('<figure class="picture"><svg role="img"') == 10
+    source = (ROOT / "assets" / "docs" / "gallery.md").read_text(encoding="utf-8")
+    codes = re.findall(r"^```python\n(.*?)^```$", source, re.MULTILINE | re.DOTALL)
+    assert len(codes) == 10
+    assert all(8 <= len([line for line in code.splitlines() if line]) <= 14 for code in codes)
     assert "No run uses less than 2.2239 kWh." in text
 
 
