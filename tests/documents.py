@@ -10,12 +10,12 @@ ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "assets" / "docs"
 README = ROOT / "README.md"
 PAPER = DOCS / "paper" / "paper.md"
-FENCE = re.compile(r"^```(?P<kind>[\w-]+)\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
+FENCE = re.compile(r"^```(?P<kind>[^\s`]*)[^\n`]*\n(?P<text>.*?)^```$", re.MULTILINE | re.DOTALL)
 
 
 @dataclass(frozen=True)
 class Block:
-    """One block of code: its kind, and its text."""
+    """One block of code: its kind, empty where it has none, and its text."""
 
     kind: str
     text: str

@@ -49,6 +49,10 @@ def test_every_data_file_is_packed():
     assert data - packed == set()
 
 
+def test_what_only_readme_and_documentation_show_stays_out():
+    assert SETUPTOOLS["exclude-package-data"]["railjoule.assets"] == [f"{name}/*" for name in sorted(UNPACKED)]
+
+
 def test_command_is_installed():
     (command,) = entry_points(group="console_scripts", name="railjoule")
     assert command.value == PROJECT["project"]["scripts"]["railjoule"]

@@ -18,6 +18,7 @@ from tornado.ioloop import IOLoop
 from tornado.testing import bind_unused_port
 from tornado.web import Application
 
+import railjoule.core
 from browser.findings import grave_findings
 from browser.server import Server
 from browser.user import User, open_page
@@ -97,6 +98,13 @@ def test_the_gallery_has_ten_pictures_that_its_code_drew(built: Built) -> None:
     assert len(codes) == 10
     assert all(8 <= len([line for line in code.splitlines() if line]) <= 14 for code in codes)
     assert "No run uses less than 2.2239 kWh." in text
+
+
+def test_python_has_all_names_of_the_core_with_their_docstrings(built: Built) -> None:
+    text = (built.folder / "reference" / "python.html").read_text(encoding="utf-8")
+    assert [name for name in railjoule.core.__all__ if f'id="railjoule.core.{name}"' not in text] == []
+    # of the docstring of `solve`, with its unit
+    assert "Speeds at the ends of the run [m/s]" in text
 
 
 @dataclass

@@ -6,7 +6,7 @@ import sys
 import tomllib
 
 import pytest
-from documents import DOCS, text_of
+from documents import DOCS
 
 import railjoule.core
 from railjoule.core.scenario import Scenario, format_scenario, load_scenario, preset_names, scenario_from_document
@@ -15,7 +15,7 @@ from railjoule.dashboard.command.cli import build_parser
 sys.path.insert(0, str(DOCS))
 
 from building.colours import in_theme, with_variables
-from building.generated import MARKS, command_line, papers, scenario_keys
+from building.generated import MARKS, command_line, filled, papers, scenario_keys
 from railjoule.dashboard.look.tokens import DARK, LIGHT
 
 
@@ -95,11 +95,12 @@ def test_every_mark_stands_in_one_page():
         assert sum(mark in path.read_text(encoding="utf-8") for path in DOCS.rglob("*.md")) == 1
 
 
+def test_a_page_that_others_bring_stands_in_its_list_once_it_is_there(tmp_path):
+    (tmp_path / "serve.md").write_text("# Serve\n", encoding="utf-8")
+    assert filled("first\n? /serve\n? /tested\nlast\n", tmp_path) == "first\n/serve\nlast\n"
+
+
 def test_pictures_take_the_colours_of_the_page():
     drawn = f'<path style="stroke: {LIGHT["enoc"].lower()}"/>'
     assert with_variables(drawn) == '<path style="stroke: var(--rj-enoc)"/>'
     assert in_theme(drawn, "dark") == f'<path style="stroke: {DARK["enoc"]}"/>'
-
-
-def test_the_python_page_has_the_names_of_the_core():
-    assert ".. automodule:: railjoule.core\n   :members:\n   :imported-members:" in text_of("reference/python")

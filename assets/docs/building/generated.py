@@ -198,15 +198,16 @@ OPTIONAL = re.compile(r"^\? /(.+)\n", re.MULTILINE)
 """A line of a list of pages that counts where its page is there: other parts of the project bring some."""
 
 
-def _fill(app: Sphinx, _page: str, source: list[str]) -> None:
+def filled(text: str, pages: Path) -> str:
+    """Return the text of a page with all marks filled, and its list without those that `pages` has not."""
     for mark, made in MARKS.items():
-        if mark in source[0]:
-            source[0] = source[0].replace(mark, made())
-    source[0] = OPTIONAL.sub(lambda found: _if_there(app.srcdir, found[1]), source[0])
+        if mark in text:
+            text = text.replace(mark, made())
+    return OPTIONAL.sub(lambda found: f"/{found[1]}\n" if (pages / f"{found[1]}.md").is_file() else "", text)
 
 
-def _if_there(pages: Path, name: str) -> str:
-    return f"/{name}\n" if (pages / f"{name}.md").is_file() else ""
+def _fill(app: Sphinx, _page: str, source: list[str]) -> None:
+    source[0] = filled(source[0], Path(app.srcdir))
 
 
 def _let_the_keyboard_scroll(_app: Sphinx, _page: str, _template: str, context: dict[str, Any], _tree: Any) -> None:
