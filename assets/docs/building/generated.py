@@ -3,6 +3,7 @@
 import argparse
 import json
 import re
+import textwrap
 from collections.abc import Callable, Iterator
 from importlib.resources import files
 from pathlib import Path
@@ -44,7 +45,8 @@ def _commands(parser: argparse.ArgumentParser) -> Iterator[str]:
 
 
 def _usage(parser: argparse.ArgumentParser) -> str:
-    return " ".join(parser.format_usage().removeprefix("usage: ").split())
+    words = " ".join(parser.format_usage().removeprefix("usage: ").split())
+    return textwrap.fill(words, 92, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
 
 
 def _argument(action: argparse.Action) -> str:
