@@ -23,6 +23,7 @@ from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.page import PageView, view_of
 from railjoule.dashboard.report.button import ReportButton
 from railjoule.dashboard.report.work import Reporting
+from railjoule.dashboard.server.documentation import documentation_patterns
 from railjoule.dashboard.server.guard import guard
 from railjoule.dashboard.server.health import HealthHandler, ReadyHandler
 from railjoule.dashboard.server.logs import keep_quiet, write_down
@@ -47,7 +48,7 @@ OPENS_WITHIN_MS = 2000
 """A page that has no connection by then is taken for one that was left."""
 LOOK_MS = 3000
 """How often a page looks at My files, which others may change too."""
-EXTRA_PATTERNS = [("/health", HealthHandler), ("/ready", ReadyHandler)]
+EXTRA_PATTERNS = [("/health", HealthHandler), ("/ready", ReadyHandler), *documentation_patterns()]
 VIEWS: dict[str, type[PageView]] = {name: view_of(name) for name in PAGES}
 """What draws each page."""
 

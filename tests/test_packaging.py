@@ -16,7 +16,7 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 SETUPTOOLS = PROJECT["tool"]["setuptools"]
 FOLDERS = {package: ROOT / folder for package, folder in SETUPTOOLS["package-dir"].items()}
 UNPACKED = {"docs", "pictures"}
-"""Folders of what only README shows: they stay out of the wheel."""
+"""Folders of what only README and the documentation show: they stay out of the wheel."""
 
 
 def packages_on_disk() -> set[str]:
@@ -24,6 +24,7 @@ def packages_on_disk() -> set[str]:
         ".".join((package, *path.parent.relative_to(folder).parts))
         for package, folder in FOLDERS.items()
         for path in folder.rglob("*.py")
+        if UNPACKED.isdisjoint(path.relative_to(folder).parts)
     }
 
 
@@ -43,9 +44,13 @@ def test_every_data_file_is_packed():
         path
         for folder in FOLDERS.values()
         for path in folder.rglob("*")
-        if path.is_file() and path.suffix not in {".py", ".pyc"} and UNPACKED.isdisjoint(path.parts)
+        if path.is_file() and path.suffix not in {".py", ".pyc"} and UNPACKED.isdisjoint(path.relative_to(folder).parts)
     }
     assert data - packed == set()
+
+
+def test_what_only_readme_and_documentation_show_stays_out():
+    assert SETUPTOOLS["exclude-package-data"]["railjoule.assets"] == [f"{name}/*" for name in sorted(UNPACKED)]
 
 
 def test_command_is_installed():

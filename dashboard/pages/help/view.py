@@ -1,4 +1,4 @@
-"""Help: the keys, what each page answers, how to read a proof, and the whole glossary."""
+"""Help: the way to the documentation, the keys, what each page answers, how to read a proof, the whole glossary."""
 
 from panel.viewable import Viewable
 
@@ -53,6 +53,7 @@ PROOF = (
     ),
 )
 HELP_CSS = """
+.help p a { display: inline-block; min-height: 24px; color: var(--rj-accent); font-weight: 600; }
 .help { padding: 4px 20px 32px; max-width: 1240px; }
 .help h2 { font-size: 15px; margin: 22px 0 6px; }
 .help h3 { font-size: 13px; font-weight: 600; color: var(--rj-ink); margin: 14px 0 2px; break-after: avoid; }
@@ -89,7 +90,21 @@ class HelpView(PageView):
 
 def help_html() -> Markup:
     """Return the page below its heading."""
-    return markup('<div class="help">{}{}{}{}</div>', keys_html(), pages_html(), proof_html(), glossary_html())
+    return markup(
+        '<div class="help">{}{}{}{}{}</div>',
+        documentation_html(),
+        keys_html(),
+        pages_html(),
+        proof_html(),
+        glossary_html(),
+    )
+
+
+def documentation_html() -> Markup:
+    """Return the way to the documentation, which the same server has."""
+    # relative, as a proxy may serve the page below any path
+    link = markup('<a href="docs/" target="_blank" rel="noopener">Documentation</a>')
+    return markup("<p>{}: tutorials, how-to, the mathematics, Python and all commands.</p>", link)
 
 
 def keys_html() -> Markup:
