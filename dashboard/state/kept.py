@@ -25,6 +25,9 @@ class Kept(param.Parameterized):
     passing: ClassVar[tuple[str, ...]] = ()
     """What is set by hand, but is only of the moment or follows from the rest."""
 
+    address_prefix: str | None = None
+    """What its fields are called by in the page's address, before their names; None where it is no part of a page."""
+
     originals = param.Dict(default={}, doc="Values of the shipped scenario, by field.")
 
     def keep(self) -> dict[str, Any]:
