@@ -5,7 +5,7 @@ import signal
 from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, Locator, Page, expect
 
 from browser.server import Server, free_port, serving
 from browser.user import PATIENCE_MS, User
@@ -44,7 +44,7 @@ def see_again(page: Page) -> None:
     page.locator("html.rj-started").wait_for(timeout=PATIENCE_MS)
 
 
-def field(page: Page, name: str):  # noqa: ANN201
+def field(page: Page, name: str) -> Locator:
     return page.get_by_role("textbox", name=f"{name}, as a number", exact=True)
 
 
