@@ -10,6 +10,7 @@ from typing import Any, NoReturn
 from railjoule.dashboard.server.options import (
     DEFAULT_ADDRESS,
     DEFAULT_PORT,
+    EXPOSED,
     HIGHEST_PORT,
     NO_LOGIN,
     PREFIX,
@@ -227,7 +228,7 @@ def _add_serve(commands: "argparse._SubParsersAction[_Parser]") -> None:
     serve.add_argument(
         "--sessions", type=_sessions, metavar="N", help="pages open at a time at most; default: any number"
     )
-    serve.epilog = f"{NO_LOGIN} With the default address that is this machine's users alone."
+    serve.epilog = f"{NO_LOGIN} With the default address that is this machine's users alone. {EXPOSED}"
     _add_workspace(
         serve,
         "the folder that My files shows, which every visitor may change; default: a folder of your own, but none where "

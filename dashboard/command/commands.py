@@ -24,6 +24,7 @@ from railjoule.core import (
 )
 from railjoule.core import solve as solve_scenario
 from railjoule.core.bounds import LONGEST_PROOF_S
+from railjoule.core.csv_text import plain_table, write_csv
 from railjoule.core.scenario import STRATEGY_NAMES, StrategyName, parse_scenario, preset_names
 from railjoule.core.scenario.text_file import read_text
 from railjoule.core.scenario.toml_text import read_toml
@@ -466,7 +467,7 @@ def read_table(name: str, own: Workspace | None = None) -> "pandas.DataFrame":
     except ValueError as error:
         words = " ".join(str(error).split()).rstrip(".")
         raise CommandError(f"{shortened(name)} is not a table in {path.suffix[1:]}: {shortened(words)}.") from None
-    return table
+    return table if path.suffix.lower() == ".parquet" else plain_table(table)
 
 
 def write_table(table: "pandas.DataFrame", path: Path, index: bool) -> None:
@@ -479,7 +480,7 @@ def write_table(table: "pandas.DataFrame", path: Path, index: bool) -> None:
     """
     with failures_named(path), written(path) as place:
         if path.suffix.lower() == ".csv":
-            table.to_csv(place, index=index)
+            write_csv(table, place, index)
         else:
             table.to_parquet(place, index=index)
 
