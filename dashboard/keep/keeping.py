@@ -11,6 +11,7 @@ import panel as pn
 import param
 
 from railjoule.core import RailjouleError
+from railjoule.core.scenario._base import without_misleading
 from railjoule.dashboard.insides import turns_of
 from railjoule.dashboard.keep.dropped import NO_TEXT, TOO_LARGE, refused_file, scenario_text, words_of
 from railjoule.dashboard.keep.history import History
@@ -39,6 +40,11 @@ def read_ahead(toml: str | None) -> None:
     warmup().wait_for_tasks()
     if toml is not None:
         outcome_of(toml)
+
+
+def shown_name(name: str) -> str:
+    """Return the name of a file, which comes from the browser, as sentences show it."""
+    return without_misleading(name[:LONGEST_NAME])
 
 
 class Keeping(param.Parameterized):
@@ -78,7 +84,7 @@ class Keeping(param.Parameterized):
             "too_large": lambda message: self.refuse_file(str(message.get("name")), TOO_LARGE),
             "no_text": lambda message: self.refuse_file(str(message.get("name")), NO_TEXT),
             "table": self._take_table,
-            "large_table": lambda message: self._refuse_run(too_large(str(message.get("name"))[:LONGEST_NAME])),
+            "large_table": lambda message: self._refuse_run(too_large(shown_name(str(message.get("name"))))),
             "copied": self._take_copied,
         }
         for kind, callback in listeners.items():
@@ -145,7 +151,7 @@ class Keeping(param.Parameterized):
 
     def open_file(self, name: str, text: str) -> None:
         """Take the scenario of a file that was dropped or chosen."""
-        name = name[:LONGEST_NAME]
+        name = shown_name(name)
 
         def take(toml: str) -> None:
             try:
@@ -164,7 +170,7 @@ class Keeping(param.Parameterized):
 
     def _take_table(self, message: dict[str, Any]) -> None:
         """Show a table that was dropped where runs are, whichever page is in sight."""
-        name = str(message.get("name"))[:LONGEST_NAME]
+        name = shown_name(str(message.get("name")))
         try:
             content = base64.b64decode(str(message.get("data")), validate=True)
         except ValueError:
@@ -178,7 +184,7 @@ class Keeping(param.Parameterized):
 
     def refuse_file(self, name: str, reason: str) -> None:
         """Tell why a file was not opened, and what could be."""
-        self.tell(refused_file(name[:LONGEST_NAME], reason))
+        self.tell(refused_file(shown_name(name), reason))
 
     def _takes_long(self, snapshot: Snapshot) -> bool:
         """Return whether a page with others beside it had better not wait until a scenario is read."""

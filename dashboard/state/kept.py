@@ -7,6 +7,8 @@ from typing import Any, ClassVar, Self
 
 import param
 
+from railjoule.core.scenario._base import without_misleading
+
 # beyond 2**53 the numbers of a browser, which are floats, skip whole numbers
 MOST_ITEMS, LONGEST_TEXT, LARGEST_INTEGER = 500, 2_000_000, 2**53
 """Bounds of lists, of texts [characters] and of whole numbers without bounds of their own."""
@@ -118,7 +120,7 @@ def short(value: Any) -> str:
         return "a list"
     if not isinstance(value, (bool, int, float, str)):
         return "a table"
-    text = f"{value:g}" if isinstance(value, float) else str(value)
+    text = f"{value:g}" if isinstance(value, float) else without_misleading(str(value))
     return text if len(text) <= LONGEST_SHOWN else text[: LONGEST_SHOWN - 3] + "..."
 
 

@@ -3,7 +3,9 @@ from typing import Any
 import pytest
 
 from railjoule.core import Scenario
+from railjoule.dashboard import app
 from railjoule.dashboard.app import Session, make_page
+from railjoule.dashboard.server.options import ServerOptions
 from railjoule.dashboard.shell.shell import Page
 from railjoule.dashboard.work.warmup import warmup
 
