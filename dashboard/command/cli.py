@@ -133,6 +133,8 @@ def _call(options: argparse.Namespace) -> bool:
     output = commands.Output(getattr(options, "json", False))
     if options.command == "benchmark":
         commands.benchmark(output)
+    elif options.command == "limits":
+        commands.limits()
     elif options.command == "study" and options.study == "sweep":
         from railjoule.dashboard.command import sweeps  # noqa: PLC0415
 
@@ -198,6 +200,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_workspace(report)
     benchmark = _add(commands, "benchmark", "time every strategy on the shipped scenarios, and CasADi with IPOPT")
     _add_json(benchmark)
+    _add(commands, "limits", "show what is asked for at most, in a terminal and on a page")
     validate = _add(commands, "validate", "compare the papers' published numbers with ours")
     validate.add_argument(
         "paper", metavar="PAPER", nargs="?", help="ftorek, liashenko, rawicki or shtompel; default: all papers"

@@ -33,6 +33,7 @@ from railjoule.core.workspace import Workspace, default_folder
 from railjoule.core.written import write_text, written
 from railjoule.dashboard.command import summary, terminal
 from railjoule.dashboard.keep.embedded import scenario_in_report
+from railjoule.dashboard.limits import limits as all_limits
 
 if TYPE_CHECKING:
     import pandas
@@ -468,6 +469,12 @@ def read_table(name: str, own: Workspace | None = None) -> "pandas.DataFrame":
         words = " ".join(str(error).split()).rstrip(".")
         raise CommandError(f"{shortened(name)} is not a table in {path.suffix[1:]}: {shortened(words)}.") from None
     return table if path.suffix.lower() == ".parquet" else plain_table(table)
+
+
+def limits() -> None:
+    """Show what may be asked for at most."""
+    rows = [(limit.of, limit.library, limit.page) for limit in all_limits()]
+    print("\n".join(terminal.table_lines(("of", "terminal", "page"), rows)))
 
 
 def write_table(table: "pandas.DataFrame", path: Path, index: bool) -> None:

@@ -8,10 +8,11 @@ from typing import Any, ClassVar, Self
 import param
 
 from railjoule.core.scenario._base import without_misleading
+from railjoule.dashboard.limits import LONGEST_TEXT, MOST_ITEMS
 
 # beyond 2**53 the numbers of a browser, which are floats, skip whole numbers
-MOST_ITEMS, LONGEST_TEXT, LARGEST_INTEGER = 500, 2_000_000, 2**53
-"""Bounds of lists, of texts [characters] and of whole numbers without bounds of their own."""
+LARGEST_INTEGER = 2**53
+"""Bound of whole numbers without bounds of their own."""
 # characters of a stranger's value in a sentence, and choices that a sentence lists
 LONGEST_SHOWN, MOST_TOLD = 40, 8
 
