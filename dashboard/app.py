@@ -14,7 +14,7 @@ from railjoule.core.workspace import Workspace
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.editor.view import EditorView
 from railjoule.dashboard.faults import handle
-from railjoule.dashboard.insides import application_of, count_no_events
+from railjoule.dashboard.insides import application_of, count_no_events, tell_no_insides
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.keep.pins import Pins
@@ -27,6 +27,7 @@ from railjoule.dashboard.server.documentation import documentation_patterns
 from railjoule.dashboard.server.guard import guard
 from railjoule.dashboard.server.health import HealthHandler, ReadyHandler
 from railjoule.dashboard.server.logs import keep_quiet, write_down
+from railjoule.dashboard.server.metrics import MetricsHandler
 from railjoule.dashboard.server.not_found import NotFoundHandler
 from railjoule.dashboard.server.options import NO_LOGIN, ServerOptions
 from railjoule.dashboard.shell.share import Share
@@ -34,11 +35,13 @@ from railjoule.dashboard.shell.shell import Page, Shell
 from railjoule.dashboard.state.files import serve_files_of
 from railjoule.dashboard.state.plan_work import Plans
 from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work import events
 from railjoule.dashboard.work.warmup import Reached, warmup
 
 pn.extension("plotly", notifications=False, exception_handler=handle)
 keep_quiet()
 count_no_events()
+tell_no_insides()
 # Panel asks models for many attributes that they may not have: a tenth of a move went into guesses at what it meant
 settings.perform_error_diagnostics = False
 
@@ -48,7 +51,12 @@ OPENS_WITHIN_MS = 2000
 """A page that has no connection by then is taken for one that was left."""
 LOOK_MS = 3000
 """How often a page looks at My files, which others may change too."""
-EXTRA_PATTERNS = [("/health", HealthHandler), ("/ready", ReadyHandler), *documentation_patterns()]
+EXTRA_PATTERNS = [
+    ("/health", HealthHandler),
+    ("/ready", ReadyHandler),
+    ("/metrics", MetricsHandler),
+    *documentation_patterns(),
+]
 VIEWS: dict[str, type[PageView]] = {name: view_of(name) for name in PAGES}
 """What draws each page."""
 
@@ -57,6 +65,7 @@ class Session:
     """One open page: its state, its work, its views."""
 
     def __init__(self) -> None:
+        began_s = time.monotonic()
         # asked before the state is made, which needs no kernel then
         self._is_without_ends = warmup().holds_up_tasks
         self._reached: Reached | None = None
@@ -80,7 +89,7 @@ class Session:
         self.shell = Shell(self.state, self.browser, share, pages, self.editor.view)
         self.plans.begin()
         self.state.param.watch(self._paint, "dark")
-        self._opened_s = time.monotonic()
+        self._document = pn.state.curdoc
         pn.state.on_session_destroyed(lambda _: self._end())
         self.shell.open()
         if warmup().first.is_set() and self.state.scenario.is_shipped:
@@ -89,6 +98,7 @@ class Session:
         self.reporting = Reporting(self.state)
         self.shell.add(*ReportButton(self.reporting.model, self.browser, self.lifeline.save).parts)
         pn.state.onload(self._load)
+        events.begin(self._document, lambda: str(self.state.page), began_s)
 
     def _begin_colours(self) -> None:
         """Take the colours of the address, else those for which the system asked when it was here last."""
@@ -98,7 +108,7 @@ class Session:
 
     def _end(self) -> None:
         """End what still runs: the page is gone."""
-        LOG.info("a page was open for %.0f s, at last %s", time.monotonic() - self._opened_s, self.state.page)
+        events.end(self._document)
         for work in (*self.works, self.reporting):
             work.end()
 

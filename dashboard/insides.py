@@ -16,6 +16,8 @@ from bokeh.document import Document
 from bokeh.embed.util import standalone_docs_json_and_render_items
 from bokeh.model import Model
 from bokeh.models import InlineStyleSheet
+from bokeh.protocol.message import Message
+from bokeh.server.connection import ServerConnection
 from panel.custom import JSComponent
 from panel.io.resources import LOCAL_DIST
 from panel.io.server import Server
@@ -117,6 +119,7 @@ class LightComponent(JSComponent):
         return share_sheets(doc, super()._get_properties(doc))
 
 
+FAILED = "The server could not take a change; its log describes the error."
 AS_TEXT = "<plaintext>"
 """All that follows this element is text to a browser. Panel's half reads what it is sent as HTML, and takes the text of
 that for the HTML to show; Panel escapes each letter of it, which takes up to six letters for one."""
@@ -203,6 +206,17 @@ def turns_of(document: Document) -> Callable[[Callable[[], None]], object]:
     except RuntimeError:
         return ask
     return lambda turn: loop.call_soon_threadsafe(ask, turn)
+
+
+def tell_no_insides() -> None:
+    """Let what answers a message that failed be a sentence: Bokeh 3.9.2 sends the traceback, with paths."""
+
+    def error(self: ServerConnection, message: Message[Any], _: str) -> Message[Any]:
+        answer = self.protocol.create("ERROR", message.header["msgid"], FAILED)
+        answer.content["traceback"] = None
+        return answer
+
+    ServerConnection.error = error
 
 
 def written_down(document: Document) -> tuple[dict[str, Any], Any]:

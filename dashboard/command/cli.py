@@ -10,6 +10,7 @@ from typing import Any, NoReturn
 from railjoule.dashboard.server.options import (
     DEFAULT_ADDRESS,
     DEFAULT_PORT,
+    EXPOSED,
     HIGHEST_PORT,
     NO_LOGIN,
     PREFIX,
@@ -132,6 +133,8 @@ def _call(options: argparse.Namespace) -> bool:
     output = commands.Output(getattr(options, "json", False))
     if options.command == "benchmark":
         commands.benchmark(output)
+    elif options.command == "limits":
+        commands.limits()
     elif options.command == "study" and options.study == "sweep":
         from railjoule.dashboard.command import sweeps  # noqa: PLC0415
 
@@ -197,6 +200,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_workspace(report)
     benchmark = _add(commands, "benchmark", "time every strategy on the shipped scenarios, and CasADi with IPOPT")
     _add_json(benchmark)
+    _add(commands, "limits", "show what is asked for at most, in a terminal and on a page")
     validate = _add(commands, "validate", "compare the papers' published numbers with ours")
     validate.add_argument(
         "paper", metavar="PAPER", nargs="?", help="ftorek, liashenko, rawicki or shtompel; default: all papers"
@@ -227,7 +231,7 @@ def _add_serve(commands: "argparse._SubParsersAction[_Parser]") -> None:
     serve.add_argument(
         "--sessions", type=_sessions, metavar="N", help="pages open at a time at most; default: any number"
     )
-    serve.epilog = f"{NO_LOGIN} With the default address that is this machine's users alone."
+    serve.epilog = f"{NO_LOGIN} With the default address that is this machine's users alone. {EXPOSED}"
     _add_workspace(
         serve,
         "the folder that My files shows, which every visitor may change; default: a folder of your own, but none where "

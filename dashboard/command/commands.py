@@ -25,6 +25,7 @@ from railjoule.core import (
 )
 from railjoule.core import solve as solve_scenario
 from railjoule.core.bounds import LONGEST_PROOF_S
+from railjoule.core.csv_text import plain_table, write_csv
 from railjoule.core.scenario import STRATEGY_NAMES, StrategyName, parse_scenario, preset_names
 from railjoule.core.scenario.text_file import read_text
 from railjoule.core.scenario.toml_text import read_toml
@@ -33,6 +34,7 @@ from railjoule.core.workspace import Workspace, default_folder
 from railjoule.core.written import write_text, written
 from railjoule.dashboard.command import summary, terminal
 from railjoule.dashboard.keep.embedded import scenario_in_report
+from railjoule.dashboard.limits import limits as all_limits
 
 if TYPE_CHECKING:
     import pandas
@@ -469,7 +471,13 @@ def read_table(name: str, own: Workspace | None = None) -> "pandas.DataFrame":
     except ValueError as error:
         words = " ".join(str(error).split()).rstrip(".")
         raise CommandError(f"{shortened(name)} is not a table in {path.suffix[1:]}: {shortened(words)}.") from None
-    return table
+    return table if path.suffix.lower() == ".parquet" else plain_table(table)
+
+
+def limits() -> None:
+    """Show what may be asked for at most."""
+    rows = [(limit.of, limit.library, limit.page) for limit in all_limits()]
+    print("\n".join(terminal.table_lines(("of", "terminal", "page"), rows)))
 
 
 def write_table(table: "pandas.DataFrame", path: Path, index: bool) -> None:
@@ -482,7 +490,7 @@ def write_table(table: "pandas.DataFrame", path: Path, index: bool) -> None:
     """
     with failures_named(path), written(path) as place:
         if path.suffix.lower() == ".csv":
-            table.to_csv(place, index=index)
+            write_csv(table, place, index)
         else:
             table.to_parquet(place, index=index)
 

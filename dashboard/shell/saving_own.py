@@ -6,6 +6,7 @@ from typing import Any, cast
 import param
 
 from railjoule.core import RailjouleError, Scenario
+from railjoule.core.csv_text import csv_of_table
 from railjoule.core.scenario.file_names import same_name_key
 from railjoule.core.workspace import KINDS, WORDS, Kind, OwnFile
 from railjoule.dashboard.editor.forms import Form
@@ -123,7 +124,7 @@ class SavingOwn:
             run = self.state.run
             if run is None:
                 raise RailjouleError(NO_RUN)
-            return lambda: str(run.to_dataframe().to_csv(index=False))
+            return lambda: csv_of_table(run.to_dataframe())
         recipe = recipe_of(self.state)
         # a page that computes something else than the scenario, such as Papers, lays nothing over it
         scenario = recipe.scenario if recipe.program.of_scenario else self.state.scenario.scenario()

@@ -5,6 +5,7 @@ import inspect
 import re
 from importlib.resources import files
 from pathlib import Path
+from types import SimpleNamespace
 
 import bokeh
 import panel as pn
@@ -13,6 +14,8 @@ import pytest
 from bokeh.document import Document
 from bokeh.document.locking import UnlockedDocumentProxy
 from bokeh.models import Div
+from bokeh.protocol import Protocol
+from bokeh.server.connection import ServerConnection
 from panel.reactive import Syncable
 
 from railjoule.dashboard.insides import (
@@ -26,6 +29,7 @@ from railjoule.dashboard.insides import (
     models_of,
     name_sheets,
     session_document,
+    tell_no_insides,
     thaw,
     thaw_unsearched,
     written_down,
@@ -171,3 +175,18 @@ def test_the_release_is_one_that_this_was_tried_with(library: object) -> None:
     tried = {"bokeh": "3.9.", "panel": "1.9.", "panel_material_ui": "0.16."}
     name = getattr(library, "__name__")  # noqa: B009
     assert str(getattr(library, "__version__")).startswith(tried[name])  # noqa: B009
+
+
+def test_an_answer_to_a_message_that_failed_holds_no_traceback() -> None:
+    tell_no_insides()
+    connection = ServerConnection(Protocol(), None, None, SimpleNamespace(subscribe=lambda _: None))
+    message = Protocol().create("SERVER-INFO-REQ")
+    try:
+        raise ValueError(f"of {__file__}")
+    except ValueError as failure:
+        answer = connection.error(message, repr(failure))
+    assert answer.content == {
+        "text": "The server could not take a change; its log describes the error.",
+        "traceback": None,
+    }
+    assert answer.header["reqid"] == message.header["msgid"]
