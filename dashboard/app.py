@@ -1,5 +1,6 @@
 """The dashboard: composes one open page, and serves it. `panel serve` may run this file too."""
 
+import gc
 import logging
 import time
 from collections.abc import Callable
@@ -9,12 +10,21 @@ import panel as pn
 from bokeh.settings import settings
 from panel.io.callbacks import PeriodicCallback
 from panel.io.server import Server
+from tornado.web import StaticFileHandler
 
 from railjoule.core.workspace import Workspace
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.editor.view import EditorView
 from railjoule.dashboard.faults import handle
-from railjoule.dashboard.insides import application_of, count_no_events
+from railjoule.dashboard.insides import (
+    PageAnswer,
+    PageConnection,
+    application_of,
+    count_no_events,
+    exchange,
+    first_html,
+    remember_defaults,
+)
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.keep.pins import Pins
@@ -25,11 +35,13 @@ from railjoule.dashboard.report.button import ReportButton
 from railjoule.dashboard.report.work import Reporting
 from railjoule.dashboard.server.guard import guard
 from railjoule.dashboard.server.health import HealthHandler, ReadyHandler
+from railjoule.dashboard.server.kept_files import KeptFileHandler
 from railjoule.dashboard.server.logs import keep_quiet, write_down
 from railjoule.dashboard.server.not_found import NotFoundHandler
+from railjoule.dashboard.server.opening import TOKEN, Opening, PageHandler, PageSocket
 from railjoule.dashboard.server.options import NO_LOGIN, ServerOptions
 from railjoule.dashboard.shell.share import Share
-from railjoule.dashboard.shell.shell import Page, Shell
+from railjoule.dashboard.shell.shell import Page, Shell, empty_page
 from railjoule.dashboard.state.files import serve_files_of
 from railjoule.dashboard.state.plan_work import Plans
 from railjoule.dashboard.state.workbench import Workbench
@@ -38,13 +50,14 @@ from railjoule.dashboard.work.warmup import Reached, warmup
 pn.extension("plotly", notifications=False, exception_handler=handle)
 keep_quiet()
 count_no_events()
+remember_defaults()
 # Panel asks models for many attributes that they may not have: a tenth of a move went into guesses at what it meant
 settings.perform_error_diagnostics = False
 
 LOG = logging.getLogger(__name__)
 POLL_MS = 300
-OPENS_WITHIN_MS = 2000
-"""A page that has no connection by then is taken for one that was left."""
+COMPRESSION_LEVEL = 4
+"""Of what pages are sent: a sixth of the bytes for 3 ms of the processor a page; higher levels hardly save more."""
 LOOK_MS = 3000
 """How often a page looks at My files, which others may change too."""
 EXTRA_PATTERNS = [("/health", HealthHandler), ("/ready", ReadyHandler)]
@@ -208,25 +221,44 @@ def make_server(options: ServerOptions, *patterns: Any, **settings: Any) -> Serv
         websocket_origin=options.websocket_origins,
         title="railjoule",
         default_handler_class=NotFoundHandler,
+        websocket_compression_level=COMPRESSION_LEVEL,
         **settings,
     )
-    guard(application_of(server), options, lambda: open_pages(server))
+    opening = Opening(first_html(server, empty_page(), TOKEN), lambda: has_place(server, opening, options))
+    exchange(
+        server,
+        {
+            PageAnswer: (PageHandler, {"opening": opening}),
+            PageConnection: (PageSocket, {"opening": opening}),
+            StaticFileHandler: (KeptFileHandler, {}),
+        },
+    )
+    guard(application_of(server), options, lambda: open_pages(server) + max(opening.awaited, 0))
     return server
 
 
 def run(server: Server) -> None:
     """Run a server until it is stopped."""
     server.start()
+    warmup().then(forget_what_stays)
     server.io_loop.start()
 
 
+def forget_what_stays() -> None:
+    """Let Python look no longer for garbage in what stays until the end: each look took half a second of all pages."""
+    gc.collect()
+    gc.freeze()
+
+
 def open_pages(server: Server) -> int:
-    """Return how many pages a server has open, with those that are just opening."""
+    """Return how many pages a server has open."""
     # a session outlives its page for half a minute, in which it has no connection
-    return sum(
-        session.connection_count > 0 or session.milliseconds_since_last_unsubscribe < OPENS_WITHIN_MS
-        for session in server.get_sessions()
-    )
+    return sum(session.connection_count > 0 for session in server.get_sessions())
+
+
+def has_place(server: Server, opening: Opening, options: ServerOptions) -> bool:
+    """Return whether a page may open whose connection has come: there is a place, or one was kept for it."""
+    return options.sessions is None or opening.awaited > 0 or open_pages(server) < options.sessions
 
 
 # the name under which `panel serve` runs a file

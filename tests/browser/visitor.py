@@ -42,7 +42,6 @@ class Visitor:
         """Load the page, open its websocket, and say that it is there."""
         started = time.perf_counter()
         answer = await AsyncHTTPClient().fetch(HTTPRequest(self.url, request_timeout=PATIENCE_S))
-        self.opened_s = time.perf_counter() - started
         token = TOKEN.search(answer.body.decode())
         assert token is not None, "the page has no session: its script has failed"
         parts = urlsplit(self.url)
@@ -54,6 +53,7 @@ class Visitor:
         await asyncio.wait_for(self._ready.wait(), PATIENCE_S)
         await self._send("PULL-DOC-REQ", {})
         self.text = await asyncio.wait_for(self._document, PATIENCE_S)
+        self.opened_s = time.perf_counter() - started
         await self._send("PATCH-DOC", {"events": [READY]})
 
     async def close(self) -> None:
