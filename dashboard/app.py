@@ -2,14 +2,17 @@
 
 import gc
 import logging
+import socket
 import time
-from collections.abc import Callable
+from collections.abc import Callable, MutableSequence
 from typing import Any
 
 import panel as pn
 from bokeh.settings import settings
 from panel.io.callbacks import PeriodicCallback
 from panel.io.server import Server
+from tornado.ioloop import IOLoop
+from tornado.ioloop import PeriodicCallback as TornadoCallback
 from tornado.web import StaticFileHandler
 
 from railjoule.core.workspace import Workspace
@@ -23,7 +26,9 @@ from railjoule.dashboard.insides import (
     count_no_events,
     exchange,
     first_html,
+    listen_no_more,
     remember_defaults,
+    taking,
 )
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.keep.lifeline import Lifeline
@@ -33,13 +38,16 @@ from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.page import PageView, view_of
 from railjoule.dashboard.report.button import ReportButton
 from railjoule.dashboard.report.work import Reporting
+from railjoule.dashboard.server.front import SERVES
 from railjoule.dashboard.server.guard import guard
+from railjoule.dashboard.server.handed import take_handed
 from railjoule.dashboard.server.health import HealthHandler, ReadyHandler
 from railjoule.dashboard.server.kept_files import KeptFileHandler
 from railjoule.dashboard.server.logs import keep_quiet, write_down
 from railjoule.dashboard.server.not_found import NotFoundHandler
 from railjoule.dashboard.server.opening import TOKEN, Opening, PageHandler, PageSocket
-from railjoule.dashboard.server.options import NO_LOGIN, ServerOptions
+from railjoule.dashboard.server.options import LOCAL_NAMES, NO_LOGIN, ServerOptions
+from railjoule.dashboard.server.places import Places
 from railjoule.dashboard.shell.share import Share
 from railjoule.dashboard.shell.shell import Page, Shell, empty_page
 from railjoule.dashboard.state.files import serve_files_of
@@ -58,6 +66,8 @@ LOG = logging.getLogger(__name__)
 POLL_MS = 300
 COMPRESSION_LEVEL = 4
 """Of what pages are sent: a sixth of the bytes for 3 ms of the processor a page; higher levels hardly save more."""
+TELL_MS = 100
+"""How often one of several processes tells the others how many pages it has."""
 LOOK_MS = 3000
 """How often a page looks at My files, which others may change too."""
 EXTRA_PATTERNS = [("/health", HealthHandler), ("/ready", ReadyHandler)]
@@ -199,7 +209,45 @@ def serve(options: ServerOptions, workspace: Workspace | None = None) -> None:
     run(make_server(options))
 
 
-def make_server(options: ServerOptions, *patterns: Any, **settings: Any) -> Server:
+def serve_handed(
+    options: ServerOptions,
+    workspace: Workspace | None,
+    number: int,
+    channel: socket.socket,
+    shared: MutableSequence[int],
+) -> None:
+    """Serve in one of several processes, on connections that another one takes, until that one is gone.
+
+    Parameters
+    ----------
+    options : ServerOptions
+        Where, and to whom, all of them serve.
+    workspace : Workspace or None
+        The files that My files shows.
+    number : int
+        Which process this is.
+    channel : socket
+        On which it is handed connections, as `railjoule.dashboard.server.front` does.
+    shared : mutable sequence of int
+        Where all processes tell how many pages they have, as `Places` takes it.
+    """
+    serve_files_of(workspace)
+    write_down()
+    warmup().start()
+    server = make_server(options, shared=shared, number=number)
+    take = taking(server)
+    server.io_loop.add_handler(channel, lambda *_: take_handed(channel, take, server.io_loop.stop), IOLoop.READ)
+    server.io_loop.add_callback(channel.send, SERVES)
+    run(server)
+
+
+def make_server(
+    options: ServerOptions,
+    *patterns: Any,
+    shared: MutableSequence[int] | None = None,
+    number: int = 0,
+    **settings: Any,
+) -> Server:
     """Return a server of the dashboard that is yet to run.
 
     Parameters
@@ -207,24 +255,34 @@ def make_server(options: ServerOptions, *patterns: Any, **settings: Any) -> Serv
     options : ServerOptions
     *patterns
         What it answers beside the page, as tornado takes it.
+    shared : mutable sequence of int, optional
+        Where several processes tell how many pages they have; such a process listens nowhere itself.
+    number : int
+        Which of them this is.
     **settings
         Of Bokeh's server.
     """
+    listens = shared is None
     server = pn.serve(
         {"/": make_page},
         extra_patterns=[*EXTRA_PATTERNS, *patterns],
-        address=options.address,
-        port=options.port,
+        # Bokeh has to listen somewhere; it is ended below
+        address=options.address if listens else LOCAL_NAMES[1],
+        port=options.port if listens else 0,
         prefix=options.prefix,
         show=False,
         start=False,
+        verbose=listens,
         websocket_origin=options.websocket_origins,
         title="railjoule",
         default_handler_class=NotFoundHandler,
         websocket_compression_level=COMPRESSION_LEVEL,
         **settings,
     )
-    opening = Opening(first_html(server, empty_page(), TOKEN), lambda: has_place(server, opening, options))
+    if not listens:
+        listen_no_more(server)
+    opening = Opening(first_html(server, empty_page(), TOKEN), lambda: places.has_one)
+    places = Places(options.sessions, lambda: (open_pages(server), opening.awaited), shared, number)
     exchange(
         server,
         {
@@ -233,7 +291,9 @@ def make_server(options: ServerOptions, *patterns: Any, **settings: Any) -> Serv
             StaticFileHandler: (KeptFileHandler, {}),
         },
     )
-    guard(application_of(server), options, lambda: open_pages(server) + max(opening.awaited, 0))
+    guard(application_of(server), options, lambda: places.taken)
+    if not listens:
+        TornadoCallback(places.tell, TELL_MS).start()
     return server
 
 
@@ -254,11 +314,6 @@ def open_pages(server: Server) -> int:
     """Return how many pages a server has open."""
     # a session outlives its page for half a minute, in which it has no connection
     return sum(session.connection_count > 0 for session in server.get_sessions())
-
-
-def has_place(server: Server, opening: Opening, options: ServerOptions) -> bool:
-    """Return whether a page may open whose connection has come: there is a place, or one was kept for it."""
-    return options.sessions is None or opening.awaited > 0 or open_pages(server) < options.sessions
 
 
 # the name under which `panel serve` runs a file

@@ -32,7 +32,7 @@ class Visitor:
 
     def __init__(self, url: str) -> None:
         self.url, self.opened_s = url, 0.0
-        self.text = ""
+        self.text, self.errors = "", list[str]()
         self._sent = 0
         self._document: asyncio.Future[str] = asyncio.get_running_loop().create_future()
         self._heard, self._ready = asyncio.Event(), asyncio.Event()
@@ -43,11 +43,15 @@ class Visitor:
         started = time.perf_counter()
         answer = await AsyncHTTPClient().fetch(HTTPRequest(self.url, request_timeout=PATIENCE_S))
         token = TOKEN.search(answer.body.decode())
-        assert token is not None, "the page has no session: its script has failed"
+        assert token is not None, "the page has no token"
         parts = urlsplit(self.url)
         request = HTTPRequest(f"ws://{parts.netloc}/ws", headers={"Origin": f"http://{parts.netloc}"})
         self._connection = await websocket_connect(
-            request, subprotocols=["bokeh", token[1]], max_message_size=LARGEST_MESSAGE_BYTES
+            request,
+            subprotocols=["bokeh", token[1]],
+            max_message_size=LARGEST_MESSAGE_BYTES,
+            # as browsers do
+            compression_options={},
         )
         self._reading = asyncio.create_task(self._read())
         await asyncio.wait_for(self._ready.wait(), PATIENCE_S)
@@ -77,9 +81,14 @@ class Visitor:
             await asyncio.wait_for(self._heard.wait(), PATIENCE_S)
         return time.perf_counter() - started
 
+    @property
+    def is_open(self) -> bool:
+        """Whether the server has not closed the connection."""
+        return self._connection is not None and not self._reading.done()
+
     def _models(self) -> Iterator[dict[str, Any]]:
         """Yield the models of the document as it was loaded."""
-        waiting = [json.loads(self.text)]
+        waiting = [json.JSONDecoder().raw_decode(self.text)[0]]
         while waiting:
             one = waiting.pop()
             if isinstance(one, dict):
@@ -107,6 +116,8 @@ class Visitor:
                 self._ready.set()
             elif header["msgtype"] == "PULL-DOC-REPLY":
                 self._document.set_result(content)
+            elif header["msgtype"] == "ERROR":
+                self.errors.append(content)
             elif header["msgtype"] == "PATCH-DOC":
                 self.text += content
                 self._heard.set()
