@@ -33,7 +33,7 @@ def serve_in_processes(options: ServerOptions, own: Workspace | None) -> None:
     write_down()
     if not options.is_for_this_machine:
         LOG.warning("%s A proxy that asks for a password belongs before it.", NO_LOGIN)
-    shared: MutableSequence[int] = CONTEXT.RawArray("i", NUMBERS * options.processes)  # type: ignore[assignment]
+    shared: MutableSequence[int] = CONTEXT.RawArray("i", NUMBERS * options.processes)
     front = Front(options, partial(_started, options, own), shared, lambda: is_done(ALL))
     print(f"Launching {options.processes} processes at http://{options.address}:{options.port}{options.prefix}")
     ended_by = asyncio.run(front.run())

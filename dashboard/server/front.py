@@ -100,8 +100,13 @@ class Front:
         """Serve until a signal says to end; return which."""
         loop = asyncio.get_running_loop()
         ended: asyncio.Future[signal.Signals] = loop.create_future()
+
+        def end(by: signal.Signals) -> None:
+            if not ended.done():
+                ended.set_result(by)
+
         for one in (signal.SIGTERM, signal.SIGINT):
-            loop.add_signal_handler(one, lambda one=one: ended.done() or ended.set_result(one))
+            loop.add_signal_handler(one, end, one)
         for listener in self._listeners:
             loop.add_reader(listener, self._accept, listener)
         starting = asyncio.create_task(self._start_all())
@@ -111,12 +116,16 @@ class Front:
             starting.cancel()
             for member in self._members.values():
                 loop.remove_reader(member.process.sentinel)
+                loop.remove_reader(member.channel)
             for pause in self._begins:
                 pause.cancel()
+            for connection in [*self._silent]:
+                self._drop(connection)
             for listener in self._listeners:
                 loop.remove_reader(listener)
-                listener.close()
             await asyncio.to_thread(self._end_all)
+            for ours in (*self._listeners, *self._waiting, *(member.channel for member in self._members.values())):
+                ours.close()
 
     async def _start_all(self) -> None:
         self._begin(0)

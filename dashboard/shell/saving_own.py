@@ -8,6 +8,7 @@ import param
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.scenario.file_names import same_name_key
 from railjoule.core.workspace import KINDS, WORDS, Kind, OwnFile
+from railjoule.dashboard.browser.messages import added_to
 from railjoule.dashboard.editor.forms import Form
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.look.scripts import module
@@ -47,14 +48,18 @@ class SavingOwn:
         self.state, self.keeping, self.files = state, keeping, state.files
         self.button = text_button("Save to My files", "save", self._turn)
         self.form = SaveForm(self._hear)
-        # hidden in a stack: the form's own sheet would show it
-        self.place = stack(self.form, visible=False)
-        self.view = stack(self.button, self.place, visible=self.files.there)
+        # in a stack, as the form's own sheet would show it where it is hidden; and not before it is asked for, as it
+        # would cost every page that opens
+        self.place = stack(visible=False)
+        self.view = stack(*([self.button, self.place] if self.files.there else []), visible=self.files.there)
         self._offered: OwnFile | None = None
         self.files.param.watch(self._show, ["current", "listing"])
         state.scenario.param.watch(self._forget, ["preset", "opened", "edits"])
 
     def _turn(self, *_: Any) -> None:
+        if not self.place.objects:
+            with added_to(self.place):
+                self.place[:] = [self.form]
         self.place.visible = not self.place.visible
         self._tell()
 
