@@ -107,7 +107,7 @@ class Session:
         self.shell.open()
         if warmup().first.is_set() and self.state.scenario.is_shipped:
             # a page that is sent with its first run is there a second earlier than one that asks for it
-            self.plans.do_if_short()
+            self.plans.take_first()
         self.reporting = Reporting(self.state)
         self.shell.add(*ReportButton(self.reporting.model, self.browser, self.lifeline.save).parts)
         pn.state.onload(self._load)
@@ -300,12 +300,14 @@ def make_server(
 def run(server: Server) -> None:
     """Run a server until it is stopped."""
     server.start()
-    warmup().then(forget_what_stays)
+    warmup().then(prepare)
     server.io_loop.start()
 
 
-def forget_what_stays() -> None:
-    """Let Python look no longer for garbage in what stays until the end: each look took half a second of all pages."""
+def prepare() -> None:
+    """Make ready what all pages need, once the kernels are there."""
+    Plans(Workbench()).compute_first()
+    # or Python looks for garbage in all that stays until the end, again and again: half a second of all pages each time
     gc.collect()
     gc.freeze()
 

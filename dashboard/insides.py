@@ -13,6 +13,7 @@ from weakref import WeakKeyDictionary
 
 import panel as pn
 import panel_material_ui as pmui
+from bokeh.core.property.bases import ParameterizedProperty
 from bokeh.core.property.descriptors import PropertyDescriptor
 from bokeh.core.property.singletons import Undefined
 from bokeh.document import Document
@@ -206,6 +207,8 @@ def remember_defaults() -> None:
     """
     PropertyDescriptor._get_default = _default_of(PropertyDescriptor._get_default)
     PropertyDescriptor.has_unstable_default = _by_class(PropertyDescriptor.has_unstable_default)
+    # each dict that is validated asks for the name of its type, for an error that it hardly ever raises
+    ParameterizedProperty.__str__ = _once(ParameterizedProperty.__str__)
 
 
 def _default_of(look_up: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
@@ -225,6 +228,16 @@ def _default_of(look_up: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]
         return found
 
     return default_of
+
+
+def _once(name_of: Callable[[Any], str]) -> Callable[[Any], str]:
+    def named(self: Any) -> str:
+        name: str | None = vars(self).get("_railjoule_name")
+        if name is None:
+            name = vars(self)["_railjoule_name"] = name_of(self)
+        return name
+
+    return named
 
 
 def _by_class(look_up: Callable[[Any, Any], bool]) -> Callable[[Any, Any], bool]:
