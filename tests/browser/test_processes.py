@@ -1,11 +1,10 @@
 """The page where several processes serve it behind one port."""
 
-import re
 from collections.abc import Iterator
 
 import psutil
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, Locator, Page, expect
 from playwright.sync_api import TimeoutError as PlaywrightTimeoutError
 
 from browser.server import Server, serving
@@ -13,6 +12,7 @@ from browser.user import PATIENCE_MS, User
 
 COMMAND = ("-m", "railjoule.dashboard", "serve", "--no-workspace", "--processes", "2", "--sessions", "3")
 TIME = "Travel time, s, as a number"
+CAME_BACK = "!window.rjSame && document.documentElement.classList.contains('rj-started')"
 
 
 @pytest.fixture(scope="module")
@@ -28,32 +28,38 @@ def workers(server: Server) -> dict[int, psutil.Process]:
 
 
 def test_a_page_comes_back_where_its_process_dies_and_another_goes_on(server: Server, chromium: Browser) -> None:
-    with User.at(chromium, server.drive_url) as one:
-        one.type("Travel time, s", "190")
-        expect(one.page).to_have_url(re.compile("travel_time_s=190"))
-        context = chromium.new_context(viewport={"width": 1280, "height": 900})
-        other = context.new_page()
-        other.goto(server.drive_url)
-        other.locator("html.rj-started").wait_for(timeout=PATIENCE_MS)
-        energy = other.locator(".figure.main:visible .value")
-        expect(energy).not_to_be_empty()
-        first = energy.inner_text()
+    contexts = [chromium.new_context(viewport={"width": 1280, "height": 900}) for _ in range(2)]
+    try:
+        pages = [context.new_page() for context in contexts]
+        for page, time_s in zip(pages, (190, 195), strict=True):
+            page.goto(f"{server.drive_url}&travel_time_s={time_s}")
+            page.locator("html.rj-started").wait_for(timeout=PATIENCE_MS)
+            expect(page.locator(".figure:visible", has_text="Travel time").locator(".value")).to_have_text(
+                f"{time_s}.0s"
+            )
+            page.evaluate("window.rjSame = true")
         before = workers(server)
         assert len(before) == 2
-        pages = {"one": one.page, "other": other}
-        for page in pages.values():
-            page.evaluate("window.rjSame = true")
-        victim = next(iter(before.values()))
-        victim.kill()
-        # the page of the dead process comes back by itself
-        died = "!window.rjSame && document.documentElement.classList.contains('rj-started')"
-        lost = [name for name, page in pages.items() if _comes(page, died)]
+        next(iter(before.values())).kill()
+        # each process has had one of the pages
+        lost = [page for page in pages if _comes(page, CAME_BACK)]
         assert len(lost) == 1
-        expect(energy).to_have_text(first, timeout=PATIENCE_MS)
-        expect(one.page.get_by_label(TIME, exact=True)).to_have_value("190", timeout=PATIENCE_MS)
-        one.errors.clear()
-        context.close()
-    assert len(workers(server)) == 2
+        for page, time_s in zip(pages, (190, 195), strict=True):
+            expect(page.get_by_label(TIME, exact=True)).to_have_value(f"{time_s}.0", timeout=PATIENCE_MS)
+            expect(page.locator(".figure:visible", has_text="Travel time").locator(".value")).to_have_text(
+                f"{time_s}.0s"
+            )
+        after = workers(server)
+        assert len(after) == 2
+        assert len(set(after) - set(before)) == 1
+    finally:
+        for context in contexts:
+            context.close()
+
+
+def _shown(page: Page) -> Locator:
+    """Return the travel time of the run in sight."""
+    return page.locator(".figure:visible", has_text="Travel time").locator(".value")
 
 
 def _comes(page: Page, what: str) -> bool:
