@@ -20,6 +20,7 @@ from bokeh.document import Document
 from bokeh.embed.util import standalone_docs_json_and_render_items
 from bokeh.model import Model
 from bokeh.models import InlineStyleSheet
+from bokeh.protocol.message import Message
 from bokeh.util.token import generate_jwt_token, generate_session_id, get_session_id, get_token_payload
 from panel.custom import JSComponent
 from panel.io.document import _cleanup_doc
@@ -363,6 +364,16 @@ def begin_as(request: HTTPServerRequest, address: str) -> None:
 def forget_begun(connection: WSHandler, token: str) -> None:
     """Forget a page that could not be made, which Bokeh would take for one that is being made."""
     connection.application_context._pending_sessions.pop(get_session_id(token), None)
+
+
+def note_pulled(connection: WSHandler, message: Message[Any]) -> None:
+    """Let a page that has just been written down for its browser be sent what is changed in it from then on.
+
+    Panel 1.9.4 begins when the browser says that the page is drawn. It takes for granted that what was changed before
+    is written down with the page, which the browser asks for later than that; here it asks at once.
+    """
+    if message.msgtype == "PULL-DOC-REQ" and connection.connection is not None:
+        pn.state._connected[connection.connection.session.document] = True
 
 
 def is_gone(connection: WSHandler) -> bool:

@@ -19,6 +19,7 @@ from railjoule.dashboard.insides import (
     begin_as,
     forget_begun,
     is_gone,
+    note_pulled,
     page_of_token,
     token_of,
 )
@@ -117,3 +118,8 @@ class PageSocket(PageConnection):
                 LOG.exception("a page could not be opened")
                 forget_begun(self, token)
                 self.close(COULD_NOT, "the page could not be opened")
+
+    async def _handle(self, message: Any) -> Any:
+        work = await super()._handle(message)
+        note_pulled(self, message)
+        return work

@@ -6,7 +6,6 @@ import panel as pn
 import panel_material_ui as pmui
 
 from railjoule.core import RailjouleError
-from railjoule.dashboard.browser.messages import added_to
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.state.kept import short
@@ -37,9 +36,9 @@ class Changes:
             on_click=lambda _: state.scenario.restore(),
         )
         self.list = stack(visible=False)
-        # the buttons come with the first change: they would cost every page that opens
-        self.row = pn.FlexBox(self.unchanged, margin=0, sizing_mode="stretch_width")
-        self.view = stack(self.row, self.list)
+        self.view = stack(
+            pn.FlexBox(self.unchanged, self.count, self.back, margin=0, sizing_mode="stretch_width"), self.list
+        )
         state.scenario.param.watch(self._show, ["preset", "opened", *RUN_FIELDS])
         self._show()
 
@@ -53,9 +52,6 @@ class Changes:
         opened = self.list.visible and number > 0
         label = f"{number} field{'' if number == 1 else 's'} changed"
         # a change costs the library much more than a look at what there is, and most moves of a slider change nothing
-        if number and len(self.row) == 1:
-            with added_to(self.row):
-                self.row[:] = [self.unchanged, self.count, self.back]
         if (label, opened) != (self.count.label, self.count.icon == OPENED):
             self.count.param.update(label=label, icon=OPENED if opened else CLOSED, visible=number > 0)
             self.back.visible, self.unchanged.visible, self.list.visible = number > 0, number == 0, opened

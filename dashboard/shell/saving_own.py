@@ -57,11 +57,12 @@ class SavingOwn:
         state.scenario.param.watch(self._forget, ["preset", "opened", "edits"])
 
     def _turn(self, *_: Any) -> None:
+        self.place.visible = not self.place.visible
+        self._tell()
+        # last: what changes in one message before it is told where it stands, the browser does not know
         if not self.place.objects:
             with added_to(self.place):
                 self.place[:] = [self.form]
-        self.place.visible = not self.place.visible
-        self._tell()
 
     def _show(self, *_: Any) -> None:
         # while a name is refused, it stays in sight beside the reason

@@ -69,13 +69,14 @@ class Share:
         ]
 
     def _turn(self, *_: Any) -> None:
-        if not self.part.objects:
-            with added_to(self.part):
-                self.part[:] = self._contents()
         self.part.visible = not self.part.visible
         self.open.description = "Close sharing" if self.part.visible else "Share"
         self.status.object = STATUS.format("")
         self._write()
+        # last: what changes in one message before it is told where it stands, the browser does not know
+        if not self.part.objects:
+            with added_to(self.part):
+                self.part[:] = self._contents()
 
     def _follow(self, *_: Any) -> None:
         self.undo.disabled, self.redo.disabled = not self.keeping.can_undo, not self.keeping.can_redo
