@@ -18,7 +18,7 @@ from railjoule.dashboard.server.options import (
     origin_parts,
 )
 
-MOST_SESSIONS = 10_000
+MOST_SESSIONS, MOST_PROCESSES = 10_000, 64
 # as core/scenario bounds timetable.travel_time_s
 LONGEST_TIME_S = 86_400.0
 """The longest that a scenario may take."""
@@ -111,7 +111,12 @@ def _call(options: argparse.Namespace) -> bool:
     if options.command == "serve":
         # whoever reaches a page may change the files that it shows: others do only where somebody has said so
         place = ServerOptions(
-            options.address, options.port, tuple(options.origin), options.prefix.rstrip("/"), options.sessions
+            options.address,
+            options.port,
+            tuple(options.origin),
+            options.prefix.rstrip("/"),
+            options.sessions,
+            options.processes,
         )
         if not options.no_workspace and (options.workspace is not None or place.is_for_this_machine):
             own = commands.workspace_at(options.workspace, make=True)
@@ -230,6 +235,13 @@ def _add_serve(commands: "argparse._SubParsersAction[_Parser]") -> None:
     serve.add_argument("--prefix", type=_prefix, default="", metavar="PATH", help="serve below this path, not at /")
     serve.add_argument(
         "--sessions", type=_sessions, metavar="N", help="pages open at a time at most; default: any number"
+    )
+    serve.add_argument(
+        "--processes",
+        type=_processes,
+        default=1,
+        metavar="N",
+        help="serve in so many processes behind the one port, such as one for each processor; default: 1",
     )
     serve.epilog = f"{NO_LOGIN} With the default address that is this machine's users alone. {EXPOSED}"
     _add_workspace(
@@ -548,8 +560,16 @@ def _prefix(text: str) -> str:
 
 
 def _sessions(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and len(text) < 6 and 1 <= int(text) <= MOST_SESSIONS):
-        raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a whole number from 1 to {MOST_SESSIONS}")
+    return _counted(text, MOST_SESSIONS)
+
+
+def _processes(text: str) -> int:
+    return _counted(text, MOST_PROCESSES)
+
+
+def _counted(text: str, most: int) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) < 6 and 1 <= int(text) <= most):
+        raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a whole number from 1 to {most}")
     return int(text)
 
 

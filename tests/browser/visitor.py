@@ -44,18 +44,22 @@ class Visitor:
         """Load the page, open its websocket, and say that it is there."""
         started = time.perf_counter()
         answer = await AsyncHTTPClient().fetch(HTTPRequest(self.url, request_timeout=PATIENCE_S))
-        self.opened_s = time.perf_counter() - started
         token = TOKEN.search(answer.body.decode())
-        assert token is not None, "the page has no session: its script has failed"
+        assert token is not None, "the page has no token"
         parts = urlsplit(self.url)
         request = HTTPRequest(f"ws://{parts.netloc}/ws", headers={"Origin": f"http://{parts.netloc}"})
         self._connection = await websocket_connect(
-            request, subprotocols=["bokeh", token[1]], max_message_size=LARGEST_MESSAGE_BYTES
+            request,
+            subprotocols=["bokeh", token[1]],
+            max_message_size=LARGEST_MESSAGE_BYTES,
+            # as browsers do
+            compression_options={},
         )
         self._reading = asyncio.create_task(self._read())
         await asyncio.wait_for(self._ready.wait(), PATIENCE_S)
         await self.send("PULL-DOC-REQ", {})
         self.text = await asyncio.wait_for(self._document, PATIENCE_S)
+        self.opened_s = time.perf_counter() - started
         await self.send("PATCH-DOC", {"events": [READY]})
 
     async def close(self) -> None:
@@ -78,6 +82,11 @@ class Visitor:
             self._heard.clear()
             await asyncio.wait_for(self._heard.wait(), PATIENCE_S)
         return time.perf_counter() - started
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the server has not closed the connection."""
+        return self._connection is not None and not self._reading.done()
 
     def _models(self) -> Iterator[dict[str, Any]]:
         """Yield the models of the document as it was loaded."""
