@@ -27,6 +27,7 @@ from railjoule.dashboard.server.guard import guard
 from railjoule.dashboard.server.health import HealthHandler, ReadyHandler
 from railjoule.dashboard.server.logs import keep_quiet, write_down
 from railjoule.dashboard.server.not_found import NotFoundHandler
+from railjoule.dashboard.server.offered_files import OfferedFileHandler
 from railjoule.dashboard.server.options import NO_LOGIN, ServerOptions
 from railjoule.dashboard.shell.share import Share
 from railjoule.dashboard.shell.shell import Page, Shell
@@ -47,7 +48,7 @@ OPENS_WITHIN_MS = 2000
 """A page that has no connection by then is taken for one that was left."""
 LOOK_MS = 3000
 """How often a page looks at My files, which others may change too."""
-EXTRA_PATTERNS = [("/health", HealthHandler), ("/ready", ReadyHandler)]
+EXTRA_PATTERNS = [("/health", HealthHandler), ("/ready", ReadyHandler), (r"/file/([\w-]+)", OfferedFileHandler)]
 VIEWS: dict[str, type[PageView]] = {name: view_of(name) for name in PAGES}
 """What draws each page."""
 
