@@ -7,11 +7,37 @@ functions that `solve` itself uses, so that a row is the same to the last bit. W
 way, by `solve`, and is as right, only slower.
 
 A row depends on its number and the seed alone (`sampling`), so that neither the order of the runs nor the number of
-workers changes a table. `sweep` in `table` is the entry.
+workers changes a table. `study` says what is to be made; `running` has it made by any executor, chunk by chunk, and
+keeps the rows in memory (`results`) or in a file that outlives the process (`file`), from which `export` writes tables
+and `sensitivities` tells which field decides. `cluster` finds workers elsewhere. `sweep` in `table` is the short way.
 """
 
 from railjoule.core.studies.sweep.columns import COLUMNS, DEFAULT_COLUMNS
+from railjoule.core.studies.sweep.file import StudyFileError, SweepFile
+from railjoule.core.studies.sweep.results import MemoryResults, Results, SweepTable, table_of
+from railjoule.core.studies.sweep.running import InterruptedStudyError, run_study
 from railjoule.core.studies.sweep.sampling import METHODS, Method
-from railjoule.core.studies.sweep.table import SweepTable, sweep
+from railjoule.core.studies.sweep.sensitivities import Sensitivities, SensitivityError, sensitivities
+from railjoule.core.studies.sweep.study import Study, study_of
+from railjoule.core.studies.sweep.table import sweep
 
-__all__ = ["COLUMNS", "DEFAULT_COLUMNS", "METHODS", "Method", "SweepTable", "sweep"]
+__all__ = [
+    "COLUMNS",
+    "DEFAULT_COLUMNS",
+    "METHODS",
+    "InterruptedStudyError",
+    "MemoryResults",
+    "Method",
+    "Results",
+    "Sensitivities",
+    "SensitivityError",
+    "Study",
+    "StudyFileError",
+    "SweepFile",
+    "SweepTable",
+    "run_study",
+    "sensitivities",
+    "study_of",
+    "sweep",
+    "table_of",
+]

@@ -8,7 +8,7 @@ windows of arrival, and the few optima that are not found or not proven at once,
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -26,6 +26,7 @@ from railjoule.core.strategies import solve
 from railjoule.core.strategies.line_parts import arrival_windows
 from railjoule.core.studies.sweep.columns import COLUMNS
 from railjoule.core.studies.sweep.fields import Field, Patch
+from railjoule.core.studies.sweep.version import solver_version
 from railjoule.core.task import Task, task_over
 from railjoule.core.trajectory import LATE_SHARE, Trajectory, durations_s, energy_account, line_energies_j
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
@@ -51,12 +52,16 @@ SPARES_LIMITS = (*SPARES_BOTH, "line.", "solver.", "vehicle.length_m", "vehicle.
 """Those that leave the limits of effort, and the drive but for its recuperation factor."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Plan:
     """What the rows of a sweep have in common; other processes take it whole.
 
     Parameters
     ----------
+    key : str
+        Tells it from other plans: a process that gets it again, with each chunk, knows it by this.
+    solver : str
+        The version of all that computes rows, which must be the worker's own.
     scenario : Scenario
     fields : tuple of Field
         What varies.
@@ -69,12 +74,18 @@ class Plan:
         What each run may take.
     """
 
-    scenario: Scenario
-    fields: tuple[Field, ...]
-    strategy: StrategyName
-    columns: tuple[str, ...]
-    patched: bool
-    budget: Budget
+    key: str
+    solver: str = field(compare=False)
+    scenario: Scenario = field(compare=False)
+    fields: tuple[Field, ...] = field(compare=False)
+    strategy: StrategyName = field(compare=False)
+    columns: tuple[str, ...] = field(compare=False)
+    patched: bool = field(compare=False)
+    budget: Budget = field(compare=False)
+
+
+class VersionError(RailjouleError):
+    """A worker whose results would not be those of who asks it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +108,13 @@ class Rows:
 
 
 def solve_rows(plan: Plan, samples: FloatArray) -> Rows:
-    """Return what comes out for samples of the fields' values of shape (rows, fields)."""
+    """Return what comes out for samples of the fields' values of shape (rows, fields).
+
+    Raises
+    ------
+    VersionError
+        If it is asked for by another version than this one, as a cluster may have.
+    """
     started = time.perf_counter()
     engine, columns = _engine_of(plan), [COLUMNS[name] for name in plan.columns]
     values, reasons = np.full((len(samples), len(columns)), np.nan), {}
@@ -118,6 +135,11 @@ def solve_rows(plan: Plan, samples: FloatArray) -> Rows:
 @lru_cache(maxsize=4)
 def _engine_of(plan: Plan) -> "Engine":
     """Return the engine of a plan; all threads of a process share it."""
+    if plan.solver != solver_version():
+        raise VersionError(
+            f"a worker of the study has another version ({solver_version()}) than who asks it ({plan.solver}): install "
+            "the same railjoule, numba, numpy and scipy on both."
+        )
     return Engine(plan)
 
 

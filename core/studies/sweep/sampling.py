@@ -82,6 +82,13 @@ class Sampler:
         return np.concatenate([generator.random(1), generator.random(count - 1)])
 
 
+def level_count(field: Field, rows: int, fields: int, method: str) -> int | None:
+    """Return how many values a field takes in so many rows over so many fields; None if any of its range."""
+    if method == "grid":
+        return int(round(rows ** (1 / fields)))
+    return int(field.high - field.low) + 1 if field.whole else None
+
+
 def _generator(method: str, dimensions: int, seed: int) -> Any:
     generator = np.random.default_rng(seed)
     if method == "random":

@@ -1,17 +1,10 @@
 """A sweep is held against `solve`, run by run: nothing else says what a row has to be."""
 
-import pickle
-from concurrent.futures import Executor, Future, ThreadPoolExecutor
-
 import numpy as np
 import pytest
 
 from railjoule.core import RailjouleError, ScenarioError, load_scenario, solve, sweep
-from railjoule.core.budget import current_budget
 from railjoule.core.studies.sweep import COLUMNS
-from railjoule.core.studies.sweep import table as module
-from railjoule.core.studies.sweep.engine import Plan, solve_rows
-from railjoule.core.studies.sweep.fields import fields_of
 from tests.builders import HILLS, plain_scenario
 
 OVER = {
@@ -59,10 +52,6 @@ NUMBERS = {
 }
 
 
-def samples_of(table):
-    return np.column_stack(list(table.samples.values()))
-
-
 def hills():
     return plain_scenario({"line.sections": HILLS, "timetable.travel_time_s": 170.0})
 
@@ -73,7 +62,7 @@ def one_by_one(base, table):
     for row in range(table.rows):
         changes = {name: float(of[row]) for name, of in table.samples.items()}
         try:
-            run = solve(base.with_(**changes), table.strategy)
+            run = solve(base.with_(**changes), table.study.strategy)
         except RailjouleError as error:
             reasons[row] = str(error)
             continue
@@ -145,78 +134,13 @@ def test_ranges_that_do_not_fit_together_everywhere_are_checked_row_by_row():
 def test_other_strategies_go_by_solve(strategy):
     base = load_scenario("tram-950m").with_(**{"solver.mesh_m": 25.0})
     table = sweep(base, {"vehicle.load_factor": (0.0, 1.0)}, 2, "grid", strategy=strategy)
-    assert table.strategy == strategy
+    assert table.study.strategy == strategy
     assert_same(base, table)
 
 
 def test_a_drive_that_takes_power_without_effort_goes_by_solve():
     base = load_scenario("tram-950m").with_(**{"solver.mesh_m": 50.0})
     assert_same(base, sweep(base, {"timetable.travel_time_s": (100.0, 120.0)}, 2, "grid"))
-
-
-def test_neither_order_nor_number_of_workers_changes_a_table():
-    class Backwards(Executor):
-        """Runs what it is given when the result is asked for, the last first."""
-
-        def __init__(self):
-            self.given = []
-
-        def submit(self, function, /, *arguments):
-            future = Future()
-            self.given.append((future, function, arguments))
-            if len(self.given) == limit:
-                self.run()
-            return future
-
-        def run(self):
-            for future, function, arguments in reversed(self.given):
-                future.set_result(function(*arguments))
-            self.given.clear()
-
-    limit = 2
-    rows = 2 * module.FIRST_CHUNK
-    base = hills()
-    over = {"vehicle.load_factor": (0.0, 1.0), "timetable.travel_time_s": (150.0, 200.0)}
-    with ThreadPoolExecutor(1) as one, ThreadPoolExecutor(3) as three:
-        tables = [sweep(base, over, rows, executor=executor) for executor in (one, three, Backwards(), None)]
-    for table in tables[1:]:
-        for name, of in tables[0].columns.items():
-            assert np.array_equal(of, table.columns[name], equal_nan=True)
-        for name, of in tables[0].samples.items():
-            assert np.array_equal(of, table.samples[name])
-
-
-def test_another_process_can_take_a_chunk():
-    """What an executor of processes or of a cluster does with it: it is sent there and back."""
-    base, over = hills(), {"vehicle.load_factor": (0.0, 1.0), "timetable.travel_time_s": (100.0, 200.0)}
-    table = sweep(base, over, 16)
-    plan = Plan(base, fields_of(base, over), "optimal", tuple(table.columns), True, current_budget())
-    rows = pickle.loads(pickle.dumps(solve_rows))(*pickle.loads(pickle.dumps((plan, samples_of(table)))))
-    sent = pickle.loads(pickle.dumps(rows))
-    assert np.array_equal(sent.values, np.column_stack(list(table.columns.values())), equal_nan=True)
-    assert sent.reasons == table.reasons != {}
-
-
-def test_who_stops_leaves_nothing_waiting():
-    def stop(_done):
-        raise KeyboardInterrupt
-
-    with ThreadPoolExecutor(1) as executor:
-        given = []
-        submit = executor.submit
-        executor.submit = lambda *arguments: given.append(submit(*arguments)) or given[-1]
-        with pytest.raises(KeyboardInterrupt):
-            sweep(hills(), {"vehicle.load_factor": (0.0, 1.0)}, 10_000, executor=executor, progress=stop)
-    # one thread: what it had begun when the first chunk was told, and that chunk itself
-    assert len(given) > 2
-    assert sum(not future.cancelled() for future in given) <= 3
-
-
-def test_progress_ends_with_all_rows():
-    told = []
-    sweep(hills(), {"vehicle.load_factor": (0.0, 1.0)}, 150, progress=told.append)
-    assert told == sorted(told)
-    assert told[-1] == 150
 
 
 def test_a_table_cannot_be_written_to():
