@@ -425,7 +425,7 @@ class Workspace:
 
     def _write(self, target: Path, content: bytes, replaced: OwnFile | None) -> None:
         """Put a content in the place of a file: it is there as a whole, on the disk, before it has the name."""
-        folder = self._folder(target.parent.name, make=True)  # type: ignore[arg-type]
+        folder = self._folder(target.parent.name, make=True)
         temporary = folder / f"{TEMPORARY}{secrets.token_hex(8)}"
         try:
             with temporary.open("xb") as file:

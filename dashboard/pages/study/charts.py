@@ -13,7 +13,6 @@ import numpy as np
 from bokeh.models import BoxAnnotation, ColumnDataSource, FixedTicker, HoverTool, Range1d
 from bokeh.plotting import figure
 
-from railjoule.core.arrays import FloatArray
 from railjoule.core.studies.sweep import Study
 from railjoule.dashboard.charts.chart import text_style
 from railjoule.dashboard.charts.elements import figure_of
@@ -311,7 +310,7 @@ def _fill_medians(into: StudyFigure, told: Medians) -> None:
     low, high = (float(known.min()), float(known.max())) if len(known) else (0.0, 1.0)
     rows, columns = (index.ravel() for index in np.indices(kwh.shape))
     fills = [_colour(number, low, high, into.palette) for number in kwh.ravel()]
-    edges: dict[str, FloatArray] = {
+    edges: dict[str, Any] = {
         "left": columns - 0.5,
         "right": columns + 0.5,
         "bottom": rows - 0.5,

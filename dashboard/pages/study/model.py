@@ -142,9 +142,7 @@ class StudyModel(TypedParameters, PageModel):
             return
         field = known[path].declared
         try:
-            ends = [
-                float(field.parse(text)) if text.strip() else parse_number(text, (None, None)) for text in (low, high)
-            ]
+            ends = [_number(field, text) for text in (low, high)]
             if ends[0] > ends[1]:
                 raise ValueError(f"The range {low.strip()} to {high.strip()} begins above its end.")
         except ValueError as refusal:

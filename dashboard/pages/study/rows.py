@@ -9,20 +9,9 @@ from panel.custom import JSComponent
 from railjoule.dashboard.editor.forms import Form
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.scripts import module
-from railjoule.dashboard.look.theme import editor_css
+from railjoule.dashboard.look.theme import editor_css, study_css
 from railjoule.dashboard.pages.study.compute import ENERGY, RESULTS, Bounds, Column, Look, columns_of
 from railjoule.dashboard.pages.study.model import ROWS_AT_ONCE, Saved, StudyModel
-
-ROWS_CSS = """
-.study-rows { padding: 14px 20px 20px; }
-.study-rows .titled { flex-wrap: wrap; }
-.study-rows h2 span { font-weight: 400; margin-left: 8px; }
-.study-rows td:last-child { padding: 0 0 0 8px; }
-.study-rows td:first-child { white-space: nowrap; }
-.study-rows tbody tr:hover td { background: var(--rj-tint); }
-.study-rows p { padding: 6px 0; }
-@media (max-width: 899px) { .study-rows { padding: 12px 14px 20px; } }
-"""
 
 
 class StudyRows(Form):
@@ -38,7 +27,7 @@ class StudyRows(Form):
     _esm = module("study_rows")
 
     def __init__(self, model: StudyModel) -> None:
-        super().__init__(self._take, stylesheets=[editor_css(), ROWS_CSS])
+        super().__init__(self._take, stylesheets=[editor_css(), study_css()])
         self.model = model
 
     def show(self) -> None:

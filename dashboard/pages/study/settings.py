@@ -11,7 +11,7 @@ from railjoule.dashboard.editor.forms import Form
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.scripts import module
-from railjoule.dashboard.look.theme import editor_css
+from railjoule.dashboard.look.theme import editor_css, study_css
 from railjoule.dashboard.pages.study.fields import MOST_VARIED, fields_that_vary
 from railjoule.dashboard.pages.study.model import StudyModel
 from railjoule.dashboard.parts.html import html_pane, stack
@@ -27,36 +27,6 @@ METHOD_WORDS = {
 START, AGAIN = "Run", "Change and start again"
 MOST_KEPT = 30
 """So many kept studies are listed."""
-FIELDS_CSS = """
-.study-fields { padding: 0 16px; }
-.section { padding: 8px 0 4px; font-weight: 600; color: var(--rj-ink2); }
-.section span { font-weight: 400; color: var(--rj-ink3); }
-.study-fields .field { display: grid; grid-template-columns: minmax(0, 1fr) auto; gap: 0 8px; padding: 5px 0 0;
-  border-top: 1px solid var(--rj-line); align-items: center; }
-.names { display: flex; align-items: center; gap: 2px; min-width: 0; }
-.name { overflow-wrap: anywhere; line-height: 1.25; }
-.remove { width: 24px; height: 24px; padding: 0; border: 0; background: none; color: var(--rj-ink3); font: inherit;
-  font-size: 15px; cursor: pointer; flex: none; border-radius: 4px; }
-.remove:hover { color: var(--rj-accent); }
-.ends { display: flex; align-items: center; gap: 4px; }
-input.end[type=text] { width: 52px; min-height: 24px; padding: 1px 0; border: 0; border-bottom: 1px solid var(--rj-ink3);
-  border-radius: 0; background: none; font-weight: 600; font-size: 13px; }
-.rails { position: relative; grid-column: 1 / -1; height: 24px; margin: 0; }
-.rails::before, .rails i { content: ""; position: absolute; top: 10.5px; height: 3px; border-radius: 2px; }
-.rails::before { left: 0; right: 0; background: var(--rj-line2); }
-.rails i { background: var(--rj-accent); }
-.rails input { position: absolute; inset: 0; width: 100%; height: 24px; margin: 0; appearance: none; background: none;
-  pointer-events: none; }
-.rails input::-webkit-slider-runnable-track { height: 24px; background: none; }
-.rails input::-webkit-slider-thumb { box-sizing: border-box; width: 14px; height: 14px; margin-top: 5px; appearance: none;
-  border: 2px solid var(--rj-accent); border-radius: 50%; background: var(--rj-surface); pointer-events: auto; cursor: pointer; }
-.rails input::-moz-range-thumb { box-sizing: border-box; width: 14px; height: 14px; border: 2px solid var(--rj-accent);
-  border-radius: 50%; background: var(--rj-surface); pointer-events: auto; cursor: pointer; }
-.study-fields .error { grid-column: 1 / -1; font-size: 12px; color: var(--rj-bad); padding: 0 0 4px; overflow-wrap: anywhere; }
-.adding { padding: 8px 0 2px; border-top: 1px solid var(--rj-line); }
-.adding select { border: 0; background: none; color: var(--rj-accent); font-weight: 500; padding: 2px 0; max-width: 100%; }
-.adding option, .adding optgroup { color: var(--rj-ink); background: var(--rj-surface); }
-"""
 SELECT: dict[str, Any] = {"size": "small", "margin": (8, 16, 4, 16), "sizing_mode": "stretch_width"}
 
 
@@ -71,7 +41,7 @@ class FieldRanges(Form):
     _esm = module("study_fields")
 
     def __init__(self, state: Workbench) -> None:
-        super().__init__(self._take, stylesheets=[editor_css(), FIELDS_CSS])
+        super().__init__(self._take, stylesheets=[editor_css(), study_css()])
         self.state, self.model = state, state.study
         self.model.param.watch(self.show, ["over", "refused"])
         self.show()
@@ -217,7 +187,7 @@ class KeptList(Form):
     _esm = module("study_kept")
 
     def __init__(self, model: StudyModel) -> None:
-        super().__init__(self._take, stylesheets=[editor_css(), FIELDS_CSS])
+        super().__init__(self._take, stylesheets=[editor_css(), study_css()])
         self.model = model
         model.param.watch(self.show, ["kept_names", "kept_as", "progress"])
         self.show()

@@ -17,6 +17,7 @@ from railjoule.dashboard.charts.surface import CIVIDIS
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.markup import Markup, joined, markup
+from railjoule.dashboard.look.theme import study_css
 from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.pages.study.compute import ENERGY, RESULTS, Column, Listed, Look, Shares, columns_of
 from railjoule.dashboard.pages.study.model import ROWS_AT_ONCE, Progress
@@ -34,37 +35,10 @@ HEIGHTS = {RUNS: (400, 470, 300), ALONG_X: (44, 50, 30), ALONG_Y: (400, 470, 300
 EMPTY = "Choose fields and a number of runs beside the page."
 SO_FAR = "figures show the runs done so far"
 FORMER = "Figures of the former settings."
+INDICES = "Sobol\u2019 indices"
 TOO_FEW = "too few runs yet"
 WELL_EXPLAINED = 0.99
 """Below this share of the spread it is told how much the indices explain."""
-STATUS_CSS = """
-.study-status { padding: 4px 0 6px; }
-.study-status progress { appearance: none; display: block; width: 100%; height: 4px; border: 0; border-radius: 2px;
-  background: var(--rj-line2); overflow: hidden; }
-.study-status progress::-webkit-progress-bar { background: var(--rj-line2); }
-.study-status progress::-webkit-progress-value { background: var(--rj-accent); }
-.study-status progress::-moz-progress-bar { background: var(--rj-accent); }
-.study-status p { display: flex; flex-wrap: wrap; gap: 0 20px; padding: 5px 0 0; color: var(--rj-ink2); }
-.study-status p b { color: var(--rj-ink); font-weight: 600; }
-.study-status .push { flex: 1; }
-.study-empty { max-width: 640px; padding: 18px 20px; }
-.study-empty svg { display: block; width: 100%; height: 180px; fill: var(--rj-ground); margin-top: 12px; }
-.legend { display: flex; flex-wrap: wrap; align-items: center; gap: 2px 6px; padding: 8px 0 2px 50px; font-size: 12px;
-  color: var(--rj-ink2); }
-.legend .push { flex: 1; }
-.legend i { width: 80px; height: 8px; }
-.shares { display: grid; grid-template-columns: minmax(80px, auto) minmax(60px, 1fr) auto; gap: 7px 10px; align-items: center;
-  font-size: 12px; padding: 4px 0; }
-.shares .bar { position: relative; height: 13px; }
-.shares .bar i, .shares .bar u { position: absolute; left: 0; top: 0; bottom: 0; box-sizing: border-box; min-width: 1px; }
-.shares .bar i { background: var(--rj-accent); }
-.shares .bar u { border: 1px solid var(--rj-accent); }
-.shares span:last-of-type { white-space: nowrap; }
-.keys { display: flex; gap: 14px; font-size: 12px; color: var(--rj-ink2); padding: 6px 0; }
-.keys i { display: inline-block; width: 10px; height: 10px; margin-right: 5px; box-sizing: border-box;
-  border: 1px solid var(--rj-accent); }
-.keys i.filled { background: var(--rj-accent); }
-"""
 HEAD_CSS = """
 :host { display: grid; grid-template-columns: minmax(0, 1fr) auto; gap: 0 12px; padding: 0 20px; align-items: start; }
 @media (max-width: 899px) { :host { padding: 0 14px; grid-template-columns: minmax(0, 1fr); } }
@@ -197,7 +171,7 @@ class StudyView(PageView):
     @staticmethod
     def _pane(text: str = "") -> Any:
         pane = parts.html_pane(text)
-        pane.stylesheets = [*pane.stylesheets, STATUS_CSS]
+        pane.stylesheets = [*pane.stylesheets, study_css()]
         return pane
 
     def _row(self, *names: str) -> Viewable:
@@ -379,8 +353,8 @@ def status_html(progress: Progress, former: bool) -> Markup:
     elif progress.is_under_way and progress.done:
         pieces.append(markup("<span>{}</span>", SO_FAR))
     return markup(
-        '<div class="study-status"><progress aria-label="Runs of the study that are done" max="{}" value="{}"></progress>'
-        "<p>{}</p></div>",
+        '<div class="study-status"><progress aria-label="{}" max="{}" value="{}"></progress><p>{}</p></div>',
+        "Runs of the study that are done",
         max(progress.runs, 1),
         progress.done,
         joined(pieces),
