@@ -41,9 +41,9 @@ export function render({model}) {
       title: "Leave it as it is"}, "\u00d7");
     remove.addEventListener("click", () => model.send_msg({what: "remove", path}));
     const element = make("div", {class: "field", role: "group", "aria-label": label},
-      make("div", {class: "names"}, make("span", {class: "name", title: path}, label), remove),
+      make("span", {class: "name", title: path}, label),
       make("div", {class: "ends"}, low, make("span", {class: "muted"}, "to"), high),
-      make("div", {class: "rails"}, filled, start, end), refusal);
+      make("div", {class: "under"}, make("div", {class: "rails"}, filled, start, end), remove), refusal);
     const update = (field) => {
       for (const one of [start, end]) { Object.assign(one, {min: field.least, max: field.most, step: field.step}); }
       // what was refused stays as it was typed

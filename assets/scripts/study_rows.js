@@ -3,7 +3,7 @@
 import {make, redraw_on} from "./dom.js";
 
 export function render({model}) {
-  const root = make("div", {class: "study-rows"});
+  const root = make("div", {class: "chosen-runs"});
   const button = (text, name, message) => {
     const made = make("button", {type: "button", class: "text-button", "aria-label": name}, text);
     made.addEventListener("click", () => model.send_msg(message));

@@ -15,7 +15,7 @@ from typing import TypeVar
 
 from railjoule.core.studies.sweep.running import worker_count
 
-NICE, NICE_OF_LOOKS = 15, 5
+NICE, NICE_OF_LOOKS = 10, 5
 """Priorities below that of the server: of the runs, and of what a page waits for."""
 STUDY_THREADS = ThreadPoolExecutor(max_workers=1, thread_name_prefix="railjoule-study")
 """Hands over the runs of one study at a time: those of other pages wait for their turn."""

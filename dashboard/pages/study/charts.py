@@ -13,6 +13,7 @@ import numpy as np
 from bokeh.models import BoxAnnotation, ColumnDataSource, FixedTicker, HoverTool, Range1d
 from bokeh.plotting import figure
 
+from railjoule.core.arrays import FloatArray
 from railjoule.core.studies.sweep import Study
 from railjoule.dashboard.charts.chart import text_style
 from railjoule.dashboard.charts.elements import figure_of
@@ -141,7 +142,7 @@ def _runs(look: Look, x: Column, y: Column, colour: Column, palette: Palette) ->
     _dress(f, f"{y.words}, over {x.within_sentence}, {x.unit}", palette, keeps_hover=True)
     f.xaxis.axis_label, f.yaxis.axis_label = x.words, None
     for axis, (low, high) in zip((f.xaxis[0], f.yaxis[0]), look.ends, strict=True):
-        axis.formatter.args = {"digits": max(digits_for(high - low) - 1, 0)}
+        axis.formatter.args = {"digits": digits_for(40 * (high - low))}
     f.min_border_bottom = BOTTOM_PX
     box = BoxAnnotation(visible=False, fill_alpha=0.12, line_alpha=0.9, line_width=2)
     palette.paint(box, fill_color="accent", line_color="accent")
@@ -240,14 +241,12 @@ def _fill_histogram(
     into: StudyFigure, told: Histogram, ends: tuple[float, float], column: Column, upright: bool
 ) -> None:
     f, most = into.figure, float(max(told.counts.max(), 1))
-    left, right, top = told.edges[:-1], told.edges[1:], told.counts
+    # bars that lie on their side have the same columns
+    _put(into.sources["bars"], left=told.edges[:-1], right=told.edges[1:], top=told.counts)
     if upright:
-        _put(into.sources["bars"], left=left, right=right, top=top)
         _set_range(f.x_range, ends)
         _set_range(f.y_range, (0.0, 1.04 * most))
         return
-    # bars lie on their side
-    _put(into.sources["bars"], bottom=left, top=right, right=top)
     _set_range(f.y_range, ends)
     _set_range(f.x_range, (0.0, 2.6 * most))
     places = [place for place in told.places if ends[0] <= place <= ends[1]]
@@ -287,7 +286,7 @@ def _medians(told: Medians | None, x: Column, y: Column, palette: Palette) -> St
     _dress(f, f"Median energy, kWh: {y.within_sentence} over {x.within_sentence}", palette)
     f.ygrid.visible = False
     for axis, column, places in zip((f.xaxis[0], f.yaxis[0]), (x, y), middles, strict=True):
-        labels = {k: column.show(float(place)) for k, place in enumerate(places)}
+        labels = dict(enumerate(short_numbers(places)))
         axis.update(
             ticker=FixedTicker(ticks=list(labels)),
             major_label_overrides=labels,
@@ -302,6 +301,13 @@ def _medians(told: Medians | None, x: Column, y: Column, palette: Palette) -> St
     style: dict[str, Any] = {"text_align": "center", "text_baseline": "middle", **text_style(12)}
     f.text("x", "y", "text", source=signs, text_color="ink", **style)
     return StudyFigure(f, {"cells": cells, "signs": signs}, palette)
+
+
+def short_numbers(places: FloatArray) -> list[str]:
+    """Return numbers with as few decimals as tell a thousandth of their span apart."""
+    within = 1e-3 * float(np.ptp(places))
+    digits = next((d for d in range(10) if np.all(np.abs(np.round(places, d) - places) <= within)), 9)
+    return [words.number(float(place), digits) for place in places]
 
 
 def _fill_medians(into: StudyFigure, told: Medians) -> None:

@@ -54,6 +54,8 @@ MARGINS_CSS = """
   :host > :nth-child(2), :host > :nth-child(4) { display: none; } }
 """
 SELECT: dict[str, Any] = {"size": "small", "margin": (6, 8, 2, 0), "sizing_mode": "stretch_width", "min_width": 120}
+# the name of a field is told whole
+SELECT["sx"] = {"& .MuiSelect-select": {"whiteSpace": "normal !important", "lineHeight": "1.2 !important"}}
 
 
 class StudyChart(FinishedChart):
