@@ -243,8 +243,7 @@ def _add_study(commands: "argparse._SubParsersAction[_Parser]") -> None:
     for name, words in STUDIES.items():
         study = _add(studies, name, words)
         study.add_argument("file", metavar="FILE", help="a scenario file, or the name of a scenario")
-        formats = "OUT.csv or OUT.parquet" if name == "sweep" else "OUT.nc (netCDF), OUT.csv or OUT.parquet"
-        _add_output(study, formats)
+        _add_output(study, "OUT.nc (netCDF), OUT.csv or OUT.parquet")
         _add_changes(study)
         _add_workspace(study)
         if name == "sweep":
@@ -277,6 +276,17 @@ def _add_sweep(sweep: _Parser) -> None:
         action="extend",
         default=[],
         help="further columns, such as max_speed_kmh, traction_energy_kwh, recuperated_kwh or losses_kwh",
+    )
+    sweep.add_argument(
+        "--scheduler",
+        metavar="ADDRESS",
+        help="of a Dask scheduler whose workers solve the rows, such as tcp://node1:8786; default: this machine's "
+        "processors; needs the extra cluster",
+    )
+    sweep.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on with a sweep that was stopped or killed, whose rows are kept beside the table",
     )
     _add_json(sweep)
 

@@ -1,13 +1,30 @@
 """`railjoule study sweep`: very many runs of a scenario whose numbers vary, as one table in a file."""
 
+import logging
 import shutil
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
-from railjoule.core.scenario import StrategyName
-from railjoule.core.studies.sweep import DEFAULT_COLUMNS, Method, SweepTable, sweep
+from tqdm import tqdm
+
+from railjoule.core.studies.sweep import (
+    DEFAULT_COLUMNS,
+    ExportError,
+    Results,
+    SensitivityError,
+    Study,
+    SweepFile,
+    run_study,
+    sensitivities,
+    study_of,
+    write_rows,
+)
+from railjoule.core.studies.sweep.cluster import cluster
+from railjoule.core.studies.sweep.export import require_format
 from railjoule.core.workspace import Workspace
 from railjoule.core.written import require_writable
 from railjoule.dashboard.command.commands import (
@@ -17,15 +34,17 @@ from railjoule.dashboard.command.commands import (
     failures_named,
     load,
     shortened,
-    table_file,
-    write_table,
 )
 
 if TYPE_CHECKING:
     import argparse
 
-# a number of 17 digits with sign, point and comma in text; in Parquet 8, and what little of repetition it saves
-BYTES_A_NUMBER = {".csv": 20, ".parquet": 8}
+RUNS_SUFFIX = ".runs"
+"""Of the file that keeps the rows until all are done; it stands beside the table."""
+# a number of 17 digits with sign, point and comma in text; else 8, and what little a format adds or packs
+BYTES_A_NUMBER = {".csv": 20, ".parquet": 8, ".nc": 8}
+BYTES_KEPT = 8
+STOPPED = "stopped: {done:,} of {rows:,} rows are kept in {file}; --resume goes on with them."
 
 
 def study_sweep(options: "argparse.Namespace", changes: Mapping[str, Any], own: Workspace | None = None) -> None:
@@ -34,38 +53,57 @@ def study_sweep(options: "argparse.Namespace", changes: Mapping[str, Any], own: 
     Raises
     ------
     RailjouleError
-        If anything is wrong with the scenario, a range, the sample or the file to write.
+        If anything is wrong with the scenario, a range, the sample, the cluster or a file; what was done is kept.
     """
-    path, over = table_file(options.output, "-o"), parsed_ranges(options.over)
-    columns = (*DEFAULT_COLUMNS, *options.columns)
-    _require_disk(path, options.sample * (len(over) + len(columns)))
-    scenario = load(options.file, changes, own)
+    path, over = _table_path(options.output), parsed_ranges(options.over)
+    kept = path.with_name(path.name + RUNS_SUFFIX)
+    study = study_of(
+        load(options.file, changes, own),
+        over,
+        options.sample,
+        options.method,
+        seed=options.seed,
+        strategy=options.strategy,
+        columns=(*DEFAULT_COLUMNS, *options.columns),
+    )
     # before hours of runs, not after them
     with failures_named(path):
         require_writable(path)
-    announce_compilation()
-    table = sweep(
-        scenario,
-        over,
-        options.sample,
-        cast("Method", options.method),
-        seed=options.seed,
-        strategy=cast("StrategyName | None", options.strategy),
-        columns=columns,
-        progress=_progress(options.sample),
-    )
-    write_table(table.to_dataframe(), path, index=False)
-    Output(options.json).show(summarise_sweep(table), lambda values: _text(str(path), values))
+    with _results(study, path, kept, options.resume) as results:
+        _require_disk(path, kept, study, results.done)
+        announce_compilation()
+        _run(results, kept, options.scheduler)
+        with failures_named(path):
+            write_rows(results, path)
+        told = summarise_sweep(results)
+    kept.unlink()
+    Output(options.json).show(told, lambda values: _text(str(path), values))
 
 
-def summarise_sweep(table: SweepTable) -> dict[str, Any]:
-    """Return what a sweep took as plain values."""
+def summarise_sweep(results: Results) -> dict[str, Any]:
+    """Return what a sweep took, and which field decides its energy, as plain values."""
+    without = [reason for chunk in results.chunks() for reason in chunk.reasons.values()]
     return {
-        "rows": table.rows,
-        "without_run": len(table.reasons),
-        "first_reason": next(iter(table.reasons.values()), None),
-        "seconds": table.seconds,
-        "runs_per_s": table.runs_per_s,
+        "rows": results.done,
+        "without_run": len(without),
+        "first_reason": without[0] if without else None,
+        "seconds": results.seconds,
+        "runs_per_s": results.done / results.seconds,
+        "fingerprint": results.study.fingerprint,
+        "sensitivities": _summarise_sensitivities(results),
+    }
+
+
+def _summarise_sensitivities(results: Results) -> dict[str, Any] | None:
+    """Return Sobol' indices of the energy by field; None where the rows do not tell them."""
+    try:
+        told = sensitivities(results)
+    except SensitivityError:
+        return None
+    shares = zip(told.fields, told.first, told.total, told.first_error, told.total_error, strict=True)
+    return {
+        name: dict(zip(("first", "total", "first_error", "total_error"), map(float, numbers), strict=True))
+        for name, *numbers in shares
     }
 
 
@@ -96,32 +134,89 @@ def parsed_ranges(words: Sequence[str]) -> dict[str, tuple[float, float]]:
     return ranges
 
 
-def _require_disk(path: Path, numbers: int) -> None:
-    """Raise CommandError if a table of so many numbers does not fit beside a file."""
+def _table_path(name: str) -> Path:
+    try:
+        require_format(Path(name))
+    except ExportError as error:
+        raise CommandError(f"-o {error}") from None
+    return Path(name)
+
+
+def _results(study: Study, path: Path, kept: Path, resume: bool) -> SweepFile:
+    """Return where the rows go: a new file, or that of a sweep that did not come to its end."""
+    if not resume:
+        if kept.exists():
+            raise CommandError(
+                f"{shortened(str(kept))} keeps the rows of a sweep that did not come to its end: --resume goes on with "
+                "it; to begin anew, remove it."
+            )
+        return SweepFile.create(kept, study)
+    if kept.exists():
+        return SweepFile.open(kept, study)
+    if path.exists():
+        raise CommandError(
+            f"--resume: {shortened(str(path))} is there, and nothing is left to be done for it; without --resume it is "
+            "made anew."
+        )
+    # a script that is started again and again always says --resume
+    return SweepFile.create(kept, study)
+
+
+def _run(results: SweepFile, kept: Path, scheduler: str | None) -> None:
+    rows = results.study.sample
+    with _workers(scheduler) as (executor, workers), _progress(results) as progress:
+        try:
+            run_study(results, executor=executor, workers=workers, progress=progress)
+        except KeyboardInterrupt:
+            print(STOPPED.format(done=results.done, rows=rows, file=shortened(str(kept))), file=sys.stderr)
+            raise
+
+
+@contextmanager
+def _workers(scheduler: str | None) -> Iterator[tuple[Executor | None, Callable[[], int] | None]]:
+    if scheduler is None:
+        yield None, None
+        return
+    # what Dask logs of a lost worker is no news: its chunks are done again, or the sweep says in a sentence why not
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    with cluster(scheduler) as workers:
+        yield workers
+
+
+@contextmanager
+def _progress(results: Results) -> Iterator[Callable[[int], None]]:
+    # not into a pipe or a file, whose readers look for errors
+    hidden = not sys.stderr.isatty()
+    with tqdm(total=results.study.sample, initial=results.done, unit=" runs", disable=hidden) as bar:
+        yield lambda done: bar.update(done - bar.n) and None
+
+
+def _require_disk(path: Path, kept: Path, study: Study, done: int) -> None:
+    """Raise CommandError if the rows of a study, kept until the table is written, do not fit on the disk beside it."""
     with failures_named(path):
         free = shutil.disk_usage(path.parent).free
-    needed = numbers * BYTES_A_NUMBER[path.suffix.lower()]
+    table = study.sample * study.width * BYTES_A_NUMBER[path.suffix.lower()]
+    needed = table + (study.sample - done) * study.width * BYTES_KEPT
     if needed > free:
+        if not done:
+            kept.unlink()
         raise CommandError(
-            f"{shortened(str(path))} would take about {needed / 1e9:.3g} GB, and there are {free / 1e9:.3g} GB left."
+            f"{shortened(str(path))} would take about {needed / 1e9:.3g} GB, with the rows kept until it is written, "
+            f"and there are {free / 1e9:.3g} GB left."
         )
-
-
-def _progress(rows: int) -> Callable[[int], None] | None:
-    # not into a pipe or a file, whose readers look for errors
-    if not sys.stderr.isatty():
-        return None
-
-    def show(done: int) -> None:
-        end = "\n" if done == rows else ""
-        print(f"\r{done:,} of {rows:,} runs", end=end, file=sys.stderr, flush=True)
-
-    return show
 
 
 def _text(name: str, values: Mapping[str, Any]) -> str:
     rows, seconds, rate = values["rows"], values["seconds"], values["runs_per_s"]
-    told = f"{shortened(name)}: {rows:,} rows in {seconds:.1f} s, {rate:,.0f} a second"
+    lines = [f"{shortened(name)}: {rows:,} rows in {seconds:.1f} s, {rate:,.0f} a second"]
     if values["without_run"]:
-        told += f"\n{values['without_run']:,} of them without a run, such as: {values['first_reason']}"
-    return told
+        lines.append(f"{values['without_run']:,} of them without a run, such as: {values['first_reason']}")
+    if values["sensitivities"]:
+        lines.append("Share of the energy's spread that a field decides, alone and with the others (Sobol' indices):")
+        widest = max(map(len, values["sensitivities"]))
+        lines += [
+            f"  {field:{widest}}  {100 * of['first']:5.1f} % ± {100 * of['first_error']:.1f}"
+            f"  {100 * of['total']:5.1f} % ± {100 * of['total_error']:.1f}"
+            for field, of in values["sensitivities"].items()
+        ]
+    return "\n".join(lines)

@@ -13,6 +13,7 @@ and `sensitivities` tells which field decides. `cluster` finds workers elsewhere
 """
 
 from railjoule.core.studies.sweep.columns import COLUMNS, DEFAULT_COLUMNS
+from railjoule.core.studies.sweep.export import ExportError, write_rows
 from railjoule.core.studies.sweep.file import StudyFileError, SweepFile
 from railjoule.core.studies.sweep.results import MemoryResults, Results, SweepTable, table_of
 from railjoule.core.studies.sweep.running import InterruptedStudyError, run_study
@@ -25,6 +26,7 @@ __all__ = [
     "COLUMNS",
     "DEFAULT_COLUMNS",
     "METHODS",
+    "ExportError",
     "InterruptedStudyError",
     "MemoryResults",
     "Method",
@@ -40,4 +42,5 @@ __all__ = [
     "study_of",
     "sweep",
     "table_of",
+    "write_rows",
 ]

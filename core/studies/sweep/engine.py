@@ -8,6 +8,7 @@ windows of arrival, and the few optima that are not found or not proven at once,
 import math
 import time
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
@@ -25,6 +26,7 @@ from railjoule.core.scenario import Scenario, StrategyName
 from railjoule.core.strategies import solve
 from railjoule.core.strategies.line_parts import arrival_windows
 from railjoule.core.studies.sweep.columns import COLUMNS
+from railjoule.core.studies.sweep.compiling import compiling_alone
 from railjoule.core.studies.sweep.fields import Field, Patch
 from railjoule.core.studies.sweep.version import solver_version
 from railjoule.core.task import Task, task_over
@@ -140,7 +142,13 @@ def _engine_of(plan: Plan) -> "Engine":
             f"a worker of the study has another version ({solver_version()}) than who asks it ({plan.solver}): install "
             "the same railjoule, numba, numpy and scipy on both."
         )
-    return Engine(plan)
+    engine = Engine(plan)
+    with compiling_alone(f"sweep-{plan.strategy}-{plan.scenario.vehicle.drive.model}") as needed:
+        if needed:
+            # whether this one can be driven does not matter
+            with suppress(RailjouleError):
+                engine.run([field.low for field in plan.fields])
+    return engine
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,6 +1,6 @@
 """Rows of a sweep that are done, as they come, and the table that they become."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
@@ -172,9 +172,12 @@ def table_of(results: Results) -> SweepTable:
     ScenarioError
         If it would be too large for the memory.
     """
-    study = results.study
-    require_memory(study)
-    chunks = list(results.chunks())
+    require_memory(results.study)
+    return chunk_table(results.study, list(results.chunks()), results.seconds)
+
+
+def chunk_table(study: Study, chunks: Sequence[Chunk], seconds: float) -> SweepTable:
+    """Return chunks of a study, in the order of their rows, as one table."""
     samples = np.concatenate([np.empty((0, len(study.fields))), *(chunk.samples for chunk in chunks)])
     values = np.concatenate([np.empty((0, len(study.columns))), *(chunk.rows.values for chunk in chunks)])
     index = np.concatenate([np.empty(0, dtype=np.int64), *(np.arange(chunk.first, chunk.end) for chunk in chunks)])
@@ -184,7 +187,7 @@ def table_of(results: Results) -> SweepTable:
         {field.name: frozen_array(samples[:, k]) for k, field in enumerate(study.fields)},
         {column: frozen_array(values[:, k]) for k, column in enumerate(study.columns)},
         {row: reason for chunk in chunks for row, reason in sorted(chunk.reasons.items())},
-        results.seconds,
+        seconds,
     )
 
 

@@ -85,7 +85,8 @@ class Sampler:
 def level_count(field: Field, rows: int, fields: int, method: str) -> int | None:
     """Return how many values a field takes in so many rows over so many fields; None if any of its range."""
     if method == "grid":
-        return int(round(rows ** (1 / fields)))
+        levels: int = round(rows ** (1 / fields))
+        return levels
     return int(field.high - field.low) + 1 if field.whole else None
 
 

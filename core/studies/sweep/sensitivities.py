@@ -190,7 +190,8 @@ def _told(study: Study, column: str, terms: IntArray, moments: FloatArray, rows:
 
 def _shares(terms: IntArray, moments: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return first order and total indices by the field, and the coefficients, of products summed over rows."""
-    coefficients: FloatArray = np.linalg.lstsq(moments[:-1, :-1], moments[:-1, -1], rcond=None)[0]
+    # not `solve`: fields of few values may leave terms that are the same at all rows
+    coefficients = np.asarray(np.linalg.lstsq(moments[:-1, :-1], moments[:-1, -1], rcond=None)[0], dtype=np.float64)
     squares = coefficients**2
     # the first term is the mean
     squares[0] = 0.0
