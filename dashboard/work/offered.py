@@ -1,6 +1,8 @@
 """Files that the server has written for one browser, which fetches each of them once."""
 
+import atexit
 import secrets
+import shutil
 import tempfile
 import threading
 from contextlib import suppress
@@ -30,15 +32,16 @@ class Offered:
     def __init__(self) -> None:
         self._files: dict[str, OfferedFile] = {}
         self._lock = threading.Lock()
-        self._folder: tempfile.TemporaryDirectory[str] | None = None
+        self._folder: str | None = None
 
     def new_path(self, suffix: str) -> Path:
         """Return where a file is to be written."""
         with self._lock:
             if self._folder is None:
+                self._folder = tempfile.mkdtemp(prefix="railjoule-")
                 # it goes when the process ends
-                self._folder = tempfile.TemporaryDirectory(prefix="railjoule-", ignore_cleanup_errors=True)
-            return Path(self._folder.name) / f"{secrets.token_hex(8)}{suffix}"
+                atexit.register(shutil.rmtree, self._folder, ignore_errors=True)
+            return Path(self._folder) / f"{secrets.token_hex(8)}{suffix}"
 
     def offer(self, path: Path, name: str) -> str:
         """Return the token under which a file can be fetched."""

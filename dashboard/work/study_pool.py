@@ -7,6 +7,7 @@ even where that is killed: each of them watches it.
 
 import multiprocessing
 import os
+import signal
 import threading
 from collections.abc import Callable
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
@@ -28,6 +29,8 @@ def begin_worker(nice: int) -> None:
     """Begin a worker process: with a lower priority, and with an end when its server has gone."""
     if hasattr(os, "nice"):
         os.nice(nice)
+    # pressed keys reach all processes of a terminal: the server alone answers them
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = multiprocessing.parent_process()
     if parent is not None:
         threading.Thread(target=_end_with, args=(parent.sentinel,), daemon=True).start()

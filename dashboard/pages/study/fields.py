@@ -12,8 +12,9 @@ from railjoule.dashboard.editor.fields_of import Field, parts_of, tables_in
 GROUPS = ("timetable", "vehicle", "drive", "line")
 """Tables of a file on whose numbers a plan depends, those within them included."""
 MOST_VARIED = 8
+TRAVEL_TIME = "timetable.travel_time_s"
 FIRST_VARIED = (
-    "timetable.travel_time_s",
+    TRAVEL_TIME,
     "vehicle.load_factor",
     "drive.recuperation_factor",
     "vehicle.auxiliary_power_kw",
@@ -86,7 +87,7 @@ class StudyField:
         least, most = self._bounds
         if self.path in FIRST_SPANS:
             low, high = FIRST_SPANS[self.path]
-        elif self.path == "timetable.travel_time_s":
+        elif self.path == TRAVEL_TIME:
             low, high = (float(round(share * self.value)) for share in TIME_SPAN)
         elif self.declared.least is not None and self._is_fraction:
             low, high = least, min(most, 1.0)
@@ -150,7 +151,8 @@ def _fields_in(scenario: Scenario, table: str, model: str) -> Iterator[StudyFiel
     kind = model if table.startswith("drive") else ""
     for part in parts_of(table, kind):
         if isinstance(part, Field) and part.kind in {"number", "whole"}:
-            value = held_at(scenario, part.key)
+            # a timetable may name a mean speed instead, and be given a time all the same
+            value = scenario.travel_time_s if part.key == TRAVEL_TIME else held_at(scenario, part.key)
             # one that is left out follows from others, and cannot vary beside them
             if isinstance(value, int | float) and not isinstance(value, bool):
                 yield StudyField(part.key, _words(table), part, float(value))

@@ -387,7 +387,7 @@ def figures_of(look: Look, columns: Mapping[str, Column]) -> list[Markup]:
     return [
         decides,
         of("Lowest", look.lowest),
-        of("Median", look.median, "so far"),
+        of("Median", look.median, f"of {words.number(look.driven, 0)} runs"),
         of("Highest", look.highest),
         parts.figure(
             "Can be driven",
