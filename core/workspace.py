@@ -1,6 +1,7 @@
 """A user's own vehicles, lines, scenarios and measured runs: TOML and CSV files in one folder.
 
     scenarios/NAME.toml   vehicles/NAME.toml   lines/NAME.toml or NAME.csv (its sections)   runs/NAME.csv
+    studies/NAME.study
 
 Nothing outside the folder is read or written, whatever a name says. A file is replaced as a whole or not at all, and
 what was deleted or replaced lies in `.deleted`, the last hundred of it.
@@ -57,6 +58,8 @@ SUFFIXES: Mapping[Kind, tuple[str, ...]] = {
 WORDS: Mapping[Kind, str] = {"scenarios": "scenario", "vehicles": "vehicle", "lines": "line", "runs": "run"}
 VEHICLE_KEYS = set(Vehicle.model_fields) - set(Line.model_fields) | {"drive"}
 """What only a vehicle has; both have a name and a preset."""
+STUDIES, STUDY_SUFFIX = "studies", ".study"
+"""The folder of kept studies, each a file of `railjoule.core.studies.sweep.SweepFile`."""
 MOST_FILES = 1000
 """Of a kind: the page lists them all."""
 DELETED, LOCK, TEMPORARY = ".deleted", ".lock", ".new-"
@@ -306,6 +309,37 @@ class Workspace:
             _put_where_nothing_is(self._deleted_folder() / deleted.place, target)
             return self._stamped(file.kind, target)
 
+    # ---- studies, which are no text and of any size
+
+    def studies(self) -> tuple[str, ...]:
+        """Return the names of all kept studies, sorted; raises WorkspaceError if their folder cannot be read."""
+        with _told(f"{self.folder / STUDIES} cannot be read"):
+            try:
+                entries = [entry for entry in os.scandir(self._folder(STUDIES)) if entry.is_file(follow_symlinks=False)]
+            except FileNotFoundError:
+                return ()
+        names = [entry.name.removesuffix(STUDY_SUFFIX) for entry in entries if entry.name.endswith(STUDY_SUFFIX)]
+        return tuple(sorted((name for name in names if not name.startswith(".")), key=same_name_key)[:MOST_FILES])
+
+    def study_path(self, name: str) -> Path:
+        """Return where the study of a name is kept.
+
+        Raises
+        ------
+        RailjouleError
+            If it is no name, or the folder cannot be made.
+        """
+        name = checked_name(name)
+        with _told(f"{self.folder / STUDIES} cannot be made"):
+            return self._folder(STUDIES, make=True) / f"{name}{STUDY_SUFFIX}"
+
+    def delete_study(self, name: str) -> None:
+        """Put a kept study away among the deleted files; raises RailjouleError if there is none, or it cannot be."""
+        path = self.study_path(name)
+        with self._thread_lock, _told(f"{name}: nothing was changed in {self.folder / STUDIES}"):
+            path.rename(self._deleted_folder() / f"{STUDIES}-{secrets.token_hex(4)}-{path.name}")
+            self._forget_oldest()
+
     # ---- within
 
     def _there(self, kind: Kind, name: str) -> OwnFile:
@@ -326,7 +360,7 @@ class Workspace:
         first = name[:LONGEST_NAME].rstrip()
         return next(one for one in itertools.chain([first], tries) if same_name_key(one) not in known)
 
-    def _folder(self, kind: Kind | None, make: bool = False) -> Path:
+    def _folder(self, kind: str | None, make: bool = False) -> Path:
         """Return the folder of a kind, which lies within the workspace; without a kind that of the deleted files."""
         path = self.folder / (kind or DELETED)
         if make:
@@ -391,7 +425,7 @@ class Workspace:
 
     def _write(self, target: Path, content: bytes, replaced: OwnFile | None) -> None:
         """Put a content in the place of a file: it is there as a whole, on the disk, before it has the name."""
-        folder = self._folder(target.parent.name, make=True)  # type: ignore[arg-type]
+        folder = self._folder(target.parent.name, make=True)
         temporary = folder / f"{TEMPORARY}{secrets.token_hex(8)}"
         try:
             with temporary.open("xb") as file:

@@ -48,6 +48,7 @@ from railjoule.dashboard.server.kept_files import KeptFileHandler
 from railjoule.dashboard.server.logs import keep_quiet, write_down
 from railjoule.dashboard.server.metrics import MetricsHandler
 from railjoule.dashboard.server.not_found import NotFoundHandler
+from railjoule.dashboard.server.offered_files import OfferedFileHandler
 from railjoule.dashboard.server.opening import TOKEN, Opening, PageHandler, PageSocket
 from railjoule.dashboard.server.options import LOCAL_NAMES, NO_LOGIN, ServerOptions
 from railjoule.dashboard.server.places import Places
@@ -79,6 +80,7 @@ EXTRA_PATTERNS = [
     ("/health", HealthHandler),
     ("/ready", ReadyHandler),
     ("/metrics", MetricsHandler),
+    (r"/file/([\w-]+)", OfferedFileHandler),
     *documentation_patterns(),
 ]
 VIEWS: dict[str, type[PageView]] = {name: view_of(name) for name in PAGES}

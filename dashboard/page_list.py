@@ -15,6 +15,7 @@ NAMES = (
     "Speed limits",
     "Motor",
     "Line",
+    "Study",
     "Learn",
     "Measured runs",
     "Import",

@@ -439,6 +439,18 @@ MOTORS = (
         ("Assumed / true rotor resistance", "Assumed / true resistance"),
     ),
 )
+STUDIES = (
+    Term(
+        "Sobol\u2019 indices",
+        "How much of the variance of the energy a field decides over the ranges of a study: alone, and with all "
+        "that it does together with others. The first kind adds up to at most 100 %.",
+    ),
+    Term(
+        "Spread",
+        "How the runs of a study are drawn: evenly, by a Sobol\u2019 or Halton sequence that leaves no part of the "
+        "ranges empty, at random, or on a grid of equal steps.",
+    ),
+)
 GROUPS: dict[str, tuple[Term, ...]] = {
     "Strategies": STRATEGIES,
     "Energy and proof": ENERGY,
@@ -447,6 +459,7 @@ GROUPS: dict[str, tuple[Term, ...]] = {
     "Driving": DRIVING,
     "Train and line": TRAIN,
     "Motors": MOTORS,
+    "Studies": STUDIES,
 }
 """All terms as Help lists them."""
 TERMS = tuple(term for terms in GROUPS.values() for term in terms)

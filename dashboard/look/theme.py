@@ -71,6 +71,12 @@ def editor_css() -> str:
 
 
 @cache
+def study_css() -> str:
+    """Return the style sheet of the page Study's own parts, to be had beside that of pieces or of forms."""
+    return (ASSETS / "css" / "study.css").read_text(encoding="utf-8")
+
+
+@cache
 def document_css() -> str:
     """Return the style sheet of the document: font, colours of both themes, focus."""
     light, dark = (_variables(THEMES[name]) for name in ("light", "dark"))

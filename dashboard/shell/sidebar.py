@@ -23,6 +23,7 @@ from railjoule.dashboard.pages.disturbances.fields import EventFields
 from railjoule.dashboard.pages.motor.fields import MotorFields
 from railjoule.dashboard.pages.robustness.fields import RealityFields
 from railjoule.dashboard.pages.speed_limits.fields import SectionFields
+from railjoule.dashboard.pages.study.settings import StudyFields
 from railjoule.dashboard.parts.html import html_pane, stack
 from railjoule.dashboard.parts.number_field import LoadField, NumberField
 from railjoule.dashboard.shell.changes import Changes
@@ -279,6 +280,7 @@ OWN_FIELDS: Mapping[str, Callable[[Workbench], HasView]] = {
     "Disturbances": EventFields,
     "Speed limits": SectionFields,
     "Motor": MotorFields,
+    "Study": StudyFields,
 }
 """Fields that one page alone has, by its name."""
 

@@ -28,6 +28,7 @@ from railjoule.dashboard.pages.papers.model import PapersModel
 from railjoule.dashboard.pages.robustness.model import RobustnessModel
 from railjoule.dashboard.pages.speed_limits.model import SpeedLimitsModel
 from railjoule.dashboard.pages.start.model import StartModel
+from railjoule.dashboard.pages.study.model import StudyModel
 from railjoule.dashboard.pages.trade_off.compute import TradeOff
 from railjoule.dashboard.state.files import FilesModel
 from railjoule.dashboard.state.kept import Kept
@@ -109,6 +110,7 @@ class Workbench(Kept, PageModel):
         self.motor = MotorModel()
         self.line = LineModel(self.scenario)
         self.measured_runs = MeasuredRunsModel()
+        self.study = StudyModel(self.scenario.base)
         self.learn = LearnModel()
         self.papers = PapersModel()
         self.imports = ImportModel()

@@ -132,6 +132,8 @@ class Worker(Generic[Request, Result]):
     about : callable
         Returns what the page is about, such as its scenario without edits. A result, or an error, is dropped where that
         is another object than when it was asked for; who asks for nothing twice has to forget that it asked.
+    threads : executor, optional
+        Where all requests are computed, slow or not.
     """
 
     def __init__(
@@ -142,7 +144,9 @@ class Worker(Generic[Request, Result]):
         mark: Callable[[bool], None] = nobody,
         is_slow: Callable[[Request], bool] = lambda _: False,
         about: Callable[[], object] = nothing,
+        threads: ThreadPoolExecutor | None = None,
     ) -> None:
+        self._threads = threads
         self._compute, self._deliver, self._fail, self._is_slow = compute, deliver, fail, is_slow
         self._about = about
         self._late = Lateness(mark)
@@ -174,7 +178,7 @@ class Worker(Generic[Request, Result]):
 
     def _start(self, request: Request) -> None:
         self._running = True
-        threads = SLOW_THREADS if self._is_slow(request) else THREADS
+        threads = self._threads or (SLOW_THREADS if self._is_slow(request) else THREADS)
         # asked now: by the time the result comes, the page may be about another scenario
         future = threads.submit(self._timed, request)
         events.TALLY.queue(future)

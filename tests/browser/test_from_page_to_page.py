@@ -22,12 +22,12 @@ THERE_WITHIN_S = 45.0
 LOOK_MS = 40
 COMPILED_WITHIN_MS = 240_000
 COMMAND = ("-m", "railjoule.dashboard", "serve")
-WITHOUT_NUMBER = {"Compare", "Disturbances", "Measured runs", "Import", "Help"}
-WITHOUT_CHART = {"Start", "Papers", "Measured runs", "Import", "Help"}
+WITHOUT_NUMBER = {"Compare", "Disturbances", "Study", "Measured runs", "Import", "Help"}
+WITHOUT_CHART = {"Start", "Study", "Papers", "Measured runs", "Import", "Help"}
 NAMES = tuple(PAGES)
 SUBURBAN, STATIONS = "ftorek-300s", "metro-10-stations"
 """One whose motor is known, and one with stations: together they have all charts."""
-FORMS = ("Measured runs", "Import", "Help")
+FORMS = ("Study", "Measured runs", "Import", "Help")
 """Pages that hold a form or a text: nothing that another page leaves behind can keep them from being drawn."""
 LACKING = {SUBURBAN: {"Line"}, STATIONS: {"Motor"}}
 """Pages that say what the scenario lacks."""

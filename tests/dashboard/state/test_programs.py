@@ -7,9 +7,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from railjoule.core import load_scenario
+from railjoule.core.studies.sweep import study_of, sweep
 from railjoule.dashboard.actual.model import as_planned
 from railjoule.dashboard.actual.work import Actual
 from railjoule.dashboard.command.cli import main
@@ -135,6 +137,7 @@ CASES = (
         prepare=fix_an_arrival,
         name="fixed arrival",
     ),
+    Case("Study", "liashenko-i", plan, prepare=slide),
     Case("Measured runs", "metro-with-limit", plan),
     Case("Import", "liashenko-i", plan, prepare=slide),
     Case("Help", "liashenko-i", plan, prepare=slide),
@@ -239,6 +242,20 @@ def test_the_lessons_are_a_program(capsys: pytest.CaptureFixture[str]) -> None:
     ]
     assert sorted(printed) == sorted(shown)
     assert as_command(recipe_of(state)).startswith("# No command line gives this: ")
+
+
+def test_a_study_is_a_program(capsys: pytest.CaptureFixture[str]) -> None:
+    state = Workbench()
+    state.scenario.choose("liashenko-i")
+    state.study.study = study_of(state.scenario.scenario(), {"vehicle.load_factor": (0.0, 1.0)}, 3, seed=4)
+    state.page = "Study"
+    recipe = recipe_of(state)
+    found: dict[str, Any] = {}
+    exec(compile(as_python(recipe), "program", "exec"), found)
+    same = sweep(state.scenario.scenario(), {"vehicle.load_factor": (0.0, 1.0)}, 3, seed=4)
+    assert np.array_equal(found["table"].columns["energy_kwh"], same.columns["energy_kwh"])
+    assert "energy_kwh" in capsys.readouterr().out
+    assert as_command(recipe).startswith("# No command line gives this: ")
 
 
 def test_the_papers_are_a_command() -> None:

@@ -1,0 +1,180 @@
+"""The numbers of a scenario that a study may vary: their names, bounds, and the ranges that one begins with."""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+from railjoule.core.scenario import Scenario
+from railjoule.dashboard.editor.fields_of import Field, parts_of, tables_in
+
+GROUPS = ("timetable", "vehicle", "drive", "line")
+"""Tables of a file on whose numbers a plan depends, those within them included."""
+MOST_VARIED = 8
+TRAVEL_TIME = "timetable.travel_time_s"
+FIRST_VARIED = (
+    TRAVEL_TIME,
+    "vehicle.load_factor",
+    "drive.recuperation_factor",
+    "vehicle.auxiliary_power_kw",
+    "line.head_wind_kmh",
+)
+"""What a study varies until other fields are chosen."""
+AROUND = 0.2
+"""By this share a number varies at first to both sides."""
+FIRST_SPANS = {"vehicle.load_factor": (0.0, 1.0)}
+FIRST_REACH = {"kW": 50.0, "km/h": 20.0}
+"""How far a number that is zero varies at first, by its unit; others by 1."""
+TIME_SPAN = 1.02, 1.4
+"""The travel time varies at first between these times that of the timetable."""
+MOST_OF_FRACTIONS = 1.5
+"""Of a number with bounds up to this, the slider reaches from one to the other."""
+RULER_STEPS = 400
+NO_UNIT = "\u2013"
+
+
+@dataclass(frozen=True)
+class StudyField:
+    """A number that may vary.
+
+    Parameters
+    ----------
+    path : str
+        Its key in the file.
+    group : str
+        The table that it stands in, in words.
+    declared : Field
+        As the editor has it: label, unit, bounds.
+    value : float
+        What the scenario has there.
+    """
+
+    path: str
+    group: str
+    declared: Field
+    value: float
+
+    @property
+    def quantity(self) -> str:
+        """What it is called; in a table within another one, with the name of that."""
+        name = self.declared.quantity
+        return f"{self.group}: {name[:1].lower()}{name[1:]}" if self.path.count(".") > 1 else name
+
+    @property
+    def unit(self) -> str:
+        """Its unit, empty where it has none."""
+        return self.declared.unit
+
+    @property
+    def label(self) -> str:
+        """Quantity and unit, as on an axis; a dash where it has none."""
+        return f"{self.quantity}, {self.unit or NO_UNIT}"
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The least and the greatest number of its slider."""
+        least, most = self._bounds
+        if self._is_fraction:
+            return least, most
+        low, high = self.first_range
+        span = max(high - low, abs(self.value))
+        return float(max(least, _rounded(low - span, span))), float(min(most, _rounded(high + span, span)))
+
+    @property
+    def first_range(self) -> tuple[float, float]:
+        """The range that it begins with, within its bounds."""
+        least, most = self._bounds
+        if self.path in FIRST_SPANS:
+            low, high = FIRST_SPANS[self.path]
+        elif self.path == TRAVEL_TIME:
+            low, high = (float(round(share * self.value)) for share in TIME_SPAN)
+        elif self.declared.least is not None and self._is_fraction:
+            low, high = least, min(most, 1.0)
+        else:
+            reach = AROUND * abs(self.value) or FIRST_REACH.get(self.declared.unit, 1.0)
+            low, high = (_rounded(self.value + way * reach, reach) for way in (-1, 1))
+        low, high = max(low, least), min(high, most)
+        if self.is_whole:
+            low, high = math.ceil(low), max(math.ceil(low), math.floor(high))
+        return float(low), float(high)
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether it takes whole numbers alone."""
+        return self.declared.kind == "whole"
+
+    @property
+    def step(self) -> float:
+        """The step of its slider."""
+        if self.is_whole:
+            return 1.0
+        low, high = self.ends
+        step: float = 10.0 ** math.floor(math.log10(max((high - low) / RULER_STEPS, 1e-9)))
+        return step
+
+    @property
+    def _is_fraction(self) -> bool:
+        least, most = self._bounds
+        return math.isfinite(least) and most <= MOST_OF_FRACTIONS
+
+    @property
+    def _bounds(self) -> tuple[float, float]:
+        field = self.declared
+        low = field.least if field.least is not None else -math.inf
+        high = field.most if field.most is not None else math.inf
+        # a bound that is not reached itself is kept away from by a thousandth
+        if field.above is not None:
+            low = field.above + 1e-3 * max(abs(self.value), 1e-3)
+        if field.below is not None:
+            high = field.below - 1e-3 * max(abs(self.value), 1e-3)
+        return low, high
+
+
+def _rounded(number: float, span: float) -> float:
+    """Return a number to about a hundredth of a span."""
+    digits = 2 - math.floor(math.log10(span)) if span > 0 else 2
+    return round(number, max(digits, 0)) if digits > 0 else float(round(number, digits))
+
+
+@lru_cache(maxsize=16)
+def fields_that_vary(scenario: Scenario) -> Mapping[str, StudyField]:
+    """Return the numbers of a scenario that a study may vary, by their keys in the file."""
+    model = str(scenario.vehicle.drive.model)
+    return {field.path: field for group in GROUPS for field in _fields_in(scenario, group, model)}
+
+
+def _fields_in(scenario: Scenario, table: str, model: str) -> Iterator[StudyField]:
+    held = held_at(scenario, table)
+    if held is None:
+        return
+    kind = model if table.startswith("drive") else ""
+    for part in parts_of(table, kind):
+        if isinstance(part, Field) and part.kind in {"number", "whole"}:
+            # a timetable may name a mean speed instead, and be given a time all the same
+            value = scenario.travel_time_s if part.key == TRAVEL_TIME else held_at(scenario, part.key)
+            # one that is left out follows from others, and cannot vary beside them
+            if isinstance(value, int | float) and not isinstance(value, bool):
+                yield StudyField(part.key, _words(table), part, float(value))
+    for inner in tables_in(table, kind):
+        yield from _fields_in(scenario, inner, model)
+
+
+def _words(table: str) -> str:
+    name = table.rpartition(".")[2].replace("_", " ")
+    return name[:1].upper() + name[1:]
+
+
+def held_at(scenario: Scenario, path: str) -> Any:
+    """Return what a scenario has at a key of its file; None where it has nothing."""
+    held: Any = scenario
+    # in a file the drive is a table of its own
+    for name in (f"vehicle.{path}" if path.startswith("drive") else path).split("."):
+        held = getattr(held, name, None)
+    return held
+
+
+def first_ranges(scenario: Scenario) -> dict[str, list[float]]:
+    """Return what a study of a scenario varies at first, each between two numbers."""
+    known = fields_that_vary(scenario)
+    return {path: list(known[path].first_range) for path in FIRST_VARIED if path in known}

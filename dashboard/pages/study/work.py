@@ -1,0 +1,418 @@
+"""The work behind the page Study: it estimates, runs, looks at, keeps and opens studies."""
+
+import importlib.util
+from collections.abc import Callable, Mapping
+from concurrent.futures import BrokenExecutor
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+import panel as pn
+
+from railjoule.core import RailjouleError, Scenario
+from railjoule.core.scenario import format_scenario
+from railjoule.core.strategies import STRATEGIES
+from railjoule.core.studies.sweep import MemoryResults, Results, Study, SweepFile, SweepTable, table_of
+from railjoule.dashboard.insides import turns_of
+from railjoule.dashboard.pages.study.compute import (
+    Estimate,
+    EstimateRequest,
+    Look,
+    LookRequest,
+    compute_estimate,
+    compute_look,
+    write_table,
+)
+from railjoule.dashboard.pages.study.model import COLUMNS, ROWS_AT_ONCE, Progress, Saved, StudyModel
+from railjoule.dashboard.pages.study.places import shape_of
+from railjoule.dashboard.pages.study.running import Running
+from railjoule.dashboard.state.draft import FIELD_KEYS
+from railjoule.dashboard.state.page_work import PageWork
+from railjoule.dashboard.state.scenario import RUN_FIELDS
+from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work.offered import OFFERED
+from railjoule.dashboard.work.study_pool import LOOK_THREADS, LOOKS, STUDY_THREADS
+from railjoule.dashboard.work.worker import Worker, without_page
+
+if TYPE_CHECKING:
+    from railjoule.dashboard.pages.study.charts import Drawn
+
+PAGE = "Study"
+SETTINGS = ("over", "method", "strategy", "runs", "seed")
+LOOKED_AT = ("x", "y", "colour", "map_x", "map_y", "choice", "shown")
+RASTER_PX = (440, 300)
+OTHER_SOLVER = "Another version of railjoule made its runs: they can be looked at, and none can be added."
+LOOK_LOST = "The process that draws studies ended unexpectedly; it is started again with the next change."
+Result = TypeVar("Result")
+
+
+def has_parquet() -> bool:
+    """Return whether the server can write Parquet."""
+    return importlib.util.find_spec("pyarrow") is not None
+
+
+def beside(here: bool, act: Callable[..., Result], *arguments: Any) -> Result:
+    """Act in the process for what pages draw of studies, or `here`, where there is no page around it."""
+    if here:
+        return act(*arguments)
+    try:
+        return LOOKS.executor().submit(act, *arguments).result()
+    except BrokenExecutor:
+        LOOKS.renew()
+        raise RailjouleError(LOOK_LOST) from None
+
+
+@dataclass(frozen=True, eq=False)
+class DrawRequest:
+    """What is to be looked at, the figures that are there by their shape, and whether there is no page."""
+
+    look: LookRequest
+    shape: tuple[object, ...]
+    dark: bool
+    here: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """What was looked at, and the figures where they are others than before."""
+
+    look: Look
+    drawn: "Drawn | None"
+
+
+def look_and_draw(request: DrawRequest) -> Shown:
+    """Return what is looked at, with figures where those of before have another shape; runs in a thread."""
+    look = beside(request.here, compute_look, request.look)
+    if look.runs is None or shape_of(look) == request.shape:
+        return Shown(look, None)
+    # HoloViews takes its time to load, and is loaded for this page alone
+    from railjoule.dashboard.pages.study.charts import draw  # noqa: PLC0415
+
+    return Shown(look, draw(request.look.table.study, look, request.dark))
+
+
+@dataclass(frozen=True)
+class SaveRequest:
+    """A table that is to be written for the browser."""
+
+    table: SweepTable
+    suffix: str
+    name: str
+    here: bool
+
+
+def save(request: SaveRequest) -> Saved:
+    """Return where the browser fetches a table from."""
+    path = OFFERED.new_path(request.suffix)
+    beside(request.here, write_table, request.table, path)
+    return Saved(f"file/{OFFERED.offer(path, request.name)}", request.name)
+
+
+@dataclass(frozen=True)
+class BeginRequest:
+    """A study that is to begin, and the file that keeps it, if any."""
+
+    settings: EstimateRequest
+    path: Path | None
+
+
+def make_results(request: BeginRequest) -> Results:
+    """Return where the rows of a study go; errors as `study_of`."""
+    study = request.settings.study()
+    return MemoryResults(study) if request.path is None else SweepFile.create(request.path, study)
+
+
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """A kept study with its rows."""
+
+    results: SweepFile
+    table: SweepTable
+
+
+def open_kept(path: Path) -> Opened:
+    """Return a kept study; errors as `SweepFile.open`."""
+    results = SweepFile.open(path)
+    try:
+        return Opened(results, table_of(results))
+    except RailjouleError:
+        results.close()
+        raise
+
+
+class Studies(PageWork[StudyModel]):
+    """Has the studies of one page made, one at a time, and looks at the one that is shown."""
+
+    page = PAGE
+
+    def __init__(self, state: Workbench) -> None:
+        super().__init__(state, state.study)
+        self.results: Results | None = None
+        self.table: SweepTable | None = None
+        self._running: Running | None = None
+        self._base: Mapping[str, Any] | None = None
+        self._shape: tuple[object, ...] = ()
+        model = self.model
+
+        def of_study() -> object:
+            return model.study
+
+        self.estimator: Worker[tuple[EstimateRequest, bool], Estimate] = Worker(
+            lambda asked: beside(asked[1], compute_estimate, asked[0]),
+            self._take_estimate,
+            self._refuse,
+            threads=LOOK_THREADS,
+        )
+        self.beginner: Worker[BeginRequest, Results] = Worker(
+            make_results, self._begin, self._refuse, threads=LOOK_THREADS
+        )
+        self.looker: Worker[DrawRequest, Shown] = Worker(
+            look_and_draw, self._take_look, self.take_failure, about=of_study, threads=LOOK_THREADS
+        )
+        self.saver: Worker[SaveRequest, Saved] = Worker(
+            save, self._take_saved, self._refuse_file, about=of_study, threads=LOOK_THREADS
+        )
+        self.opener: Worker[Path, Opened] = Worker(open_kept, self._take_kept, self._refuse, threads=LOOK_THREADS)
+        state.scenario.follow(lambda _: None, model.take)
+        state.scenario.param.watch(self._settle, list(RUN_FIELDS))
+        model.param.watch(self._settle, list(SETTINGS))
+        model.param.watch(self._look, list(LOOKED_AT))
+        state.param.watch(self._appear, ["page", "dark"])
+        for event, act in {"start": self._start, "stop": self._stop, "resume": self._go_on}.items():
+            model.param.watch(act, event)
+        model.param.watch(self._save, "wanted_file")
+        model.param.watch(self._open_run, "wanted_run")
+        model.param.watch(self._do_with_kept, "wanted_kept")
+
+    # ---- what is asked for
+
+    def _settle(self, *_: Any) -> None:
+        """Follow the settings: what they ask for, and how long it takes."""
+        if not self.in_sight:
+            return
+        model = self.model
+        over = tuple((path, float(low), float(high)) for path, (low, high) in model.over.items())
+        request = EstimateRequest(
+            self.state.scenario.scenario(), over, model.runs, model.method, model.seed, model.strategy, COLUMNS
+        )
+        if self.is_new(request, "estimate"):
+            model.param.update(current=request, refusal="")
+            self.estimator.ask((request, pn.state.curdoc is None))
+
+    def _appear(self, *_: Any) -> None:
+        if self.in_sight:
+            self._list_kept()
+            self._settle()
+            self._look()
+
+    def _take_estimate(self, estimate: Estimate) -> None:
+        self.model.estimate = estimate
+
+    def _refuse(self, failure: RailjouleError) -> None:
+        self.model.refusal = str(failure)
+
+    # ---- runs
+
+    def _start(self, *_: Any) -> None:
+        request = self.model.current
+        if request is None or self.model.progress.is_under_way:
+            return
+        path, name = None, self.model.name_to_keep.strip()
+        workspace = self.state.files.workspace
+        try:
+            if name and workspace is not None:
+                path = workspace.study_path(name)
+        except RailjouleError as refusal:
+            self._refuse(refusal)
+            return
+        self.model.refusal = ""
+        self.beginner.ask(BeginRequest(request, path))
+
+    def _begin(self, results: Results) -> None:
+        request = self.model.current
+        self._show_results(results, results.path.stem if isinstance(results, SweepFile) else None)
+        self._base = self.state.scenario.keep()
+        self.model.asked = request
+        if isinstance(results, SweepFile):
+            self.model.name_to_keep = ""
+            self._list_kept()
+        self._run()
+
+    def _show_results(self, results: Results, name: str | None) -> None:
+        """Show another study, and let go of the one before."""
+        self._let_go()
+        self.results, self.table, self._shape, self._base = results, None, (), None
+        self.model.param.update(
+            study=results.study,
+            asked=None,
+            look=None,
+            drawn=None,
+            choice={},
+            shown=ROWS_AT_ONCE,
+            failure=None,
+            refusal="",
+            kept_as=name,
+            may_go_on=True,
+        )
+
+    def _let_go(self) -> None:
+        """End what runs, and close its file after its last rows."""
+        if self._running is not None:
+            self._running.stop()
+            self._running = None
+        if isinstance(self.results, SweepFile):
+            # by the thread that hands over runs: after those that are under way
+            STUDY_THREADS.submit(_close, self.results)
+        self.results = None
+
+    def _run(self) -> None:
+        assert self.results is not None
+        document = pn.state.curdoc
+        turn = without_page if document is None else turns_of(document)
+        running: Running
+
+        def hear(progress: Progress, table: SweepTable | None) -> None:
+            if running is self._running:
+                with pn.io.hold():
+                    self._hear(progress, table)
+
+        running = self._running = Running(self.results, hear, turn)
+        if document is None:
+            running.do(here=True)
+        else:
+            running.begin()
+
+    def _hear(self, progress: Progress, table: SweepTable | None) -> None:
+        if table is not None:
+            self.table = table
+            self._look()
+        self.model.progress = progress
+
+    def _stop(self, *_: Any) -> None:
+        if self._running is not None and self.model.progress.is_under_way:
+            progress = self.model.progress
+            self.model.progress = Progress("stopping", progress.done, progress.runs, progress.per_s)
+            self._running.stop()
+
+    def _go_on(self, *_: Any) -> None:
+        if self.results is not None and not self.model.progress.is_under_way and self.model.may_go_on:
+            self._run()
+
+    # ---- what is looked at
+
+    def _look(self, *_: Any) -> None:
+        model, table = self.model, self.table
+        if table is None or model.study is None or not self.in_sight:
+            return
+        choice = {name: (low, high) for name, (low, high) in model.choice.items()}
+        request = LookRequest(table, *model.axes(), *model.map_axes(), choice, model.shown, RASTER_PX)
+        self.looker.ask(DrawRequest(request, self._shape, self.state.dark, pn.state.curdoc is None))
+
+    def _take_look(self, shown: Shown) -> None:
+        ranked_before = self.model.map_axes()
+        if shown.drawn is not None:
+            self._shape = shown.drawn.shape
+            self.model.drawn = shown.drawn
+        self.model.param.update(look=shown.look, failure=None)
+        # once it is known which fields decide, the map shows these
+        if self.model.map_axes() != ranked_before:
+            self._look()
+
+    # ---- what leaves the page
+
+    def _save(self, *_: Any) -> None:
+        suffix, table = self.model.wanted_file, self.table
+        if suffix is None:
+            return
+        self.model.wanted_file = None
+        if table is not None and not self.model.saving:
+            self.model.param.update(saving=True, refusal="")
+            self.saver.ask(SaveRequest(table, suffix, f"study{suffix}", pn.state.curdoc is None))
+
+    def _take_saved(self, saved: Saved) -> None:
+        self.model.param.update(saved=saved, saving=False)
+
+    def _refuse_file(self, failure: RailjouleError) -> None:
+        self.model.param.update(refusal=str(failure), saving=False)
+
+    def _open_run(self, *_: Any) -> None:
+        """Show a run of the study on Drive: its scenario takes the place of the page's, in one step."""
+        row, table, study = self.model.wanted_run, self.table, self.model.study
+        if row is None or table is None or study is None:
+            return
+        self.model.wanted_run = None
+        place = int(np.searchsorted(table.index, row))
+        if place >= table.rows or table.index[place] != row:
+            return
+        values = {field.name: field.value(float(table.samples[field.name][place])) for field in study.fields}
+        try:
+            with pn.io.hold():
+                self._lay(study, values)
+        except RailjouleError as refusal:
+            self._refuse(refusal)
+            return
+        if study.strategy in STRATEGIES:
+            self.state.chosen = study.strategy
+        self.state.page = "Drive"
+
+    def _lay(self, study: Study, values: Mapping[str, Any]) -> None:
+        scenario, base = self.state.scenario, self._base
+        if base is None or any(base[name] != getattr(scenario, name) for name in ("preset", "toml")):
+            # opened from a file, or the page has another scenario by now
+            row: Scenario = study.scenario.with_(**values)
+            scenario.open(format_scenario(row), study.scenario.title)
+            return
+        edits = {**base["edits"], **{path: number for path, number in values.items() if path not in FIELD_KEYS}}
+        fields = {field: base[field] for field in FIELD_KEYS.values()}
+        for path, number in values.items():
+            if path in FIELD_KEYS:
+                fields[FIELD_KEYS[path]] = number if path.endswith("_s") else 100 * number
+        scenario.lay({"edits": edits, **fields})
+
+    # ---- kept studies
+
+    def _list_kept(self) -> None:
+        workspace = self.state.files.workspace
+        if workspace is not None:
+            with suppress(RailjouleError):
+                self.model.kept_names = list(workspace.studies())
+
+    def _do_with_kept(self, *_: Any) -> None:
+        wanted, workspace = self.model.wanted_kept, self.state.files.workspace
+        if wanted is None or workspace is None:
+            return
+        self.model.wanted_kept = None
+        verb, name = wanted
+        try:
+            path = workspace.study_path(name)
+            if verb == "open" and name != self.model.kept_as:
+                self.opener.ask(path)
+            elif verb == "delete" and name != self.model.kept_as:
+                workspace.delete_study(name)
+                self._list_kept()
+        except RailjouleError as refusal:
+            self._refuse(refusal)
+
+    def _take_kept(self, opened: Opened) -> None:
+        results = opened.results
+        self._show_results(results, results.path.stem)
+        self.table = opened.table
+        done, runs = opened.table.rows, results.study.sample
+        told = "" if results.same_solver else OTHER_SOLVER
+        self.model.param.update(
+            progress=Progress("done" if done == runs else "stopped", done, runs, None, told),
+            may_go_on=results.same_solver,
+        )
+        self._look()
+
+    def end(self, *_: Any) -> None:
+        """End the study, as the page has gone; what is kept in a file stays there."""
+        super().end()
+        self._let_go()
+
+
+def _close(results: SweepFile) -> None:
+    with suppress(RailjouleError):
+        results.close()

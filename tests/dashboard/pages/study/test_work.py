@@ -1,0 +1,197 @@
+"""The work of the page without a page around it: all of it is done in the test's own turn."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from railjoule.core import load_scenario, solve
+from railjoule.core.studies.sweep import SweepFile
+from railjoule.core.workspace import Workspace
+from railjoule.dashboard.keep.history import History
+from railjoule.dashboard.keep.snapshot import lay, snapshot_of
+from railjoule.dashboard.pages.study.model import StudyModel
+from railjoule.dashboard.pages.study.work import Studies
+from railjoule.dashboard.state.files import serve_files_of
+from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work.offered import OFFERED
+
+TIME, LOAD = "timetable.travel_time_s", "vehicle.load_factor"
+
+
+class Desk:
+    """A workbench with the page in sight."""
+
+    def __init__(self) -> None:
+        self.state = Workbench()
+        self.state.scenario.choose("liashenko-i")
+        self.work = Studies(self.state)
+        self.model: StudyModel = self.state.study
+        self.model.take(self.state.scenario.base)
+        self.model.param.update(over={TIME: [115.0, 150.0], LOAD: [0.0, 1.0]}, runs=60)
+        self.state.page = "Study"
+
+    def run(self) -> None:
+        self.model.param.trigger("start")
+        assert self.model.refusal == ""
+        assert self.model.progress.state == "done"
+
+
+@pytest.fixture
+def desk() -> Desk:
+    return Desk()
+
+
+def test_nothing_is_asked_for_before_the_page_is_in_sight() -> None:
+    state = Workbench()
+    Studies(state)
+    assert state.study.current is None
+    state.page = "Study"
+    assert state.study.current is not None
+    assert state.study.estimate is not None
+    assert state.study.study is None
+
+
+def test_a_study_is_run_looked_at_and_drawn(desk: Desk) -> None:
+    desk.run()
+    model = desk.model
+    assert model.progress.done == 60
+    assert model.look is not None
+    assert model.look.done == 60
+    assert model.look.request[:3] == (TIME, "energy_kwh", LOAD)
+    assert model.drawn is not None
+    drawn = model.drawn
+    model.colour = "max_speed_kmh"
+    assert model.look.request[2] == "max_speed_kmh"
+    assert model.drawn is not drawn
+
+
+def test_the_map_shows_the_fields_that_decide_most(desk: Desk) -> None:
+    desk.model.over = {"line.head_wind_kmh": [0.0, 1.0], LOAD: [0.0, 1.0], TIME: [115.0, 150.0]}
+    desk.run()
+    assert desk.model.look is not None
+    assert desk.model.look.shares is not None
+    assert desk.model.map_axes() == desk.model.look.shares.fields[:2]
+    assert desk.model.look.request[3:] == desk.model.look.shares.fields[:2]
+
+
+def test_other_settings_are_another_study_and_the_last_one_stays_until_it_begins(desk: Desk) -> None:
+    desk.run()
+    first = desk.model.study
+    desk.model.seed = 9
+    assert desk.model.asked != desk.model.current
+    assert desk.model.study is first
+    desk.run()
+    assert desk.model.study is not first
+    assert desk.model.asked == desk.model.current
+
+
+def test_a_study_that_cannot_be_begun_leaves_the_last_one(desk: Desk) -> None:
+    desk.run()
+    first = desk.model.study
+    desk.model.over = {LOAD: [0.0, 7.0]}
+    desk.model.param.trigger("start")
+    assert "load_factor" in desk.model.refusal
+    assert desk.model.study is first
+    assert desk.model.progress.done == 60
+
+
+def test_a_run_is_opened_on_drive_and_taken_back(desk: Desk) -> None:
+    state = desk.state
+    desk.run()
+    table = desk.work.table
+    assert table is not None
+    before = snapshot_of(state)
+    history = History(before)
+    desk.model.wanted_run = 7
+    assert state.page == "Drive"
+    energy = solve(state.scenario.scenario()).energy_kwh
+    # the load goes through percent, so that its last bits differ
+    assert energy == pytest.approx(float(table.columns["energy_kwh"][7]), rel=1e-7)
+    assert state.scenario.travel_time_s == table.samples[TIME][7]
+    history.note(snapshot_of(state))
+    back = history.undo()
+    assert back is not None
+    lay(state, back)
+    assert state.scenario.scenario() == load_scenario("liashenko-i")
+
+
+def test_a_run_is_opened_where_the_page_has_another_scenario_by_now(desk: Desk) -> None:
+    desk.run()
+    table, study = desk.work.table, desk.model.study
+    assert table is not None
+    assert study is not None
+    desk.state.scenario.choose("tram-950m")
+    desk.model.wanted_run = 3
+    opened = desk.state.scenario.scenario()
+    assert opened.vehicle.name == study.scenario.vehicle.name
+    assert opened.travel_time_s == pytest.approx(float(table.samples[TIME][3]), abs=0.06)
+
+
+def test_a_row_that_is_not_there_opens_nothing(desk: Desk) -> None:
+    desk.run()
+    desk.model.wanted_run = 4711
+    assert desk.state.page == "Study"
+
+
+def test_the_table_is_written_for_the_browser_once(desk: Desk) -> None:
+    desk.run()
+    desk.model.wanted_file = ".csv"
+    saved = desk.model.saved
+    assert saved is not None
+    assert not desk.model.saving
+    token = saved.place.removeprefix("file/")
+    file = OFFERED.take(token)
+    assert file is not None
+    assert len(file.path.read_text(encoding="utf-8").splitlines()) == 61
+    file.drop()
+
+
+@pytest.fixture
+def own(tmp_path: Path) -> Iterator[Path]:
+    serve_files_of(Workspace(tmp_path))
+    yield tmp_path
+    serve_files_of(None)
+
+
+def test_a_study_is_kept_opened_again_and_goes_on(own: Path) -> None:
+    desk = Desk()
+    desk.model.name_to_keep = "my study"
+    desk.run()
+    assert desk.model.kept_as == "my study"
+    assert (own / "studies" / "my study.study").is_file()
+    desk.work.end()
+    # its file is closed by the thread that hands over runs
+    from railjoule.dashboard.work.study_pool import STUDY_THREADS  # noqa: PLC0415
+
+    STUDY_THREADS.submit(int).result()
+    other = Desk()
+    assert other.model.kept_names == ["my study"]
+    other.model.wanted_kept = ("open", "my study")
+    assert other.model.refusal == ""
+    assert other.model.progress.state == "done"
+    assert other.model.kept_as == "my study"
+    assert other.model.look is not None
+    assert other.model.look.done == 60
+    assert isinstance(other.work.results, SweepFile)
+    assert np.array_equal(other.work.table.index, np.arange(60))  # type: ignore[union-attr]
+    # what is shown is not deleted under the hand
+    other.model.wanted_kept = ("delete", "my study")
+    assert other.model.kept_names == ["my study"]
+    other.work.end()
+    STUDY_THREADS.submit(int).result()
+    third = Desk()
+    third.model.wanted_kept = ("delete", "my study")
+    assert third.model.kept_names == []
+
+
+def test_a_name_that_is_taken_is_refused(own: Path) -> None:
+    desk = Desk()
+    desk.model.name_to_keep = "twice"
+    desk.run()
+    desk.model.param.update(name_to_keep="twice", seed=5)
+    desk.model.param.trigger("start")
+    assert "exists already" in desk.model.refusal
+    assert desk.model.progress.done == 60
+    desk.work.end()
