@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from railjoule.core.csv_text import csv_of_table
 from railjoule.core.errors import RailjouleError
 from railjoule.core.studies.sweep.results import Chunk, Results, chunk_table, table_of
 from railjoule.core.written import written
@@ -73,7 +74,7 @@ def origin_of(results: Results) -> dict[str, str]:
 def _write_csv(results: Results, place: Path) -> None:
     with place.open("w", encoding="utf-8", newline="") as file:
         for number, table in enumerate(_tables(results)):
-            table.to_csv(file, index=False, header=number == 0)
+            file.write(csv_of_table(table, header=number == 0))
 
 
 def _write_parquet(results: Results, place: Path) -> None:
