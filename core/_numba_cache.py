@@ -5,11 +5,13 @@ its cache goes on serving the old number. A folder named by a hash of all source
 """
 
 import hashlib
+import logging
 import os
 import sys
 import tempfile
 from pathlib import Path
 
+LOG = logging.getLogger(__name__)
 VARIABLE = "NUMBA_CACHE_DIR"
 
 
@@ -29,12 +31,25 @@ def cache_root() -> Path:
     base = os.environ.get(variable)
     try:
         root = (Path(base) if base else Path.home() / ".cache") / "railjoule"
-        root.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=root):  # a home may exist and yet be read-only
-            return root
-    except (OSError, RuntimeError):
-        # compiled code is loaded from there, so it must not be a place where others may have put theirs
-        return Path(tempfile.mkdtemp(prefix="railjoule-"))
+        _require_writable(root)
+    except (OSError, RuntimeError) as error:
+        return _passing_folder(error)
+    return root
+
+
+def _require_writable(folder: Path) -> None:
+    """Make a folder, and raise OSError if nothing can be written there: one may exist and yet be read-only."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryFile(dir=folder):
+        pass
+
+
+def _passing_folder(error: Exception) -> Path:
+    """Return a folder for this process alone, and say why."""
+    # compiled code is loaded from there, so it must not be a place where others may have put theirs
+    folder = Path(tempfile.mkdtemp(prefix="railjoule-"))
+    LOG.warning("railjoule cannot keep its compiled kernels (%s): it compiles for a minute at each start.", error)
+    return folder
 
 
 def select_cache_folder() -> str:
@@ -43,6 +58,12 @@ def select_cache_folder() -> str:
     It works before and after numba's first import, as numba reads the variable only once.
     """
     folder = os.environ.get(VARIABLE)
+    try:
+        # numba would quietly keep its files beside the sources, where an edited helper gives an old number
+        if folder:
+            _require_writable(Path(folder))
+    except OSError as error:
+        folder = os.environ[VARIABLE] = str(_passing_folder(error))
     if not folder:
         folder = str(cache_root() / f"numba-{source_hash(Path(__file__).parent)}")
         os.environ[VARIABLE] = folder

@@ -1,20 +1,36 @@
 """The dashboard: composes one open page, and serves it. `panel serve` may run this file too."""
 
+import gc
 import logging
+import socket
 import time
-from collections.abc import Callable
+from collections.abc import Callable, MutableSequence
 from typing import Any
 
 import panel as pn
 from bokeh.settings import settings
 from panel.io.callbacks import PeriodicCallback
 from panel.io.server import Server
+from tornado.ioloop import IOLoop
+from tornado.ioloop import PeriodicCallback as TornadoCallback
+from tornado.web import StaticFileHandler
 
 from railjoule.core.workspace import Workspace
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.editor.view import EditorView
 from railjoule.dashboard.faults import handle
-from railjoule.dashboard.insides import application_of, count_no_events
+from railjoule.dashboard.insides import (
+    PageAnswer,
+    PageConnection,
+    application_of,
+    count_no_events,
+    exchange,
+    first_html,
+    listen_no_more,
+    remember_defaults,
+    taking,
+    tell_no_insides,
+)
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.keep.lifeline import Lifeline
 from railjoule.dashboard.keep.pins import Pins
@@ -23,32 +39,50 @@ from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.pages.page import PageView, view_of
 from railjoule.dashboard.report.button import ReportButton
 from railjoule.dashboard.report.work import Reporting
+from railjoule.dashboard.server.documentation import documentation_patterns
+from railjoule.dashboard.server.front import SERVES
 from railjoule.dashboard.server.guard import guard
+from railjoule.dashboard.server.handed import take_handed
 from railjoule.dashboard.server.health import HealthHandler, ReadyHandler
+from railjoule.dashboard.server.kept_files import KeptFileHandler
 from railjoule.dashboard.server.logs import keep_quiet, write_down
+from railjoule.dashboard.server.metrics import MetricsHandler
 from railjoule.dashboard.server.not_found import NotFoundHandler
 from railjoule.dashboard.server.offered_files import OfferedFileHandler
-from railjoule.dashboard.server.options import NO_LOGIN, ServerOptions
+from railjoule.dashboard.server.opening import TOKEN, Opening, PageHandler, PageSocket
+from railjoule.dashboard.server.options import LOCAL_NAMES, NO_LOGIN, ServerOptions
+from railjoule.dashboard.server.places import Places
 from railjoule.dashboard.shell.share import Share
-from railjoule.dashboard.shell.shell import Page, Shell
+from railjoule.dashboard.shell.shell import Page, Shell, empty_page
 from railjoule.dashboard.state.files import serve_files_of
 from railjoule.dashboard.state.plan_work import Plans
 from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work import events
 from railjoule.dashboard.work.warmup import Reached, warmup
 
 pn.extension("plotly", notifications=False, exception_handler=handle)
 keep_quiet()
 count_no_events()
+tell_no_insides()
+remember_defaults()
 # Panel asks models for many attributes that they may not have: a tenth of a move went into guesses at what it meant
 settings.perform_error_diagnostics = False
 
 LOG = logging.getLogger(__name__)
 POLL_MS = 300
-OPENS_WITHIN_MS = 2000
-"""A page that has no connection by then is taken for one that was left."""
+COMPRESSION_LEVEL = 4
+"""Of what pages are sent: a sixth of the bytes for 3 ms of the processor a page; higher levels hardly save more."""
+TELL_MS = 100
+"""How often one of several processes tells the others how many pages it has."""
 LOOK_MS = 3000
 """How often a page looks at My files, which others may change too."""
-EXTRA_PATTERNS = [("/health", HealthHandler), ("/ready", ReadyHandler), (r"/file/([\w-]+)", OfferedFileHandler)]
+EXTRA_PATTERNS = [
+    ("/health", HealthHandler),
+    ("/ready", ReadyHandler),
+    ("/metrics", MetricsHandler),
+    (r"/file/([\w-]+)", OfferedFileHandler),
+    *documentation_patterns(),
+]
 VIEWS: dict[str, type[PageView]] = {name: view_of(name) for name in PAGES}
 """What draws each page."""
 
@@ -57,6 +91,7 @@ class Session:
     """One open page: its state, its work, its views."""
 
     def __init__(self) -> None:
+        began_s = time.monotonic()
         # asked before the state is made, which needs no kernel then
         self._is_without_ends = warmup().holds_up_tasks
         self._reached: Reached | None = None
@@ -80,15 +115,16 @@ class Session:
         self.shell = Shell(self.state, self.browser, share, pages, self.editor.view)
         self.plans.begin()
         self.state.param.watch(self._paint, "dark")
-        self._opened_s = time.monotonic()
+        self._document = pn.state.curdoc
         pn.state.on_session_destroyed(lambda _: self._end())
         self.shell.open()
         if warmup().first.is_set() and self.state.scenario.is_shipped:
             # a page that is sent with its first run is there a second earlier than one that asks for it
-            self.plans.do_if_short()
+            self.plans.take_first()
         self.reporting = Reporting(self.state)
         self.shell.add(*ReportButton(self.reporting.model, self.browser, self.lifeline.save).parts)
         pn.state.onload(self._load)
+        events.begin(self._document, lambda: str(self.state.page), began_s)
 
     def _begin_colours(self) -> None:
         """Take the colours of the address, else those for which the system asked when it was here last."""
@@ -98,7 +134,7 @@ class Session:
 
     def _end(self) -> None:
         """End what still runs: the page is gone."""
-        LOG.info("a page was open for %.0f s, at last %s", time.monotonic() - self._opened_s, self.state.page)
+        events.end(self._document)
         for work in (*self.works, self.reporting):
             work.end()
 
@@ -187,7 +223,45 @@ def serve(options: ServerOptions, workspace: Workspace | None = None) -> None:
     run(make_server(options))
 
 
-def make_server(options: ServerOptions, *patterns: Any, **settings: Any) -> Server:
+def serve_handed(
+    options: ServerOptions,
+    workspace: Workspace | None,
+    number: int,
+    channel: socket.socket,
+    shared: MutableSequence[int],
+) -> None:
+    """Serve in one of several processes, on connections that another one takes, until that one is gone.
+
+    Parameters
+    ----------
+    options : ServerOptions
+        Where, and to whom, all of them serve.
+    workspace : Workspace or None
+        The files that My files shows.
+    number : int
+        Which process this is.
+    channel : socket
+        On which it is handed connections, as `railjoule.dashboard.server.front` does.
+    shared : mutable sequence of int
+        Where all processes tell how many pages they have, as `Places` takes it.
+    """
+    serve_files_of(workspace)
+    write_down()
+    warmup().start()
+    server = make_server(options, shared=shared, number=number)
+    take = taking(server)
+    server.io_loop.add_handler(channel, lambda *_: take_handed(channel, take, server.io_loop.stop), IOLoop.READ)
+    server.io_loop.add_callback(channel.send, SERVES)
+    run(server)
+
+
+def make_server(
+    options: ServerOptions,
+    *patterns: Any,
+    shared: MutableSequence[int] | None = None,
+    number: int = 0,
+    **settings: Any,
+) -> Server:
     """Return a server of the dashboard that is yet to run.
 
     Parameters
@@ -195,39 +269,67 @@ def make_server(options: ServerOptions, *patterns: Any, **settings: Any) -> Serv
     options : ServerOptions
     *patterns
         What it answers beside the page, as tornado takes it.
+    shared : mutable sequence of int, optional
+        Where several processes tell how many pages they have; such a process listens nowhere itself.
+    number : int
+        Which of them this is.
     **settings
         Of Bokeh's server.
     """
+    listens = shared is None
     server = pn.serve(
         {"/": make_page},
         extra_patterns=[*EXTRA_PATTERNS, *patterns],
-        address=options.address,
-        port=options.port,
+        # Bokeh has to listen somewhere; it is ended below
+        address=options.address if listens else LOCAL_NAMES[1],
+        port=options.port if listens else 0,
         prefix=options.prefix,
         show=False,
         start=False,
+        verbose=listens,
         websocket_origin=options.websocket_origins,
         title="railjoule",
         default_handler_class=NotFoundHandler,
+        websocket_compression_level=COMPRESSION_LEVEL,
         **settings,
     )
-    guard(application_of(server), options, lambda: open_pages(server))
+    if not listens:
+        listen_no_more(server)
+    opening = Opening(first_html(server, empty_page(), TOKEN), lambda: places.has_one)
+    places = Places(options.sessions, lambda: (open_pages(server), opening.awaited), shared, number)
+    exchange(
+        server,
+        {
+            PageAnswer: (PageHandler, {"opening": opening}),
+            PageConnection: (PageSocket, {"opening": opening}),
+            StaticFileHandler: (KeptFileHandler, {}),
+        },
+    )
+    guard(application_of(server), options, lambda: places.taken)
+    if not listens:
+        TornadoCallback(places.tell, TELL_MS).start()
     return server
 
 
 def run(server: Server) -> None:
     """Run a server until it is stopped."""
     server.start()
+    warmup().then(prepare)
     server.io_loop.start()
 
 
+def prepare() -> None:
+    """Make ready what all pages need, once the kernels are there."""
+    Plans(Workbench()).compute_first()
+    # or Python looks for garbage in all that stays until the end, again and again: half a second of all pages each time
+    gc.collect()
+    gc.freeze()
+
+
 def open_pages(server: Server) -> int:
-    """Return how many pages a server has open, with those that are just opening."""
+    """Return how many pages a server has open."""
     # a session outlives its page for half a minute, in which it has no connection
-    return sum(
-        session.connection_count > 0 or session.milliseconds_since_last_unsubscribe < OPENS_WITHIN_MS
-        for session in server.get_sessions()
-    )
+    return sum(session.connection_count > 0 for session in server.get_sessions())
 
 
 # the name under which `panel serve` runs a file

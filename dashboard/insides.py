@@ -6,21 +6,34 @@ browser's half is assets/scripts/follow.js and assets/scripts/mends.js.
 """
 
 import asyncio
+import socket
 from collections.abc import Callable
 from typing import Any
 from weakref import WeakKeyDictionary
 
 import panel as pn
 import panel_material_ui as pmui
+from bokeh.core.property.bases import ParameterizedProperty
+from bokeh.core.property.descriptors import PropertyDescriptor
+from bokeh.core.property.singletons import Undefined
 from bokeh.document import Document
 from bokeh.embed.util import standalone_docs_json_and_render_items
 from bokeh.model import Model
 from bokeh.models import InlineStyleSheet
+from bokeh.protocol.message import Message
+from bokeh.server.connection import ServerConnection
+from bokeh.util.token import generate_jwt_token, generate_session_id, get_session_id, get_token_payload
 from panel.custom import JSComponent
-from panel.io.resources import LOCAL_DIST
-from panel.io.server import Server
+from panel.io.document import _cleanup_doc
+from panel.io.resources import LOCAL_DIST, Resources
+from panel.io.server import DocHandler, Server, WSHandler, server_html_page_for_session
+from panel.io.session import generate_session
+from panel.io.state import set_curdoc
 from panel.viewable import Viewable
-from tornado.web import Application
+from tornado.httputil import HTTPServerRequest
+from tornado.iostream import IOStream
+from tornado.routing import Rule
+from tornado.web import Application, RequestHandler
 
 SHEETS: WeakKeyDictionary[Document, dict[str, InlineStyleSheet]] = WeakKeyDictionary()
 """Style sheets of each document: there are hundreds of panes, and it is sent each sheet once."""
@@ -117,6 +130,7 @@ class LightComponent(JSComponent):
         return share_sheets(doc, super()._get_properties(doc))
 
 
+FAILED = "The server could not take a change; its log describes the error."
 AS_TEXT = "<plaintext>"
 """All that follows this element is text to a browser. Panel's half reads what it is sent as HTML, and takes the text of
 that for the HTML to show; Panel escapes each letter of it, which takes up to six letters for one."""
@@ -184,10 +198,189 @@ def attach(document: Any, model: Model) -> None:
                 models._models_by_name.add_value(new.name, new)
 
 
+PLAIN = frozenset({type(None), bool, int, float, str, type(Undefined)})
+"""Kinds of values that nobody can change."""
+
+
+def remember_defaults() -> None:
+    """Let Bokeh look up once for each class what its properties are by default, where that is a plain value.
+
+    It collects, copies and validates the default anew for each property of each model, whenever that is made, read or
+    written down: a third of what it took to open a page.
+    """
+    PropertyDescriptor._get_default = _default_of(PropertyDescriptor._get_default)
+    PropertyDescriptor.has_unstable_default = _by_class(PropertyDescriptor.has_unstable_default)
+    # each dict that is validated asks for the name of its type, for an error that it hardly ever raises
+    ParameterizedProperty.__str__ = _once(ParameterizedProperty.__str__)
+
+
+def _default_of(look_up: Callable[[Any, Any], Any]) -> Callable[[Any, Any], Any]:
+    known: dict[type, dict[str, Any]] = {}
+
+    def default_of(self: Any, of: Any) -> Any:
+        name, themed = self.name, of.themed_values()
+        if themed is not None and name in themed:
+            return look_up(self, of)
+        defaults = known.setdefault(of.__class__, {})
+        if name in defaults:
+            return defaults[name]
+        found = look_up(self, of)
+        # an unstable one is made for each model, even where the first is a plain value
+        if type(found) in PLAIN and not self.has_unstable_default(of):
+            defaults[name] = found
+        return found
+
+    return default_of
+
+
+def _once(name_of: Callable[[Any], str]) -> Callable[[Any], str]:
+    def named(self: Any) -> str:
+        name: str | None = vars(self).get("_railjoule_name")
+        if name is None:
+            name = vars(self)["_railjoule_name"] = name_of(self)
+        return name
+
+    return named
+
+
+def _by_class(look_up: Callable[[Any, Any], bool]) -> Callable[[Any, Any], bool]:
+    known: dict[type, dict[str, bool]] = {}
+
+    def found_for(self: Any, of: Any) -> bool:
+        answers = known.setdefault(of.__class__, {})
+        if self.name not in answers:
+            answers[self.name] = look_up(self, of)
+        return answers[self.name]
+
+    return found_for
+
+
 def application_of(server: Server) -> Application:
     """Return the application of tornado that answers a server's requests, for which Bokeh has no public name."""
     application: Application = server._tornado
     return application
+
+
+# ---- panel 1.9.4 and bokeh 3.9.2: how a page opens
+
+PageAnswer, PageConnection = DocHandler, WSHandler
+"""What answers whoever asks for a page, and what its browser then connects to; Panel changes those of Bokeh."""
+
+
+def first_html(server: Server, page: Viewable, token: str) -> str:
+    """Return what a browser gets first of any page with the same roots as this one, made for nobody."""
+    session = generate_session(server_context(server).application, initialize=False)
+    document = session.document
+    try:
+        with set_curdoc(document):
+            page.server_doc(document, location=True)
+            # as `DocHandler` does with the page that it has made for each browser
+            return str(
+                server_html_page_for_session(
+                    session,
+                    resources=Resources.from_bokeh(application_of(server).resources()),
+                    title=document.title,
+                    token=token,
+                    template=document.template,
+                    template_variables=document.template_variables,
+                )
+            )
+    finally:
+        _cleanup_doc(document, destroy=True)
+
+
+def server_context(server: Server) -> Any:
+    """Return what holds the pages of a server that has one."""
+    (context,) = application_of(server).applications.values()
+    return context
+
+
+def listen_no_more(server: Server) -> None:
+    """Let a server listen nowhere; it goes on with the connections that it has and with those that it is given."""
+    server._http.stop()
+
+
+def taking(server: Server) -> Callable[[socket.socket], None]:
+    """Return what lets a server serve a connection that was taken elsewhere."""
+
+    def take(connection: socket.socket) -> None:
+        address = connection.getpeername()
+        stream = IOStream(connection, max_buffer_size=server._http.max_buffer_size)
+        server._http.handle_stream(stream, address)
+
+    return take
+
+
+def exchange(server: Server, handlers: dict[type[RequestHandler], tuple[type[RequestHandler], dict[str, Any]]]) -> None:
+    """Let others answer for handlers of the libraries and for those that inherit from them.
+
+    Parameters
+    ----------
+    server : Server
+    handlers : dict
+        By the library's class, ours, which is put before it, and what more it is given.
+    """
+    for rule in application_of(server).wildcard_router.rules:
+        if not isinstance(rule.target, type):
+            continue
+        for known, (own, more) in handlers.items():
+            if issubclass(rule.target, known):
+                _answer_with(rule, own, more)
+
+
+def _answer_with(rule: Rule, own: type[RequestHandler], more: dict[str, Any]) -> None:
+    """Put a class before that which answers for a rule."""
+    rule.target = own if issubclass(own, rule.target) else type(own.__name__, (own, rule.target), {})
+    rule.target_kwargs = {**(rule.target_kwargs or {}), **more}
+
+
+def token_of(handler: DocHandler) -> str:
+    """Return a token for a new page, which holds what its browser has asked for."""
+    application = handler.application
+    return str(
+        generate_jwt_token(
+            generate_session_id(secret_key=application.secret_key, signed=application.sign_sessions),
+            secret_key=application.secret_key,
+            signed=application.sign_sessions,
+            expiration=application.session_token_expiration,
+            extra_payload={**handler._generate_token_payload(), ADDRESS: handler.request.uri},
+        )
+    )
+
+
+ADDRESS = "railjoule_address"
+"""What a token calls the path and the query of its page."""
+
+
+def page_of_token(token: str) -> str:
+    """Return path and query of the page that a token is for."""
+    return str(get_token_payload(token).get(ADDRESS, "/"))
+
+
+def begin_as(request: HTTPServerRequest, address: str) -> None:
+    """Let a connection look like the request for its page, from which Panel reads path and query."""
+    request.uri = address
+    request.path, _, request.query = address.partition("?")
+
+
+def forget_begun(connection: WSHandler, token: str) -> None:
+    """Forget a page that could not be made, which Bokeh would take for one that is being made."""
+    connection.application_context._pending_sessions.pop(get_session_id(token), None)
+
+
+def note_pulled(connection: WSHandler, message: Message[Any]) -> None:
+    """Let a page that has just been written down for its browser be sent what is changed in it from then on.
+
+    Panel 1.9.4 begins when the browser says that the page is drawn. It takes for granted that what was changed before
+    is written down with the page, which the browser asks for later than that; here it asks at once.
+    """
+    if message.msgtype == "PULL-DOC-REQ" and connection.connection is not None:
+        pn.state._connected[connection.connection.session.document] = True
+
+
+def is_gone(connection: WSHandler) -> bool:
+    """Return whether the browser has closed a connection."""
+    return connection.ws_connection is None
 
 
 def turns_of(document: Document) -> Callable[[Callable[[], None]], object]:
@@ -203,6 +396,17 @@ def turns_of(document: Document) -> Callable[[Callable[[], None]], object]:
     except RuntimeError:
         return ask
     return lambda turn: loop.call_soon_threadsafe(ask, turn)
+
+
+def tell_no_insides() -> None:
+    """Let what answers a message that failed be a sentence: Bokeh 3.9.2 sends the traceback, with paths."""
+
+    def error(self: ServerConnection, message: Message[Any], _: str) -> Message[Any]:
+        answer = self.protocol.create("ERROR", message.header["msgid"], FAILED)
+        answer.content["traceback"] = None
+        return answer
+
+    ServerConnection.error = error
 
 
 def written_down(document: Document) -> tuple[dict[str, Any], Any]:

@@ -1,4 +1,4 @@
-"""`python -m tests.example_notebook` runs the example of README's notebook section, and writes it with its outputs."""
+"""`python -m tests.example_notebook` runs the example of the page on notebooks, and writes it with its outputs."""
 
 import ast
 import json

@@ -16,7 +16,7 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 SETUPTOOLS = PROJECT["tool"]["setuptools"]
 FOLDERS = {package: ROOT / folder for package, folder in SETUPTOOLS["package-dir"].items()}
 UNPACKED = {"docs", "pictures"}
-"""Folders of what only README shows: they stay out of the wheel."""
+"""Folders of what only README and the documentation show: they stay out of the wheel."""
 
 
 def packages_on_disk() -> set[str]:
@@ -24,6 +24,7 @@ def packages_on_disk() -> set[str]:
         ".".join((package, *path.parent.relative_to(folder).parts))
         for package, folder in FOLDERS.items()
         for path in folder.rglob("*.py")
+        if UNPACKED.isdisjoint(path.relative_to(folder).parts)
     }
 
 
@@ -43,9 +44,13 @@ def test_every_data_file_is_packed():
         path
         for folder in FOLDERS.values()
         for path in folder.rglob("*")
-        if path.is_file() and path.suffix not in {".py", ".pyc"} and UNPACKED.isdisjoint(path.parts)
+        if path.is_file() and path.suffix not in {".py", ".pyc"} and UNPACKED.isdisjoint(path.relative_to(folder).parts)
     }
     assert data - packed == set()
+
+
+def test_what_only_readme_and_documentation_show_stays_out():
+    assert SETUPTOOLS["exclude-package-data"]["railjoule.assets"] == [f"{name}/*" for name in sorted(UNPACKED)]
 
 
 def test_command_is_installed():
@@ -58,7 +63,7 @@ USED_BY_PANEL = {"plotly"}
 """Packages that panel imports for us, but does not bring."""
 EXTRAS = PROJECT["project"]["optional-dependencies"]
 COMMAND_LINE = (
-    *(f"command/{name}" for name in ("cli", "commands", "imports", "summary", "terminal")),
+    *(f"command/{name}" for name in ("cli", "commands", "imports", "measurements", "summary", "sweeps", "terminal")),
     "keep/embedded",
     "look/comparisons",
     "look/words",
@@ -88,15 +93,16 @@ def declared(requirements: Iterable[str]) -> set[str]:
 DEPENDENCIES = declared(PROJECT["project"]["dependencies"])
 IMPORTED_AS = {"pyyaml": "yaml"}
 """Packages that are imported by another name."""
-FORMATS = {IMPORTED_AS.get(name, name) for extra in ("excel", "yaml") for name in declared(EXTRAS[extra])}
-"""Packages that read a kind of file, each imported where one is read."""
+OF_THE_CORE = ("cluster", "excel", "parquet", "yaml")
+SELDOM = {IMPORTED_AS.get(name, name) for extra in OF_THE_CORE for name in declared(EXTRAS[extra])}
+"""Packages that read or write a kind of file, or find a cluster, each imported where that is asked for."""
 NOTEBOOK = ROOT / "dashboard" / "notebook.py"
 
 
 def test_dependencies_are_those_that_the_core_and_the_command_line_use():
     dashboard = ROOT / "dashboard"
     paths = [*(ROOT / "core").rglob("*.py"), *(dashboard / f"{name}.py" for name in COMMAND_LINE)]
-    assert imported_packages(paths) == DEPENDENCIES | FORMATS
+    assert imported_packages(paths) == DEPENDENCIES | SELDOM
 
 
 def test_the_extra_of_the_page_has_what_it_needs_beside_them():

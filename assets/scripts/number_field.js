@@ -96,6 +96,7 @@ export function render({model}) {
   const note = make("div", {class: "note", hidden: true});
   const refusal = make("div", {id: "refusal", class: "refusal", role: "alert", hidden: true});
   const sender = throttled((number) => { model.value = number; }, SEND_EVERY_MS);
+  const {unsent} = window.railjoule;
   // what the server says meanwhile, of the number or of something else, must not take a step back from who slides
   const now = () => sender.waiting() ?? model.value ?? model.suggested;
   const with_unit = (number) => `${shown(number, model.digits)} ${model.unit}`.trimEnd();
@@ -104,7 +105,12 @@ export function render({model}) {
   const write = (number) => { text.value = known = number === null ? "" : shown(number, model.digits); };
   const is_typing = () => text.value !== known && text.matches(":focus");
   const slider = has_slider ? make_slider(model, signal, {
-    move: (number) => { write(number); draw(number); sender.put(number); },
+    move: (number) => {
+      write(number);
+      draw(number);
+      unsent.keep(model.key, String(number));
+      sender.put(number);
+    },
     rest: () => { sender.flush(); show(); },
   }) : null;
 
@@ -127,7 +133,11 @@ export function render({model}) {
     if (!model.refusal && !is_typing()) { write(number); }
     draw(number);
   };
-  text.addEventListener("change", () => { known = text.value; model.send_msg({text: text.value}); });
+  text.addEventListener("change", () => {
+    known = text.value;
+    unsent.keep(model.key, text.value);
+    model.send_msg({text: text.value});
+  });
   text.addEventListener("keydown", (event) => {
     const number = now();
     if (event.key !== "Escape" || text.value === (number === null ? "" : shown(number, model.digits))) { return; }

@@ -182,7 +182,7 @@ export const cell = (value) => {
   let text = String(value).trim();
   const number = plain(text);
   if (number !== "" && Number.isFinite(Number(number))) { return number.replace(/^\+/, ""); }
-  if (/^[=+\-@\t]/.test(text)) text = `'${text}`;
+  if (/^'*[=+\-@\t\r]/.test(text)) text = `'${text}`;
   return /[",\n\r]/.test(text) ? `"${text.replace(/"/g, '""')}"` : text;
 };
 export const csv_from = (rows) => rows.map((row) => row.map(cell).join(",")).join("\r\n") + "\r\n";

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from threading import Lock
 
+from railjoule.core.csv_text import unguarded
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.findings import Finding
 from railjoule.core.imports.source_file import LARGEST_BYTES, SourceFile, shown_list, text_of
@@ -142,7 +143,7 @@ def _csv_rows(name: str, text: str, separator: str) -> list[tuple[int, tuple[Cel
     with _LONG_CELLS:
         before = csv.field_size_limit(LARGEST_BYTES)
         try:
-            return [checked_row(name, reader.line_num, cells) for cells in reader]
+            return [checked_row(name, reader.line_num, [unguarded(cell) for cell in cells]) for cells in reader]
         except csv.Error as error:
             raise ScenarioError(f"{name}, row {reader.line_num}: not a table in CSV: {error}.") from None
         finally:

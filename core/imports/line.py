@@ -1,7 +1,5 @@
 """The line of a scenario, put together from tables of intervals."""
 
-import csv
-import io
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -10,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
+from railjoule.core.csv_text import csv_of_rows
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.continuity import LEAST_STRETCH_M, WHOLE, place
 from railjoule.core.imports.findings import Finding, Imported
@@ -73,11 +72,7 @@ class ImportedLine(Imported):
         """Return the sections as a table that a scenario's `line.file` can name."""
         sections = self.document["line"]["sections"]
         columns = [name for name in type(self.line.sections[0]).model_fields if any(name in one for one in sections)]
-        text = io.StringIO()
-        writer = csv.DictWriter(text, columns, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(sections)
-        return text.getvalue()
+        return csv_of_rows([columns, *([section.get(name, "") for name in columns] for section in sections)])
 
 
 def line_of(

@@ -1,8 +1,9 @@
 """What all parts of a scenario share: frozen values, strict numbers, known keys only."""
 
+import unicodedata
 from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 # strict: a text or a boolean where a number belongs is a slip of the pen, and pydantic would turn both into numbers. A
 # NaN or an infinity would only show far away, as a solver that does not converge.
@@ -11,6 +12,31 @@ Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 
 Count = Annotated[int, Field(strict=True)]
 """A whole number."""
+
+
+TURNING = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
+"""Signs without a shape of their own that turn the direction in which the text around them reads."""
+
+
+def is_misleading(sign: str) -> bool:
+    """Return whether a sign is no text: one that controls, that ends a line, or that turns the text around it."""
+    return sign in TURNING or unicodedata.category(sign) in {"Cc", "Zl", "Zp"}
+
+
+def without_misleading(text: str) -> str:
+    """Return a text that others wrote as it may be shown: each sign that is no text becomes one that says so."""
+    return "".join("\ufffd" if is_misleading(sign) else sign for sign in text)
+
+
+def _require_plain(text: str) -> str:
+    wrong = next((sign for sign in text if is_misleading(sign)), None)
+    if wrong is not None:
+        raise ValueError(f"has the sign U+{ord(wrong):04X}, which is no text and can change how a name reads")
+    return text
+
+
+Name = Annotated[str, AfterValidator(_require_plain)]
+"""A text on one line that reads as it is written."""
 
 
 class Part(BaseModel):

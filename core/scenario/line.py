@@ -5,7 +5,7 @@ from typing import Literal, Self, TypeVar
 
 from pydantic import Field, model_validator
 
-from railjoule.core.scenario._base import Number, Part
+from railjoule.core.scenario._base import Name, Number, Part
 
 SHORTEST_DISTANCE_M = 1.0
 """Neither a line nor the distance between two stations is shorter."""
@@ -60,7 +60,7 @@ class NeutralSection(Part):
 class Station(Part):
     """A planned stop."""
 
-    name: str = Field("", max_length=200, description="Name of the station.")
+    name: Name = Field("", max_length=200, description="Name of the station.")
     position_m: Number = Field(ge=0, le=1e7, description="Where the front of the train stops [m].")
     dwell_s: Number = Field(0.0, ge=0, le=86400, description="Dwell time [s].")
     arrival_s: Number | None = Field(
@@ -91,7 +91,7 @@ class Station(Part):
 class PassingPoint(Part):
     """A place that the train passes at a given speed, as a signal or a junction may ask for."""
 
-    name: str = Field("", max_length=200, description="Name of the place.")
+    name: Name = Field("", max_length=200, description="Name of the place.")
     position_m: Number = Field(gt=0, le=1e7, description="Where the front of the train has the speed [m].")
     # above 0: a train that stands there makes a stop, which is a station
     speed_kmh: Number = Field(gt=0, le=600, description="Speed of the train there [km/h].")
@@ -114,7 +114,7 @@ class Line(Part):
     """
 
     preset: str | None = Field(None, description="Name of the shipped line that this one is based on.")
-    name: str = Field("", max_length=200, description="Name of the line.")
+    name: Name = Field("", max_length=200, description="Name of the line.")
     reverse: bool = Field(False, strict=True, description="Run the line from its end to its start.")
     sections: tuple[Section, ...] = Field(min_length=1, max_length=100_000)
     speed_limits: tuple[SpeedLimit, ...] = Field((), max_length=10_000)

@@ -5,7 +5,7 @@ from typing import Any, Literal, Self, get_args
 from pydantic import Field, model_validator
 
 from railjoule.core.errors import ScenarioError
-from railjoule.core.scenario._base import Part
+from railjoule.core.scenario._base import Name, Part
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.scenario.line import Line
 from railjoule.core.scenario.options import (
@@ -32,7 +32,7 @@ class Scenario(Part):
     (`railjoule.core.scenario.scenario_from_document`), both of which fill in presets.
     """
 
-    title: str = Field("", max_length=200, description="Title of the scenario.")
+    title: Name = Field("", max_length=200, description="Title of the scenario.")
     strategy: StrategyName = Field("optimal", description="Driving strategy.")
     vehicle: Vehicle
     line: Line

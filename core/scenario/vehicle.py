@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from railjoule.core.scenario._base import Count, Number, Part
+from railjoule.core.scenario._base import Count, Name, Number, Part
 from railjoule.core.scenario.drive import Drive
 
 # standing passengers may be twice the seats of a metro car; more than three times is a number of passengers
@@ -132,7 +132,7 @@ class Vehicle(Part):
     """One electric rail vehicle with its load."""
 
     preset: str | None = Field(None, description="Name of the shipped vehicle that this one is based on.")
-    name: str = Field(max_length=200, description="Name of the vehicle.")
+    name: Name = Field(max_length=200, description="Name of the vehicle.")
     tare_kg: Number = Field(gt=0, le=1e7, description="Mass of the empty vehicle [kg].")
     capacity_passengers: Number = Field(0, ge=0, le=1e5, description="Passengers that the vehicle can carry.")
     passenger_mass_kg: Number = Field(75.0, ge=0, le=500, description="Mass of one passenger [kg].")

@@ -5,8 +5,9 @@ flux; a warm rotor has up to half more than a cold one.
 """
 
 from collections.abc import Iterator, Sequence
-from contextlib import suppress
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +17,8 @@ from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverErro
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.field_oriented import FieldOrientedRun, simulate_field_oriented
 from railjoule.core.strategies import solve
+from railjoule.core.studies.sweep.rows import RowByRow
+from railjoule.core.studies.sweep.running import rows_in_order
 from railjoule.core.trajectory import Trajectory
 from railjoule.core.units import J_PER_KWH
 
@@ -74,7 +77,12 @@ class DetuningTable:
         )
 
 
-def detuning(scenario: Scenario, factors: Sequence[float] = FACTORS, plan: Trajectory | None = None) -> DetuningTable:
+def detuning(
+    scenario: Scenario,
+    factors: Sequence[float] = FACTORS,
+    plan: Trajectory | None = None,
+    executor: Executor | None = None,
+) -> DetuningTable:
     """Return energy, current, voltage and tracking over the rotor resistance that the control assumes.
 
     Parameters
@@ -85,33 +93,50 @@ def detuning(scenario: Scenario, factors: Sequence[float] = FACTORS, plan: Traje
         Assumed over true rotor resistance.
     plan : Trajectory, optional
         What to follow; the scenario's own strategy where absent.
+    executor : Executor, optional
+        What does the runs; by default this thread.
 
     Raises
     ------
     RailjouleError
         As `railjoule.core.simulate.field_oriented.simulate_field_oriented`.
     """
-    *_, last = detuning_steps(scenario, factors, plan)
+    *_, last = detuning_steps(scenario, factors, plan, executor)
     return last
 
 
 def detuning_steps(
-    scenario: Scenario, factors: Sequence[float] = FACTORS, plan: Trajectory | None = None
+    scenario: Scenario,
+    factors: Sequence[float] = FACTORS,
+    plan: Trajectory | None = None,
+    executor: Executor | None = None,
 ) -> Iterator[DetuningTable]:
     """Yield the table of `detuning` empty, and again after each run; arguments and errors as there."""
     if not factors:
         raise ScenarioError("a table over the rotor resistance needs at least one factor.")
-    variants = [scenario.with_(**{"simulation.rotor_resistance_factor": float(factor)}) for factor in factors]
+    for factor in factors:
+        _variant(scenario, factor)
     # one plan for all factors: what differs in the table is the control alone
     planned = plan if plan is not None else solve(scenario)
     values = np.full((5, len(factors)), np.nan)
     table = _filled(DetuningTable(scenario, tuple(factors), *(frozen_array(values[0]),) * 5), values, 0)
     yield table
-    for k, variant in enumerate(variants):
-        # a loop that loses the train is a result of this study and no error of it: its column stays NaN
-        with suppress(InfeasibleLineError, SolverError):
-            values[:, k] = _figures(simulate_field_oriented(variant, planned))
-        yield _filled(table, values, k + 1)
+    # a loop that loses the train is a result of this study and no error of it: its column stays NaN
+    work = RowByRow(partial(_simulated, scenario, planned), 5, (InfeasibleLineError, SolverError))
+    for rows in rows_in_order(work, np.array(factors, dtype=float)[:, None], executor):
+        done = len(rows.values)
+        values[:, :done] = rows.values.T
+        yield _filled(table, values, done)
+
+
+def _variant(scenario: Scenario, factor: float) -> Scenario:
+    return scenario.with_(**{"simulation.rotor_resistance_factor": float(factor)})
+
+
+def _simulated(
+    scenario: Scenario, planned: Trajectory, factor: Sequence[float]
+) -> tuple[float, float, float, float, float]:
+    return _figures(simulate_field_oriented(_variant(scenario, *factor), planned))
 
 
 def _filled(table: DetuningTable, values: FloatArray, done: int) -> DetuningTable:

@@ -1,7 +1,9 @@
 """What chance makes of a plan: load, place, resistance, voltage and departure drawn from distributions."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +15,9 @@ from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.distribution import Distribution, Fixed, LogNormal, Normal, Triangular, Uniform
 from railjoule.core.simulate.actual_vehicle import voltage_notes
 from railjoule.core.simulate.following import follow, plan_for, plan_knowing_load, stops_of
+from railjoule.core.studies.sweep.rows import RowByRow
+from railjoule.core.studies.sweep.running import rows_in_order
+from railjoule.core.trajectory import Trajectory
 
 if TYPE_CHECKING:
     import xarray
@@ -115,13 +120,15 @@ class MonteCarloTable:
         )
 
 
-def monte_carlo(scenario: Scenario) -> MonteCarloTable:
+def monte_carlo(scenario: Scenario, executor: Executor | None = None) -> MonteCarloTable:
     """Return what chance makes of a plan.
 
     Parameters
     ----------
     scenario : Scenario
         The plan, and in `montecarlo` the distributions, the number of runs and the seed.
+    executor : Executor, optional
+        What does the runs; by default this thread.
 
     Raises
     ------
@@ -130,12 +137,12 @@ def monte_carlo(scenario: Scenario) -> MonteCarloTable:
     RailjouleError
         As `railjoule.core.solve` for the plan.
     """
-    *_, last = monte_carlo_steps(scenario)
+    *_, last = monte_carlo_steps(scenario, executor)
     return last
 
 
-def monte_carlo_steps(scenario: Scenario) -> Iterator[MonteCarloTable]:
-    """Yield the table of `monte_carlo` empty, and again after every few runs; errors as there."""
+def monte_carlo_steps(scenario: Scenario, executor: Executor | None = None) -> Iterator[MonteCarloTable]:
+    """Yield the table of `monte_carlo` empty, and again after every few runs; parameters and errors as there."""
     planned = plan_for(scenario)
     drawn = draw(scenario)
     table = MonteCarloTable(
@@ -146,22 +153,20 @@ def monte_carlo_steps(scenario: Scenario) -> Iterator[MonteCarloTable]:
         *(frozen_array([]),) * RESULTS,
     )
     yield table
-    runs = scenario.montecarlo.runs
-    results = np.full((RESULTS, runs), np.nan)
-    for run in range(runs):
-        one = {name: float(values[run]) for name, values in drawn.items()}
-        one["actual_load_factor"] = one.pop("load_factor")
-        real = scenario.model_copy(update={"disturbance": scenario.disturbance.model_copy(update=one)})
-        try:
-            driven = follow(planned, real)
-            results[:, run] = driven.actual.energy_kwh, driven.delay_s, driven.stop_error_m
-        except InfeasibleLineError:
-            pass
-        # an infeasible run stays NaN: a train too heavy for a ramp is one of the things that chance brings
-        done = run + 1
-        if done % RUNS_PER_STEP == 0 or done == runs:
-            energy, delay, stop_error = (frozen_array(row[:done]) for row in results)
-            yield replace(table, energy_kwh=energy, delay_s=delay, stop_error_m=stop_error)
+    # an infeasible run stays NaN: a train too heavy for a ramp is one of the things that chance brings
+    work = RowByRow(partial(_driven, planned, scenario), RESULTS, InfeasibleLineError)
+    for rows in rows_in_order(work, np.column_stack([drawn[name] for name in QUANTITIES]), executor, RUNS_PER_STEP):
+        energy, delay, stop_error = (frozen_array(column) for column in rows.values.T)
+        yield replace(table, energy_kwh=energy, delay_s=delay, stop_error_m=stop_error)
+
+
+def _driven(planned: Trajectory, scenario: Scenario, drawn: Sequence[float]) -> tuple[float, float, float]:
+    """Return energy [kWh], delay [s] and stopping error [m] of a run with a value of each of `QUANTITIES`."""
+    one = dict(zip(QUANTITIES, drawn, strict=True))
+    one["actual_load_factor"] = one.pop("load_factor")
+    real = scenario.model_copy(update={"disturbance": scenario.disturbance.model_copy(update=one)})
+    driven = follow(planned, real)
+    return driven.actual.energy_kwh, driven.delay_s, driven.stop_error_m
 
 
 def draw(scenario: Scenario) -> dict[str, FloatArray]:

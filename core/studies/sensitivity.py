@@ -4,6 +4,7 @@ Source: Liashenko, Yatsko 2025, (12) and Tables 4 to 7.
 """
 
 from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
@@ -14,6 +15,8 @@ from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError, ScenarioError
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.following import follow, plan_for, plan_knowing_load
+from railjoule.core.studies.sweep.rows import RowByRow
+from railjoule.core.studies.sweep.running import rows_in_order
 from railjoule.core.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -26,6 +29,8 @@ COORDINATE_ERRORS_M = (-25.0, -20.0, -10.0, 0.0, 10.0, 20.0, 25.0)
 Knows = Literal["nothing", "load", "place", "both"]
 """What the train learns before its start, so that it replans in each cell."""
 DIMENSIONS = ("load_factor", "coordinate_error_m")
+RESULTS = 3
+"""Energy, delay and stopping error."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,6 +112,7 @@ def sensitivity(
     coordinate_errors_m: Sequence[float] = COORDINATE_ERRORS_M,
     both_directions: bool = True,
     knows: Knows = "nothing",
+    executor: Executor | None = None,
 ) -> SensitivityTable:
     """Return energy, overconsumption (12), delay and stopping error over load factor and coordinate error.
 
@@ -122,6 +128,8 @@ def sensitivity(
         Whether the line is driven there and back, as in (12).
     knows : str
         What the train learns before its start, so that it replans: its load, its place, both or nothing.
+    executor : Executor, optional
+        What does the runs; by default this thread.
 
     Raises
     ------
@@ -131,7 +139,7 @@ def sensitivity(
     RailjouleError
         As `railjoule.core.solve` for the plan.
     """
-    *_, last = sensitivity_steps(scenario, load_factors, coordinate_errors_m, both_directions, knows)
+    *_, last = sensitivity_steps(scenario, load_factors, coordinate_errors_m, both_directions, knows, executor)
     return last
 
 
@@ -141,6 +149,7 @@ def sensitivity_steps(
     coordinate_errors_m: Sequence[float] = COORDINATE_ERRORS_M,
     both_directions: bool = True,
     knows: Knows = "nothing",
+    executor: Executor | None = None,
 ) -> Iterator[SensitivityTable]:
     """Yield the table of `sensitivity` empty, and again after each cell; arguments and errors as there."""
     most = scenario.vehicle.crush_load_factor
@@ -150,7 +159,7 @@ def sensitivity_steps(
     directions = [scenario, _reversed(scenario)] if both_directions else [scenario]
     plans = [plan_for(direction) for direction in directions]
     shape = len(load_factors), len(coordinate_errors_m)
-    replanned, values = np.full(shape[0], np.nan), np.full((3, *shape), np.nan)
+    replanned, values = np.full(shape[0], np.nan), np.full((RESULTS, *shape), np.nan)
     table = SensitivityTable(
         scenario,
         both_directions,
@@ -163,26 +172,55 @@ def sensitivity_steps(
     )
     yield table
     # load by load: all errors of one load share its plans, which cost more than the runs that follow them
-    for k, load in enumerate(load_factors):
-        own = [plan for plan in (plan_knowing_load(direction, load) for direction in directions) if plan is not None]
+    cells = np.array([(load, error) for load in load_factors for error in coordinate_errors_m]).reshape(-1, 2)
+    for rows in rows_in_order(RowByRow(_Cells(directions, plans, knows).run, 1 + RESULTS, ()), cells, executor):
+        done = len(rows.values)
+        values.reshape(RESULTS, -1)[:, :done] = rows.values[:, 1:].T
+        known = rows.values[:: shape[1], 0]
+        replanned[: len(known)] = known
+        yield replace(
+            table,
+            replanned_kwh=frozen_array(replanned),
+            energy_kwh=frozen_array(values[0]),
+            delay_s=frozen_array(values[1]),
+            stop_error_m=frozen_array(values[2]),
+            done=done,
+        )
+
+
+class _Cells:
+    """Makes the cells of a table.
+
+    Parameters
+    ----------
+    directions : list of Scenario
+        What is driven.
+    plans : list of Trajectory
+        For each direction, for the scenario's own load.
+    knows : str
+    """
+
+    def __init__(self, directions: list[Scenario], plans: list[Trajectory], knows: Knows) -> None:
+        self._directions, self._plans, self._knows = directions, plans, knows
+        # two threads may both plan for a load: they find the same
+        self._own: dict[float, list[Trajectory]] = {}
+
+    def run(self, cell: Sequence[float]) -> tuple[float, float, float, float]:
+        """Return the energy of the load's own plans [kWh], then energy [kWh], delay [s] and stopping error [m]."""
+        load, error_m = cell
+        own = self._own.get(load)
+        if own is None:
+            planned = (plan_knowing_load(direction, load) for direction in self._directions)
+            own = self._own[load] = [plan for plan in planned if plan is not None]
         # (12) is over both directions: with one of them infeasible the sum would be that of half a journey
-        complete = len(own) == len(directions)
-        replanned[k] = sum(plan.energy_kwh for plan in own) if complete else np.nan
-        followed = plans if knows in {"nothing", "place"} else own if complete else None
-        for m, error in enumerate(coordinate_errors_m):
-            if followed is not None:
-                assumed_m = 0.0 if knows in {"place", "both"} else error
-                values[:, k, m] = _followed(
-                    followed, [_disturbed(direction, load, assumed_m) for direction in directions]
-                )
-            yield replace(
-                table,
-                replanned_kwh=frozen_array(replanned),
-                energy_kwh=frozen_array(values[0]),
-                delay_s=frozen_array(values[1]),
-                stop_error_m=frozen_array(values[2]),
-                done=k * shape[1] + m + 1,
-            )
+        complete = len(own) == len(self._directions)
+        replanned = sum(plan.energy_kwh for plan in own) if complete else np.nan
+        followed = self._plans if self._knows in {"nothing", "place"} else own if complete else None
+        if followed is None:
+            return replanned, np.nan, np.nan, np.nan
+        assumed_m = 0.0 if self._knows in {"place", "both"} else error_m
+        real = [_disturbed(direction, load, assumed_m) for direction in self._directions]
+        return replanned, *_followed(followed, real)
 
 
 def _disturbed(direction: Scenario, load_factor: float, error_m: float) -> Scenario:

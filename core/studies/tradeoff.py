@@ -4,7 +4,8 @@ Each point is an optimum of `railjoule.core.bounds`; only the time changes, so m
 made once. The slope of the frontier is minus the price of a second, which each optimum tells.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -17,6 +18,8 @@ from railjoule.core.errors import SolverError, StrategyRefusedError, TimetableEr
 from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.options import EnocOptions
 from railjoule.core.strategies import prepare_task, run_strategy
+from railjoule.core.studies.sweep.rows import RowByRow
+from railjoule.core.studies.sweep.running import all_rows
 from railjoule.core.task import LEAST_SLACK, Task
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 
@@ -125,7 +128,11 @@ def frontier_times(task: Task, count: int = 40, longest_share: float = 2.0) -> F
 
 
 def energy_time_frontier(
-    task: Task, travel_times_s: FloatArray, with_bounds: bool = False, most_cells: int = MOST_CELLS
+    task: Task,
+    travel_times_s: FloatArray,
+    with_bounds: bool = False,
+    most_cells: int = MOST_CELLS,
+    executor: Executor | None = None,
 ) -> Frontier:
     """Return the least energy over travel times.
 
@@ -139,10 +146,12 @@ def energy_time_frontier(
         Whether each point is to be proven, which may take as long again.
     most_cells : int
         A finer mesh is replaced by one with about this many cells.
+    executor : Executor, optional
+        What finds the points; by default this thread.
     """
     if task.course.drive.jumps_at_no_effort:
         # its optimum with free switching is a bound, and no run
-        return strategy_frontier(task, travel_times_s, "optimal", most_cells)
+        return strategy_frontier(task, travel_times_s, "optimal", most_cells, executor)
     coarse = coarsened(task, most_cells)
 
     def point(timed: Task) -> tuple[float, float, float]:
@@ -150,17 +159,21 @@ def energy_time_frontier(
         bound = certify(timed, solution.optimum).energy_j if with_bounds else np.nan
         return solution.energy_j, solution.optimum.price_of_time_w, bound
 
-    return _frontier(coarse, "optimal", travel_times_s, point, _mesh_notes(task, coarse))
+    return _frontier(coarse, "optimal", travel_times_s, point, _mesh_notes(task, coarse), executor)
 
 
 def strategy_frontier(
-    task: Task, travel_times_s: FloatArray, strategy: StrategyName, most_cells: int = MOST_CELLS
+    task: Task,
+    travel_times_s: FloatArray,
+    strategy: StrategyName,
+    most_cells: int = MOST_CELLS,
+    executor: Executor | None = None,
 ) -> Frontier:
     """Return the energy of any strategy over travel times; NaN where it refuses one.
 
     Parameters
     ----------
-    task, travel_times_s, most_cells
+    task, travel_times_s, most_cells, executor
         As in `energy_time_frontier`.
     strategy : str
         Which one.
@@ -172,7 +185,7 @@ def strategy_frontier(
         return run.energy.net_j, price, np.nan if run.bound is None else run.bound.energy_j
 
     coarse = coarsened(task, most_cells)
-    return _frontier(coarse, strategy, travel_times_s, point, _mesh_notes(task, coarse))
+    return _frontier(coarse, strategy, travel_times_s, point, _mesh_notes(task, coarse), executor)
 
 
 def enoc_frontier(task: Task, travel_times_s: FloatArray, most_cells: int = MOST_CELLS) -> Frontier:
@@ -208,19 +221,22 @@ def _frontier(
     travel_times_s: FloatArray,
     point: Callable[[Task], tuple[float, float, float]],
     notes: tuple[str, ...],
+    executor: Executor | None,
 ) -> Frontier:
     times = np.asarray(travel_times_s, dtype=float)
-    values = np.full((3, len(times)), np.nan)
-    refused = []
-    for index, time in enumerate(times.tolist()):
+    shortest_s = task.shortest_time_s
+
+    def run(sample: Sequence[float]) -> tuple[float, float, float]:
+        (time,) = sample
         # the course and its fastest run do not depend on the time: they are made once for all points
         timed = replace(task, running_time_s=time - task.dwell_s)
-        try:
-            if not timed.running_time_s > task.shortest_time_s * (1 + LEAST_SLACK):
-                raise TimetableError(time, task.shortest_travel_time_s)
-            values[:, index] = point(timed)
-        except (TimetableError, StrategyRefusedError, SolverError) as error:
-            refused.append((time, str(error)))
+        if not timed.running_time_s > shortest_s * (1 + LEAST_SLACK):
+            raise TimetableError(time, task.shortest_travel_time_s)
+        return point(timed)
+
+    work = RowByRow(run, 3, (TimetableError, StrategyRefusedError, SolverError))
+    rows = all_rows(work, times[:, None], executor)
+    values, refused = rows.values.T, [(float(times[row]), reason) for row, reason in rows.reasons.items()]
     return Frontier(
         strategy=strategy,
         travel_time_s=frozen_array(times),

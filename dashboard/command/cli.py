@@ -10,6 +10,7 @@ from typing import Any, NoReturn
 from railjoule.dashboard.server.options import (
     DEFAULT_ADDRESS,
     DEFAULT_PORT,
+    EXPOSED,
     HIGHEST_PORT,
     NO_LOGIN,
     PREFIX,
@@ -17,7 +18,7 @@ from railjoule.dashboard.server.options import (
     origin_parts,
 )
 
-MOST_SESSIONS = 10_000
+MOST_SESSIONS, MOST_PROCESSES = 10_000, 64
 # as core/scenario bounds timetable.travel_time_s
 LONGEST_TIME_S = 86_400.0
 """The longest that a scenario may take."""
@@ -110,7 +111,12 @@ def _call(options: argparse.Namespace) -> bool:
     if options.command == "serve":
         # whoever reaches a page may change the files that it shows: others do only where somebody has said so
         place = ServerOptions(
-            options.address, options.port, tuple(options.origin), options.prefix.rstrip("/"), options.sessions
+            options.address,
+            options.port,
+            tuple(options.origin),
+            options.prefix.rstrip("/"),
+            options.sessions,
+            options.processes,
         )
         if not options.no_workspace and (options.workspace is not None or place.is_for_this_machine):
             own = commands.workspace_at(options.workspace, make=True)
@@ -132,6 +138,8 @@ def _call(options: argparse.Namespace) -> bool:
     output = commands.Output(getattr(options, "json", False))
     if options.command == "benchmark":
         commands.benchmark(output)
+    elif options.command == "limits":
+        commands.limits()
     elif options.command == "study" and options.study == "sweep":
         from railjoule.dashboard.command import sweeps  # noqa: PLC0415
 
@@ -197,6 +205,7 @@ def build_parser() -> argparse.ArgumentParser:
     _add_workspace(report)
     benchmark = _add(commands, "benchmark", "time every strategy on the shipped scenarios, and CasADi with IPOPT")
     _add_json(benchmark)
+    _add(commands, "limits", "show what is asked for at most, in a terminal and on a page")
     validate = _add(commands, "validate", "compare the papers' published numbers with ours")
     validate.add_argument(
         "paper", metavar="PAPER", nargs="?", help="ftorek, liashenko, rawicki or shtompel; default: all papers"
@@ -227,7 +236,14 @@ def _add_serve(commands: "argparse._SubParsersAction[_Parser]") -> None:
     serve.add_argument(
         "--sessions", type=_sessions, metavar="N", help="pages open at a time at most; default: any number"
     )
-    serve.epilog = f"{NO_LOGIN} With the default address that is this machine's users alone."
+    serve.add_argument(
+        "--processes",
+        type=_processes,
+        default=1,
+        metavar="N",
+        help="serve in so many processes behind the one port, such as one for each processor; default: 1",
+    )
+    serve.epilog = f"{NO_LOGIN} With the default address that is this machine's users alone. {EXPOSED}"
     _add_workspace(
         serve,
         "the folder that My files shows, which every visitor may change; default: a folder of your own, but none where "
@@ -544,8 +560,16 @@ def _prefix(text: str) -> str:
 
 
 def _sessions(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and len(text) < 6 and 1 <= int(text) <= MOST_SESSIONS):
-        raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a whole number from 1 to {MOST_SESSIONS}")
+    return _counted(text, MOST_SESSIONS)
+
+
+def _processes(text: str) -> int:
+    return _counted(text, MOST_PROCESSES)
+
+
+def _counted(text: str, most: int) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) < 6 and 1 <= int(text) <= most):
+        raise argparse.ArgumentTypeError(f"{text[:20]!r} is not a whole number from 1 to {most}")
     return int(text)
 
 

@@ -4,8 +4,10 @@ import importlib.util
 import io
 import json
 import os
+import socket
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import datetime
@@ -24,6 +26,7 @@ from railjoule.core import (
 )
 from railjoule.core import solve as solve_scenario
 from railjoule.core.bounds import LONGEST_PROOF_S
+from railjoule.core.csv_text import plain_table, write_csv
 from railjoule.core.scenario import STRATEGY_NAMES, StrategyName, parse_scenario, preset_names
 from railjoule.core.scenario.text_file import read_text
 from railjoule.core.scenario.toml_text import read_toml
@@ -32,6 +35,7 @@ from railjoule.core.workspace import Workspace, default_folder
 from railjoule.core.written import write_text, written
 from railjoule.dashboard.command import summary, terminal
 from railjoule.dashboard.keep.embedded import scenario_in_report
+from railjoule.dashboard.limits import limits as all_limits
 
 if TYPE_CHECKING:
     import pandas
@@ -197,19 +201,21 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str, own: Wo
         If anything is wrong with the scenario or the file to write.
     """
     from railjoule.core.studies import energy_time_frontier, frontier_times, monte_carlo, sensitivity  # noqa: PLC0415
+    from railjoule.core.studies.sweep.running import worker_count  # noqa: PLC0415
 
     path = table_file(target, "-o", (".nc", *TABLE_SUFFIXES))
     scenario = load(file, changes, own)
     announce_compilation()
-    if name in {"sensitivity", "montecarlo"}:
-        compute = sensitivity if name == "sensitivity" else monte_carlo
-        with refusals_named(scenario.strategy):
-            table = compute(scenario).to_dataset()
-    else:
-        task = prepare_task(scenario)
-        frontier = energy_time_frontier(task, frontier_times(task), with_bounds=True)
-        table = frontier.to_dataframe().set_index("travel_time_s").to_xarray()
-        table.attrs["notes"] = " ".join(frontier.notes)
+    with ThreadPoolExecutor(worker_count(), "study") as executor, refusals_named(scenario.strategy):
+        if name == "sensitivity":
+            table = sensitivity(scenario, executor=executor).to_dataset()
+        elif name == "montecarlo":
+            table = monte_carlo(scenario, executor).to_dataset()
+        else:
+            task = prepare_task(scenario)
+            frontier = energy_time_frontier(task, frontier_times(task), with_bounds=True, executor=executor)
+            table = frontier.to_dataframe().set_index("travel_time_s").to_xarray()
+            table.attrs["notes"] = " ".join(frontier.notes)
     if path.suffix.lower() == ".nc":
         with failures_named(path), written(path) as place:
             # scipy is there anyway; the default engine would need one of netCDF's own libraries
@@ -286,12 +292,31 @@ def serve(options: "ServerOptions", own: Workspace | None = None) -> None:
     """
     from railjoule.dashboard.work.warmup import warmup  # noqa: PLC0415
 
+    if options.processes > 1:
+        _serve_in_processes(options, own)
+        return
     # the libraries of the page take seconds to import, which other processes may spend compiling
     warmup().start()
     with missing_named("the dashboard"):
         from railjoule.dashboard import app  # noqa: PLC0415
-    try:
+    with _served_at(options):
         app.serve(options, own)
+
+
+def _serve_in_processes(options: "ServerOptions", own: Workspace | None) -> None:
+    if not hasattr(socket, "send_fds"):
+        raise CommandError("--processes needs a system that hands connections on, such as Linux or macOS.")
+    with missing_named("the dashboard"):
+        from railjoule.dashboard.command.processes import serve_in_processes  # noqa: PLC0415
+    with _served_at(options):
+        serve_in_processes(options, own)
+
+
+@contextmanager
+def _served_at(options: "ServerOptions") -> Iterator[None]:
+    """Tell in a sentence that an address cannot be served at."""
+    try:
+        yield
     except OSError as error:
         told = error.strerror or error
         raise CommandError(f"cannot serve at {options.address}, port {options.port}: {told}.") from None
@@ -466,7 +491,13 @@ def read_table(name: str, own: Workspace | None = None) -> "pandas.DataFrame":
     except ValueError as error:
         words = " ".join(str(error).split()).rstrip(".")
         raise CommandError(f"{shortened(name)} is not a table in {path.suffix[1:]}: {shortened(words)}.") from None
-    return table
+    return table if path.suffix.lower() == ".parquet" else plain_table(table)
+
+
+def limits() -> None:
+    """Show what may be asked for at most."""
+    rows = [(limit.of, limit.library, limit.page) for limit in all_limits()]
+    print("\n".join(terminal.table_lines(("of", "terminal", "page"), rows)))
 
 
 def write_table(table: "pandas.DataFrame", path: Path, index: bool) -> None:
@@ -479,7 +510,7 @@ def write_table(table: "pandas.DataFrame", path: Path, index: bool) -> None:
     """
     with failures_named(path), written(path) as place:
         if path.suffix.lower() == ".csv":
-            table.to_csv(place, index=index)
+            write_csv(table, place, index)
         else:
             table.to_parquet(place, index=index)
 

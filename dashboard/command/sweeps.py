@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from tqdm import tqdm
 
+from railjoule.core import RailjouleError
 from railjoule.core.studies.sweep import (
     DEFAULT_COLUMNS,
     ExportError,
@@ -70,13 +71,17 @@ def study_sweep(options: "argparse.Namespace", changes: Mapping[str, Any], own: 
     with failures_named(path):
         require_writable(path)
     with _results(study, path, kept, options.resume) as results:
-        _require_disk(path, kept, study, results.done)
-        announce_compilation()
-        _run(results, kept, options.scheduler)
-        with failures_named(path):
-            write_rows(results, path)
-        told = summarise_sweep(results)
-    kept.unlink()
+        try:
+            _require_disk(path, study, results.done)
+            announce_compilation()
+            _run(results, kept, options.scheduler)
+            with failures_named(path):
+                write_rows(results, path)
+            told = summarise_sweep(results)
+        except RailjouleError:
+            _drop_if_empty(results)
+            raise
+        results.remove()
     Output(options.json).show(told, lambda values: _text(str(path), values))
 
 
@@ -188,18 +193,26 @@ def _progress(results: Results) -> Iterator[Callable[[int], None]]:
     # not into a pipe or a file, whose readers look for errors
     hidden = not sys.stderr.isatty()
     with tqdm(total=results.study.sample, initial=results.done, unit=" runs", disable=hidden) as bar:
-        yield lambda done: bar.update(done - bar.n) and None
+
+        def show(done: int) -> None:
+            bar.update(done - bar.n)
+
+        yield show
 
 
-def _require_disk(path: Path, kept: Path, study: Study, done: int) -> None:
+def _drop_if_empty(results: SweepFile) -> None:
+    # a file without rows would only be in the way of the next try
+    if not results.done:
+        results.remove()
+
+
+def _require_disk(path: Path, study: Study, done: int) -> None:
     """Raise CommandError if the rows of a study, kept until the table is written, do not fit on the disk beside it."""
     with failures_named(path):
         free = shutil.disk_usage(path.parent).free
     table = study.sample * study.width * BYTES_A_NUMBER[path.suffix.lower()]
     needed = table + (study.sample - done) * study.width * BYTES_KEPT
     if needed > free:
-        if not done:
-            kept.unlink()
         raise CommandError(
             f"{shortened(str(path))} would take about {needed / 1e9:.3g} GB, with the rows kept until it is written, "
             f"and there are {free / 1e9:.3g} GB left."

@@ -5,6 +5,7 @@ import difflib
 from collections.abc import Sequence
 from typing import Any
 
+from railjoule.core.csv_text import unguarded
 from railjoule.dashboard.editor.fields_of import Field
 
 BLANKS = dict.fromkeys(map(ord, "\u00a0\u2009\u202f \t"))
@@ -25,7 +26,7 @@ def cells_of(text: str) -> list[list[str]]:
     separator = next((mark for mark in "\t;" if mark in text), ",")
     # not of tabs, which stand for empty cells at both ends of a block
     rows = csv.reader(text.strip("\r\n\ufeff").splitlines(), delimiter=separator)
-    return [[cell.strip() for cell in row] for row in rows if any(cell.strip() for cell in row)]
+    return [[unguarded(cell.strip()) for cell in row] for row in rows if any(cell.strip() for cell in row)]
 
 
 def rows_of(text: str, columns: Sequence[Field], first: int = 0) -> list[dict[str, Any]]:

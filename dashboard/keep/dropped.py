@@ -7,7 +7,7 @@ from railjoule.core import RailjouleError, ScenarioError
 from railjoule.core.scenario.text_file import LARGEST_FILE_BYTES
 from railjoule.core.scenario.toml_text import TomlError
 from railjoule.dashboard.keep.embedded import scenario_in_report
-from railjoule.dashboard.state.kept import LONGEST_TEXT
+from railjoule.dashboard.limits import LONGEST_TEXT
 
 # by its first letters: a report is one under any name of its file
 PAGE = re.compile(r"\s*(<!doctype html|<html)", re.IGNORECASE)

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from railjoule.dashboard.keep.snapshot import VIEW, Snapshot, changed
+from railjoule.dashboard.limits import MOST_STEPS
 
-MOST_STEPS = 100
 # longer than the time after which a change is noted (NOTE_MS): one drag is noted several times
 ONE_MOVE_S = 1.5
 """Changes of the same fields that follow each other within this time are one step."""

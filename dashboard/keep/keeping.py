@@ -11,13 +11,14 @@ import panel as pn
 import param
 
 from railjoule.core import RailjouleError
+from railjoule.core.scenario._base import without_misleading
 from railjoule.dashboard.insides import turns_of
 from railjoule.dashboard.keep.dropped import NO_TEXT, TOO_LARGE, refused_file, scenario_text, words_of
 from railjoule.dashboard.keep.history import History
 from railjoule.dashboard.keep.lifeline import Lifeline
-from railjoule.dashboard.keep.link import LinkTooLongError, ReadLink, read_link, sentence, write_link
-from railjoule.dashboard.keep.snapshot import Snapshot, lay, originals_of, snapshot_of
-from railjoule.dashboard.state.kept import Kept
+from railjoule.dashboard.keep.link import LinkTooLongError, ReadLink, read_link, sentence, set_from_text, write_link
+from railjoule.dashboard.keep.snapshot import Snapshot, fields_of, lay, originals_of, snapshot_of
+from railjoule.dashboard.state.kept import Kept, short
 from railjoule.dashboard.state.opened import outcome_of
 from railjoule.dashboard.state.page_work import Items
 from railjoule.dashboard.state.workbench import Workbench
@@ -27,7 +28,7 @@ from railjoule.dashboard.work.worker import SLOW_THREADS
 
 LOG = logging.getLogger(__name__)
 NOTE_MS = 200
-"""The first change after a rest is taken note of this much later, with all that came meanwhile."""
+"""Changes are taken note of no more often; the first one after a rest at once, as the server may be gone soon."""
 # characters of a file's name in a sentence: it comes from the browser, however long
 LONGEST_NAME = 80
 LONGEST_AT_ONCE = 50_000
@@ -39,6 +40,11 @@ def read_ahead(toml: str | None) -> None:
     warmup().wait_for_tasks()
     if toml is not None:
         outcome_of(toml)
+
+
+def shown_name(name: str) -> str:
+    """Return the name of a file, which comes from the browser, as sentences show it."""
+    return without_misleading(name[:LONGEST_NAME])
 
 
 class Keeping(param.Parameterized):
@@ -71,13 +77,14 @@ class Keeping(param.Parameterized):
         self.history = History(snapshot_of(state))
         listeners: dict[str, Callable[[dict[str, Any]], None]] = {
             "open": lambda message: self.open_link(str(message.get("text"))),
+            "unsent": lambda message: self.take_unsent(message.get("changes")),
             "undo": lambda _: self.undo(),
             "redo": lambda _: self.redo(),
             "drop": lambda message: self.open_file(str(message.get("name")), str(message.get("text"))),
             "too_large": lambda message: self.refuse_file(str(message.get("name")), TOO_LARGE),
             "no_text": lambda message: self.refuse_file(str(message.get("name")), NO_TEXT),
             "table": self._take_table,
-            "large_table": lambda message: self._refuse_run(too_large(str(message.get("name"))[:LONGEST_NAME])),
+            "large_table": lambda message: self._refuse_run(too_large(shown_name(str(message.get("name"))))),
             "copied": self._take_copied,
         }
         for kind, callback in listeners.items():
@@ -124,9 +131,27 @@ class Keeping(param.Parameterized):
         if told:
             self.tell(told)
 
+    def take_unsent(self, changes: object) -> None:
+        """Take what was changed on a page whose server was gone before it could take note of it: texts by field."""
+        if not isinstance(changes, dict):
+            return
+
+        def take() -> None:
+            refusals = []
+            known = {key: (model, field) for key, model, field in fields_of(self.state)}
+            for key in known.keys() & changes.keys():
+                try:
+                    set_from_text(*known[key], str(changes[key]))
+                except (RailjouleError, ValueError) as refusal:
+                    refusals.append(f"{key} = {short(changes[key])}: {refusal}")
+            if refusals:
+                self.tell(f"What was changed while the server was away is not all kept: {' '.join(refusals)}")
+
+        self._attempt("change", take)
+
     def open_file(self, name: str, text: str) -> None:
         """Take the scenario of a file that was dropped or chosen."""
-        name = name[:LONGEST_NAME]
+        name = shown_name(name)
 
         def take(toml: str) -> None:
             try:
@@ -145,7 +170,7 @@ class Keeping(param.Parameterized):
 
     def _take_table(self, message: dict[str, Any]) -> None:
         """Show a table that was dropped where runs are, whichever page is in sight."""
-        name = str(message.get("name"))[:LONGEST_NAME]
+        name = shown_name(str(message.get("name")))
         try:
             content = base64.b64decode(str(message.get("data")), validate=True)
         except ValueError:
@@ -159,7 +184,7 @@ class Keeping(param.Parameterized):
 
     def refuse_file(self, name: str, reason: str) -> None:
         """Tell why a file was not opened, and what could be."""
-        self.tell(refused_file(name[:LONGEST_NAME], reason))
+        self.tell(refused_file(shown_name(name), reason))
 
     def _takes_long(self, snapshot: Snapshot) -> bool:
         """Return whether a page with others beside it had better not wait until a scenario is read."""
@@ -248,7 +273,11 @@ class Keeping(param.Parameterized):
         # what is laid over the page is noted by who lays it
         if document is not None and not self._scheduled and not self._laying:
             self._scheduled = True
-            document.add_timeout_callback(self._note_if_scheduled, NOTE_MS)
+            if time.monotonic() - self._noted_s >= NOTE_MS / 1000:
+                # in the next turn: what follows from a change comes in the same one
+                document.add_next_tick_callback(self._note_if_scheduled)
+            else:
+                document.add_timeout_callback(self._note_if_scheduled, NOTE_MS)
 
     def _note_if_scheduled(self) -> None:
         if self._scheduled:
@@ -296,9 +325,8 @@ class Keeping(param.Parameterized):
 
     def _mark(self) -> None:
         """Tell the models of the scenario and the pages their original values."""
-        for name, model in self.state.models.items():
-            prefix = "" if model is self.state.scenario else f"{name}."
-            model.originals = {field: self._originals.get(prefix + field) for field in model.kept}
+        for model in self.state.models.values():
+            model.originals = {field: self._originals.get(f"{model.address_prefix}{field}") for field in model.kept}
 
     def _take_copied(self, message: dict[str, Any]) -> None:
         # so that a second copy that ends alike is a change, and is told

@@ -10,8 +10,8 @@ import param
 from panel.custom import JSComponent
 
 from railjoule.dashboard.keep.dropped import LARGEST_REPORT_BYTES, LARGEST_SCENARIO_BYTES
+from railjoule.dashboard.limits import LARGEST_RUN_BYTES
 from railjoule.dashboard.look.scripts import module
-from railjoule.dashboard.work.uploads import LARGEST_RUN_BYTES
 
 
 # Panel's own `reconnect` asks a server that was restarted for a session that it does not know, again and again

@@ -15,19 +15,19 @@ import param
 from railjoule.core import RailjouleError
 from railjoule.core.budget import PAGE
 from railjoule.dashboard.keep.snapshot import Snapshot, changed, fields_of
-from railjoule.dashboard.state.kept import LONGEST_TEXT, Kept, short
+from railjoule.dashboard.limits import DEEPEST, LONGEST_LINK, LONGEST_TEXT, MOST_FIELDS, MOST_KEYS
+from railjoule.dashboard.state.kept import Kept, short
+from railjoule.dashboard.state.numbers import TypedParameters
 from railjoule.dashboard.state.workbench import Workbench
 
 VERSION = "1"
-LONGEST_QUERY, LONGEST_LINK = 1_500, 2_000_000
-"""Up to the first length a state stands in the query, which is sent to the server; a longer one stands behind `#`."""
+LONGEST_QUERY = 1_500
+"""Up to this length a state stands in the query, which is sent to the server; a longer one stands behind `#`."""
 # a shorter one stays readable, and can be changed by hand in the address
 LONGEST_PLAIN = 200
 """A longer text is packed."""
-# values that a link may have, and those that a sentence tells of where they cannot be opened
-MOST_FIELDS, MOST_TOLD = 500, 3
-MOST_KEYS, DEEPEST = 500, 12
-"""Keys of a table in a link, and tables and lists one in the other; the deepest real ones are 5."""
+# values that a sentence tells of where they cannot be opened
+MOST_TOLD = 3
 PACKED, NOTHING, EMPTY = "~", "none", "[]"
 
 
@@ -195,6 +195,20 @@ def _value(model: Kept, name: str, text: str) -> Any:
     if isinstance(parameter, param.String):
         return model.checked(name, text)
     return model.checked(name, _from_json(text))
+
+
+def set_from_text(model: Kept, field: str, text: str) -> None:
+    """Give a field with few values the one of a text, as a link or a reader writes it.
+
+    Raises
+    ------
+    ValueError
+        With a sentence on what the field takes.
+    """
+    if isinstance(model.param[field], param.Number) and isinstance(model, TypedParameters):
+        setattr(model, field, model.parse_or_none(field, text))
+    elif isinstance(model.param[field], (param.Boolean, param.Selector)):
+        setattr(model, field, _value(model, field, text))
 
 
 def _number(text: str) -> float:

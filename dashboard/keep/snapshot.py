@@ -20,19 +20,16 @@ VIEW = ("page", "colours")
 
 def fields_of(state: Workbench) -> Iterator[tuple[str, Kept, str]]:
     """Yield the key of every kept field, the model that it belongs to, and its name there."""
-    for field in state.kept:
-        yield field, state, field
-    for name, model in state.models.items():
+    for model in (state, *state.models.values()):
         for field in model.kept:
-            yield field if model is state.scenario else f"{name}.{field}", model, field
+            yield f"{model.address_prefix}{field}", model, field
 
 
 def snapshot_of(state: Workbench) -> Snapshot:
     """Return all that is kept of a page."""
     snapshot = state.keep()
-    for name, model in state.models.items():
-        prefix = "" if model is state.scenario else f"{name}."
-        snapshot |= {prefix + field: value for field, value in model.keep().items()}
+    for model in state.models.values():
+        snapshot |= {f"{model.address_prefix}{field}": value for field, value in model.keep().items()}
     return snapshot
 
 
@@ -86,9 +83,8 @@ def lay(state: Workbench, snapshot: Mapping[str, Any]) -> tuple[str, ...]:
         originals = originals_of(base)
     # the base last: it is the one that is there, whatever the snapshot asks for
     values = {**originals, **wanted, **base}
-    named = state.models
-    parts = [(model, "" if model is state.scenario else f"{name}.") for name, model in named.items()]
-    for model, prefix in [*parts, (state, "")]:
+    for model in (*state.models.values(), state):
+        prefix = model.address_prefix or ""
         kept = {field: values[prefix + field] for field in model.kept if prefix + field in values}
         last = {"page": kept.pop("page")} if model is state and "page" in kept else {}
         refusals += _lay_model(model, kept, prefix)

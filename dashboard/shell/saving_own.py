@@ -6,8 +6,10 @@ from typing import Any, cast
 import param
 
 from railjoule.core import RailjouleError, Scenario
+from railjoule.core.csv_text import csv_of_table
 from railjoule.core.scenario.file_names import same_name_key
 from railjoule.core.workspace import KINDS, WORDS, Kind, OwnFile
+from railjoule.dashboard.browser.messages import added_to
 from railjoule.dashboard.editor.forms import Form
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.look.scripts import module
@@ -47,9 +49,10 @@ class SavingOwn:
         self.state, self.keeping, self.files = state, keeping, state.files
         self.button = text_button("Save to My files", "save", self._turn)
         self.form = SaveForm(self._hear)
-        # hidden in a stack: the form's own sheet would show it
-        self.place = stack(self.form, visible=False)
-        self.view = stack(self.button, self.place, visible=self.files.there)
+        # in a stack, as the form's own sheet would show it where it is hidden; and not before it is asked for, as it
+        # would cost every page that opens
+        self.place = stack(visible=False)
+        self.view = stack(*([self.button, self.place] if self.files.there else []), visible=self.files.there)
         self._offered: OwnFile | None = None
         self.files.param.watch(self._show, ["current", "listing"])
         state.scenario.param.watch(self._forget, ["preset", "opened", "edits"])
@@ -57,6 +60,10 @@ class SavingOwn:
     def _turn(self, *_: Any) -> None:
         self.place.visible = not self.place.visible
         self._tell()
+        # last: what changes in one message before it is told where it stands, the browser does not know
+        if not self.place.objects:
+            with added_to(self.place):
+                self.place[:] = [self.form]
 
     def _show(self, *_: Any) -> None:
         # while a name is refused, it stays in sight beside the reason
@@ -123,7 +130,7 @@ class SavingOwn:
             run = self.state.run
             if run is None:
                 raise RailjouleError(NO_RUN)
-            return lambda: str(run.to_dataframe().to_csv(index=False))
+            return lambda: csv_of_table(run.to_dataframe())
         recipe = recipe_of(self.state)
         # a page that computes something else than the scenario, such as Papers, lays nothing over it
         scenario = recipe.scenario if recipe.program.of_scenario else self.state.scenario.scenario()

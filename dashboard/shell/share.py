@@ -5,8 +5,10 @@ from typing import Any
 
 import panel as pn
 import panel_material_ui as pmui
+from panel.viewable import Viewable
 
 from railjoule.core import RailjouleError
+from railjoule.dashboard.browser.messages import added_to
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.parts.html import html_pane, refusal, stack
@@ -36,7 +38,8 @@ class Share:
         self.buttons = [self.undo, self.redo, self.open]
         self.python, self.command = html_pane(), html_pane()
         self.status = html_pane(STATUS.format(""))
-        self.part = self._laid_out()
+        # filled when it is first opened: it would cost every page that opens
+        self.part = stack(css=LINE_CSS, visible=False)
         self.notice = html_pane()
         self.dismiss = _icon("close", "Close the message", lambda _: setattr(state, "notice", ""))
         self.message = pn.Row(self.notice, self.dismiss, margin=0, sizing_mode="stretch_width", visible=False)
@@ -51,27 +54,29 @@ class Share:
         self._follow()
         self._tell()
 
-    def _laid_out(self) -> pn.Column:
+    def _contents(self) -> list[Viewable]:
         buttons = [
             _button("Copy link", "link", lambda _: self.keeping.lifeline.copy_link()),
             _button("Copy as Python", "code", lambda _: self._copy(as_python)),
             _button("Copy as command line", "terminal", lambda _: self._copy(as_command)),
             _button("Save as TOML", "save", self._save),
         ]
-        return stack(
+        return [
             html_pane('<div class="head"><h2>Share what this page shows</h2></div>'),
             pn.FlexBox(*buttons, margin=(0, 14)),
             self.status,
             stack(self.python, self.command, css=LAYOUT_CSS),
-            css=LINE_CSS,
-            visible=False,
-        )
+        ]
 
     def _turn(self, *_: Any) -> None:
         self.part.visible = not self.part.visible
         self.open.description = "Close sharing" if self.part.visible else "Share"
         self.status.object = STATUS.format("")
         self._write()
+        # last: what changes in one message before it is told where it stands, the browser does not know
+        if not self.part.objects:
+            with added_to(self.part):
+                self.part[:] = self._contents()
 
     def _follow(self, *_: Any) -> None:
         self.undo.disabled, self.redo.disabled = not self.keeping.can_undo, not self.keeping.can_redo

@@ -60,7 +60,7 @@ def first_paint() -> dict[str, Any]:
     """Return what the document shows and does before its scripts are read."""
     return {
         "first": source("first"),
-        "mends": "".join(source(name) for name in ("follow", "mends", "glossary")) + lent("number_field"),
+        "mends": "".join(source(name) for name in ("wire", "follow", "mends", "glossary")) + lent("number_field"),
         "opening": source("opening"),
         # no text may end the element of the script in which it stands
         "glossary": json.dumps(glossary.texts()).replace("<", "\\u003c"),
@@ -89,6 +89,25 @@ class Page(pmui.Page):
         root = super().get_root(doc, comm, preprocess)
         keep_colours(root, OWN_COLOURS)
         return root
+
+
+def of_the_document() -> dict[str, Any]:
+    """Return what is the same for all pages."""
+    return {
+        # the library would write it in white on the white bar: the brand stands in the bar of pages
+        "title": "",
+        "meta_title": "railjoule",
+        "theme_config": material_theme(),
+        "raw_css": [document_css()],
+        "template": asset("templates", "page.html"),
+        # the library's tells of all pages of the process; `Browser.working` tells of this one
+        "busy_indicator": None,
+    }
+
+
+def empty_page() -> Page:
+    """Return a page of nobody: the document around it is that of every page."""
+    return Page(**of_the_document())
 
 
 class Shell:
@@ -151,9 +170,6 @@ class Shell:
 
     def _page(self) -> Page:
         return Page(
-            # the library would write it in white on the white bar: the brand stands in the bar of pages
-            title="",
-            meta_title="railjoule",
             main=[self.share.view, self.main, self.compiling.view, self.browser, self.saving, self.editor],
             sidebar=[self.sidebar.view],
             sidebar_width=272,
@@ -162,11 +178,7 @@ class Shell:
             sidebar_resizable=False,
             header=[self.navigation, *self.share.buttons, self.pin, self.pin_small],
             dark_theme=self.state.dark,
-            theme_config=material_theme(),
-            raw_css=[document_css()],
-            template=asset("templates", "page.html"),
-            # the library's tells of all pages of the process; `Browser.working` tells of this one
-            busy_indicator=None,
+            **of_the_document(),
             sx={
                 ".MuiAppBar-root": {
                     # with this pair of names alone the library does not force colours of its own on the bar

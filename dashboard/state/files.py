@@ -17,7 +17,7 @@ from railjoule.core.scenario import format_scenario, parse_scenario
 from railjoule.core.scenario.vehicle import Vehicle
 from railjoule.core.workspace import Deleted, Kind, Listing, OwnFile, Stamp, Workspace, WorkspaceError, kind_of, text_of
 from railjoule.dashboard.insides import turns_of
-from railjoule.dashboard.state.kept import LONGEST_TEXT
+from railjoule.dashboard.limits import LONGEST_TEXT
 from railjoule.dashboard.state.opened import open_scenario
 from railjoule.dashboard.state.scenario import ScenarioModel
 

@@ -7,9 +7,12 @@ from typing import Any, ClassVar, Self
 
 import param
 
+from railjoule.core.scenario._base import without_misleading
+from railjoule.dashboard.limits import LONGEST_TEXT, MOST_ITEMS
+
 # beyond 2**53 the numbers of a browser, which are floats, skip whole numbers
-MOST_ITEMS, LONGEST_TEXT, LARGEST_INTEGER = 500, 2_000_000, 2**53
-"""Bounds of lists, of texts [characters] and of whole numbers without bounds of their own."""
+LARGEST_INTEGER = 2**53
+"""Bound of whole numbers without bounds of their own."""
 # characters of a stranger's value in a sentence, and choices that a sentence lists
 LONGEST_SHOWN, MOST_TOLD = 40, 8
 
@@ -24,6 +27,9 @@ class Kept(param.Parameterized):
     kept: ClassVar[tuple[str, ...]] = ()
     passing: ClassVar[tuple[str, ...]] = ()
     """What is set by hand, but is only of the moment or follows from the rest."""
+
+    address_prefix: str | None = None
+    """What its fields are called by in the page's address, before their names; None where it is no part of a page."""
 
     originals = param.Dict(default={}, doc="Values of the shipped scenario, by field.")
 
@@ -115,7 +121,7 @@ def short(value: Any) -> str:
         return "a list"
     if not isinstance(value, (bool, int, float, str)):
         return "a table"
-    text = f"{value:g}" if isinstance(value, float) else str(value)
+    text = f"{value:g}" if isinstance(value, float) else without_misleading(str(value))
     return text if len(text) <= LONGEST_SHOWN else text[: LONGEST_SHOWN - 3] + "..."
 
 

@@ -7,7 +7,7 @@ from railjoule.core import RailjouleError, Scenario, ScenarioError
 from railjoule.core.budget import PAGE, within
 from railjoule.core.scenario import format_scenario, parse_scenario
 from railjoule.core.strategies import prepare_task
-from railjoule.dashboard.state.kept import LONGEST_TEXT
+from railjoule.dashboard.limits import LONGEST_TEXT
 
 SOURCE = "scenario"
 

@@ -15,6 +15,7 @@ from railjoule.core.scenario import (
     preset_names,
     scenario_from_document,
 )
+from railjoule.core.scenario._base import without_misleading
 from railjoule.core.scenario.document import Document
 from railjoule.core.strategies import STRATEGIES
 from railjoule.dashboard.look import words
@@ -100,7 +101,8 @@ class Pin:
     def renamed(self, name: str) -> "Pin":
         """Return the pin under another name; an empty one gives back the name that tells what was run."""
         # one line without gaps, as it stands at lines of charts and in tables
-        return replace(self, name=" ".join(name.split())[:LONGEST_NAME] or pin_name(self.trajectory))
+        plain = without_misleading(" ".join(name.split()))[:LONGEST_NAME]
+        return replace(self, name=plain or pin_name(self.trajectory))
 
 
 class KeptPin(Kept):
@@ -158,7 +160,7 @@ def pin_name(run: Trajectory) -> str:
 def measured_name(run: Trajectory, has_energy: bool, file: str) -> str:
     """Return what the pin of a measured run is called: without an effort or a power its energy is the model's."""
     what = "Measured" if has_energy else "Measured speeds"
-    return f"{what}, {words.time(run.travel_time_s)} s, {' '.join(file.split())}"[:LONGEST_NAME]
+    return f"{what}, {words.time(run.travel_time_s)} s, {without_misleading(' '.join(file.split()))}"[:LONGEST_NAME]
 
 
 def recipe_of_recording(run: Trajectory) -> Recipe:

@@ -2,12 +2,16 @@
 
 from typing import Any
 
+import panel as pn
+
 from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.scenario import RUN_FIELDS
 from railjoule.dashboard.state.workbench import Workbench
-from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs
+from railjoule.dashboard.work.runs import FirstRuns, Runs, RunsRequest
 from railjoule.dashboard.work.warmup import warmup
 from railjoule.dashboard.work.worker import Worker
+
+FIRST = FirstRuns()
 
 
 class Plans(PageWork[Workbench]):
@@ -16,7 +20,7 @@ class Plans(PageWork[Workbench]):
     def __init__(self, state: Workbench) -> None:
         super().__init__(state, state)
         self.runs = Worker(
-            compute_runs,
+            FIRST.compute,
             self._take,
             self.take_failure,
             state.marks("Start", "Drive", "Compare", "Trade-off"),
@@ -34,11 +38,23 @@ class Plans(PageWork[Workbench]):
         if not warmup().holds_up_runs:
             self.runs.ask(self._request())
 
-    def do_if_short(self) -> None:
-        """Compute the runs at once where a page that opens may wait for them."""
+    def take_first(self) -> None:
+        """Take short runs that are known into a page that opens; others it asks for when it is there."""
         request = self._request()
-        if request.is_short:
+        if not request.is_short:
+            return
+        known = FIRST.known(request)
+        if known is not None:
+            self._take(known)
+        # without a page around it nobody else waits
+        elif pn.state.curdoc is None:
             self.runs.do(request)
+
+    def compute_first(self) -> None:
+        """Compute what a page opens with, for those that will."""
+        request = self._request()
+        if FIRST.known(request) is None:
+            FIRST.compute(request)
 
     def _request(self) -> RunsRequest:
         return RunsRequest(self.state.scenario.scenario(), self.state.drawn, with_law=self.state.chosen == "bellman")

@@ -117,6 +117,10 @@ class Workbench(Kept, PageModel):
         self.proof = ProofModel()
         self.simple = SimpleModel()
         super().__init__(**params)
+        self.address_prefix = self.scenario.address_prefix = ""
+        for name, model in self.models.items():
+            if model is not self.scenario:
+                model.address_prefix = f"{name}."
         self.scenario.param.watch(self._take_strategy, ["preset", "opened"])
 
     def _tell_fault(self, sentence: str) -> None:

@@ -115,6 +115,31 @@ class RunsRequest:
         return expected_s(self.scenario, *self.strategies) < AT_ONCE_S
 
 
+class FirstRuns:
+    """The runs with which pages open, which most visitors share: computed once a process, and never while one opens."""
+
+    def __init__(self, most: int = 32) -> None:
+        self._most = most
+        self._wanted: set[RunsRequest] = set()
+        self._known: dict[RunsRequest, Runs] = {}
+
+    def known(self, request: RunsRequest) -> Runs | None:
+        """Return runs that are known, or None; then they are kept the next time that they are computed."""
+        if request not in self._known and len(self._known) < self._most:
+            self._wanted.add(request)
+        return self._known.get(request)
+
+    def compute(self, request: RunsRequest) -> Runs:
+        """Return the runs of a request, whether they are known or not; errors as `compute_runs`."""
+        if request in self._known:
+            return self._known[request]
+        runs = compute_runs(request)
+        if request in self._wanted and len(self._known) < self._most:
+            self._known[request] = runs
+            self._wanted.discard(request)
+        return runs
+
+
 def compute_runs(request: RunsRequest) -> Runs:
     """Return the runs of the requested strategies; the optimum, which proves the bound, is always among them.
 

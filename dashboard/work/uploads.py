@@ -1,7 +1,7 @@
 """What may be sent to the server as the file of a measured run."""
 
-LARGEST_RUN_BYTES = 8_000_000
-"""Ten samples a second of eight columns are 2 MB an hour."""
+from railjoule.dashboard.limits import LARGEST_RUN_BYTES
+
 RUN_SUFFIXES = (".csv", ".tsv", ".txt", ".xlsx")
 
 

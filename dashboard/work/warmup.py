@@ -7,6 +7,7 @@ shows at each stage what it can, and asks for nothing that would be compiled in 
 import logging
 import threading
 import time
+from collections.abc import Callable
 from functools import cache
 from typing import NamedTuple
 
@@ -48,6 +49,7 @@ class Warmup:
         self.first, self.ready = threading.Event(), threading.Event()
         self.compiles = False
         """Whether the cache was not filled at the start, so that it takes a minute and not seconds."""
+        self._after: list[Callable[[], None]] = []
         # a daemon: a server that is stopped while kernels compile need not wait for them
         self._thread = threading.Thread(target=self._run, name="railjoule-warmup", daemon=True)
 
@@ -58,6 +60,16 @@ class Warmup:
             # before anything is asked of the page
             self.compiles = not is_done(ALL)
             self._thread.start()
+
+    def then(self, act: Callable[[], None]) -> None:
+        """Call once when it is done, in its own thread; at once where that has been."""
+        self._after.append(act)
+        if self.ready.is_set():
+            self._call()
+
+    def _call(self) -> None:
+        while self._after:
+            self._after.pop()()
 
     def wait(self) -> None:
         """Wait until it is done."""
@@ -117,6 +129,7 @@ class Warmup:
             # after an error too, as pages wait for them: a kernel that is missing is compiled when it is called
             for stage in (self.tasks, self.fastest, self.first, self.ready):
                 stage.set()
+            self._call()
 
 
 @cache

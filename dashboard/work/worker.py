@@ -17,6 +17,7 @@ from bokeh.document import Document
 from railjoule.core import RailjouleError
 from railjoule.core.budget import PAGE, within
 from railjoule.dashboard.insides import turns_of
+from railjoule.dashboard.work import events
 
 LOG = logging.getLogger(__name__)
 # all pools are those of the process: open pages share them
@@ -94,6 +95,11 @@ class Lateness:
             self._mark(late)
 
 
+def name_of(work: Callable[..., object]) -> str:
+    """Return what the log calls a piece of work: the function that does it."""
+    return str(getattr(work, "__name__", type(work).__name__)).strip("_")
+
+
 def nobody(_: bool) -> None:
     """Tell nobody: a page that is not marked as late."""
 
@@ -147,6 +153,7 @@ class Worker(Generic[Request, Result]):
         self._document: Document | None = None
         self._turn: Turns = without_page
         self._request: Request | None = None
+        self._requested_s = 0.0
         self._running = False
         self.last_duration_s = 0.0
 
@@ -159,6 +166,7 @@ class Worker(Generic[Request, Result]):
             return
         self._turn = turns_of(self._document)
         self._late.asked(self._document)
+        self._requested_s = time.monotonic()
         if self._running:
             self._request = request
         else:
@@ -172,7 +180,9 @@ class Worker(Generic[Request, Result]):
         self._running = True
         threads = self._threads or (SLOW_THREADS if self._is_slow(request) else THREADS)
         # asked now: by the time the result comes, the page may be about another scenario
-        threads.submit(self._timed, request).add_done_callback(partial(self._hand_over, self._about()))
+        future = threads.submit(self._timed, request)
+        events.TALLY.queue(future)
+        future.add_done_callback(partial(self._hand_over, self._about(), self._requested_s))
 
     def _timed(self, request: Request) -> Result | RailjouleError:
         started = time.perf_counter()
@@ -187,17 +197,18 @@ class Worker(Generic[Request, Result]):
         finally:
             self.last_duration_s = time.perf_counter() - started
 
-    def _hand_over(self, about: object, future: "Future[Result | RailjouleError]") -> None:
+    def _hand_over(self, about: object, requested_s: float, future: "Future[Result | RailjouleError]") -> None:
         # still in the thread of the pool: a turn may be asked for in any
-        self._turn(partial(self._finish, about, future))
+        self._turn(partial(self._finish, about, requested_s, future))
 
-    def _finish(self, about: object, future: "Future[Result | RailjouleError]") -> None:
+    def _finish(self, about: object, requested_s: float, future: "Future[Result | RailjouleError]") -> None:
         self._running = False
         error = future.exception()
         self._late.answered(more=self._request is not None)
         outcome = future.result() if error is None else told(error)
         if about is self._about():
             self._settle(outcome)
+        events.worked(self._document, name_of(self._compute), time.monotonic() - requested_s, outcome)
         if self._request is not None:
             request, self._request = self._request, None
             self._start(request)
@@ -262,7 +273,7 @@ class Study(Generic[Request, Result]):
             self._work(request, job)
         else:
             self._late.asked(document)
-            self._threads.submit(self._work, request, job)
+            events.TALLY.queue(self._threads.submit(self._work, request, job))
 
     @property
     def busy(self) -> bool:
@@ -302,6 +313,7 @@ class Study(Generic[Request, Result]):
             return
         if last:
             self._job = None
+            events.worked(job.document, name_of(self._steps), time.monotonic() - job.asked_s, result)
         self._late.answered()
         settle(result, lambda taken: self._deliver(taken, last), self._fail)
 
@@ -310,7 +322,7 @@ class _Job(Generic[Result]):
     """One piece of long work: its newest result waits here until the page takes it."""
 
     def __init__(self, document: Document | None) -> None:
-        self.document, self.ended = document, threading.Event()
+        self.document, self.ended, self.asked_s = document, threading.Event(), time.monotonic()
         self._turn = without_page if document is None else turns_of(document)
         # the pool's thread offers, the event loop takes
         self._lock = threading.Lock()

@@ -35,9 +35,8 @@ def main() -> int:
     parser.add_argument("--pages", action="store_true", help="the dashboard in a browser instead")
     asked, missed = parser.parse_args(), 0
     for measured in measurements(asked.scenarios, asked.pages):
-        verdict = "" if not measured.bar else "holds" if measured.holds else "MISSED"
-        missed += not measured.holds
-        print(f"{measured.name:62}{measured.value:12,.3g} {measured.unit:10} {measured.bar:16} {verdict}", flush=True)
+        missed += measured.missed
+        print(measured.line, flush=True)
     return 1 if missed else 0
 
 

@@ -38,3 +38,14 @@ class Measurement:
         if self.at_most is not None:
             return f"at most {self.at_most:,g}"
         return "" if self.at_least is None else f"at least {self.at_least:,g}"
+
+    @property
+    def missed(self) -> bool:
+        """Whether there is a bar that the number misses."""
+        return not self.holds
+
+    @property
+    def line(self) -> str:
+        """The number as a row of a table."""
+        verdict = "" if not self.bar else "holds" if self.holds else "MISSED"
+        return f"{self.name:62}{self.value:12,.3g} {self.unit:10} {self.bar:16} {verdict}"

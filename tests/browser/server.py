@@ -44,9 +44,13 @@ class Server:
             return str(answer.read().decode())
 
     def cpu_s(self) -> float:
-        """Return the processor time used so far [s]."""
-        times = psutil.Process(self.process.pid).cpu_times()
-        return times.user + times.system
+        """Return the processor time used so far by all processes of the server [s]."""
+        return sum(times.user + times.system for times in (one.cpu_times() for one in self.processes()))
+
+    def processes(self) -> list[psutil.Process]:
+        """Return the process that was started and those that it has started."""
+        first = psutil.Process(self.process.pid)
+        return [first, *first.children(recursive=True)]
 
     def wait(self, warm: bool = True) -> None:
         """Wait until the health check solves a scenario, or only until it answers."""

@@ -36,7 +36,9 @@ SCROLLED = """() => {
   main.scrollBy({top: 0.8 * main.clientHeight, behavior: "instant"});
   return main.scrollTop > before;
 }"""
-OF_A_SESSION = re.compile(r"[-0-9]+ [:0-9]+ a page was open for \d+ s, at last [-\w ]+")
+OF_A_SESSION = re.compile(
+    r"[-0-9]+ [:0-9]+ \w+ session=[0-9a-f]{8} page=[-\w]+ duration_s=\d+\.\d{3}( cells=\d+)? (ok|refused)"
+)
 OF_THE_SERVER = re.compile(r"Launching server at http://[.\d]+:\d+")
 
 

@@ -27,6 +27,7 @@ def page(chromium: Browser) -> Iterator[Page]:
     page.route(f"{ADDRESS}**", answer)
     page.goto(ADDRESS)
     page.evaluate(source(KNOWS_ALL_ROOTS))
+    page.evaluate(source("wire"))
     yield page
     context.close()
 

@@ -33,6 +33,8 @@ class Visitor:
     def __init__(self, url: str) -> None:
         self.url, self.opened_s = url, 0.0
         self.text = ""
+        self.failures: list[str] = []
+        """Answers to messages that the server could not take."""
         self._sent = 0
         self._document: asyncio.Future[str] = asyncio.get_running_loop().create_future()
         self._heard, self._ready = asyncio.Event(), asyncio.Event()
@@ -42,19 +44,23 @@ class Visitor:
         """Load the page, open its websocket, and say that it is there."""
         started = time.perf_counter()
         answer = await AsyncHTTPClient().fetch(HTTPRequest(self.url, request_timeout=PATIENCE_S))
-        self.opened_s = time.perf_counter() - started
         token = TOKEN.search(answer.body.decode())
-        assert token is not None, "the page has no session: its script has failed"
+        assert token is not None, "the page has no token"
         parts = urlsplit(self.url)
         request = HTTPRequest(f"ws://{parts.netloc}/ws", headers={"Origin": f"http://{parts.netloc}"})
         self._connection = await websocket_connect(
-            request, subprotocols=["bokeh", token[1]], max_message_size=LARGEST_MESSAGE_BYTES
+            request,
+            subprotocols=["bokeh", token[1]],
+            max_message_size=LARGEST_MESSAGE_BYTES,
+            # as browsers do
+            compression_options={},
         )
         self._reading = asyncio.create_task(self._read())
         await asyncio.wait_for(self._ready.wait(), PATIENCE_S)
-        await self._send("PULL-DOC-REQ", {})
+        await self.send("PULL-DOC-REQ", {})
         self.text = await asyncio.wait_for(self._document, PATIENCE_S)
-        await self._send("PATCH-DOC", {"events": [READY]})
+        self.opened_s = time.perf_counter() - started
+        await self.send("PATCH-DOC", {"events": [READY]})
 
     async def close(self) -> None:
         """Leave the page."""
@@ -71,15 +77,21 @@ class Visitor:
         self.text = ""
         started = time.perf_counter()
         change = {"kind": "ModelChanged", "model": {"id": model}, "attr": "value", "new": value}
-        await self._send("PATCH-DOC", {"events": [change]})
+        await self.send("PATCH-DOC", {"events": [change]})
         while until not in self.text:
             self._heard.clear()
             await asyncio.wait_for(self._heard.wait(), PATIENCE_S)
         return time.perf_counter() - started
 
+    @property
+    def is_open(self) -> bool:
+        """Whether the server has not closed the connection."""
+        return self._connection is not None and not self._reading.done()
+
     def _models(self) -> Iterator[dict[str, Any]]:
         """Yield the models of the document as it was loaded."""
-        waiting = [json.loads(self.text)]
+        # what has changed since may stand behind it
+        waiting = [json.JSONDecoder().raw_decode(self.text)[0]]
         while waiting:
             one = waiting.pop()
             if isinstance(one, dict):
@@ -89,7 +101,7 @@ class Visitor:
             elif isinstance(one, list):
                 waiting += one
 
-    async def _send(self, kind: str, content: dict[str, Any]) -> None:
+    async def send(self, kind: str, content: dict[str, Any]) -> None:
         assert self._connection is not None
         self._sent += 1
         for part in ({"msgid": str(self._sent), "msgtype": kind}, {}, content):
@@ -105,6 +117,8 @@ class Visitor:
                 await self._connection.read_message()
             if header["msgtype"] == "ACK":
                 self._ready.set()
+            elif header["msgtype"] == "ERROR":
+                self.failures.append(content)
             elif header["msgtype"] == "PULL-DOC-REPLY":
                 self._document.set_result(content)
             elif header["msgtype"] == "PATCH-DOC":

@@ -118,3 +118,23 @@ def test_a_home_that_cannot_be_written_to_is_replaced(monkeypatch, tmp_path):
     assert root.parent == tmp_path
     assert root.stat().st_mode & 0o077 == 0
     assert cache_root() != root
+
+
+@pytest.mark.parametrize("variable", [VARIABLE, "XDG_CACHE_HOME"])
+def test_a_folder_that_takes_no_files_is_told_in_one_sentence(tmp_path, variable):
+    file = tmp_path / "file"
+    file.write_text("no folder")
+    code = f"import railjoule.core, os; print(os.environ['{VARIABLE}'])"
+    environment = {**os.environ, "XDG_CACHE_HOME": str(tmp_path), "LOCALAPPDATA": str(tmp_path)}
+    environment.pop(VARIABLE, None)
+    environment[variable] = str(file / "below")
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    assert str(file) not in done.stdout
+    (told,) = done.stderr.splitlines()
+    assert told.startswith("railjoule cannot keep its compiled kernels (")
+    assert str(file) in told
+
+
+def test_a_folder_that_is_lost_while_kernels_compile_ends_nothing(small, tmp_path):
+    code = "import small, shutil, small.helper; shutil.rmtree(small.FOLDER); print(small.helper.resistance(3.0))"
+    assert answer(code, tmp_path, PYTHONPATH=str(tmp_path)) == ["6.0"]

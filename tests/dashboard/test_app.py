@@ -3,7 +3,9 @@ from typing import Any
 import pytest
 
 from railjoule.core import Scenario
+from railjoule.dashboard import app
 from railjoule.dashboard.app import Session, make_page
+from railjoule.dashboard.server.options import ServerOptions
 from railjoule.dashboard.shell.shell import Page
 from railjoule.dashboard.work.warmup import warmup
 
@@ -94,3 +96,17 @@ def test_only_short_runs_of_shipped_scenarios_are_waited_for(
     monkeypatch.setattr("railjoule.dashboard.app.address_query", lambda: link)
     monkeypatch.setattr("panel.state.onload", lambda _: None)
     assert (Session().state.runs is not None) == at_once
+
+
+@pytest.mark.parametrize(
+    ("address", "told"), [("127.0.0.1", False), ("::1", False), ("0.0.0.0", True), ("192.0.2.7", True)]
+)
+def test_a_server_that_others_reach_says_that_there_is_no_login(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture, address: str, told: bool
+) -> None:
+    monkeypatch.setattr(app, "write_down", lambda: None)
+    monkeypatch.setattr(app, "make_server", lambda _: None)
+    monkeypatch.setattr(app, "run", lambda _: None)
+    monkeypatch.setattr(app.warmup(), "start", lambda: None)
+    app.serve(ServerOptions(address=address))
+    assert ("There is no login" in caplog.text) is told

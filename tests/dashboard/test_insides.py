@@ -5,31 +5,51 @@ import inspect
 import re
 from importlib.resources import files
 from pathlib import Path
+from types import SimpleNamespace
+from unittest.mock import Mock
 
 import bokeh
 import panel as pn
 import panel_material_ui as pmui
 import pytest
+from bokeh.core.property.descriptors import PropertyDescriptor
 from bokeh.document import Document
 from bokeh.document.locking import UnlockedDocumentProxy
-from bokeh.models import Div
+from bokeh.model import Model
+from bokeh.models import Button, Column, Div
+from bokeh.models.widgets import Slider as FloatSlider
+from bokeh.plotting import figure
+from bokeh.protocol import Protocol
+from bokeh.server.connection import ServerConnection
 from panel.reactive import Syncable
+from tornado.httputil import HTTPHeaders, HTTPServerRequest, RequestStartLine
 
+from railjoule.dashboard.app import make_page, make_server
 from railjoule.dashboard.insides import (
     LightComponent,
+    PageAnswer,
     SmallFile,
     Words,
+    application_of,
     attach,
+    begin_as,
+    first_html,
     freeze,
     frozen,
     leave_busy,
     models_of,
     name_sheets,
+    page_of_token,
+    server_context,
     session_document,
+    tell_no_insides,
     thaw,
     thaw_unsearched,
+    token_of,
     written_down,
 )
+from railjoule.dashboard.server.options import ServerOptions
+from railjoule.dashboard.shell.shell import empty_page
 
 SCRIPTS = files("railjoule.assets") / "scripts"
 PANEL, BOKEH = Path(pn.__file__).parent, Path(bokeh.__file__).parent
@@ -152,6 +172,69 @@ def test_a_frozen_document_finds_new_models_when_it_thaws() -> None:
     assert document.get_model_by_id(later.id) is later
 
 
+def test_defaults_that_are_remembered_are_those_of_the_library() -> None:
+    remembered, own = PropertyDescriptor._get_default, PropertyDescriptor.has_unstable_default
+    for kind in (Button, Column, Div, FloatSlider, figure):
+        with pytest.MonkeyPatch.context() as patch:
+            # what insides.py has put before the library's own, which it keeps
+            for name, ours in (("_get_default", remembered), ("has_unstable_default", own)):
+                patch.setattr(PropertyDescriptor, name, ours.__closure__[-1].cell_contents)
+            expected = plain_defaults(kind())
+        for _ in range(2):
+            assert plain_defaults(kind()) == expected
+
+
+def plain_defaults(model: Model) -> dict[str, object]:
+    """Return what a model has by default, without what is made for each anew."""
+    found = model.properties_with_values(include_undefined=True)
+    return {name: value for name, value in found.items() if not isinstance(value, Model | list | dict)}
+
+
+def test_a_theme_goes_before_a_default_that_is_remembered() -> None:
+    before = Div().visible
+    themed = Div()
+    themed.apply_theme({"visible": not before})
+    assert (themed.visible, Div().visible) == (not before, before)
+
+
+def test_defaults_that_can_be_changed_are_not_shared() -> None:
+    one, other = Div(), Div()
+    one.tags.append("mine")
+    assert other.tags == Div().tags == []
+
+
+def request(address: str) -> HTTPServerRequest:
+    line = RequestStartLine("GET", address, "HTTP/1.1")
+    return HTTPServerRequest(start_line=line, headers=HTTPHeaders({"Host": "localhost"}), connection=Mock())
+
+
+def test_what_a_page_asks_for_is_in_its_token() -> None:
+    server = make_server(ServerOptions(port=0))
+    try:
+        asked = request("/?v=1&page=Drive")
+        context = server_context(server)
+        handler = PageAnswer(application_of(server), asked, application_context=context, bokeh_websocket_path="/ws")
+        token = token_of(handler)
+        assert page_of_token(token) == "/?v=1&page=Drive"
+        begun = request("/ws")
+        begin_as(begun, page_of_token(token))
+        assert (begun.path, begun.query, begun.uri) == ("/", "v=1&page=Drive", "/?v=1&page=Drive")
+    finally:
+        server.stop()
+
+
+def test_what_a_browser_gets_first_does_not_depend_on_the_page() -> None:
+    server = make_server(ServerOptions(port=0))
+    try:
+        texts = [first_html(server, page, "@") for page in (empty_page(), make_page())]
+    finally:
+        server.stop()
+    ids = re.compile(r"p\d{4,}|[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}")
+    plain, whole = (ids.sub("ID", text) for text in texts)
+    assert plain == whole
+    assert plain.count('"token":"@"') == 1
+
+
 def test_what_stands_for_a_document_names_it() -> None:
     document = Document()
     assert session_document(UnlockedDocumentProxy(document)) is session_document(document) is document
@@ -171,3 +254,18 @@ def test_the_release_is_one_that_this_was_tried_with(library: object) -> None:
     tried = {"bokeh": "3.9.", "panel": "1.9.", "panel_material_ui": "0.16."}
     name = getattr(library, "__name__")  # noqa: B009
     assert str(getattr(library, "__version__")).startswith(tried[name])  # noqa: B009
+
+
+def test_an_answer_to_a_message_that_failed_holds_no_traceback() -> None:
+    tell_no_insides()
+    connection = ServerConnection(Protocol(), None, None, SimpleNamespace(subscribe=lambda _: None))
+    message = Protocol().create("SERVER-INFO-REQ")
+    try:
+        raise ValueError(f"of {__file__}")
+    except ValueError as failure:
+        answer = connection.error(message, repr(failure))
+    assert answer.content == {
+        "text": "The server could not take a change; its log describes the error.",
+        "traceback": None,
+    }
+    assert answer.header["reqid"] == message.header["msgid"]

@@ -4,7 +4,7 @@ Each worker compiles nothing that its node has compiled already: numba's files l
 (`railjoule.core._numba_cache`), and one worker of a node compiles while the others wait (`compiling`).
 """
 
-import asyncio
+import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
@@ -48,7 +48,7 @@ def cluster(address: str) -> Iterator[tuple[Executor, Callable[[], int]]]:
     try:
         # without a heartbeat's warnings in between: the study tells what has become of it
         client: Any = distributed.Client(address, timeout=CONNECTING_S, set_as_default=False)
-    except (OSError, TimeoutError, asyncio.TimeoutError, ValueError) as error:
+    except (OSError, TimeoutError, ValueError) as error:
         raise ClusterError(f"the cluster {shown} does not answer within {CONNECTING_S} s: {_words(error)}.") from None
     with client:
         try:
@@ -57,9 +57,24 @@ def cluster(address: str) -> Iterator[tuple[Executor, Callable[[], int]]]:
             raise ClusterError(f"the cluster {shown} has had no worker for {WAITING_S} s.") from None
         # not pure: Dask would take two chunks of the same numbers for one
         try:
-            yield client.get_executor(pure=False, retries=RETRIES), lambda: sum(client.nthreads().values())
+            yield client.get_executor(pure=False, retries=RETRIES), _WorkerCount(client, shown)
         except (distributed.KilledWorker, OSError) as error:
             raise ClusterError(f"the cluster {shown} has lost its workers: {_words(error)}.") from error
+
+
+class _WorkerCount:
+    """Tells how many threads a cluster's workers have; raises ClusterError once it has had none for a while."""
+
+    def __init__(self, client: Any, shown: str) -> None:
+        self._client, self._shown, self._seen = client, shown, time.monotonic()
+
+    def __call__(self) -> int:
+        threads: int = sum(self._client.nthreads().values())
+        if threads:
+            self._seen = time.monotonic()
+        elif time.monotonic() - self._seen > WAITING_S:
+            raise ClusterError(f"the cluster {self._shown} has had no worker for {WAITING_S} s.")
+        return threads
 
 
 def _words(error: BaseException) -> str:

@@ -6,7 +6,6 @@ windows of arrival, and the few optima that are not found or not proven at once,
 """
 
 import math
-import time
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
@@ -17,7 +16,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.bounds import chain_target_j, minimise, proven_j
 from railjoule.core.bounds.tightening import OPTIMUM
-from railjoule.core.budget import Budget, within
+from railjoule.core.budget import Budget
 from railjoule.core.energy import Energy, net_energy
 from railjoule.core.errors import RailjouleError, SolverError
 from railjoule.core.motion.course import Course, CourseParts, course_of, drive_of, limits_of, line_of
@@ -28,6 +27,7 @@ from railjoule.core.strategies.line_parts import arrival_windows
 from railjoule.core.studies.sweep.columns import COLUMNS
 from railjoule.core.studies.sweep.compiling import compiling_alone
 from railjoule.core.studies.sweep.fields import Field, Patch
+from railjoule.core.studies.sweep.rows import RowByRow, Rows
 from railjoule.core.studies.sweep.version import solver_version
 from railjoule.core.task import Task, task_over
 from railjoule.core.trajectory import LATE_SHARE, Trajectory, durations_s, energy_account, line_energies_j
@@ -90,25 +90,6 @@ class VersionError(RailjouleError):
     """A worker whose results would not be those of who asks it."""
 
 
-@dataclass(frozen=True, eq=False)
-class Rows:
-    """Rows of a sweep that are done.
-
-    Parameters
-    ----------
-    values : array of shape (rows, columns)
-        NaN where a number is not known, or there is no run.
-    reasons : dict of int to str
-        Why there is no run, by the row.
-    seconds : float
-        How long they took [s].
-    """
-
-    values: FloatArray
-    reasons: dict[int, str]
-    seconds: float
-
-
 def solve_rows(plan: Plan, samples: FloatArray) -> Rows:
     """Return what comes out for samples of the fields' values of shape (rows, fields).
 
@@ -117,21 +98,13 @@ def solve_rows(plan: Plan, samples: FloatArray) -> Rows:
     VersionError
         If it is asked for by another version than this one, as a cluster may have.
     """
-    started = time.perf_counter()
     engine, columns = _engine_of(plan), [COLUMNS[name] for name in plan.columns]
-    values, reasons = np.full((len(samples), len(columns)), np.nan), {}
-    with within(plan.budget):
-        for row, sample in enumerate(samples.tolist()):
-            try:
-                run = engine.run(sample)
-            except RailjouleError as error:
-                # what cannot be is a result of a study, too
-                reasons[row] = str(error)
-                continue
-            for column, told in enumerate(columns):
-                number = told(run)
-                values[row, column] = math.nan if number is None else number
-    return Rows(values, reasons, time.perf_counter() - started)
+
+    def told(sample: Sequence[float]) -> list[float | None]:
+        run = engine.run(sample)
+        return [column(run) for column in columns]
+
+    return RowByRow(told, len(columns), budget=plan.budget)(samples)
 
 
 @lru_cache(maxsize=4)

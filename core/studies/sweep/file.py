@@ -9,7 +9,7 @@ be killed at any moment. Measured with chunks of 2,048 rows of 8 numbers on this
 import json
 import sqlite3
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from threading import Lock
 from typing import Any, Self
@@ -19,8 +19,8 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import RailjouleError
 from railjoule.core.scenario._sentences import shorten
-from railjoule.core.studies.sweep.engine import Rows
 from railjoule.core.studies.sweep.results import Chunk, gaps_between
+from railjoule.core.studies.sweep.rows import Rows
 from railjoule.core.studies.sweep.study import Study, study_from
 
 FORMAT = "railjoule study 1"
@@ -184,6 +184,12 @@ class SweepFile:
         """Put all into the one file."""
         with _failures_named(self.path, "written"), self._lock:
             self._connection.close()
+
+    def remove(self) -> None:
+        """Close the file and remove it with all its rows."""
+        self.close()
+        with suppress(OSError):
+            self.path.unlink()
 
     def _asked(self, query: str, *values: Any) -> list[Any]:
         with _failures_named(self.path, "read"), self._lock:

@@ -8,7 +8,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, IntArray, frozen_array
 from railjoule.core.errors import ScenarioError
-from railjoule.core.studies.sweep.engine import Rows
+from railjoule.core.studies.sweep.rows import Rows
 from railjoule.core.studies.sweep.study import Study
 
 if TYPE_CHECKING:

@@ -1,7 +1,8 @@
-"""Help: the keys, what each page answers, how to read a proof, and the whole glossary."""
+"""Help: the way to the documentation, the keys, what each page answers, how to read a proof, the whole glossary."""
 
 from panel.viewable import Viewable
 
+from railjoule.dashboard.limits import limits
 from railjoule.dashboard.look.glossary import GROUPS, Term
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.theme import parts_css
@@ -53,11 +54,14 @@ PROOF = (
     ),
 )
 HELP_CSS = """
+.help p a { display: inline-block; min-height: 24px; color: var(--rj-accent); font-weight: 600; }
 .help { padding: 4px 20px 32px; max-width: 1240px; }
 .help h2 { font-size: 15px; margin: 22px 0 6px; }
 .help h3 { font-size: 13px; font-weight: 600; color: var(--rj-ink); margin: 14px 0 2px; break-after: avoid; }
 .help table { width: auto; font-size: 13px; }
 .help td { text-align: left; white-space: normal; padding: 4px 0 4px 20px; }
+.help th { text-align: left; padding: 4px 0 4px 20px; }
+.help th:first-child { padding-left: 0; }
 .help td:first-child { min-width: 0; padding-left: 0; white-space: nowrap; }
 .help kbd { display: inline-block; min-width: 24px; box-sizing: border-box; padding: 1px 7px; border-radius: 4px;
   border: 1px solid var(--rj-line2); font: 500 12px/1.5 var(--rj-font); text-align: center; }
@@ -89,7 +93,27 @@ class HelpView(PageView):
 
 def help_html() -> Markup:
     """Return the page below its heading."""
-    return markup('<div class="help">{}{}{}{}</div>', keys_html(), pages_html(), proof_html(), glossary_html())
+    pieces = documentation_html(), keys_html(), pages_html(), proof_html(), limits_html(), glossary_html()
+    return markup('<div class="help">{}</div>', joined(pieces))
+
+
+def limits_html() -> Markup:
+    """Return what may be asked for at most."""
+    row = "<tr><td>{}</td><td>{}</td><td>{}</td></tr>"
+    rows = joined(markup(row, limit.of, limit.page, limit.library) for limit in limits())
+    note = "What takes more is refused in a sentence before anything is computed: all visitors share this server."
+    template = (
+        '<h2 id="limits">Limits</h2>{}<table><thead><tr><th>Of</th><th>On this page</th>'
+        "<th>In a terminal</th></tr></thead><tbody>{}</tbody></table>"
+    )
+    return markup(template, parts.note_paragraphs([note]), rows)
+
+
+def documentation_html() -> Markup:
+    """Return the way to the documentation, which the same server has."""
+    # relative, as a proxy may serve the page below any path
+    link = markup('<a href="docs/" target="_blank" rel="noopener">Documentation</a>')
+    return markup("<p>{}: tutorials, how-to, the mathematics, Python and all commands.</p>", link)
 
 
 def keys_html() -> Markup:

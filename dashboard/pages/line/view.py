@@ -8,6 +8,7 @@ import panel as pn
 import panel_material_ui as pmui
 from panel.viewable import Viewable
 
+from railjoule.core.csv_text import csv_of_table
 from railjoule.core.units import J_PER_WH
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.run_charts import LineStrip
@@ -175,15 +176,10 @@ class LineView(PageView):
     def _csv(self) -> StringIO:
         """Return the legs under all sharing rules as a file."""
         runs = self.model.runs
-        text = (
-            "\n".join(
-                line.to_dataframe().to_csv(index=False, header=first == 0)
-                for first, line in enumerate(runs.runs.values())
-            )
-            if runs is not None
-            else ""
+        lines = () if runs is None else runs.runs.values()
+        return StringIO(
+            "".join(csv_of_table(line.to_dataframe(), header=first == 0) for first, line in enumerate(lines))
         )
-        return StringIO(text.replace("\n\n", "\n"))
 
     def _list_stations(self) -> None:
         self.stations[:] = [station_row(station) for station in self.model.inner_stations]

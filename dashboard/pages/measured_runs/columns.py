@@ -14,8 +14,9 @@ from railjoule.core.measured import RecorderFormat, recorder_cells
 from railjoule.core.measured.columns import CLOCK, NEEDED_UNITS, UNITS, USUAL_UNITS, recognised
 from railjoule.core.scenario import Vehicle
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, W_PER_KW
+from railjoule.dashboard.limits import LARGEST_RUN_BYTES
 from railjoule.dashboard.look import words
-from railjoule.dashboard.work.uploads import LARGEST_RUN_BYTES, too_large
+from railjoule.dashboard.work.uploads import too_large
 
 MOST_ROWS = 20_000
 """8,551 samples of a run of three minutes took 2.4 s to smooth and 3.5 s to fit, on a busy core."""

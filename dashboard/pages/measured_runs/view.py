@@ -11,6 +11,7 @@ from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.run_charts import LineStrip
 from railjoule.dashboard.charts.scene import RunScene
 from railjoule.dashboard.insides import SmallFile
+from railjoule.dashboard.limits import LARGEST_RUN_BYTES
 from railjoule.dashboard.look.theme import padded, parts_css
 from railjoule.dashboard.look.tokens import NARROW_PX
 from railjoule.dashboard.pages.measured_runs import texts
@@ -30,7 +31,7 @@ from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.parts.choices import box, over_time_buttons
 from railjoule.dashboard.parts.number_field import NumberField
 from railjoule.dashboard.state.pins import Pin
-from railjoule.dashboard.work.uploads import LARGEST_RUN_BYTES, too_large
+from railjoule.dashboard.work.uploads import too_large
 
 HEIGHTS = {"measured_speed": (270, 340, 220), "line": (88, 96, 80), "measured_energy": (200, 240, 180)}
 """Of each chart [px]: in usual, wide and narrow windows."""

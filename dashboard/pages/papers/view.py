@@ -1,6 +1,5 @@
 """Papers: what the four papers print beside what this version computes."""
 
-import csv
 from collections.abc import Callable, Iterable
 from functools import partial
 from io import StringIO
@@ -12,6 +11,7 @@ from bokeh.plotting import figure as Figure  # noqa: N812  (parts have figures t
 from panel.viewable import Viewable
 
 from railjoule.core import RailjouleError
+from railjoule.core.csv_text import csv_of_rows
 from railjoule.core.validation import COMPARISONS, Erratum, Row, Table
 from railjoule.core.validation.papers import citation, printed_numbers
 from railjoule.core.validation.table import CLOSE_PERCENT
@@ -214,15 +214,13 @@ class PaperSection:
 
 def tables_csv(tables: tuple[Table, ...]) -> str:
     """Return all rows of tables as CSV."""
-    file = StringIO()
-    writer = csv.writer(file, lineterminator="\n")
-    writer.writerow(COLUMNS)
+    rows: list[tuple[object, ...]] = [COLUMNS]
     for table in tables:
         for row in table.rows:
             cells = (row.case, row.quantity, row.unit, row.printed, row.ours)
             differences = row.difference_percent, row.difference_points
-            writer.writerow((table.title, table.place, *cells, *differences, row.note))
-    return file.getvalue()
+            rows.append((table.title, table.place, *cells, *differences, row.note))
+    return csv_of_rows(rows)
 
 
 def paper_html(paper: PaperTables) -> Markup:

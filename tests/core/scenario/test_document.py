@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario import Scenario, document_of, format_scenario, load_scenario, parse_scenario
+from railjoule.core.scenario._base import is_misleading
 from railjoule.core.scenario.document import change_document, merged, scenario_from_document
 from railjoule.core.scenario.presets import preset_names
 
@@ -27,10 +28,11 @@ sections = st.lists(
     min_size=1,
     max_size=5,
 )
+plain_signs = st.characters(exclude_categories=["Cs"]).filter(lambda sign: not is_misleading(sign))
 changes = st.fixed_dictionaries(
     {},
     optional={
-        "title": st.text(st.characters(exclude_categories=["Cs"]), max_size=40),
+        "title": st.text(plain_signs, max_size=40),
         "strategy": st.sampled_from(["optimal", "eoc", "enoc", "fastest"]),
         "vehicle.tare_kg": numbers(1, 1e6),
         "vehicle.load_factor": numbers(0, 1),
@@ -43,7 +45,7 @@ changes = st.fixed_dictionaries(
         "vehicle.braking.permitted_deceleration": st.just([[0, 0.7], [60.5, 0.55]]),
         "drive.recuperation_factor": numbers(0, 1),
         "drive.braking_efficiency": numbers(0, 1, exclude_min=True),
-        "line.name": st.text(st.characters(exclude_categories=["Cs"]), max_size=40),
+        "line.name": st.text(plain_signs, max_size=40),
         "line.reverse": st.booleans(),
         "line.sections": sections,
         "timetable.average_speed_kmh": numbers(0, 600, exclude_min=True),

@@ -225,3 +225,17 @@ def test_values_are_shown_short():
     assert show(0.1) == "0.1"
     assert show("x" * 100) == "'" + "x" * 56 + "..."
     assert len(show(list(range(1000)))) == 60
+
+
+@pytest.mark.parametrize("sign", ["\u202e", "\u2066", "\u200f", "\x00", "\x1b", "\n", "\u2028"])
+@pytest.mark.parametrize("key", ["title", "vehicle.name", "line.name"])
+def test_a_sign_that_misleads_is_refused_in_any_name(key, sign):
+    with pytest.raises(ScenarioError) as refusal:
+        plain_scenario({key: f"Tram {sign}1"})
+    assert f"{key} has the sign U+{ord(sign):04X}, which is no text" in str(refusal.value)
+
+
+def test_names_of_all_scripts_are_taken():
+    # Arabic, Hebrew and Devanagari letters, a joiner within an emoji, an accent of its own
+    name = "\u0642\u0637\u0627\u0631 \u05e8\u05db\u05d1\u05ea \u0930\u0947\u0932 \U0001f469\u200d\U0001f527 e\u0301"
+    assert plain_scenario({"title": name}).title == name

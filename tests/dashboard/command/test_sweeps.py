@@ -4,10 +4,11 @@ from types import SimpleNamespace
 import numpy as np
 import pandas
 import pytest
+import xarray
 
 from railjoule.core import load_scenario, solve
 from railjoule.dashboard.command import sweeps
-from railjoule.dashboard.command.cli import BAD_INPUT, OK, main
+from railjoule.dashboard.command.cli import BAD_INPUT, INTERRUPTED, OK, main
 
 RANGES = ("vehicle.load_factor=0:1", "timetable.travel_time_s=105:130")
 
@@ -35,6 +36,7 @@ def test_a_sweep_becomes_a_table(capsys, tmp_path, suffix):
     assert (told["rows"], told["without_run"]) == (9, 0)
     assert told["runs_per_s"] == pytest.approx(9 / told["seconds"])
     table = pandas.read_csv(target) if suffix == ".csv" else pandas.read_parquet(target)
+    assert told["sensitivities"] is None
     # the contract of design.md: one column a field, then energy, bound, time and price
     assert list(table.columns) == [
         "vehicle.load_factor", "timetable.travel_time_s", "energy_kwh", "lower_bound_kwh", "travel_time_s",
@@ -76,7 +78,7 @@ def test_rows_without_a_run_are_told(capsys, tmp_path):
         ({"over": ("vehicle.name=0:1",)}, "vehicle.name is no number"),
         ({"sample": "many"}, "'many' is not a whole number"),
         ({"sample": "0"}, "sample = 0 must be"),
-        ({"sample": "99999999"}, "takes at most"),
+        ({"sample": "9999999999"}, "sample = 9999999999 must be a whole number from 1 to 1,073,741,824"),
         ({"file": "nowhere"}, "nowhere: there is no such file"),
     ],
 )
@@ -88,23 +90,24 @@ def test_bad_words_are_one_sentence(capsys, tmp_path, asked, words):
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("out.nc", "must end in .csv or .parquet"),
+        ("out.txt", "-o out.txt: a table ends in .csv, .parquet or .nc"),
         ("nowhere/out.csv", "cannot be written: No such file or directory"),
         ("folder.csv", "cannot be written: Is a directory"),
     ],
 )
 def test_what_cannot_be_written_is_told_before_anything_is_solved(capsys, tmp_path, monkeypatch, name, words):
-    monkeypatch.setattr(sweeps, "sweep", None)
+    monkeypatch.setattr(sweeps, "run_study", None)
     (tmp_path / "folder.csv").mkdir()
     assert words in complaint(capsys, tmp_path / name)
 
 
 def test_a_table_that_no_disk_takes_is_refused_before_anything_is_solved(capsys, tmp_path, monkeypatch):
-    monkeypatch.setattr(sweeps, "sweep", None)
-    # 100,000 rows of 6 numbers of 20 bytes
-    monkeypatch.setattr(sweeps.shutil, "disk_usage", lambda _: SimpleNamespace(free=11_000_000))
+    monkeypatch.setattr(sweeps, "run_study", None)
+    # 100,000 rows of 6 numbers, of 20 bytes in the table and of 8 where they are kept until then
+    monkeypatch.setattr(sweeps.shutil, "disk_usage", lambda _: SimpleNamespace(free=16_000_000))
     told = complaint(capsys, tmp_path / "out.csv", sample="100000")
-    assert "would take about 0.012 GB, and there are 0.011 GB left" in told
+    assert "would take about 0.0168 GB, with the rows kept until it is written, and there are 0.016 GB left" in told
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_file_that_was_there_stays_where_a_sweep_fails(capsys, tmp_path):
@@ -123,4 +126,66 @@ def test_a_person_at_a_terminal_sees_how_far_it_is(capsys, tmp_path, monkeypatch
     assert command(tmp_path / "out.csv", sample="1200", over=("vehicle.load_factor=0:1",)) == OK
     told = capsys.readouterr().err
     assert told.count("\r") > 1
-    assert told.endswith("1,200 of 1,200 runs\n")
+    assert "100%" in told
+    assert "1200/1200" in told
+    assert "runs/s" in told
+
+
+def stopped_at_the_first_progress(monkeypatch):
+    """Let a person press Ctrl+C at the first news of a sweep, and nobody after."""
+    run = sweeps.run_study
+
+    def stop(results, progress, **given):
+        def interrupted(done):
+            progress(done)
+            raise KeyboardInterrupt
+
+        run(results, progress=interrupted, **given)
+
+    monkeypatch.setattr(sweeps, "run_study", stop)
+    return lambda: monkeypatch.setattr(sweeps, "run_study", run)
+
+
+def test_a_stopped_sweep_goes_on_to_the_same_table(capsys, tmp_path, monkeypatch):
+    go_on = stopped_at_the_first_progress(monkeypatch)
+    target, kept = tmp_path / "out.parquet", tmp_path / "out.parquet.runs"
+    assert command(target, sample="500") == INTERRUPTED
+    assert "of 500 rows are kept in" in capsys.readouterr().err
+    assert kept.exists()
+    assert not target.exists()
+    go_on()
+    assert "--resume goes on with it; to begin anew, remove it" in complaint(capsys, target, sample="500")
+    assert "another study, whose seed differs: 0, not 1" in complaint(
+        capsys, target, "--resume", "--seed", "1", sample="500"
+    )
+    assert command(target, "--resume", sample="500") == OK
+    assert not kept.exists()
+    assert command(tmp_path / "whole.parquet", sample="500") == OK
+    pandas.testing.assert_frame_equal(pandas.read_parquet(target), pandas.read_parquet(tmp_path / "whole.parquet"))
+    capsys.readouterr()
+    assert "nothing is left to be done for it" in complaint(capsys, target, "--resume", sample="500")
+
+
+def test_a_script_may_always_say_resume(tmp_path):
+    assert command(tmp_path / "out.csv", "--resume") == OK
+
+
+def test_shares_of_the_fields_are_told(capsys, tmp_path):
+    target = tmp_path / "out.nc"
+    assert command(target, "--json", sample="128") == OK
+    told = json.loads(capsys.readouterr().out)
+    shares = told["sensitivities"]
+    assert list(shares) == ["vehicle.load_factor", "timetable.travel_time_s"]
+    assert sum(of["first"] for of in shares.values()) == pytest.approx(1, abs=0.1)
+    table = xarray.open_dataset(target, engine="scipy")
+    assert table.sizes["row"] == 128
+    assert table.attrs["railjoule_fingerprint"] == told["fingerprint"]
+    assert command(tmp_path / "out.csv", sample="128") == OK
+    assert "Sobol' indices" in capsys.readouterr().out
+
+
+def test_a_cluster_that_is_none_is_told_and_nothing_is_left(capsys, tmp_path, monkeypatch):
+    monkeypatch.setattr("railjoule.core.studies.sweep.cluster.CONNECTING_S", 0.5)
+    told = complaint(capsys, tmp_path / "out.csv", "--scheduler", "tcp://127.0.0.1:9")
+    assert "the cluster tcp://127.0.0.1:9 does not answer within 0.5 s" in told
+    assert list(tmp_path.iterdir()) == []

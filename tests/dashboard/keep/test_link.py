@@ -8,12 +8,12 @@ from hypothesis import strategies as st
 
 from railjoule.core import load_scenario
 from railjoule.core.scenario import format_scenario
-from railjoule.dashboard.keep.link import LONGEST_LINK, LONGEST_QUERY, LinkTooLongError, read_link, write_link
+from railjoule.dashboard.keep.link import LONGEST_QUERY, LinkTooLongError, read_link, write_link
 from railjoule.dashboard.keep.snapshot import fields_of, lay, originals_of, snapshot_of
+from railjoule.dashboard.limits import LONGEST_LINK, LONGEST_TEXT
 from railjoule.dashboard.pages.disturbances.work import Disturbances
 from railjoule.dashboard.pages.robustness.work import Robustness
 from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
-from railjoule.dashboard.state.kept import LONGEST_TEXT
 from railjoule.dashboard.state.workbench import Workbench
 
 STATE = Workbench()

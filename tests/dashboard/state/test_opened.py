@@ -2,8 +2,8 @@ import pytest
 
 from railjoule.core import InfeasibleLineError, RailjouleError, ScenarioError, load_scenario
 from railjoule.core.scenario import format_scenario
+from railjoule.dashboard.limits import LONGEST_TEXT
 from railjoule.dashboard.state import opened
-from railjoule.dashboard.state.kept import LONGEST_TEXT
 from railjoule.dashboard.state.opened import open_scenario
 
 GOOD = format_scenario(load_scenario("liashenko-ii"))

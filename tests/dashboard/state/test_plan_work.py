@@ -1,7 +1,10 @@
 import pytest
+from bokeh.document import Document
+from panel.io.state import set_curdoc
 
 from railjoule.dashboard.state.plan_work import Plans
 from railjoule.dashboard.state.workbench import Workbench
+from railjoule.dashboard.work.runs import FirstRuns
 
 
 @pytest.fixture
@@ -33,8 +36,22 @@ def test_a_failure_keeps_the_runs(plans: Plans) -> None:
 
 def test_only_short_runs_are_waited_for() -> None:
     plans = Plans(Workbench(ticked=["optimal", "bellman"]))
-    plans.do_if_short()
+    plans.take_first()
     assert plans.state.runs is None
     plans.state.ticked = ["optimal"]
-    plans.do_if_short()
+    plans.take_first()
     assert plans.state.runs is not None
+
+
+def test_a_page_takes_what_another_has_computed_and_computes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("railjoule.dashboard.state.plan_work.FIRST", FirstRuns())
+    # as while a session is made, whose event loop others wait for
+    document = Document()
+    with set_curdoc(document):
+        first = Plans(Workbench())
+        first.take_first()
+        assert first.state.runs is None
+        Plans(Workbench()).compute_first()
+        second = Plans(Workbench())
+        second.take_first()
+        assert second.state.runs is not None

@@ -5,7 +5,7 @@ import pytest
 
 from railjoule.core import TimetableError, load_scenario
 from railjoule.core.scenario import StrategyName
-from railjoule.dashboard.work.runs import RunsRequest, compute_runs, tightened_runs
+from railjoule.dashboard.work.runs import FirstRuns, RunsRequest, compute_runs, tightened_runs
 
 
 def test_runs_bear_the_bound_of_the_optimum() -> None:
@@ -77,3 +77,16 @@ def test_long_work_is_known_before_it_begins(
 ) -> None:
     request = RunsRequest(load_scenario("metro-with-limit", changes), strategies)
     assert (request.is_short, request.is_slow) == (short, slow)
+
+
+def test_first_runs_are_computed_once_where_a_page_has_opened_with_them():
+    first, request = FirstRuns(most=1), RunsRequest(load_scenario("liashenko-ii"), ("optimal",))
+    # nobody has asked whether they are known: a slider moves through very many
+    assert first.compute(request) is not first.compute(request)
+    assert first.known(request) is None
+    runs = first.compute(request)
+    assert first.known(request) is first.compute(request) is runs
+    other = RunsRequest(load_scenario("liashenko-i"), ("optimal",))
+    assert first.known(other) is None
+    first.compute(other)
+    assert first.known(other) is None

@@ -3,8 +3,8 @@ import pytest
 
 from railjoule.core import ScenarioError
 from railjoule.core.studies.sweep import MemoryResults, study_of, table_of
-from railjoule.core.studies.sweep.engine import Rows
 from railjoule.core.studies.sweep.results import Chunk, gaps_between
+from railjoule.core.studies.sweep.rows import Rows
 from tests.builders import plain_scenario
 
 

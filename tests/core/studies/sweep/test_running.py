@@ -9,9 +9,15 @@ from multiprocessing import get_context
 import numpy as np
 import pytest
 
-from railjoule.core import sweep
+from railjoule.core import load_scenario, sweep
+from railjoule.core.errors import SolverError
+from railjoule.core.strategies import prepare_task
+from railjoule.core.studies import energy_time_frontier, monte_carlo, sensitivity
+from railjoule.core.studies.detuning import detuning
 from railjoule.core.studies.sweep import InterruptedStudyError, MemoryResults, run_study, running, study_of, table_of
 from railjoule.core.studies.sweep.engine import VersionError, solve_rows
+from railjoule.core.studies.sweep.rows import RowByRow
+from railjoule.core.studies.sweep.running import InTurn, all_rows, rows_in_order
 from tests.builders import HILLS, plain_scenario
 
 LOADS = {"vehicle.load_factor": (0.0, 1.0)}
@@ -137,3 +143,48 @@ def test_a_worker_of_another_version_is_refused():
     plan = replace(study_of(hills(), LOADS, 4).plan, key="other", solver="of last week")
     with pytest.raises(VersionError, match="install the same railjoule"):
         solve_rows(plan, np.zeros((1, 1)))
+
+
+def test_rows_come_in_order_whoever_makes_them():
+    def slow_first(samples):
+        if samples[0, 0] == 0:
+            late.wait(5)
+        else:
+            late.set()
+        return RowByRow(lambda sample: [2 * sample[0]], 1)(samples)
+
+    samples, late = np.arange(7.0)[:, None], threading.Event()
+    with ThreadPoolExecutor(2) as executor:
+        steps = [rows.values[:, 0].tolist() for rows in rows_in_order(slow_first, samples, executor, 2)]
+    assert [len(step) for step in steps] == [2, 4, 6, 7]
+    assert steps[-1] == [0, 2, 4, 6, 8, 10, 12]
+    late.set()
+    assert all_rows(slow_first, samples).values[:, 0].tolist() == steps[-1]
+
+
+def test_an_error_that_is_no_result_ends_a_study():
+    def fail(_sample):
+        raise SolverError("no run")
+
+    kept = RowByRow(fail, 2)(np.zeros((1, 1)))
+    assert np.isnan(kept.values).all()
+    assert kept.reasons == {0: "no run"}
+    with pytest.raises(SolverError):
+        all_rows(RowByRow(fail, 2, ()), np.zeros((3, 1)), InTurn())
+
+
+@pytest.mark.parametrize("study", [monte_carlo, sensitivity, detuning, energy_time_frontier])
+def test_studies_do_not_depend_on_who_does_their_runs(study):
+    base = load_scenario("ftorek-300s" if study is detuning else "liashenko-0").with_(**{"montecarlo.runs": 90})
+    asked = {
+        detuning: {"factors": (0.8, 1.0, 1.2)},
+        sensitivity: {"load_factors": (0.0, 1.0), "coordinate_errors_m": (-5.0, 5.0)},
+        energy_time_frontier: {"travel_times_s": np.array([70.0, 150.0, 180.0])},
+        monte_carlo: {},
+    }[study]
+    of = prepare_task(base) if study is energy_time_frontier else base
+    with ThreadPoolExecutor(2) as executor:
+        tables = [study(of, **asked, executor=who) for who in (None, executor)]
+    for name, values in vars(tables[0]).items():
+        if isinstance(values, np.ndarray):
+            assert np.array_equal(values, getattr(tables[1], name), equal_nan=True)

@@ -6,8 +6,9 @@ import scipy
 
 from railjoule.core import load_scenario
 from railjoule.core.studies.sweep import MemoryResults, SensitivityError, run_study, sensitivities, study_of
-from railjoule.core.studies.sweep.engine import Rows, solve_rows
+from railjoule.core.studies.sweep.engine import solve_rows
 from railjoule.core.studies.sweep.results import Chunk
+from railjoule.core.studies.sweep.rows import Rows
 from tests.builders import plain_scenario
 
 # any three numbers: what comes out is put in by hand

@@ -5,6 +5,7 @@ import pytest
 
 from railjoule.core import RailjouleError, load_scenario
 from railjoule.core.measured import recording_of
+from railjoule.dashboard.limits import LARGEST_RUN_BYTES
 from railjoule.dashboard.pages.measured_runs.columns import (
     MOST_ROWS,
     Meaning,
@@ -16,7 +17,6 @@ from railjoule.dashboard.pages.measured_runs.columns import (
     used_table,
 )
 from railjoule.dashboard.pages.measured_runs.work import read_brought
-from railjoule.dashboard.work.uploads import LARGEST_RUN_BYTES
 
 VEHICLE = load_scenario("metro-with-limit").vehicle
 """212 t, 285 kN, 80 km/h."""

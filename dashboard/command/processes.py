@@ -1,0 +1,66 @@
+"""`railjoule serve --processes N`: starts the processes behind one port."""
+
+import asyncio
+import logging
+import multiprocessing
+import os
+import signal
+import socket
+from collections.abc import MutableSequence
+from functools import partial
+from multiprocessing.process import BaseProcess
+
+from railjoule.core.workspace import Workspace
+from railjoule.dashboard.server.front import Front
+from railjoule.dashboard.server.logs import write_down
+from railjoule.dashboard.server.options import NO_LOGIN, ServerOptions
+from railjoule.dashboard.server.places import NUMBERS
+from railjoule.dashboard.work.kernel_parts import ALL, is_done
+
+LOG = logging.getLogger(__name__)
+# a fork would copy the threads' locks without the threads
+CONTEXT = multiprocessing.get_context("spawn")
+
+
+def serve_in_processes(options: ServerOptions, own: Workspace | None) -> None:
+    """Serve the dashboard in several processes until a signal ends them.
+
+    Raises
+    ------
+    OSError
+        If the address cannot be listened at.
+    """
+    write_down()
+    if not options.is_for_this_machine:
+        LOG.warning("%s A proxy that asks for a password belongs before it.", NO_LOGIN)
+    shared: MutableSequence[int] = CONTEXT.RawArray("i", NUMBERS * options.processes)
+    front = Front(options, partial(_started, options, own), shared, lambda: is_done(ALL))
+    print(f"Launching {options.processes} processes at http://{options.address}:{options.port}{options.prefix}")
+    ended_by = asyncio.run(front.run())
+    if ended_by == signal.SIGINT:
+        raise KeyboardInterrupt
+    # whoever has started this program sees by what it was ended, as with one process
+    signal.signal(ended_by, signal.SIG_DFL)
+    os.kill(os.getpid(), ended_by)
+
+
+def _started(
+    options: ServerOptions, own: Workspace | None, number: int, channel: socket.socket, shared: MutableSequence[int]
+) -> BaseProcess:
+    process = CONTEXT.Process(target=_serve, args=(options, own, number, channel, shared), daemon=False)
+    process.start()
+    return process
+
+
+def _serve(
+    options: ServerOptions, own: Workspace | None, number: int, channel: socket.socket, shared: MutableSequence[int]
+) -> None:
+    """Serve in a process of its own what it is handed."""
+    # the terminal sends it to all; the process before them ends the others
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    from railjoule.dashboard.work.warmup import warmup  # noqa: PLC0415
+
+    warmup().start()
+    from railjoule.dashboard import app  # noqa: PLC0415
+
+    app.serve_handed(options, own, number, channel, shared)

@@ -1,0 +1,125 @@
+"""How a page opens: its first answer is the same for all, and its state is made where its connection arrives.
+
+What the browser gets first names the scripts and holds nothing of the page but its token, in which its address is. So
+it is written once for all, and whoever only asks for it costs next to nothing. The browser then opens a connection with
+that token, maybe to another process than the one that answered before: there the page is made, and sent once.
+"""
+
+import asyncio
+import contextlib
+import logging
+import time
+from collections import deque
+from collections.abc import AsyncIterator, Callable
+from typing import Any
+
+from railjoule.dashboard.insides import (
+    PageAnswer,
+    PageConnection,
+    begin_as,
+    forget_begun,
+    is_gone,
+    note_pulled,
+    page_of_token,
+    token_of,
+)
+
+LOG = logging.getLogger(__name__)
+OPENS_WITHIN_S = 5.0
+"""A page whose connection has not come by then is taken for one that was left."""
+BREATH_S = 0.05
+"""Between two pages that open, those that are open have their turns."""
+TOKEN = "@token@"
+"""Stands where the token of a page comes."""
+COULD_NOT, TRY_LATER = 1011, 1013
+
+
+class Opening:
+    """What the pages of one process that open have in common.
+
+    Parameters
+    ----------
+    html : str
+        What each browser gets first, with TOKEN where its own comes.
+    has_place : callable
+        Returns whether one more page may be open.
+    """
+
+    def __init__(self, html: str, has_place: Callable[[], bool] = lambda: True) -> None:
+        self._before, self._after = html.split(TOKEN)
+        self.has_place = has_place
+        self._one = asyncio.Lock()
+        self._answered: deque[float] = deque()
+        self._opened: deque[float] = deque()
+
+    def html(self, token: str) -> str:
+        """Return what a browser gets first."""
+        self._answered.append(time.monotonic())
+        return "".join((self._before, token, self._after))
+
+    @property
+    def awaited(self) -> int:
+        """How many more pages were answered of late than were opened; another process may have opened them."""
+        since = time.monotonic() - OPENS_WITHIN_S
+        for times in (self._answered, self._opened):
+            while times and times[0] < since:
+                times.popleft()
+        return len(self._answered) - len(self._opened)
+
+    @contextlib.asynccontextmanager
+    async def turn(self) -> AsyncIterator[None]:
+        """Let one page be made at a time, and the others have their turns before."""
+        async with self._one:
+            await asyncio.sleep(BREATH_S)
+            yield
+            self._opened.append(time.monotonic())
+
+
+class PageHandler(PageAnswer):
+    """Answers whoever asks for the page."""
+
+    def initialize(self, opening: Opening, **kwargs: Any) -> None:
+        """Take what pages that open have in common."""
+        super().initialize(**kwargs)
+        self._opening = opening
+
+    async def get(self, *_: Any, **__: Any) -> None:
+        """Answer with what is the same for all, and a token."""
+        if not self.request.path.endswith("/"):
+            query = f"?{self.request.query}" if self.request.query else ""
+            self.redirect(f"{self.request.path}/{query}")
+            return
+        # a token is for one page
+        self.set_header("Cache-Control", "no-store")
+        self.set_header("Content-Type", "text/html")
+        self.write(self._opening.html(token_of(self)))
+
+
+class PageSocket(PageConnection):
+    """The connection of a page, with which its state begins."""
+
+    def initialize(self, opening: Opening, **kwargs: Any) -> None:
+        """Take what pages that open have in common."""
+        super().initialize(**kwargs)
+        self._opening = opening
+
+    async def _async_open(self, token: str) -> None:
+        async with self._opening.turn():
+            # whoever closes the window while others open costs nothing
+            if is_gone(self):
+                return
+            if not self._opening.has_place():
+                self.close(TRY_LATER, "all places are taken")
+                return
+            try:
+                begin_as(self.request, page_of_token(token))
+                await super()._async_open(token)
+            except Exception:
+                LOG.exception("a page could not be opened")
+                forget_begun(self, token)
+                self.close(COULD_NOT, "the page could not be opened")
+
+    async def _handle(self, message: Any) -> Any:
+        work = await super()._handle(message)
+        note_pulled(self, message)
+        return work

@@ -1,0 +1,109 @@
+"""A cluster as its users start it, by `dask scheduler` and `dask worker`, on the loopback."""
+
+import os
+import signal
+import subprocess
+import sys
+from contextlib import ExitStack, contextmanager
+
+import pytest
+
+from railjoule.core.studies.sweep import InterruptedStudyError, MemoryResults, run_study, study_of, table_of
+from railjoule.core.studies.sweep import cluster as module
+from railjoule.core.studies.sweep.cluster import ClusterError, cluster
+from tests.builders import HILLS, plain_scenario
+from tests.core.studies.sweep.test_file import same
+
+ROWS = 12_000
+OVER = {"vehicle.load_factor": (0.0, 1.0), "timetable.travel_time_s": (150.0, 200.0)}
+
+
+def study(rows=ROWS):
+    return study_of(plain_scenario({"line.sections": HILLS, "timetable.travel_time_s": 170.0}), OVER, rows)
+
+
+@contextmanager
+def started(*words, until):
+    """Run `dask` with these words, from the moment that it has said something; yield that line and the process."""
+    # colours and what Dask asks at its first start would come between
+    command = [sys.executable, "-m", "dask", *words]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
+        try:
+            yield next(line for line in process.stderr if until in line), process
+        finally:
+            os.killpg(process.pid, signal.SIGKILL)
+
+
+@contextmanager
+def started_cluster(worker_count):
+    """Yield the address of a scheduler with workers of one thread each, and their processes."""
+    local = ("--no-dashboard", "--host", "127.0.0.1")
+    with ExitStack() as stack:
+        line, scheduler = stack.enter_context(started("scheduler", "--port", "0", *local, until="Scheduler at:"))
+        address = line.split()[-1]
+        workers = [
+            # no nanny: a worker that is killed stays away
+            stack.enter_context(
+                started("worker", address, "--nthreads", "1", "--no-nanny", *local, until="Registered to")
+            )[1]
+            for _ in range(worker_count)
+        ]
+        yield address, scheduler, workers
+
+
+def test_a_cluster_makes_the_same_table_even_if_a_worker_is_killed():
+    asked = study()
+    results, here = MemoryResults(asked), MemoryResults(asked)
+    run_study(here)
+    with started_cluster(2) as (address, _scheduler, workers), cluster(address) as (executor, count):
+        assert count() == 2
+
+        def kill(_done):
+            if len(workers) > 1:
+                os.kill(workers.pop().pid, signal.SIGKILL)
+
+        run_study(results, executor=executor, workers=count, progress=kill)
+        assert len(workers) == 1
+    same(table_of(results), table_of(here))
+
+
+def test_a_lost_scheduler_ends_a_study_in_a_sentence_and_what_is_done_goes_on_elsewhere(monkeypatch):
+    monkeypatch.setattr(module, "CONNECTING_S", 2)
+    asked = study()
+    results = MemoryResults(asked)
+    with (
+        started_cluster(1) as (address, scheduler, _workers),
+        pytest.raises((ClusterError, InterruptedStudyError), match="workers"),
+        cluster(address) as (executor, count),
+    ):
+        run_study(results, executor=executor, workers=count, progress=lambda _done: scheduler.kill())
+    assert 0 < results.done < ROWS
+    run_study(results)
+    assert results.gaps() == []
+
+
+@pytest.mark.parametrize(
+    ("address", "words"),
+    [("tcp://127.0.0.1:9", "does not answer within 0.5 s"), ("nowhere at all", "does not answer")],
+)
+def test_a_cluster_that_cannot_be_reached_is_told(monkeypatch, address, words):
+    monkeypatch.setattr(module, "CONNECTING_S", 0.5)
+    with pytest.raises(ClusterError, match=words), cluster(address):
+        pass
+
+
+@pytest.mark.parametrize("count", [0, 1])
+def test_a_cluster_without_workers_is_told_before_the_study_and_in_it(monkeypatch, count):
+    monkeypatch.setattr(module, "WAITING_S", 0.5)
+    with (
+        started_cluster(count) as (address, _scheduler, workers),
+        pytest.raises(ClusterError, match=r"has had no worker for 0\.5 s"),
+        cluster(address) as (executor, threads),
+    ):
+        run_study(MemoryResults(study()), executor=executor, workers=threads, progress=lambda _: workers[0].kill())
+
+
+def test_what_is_missing_is_named(monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(ClusterError, match=r"pip install 'railjoule\[cluster\]'"), cluster("tcp://127.0.0.1:9"):
+        pass

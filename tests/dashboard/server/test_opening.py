@@ -1,0 +1,55 @@
+import asyncio
+
+import pytest
+
+from railjoule.dashboard.server import opening
+from railjoule.dashboard.server.opening import TOKEN, Opening
+
+
+def test_each_browser_gets_the_same_but_for_its_token() -> None:
+    one = Opening(f"<p>{TOKEN}</p>")
+    assert (one.html("first"), one.html("second")) == ("<p>first</p>", "<p>second</p>")
+
+
+def test_pages_are_awaited_until_they_open_or_are_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def opened(one: Opening) -> None:
+        async with one.turn():
+            pass
+
+    one = Opening(TOKEN)
+    one.html("first")
+    one.html("second")
+    assert one.awaited == 2
+    asyncio.run(opened(one))
+    assert one.awaited == 1
+    # in the process where a page opens that another one has answered
+    other = Opening(TOKEN)
+    asyncio.run(opened(other))
+    assert other.awaited == -1
+    monkeypatch.setattr(opening, "OPENS_WITHIN_S", -1.0)
+    assert (one.awaited, other.awaited) == (0, 0)
+
+
+def test_one_page_is_made_at_a_time_and_others_have_their_turns_between() -> None:
+    order: list[str] = []
+
+    async def make(one: Opening, name: str) -> None:
+        async with one.turn():
+            order.append(name)
+            await asyncio.sleep(0)
+            order.append(name)
+
+    async def beside() -> None:
+        for _ in range(100):
+            order.append(".")
+            await asyncio.sleep(opening.BREATH_S / 10)
+
+    async def all_at_once() -> None:
+        one, moves = Opening(TOKEN), asyncio.create_task(beside())
+        await asyncio.gather(*(make(one, name) for name in "abc"))
+        moves.cancel()
+
+    asyncio.run(all_at_once())
+    made = "".join(order)
+    assert made.replace(".", "") == "aabbcc"
+    assert all("." in part for part in (made[: made.index("a")], made[made.index("aa") + 2 : made.index("b")]))
