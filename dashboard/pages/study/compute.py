@@ -21,7 +21,6 @@ from railjoule.core.studies.sweep.results import Chunk
 from railjoule.core.studies.sweep.running import worker_count
 from railjoule.core.units import J_PER_WH
 from railjoule.dashboard.look import words
-from railjoule.dashboard.pages.study.fields import fields_that_vary
 
 ENERGY = "energy_kwh"
 MOST_POINTS = 50_000
@@ -74,56 +73,6 @@ RESULTS: Mapping[str, ResultColumn] = {
     "friction_brakes_kwh": ResultColumn("Friction brakes, kWh", words.energy),
 }
 """What may come out of a run, by the names of a sweep's columns."""
-
-
-@dataclass(frozen=True)
-class Column:
-    """A column of a study: quantity and unit, how a number of it reads, and what it is multiplied by for that unit."""
-
-    name: str
-    words: str
-    digits: int | None
-    scale: float = 1.0
-
-    @property
-    def quantity(self) -> str:
-        """The quantity alone."""
-        return self.words.rpartition(", ")[0]
-
-    @property
-    def unit(self) -> str:
-        """The unit alone; empty where there is none."""
-        unit = self.words.rpartition(", ")[2]
-        return "" if unit == words.UNKNOWN else unit
-
-    @property
-    def within_sentence(self) -> str:
-        """The quantity as within a sentence."""
-        name = self.quantity
-        return name[:1].lower() + name[1:]
-
-    def show(self, number: float) -> str:
-        """Return how a number in the shown unit reads."""
-        return RESULTS[self.name].show(number) if self.digits is None else words.number(number, self.digits)
-
-    def told(self, number: float) -> str:
-        """Return a number with its unit."""
-        return f"{self.show(number)} {self.unit}".rstrip()
-
-
-def columns_of(study: Study) -> dict[str, Column]:
-    """Return the columns of a study: what varies, then what came out."""
-    known = fields_that_vary(study.scenario)
-    found = {}
-    for field in study.fields:
-        label = known[field.name].label if field.name in known else f"{field.name}, {words.UNKNOWN}"
-        found[field.name] = Column(field.name, label, 0 if field.whole else digits_for(field.high - field.low))
-    return found | {name: Column(name, RESULTS[name].words, None, RESULTS[name].scale) for name in study.columns}
-
-
-def digits_for(span: float) -> int:
-    """Return the decimals that tell two hundredths of a span apart."""
-    return int(np.clip(np.ceil(-np.log10(span / 200)), 0, 9)) if span > 0 else 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -266,8 +215,7 @@ class Look:
 def compute_look(request: LookRequest) -> Look:
     """Return what is drawn of a study's rows so far."""
     table = request.table
-    columns = columns_of(table.study)
-    everything = {name: columns[name].scale * values for name, values in {**table.samples, **table.columns}.items()}
+    everything = {**table.samples, **{name: RESULTS[name].scale * told for name, told in table.columns.items()}}
     driven = np.isfinite(everything[ENERGY])
     values = {name: column[driven] for name, column in everything.items()}
     rows = table.index[driven]

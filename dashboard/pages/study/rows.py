@@ -10,7 +10,8 @@ from railjoule.dashboard.editor.forms import Form
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.scripts import module
 from railjoule.dashboard.look.theme import editor_css, study_css
-from railjoule.dashboard.pages.study.compute import ENERGY, RESULTS, Bounds, Column, Look, columns_of
+from railjoule.dashboard.pages.study.columns import Column, columns_of
+from railjoule.dashboard.pages.study.compute import ENERGY, RESULTS, Bounds, Look
 from railjoule.dashboard.pages.study.model import ROWS_AT_ONCE, Saved, StudyModel
 
 
