@@ -15,9 +15,10 @@ import numpy as np
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.studies.sweep import Study, SweepTable, sensitivities, study_of
-from railjoule.core.studies.sweep.engine import Rows, solve_rows
+from railjoule.core.studies.sweep.engine import solve_rows
 from railjoule.core.studies.sweep.export import write_rows
 from railjoule.core.studies.sweep.results import Chunk
+from railjoule.core.studies.sweep.rows import Rows
 from railjoule.core.studies.sweep.running import worker_count
 from railjoule.core.units import J_PER_WH
 from railjoule.dashboard.look import words
