@@ -184,8 +184,10 @@ class Look:
         Why that is not known.
     lowest, median, highest : Listed or None
         By their energy.
+    choice : mapping
+        Bounds by column, of the runs that are chosen.
     chosen : int
-        How many runs are chosen.
+        How many they are.
     listed : tuple of Listed
         The first of them by their energy.
     reason : str
@@ -206,6 +208,7 @@ class Look:
     lowest: Listed | None
     median: Listed | None
     highest: Listed | None
+    choice: Bounds
     chosen: int
     listed: tuple[Listed, ...]
     reason: str
@@ -224,10 +227,10 @@ def compute_look(request: LookRequest) -> Look:
     count = len(rows)
     if not count:
         nothing = ((0.0, 1.0), (0.0, 1.0))
+        none = (None,) * 3
         return Look(
-            names, table.rows, 0, nothing, (0.0, 1.0), None, None, None, None, None, refusal, None, None, None, 0, (),
-            reason,
-        )  # fmt: skip
+            names, table.rows, 0, nothing, (0.0, 1.0), *none, None, None, refusal, *none, request.choice, 0, (), reason
+        )
     x, y, colour = values[request.x], values[request.y], values[request.colour]
     ends = _ends(x), _ends(y)
     by_energy = np.argsort(values[ENERGY], kind="stable")
@@ -248,6 +251,7 @@ def compute_look(request: LookRequest) -> Look:
         lowest,
         median,
         highest,
+        request.choice,
         len(held),
         tuple(_listed(values, rows, place) for place in held[: request.shown]),
         reason,

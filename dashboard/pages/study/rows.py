@@ -41,8 +41,8 @@ class StudyRows(Form):
         told = list(columns.values())
         left = look.chosen - len(look.listed)
         self.param.update(
-            title=f"{'Chosen' if model.choice else 'All'}: {words.number(look.chosen, 0)} runs",
-            note=f"{bounds_words(columns, model.choice)} \u00b7 sorted by energy".removeprefix(" \u00b7 "),
+            title=f"{'Chosen' if look.choice else 'All'}: {words.number(look.chosen, 0)} runs",
+            note=f"{bounds_words(columns, look.choice)} \u00b7 sorted by energy".removeprefix(" \u00b7 "),
             head=[_head(told[k]) for k in shown],
             rows=[
                 {
@@ -53,7 +53,7 @@ class StudyRows(Form):
                 for run in look.listed
             ],
             more=f"Next {min(left, ROWS_AT_ONCE)}" if left else "",
-            is_chosen=bool(model.choice),
+            is_chosen=bool(look.choice),
         )
 
     def _take(self, message: dict[str, Any]) -> None:

@@ -379,19 +379,19 @@ def figures_of(look: Look, columns: Mapping[str, Column]) -> list[Markup]:
             f"{name} decides", share, "%", "of the spread in energy", "main", term="Sobol\u2019 indices"
         )
 
-    def of(label: str, run: Listed | None, detail: str = "") -> Markup:
+    def of(run: Listed | None, detail: str = "") -> tuple[str, str, str]:
         if run is None:
-            return parts.figure(label, words.UNKNOWN, "", "no run yet")
+            return words.UNKNOWN, "", "no run yet"
         number = run.values[list(columns).index(ENERGY)]
-        return parts.figure(label, energy.show(number), "kWh", detail or lowest_words(columns, run.values, ranked))
+        return energy.show(number), "kWh", detail or lowest_words(columns, run.values, ranked)
 
     without = look.done - look.driven
     kept = words.number(100 * look.driven / look.done, 1) if look.done else words.UNKNOWN
     return [
         decides,
-        of("Lowest", look.lowest),
-        of("Median", look.median, f"of {words.number(look.driven, 0)} runs"),
-        of("Highest", look.highest),
+        parts.figure("Lowest", *of(look.lowest)),
+        parts.figure("Median", *of(look.median, f"of {words.number(look.driven, 0)} runs")),
+        parts.figure("Highest", *of(look.highest)),
         parts.figure(
             "Can be driven",
             kept,
