@@ -93,6 +93,12 @@ def look_and_draw(request: DrawRequest) -> Shown:
     return Shown(look, draw(request.look.table.study, look, request.dark))
 
 
+def estimate(asked: tuple[EstimateRequest, bool]) -> Estimate:
+    """Return how long a study takes; whether it is to be found out without another process comes second."""
+    request, here = asked
+    return beside(here, compute_estimate, request)
+
+
 @dataclass(frozen=True)
 class SaveRequest:
     """A table that is to be written for the browser."""
@@ -160,7 +166,7 @@ class Studies(PageWork[StudyModel]):
             return model.study
 
         self.estimator: Worker[tuple[EstimateRequest, bool], Estimate] = Worker(
-            lambda asked: beside(asked[1], compute_estimate, asked[0]),
+            estimate,
             self._take_estimate,
             self._refuse,
             threads=LOOK_THREADS,
