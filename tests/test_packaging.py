@@ -91,6 +91,7 @@ IMPORTED_AS = {"pyyaml": "yaml"}
 FORMATS = {IMPORTED_AS.get(name, name) for extra in ("excel", "yaml") for name in declared(EXTRAS[extra])}
 """Packages that read a kind of file, each imported where one is read."""
 NOTEBOOK = ROOT / "dashboard" / "notebook.py"
+METRICS = ROOT / "dashboard" / "server" / "metrics.py"
 
 
 def test_dependencies_are_those_that_the_core_and_the_command_line_use():
@@ -100,7 +101,7 @@ def test_dependencies_are_those_that_the_core_and_the_command_line_use():
 
 
 def test_the_extra_of_the_page_has_what_it_needs_beside_them():
-    paths = set((ROOT / "dashboard").rglob("*.py")) - {NOTEBOOK}
+    paths = set((ROOT / "dashboard").rglob("*.py")) - {NOTEBOOK, METRICS}
     assert declared(EXTRAS["page"]) == (imported_packages(paths) - DEPENDENCIES) | USED_BY_PANEL
 
 
@@ -108,6 +109,10 @@ def test_the_extra_of_notebooks_has_what_they_need_beside_the_page():
     used = imported_packages([NOTEBOOK]) - DEPENDENCIES - declared(EXTRAS["page"])
     assert declared(EXTRAS["notebook"]) == used | {"railjoule"}
     assert "railjoule[page]" in EXTRAS["notebook"]
+
+
+def test_the_extra_of_metrics_has_what_they_need():
+    assert declared(EXTRAS["metrics"]) == imported_packages([METRICS]) - declared(EXTRAS["page"])
 
 
 def test_the_tests_have_notebooks_and_with_them_the_page():
