@@ -121,10 +121,6 @@ def test_the_extra_of_notebooks_has_what_they_need_beside_the_page():
     assert "railjoule[page]" in EXTRAS["notebook"]
 
 
-def test_the_extra_of_metrics_has_what_they_need():
-    assert declared(EXTRAS["metrics"]) == imported_packages([METRICS]) - declared(EXTRAS["page"])
-
-
 def test_the_tests_have_notebooks_and_with_them_the_page():
     assert {"railjoule[notebook]", "railjoule[excel]", "railjoule[yaml]"} <= set(EXTRAS["test"])
 
