@@ -368,6 +368,14 @@ def forget_begun(connection: WSHandler, token: str) -> None:
     connection.application_context._pending_sessions.pop(get_session_id(token), None)
 
 
+def has_page(connection: WSHandler, mark: str) -> bool:
+    """Return whether the page of a connection was made; where that fails, Panel puts an error in its place.
+
+    `mark` is what the template of every page is given.
+    """
+    return connection.connection is not None and mark in connection.connection.session.document.template_variables
+
+
 def note_pulled(connection: WSHandler, message: Message[Any]) -> None:
     """Let a page that has just been written down for its browser be sent what is changed in it from then on.
 

@@ -4,7 +4,7 @@ All of it is worked out in a process of its own, as is the estimate of a study t
 """
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -17,8 +17,6 @@ from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.studies.sweep import Study, SweepTable, sensitivities, study_of
 from railjoule.core.studies.sweep.engine import solve_rows
 from railjoule.core.studies.sweep.export import write_rows
-from railjoule.core.studies.sweep.results import Chunk
-from railjoule.core.studies.sweep.rows import Rows
 from railjoule.core.studies.sweep.running import worker_count
 from railjoule.core.units import J_PER_WH
 from railjoule.dashboard.look import words
@@ -328,36 +326,10 @@ def medians_of(study: Study, values: Mapping[str, FloatArray], x: str, y: str) -
     return Medians(edges[0], edges[1], kwh)
 
 
-class _Kept:
-    """The rows of a table as the core keeps those of a study, for what it computes of them."""
-
-    def __init__(self, table: SweepTable) -> None:
-        self.study, self.done, self.seconds = table.study, table.rows, table.seconds
-        self._index = table.index
-        self._samples = np.column_stack(list(table.samples.values()))
-        self._values = np.column_stack(list(table.columns.values()))
-        self._reasons = table.reasons
-
-    def gaps(self) -> list[tuple[int, int]]:
-        return []
-
-    def append(self, chunk: Chunk, elapsed_s: float) -> None:
-        raise RailjouleError("these rows are only read.")
-
-    def chunks(self) -> Iterator[Chunk]:
-        """Yield the rows in stretches without gaps."""
-        borders = np.flatnonzero(np.diff(self._index) != 1) + 1
-        for part in np.split(np.arange(len(self._index)), borders):
-            if len(part):
-                first, last = int(self._index[part[0]]), int(self._index[part[-1]])
-                reasons = {row - first: told for row, told in self._reasons.items() if first <= row <= last}
-                yield Chunk(first, self._samples[part], Rows(self._values[part], reasons, 0.0))
-
-
 def _shares(table: SweepTable) -> tuple[Shares | None, str]:
     """Return what each field decides of the energy, or why that is not known."""
     try:
-        found = sensitivities(_Kept(table), ENERGY)
+        found = sensitivities(table, ENERGY)
     except RailjouleError as refusal:
         return None, str(refusal)
     order = np.argsort(-found.total, kind="stable")
@@ -373,7 +345,7 @@ def _shares(table: SweepTable) -> tuple[Shares | None, str]:
 def write_table(table: SweepTable, path: Path) -> None:
     """Write all rows so far as the command line writes them; raises RailjouleError where the disk refuses."""
     try:
-        write_rows(_Kept(table), path)
+        write_rows(table, path)
     except OSError as error:
         raise RailjouleError(f"The file cannot be written: {error.strerror or error}.") from None
 

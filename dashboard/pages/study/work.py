@@ -175,7 +175,6 @@ class Studies(PageWork[StudyModel]):
             save, self._take_saved, self._refuse_file, about=of_study, threads=LOOK_THREADS
         )
         self.opener: Worker[Path, Opened] = Worker(open_kept, self._take_kept, self._refuse, threads=LOOK_THREADS)
-        state.scenario.follow(lambda _: None, model.take)
         state.scenario.param.watch(self._settle, list(RUN_FIELDS))
         model.param.watch(self._settle, list(SETTINGS))
         model.param.watch(self._look, list(LOOKED_AT))
