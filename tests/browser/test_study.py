@@ -164,6 +164,8 @@ def test_moves_on_drive_while_a_study_runs(
     with User.at(chromium, server.drive_url) as other:
         at_rest = moves_ms(other)
         user.type("Seed", "2")
+        # as many as no machine gets done with meanwhile
+        user.type("Runs", "40000")
         button(user, "Change and start again").click()
         expect(status(user)).to_contain_text("left", timeout=RUN_MS)
         while_it_runs = moves_ms(other)

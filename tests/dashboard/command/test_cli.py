@@ -790,7 +790,8 @@ def test_a_report_that_cannot_be_written_or_read(capsys, tmp_path, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setattr("os.fsync", full_disk)
         told = complaint(capsys, "report", "liashenko-0", "-o", str(tmp_path / "old.html"))
-    assert told.endswith("old.html cannot be written: No space left on device.")
+    # a long path is shortened
+    assert told.endswith(" cannot be written: No space left on device.")
     assert (tmp_path / "old.html").read_text() == "old"
     words = complaint(
         capsys, "report", "liashenko-0", "-o", str(tmp_path / "x.html"), "--set", "timetable.travel_time_s=9"

@@ -26,7 +26,8 @@ def test_each_line_is_written_once_with_its_time(capsys: pytest.CaptureFixture[s
         if isinstance(handler, Dated):
             handler.setStream(sys.stderr)
     logging.getLogger("railjoule.dashboard.work.events").info("closed page=Drive")
-    logging.getLogger("tornado.access").warning("404 GET /nope")
+    # a library that no other test has told to be quiet
+    logging.getLogger("a_library").warning("404 GET /nope")
     lines = capsys.readouterr().err.splitlines()
     date = r"\d{4}-\d\d-\d\d \d\d:\d\d:\d\d"
     assert [bool(re.fullmatch(f"{date} (closed page=Drive|404 GET /nope)", line)) for line in lines] == [True, True]
