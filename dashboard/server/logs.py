@@ -9,6 +9,9 @@ from typing import TextIO
 from tornado.iostream import StreamClosedError
 from tornado.websocket import WebSocketClosedError
 
+from railjoule.dashboard.server.options import NO_LOGIN, ServerOptions
+
+LOG = logging.getLogger(__name__)
 GONE = (WebSocketClosedError, StreamClosedError)
 """What writing to a page raises that has just been closed."""
 WITH_TIME = logging.Formatter("%(asctime)s %(message)s", datefmt="%Y-%m-%d %H:%M:%S")
@@ -46,6 +49,12 @@ def write_down() -> None:
     for handler in logging.getLogger("bokeh").handlers:
         handler.setFormatter(WITH_TIME)
     logging.getLogger("railjoule").setLevel(logging.INFO)
+
+
+def warn_without_login(options: ServerOptions) -> None:
+    """Say aloud where others than the users of this machine reach the pages."""
+    if not options.is_for_this_machine:
+        LOG.warning("%s A proxy that asks for a password belongs before it.", NO_LOGIN)
 
 
 class Dated(logging.StreamHandler[TextIO]):

@@ -3,7 +3,6 @@
 The file says in its own words where it comes from: Parquet and netCDF carry the study's identity and fingerprint.
 """
 
-import importlib.util
 import json
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,6 +12,7 @@ import numpy as np
 
 from railjoule.core.csv_text import csv_of_table
 from railjoule.core.errors import RailjouleError
+from railjoule.core.parquet import NEEDED, has_parquet
 from railjoule.core.studies.sweep.results import Chunk, Done, chunk_table, table_of
 from railjoule.core.written import written
 
@@ -32,8 +32,8 @@ def require_format(path: Path) -> None:
     """Raise ExportError if the name of a file ends in no format that can be written here."""
     if path.suffix.lower() not in SUFFIXES:
         raise ExportError(f"{path.name}: a table ends in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}.")
-    if path.suffix.lower() == ".parquet" and importlib.util.find_spec("pyarrow") is None:
-        raise ExportError(f"{path.name}: parquet needs pyarrow: pip install pyarrow.")
+    if path.suffix.lower() == ".parquet" and not has_parquet():
+        raise ExportError(f"{path.name}: {NEEDED}")
 
 
 def write_rows(results: Done, path: str | Path) -> None:

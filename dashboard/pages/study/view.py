@@ -10,6 +10,7 @@ import panel as pn
 import panel_material_ui as pmui
 from panel.viewable import Viewable
 
+from railjoule.core.parquet import has_parquet
 from railjoule.dashboard.charts.chart import Chart, dragged
 from railjoule.dashboard.charts.figures import FinishedChart
 from railjoule.dashboard.charts.sketches import SketchKind, shapes
@@ -24,7 +25,7 @@ from railjoule.dashboard.pages.study.model import ROWS_AT_ONCE, Progress
 from railjoule.dashboard.pages.study.places import ALONG_X, ALONG_Y, MAP, RUNS, colours_for, shape_of
 from railjoule.dashboard.pages.study.rows import StudyFiles, StudyRows, lowest_words, ranked_fields
 from railjoule.dashboard.pages.study.settings import START, duration_words
-from railjoule.dashboard.pages.study.work import PAGE, Studies, has_parquet
+from railjoule.dashboard.pages.study.work import PAGE, Studies
 from railjoule.dashboard.parts import html as parts
 
 if TYPE_CHECKING:

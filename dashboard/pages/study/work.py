@@ -1,6 +1,5 @@
 """The work behind the page Study: it estimates, runs, looks at, keeps and opens studies."""
 
-import importlib.util
 from collections.abc import Callable, Mapping
 from concurrent.futures import BrokenExecutor
 from contextlib import suppress
@@ -46,11 +45,6 @@ RASTER_PX = (440, 300)
 OTHER_SOLVER = "Another version of railjoule made its runs: they can be looked at, and none can be added."
 LOOK_LOST = "The process that draws studies ended unexpectedly; it is started again with the next change."
 Result = TypeVar("Result")
-
-
-def has_parquet() -> bool:
-    """Return whether the server can write Parquet."""
-    return importlib.util.find_spec("pyarrow") is not None
 
 
 def beside(here: bool, act: Callable[..., Result], *arguments: Any) -> Result:

@@ -185,7 +185,7 @@ def test_a_trajectory_becomes_parquet(capsys, tmp_path):
 
 
 def test_parquet_without_pyarrow_says_what_to_install(capsys, monkeypatch, tmp_path):
-    monkeypatch.setattr(commands.importlib.util, "find_spec", lambda _: None)
+    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
     words = complaint(capsys, "solve", "liashenko-ii", "--trajectory", str(tmp_path / "run.parquet"))
     assert "pip install pyarrow" in words
 

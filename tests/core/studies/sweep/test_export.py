@@ -57,7 +57,7 @@ def test_a_study_without_rows_is_a_table_without_rows(suffix, tmp_path):
 def test_what_cannot_be_written_is_told(results, tmp_path, monkeypatch):
     with pytest.raises(ExportError, match=r"table\.txt: a table ends in \.csv, \.parquet or \.nc"):
         write_rows(results, tmp_path / "table.txt")
-    monkeypatch.setattr(export.importlib.util, "find_spec", lambda _: None)
+    monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
     with pytest.raises(ExportError, match="parquet needs pyarrow"):
         write_rows(results, tmp_path / "table.parquet")
     assert list(tmp_path.iterdir()) == []
