@@ -29,6 +29,7 @@ from railjoule.dashboard.insides import (
     remember_defaults,
     taking,
     tell_no_insides,
+    write_all_messages,
 )
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.keep.lifeline import Lifeline
@@ -63,6 +64,7 @@ pn.extension("plotly", notifications=False, exception_handler=handle)
 keep_quiet()
 count_no_events()
 tell_no_insides()
+write_all_messages()
 remember_defaults()
 # Panel asks models for many attributes that they may not have: a tenth of a move went into guesses at what it meant
 settings.perform_error_diagnostics = False
