@@ -22,6 +22,7 @@ from railjoule.dashboard.insides import (
     PageAnswer,
     PageConnection,
     application_of,
+    collect_garbage_seldom,
     count_no_events,
     exchange,
     first_html,
@@ -294,7 +295,8 @@ def make_server(
     )
     if not listens:
         listen_no_more(server)
-    opening = Opening(first_html(server, empty_page(), TOKEN), lambda: places.has_one)
+    first = first_html(server, empty_page(), TOKEN)
+    opening = Opening(first, lambda: places.has_one, events.TALLY.someone_waits)
     places = Places(options.sessions, lambda: (open_pages(server), opening.awaited), shared, number)
     exchange(
         server,
@@ -323,6 +325,7 @@ def prepare() -> None:
     # or Python looks for garbage in all that stays until the end, again and again: half a second of all pages each time
     gc.collect()
     gc.freeze()
+    collect_garbage_seldom()
 
 
 def open_pages(server: Server) -> int:

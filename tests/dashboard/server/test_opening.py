@@ -53,3 +53,25 @@ def test_one_page_is_made_at_a_time_and_others_have_their_turns_between() -> Non
     made = "".join(order)
     assert made.replace(".", "") == "aabbcc"
     assert all("." in part for part in (made[: made.index("a")], made[made.index("aa") + 2 : made.index("b")]))
+
+
+@pytest.mark.parametrize("patience_s", [0.05, 10.0])
+def test_a_page_that_opens_lets_those_go_first_that_wait_but_not_for_ever(
+    patience_s: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(opening, "MOVE_S", patience_s)
+    asked: list[float] = []
+
+    def wait_thrice(longest_s: float) -> bool:
+        asked.append(longest_s)
+        return patience_s < 1 or len(asked) <= 3
+
+    async def opened() -> None:
+        async with Opening(TOKEN, others_wait=wait_thrice).turn():
+            asked.append(0.0)
+
+    asyncio.run(opened())
+    assert asked[-1] == 0.0
+    assert set(asked[:-1]) == {patience_s}
+    # 5 ms between two looks
+    assert len(asked) == 5 if patience_s > 1 else 2 < len(asked) <= 12
