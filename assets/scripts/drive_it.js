@@ -14,7 +14,8 @@ const PARTS = [
   ["motion", "Motion", "accent"], ["height", "Height", "ink3"], ["resistance", "Resistance", "groundline"],
   ["losses", "Losses", "costbar"], ["returned", "Returned", "good"], ["drawn", "Drawn from the supply", "ink"],
 ];
-const figures_of = (value, digits) => value.toFixed(digits).replace("-", "\u2212");
+// what is rounded to zero has no sign
+const figures_of = (value, digits) => value.toFixed(digits).replace(/^-(?=0\.?0*$)/, "").replace("-", "\u2212");
 const kwh_of = (joules) => figures_of(joules / J_PER_KWH, 2);
 const clock_of = (seconds) => {
   const tenths = Math.round(10 * Math.max(seconds, 0)), rest = tenths % 600;
@@ -103,7 +104,7 @@ const figure_on = (canvas, course) => {
       pen.lineTo(right, level(0));
       pen.fill();
       line((i) => x_of(position[i]), above.map(level), ink.overline, 1.4);
-      text(`+${figures_of(most, 2)}`, left - 4, level(most) + 8, ink.overline, "right");
+      text(`+${figures_of(above.at(-1), 2)}`, right, track - 4, ink.overline, "right");
       line((i) => x_of(position[i]), verdict.best_ms.map(y_of), ink.accent, 2.6);
     } else {
       const level = (joule) => floor - ((floor - track - 14) * (joule - low)) / Math.max(high - low, 1);
@@ -241,7 +242,7 @@ export function render({model}) {
     const widest = Math.max(sum.drawn, Math.abs(sum.height), 1);
     for (const [name] of PARTS) {
       fills[name].style.width = `${(100 * Math.abs(sum[name])) / widest}%`;
-      fills[name].classList.toggle("less", sum[name] < 0);
+      fills[name].classList.toggle("less", sum[name] < -1);
       values[name].textContent = kwh_of(sum[name]);
     }
   };
@@ -356,7 +357,10 @@ export function render({model}) {
     // only what drives: after the last try the arrows scroll the page again
     if (!driving && tries.length >= TRIES) { return; }
     event.preventDefault();
-    if (!event.repeat) { give(KEYS[event.key]); }
+    if (event.repeat) { return; }
+    give(KEYS[event.key]);
+    // where the next space means coasting, and not the button that was pressed before
+    if (driving) { commands[command].focus({preventScroll: true}); }
   }, {signal});
   const prepare = () => {
     if (!model.course.length || course) { return; }
