@@ -130,7 +130,7 @@ class LearnModel(TypedParameters, PageModel):
     """Where the sliders stand, and what the lessons show."""
 
     kept = (*(lesson.name for lesson in LESSONS), "driven")
-    passing = ("shown", "tried", "finished")
+    passing = ("shown", "finished")
 
     coasting, multiplier, recuperation, gradient, load = (lesson.number for lesson in LESSONS)
     shown = param.Dict(default={}, doc="What each lesson shows.")
