@@ -71,6 +71,12 @@ def editor_css() -> str:
 
 
 @cache
+def drive_it_css() -> str:
+    """Return the style sheet of the lesson that is driven."""
+    return (ASSETS / "css" / "drive_it.css").read_text(encoding="utf-8")
+
+
+@cache
 def study_css() -> str:
     """Return the style sheet of the page Study's own parts, to be had beside that of pieces or of forms."""
     return (ASSETS / "css" / "study.css").read_text(encoding="utf-8")

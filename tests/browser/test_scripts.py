@@ -9,7 +9,10 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, Route
 
+from railjoule.core.simulate.by_hand import drive_by_hand
+from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look.scripts import SCRIPTS, borrowed, function, imported, lent, module, source
+from railjoule.dashboard.pages.learn.by_hand import course_arrays, lesson, read_commands
 
 ADDRESS = "http://scripts.invalid/"
 NAMES = sorted(path.name.removesuffix(".js") for path in SCRIPTS.iterdir() if path.name.endswith(".js"))
@@ -157,6 +160,14 @@ NUMBER: dict[str, Any] = {
 VALUES: dict[str, dict[str, Any]] = {
     "browser": {"pages": ["Start"], "bare": [], "questions": {}, "page": "Start", "charts_in_sight": []},
     "columns_form": {"columns": [], "quantities": [], "units": {}, "version": 0},
+    "drive_it": {
+        "timetable_s": 9.0,
+        "length_km": 0.002,
+        "driven": "",
+        "verdict": {},
+        "refusals": 0,
+        "course": {"position": [0, 2], "length": [2], "limit": [9], "gradient": [0], "entering2": 0},
+    },
     "disclosure": {"label": "Vehicle", "note": "", "open": False, "changed": False, "level": 3},
     "editor_head": {"status": "", "open": False},
     "fields_form": {"fields": [], "version": 0},
@@ -668,3 +679,33 @@ def test_all_roots_are_searched_and_changes_told(page: Page) -> None:
       return [...answer, m.deep(".rj-chart").length];
     """
     assert run(page, "page", code) == [1, "speed", 1, 0]
+
+
+# --- what is driven by hand
+
+
+@pytest.mark.parametrize("text", ["p0", "p0c45p440c520b1080", "p0c24b200c260p330c600b900p1000", "p0b3p90c91p700c1000"])
+def test_a_run_by_hand_has_the_numbers_of_the_library(page: Page, text: str) -> None:
+    """Speeds, time and each part of the account, of runs that power, coast, brake, crawl and meet protection."""
+    scenario, course = lesson()
+    driven = drive_by_hand(scenario, course, read_commands(text, course.cell_count))
+    code = """
+      const commands = m.read(a.text, a.course.length.length), driven = m.drive(a.course, commands);
+      return {speed2: driven.speed2, sum: driven.sums.at(-1), written: m.written(commands)};
+    """
+    found = run(page, "driving", code, {"text": text, "course": course_arrays(course)})
+    account, sum_ = driven.energy, found["sum"]
+    assert found["written"] == text
+    assert [math.sqrt(one) for one in found["speed2"]] == pytest.approx(driven.node_speed_ms.tolist(), abs=1e-6)
+    assert sum_["time"] == pytest.approx(driven.travel_time_s, rel=1e-6)
+    wanted = {
+        "drawn": account.traction_j,
+        "returned": account.recuperated_j,
+        "resistance": account.running_resistance_j + account.curve_resistance_j,
+        "losses": sum(account.losses_j.values()),
+        "height": account.potential_j,
+        "motion": account.kinetic_j,
+    }
+    for name, energy in wanted.items():
+        # a ten-thousandth of a kilowatt hour, where a part may be zero
+        assert sum_[name] == pytest.approx(energy, rel=1e-6, abs=1e-4 * J_PER_KWH), name

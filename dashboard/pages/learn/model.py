@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import param
 
+from railjoule.dashboard.pages.learn.by_hand import TryResult
 from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters
-from railjoule.dashboard.state.page_model import PageModel
+from railjoule.dashboard.state.page_model import PageModel, result
 
 
 @dataclass(frozen=True)
@@ -128,8 +129,11 @@ LESSONS = (
 class LearnModel(TypedParameters, PageModel):
     """Where the sliders stand, and what the lessons show."""
 
-    kept = tuple(lesson.name for lesson in LESSONS)
-    passing = ("shown",)
+    kept = (*(lesson.name for lesson in LESSONS), "driven")
+    passing = ("shown", "finished")
 
     coasting, multiplier, recuperation, gradient, load = (lesson.number for lesson in LESSONS)
     shown = param.Dict(default={}, doc="What each lesson shows.")
+    driven = param.String(default="", doc="Commands of the last run that was driven by hand, such as p0c300b2200.")
+    finished = param.String(default="", doc="Commands of a try that is to be judged.")
+    tried = result(TryResult, "What the browser is told of it.")

@@ -1,4 +1,4 @@
-"""Learn: five short lessons with live figures, each with a question to try."""
+"""Learn: a lesson that is driven, and five short ones with live figures, each with a question to try."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -13,6 +13,7 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.pages.learn.charts import LessonSpeedChart, PhasePlaneChart, PriceChart
 from railjoule.dashboard.pages.learn.compute import LessonResult
+from railjoule.dashboard.pages.learn.drive_it import DriveIt
 from railjoule.dashboard.pages.learn.model import LESSONS, Lesson
 from railjoule.dashboard.pages.learn.work import Learn
 from railjoule.dashboard.pages.page import PageView
@@ -81,7 +82,7 @@ class LessonView:
             self.more = (*self.more, PhasePlaneChart(name, PLANE_HEIGHTS[0], palette))
         self.figures = parts.html_pane(stylesheets=[parts_css(), FIGURES_CSS])
         field = NumberField(state.learn, name, **SLIDER)
-        number = [known.name for known in LESSONS].index(name) + 1
+        number = [known.name for known in LESSONS].index(name) + 2
         styles = [parts_css(), TEXT_CSS]
         text = parts.markup("<h2>{}. {}</h2><p>{}</p>", number, lesson.title, lesson.text)
         question = parts.markup(
@@ -123,10 +124,14 @@ class LearnView(PageView):
         self.lessons = {lesson.name: LessonView(lesson, self.state, self.palette) for lesson in LESSONS}
         self._shown: dict[str, LessonResult] = {}
         heading = parts.html_pane(
-            parts.heading(self.page, "Five lessons", "with live figures: move a slider and they follow", "")
+            parts.heading(
+                self.page, "Six lessons", "one to drive, five with live figures: move a slider and they follow", ""
+            )
         )
+        self.drive_it = DriveIt(self.state)
         self.shows(self._show, (self.state.learn, ["shown", "failure"]))
-        return parts.stack(heading, self.message, *(lesson.view for lesson in self.lessons.values()))
+        self.shows(self._show_drive, (self.state.learn, ["tried", "driven", "failure"]))
+        return parts.stack(heading, self.message, self.drive_it, *(lesson.view for lesson in self.lessons.values()))
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -137,6 +142,11 @@ class LearnView(PageView):
         """Draw everything again, also the lessons whose sliders have not moved."""
         self._shown = {}
         super().redraw()
+
+    def _show_drive(self) -> None:
+        if self.state.learn.failure is not None:
+            self.drive_it.refuse()
+        self.drive_it.show()
 
     def _show(self) -> None:
         learn = self.state.learn

@@ -3,6 +3,7 @@
 from functools import partial
 from typing import Any
 
+from railjoule.dashboard.pages.learn.by_hand import TryRequest, TryResult, judge
 from railjoule.dashboard.pages.learn.compute import LessonRequest, LessonResult, compute_lesson
 from railjoule.dashboard.pages.learn.model import LESSONS, LearnModel
 from railjoule.dashboard.state.page_work import PageWork
@@ -19,7 +20,12 @@ class Learn(PageWork[LearnModel]):
         super().__init__(state, state.learn)
         # lessons have scenarios of their own: their results hold whatever becomes of the one beside the pages
         self.workers = {lesson.name: Worker(compute_lesson, self._take, self.take_failure) for lesson in LESSONS}
+        self.judge = Worker(judge, self._take_try, self.take_failure)
         state.param.watch(self._ask_all, "page")
+        # once kernels are compiled, the first runs come
+        state.param.watch(self._open_drive, ["page", "runs"])
+        # the same try may come twice
+        self.model.param.watch(self._judge, "finished", onlychanged=False)
         for lesson in LESSONS:
             self.model.param.watch(partial(self._ask, lesson.name), lesson.name)
 
@@ -34,3 +40,14 @@ class Learn(PageWork[LearnModel]):
 
     def _take(self, result: LessonResult) -> None:
         self.model.param.update(shown={**self.model.shown, result.request.lesson: result}, failure=None)
+
+    def _judge(self, *_: Any) -> None:
+        self.judge.ask(TryRequest(self.model.finished))
+
+    def _open_drive(self, *_: Any) -> None:
+        if self.in_sight and self.model.tried is None:
+            self.judge.ask(TryRequest())
+
+    def _take_try(self, result: TryResult) -> None:
+        driven = result.request.commands or self.model.driven
+        self.model.param.update(tried=result, driven=driven, failure=None)

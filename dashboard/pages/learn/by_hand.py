@@ -1,0 +1,211 @@
+"""The lesson that is driven: the course that the browser drives on, and how a try compares with the optimum."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from railjoule.core import Scenario, ScenarioError, Trajectory, load_scenario, solve
+from railjoule.core.arrays import IntArray
+from railjoule.core.drive import constant_efficiency
+from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY
+from railjoule.core.motion import Course, build_course
+from railjoule.core.physics.effort_limit import EffortLimit
+from railjoule.core.simulate.by_hand import WALKING_PACE_MS, drive_by_hand, parting_node
+from railjoule.core.simulate.driver import braking_envelope
+from railjoule.core.units import J_PER_KWH
+from railjoule.dashboard.look import words
+
+PRESET = "metro-with-limit"
+"""A metro train with a constant efficiency; "Open in the workbench" opens it."""
+MESH_M = 2.0
+"""A command holds for whole cells: of two metres, a tenth of a second at 72 km/h."""
+LETTERS = "pcb"
+DID = ("kept power", "coasted", "braked")
+"""What a driver did, by the number of the command."""
+# a second behind the decimal point is rounding of the last cells
+IN_TIME_S = 0.05
+COMMANDS = re.compile(r"p0(?:[pcb][1-9]\d{0,4}){0,1500}")
+
+
+@dataclass(frozen=True)
+class TryRequest:
+    """A try: its commands as a text, such as p0c300b2200; empty where only the course is asked for."""
+
+    commands: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class TryResult:
+    """What the browser is told.
+
+    Parameters
+    ----------
+    request : TryRequest
+    course : mapping
+        What it drives on.
+    verdict : mapping or None
+        How the try compares with the optimum; None where there was none.
+    """
+
+    request: TryRequest
+    course: Mapping[str, Any]
+    verdict: Mapping[str, Any] | None = None
+
+
+def judge(request: TryRequest) -> TryResult:
+    """Return the course and how a try compares with the optimum.
+
+    Raises
+    ------
+    ScenarioError
+        If the text is not one of commands for this course.
+    """
+    _, course = lesson()
+    arrays = course_arrays(course)
+    if not request.commands:
+        return TryResult(request, arrays)
+    return TryResult(request, arrays, verdict_on(request.commands))
+
+
+@cache
+def lesson() -> tuple[Scenario, Course]:
+    """Return the scenario of the lesson over its mesh, and its course."""
+    scenario = load_scenario(PRESET).with_(**{"solver.mesh_m": MESH_M})
+    return scenario, build_course(scenario)
+
+
+@cache
+def best_run() -> Trajectory:
+    """Return the optimum of the lesson, with its proven bound."""
+    return solve(lesson()[0])
+
+
+def read_commands(text: str, cells: int) -> IntArray:
+    """Return a command for each cell from a text of letters, each with the cell from which it holds.
+
+    Raises
+    ------
+    ScenarioError
+        If the text begins otherwise than with power at cell 0, or its cells do not rise up to the last one.
+    """
+    rows = re.findall(r"([pcb])(\d+)", text) if COMMANDS.fullmatch(text) else []
+    starts = [int(start) for _, start in rows]
+    if not rows or starts != sorted(set(starts)) or starts[-1] >= cells:
+        raise ScenarioError(
+            f"driven must be letters p, c and b, each with a rising number of a cell below {cells:,}, from p0 on."
+        )
+    commands = np.zeros(cells, dtype=np.int64)
+    for (letter, _), start in zip(rows, starts, strict=True):
+        commands[start:] = LETTERS.index(letter)
+    return commands
+
+
+def course_arrays(course: Course) -> dict[str, Any]:
+    """Return a course as `driving.js` takes it, in SI units.
+
+    Raises
+    ------
+    ScenarioError
+        If its drive has no constant efficiency, or it has neutral sections or stops on the way.
+    """
+    data = course.data
+    if data.drive_kind != CONSTANT_EFFICIENCY or np.any(data.powered < 1) or np.any(course.dwell_s > 0):
+        raise ScenarioError("A line is driven by hand with a constant efficiency, without neutral sections and stops.")
+    return {
+        "position": course.position_m.tolist(),
+        "length": data.cell_length_m.tolist(),
+        "constant": (data.resistance_constant_n + data.line_force_n).tolist(),
+        "running_constant": data.resistance_constant_n,
+        "linear": data.resistance_linear,
+        "quadratic": np.asarray(data.resistance_quadratic).tolist(),
+        "gradient": course.gradient_force_n.tolist(),
+        "permille": course.gradient_permille.tolist(),
+        "limit": course.cell_limit_ms.tolist(),
+        "highest2": braking_envelope(course).tolist(),
+        "entering2": max(float(data.fixed_speed2[0]), 0.0),
+        "pace2": WALKING_PACE_MS**2,
+        "half_inertia": data.half_inertia_kg,
+        "traction": _limit(data.traction),
+        "braking": _limit(data.braking),
+        "friction": data.friction_effort_n,
+        "most_acceleration": _finite(data.max_acceleration_ms2),
+        "most_deceleration": _finite(data.max_deceleration_ms2),
+        "auxiliary": data.auxiliary_power_w,
+        "driving_efficiency": float(data.drive_parameters[constant_efficiency.TRACTION_EFFICIENCY]),
+        "braking_efficiency": float(data.drive_parameters[constant_efficiency.BRAKING_EFFICIENCY]),
+        "recuperated": data.recuperation_factor,
+    }
+
+
+def verdict_on(text: str) -> dict[str, Any]:
+    """Return how a try compares with the optimum, in numbers and sentences; errors as `read_commands`."""
+    scenario, course = lesson()
+    commands, best = read_commands(text, course.cell_count), best_run()
+    run = drive_by_hand(scenario, course, commands)
+    late = run.travel_time_s - scenario.travel_time_s
+    bound = best.bound
+    assert bound is not None
+    return {
+        "commands": text,
+        "kwh": run.energy_kwh,
+        "time_s": run.travel_time_s,
+        "late_s": late,
+        "counts": late <= IN_TIME_S,
+        "bound_kwh": bound.energy_j / J_PER_KWH,
+        "proven": best.is_proven,
+        "best_kwh": best.energy_kwh,
+        "best_ms": best.speed_ms.tolist(),
+        "above_kwh": ((run.line_energy_j - best.line_energy_j) / J_PER_KWH).tolist(),
+        "parting": _parting(run, best, commands),
+        "rows": _rows(run, best),
+    }
+
+
+def _parting(run: Trajectory, best: Trajectory, commands: IntArray) -> dict[str, Any] | None:
+    """Return where two runs part first, and in words what each does there."""
+    node = parting_node(run, best)
+    if node is None:
+        return None
+    place = float(run.nodes_m[node])
+    # at the end of the cell, as a border between phases may lie within it
+    phase = next(phase for phase in best.phases if phase.end_m >= run.nodes_m[node + 1])
+    others = np.flatnonzero(commands[node:] != commands[node])
+    end = node + int(others[0]) if len(others) else len(commands)
+    faster = float(run.node_speed_ms[end] - best.node_speed_ms[end])
+    cost = float(run.line_energy_j[end] - best.line_energy_j[end]) / J_PER_KWH
+    return {
+        "position": place,
+        "node": node,
+        "here": f"Here you part, at {words.number(place, 0)} m. The best run: {words.PHASE_WORDS[phase.phase]}.",
+        "there": (
+            f"You {DID[commands[node]]} to {words.number(run.nodes_m[end], 0)} m: there you are "
+            f"{words.speed(abs(faster), 0)} km/h {'faster' if faster >= 0 else 'slower'} and have used "
+            f"{words.energy(abs(cost))} kWh {'more' if cost >= 0 else 'less'}."
+        ),
+    }
+
+
+def _rows(run: Trajectory, best: Trajectory) -> list[tuple[str, float]]:
+    """Return what a try took beyond the optimum, by where it went [kWh]; they sum to the whole."""
+    mine, least = run.energy, best.energy
+    lost = sum(mine.losses_j.values()) - sum(least.losses_j.values())
+    resisted = mine.running_resistance_j + mine.curve_resistance_j
+    resisted -= least.running_resistance_j + least.curve_resistance_j
+    auxiliary = mine.auxiliary_j - least.auxiliary_j
+    rows = [("Lost in motors and brakes", lost), ("Lost to resistance", resisted)]
+    if auxiliary:
+        rows.append(("Auxiliaries", auxiliary))
+    return [(name, energy / J_PER_KWH) for name, energy in rows]
+
+
+def _limit(limit: EffortLimit) -> dict[str, Any]:
+    return {"constant": limit.constant_n, "power": _finite(limit.power_w), "table": limit.table.tolist()}
+
+
+def _finite(value: float) -> float | None:
+    """Return a number that JSON can hold: None for one that is infinite."""
+    return float(value) if np.isfinite(value) else None
