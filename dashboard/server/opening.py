@@ -13,6 +13,9 @@ from collections import deque
 from collections.abc import AsyncIterator, Callable
 from typing import Any
 
+from bokeh.protocol.exceptions import ProtocolError
+from tornado.web import HTTPError
+
 from railjoule.dashboard.insides import (
     PageAnswer,
     PageConnection,
@@ -38,6 +41,7 @@ TOKEN = "@token@"
 MARK = "railjoule"
 """What all pages give their template, see `first_paint` in shell.py."""
 COULD_NOT, TRY_LATER = 1011, 1013
+FORBIDDEN = 403
 
 
 class Opening:
@@ -118,6 +122,15 @@ class PageSocket(PageConnection):
         """Take what pages that open have in common."""
         super().initialize(**kwargs)
         self._opening = opening
+
+    def open(self, *args: Any, **kwargs: Any) -> None:
+        """Begin with the token that the browser names; refuse one that is none in a line of the log."""
+        try:
+            super().open(*args, **kwargs)
+        # a token that is no base64, no JSON, without a session, or too old
+        except (ValueError, TypeError, AttributeError, LookupError, ProtocolError) as error:
+            # not the error's own words, which may hold what was sent
+            raise HTTPError(FORBIDDEN, "a connection without a valid token: %s", type(error).__name__) from None
 
     async def _async_open(self, token: str) -> None:
         async with self._opening.turn():
