@@ -88,7 +88,8 @@ async def one_visit(page: Visitor, found: Visits, chance: random.Random, until_s
     slider, value = page.slider(SLIDER), MOVED_S
     while time.monotonic() < until_s:
         await asyncio.sleep(chance.uniform(*EVERY_S))
-        value = MOVED_S + chance.randrange(1, 40) if value == MOVED_S else MOVED_S
+        # short of the time with which a page opens: nothing answers a move that changes nothing
+        value = MOVED_S + chance.randrange(1, 20) if value == MOVED_S else MOVED_S
         try:
             found.moves_s.append(await page.move(slider, value, "figures"))
         except (TimeoutError, AssertionError) as error:
