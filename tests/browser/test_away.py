@@ -90,6 +90,7 @@ def test_a_change_just_before_the_server_dies_is_kept_and_one_goes_on_without_it
         assert json.loads(edits)["line.speed_limits"][0]["limit_kmh"] == 66
 
 
+@pytest.mark.nightly
 def test_a_page_is_not_opened_anew_under_the_hands_of_who_types(page: Page, port: int) -> None:
     with serving(*COMMAND, port=port) as server:
         open_drive(page, server)
@@ -141,6 +142,7 @@ def test_a_server_that_stands_still_is_told_and_no_change_is_lost(chromium: Brow
         expect(user.figure_value("Energy from the supply")).not_to_have_text(energy)
 
 
+@pytest.mark.nightly
 def test_a_step_back_is_not_undone_by_a_reload(chromium: Browser, port: int) -> None:
     with serving(*COMMAND, port=port) as server, User.at(chromium, server.drive_url) as user:
         expect(field(user.page, LOAD)).to_have_value("50")

@@ -91,6 +91,7 @@ def test_a_press_is_answered_at_once(user: User) -> None:
     expect(user.page.locator(".rj-drawer")).to_have_count(0)
 
 
+@pytest.mark.nightly
 def test_a_lost_server_leaves_few_lines_in_the_console(chromium: Browser) -> None:
     with chromium.new_context() as context:
         user = User(context.new_page(), "")

@@ -114,6 +114,7 @@ def faults_down_to_the_end(user: User, name: str) -> dict[str, Any]:
     return layout_faults(user, name)
 
 
+@pytest.mark.nightly
 def test_from_every_page_to_every_other(own_server: Server, chromium: Browser) -> None:
     faults: dict[str, Any] = {}
     with User.at(chromium, f"{own_server.url}?v=1&preset={SUBURBAN}", on_drive=False) as user:

@@ -124,6 +124,7 @@ def test_a_link_behind_the_hash_and_one_of_another_version(user: User, server: S
     expect(user.page.get_by_role("alert").filter(has_text="The link has version 2")).to_be_visible()
 
 
+@pytest.mark.nightly
 def test_a_restarted_server_finds_the_page_as_it_was(chromium: Browser) -> None:
     command = ("-m", "railjoule.dashboard", "serve")
     context = chromium.new_context(viewport={"width": 1280, "height": 900})

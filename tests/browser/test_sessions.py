@@ -4,6 +4,7 @@ import re
 import time
 from pathlib import Path
 
+import pytest
 from playwright.sync_api import Browser, expect
 
 from browser.server import Server, serving
@@ -31,6 +32,7 @@ def cost_of_a_move(server: Server, user: User) -> float:
     return (server.cpu_s() - before) / MOVES
 
 
+@pytest.mark.nightly
 def test_many_open_pages(chromium: Browser) -> None:
     with serving(str(Path(__file__).with_name("watched.py"))) as server:
         with User.at(chromium, server.drive_url) as mover:

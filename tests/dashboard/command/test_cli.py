@@ -335,6 +335,7 @@ def test_validate_prints_json(capsys):
     ]  # fmt: skip
 
 
+@pytest.mark.nightly
 def test_validate_without_a_paper_shows_all(capsys):
     whole = json.loads(answer(capsys, "validate", "--json"))["papers"]
     assert [paper["paper"] for paper in whole] == list(PAPERS)

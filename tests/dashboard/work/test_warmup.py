@@ -77,6 +77,7 @@ print(sum(map(specialisations, all_kernels())), module.warmup().compiles)
 """
 
 
+@pytest.mark.nightly
 def test_nothing_is_left_to_compile_after_the_warm_up() -> None:
     result = subprocess.run([sys.executable, "-c", EVERY_STRATEGY], capture_output=True, text=True, check=True)
     assert result.stdout.strip() == "{}"
