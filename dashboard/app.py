@@ -1,7 +1,6 @@
 """The dashboard: composes one open page, and serves it. `panel serve` may run this file too."""
 
 import gc
-import logging
 import socket
 import time
 from collections.abc import Callable, MutableSequence
@@ -30,6 +29,7 @@ from railjoule.dashboard.insides import (
     remember_defaults,
     taking,
     tell_no_insides,
+    write_all_messages,
 )
 from railjoule.dashboard.keep.keeping import Keeping
 from railjoule.dashboard.keep.lifeline import Lifeline
@@ -45,12 +45,12 @@ from railjoule.dashboard.server.guard import guard
 from railjoule.dashboard.server.handed import take_handed
 from railjoule.dashboard.server.health import HealthHandler, ReadyHandler
 from railjoule.dashboard.server.kept_files import KeptFileHandler
-from railjoule.dashboard.server.logs import keep_quiet, write_down
+from railjoule.dashboard.server.logs import keep_quiet, warn_without_login, write_down
 from railjoule.dashboard.server.metrics import MetricsHandler
 from railjoule.dashboard.server.not_found import NotFoundHandler
 from railjoule.dashboard.server.offered_files import OfferedFileHandler
 from railjoule.dashboard.server.opening import TOKEN, Opening, PageHandler, PageSocket
-from railjoule.dashboard.server.options import LOCAL_NAMES, NO_LOGIN, ServerOptions
+from railjoule.dashboard.server.options import LOCAL_NAMES, ServerOptions
 from railjoule.dashboard.server.places import Places
 from railjoule.dashboard.shell.share import Share
 from railjoule.dashboard.shell.shell import Page, Shell, empty_page
@@ -64,11 +64,11 @@ pn.extension("plotly", notifications=False, exception_handler=handle)
 keep_quiet()
 count_no_events()
 tell_no_insides()
+write_all_messages()
 remember_defaults()
 # Panel asks models for many attributes that they may not have: a tenth of a move went into guesses at what it meant
 settings.perform_error_diagnostics = False
 
-LOG = logging.getLogger(__name__)
 POLL_MS = 300
 COMPRESSION_LEVEL = 4
 """Of what pages are sent: a sixth of the bytes for 3 ms of the processor a page; higher levels hardly save more."""
@@ -217,8 +217,7 @@ def serve(options: ServerOptions, workspace: Workspace | None = None) -> None:
     """
     serve_files_of(workspace)
     write_down()
-    if not options.is_for_this_machine:
-        LOG.warning("%s A proxy that asks for a password belongs before it.", NO_LOGIN)
+    warn_without_login(options)
     warmup().start()
     run(make_server(options))
 

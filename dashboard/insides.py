@@ -24,6 +24,7 @@ from bokeh.protocol.message import Message
 from bokeh.server.connection import ServerConnection
 from bokeh.util.token import generate_jwt_token, generate_session_id, get_session_id, get_token_payload
 from panel.custom import JSComponent
+from panel.io import document as messages
 from panel.io.document import _cleanup_doc
 from panel.io.resources import LOCAL_DIST, Resources
 from panel.io.server import DocHandler, Server, WSHandler, server_html_page_for_session
@@ -368,6 +369,14 @@ def forget_begun(connection: WSHandler, token: str) -> None:
     connection.application_context._pending_sessions.pop(get_session_id(token), None)
 
 
+def has_page(connection: WSHandler, mark: str) -> bool:
+    """Return whether the page of a connection was made; where that fails, Panel puts an error in its place.
+
+    `mark` is what the template of every page is given.
+    """
+    return connection.connection is not None and mark in connection.connection.session.document.template_variables
+
+
 def note_pulled(connection: WSHandler, message: Message[Any]) -> None:
     """Let a page that has just been written down for its browser be sent what is changed in it from then on.
 
@@ -396,6 +405,22 @@ def turns_of(document: Document) -> Callable[[Callable[[], None]], object]:
     except RuntimeError:
         return ask
     return lambda turn: loop.call_soon_threadsafe(ask, turn)
+
+
+def write_all_messages() -> None:
+    """Let no message wait for the page's next change.
+
+    Panel 1.9.4 writes what came while another message was on its way in a task of its own, which does nothing if the
+    task before it has marked the page as free meanwhile: the page then showed the last result only at the next move.
+    """
+    write = messages._dispatch_msgs
+
+    async def write_waiting(document: Document) -> None:
+        if document in messages._WRITE_MSGS:
+            messages._WRITE_BLOCK[document] = True
+        await write(document)
+
+    messages._dispatch_msgs = write_waiting
 
 
 def tell_no_insides() -> None:

@@ -2,13 +2,15 @@
 
 The scenarios are those of the review's generator where it lies beside the repository (shared/check/gen.py), else those
 of `tests.any_scenarios`. Two processes work at once, each call within a limit of time; a longer one is stopped and
-counted. Every call is written down as a line of JSON, so that a run that was broken off goes on where it was, as long
-as the core's sources are the same.
+counted. Every call is written down as a line of JSON, so that a run that was broken off or ended by --minutes goes on
+where it was, as long as the sources are the same. A night is `--count 20000 --minutes 480`; the status is 1
+where any call broke a rule, left the numbers, raised a traceback or took longer than the limit.
 """
 
 import argparse
 import importlib.util
 import json
+import math
 import os
 import queue
 import subprocess
@@ -235,8 +237,8 @@ def kept_rows(file: Path, seeds: range) -> list[Row]:
     return rows
 
 
-def drive_all(file: Path, seeds: range, processes: int, limit_s: float) -> list[Row]:
-    """Drive all scenarios that are not in the file yet, and return all rows."""
+def drive_all(file: Path, seeds: range, processes: int, limit_s: float, until_s: float = math.inf) -> list[Row]:
+    """Drive all scenarios that are not in the file yet, and return all rows; none is begun after `until_s` [s]."""
     rows = kept_rows(file, seeds)
     done: dict[int, set[str]] = defaultdict(set)
     for row in rows:
@@ -250,7 +252,7 @@ def drive_all(file: Path, seeds: range, processes: int, limit_s: float) -> list[
     def keep_working() -> None:
         worker = Worker(limit_s)
         try:
-            while True:
+            while time.monotonic() < until_s:
                 seed = waiting.get_nowait()
                 for row in worker.rows(seed, done[seed]):
                     with written, file.open("a", encoding="utf-8") as kept:
@@ -333,12 +335,31 @@ def _dearer(solved: list[Row]) -> Iterator[Row]:
                 yield best
 
 
-def main() -> None:
-    """Drive many scenarios, and print the table."""
+def faults(rows: list[Row]) -> dict[str, int]:
+    """Return how many calls were not as they must be, by what was wrong."""
+    solved = [row for row in rows if row.get("status") == "solved"]
+    not_finite = [row for row in solved if any(broken[0] == "finite numbers" for broken in row["broken"])]
+    return {
+        "not finite": len(not_finite),
+        "a broken rule": sum(bool(row["broken"]) for row in solved) - len(not_finite),
+        "a traceback": sum(row["status"] == "traceback" for row in rows),
+        "over the limit of time": sum(row["status"] == "stopped" for row in rows),
+    }
+
+
+def verdict(rows: list[Row], seeds: range) -> str:
+    """Return one line: how many scenarios of those asked for were driven, and what was wrong."""
+    found = ", ".join(f"{count} {kind}" for kind, count in faults(rows).items())
+    return f"verdict: {len({row['seed'] for row in rows}):,} of {len(seeds):,} scenarios, {len(rows):,} calls: {found}"
+
+
+def main() -> int:
+    """Drive many scenarios, and print the table; return 1 if any call is not as it must be."""
     parser = argparse.ArgumentParser(prog="python -m tests.check_many", description=__doc__)
     parser.add_argument("--first", type=int, default=0, help="the first seed")
     parser.add_argument("--count", type=int, default=200, help="how many seeds")
     parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--minutes", type=float, default=math.inf, metavar="M", help="begin no scenario after these")
     parser.add_argument("--limit", type=float, default=60.0, metavar="S", help="time that a call may take")
     parser.add_argument(
         "--results", type=Path, default=Path(tempfile.gettempdir()) / "check_many.jsonl", metavar="FILE"
@@ -347,13 +368,17 @@ def main() -> None:
     asked = parser.parse_args()
     if asked.worker:
         work()
-        return
+        return 0
     seeds = range(asked.first, asked.first + asked.count)
-    print(table(drive_all(asked.results, seeds, asked.processes, asked.limit)))
+    until_s = time.monotonic() + 60 * asked.minutes
+    rows = drive_all(asked.results, seeds, asked.processes, asked.limit, until_s)
+    print(table(rows))
+    print(verdict(rows, seeds))
+    return 1 if any(faults(rows).values()) else 0
 
 
 if __name__ == "__main__":
     try:
-        main()
+        sys.exit(main())
     except KeyboardInterrupt:
         sys.exit(130)

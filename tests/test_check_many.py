@@ -111,3 +111,27 @@ def test_the_table_counts():
     # the cheaper run of seed 1 breaks a rule
     assert "optimal dearer by over 0.1% than another run without a fault: 1 (optimal 0)" in lines
     assert lines[-1].endswith("both find a fault in 1 runs, ours alone in 0, the review's alone in 0")
+
+
+def test_what_is_not_as_it_must_be_is_counted() -> None:
+    good = {"seed": 1, "strategy": "optimal", "status": "solved", "broken": []}
+    rows = [
+        good,
+        good | {"broken": [["finite numbers", 1.0, 0.0, 0.0]]},
+        good | {"broken": [["speed limits", 1.0, 0.0, 0.0]]},
+        good | {"status": "traceback", "words": "x"},
+        good | {"status": "stopped"},
+        good | {"status": "refused", "words": "y"},
+    ]
+    assert check_many.faults(rows) == {
+        "not finite": 1,
+        "a broken rule": 1,
+        "a traceback": 1,
+        "over the limit of time": 1,
+    }
+    assert check_many.verdict(rows, range(3)).startswith("verdict: 1 of 3 scenarios, 6 calls: 1 not finite, ")
+
+
+def test_no_scenario_is_begun_after_its_time(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(check_many, "Worker", lambda limit_s: pytest.fail("a worker was asked"))
+    assert check_many.drive_all(tmp_path / "rows", range(3), 0, 1.0, until_s=0.0) == []

@@ -22,16 +22,17 @@ export function render({model}) {
     const rail = (end) => make("input", {type: "range", "aria-label": `${label}: ${end}, slider`});
     const [low, high, start, end] = [text("from"), text("to"), rail("from"), rail("to")];
     const filled = make("i"), refusal = make("p", {class: "error", role: "alert", hidden: true});
+    const sorted = () => [Number(start.value), Number(end.value)].sort((lower, upper) => lower - upper);
     const send = () => model.send_msg({what: "range", path, low: low.value, high: high.value});
     const fill = () => {
       const [least, most] = [Number(start.min), Number(start.max)], wide = most - least || 1;
-      const [from, to] = [Number(start.value), Number(end.value)].sort((one, other) => one - other);
+      const [from, to] = sorted();
       filled.style.left = `${100 * (from - least) / wide}%`;
       filled.style.right = `${100 * (most - to) / wide}%`;
     };
     for (const one of [start, end]) {
       one.addEventListener("input", () => {
-        const [from, to] = [Number(start.value), Number(end.value)].sort((one, other) => one - other);
+        const [from, to] = sorted();
         [low.value, high.value] = [plain(from), plain(to)];
         fill();
       });

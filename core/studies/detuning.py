@@ -114,6 +114,7 @@ def detuning_steps(
     """Yield the table of `detuning` empty, and again after each run; arguments and errors as there."""
     if not factors:
         raise ScenarioError("a table over the rotor resistance needs at least one factor.")
+    # all of them before the first run: a factor out of its bounds is no result
     for factor in factors:
         _variant(scenario, factor)
     # one plan for all factors: what differs in the table is the control alone

@@ -1,6 +1,5 @@
 """What the commands of `railjoule` do; their words are read in `railjoule.dashboard.command.cli`."""
 
-import importlib.util
 import io
 import json
 import os
@@ -27,6 +26,7 @@ from railjoule.core import (
 from railjoule.core import solve as solve_scenario
 from railjoule.core.bounds import LONGEST_PROOF_S
 from railjoule.core.csv_text import plain_table, write_csv
+from railjoule.core.parquet import NEEDED, has_parquet
 from railjoule.core.scenario import STRATEGY_NAMES, StrategyName, parse_scenario, preset_names
 from railjoule.core.scenario.text_file import read_text
 from railjoule.core.scenario.toml_text import read_toml
@@ -462,8 +462,8 @@ def table_file(name: str, option: str = "--trajectory", suffixes: Sequence[str] 
     path = Path(name)
     if path.suffix.lower() not in suffixes:
         raise CommandError(f"{option} {shortened(name)}: must end in {' or '.join(suffixes)}.")
-    if path.suffix.lower() == ".parquet" and importlib.util.find_spec("pyarrow") is None:
-        raise CommandError(f"{option} {shortened(name)}: parquet needs pyarrow: pip install pyarrow.")
+    if path.suffix.lower() == ".parquet" and not has_parquet():
+        raise CommandError(f"{option} {shortened(name)}: {NEEDED}")
     return path
 
 

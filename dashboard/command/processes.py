@@ -1,7 +1,6 @@
 """`railjoule serve --processes N`: starts the processes behind one port."""
 
 import asyncio
-import logging
 import multiprocessing
 import os
 import signal
@@ -12,12 +11,11 @@ from multiprocessing.process import BaseProcess
 
 from railjoule.core.workspace import Workspace
 from railjoule.dashboard.server.front import Front
-from railjoule.dashboard.server.logs import write_down
-from railjoule.dashboard.server.options import NO_LOGIN, ServerOptions
+from railjoule.dashboard.server.logs import warn_without_login, write_down
+from railjoule.dashboard.server.options import ServerOptions
 from railjoule.dashboard.server.places import NUMBERS
 from railjoule.dashboard.work.kernel_parts import ALL, is_done
 
-LOG = logging.getLogger(__name__)
 # a fork would copy the threads' locks without the threads
 CONTEXT = multiprocessing.get_context("spawn")
 
@@ -31,8 +29,7 @@ def serve_in_processes(options: ServerOptions, own: Workspace | None) -> None:
         If the address cannot be listened at.
     """
     write_down()
-    if not options.is_for_this_machine:
-        LOG.warning("%s A proxy that asks for a password belongs before it.", NO_LOGIN)
+    warn_without_login(options)
     shared: MutableSequence[int] = CONTEXT.RawArray("i", NUMBERS * options.processes)
     front = Front(options, partial(_started, options, own), shared, lambda: is_done(ALL))
     print(f"Launching {options.processes} processes at http://{options.address}:{options.port}{options.prefix}")

@@ -443,7 +443,19 @@ STUDIES = (
     Term(
         "Sobol\u2019 indices",
         "How much of the variance of the energy a field decides over the ranges of a study: alone, and with all "
-        "that it does together with others. The first kind adds up to at most 100 %.",
+        "that it does together with others.",
+        ("Decides most",),
+    ),
+    Term(
+        "Lowest and highest",
+        "The least and the greatest energy of all runs of a study so far, with the values of the two fields that "
+        "decide most.",
+        ("Lowest", "Highest"),
+    ),
+    Term(
+        "Can be driven",
+        "The share of a study\u2019s runs that reach the end in their time; the others are listed in its file with the "
+        "reason.",
     ),
     Term(
         "Spread",

@@ -4,12 +4,17 @@ A page that is closed while something is under way to it is no error, though the
 """
 
 import logging
+from typing import TextIO
 
 from tornado.iostream import StreamClosedError
 from tornado.websocket import WebSocketClosedError
 
+from railjoule.dashboard.server.options import NO_LOGIN, ServerOptions
+
+LOG = logging.getLogger(__name__)
 GONE = (WebSocketClosedError, StreamClosedError)
 """What writing to a page raises that has just been closed."""
+WITH_TIME = logging.Formatter("%(asctime)s %(message)s", datefmt="%Y-%m-%d %H:%M:%S")
 TOO_LATE = "Failed sending message as connection was closed"
 # asyncio tells of errors in writing for which nobody waits
 LOGGERS = ("asyncio", "bokeh.server.views.ws", "panel.io.document")
@@ -34,13 +39,27 @@ def keep_quiet() -> None:
 
 
 def write_down() -> None:
-    """Write the lines of this program to standard error, each once and with its time."""
-    logger = logging.getLogger("railjoule")
-    # a second handler would write each line twice, and so would that of the root logger below
-    if logger.handlers:
+    """Write what this program and its libraries tell to standard error, each line once and with its time."""
+    root = logging.getLogger()
+    if any(isinstance(handler, Dated) for handler in root.handlers):
         return
-    handler = logging.StreamHandler()
-    handler.setFormatter(logging.Formatter("%(asctime)s %(message)s", datefmt="%Y-%m-%d %H:%M:%S"))
-    logger.addHandler(handler)
-    logger.setLevel(logging.INFO)
-    logger.propagate = False
+    # libraries add one of their own, without a time, where there is none yet
+    root.addHandler(Dated())
+    # Bokeh brings its own
+    for handler in logging.getLogger("bokeh").handlers:
+        handler.setFormatter(WITH_TIME)
+    logging.getLogger("railjoule").setLevel(logging.INFO)
+
+
+def warn_without_login(options: ServerOptions) -> None:
+    """Say aloud where others than the users of this machine reach the pages."""
+    if not options.is_for_this_machine:
+        LOG.warning("%s A proxy that asks for a password belongs before it.", NO_LOGIN)
+
+
+class Dated(logging.StreamHandler[TextIO]):
+    """Writes lines with their time."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setFormatter(WITH_TIME)

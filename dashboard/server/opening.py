@@ -18,6 +18,7 @@ from railjoule.dashboard.insides import (
     PageConnection,
     begin_as,
     forget_begun,
+    has_page,
     is_gone,
     note_pulled,
     page_of_token,
@@ -31,6 +32,8 @@ BREATH_S = 0.05
 """Between two pages that open, those that are open have their turns."""
 TOKEN = "@token@"
 """Stands where the token of a page comes."""
+MARK = "railjoule"
+"""What all pages give their template, see `first_paint` in shell.py."""
 COULD_NOT, TRY_LATER = 1011, 1013
 
 
@@ -117,7 +120,11 @@ class PageSocket(PageConnection):
             except Exception:
                 LOG.exception("a page could not be opened")
                 forget_begun(self, token)
-                self.close(COULD_NOT, "the page could not be opened")
+            else:
+                if has_page(self, MARK):
+                    return
+                LOG.error("a page could not be opened: what went wrong stands above")
+            self.close(COULD_NOT, "the page could not be opened")
 
     async def _handle(self, message: Any) -> Any:
         work = await super()._handle(message)

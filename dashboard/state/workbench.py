@@ -122,6 +122,8 @@ class Workbench(Kept, PageModel):
             if model is not self.scenario:
                 model.address_prefix = f"{name}."
         self.scenario.param.watch(self._take_strategy, ["preset", "opened"])
+        # here and not in its work: where a page has none, its ranges are those of its scenario all the same
+        self.scenario.follow(lambda _: None, self.study.take)
 
     def _tell_fault(self, sentence: str) -> None:
         self.notice = sentence

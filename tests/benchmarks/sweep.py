@@ -20,7 +20,7 @@ from railjoule.core.studies.sweep.engine import solve_rows
 from railjoule.core.studies.sweep.running import rows_in_order
 from railjoule.core.validation.ipopt import IpoptProblem, is_installed
 from tests.benchmarks.measurement import Measurement
-from tests.core.studies.sweep.test_cluster import started_cluster
+from tests.local_cluster import started_cluster
 
 ROWS, ROUNDS = 4096, 3
 LOOP_ROWS, IPOPT_ROWS = 256, 16

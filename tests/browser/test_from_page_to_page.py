@@ -39,7 +39,7 @@ SCROLLED = """() => {
 OF_A_SESSION = re.compile(
     r"[-0-9]+ [:0-9]+ \w+ session=[0-9a-f]{8} page=[-\w]+ duration_s=\d+\.\d{3}( cells=\d+)? (ok|refused)"
 )
-OF_THE_SERVER = re.compile(r"Launching server at http://[.\d]+:\d+")
+OF_THE_SERVER = re.compile(r"(?:[-0-9]+ [:0-9]+ )?Launching server at http://[.\d]+:\d+")
 
 
 def every_pair(names: tuple[str, ...]) -> Iterator[str]:

@@ -180,6 +180,10 @@ VALUES: dict[str, dict[str, Any]] = {
     "save_form": {"kinds": [], "names": {}, "refusal": "", "can_replace": False, "told": "", "version": 0},
     "saving": {},
     "strategies": {"strategies": [], "chosen": "", "ticked": [], "results": {}, "above": "", "draws": True},
+    "study_fields": {"fields": [], "groups": [], "note": "", "version": 0},
+    "study_files": {},
+    "study_kept": {"rows": []},
+    "study_rows": {"title": "", "note": "", "head": [], "rows": [], "more": "", "is_chosen": False},
     "table_form": {"table": {"columns": [], "rows": [], "label": "", "help": "", "more": ""}, "version": 0},
 }
 """What each component needs to be drawn at all."""

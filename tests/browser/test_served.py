@@ -3,12 +3,13 @@
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, expect
 
 from browser.server import Server, serving
-from browser.user import User, open_page
+from browser.user import PATIENCE_MS, User, open_page
 from railjoule.dashboard.page_list import PAGES
 
 PREFIX = "tools/rail/"
@@ -58,3 +59,16 @@ def test_the_pages_of_all_these_tests_are_under_the_policy(server: Server) -> No
         policy = answer.headers["Content-Security-Policy"]
     assert "frame-ancestors 'self'" in policy
     assert "object-src 'none'" in policy
+
+
+def test_a_page_that_cannot_be_made_says_so(chromium: Browser, tmp_path: Path) -> None:
+    log = tmp_path / "log"
+    with serving(str(Path(__file__).with_name("broken.py")), log=log) as server:
+        page = chromium.new_page()
+        page.goto(server.url)
+        told = page.get_by_role("status").filter(has_text="This page could not be opened")
+        expect(told).to_be_visible(timeout=PATIENCE_MS)
+        page.close()
+    text = log.read_text()
+    assert "a page could not be opened" in text
+    assert "broken on purpose" in text

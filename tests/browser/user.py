@@ -33,7 +33,8 @@ class User:
         self.foreign: list[str] = []
         page.set_default_timeout(PATIENCE_MS)
         page.on("console", lambda message: message.type == "error" and self.errors.append(message.text))
-        page.on("pageerror", lambda error: self.errors.append(str(error)))
+        # with the place: a message of a packed library tells nothing
+        page.on("pageerror", lambda error: self.errors.append(f"{error}\n{error.stack}"))
         page.on("request", lambda request: self._note(request.url))
 
     @classmethod

@@ -521,3 +521,17 @@ def test_shipped_files_can_be_saved_under_another_name(workspace):
     for kind, name in (("vehicles", "tram-105n"), ("lines", "metro-10-stations")):
         workspace.save(kind, f"my {name}", preset_text(kind, name))
         assert workspace.document(kind, f"my {name}")["name"]
+
+
+def test_kept_studies_are_listed_by_name_and_put_away(workspace, tmp_path):
+    assert workspace.studies() == ()
+    path = workspace.study_path("Winter")
+    path.write_bytes(b"rows")
+    workspace.study_path("autumn").write_bytes(b"rows")
+    assert workspace.studies() == ("autumn", "Winter")
+    workspace.delete_study("Winter")
+    assert workspace.studies() == ("autumn",)
+    with pytest.raises(WorkspaceError, match="nothing was changed"):
+        workspace.delete_study("Winter")
+    with pytest.raises(RailjouleError):
+        workspace.study_path("../outside")

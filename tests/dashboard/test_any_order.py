@@ -19,7 +19,7 @@ from railjoule.dashboard.state.pins import MOST_PINS, KeptPin
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.warmup import warmup
 
-EXAMPLES, STEPS = 4, 12
+EXAMPLES, STEPS = 6, 15
 # short lines whose drives take no power idling, so that a run takes milliseconds
 PRESETS = ("metro-with-limit", "liashenko-i", "liashenko-ii", "tram-950m")
 QUICK = ("optimal", "fastest", "eoc", "phases")
@@ -106,7 +106,7 @@ class AnyOrder(RuleBasedStateMachine):
     def set_on_another_page(self, seed: int, percent: float) -> None:
         self.state.robustness.seed, self.state.speed_limits.time_window_percent = seed, percent
 
-    @rule(page=st.sampled_from(["Start", "Help", "Papers"]))
+    @rule(page=st.sampled_from(["Start", "Help", "Import"]))
     def turn(self, page: str) -> None:
         assert page in PAGES
         self.state.page = page

@@ -1,6 +1,7 @@
 """What the page takes of the insides of its libraries is there in the installed releases; no browser is needed."""
 
 import ast
+import asyncio
 import inspect
 import re
 from importlib.resources import files
@@ -21,6 +22,7 @@ from bokeh.models.widgets import Slider as FloatSlider
 from bokeh.plotting import figure
 from bokeh.protocol import Protocol
 from bokeh.server.connection import ServerConnection
+from panel.io import document as messages
 from panel.reactive import Syncable
 from tornado.httputil import HTTPHeaders, HTTPServerRequest, RequestStartLine
 
@@ -46,6 +48,7 @@ from railjoule.dashboard.insides import (
     thaw,
     thaw_unsearched,
     token_of,
+    write_all_messages,
     written_down,
 )
 from railjoule.dashboard.server.options import ServerOptions
@@ -269,3 +272,29 @@ def test_an_answer_to_a_message_that_failed_holds_no_traceback() -> None:
         "traceback": None,
     }
     assert answer.header["reqid"] == message.header["msgid"]
+
+
+def test_a_message_that_came_while_another_was_written_is_written_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    write_all_messages()
+    document, connection, written = Document(), Mock(), list[str]()
+    connection.protocol.create = lambda _, events: events[0]
+
+    async def main() -> None:
+        sent = asyncio.get_running_loop().create_future()
+
+        def send(_: object, msg: str) -> list[asyncio.Future[None]]:
+            written.append(msg)
+            return [sent]
+
+        monkeypatch.setitem(messages.extra_socket_handlers, type(connection._socket), send)
+        messages.schedule_write_events(document, [connection], ["first"])
+        await asyncio.sleep(0)
+        # the first is told that it is sent, and goes on before whatever begins from now on
+        sent.set_result(None)
+        messages.schedule_write_events(document, [connection], ["second"])
+        for _ in range(5):
+            await asyncio.sleep(0)
+
+    asyncio.run(main())
+    assert written == ["first", "second"]
+    assert document not in messages._WRITE_BLOCK

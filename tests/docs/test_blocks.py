@@ -23,7 +23,7 @@ ADDED = "# core/"
 SHOWN = {"text", "csv", "diff", "{toctree}", "{eval-rst}", "{include}"}
 """Kinds that are no code, or that other tests read."""
 COMMANDS = {"sh", "console", ""}
-OTHERS = {"nginx", "caddy"}
+OTHERS = {"dask", "nginx", "caddy"}
 """Programs of others that commands may start."""
 EXTRAS = set(tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"])
 RUN = set(re.findall(r"^(\w+)\)$", (ROOT / "run").read_text(encoding="utf-8"), re.MULTILINE))

@@ -21,10 +21,19 @@ def main() -> int:
     """Print the table; return 1 if any row is not as it must be."""
     parser = argparse.ArgumentParser(prog="python -m tests.trust", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="the rows of the gate alone")
-    quick = parser.parse_args().quick
+    parser.add_argument("--results", type=Path, metavar="FILE", help="write the table to a file too")
+    asked = parser.parse_args()
+    lines: list[str] = []
+
+    def tell(line: str) -> None:
+        lines.append(line)
+        print(line, flush=True)
+
     with serving(*served.COMMAND) as server:
         every = (*served.rows(server), *texts.ROWS, *commands.ROWS, *floors.ROWS, *pages.ROWS)
-        good = table((row for row in every if row.quick or not quick), lambda line: print(line, flush=True))
+        good = table((row for row in every if row.quick or not asked.quick), tell)
+    if asked.results is not None:
+        asked.results.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return 0 if good else 1
 
 

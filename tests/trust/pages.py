@@ -36,7 +36,7 @@ ROWS = (
         "5",
         "markup in titles, files and links",
         "0 executed",
-        tests("tests/browser/test_keep.py", "-k", "markup"),
+        tests("tests/browser/test_keep.py"),
         False,
     ),
 )

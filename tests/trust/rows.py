@@ -46,7 +46,7 @@ def outcome(row: Row) -> Found:
         return Found(f"{type(error).__name__}: {error}"[:160], False)
 
 
-def table(rows: Iterable[Row], tell: Callable[[str], None] = print) -> bool:
+def table(rows: Iterable[Row], tell: Callable[[str], None]) -> bool:
     """Try rows one after the other, tell each as a line of a table, and return whether all are good."""
     good = True
     tell("| section | row | before (trust.md) | now | verdict |")

@@ -3,7 +3,6 @@
 The file says in its own words where it comes from: Parquet and netCDF carry the study's identity and fingerprint.
 """
 
-import importlib.util
 import json
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,8 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from railjoule.core.csv_text import csv_of_table
 from railjoule.core.errors import RailjouleError
-from railjoule.core.studies.sweep.results import Chunk, Results, chunk_table, table_of
+from railjoule.core.parquet import NEEDED, has_parquet
+from railjoule.core.studies.sweep.results import Chunk, Done, chunk_table, table_of
 from railjoule.core.written import written
 
 if TYPE_CHECKING:
@@ -31,16 +32,16 @@ def require_format(path: Path) -> None:
     """Raise ExportError if the name of a file ends in no format that can be written here."""
     if path.suffix.lower() not in SUFFIXES:
         raise ExportError(f"{path.name}: a table ends in {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}.")
-    if path.suffix.lower() == ".parquet" and importlib.util.find_spec("pyarrow") is None:
-        raise ExportError(f"{path.name}: parquet needs pyarrow: pip install pyarrow.")
+    if path.suffix.lower() == ".parquet" and not has_parquet():
+        raise ExportError(f"{path.name}: {NEEDED}")
 
 
-def write_rows(results: Results, path: str | Path) -> None:
+def write_rows(results: Done, path: str | Path) -> None:
     """Write all rows that are done as a table; the file is there as a whole or stays as it was.
 
     Parameters
     ----------
-    results : Results
+    results : Done
     path : str or Path
         Its ending tells the format.
 
@@ -60,7 +61,7 @@ def write_rows(results: Results, path: str | Path) -> None:
         write(results, place)
 
 
-def origin_of(results: Results) -> dict[str, str]:
+def origin_of(results: Done) -> dict[str, str]:
     """Return what a file tells of its rows' origin, by name."""
     study = results.study
     return {
@@ -70,13 +71,13 @@ def origin_of(results: Results) -> dict[str, str]:
     }
 
 
-def _write_csv(results: Results, place: Path) -> None:
+def _write_csv(results: Done, place: Path) -> None:
     with place.open("w", encoding="utf-8", newline="") as file:
         for number, table in enumerate(_tables(results)):
-            table.to_csv(file, index=False, header=number == 0)
+            file.write(csv_of_table(table, header=number == 0))
 
 
-def _write_parquet(results: Results, place: Path) -> None:
+def _write_parquet(results: Done, place: Path) -> None:
     import pyarrow  # noqa: PLC0415  (slow to import, and seldom there)
     from pyarrow import parquet  # noqa: PLC0415
 
@@ -93,7 +94,7 @@ def _write_parquet(results: Results, place: Path) -> None:
             writer.close()
 
 
-def _write_netcdf(results: Results, place: Path) -> None:
+def _write_netcdf(results: Done, place: Path) -> None:
     import xarray  # noqa: PLC0415  (slow to import, and seldom needed)
 
     table = table_of(results)
@@ -106,7 +107,7 @@ def _write_netcdf(results: Results, place: Path) -> None:
     xarray.Dataset(columns, coords=coordinates, attrs=origin_of(results)).to_netcdf(place, engine="scipy")
 
 
-def _tables(results: Results) -> "Iterator[pandas.DataFrame]":
+def _tables(results: Done) -> "Iterator[pandas.DataFrame]":
     """Yield the rows in order as tables of at most so many; one without rows if there are none."""
     held: list[Chunk] = []
     count = 0

@@ -48,8 +48,8 @@ class Chunk:
         return {self.first + row: reason for row, reason in self.rows.reasons.items()}
 
 
-class Results(Protocol):
-    """Where the rows of a sweep are kept while it runs; one thread appends, any may read."""
+class Done(Protocol):
+    """Rows of a sweep, all or some, to be read."""
 
     @property
     def study(self) -> Study:
@@ -63,14 +63,18 @@ class Results(Protocol):
     def seconds(self) -> float:
         """How long they took together [s]."""
 
+    def chunks(self) -> Iterator[Chunk]:
+        """Yield all that is kept in the order of the rows."""
+
+
+class Results(Done, Protocol):
+    """Where the rows of a sweep are kept while it runs; one thread appends, any may read."""
+
     def gaps(self) -> list[tuple[int, int]]:
         """Return the first row and the row after the last one of all stretches that are still to be done."""
 
     def append(self, chunk: Chunk, elapsed_s: float) -> None:
         """Keep a chunk that took so much longer than what is kept [s]."""
-
-    def chunks(self) -> Iterator[Chunk]:
-        """Yield all that is kept in the order of the rows."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,9 +110,23 @@ class SweepTable:
         return len(self.index)
 
     @property
+    def done(self) -> int:
+        """The same, as `Done` calls it."""
+        return self.rows
+
+    @property
     def runs_per_s(self) -> float:
         """Rows in one second [1/s]."""
         return self.rows / self.seconds
+
+    def chunks(self) -> Iterator[Chunk]:
+        """Yield all rows in stretches without gaps."""
+        samples, values = (np.column_stack(list(of.values())) for of in (self.samples, self.columns))
+        for part in np.split(np.arange(self.rows), np.flatnonzero(np.diff(self.index) != 1) + 1):
+            if len(part):
+                first, last = int(self.index[part[0]]), int(self.index[part[-1]])
+                reasons = {row - first: reason for row, reason in self.reasons.items() if first <= row <= last}
+                yield Chunk(first, samples[part], Rows(values[part], reasons, 0.0))
 
     def to_dataframe(self) -> "pandas.DataFrame":
         """Return the table, with the reason why there is no run, empty where there is one."""
@@ -164,7 +182,7 @@ class MemoryResults:
             yield Chunk(first, self._samples[first:end], Rows(self._values[first:end], reasons, 0.0))
 
 
-def table_of(results: Results) -> SweepTable:
+def table_of(results: Done) -> SweepTable:
     """Return all rows that are done as one table, in the order of their numbers.
 
     Raises

@@ -85,9 +85,13 @@ class Sampler:
 def level_count(field: Field, rows: int, fields: int, method: str) -> int | None:
     """Return how many values a field takes in so many rows over so many fields; None if any of its range."""
     if method == "grid":
-        levels: int = round(rows ** (1 / fields))
-        return levels
+        return _grid_levels(rows, fields)
     return int(field.high - field.low) + 1 if field.whole else None
+
+
+def _grid_levels(rows: int, fields: int) -> int:
+    levels: int = round(rows ** (1 / fields))
+    return levels
 
 
 def _generator(method: str, dimensions: int, seed: int) -> Any:
@@ -108,7 +112,7 @@ def _levels(fields: Sequence[Field], rows: int) -> list[FloatArray]:
     ScenarioError
         If no grid with as many values of each field has so many rows, or a field has not as many whole numbers.
     """
-    count = round(rows ** (1 / len(fields)))
+    count = _grid_levels(rows, len(fields))
     if count ** len(fields) != rows:
         below = count if count ** len(fields) < rows else count - 1
         near = " or ".join(f"{number ** len(fields):,}" for number in (below, below + 1) if number)

@@ -20,7 +20,7 @@ from railjoule.core.arrays import FloatArray, IntArray, frozen_array
 from railjoule.core.errors import RailjouleError
 from railjoule.core.scenario._sentences import shorten, suggestion
 from railjoule.core.studies.sweep.fields import Field
-from railjoule.core.studies.sweep.results import Results
+from railjoule.core.studies.sweep.results import Done
 from railjoule.core.studies.sweep.study import Study
 
 # Terms cost their square for each row. Measured on liashenko-ii over time, load, recuperation and resistance: 126 terms
@@ -71,12 +71,12 @@ class Sensitivities:
     rows: int
 
 
-def sensitivities(results: Results, column: str = "energy_kwh") -> Sensitivities:
+def sensitivities(results: Done, column: str = "energy_kwh") -> Sensitivities:
     """Return which field decides a column of a study, from the rows that are done.
 
     Parameters
     ----------
-    results : Results
+    results : Done
     column : str
         One of the study's own.
 
@@ -156,7 +156,7 @@ def _design(study: Study, bases: list[FloatArray], terms: IntArray, samples: Flo
     return values
 
 
-def _blocks(results: Results, column: int) -> Iterator[tuple[int, FloatArray, FloatArray]]:
+def _blocks(results: Done, column: int) -> Iterator[tuple[int, FloatArray, FloatArray]]:
     """Yield the first row, the samples and the values of so many rows at once that the memory takes their terms."""
     for chunk in results.chunks():
         for start in range(0, len(chunk.samples), ROWS_AT_ONCE):

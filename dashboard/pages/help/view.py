@@ -63,6 +63,7 @@ HELP_CSS = """
 .help th { text-align: left; padding: 4px 0 4px 20px; }
 .help th:first-child { padding-left: 0; }
 .help td:first-child { min-width: 0; padding-left: 0; white-space: nowrap; }
+.help .limits td:first-child { white-space: normal; min-width: 140px; }
 .help kbd { display: inline-block; min-width: 24px; box-sizing: border-box; padding: 1px 7px; border-radius: 4px;
   border: 1px solid var(--rj-line2); font: 500 12px/1.5 var(--rj-font); text-align: center; }
 .help .open-page { min-height: 24px; padding: 0; border: 0; background: none; color: var(--rj-accent); cursor: pointer;
@@ -103,7 +104,7 @@ def limits_html() -> Markup:
     rows = joined(markup(row, limit.of, limit.page, limit.library) for limit in limits())
     note = "What takes more is refused in a sentence before anything is computed: all visitors share this server."
     template = (
-        '<h2 id="limits">Limits</h2>{}<table><thead><tr><th>Of</th><th>On this page</th>'
+        '<h2 id="limits">Limits</h2>{}<table class="limits"><thead><tr><th>Of</th><th>On this page</th>'
         "<th>In a terminal</th></tr></thead><tbody>{}</tbody></table>"
     )
     return markup(template, parts.note_paragraphs([note]), rows)

@@ -22,18 +22,10 @@ from railjoule.dashboard.charts.surface import CIVIDIS
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.study.compute import (
-    CELLS,
-    Column,
-    Histogram,
-    Look,
-    Medians,
-    Points,
-    Raster,
-    columns_of,
-    digits_for,
-)
-from railjoule.dashboard.pages.study.places import ALONG_X, ALONG_Y, FIGURES, MAP, RUNS, shape_of
+from railjoule.dashboard.look.tokens import DARK
+from railjoule.dashboard.pages.study.columns import Column, columns_of, digits_for
+from railjoule.dashboard.pages.study.compute import CELLS, Histogram, Look, Medians, Points, Raster
+from railjoule.dashboard.pages.study.places import ALONG_X, ALONG_Y, FIGURES, MAP, RUNS, colours_for, shape_of
 
 LEVELS = 256
 # a run in a pixel by itself is still seen
@@ -153,41 +145,42 @@ def _runs(look: Look, x: Column, y: Column, colour: Column, palette: Palette) ->
 
 
 def _fill_runs(into: StudyFigure, look: Look) -> None:
-    f, runs = into.figure, look.runs
+    f, runs, dark = into.figure, look.runs, into.palette.tokens is DARK
     _set_range(f.x_range, look.ends[0])
     _set_range(f.y_range, look.ends[1])
     if isinstance(runs, Points):
-        _ = f.renderers[0].glyph.fill_color.transform.update(low=look.colour_ends[0], high=look.colour_ends[1])
+        mapper = f.renderers[0].glyph.fill_color.transform
+        mapper.update(low=look.colour_ends[0], high=look.colour_ends[1], palette=list(colours_for(dark)))
         numbers = {name: np.asarray(getattr(runs, name), dtype=np.float32) for name in ("x", "y", "colour")}
         _put(into.sources["points"], **numbers, color=numbers["colour"], row=runs.row.astype(np.int32))
     elif isinstance(runs, Raster):
         (left, right), (bottom, top) = look.ends
         place = {"x": [left], "y": [bottom], "dw": [right - left], "dh": [top - bottom]}
-        _put(into.sources["seen"], image=[coloured(runs, look.colour_ends)], **place)
+        _put(into.sources["seen"], image=[coloured(runs, look.colour_ends, SCALES[dark])], **place)
         mean, count = runs.mean.astype(np.float32), runs.count.astype(np.float32)
         _put(into.sources["known"], image=[mean], count=[count], **place)
 
 
-def coloured(raster: Raster, ends: tuple[float, float]) -> Any:
-    """Return a raster as pixels: colour by the mean, opacity by the count; shape (rows, columns) of uint32."""
+def coloured(raster: Raster, ends: tuple[float, float], scale: Any) -> Any:
+    """Return a raster as pixels: colour of a scale by the mean, opacity by the count; shape (rows, columns)."""
     low, high = ends
     share = np.clip((np.nan_to_num(raster.mean, nan=low) - low) / max(high - low, 1e-12), 0.0, 1.0)
     most = max(float(raster.count.max()), 1.0)
     alpha = LEAST_ALPHA + (1 - LEAST_ALPHA) * np.log1p(raster.count) / np.log1p(most)
     pixels = np.empty((*raster.count.shape, 4), dtype=np.uint8)
-    pixels[..., :3] = SCALE[(share * (LEVELS - 1)).astype(int)]
+    pixels[..., :3] = scale[(share * (LEVELS - 1)).astype(int)]
     pixels[..., 3] = np.where(raster.count > 0, 255 * alpha, 0)
     return pixels.view(np.uint32)[..., 0]
 
 
-def _scale() -> Any:
-    known = np.array([[int(colour[k : k + 2], 16) for k in (1, 3, 5)] for colour in CIVIDIS], dtype=float)
-    places = np.linspace(0, len(CIVIDIS) - 1, LEVELS)
-    return np.column_stack([np.interp(places, np.arange(len(CIVIDIS)), part) for part in known.T]).astype(np.uint8)
+def _scale(colours: tuple[str, ...]) -> Any:
+    known = np.array([[int(colour[k : k + 2], 16) for k in (1, 3, 5)] for colour in colours], dtype=float)
+    places = np.linspace(0, len(colours) - 1, LEVELS)
+    return np.column_stack([np.interp(places, np.arange(len(colours)), part) for part in known.T]).astype(np.uint8)
 
 
-SCALE = _scale()
-"""The colours from cheap to dear in `LEVELS` steps; shape (LEVELS, 3)."""
+SCALES = {dark: _scale(colours_for(dark)) for dark in (False, True)}
+"""The colours of runs in `LEVELS` steps, by whether the sheet is dark; shape (LEVELS, 3)."""
 
 
 def _tip(told: tuple[tuple[str, str], ...]) -> Markup:
@@ -330,7 +323,7 @@ def _fill_medians(into: StudyFigure, told: Medians) -> None:
 def _colour(number: float, low: float, high: float, palette: Palette) -> str:
     if not np.isfinite(number):
         return palette.tokens["ground"]
-    red, green, blue = SCALE[int((number - low) / max(high - low, 1e-12) * (LEVELS - 1))]
+    red, green, blue = SCALES[False][int((number - low) / max(high - low, 1e-12) * (LEVELS - 1))]
     return f"#{red:02x}{green:02x}{blue:02x}"
 
 

@@ -4,7 +4,7 @@ All of it is worked out in a process of its own, as is the estimate of a study t
 """
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -15,13 +15,11 @@ import numpy as np
 from railjoule.core import RailjouleError, Scenario
 from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.studies.sweep import Study, SweepTable, sensitivities, study_of
-from railjoule.core.studies.sweep.engine import Rows, solve_rows
+from railjoule.core.studies.sweep.engine import solve_rows
 from railjoule.core.studies.sweep.export import write_rows
-from railjoule.core.studies.sweep.results import Chunk
 from railjoule.core.studies.sweep.running import worker_count
 from railjoule.core.units import J_PER_WH
 from railjoule.dashboard.look import words
-from railjoule.dashboard.pages.study.fields import fields_that_vary
 
 ENERGY = "energy_kwh"
 MOST_POINTS = 50_000
@@ -74,56 +72,6 @@ RESULTS: Mapping[str, ResultColumn] = {
     "friction_brakes_kwh": ResultColumn("Friction brakes, kWh", words.energy),
 }
 """What may come out of a run, by the names of a sweep's columns."""
-
-
-@dataclass(frozen=True)
-class Column:
-    """A column of a study: quantity and unit, how a number of it reads, and what it is multiplied by for that unit."""
-
-    name: str
-    words: str
-    digits: int | None
-    scale: float = 1.0
-
-    @property
-    def quantity(self) -> str:
-        """The quantity alone."""
-        return self.words.rpartition(", ")[0]
-
-    @property
-    def unit(self) -> str:
-        """The unit alone; empty where there is none."""
-        unit = self.words.rpartition(", ")[2]
-        return "" if unit == words.UNKNOWN else unit
-
-    @property
-    def within_sentence(self) -> str:
-        """The quantity as within a sentence."""
-        name = self.quantity
-        return name[:1].lower() + name[1:]
-
-    def show(self, number: float) -> str:
-        """Return how a number in the shown unit reads."""
-        return RESULTS[self.name].show(number) if self.digits is None else words.number(number, self.digits)
-
-    def told(self, number: float) -> str:
-        """Return a number with its unit."""
-        return f"{self.show(number)} {self.unit}".rstrip()
-
-
-def columns_of(study: Study) -> dict[str, Column]:
-    """Return the columns of a study: what varies, then what came out."""
-    known = fields_that_vary(study.scenario)
-    found = {}
-    for field in study.fields:
-        label = known[field.name].label if field.name in known else f"{field.name}, {words.UNKNOWN}"
-        found[field.name] = Column(field.name, label, 0 if field.whole else digits_for(field.high - field.low))
-    return found | {name: Column(name, RESULTS[name].words, None, RESULTS[name].scale) for name in study.columns}
-
-
-def digits_for(span: float) -> int:
-    """Return the decimals that tell two hundredths of a span apart."""
-    return int(np.clip(np.ceil(-np.log10(span / 200)), 0, 9)) if span > 0 else 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,8 +184,10 @@ class Look:
         Why that is not known.
     lowest, median, highest : Listed or None
         By their energy.
+    choice : mapping
+        Bounds by column, of the runs that are chosen.
     chosen : int
-        How many runs are chosen.
+        How many they are.
     listed : tuple of Listed
         The first of them by their energy.
     reason : str
@@ -258,6 +208,7 @@ class Look:
     lowest: Listed | None
     median: Listed | None
     highest: Listed | None
+    choice: Bounds
     chosen: int
     listed: tuple[Listed, ...]
     reason: str
@@ -266,8 +217,7 @@ class Look:
 def compute_look(request: LookRequest) -> Look:
     """Return what is drawn of a study's rows so far."""
     table = request.table
-    columns = columns_of(table.study)
-    everything = {name: columns[name].scale * values for name, values in {**table.samples, **table.columns}.items()}
+    everything = {**table.samples, **{name: RESULTS[name].scale * told for name, told in table.columns.items()}}
     driven = np.isfinite(everything[ENERGY])
     values = {name: column[driven] for name, column in everything.items()}
     rows = table.index[driven]
@@ -277,10 +227,10 @@ def compute_look(request: LookRequest) -> Look:
     count = len(rows)
     if not count:
         nothing = ((0.0, 1.0), (0.0, 1.0))
+        none = (None,) * 3
         return Look(
-            names, table.rows, 0, nothing, (0.0, 1.0), None, None, None, None, None, refusal, None, None, None, 0, (),
-            reason,
-        )  # fmt: skip
+            names, table.rows, 0, nothing, (0.0, 1.0), *none, None, None, refusal, *none, request.choice, 0, (), reason
+        )
     x, y, colour = values[request.x], values[request.y], values[request.colour]
     ends = _ends(x), _ends(y)
     by_energy = np.argsort(values[ENERGY], kind="stable")
@@ -301,6 +251,7 @@ def compute_look(request: LookRequest) -> Look:
         lowest,
         median,
         highest,
+        request.choice,
         len(held),
         tuple(_listed(values, rows, place) for place in held[: request.shown]),
         reason,
@@ -375,36 +326,10 @@ def medians_of(study: Study, values: Mapping[str, FloatArray], x: str, y: str) -
     return Medians(edges[0], edges[1], kwh)
 
 
-class _Kept:
-    """The rows of a table as the core keeps those of a study, for what it computes of them."""
-
-    def __init__(self, table: SweepTable) -> None:
-        self.study, self.done, self.seconds = table.study, table.rows, table.seconds
-        self._index = table.index
-        self._samples = np.column_stack(list(table.samples.values()))
-        self._values = np.column_stack(list(table.columns.values()))
-        self._reasons = table.reasons
-
-    def gaps(self) -> list[tuple[int, int]]:
-        return []
-
-    def append(self, chunk: Chunk, elapsed_s: float) -> None:
-        raise RailjouleError("these rows are only read.")
-
-    def chunks(self) -> Iterator[Chunk]:
-        """Yield the rows in stretches without gaps."""
-        borders = np.flatnonzero(np.diff(self._index) != 1) + 1
-        for part in np.split(np.arange(len(self._index)), borders):
-            if len(part):
-                first, last = int(self._index[part[0]]), int(self._index[part[-1]])
-                reasons = {row - first: told for row, told in self._reasons.items() if first <= row <= last}
-                yield Chunk(first, self._samples[part], Rows(self._values[part], reasons, 0.0))
-
-
 def _shares(table: SweepTable) -> tuple[Shares | None, str]:
     """Return what each field decides of the energy, or why that is not known."""
     try:
-        found = sensitivities(_Kept(table), ENERGY)
+        found = sensitivities(table, ENERGY)
     except RailjouleError as refusal:
         return None, str(refusal)
     order = np.argsort(-found.total, kind="stable")
@@ -420,7 +345,7 @@ def _shares(table: SweepTable) -> tuple[Shares | None, str]:
 def write_table(table: SweepTable, path: Path) -> None:
     """Write all rows so far as the command line writes them; raises RailjouleError where the disk refuses."""
     try:
-        write_rows(_Kept(table), path)
+        write_rows(table, path)
     except OSError as error:
         raise RailjouleError(f"The file cannot be written: {error.strerror or error}.") from None
 

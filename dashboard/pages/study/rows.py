@@ -10,7 +10,8 @@ from railjoule.dashboard.editor.forms import Form
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.scripts import module
 from railjoule.dashboard.look.theme import editor_css, study_css
-from railjoule.dashboard.pages.study.compute import ENERGY, RESULTS, Bounds, Column, Look, columns_of
+from railjoule.dashboard.pages.study.columns import Column, columns_of
+from railjoule.dashboard.pages.study.compute import ENERGY, RESULTS, Bounds, Look
 from railjoule.dashboard.pages.study.model import ROWS_AT_ONCE, Saved, StudyModel
 
 
@@ -40,8 +41,8 @@ class StudyRows(Form):
         told = list(columns.values())
         left = look.chosen - len(look.listed)
         self.param.update(
-            title=f"{'Chosen' if model.choice else 'All'}: {words.number(look.chosen, 0)} runs",
-            note=f"{bounds_words(columns, model.choice)} \u00b7 sorted by energy".removeprefix(" \u00b7 "),
+            title=f"{'Chosen' if look.choice else 'All'}: {words.number(look.chosen, 0)} runs",
+            note=f"{bounds_words(columns, look.choice)} \u00b7 sorted by energy".removeprefix(" \u00b7 "),
             head=[_head(told[k]) for k in shown],
             rows=[
                 {
@@ -52,7 +53,7 @@ class StudyRows(Form):
                 for run in look.listed
             ],
             more=f"Next {min(left, ROWS_AT_ONCE)}" if left else "",
-            is_chosen=bool(model.choice),
+            is_chosen=bool(look.choice),
         )
 
     def _take(self, message: dict[str, Any]) -> None:

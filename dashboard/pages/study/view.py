@@ -10,21 +10,22 @@ import panel as pn
 import panel_material_ui as pmui
 from panel.viewable import Viewable
 
+from railjoule.core.parquet import has_parquet
 from railjoule.dashboard.charts.chart import Chart, dragged
 from railjoule.dashboard.charts.figures import FinishedChart
 from railjoule.dashboard.charts.sketches import SketchKind, shapes
-from railjoule.dashboard.charts.surface import CIVIDIS
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.glossary import info
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.look.theme import study_css
 from railjoule.dashboard.pages.page import PageView
-from railjoule.dashboard.pages.study.compute import ENERGY, RESULTS, Column, Listed, Look, Shares, columns_of
+from railjoule.dashboard.pages.study.columns import Column, columns_of
+from railjoule.dashboard.pages.study.compute import ENERGY, RESULTS, Listed, Look, Shares
 from railjoule.dashboard.pages.study.model import ROWS_AT_ONCE, Progress
-from railjoule.dashboard.pages.study.places import ALONG_X, ALONG_Y, MAP, RUNS, shape_of
+from railjoule.dashboard.pages.study.places import ALONG_X, ALONG_Y, MAP, RUNS, colours_for, shape_of
 from railjoule.dashboard.pages.study.rows import StudyFiles, StudyRows, lowest_words, ranked_fields
 from railjoule.dashboard.pages.study.settings import START, duration_words
-from railjoule.dashboard.pages.study.work import PAGE, Studies, has_parquet
+from railjoule.dashboard.pages.study.work import PAGE, Studies
 from railjoule.dashboard.parts import html as parts
 
 if TYPE_CHECKING:
@@ -47,11 +48,12 @@ BODY_CSS = """
 :host { display: grid; grid-template-columns: minmax(0, 1.75fr) minmax(0, 1fr); column-gap: 24px;
   padding: 10px 20px 0 14px; align-items: start; }
 @media (max-width: 1099px) { :host { grid-template-columns: minmax(0, 1fr); padding: 8px 12px 0; } }
+@media (max-width: 599px) { .study-shares { order: -1; } }
 """
 MARGINS_CSS = """
 :host { display: grid; grid-template-columns: minmax(0, 1fr) 150px; align-items: end; }
 @media (max-width: 599px) { :host { grid-template-columns: minmax(0, 1fr); }
-  :host > :nth-child(2), :host > :nth-child(4) { display: none; } }
+  .rj-chart-study_along_x, .rj-chart-study_along_y, .study-corner { display: none; } }
 """
 SELECT: dict[str, Any] = {"size": "small", "margin": (6, 8, 2, 0), "sizing_mode": "stretch_width", "min_width": 120}
 # the name of a field is told whole
@@ -84,10 +86,11 @@ class StudyChart(FinishedChart):
         if made is None or look is None:
             return
         is_new = made.figure is not self.figure
-        if is_new or self._filled_dark != self._dark:
+        changed = is_new or self._filled_dark != self._dark
+        if changed:
             made.palette.switch(self._dark)
             self._filled_dark = self._dark
-        if look is not self._filled or is_new:
+        if look is not self._filled or changed:
             fill(made, self.name, look, self._columns)
             self._filled = look
         if is_new:
@@ -157,10 +160,11 @@ class StudyView(PageView):
         self.along_x = StudyChart(ALONG_X, "histogram of what lies to the right", "bars")
         self.along_y = StudyChart(ALONG_Y, "histogram of what lies upwards", "bars")
         self.map = StudyChart(MAP, "median energy over two fields", "map")
-        corner = parts.html_pane()
+        corner = parts.html_pane(css_classes=["study-corner"])
         margins = parts.stack(self.along_x.host, corner, self.runs.host, self.along_y.host, css=MARGINS_CSS)
         left = parts.stack(self._row("y", "x", "colour"), self.legend, margins)
-        right = parts.stack(self._row("map_y", "map_x"), self.map.host, self.indices)
+        # on a narrow screen what decides comes first
+        right = parts.stack(self._row("map_y", "map_x"), self.map.host, self.indices, css_classes=["study-shares"])
         self.rows = StudyRows(model)
         self.body = parts.stack(parts.stack(left, right, css=BODY_CSS), self.rows)
         self.shows(self._show_state, (model, ["progress", "current", "asked", "study", "may_go_on", "saving"]))
@@ -178,7 +182,7 @@ class StudyView(PageView):
 
     def _row(self, *names: str) -> Viewable:
         made = [self.selects[name] for name in names]
-        return pn.Row(*made, margin=(0, 0, 0, 6), sizing_mode="stretch_width", stylesheets=[parts.WRAP_CSS])
+        return pn.Row(*made, margin=0, sizing_mode="stretch_width", stylesheets=[parts.WRAP_CSS])
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -252,7 +256,7 @@ class StudyView(PageView):
         self.figures.visible = self.body.visible = True
         columns = columns_of(model.study)
         self.figures.object = parts.figures(figures_of(look, columns))
-        self.legend.object = legend_html(look, columns)
+        self.legend.object = legend_html(look, columns, self.state.dark)
         self.indices.object = indices_html(look, columns)
         self.rows.show()
         drawn: Any = model.drawn
@@ -376,19 +380,19 @@ def figures_of(look: Look, columns: Mapping[str, Column]) -> list[Markup]:
             f"{name} decides", share, "%", "of the spread in energy", "main", term="Sobol\u2019 indices"
         )
 
-    def of(label: str, run: Listed | None, detail: str = "") -> Markup:
+    def of(run: Listed | None, detail: str = "") -> tuple[str, str, str]:
         if run is None:
-            return parts.figure(label, words.UNKNOWN, "", "no run yet")
+            return words.UNKNOWN, "", "no run yet"
         number = run.values[list(columns).index(ENERGY)]
-        return parts.figure(label, energy.show(number), "kWh", detail or lowest_words(columns, run.values, ranked))
+        return energy.show(number), "kWh", detail or lowest_words(columns, run.values, ranked)
 
     without = look.done - look.driven
     kept = words.number(100 * look.driven / look.done, 1) if look.done else words.UNKNOWN
     return [
         decides,
-        of("Lowest", look.lowest),
-        of("Median", look.median, f"of {words.number(look.driven, 0)} runs"),
-        of("Highest", look.highest),
+        parts.figure("Lowest", *of(look.lowest)),
+        parts.figure("Median", *of(look.median, f"of {words.number(look.driven, 0)} runs")),
+        parts.figure("Highest", *of(look.highest)),
         parts.figure(
             "Can be driven",
             kept,
@@ -399,18 +403,18 @@ def figures_of(look: Look, columns: Mapping[str, Column]) -> list[Markup]:
     ]
 
 
-def legend_html(look: Look, columns: Mapping[str, Column]) -> Markup:
+def legend_html(look: Look, columns: Mapping[str, Column], dark: bool) -> Markup:
     """Return the title of the figure of the runs, with its colours."""
     x, y, colour = (columns[name] for name in look.request[:3])
     low, high = (colour.show(end) for end in look.colour_ends)
     return markup(
-        '<div class="legend"><span>{}, over {}</span><span class="push"></span><span>{} {}</span>'
-        '<i style="background:linear-gradient(to right,{})"></i><span>{}</span></div>',
+        '<div class="legend"><span>{}, over {}</span><span class="push"></span><span class="scale">{} {}'
+        '<i style="background:linear-gradient(to right,{})"></i>{}</span></div>',
         _named(y),
         x.within_sentence,
         colour.within_sentence,
         low,
-        ",".join(CIVIDIS),
+        ",".join(colours_for(dark)),
         f"{high} {colour.unit}".rstrip(),
     )
 

@@ -1,6 +1,5 @@
 """The work behind the page Study: it estimates, runs, looks at, keeps and opens studies."""
 
-import importlib.util
 from collections.abc import Callable, Mapping
 from concurrent.futures import BrokenExecutor
 from contextlib import suppress
@@ -48,11 +47,6 @@ LOOK_LOST = "The process that draws studies ended unexpectedly; it is started ag
 Result = TypeVar("Result")
 
 
-def has_parquet() -> bool:
-    """Return whether the server can write Parquet."""
-    return importlib.util.find_spec("pyarrow") is not None
-
-
 def beside(here: bool, act: Callable[..., Result], *arguments: Any) -> Result:
     """Act in the process for what pages draw of studies, or `here`, where there is no page around it."""
     if here:
@@ -91,6 +85,12 @@ def look_and_draw(request: DrawRequest) -> Shown:
     from railjoule.dashboard.pages.study.charts import draw  # noqa: PLC0415
 
     return Shown(look, draw(request.look.table.study, look, request.dark))
+
+
+def estimate(asked: tuple[EstimateRequest, bool]) -> Estimate:
+    """Return how long a study takes; whether it is to be found out without another process comes second."""
+    request, here = asked
+    return beside(here, compute_estimate, request)
 
 
 @dataclass(frozen=True)
@@ -160,7 +160,7 @@ class Studies(PageWork[StudyModel]):
             return model.study
 
         self.estimator: Worker[tuple[EstimateRequest, bool], Estimate] = Worker(
-            lambda asked: beside(asked[1], compute_estimate, asked[0]),
+            estimate,
             self._take_estimate,
             self._refuse,
             threads=LOOK_THREADS,
@@ -175,7 +175,6 @@ class Studies(PageWork[StudyModel]):
             save, self._take_saved, self._refuse_file, about=of_study, threads=LOOK_THREADS
         )
         self.opener: Worker[Path, Opened] = Worker(open_kept, self._take_kept, self._refuse, threads=LOOK_THREADS)
-        state.scenario.follow(lambda _: None, model.take)
         state.scenario.param.watch(self._settle, list(RUN_FIELDS))
         model.param.watch(self._settle, list(SETTINGS))
         model.param.watch(self._look, list(LOOKED_AT))

@@ -220,3 +220,45 @@ def test_a_scenario_waits_until_it_can_be_tried_without_compiling(
     compiling.tasks.set()
     page.take_turn()
     assert state.scenario.base.title == "Mine"
+
+
+def test_what_was_changed_while_the_server_was_away_is_taken_or_told(keeping: Keeping) -> None:
+    state = keeping.state
+    changes = {"travel_time_s": "3:10", "robustness.seed": "7", "ticked": "optimal,eoc", "chosen": "eoc"}
+    keeping.take_unsent({**changes, "no.field": "1", "toml": "title = 1"})
+    assert (state.scenario.travel_time_s, state.robustness.seed) == (190.0, 7)
+    assert (state.ticked, state.chosen, state.notice) == (["optimal", "eoc"], "eoc", "")
+    assert state.scenario.toml is None
+    keeping.take_unsent({"load_percent": "900", "chosen": "nobody"})
+    assert state.scenario.load_percent == 50
+    assert "load_percent = 900: At most" in state.notice
+    assert "chosen = nobody: must be one of" in state.notice
+    for nothing in (None, [], "load_percent=1", {}):
+        keeping.take_unsent(nothing)
+    keeping.note()
+    keeping.undo()
+    assert state.scenario.travel_time_s == 170.0
+
+
+def test_the_first_change_after_a_rest_is_noted_in_the_next_turn(
+    keeping: Keeping, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    state, now_s, page = keeping.state, [100.0], Page()
+    monkeypatch.setattr("railjoule.dashboard.keep.keeping.time.monotonic", lambda: now_s[0])
+    now_s[0] += 1.0
+    with set_curdoc(page.document):
+        state.scenario.load_percent = 30.0
+    assert keeping.lifeline.address == ""
+    page.take_turn()
+    assert keeping.lifeline.address == "?v=1&load_percent=30"
+    # what follows at once waits until NOTE_MS have passed
+    with set_curdoc(page.document):
+        state.scenario.load_percent = 40.0
+    assert not page.is_due
+
+
+def test_a_number_knows_what_the_address_calls_it(state: Workbench) -> None:
+    assert NumberField(state.scenario, "recuperation_percent").key == "recuperation_percent"
+    assert NumberField(state.robustness, "coordinate_error_m").key == "robustness.coordinate_error_m"
+    # one of a list has no name of its own there
+    assert NumberField(state.speed_limits.sections[0], "to_m").key == ""

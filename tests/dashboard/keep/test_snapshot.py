@@ -82,7 +82,7 @@ def test_what_cannot_be_is_told_and_the_rest_is_laid(state: Workbench) -> None:
     )
     assert len(refusals) == 2
     assert "unknown key vehicle.wings" in refusals[0]
-    assert refusals[1].startswith("page is not one of the 14 known")
+    assert refusals[1].startswith("page is not one of the 15 known")
     assert state.scenario.load_percent == 30.0
     assert state.robustness.seed == 5
     assert state.page == Workbench().page

@@ -2,9 +2,7 @@
 
 import os
 import signal
-import subprocess
 import sys
-from contextlib import ExitStack, contextmanager
 
 import pytest
 
@@ -13,6 +11,7 @@ from railjoule.core.studies.sweep import cluster as module
 from railjoule.core.studies.sweep.cluster import ClusterError, cluster
 from tests.builders import HILLS, plain_scenario
 from tests.core.studies.sweep.test_file import same
+from tests.local_cluster import started_cluster
 
 ROWS = 12_000
 OVER = {"vehicle.load_factor": (0.0, 1.0), "timetable.travel_time_s": (150.0, 200.0)}
@@ -20,35 +19,6 @@ OVER = {"vehicle.load_factor": (0.0, 1.0), "timetable.travel_time_s": (150.0, 20
 
 def study(rows=ROWS):
     return study_of(plain_scenario({"line.sections": HILLS, "timetable.travel_time_s": 170.0}), OVER, rows)
-
-
-@contextmanager
-def started(*words, until):
-    """Run `dask` with these words, from the moment that it has said something; yield that line and the process."""
-    # colours and what Dask asks at its first start would come between
-    command = [sys.executable, "-m", "dask", *words]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True) as process:
-        try:
-            yield next(line for line in process.stderr if until in line), process
-        finally:
-            os.killpg(process.pid, signal.SIGKILL)
-
-
-@contextmanager
-def started_cluster(worker_count):
-    """Yield the address of a scheduler with workers of one thread each, and their processes."""
-    local = ("--no-dashboard", "--host", "127.0.0.1")
-    with ExitStack() as stack:
-        line, scheduler = stack.enter_context(started("scheduler", "--port", "0", *local, until="Scheduler at:"))
-        address = line.split()[-1]
-        workers = [
-            # no nanny: a worker that is killed stays away
-            stack.enter_context(
-                started("worker", address, "--nthreads", "1", "--no-nanny", *local, until="Registered to")
-            )[1]
-            for _ in range(worker_count)
-        ]
-        yield address, scheduler, workers
 
 
 def test_a_cluster_makes_the_same_table_even_if_a_worker_is_killed():

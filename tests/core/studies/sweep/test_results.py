@@ -40,6 +40,7 @@ def test_chunks_in_any_order_become_a_table_in_that_of_the_rows():
     assert table.index.tolist() == [1, 2, 6, 7]
     assert table.columns["energy_kwh"].tolist()[1:] == [2.0, 6.0, 7.0]
     assert table.reasons == {1: "too short"}
+    assert [(part.first, part.end, part.reasons) for part in table.chunks()] == [(1, 3, {1: "too short"}), (6, 8, {})]
     assert table.to_dataframe()["reason"].tolist() == ["too short", "", "", ""]
 
 

@@ -8,8 +8,9 @@ from railjoule.core.studies.sweep import SweepTable
 from railjoule.dashboard.charts.chart import check_complete
 from railjoule.dashboard.look.tokens import DARK, LIGHT
 from railjoule.dashboard.pages.study import compute
-from railjoule.dashboard.pages.study.charts import SCALE, apart, coloured, draw, fill, short_numbers
-from railjoule.dashboard.pages.study.compute import ENERGY, LookRequest, Raster, columns_of, compute_look
+from railjoule.dashboard.pages.study.charts import SCALES, apart, coloured, draw, fill, short_numbers
+from railjoule.dashboard.pages.study.columns import columns_of
+from railjoule.dashboard.pages.study.compute import ENERGY, LookRequest, Raster, compute_look
 from railjoule.dashboard.pages.study.places import ALONG_X, ALONG_Y, FIGURES, MAP, RUNS, shape_of
 
 X, LOAD, RECUPERATION = "timetable.travel_time_s", "vehicle.load_factor", "drive.recuperation_factor"
@@ -72,9 +73,9 @@ def test_a_raster_has_other_figures_and_tells_its_pixels(table: SweepTable, monk
 
 def test_pixels_are_coloured_by_the_mean_and_seen_where_a_run_is() -> None:
     raster = Raster(np.array([[0.0, np.nan], [1.0, 1.0]]), np.array([[1, 0], [1, 100]]))
-    pixels = coloured(raster, (0.0, 1.0)).view(np.uint8).reshape(2, 2, 4)
-    assert pixels[0, 0, :3].tolist() == SCALE[0].tolist()
-    assert pixels[1, 1, :3].tolist() == SCALE[-1].tolist()
+    pixels = coloured(raster, (0.0, 1.0), SCALES[False]).view(np.uint8).reshape(2, 2, 4)
+    assert pixels[0, 0, :3].tolist() == SCALES[False][0].tolist()
+    assert pixels[1, 1, :3].tolist() == SCALES[False][-1].tolist()
     assert pixels[0, 1, 3] == 0
     assert 100 < pixels[0, 0, 3] < pixels[1, 1, 3] == 255
 

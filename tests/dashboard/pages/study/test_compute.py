@@ -8,6 +8,7 @@ from builders import plain_scenario
 
 from railjoule.core.studies.sweep import MemoryResults, SweepTable, run_study, sensitivities, study_of, table_of
 from railjoule.dashboard.pages.study import compute
+from railjoule.dashboard.pages.study.columns import columns_of
 from railjoule.dashboard.pages.study.compute import (
     BINS,
     CELLS,
@@ -16,10 +17,8 @@ from railjoule.dashboard.pages.study.compute import (
     LookRequest,
     Points,
     Raster,
-    columns_of,
     compute_estimate,
     compute_look,
-    digits_for,
     raster_of,
     write_table,
 )
@@ -164,8 +163,3 @@ def test_what_cannot_be_begun_is_refused_in_a_sentence(
     assert estimate.seconds is None
     assert told in estimate.refusal
     assert estimate.refusal.endswith(".")
-
-
-@pytest.mark.parametrize(("span", "digits"), [(80.0, 1), (1.0, 3), (2000.0, 0), (0.0, 2), (1e-12, 9)])
-def test_decimals_tell_parts_of_a_span_apart(span: float, digits: int) -> None:
-    assert digits_for(span) == digits
