@@ -33,7 +33,8 @@ export function render({model}) {
     waiting.hidden = false;
     model.send_msg({what: "guess", value});
   };
-  const words = (value) => `${value} ${model.asked.unit}`;
+  // with the narrow spaces that the page's other numbers have
+  const words = (value) => `${String(value).replace(/(\d)(?=\d{3}$)/, "$1\u202f")} ${model.asked.unit}`;
 
   const {low, high, step, choices} = model.asked, middle = step * Math.round((low + high) / 2 / step);
   const control = make("div", {class: "control"}), waiting = make("span", {role: "status", hidden: true}, "Computing");
