@@ -378,6 +378,8 @@ export function render({model}) {
   press();
   replay.hidden = true;
   redraw_on(model, ["course"], prepare);
+  // a link's run may come after the course
+  redraw_on(model, ["driven"], () => { if (course && !driving) { replay.hidden = !model.driven; } });
   redraw_on(model, ["verdict"], () => { if (model.verdict.commands && asked) { show(); } });
   redraw_on(model, ["refusals"], () => { if (asked) { asked = false; begin(); } });
   prepare();

@@ -90,7 +90,7 @@ def test_by_touch_in_a_narrow_window_three_times(chromium: Browser, server: Serv
 
 
 def test_a_link_replays_a_run(chromium: Browser, server: Server) -> None:
-    with User.at(chromium, f"{server.url}?v=1&page=Learn&driven=p0c300p600", on_drive=False) as user:
+    with User.at(chromium, f"{server.url}?v=1&page=Learn&learn.driven=p0c300p600", on_drive=False) as user:
         drive = lesson(user.page)
         drive.get_by_role("button", name="10\u00d7").click()
         drive.get_by_role("button", name="Replay the linked run").click()

@@ -160,6 +160,14 @@ NUMBER: dict[str, Any] = {
 VALUES: dict[str, dict[str, Any]] = {
     "browser": {"pages": ["Start"], "bare": [], "questions": {}, "page": "Start", "charts_in_sight": []},
     "columns_form": {"columns": [], "quantities": [], "units": {}, "version": 0},
+    "drive_it": {
+        "timetable_s": 9.0,
+        "length_km": 0.002,
+        "driven": "",
+        "verdict": {},
+        "refusals": 0,
+        "course": {"position": [0, 2], "length": [2], "limit": [9], "gradient": [0], "entering2": 0},
+    },
     "disclosure": {"label": "Vehicle", "note": "", "open": False, "changed": False, "level": 3},
     "editor_head": {"status": "", "open": False},
     "fields_form": {"fields": [], "version": 0},

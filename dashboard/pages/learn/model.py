@@ -139,7 +139,7 @@ class LearnModel(TypedParameters, PageModel):
     """Where the sliders stand, and what the lessons show."""
 
     kept = (*(lesson.name for lesson in LESSONS), *GUESS_FIELDS, "lesson", "driven")
-    passing = ("shown", "tried", "finished")
+    passing = ("shown", "finished")
 
     coasting, multiplier, recuperation, gradient, load = (lesson.number for lesson in LESSONS)
     coasting_guess, multiplier_guess, recuperation_guess, gradient_guess, load_guess = (
