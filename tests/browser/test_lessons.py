@@ -3,7 +3,6 @@
 import re
 import time
 
-import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
 from browser.server import Server
@@ -47,22 +46,43 @@ def test_the_first_control_can_be_pressed_at_once(chromium: Browser, server: Ser
         expect(sides(asked)).to_contain_text("34.6 points too low: the plan for level track brakes 6.23 kWh away")
 
 
-def test_the_optimum_is_not_on_the_page_before_a_guess(chromium: Browser, server: Server) -> None:
-    with User.at(chromium, f"{server.url}?v=1&page=Learn&learn.lesson=coasting", on_drive=False) as user:
-        asked, page = lesson(user.page, "coasting"), user.page
-        expect(page.locator(".rj-chart-lesson_coasting canvas").first).to_be_visible()
-        expect(page.get_by_text("The best run is hidden until you have guessed.").first).to_be_visible()
-        # the run to compare with, and nothing higher
-        assert page.evaluate(ON_PAGE, 52.5)
-        assert not page.evaluate(ON_PAGE, HIGHEST_KMH)
-        asked.get_by_role("button", name="This is my guess").click()
-        expect(sides(asked)).to_contain_text("8.1 points too high")
-        page.wait_for_function(ON_PAGE, arg=HIGHEST_KMH)
-        expect(page.get_by_text("Full power to 57.5 km/h, 10.09 kWh drawn", exact=False)).to_be_visible()
-        asked.get_by_role("button", name="Try again").click()
-        expect(sides(asked)).to_be_hidden()
-        page.wait_for_function(f"highest => !({ON_PAGE})(highest)", arg=HIGHEST_KMH)
-        expect(page.get_by_text("Full power to 57.5 km/h", exact=False)).to_have_count(0)
+def test_nothing_of_the_optimum_is_on_the_page_before_a_guess_nor_after_a_link_for_a_class(
+    chromium: Browser, server: Server
+) -> None:
+    context = chromium.new_context(viewport={"width": 1280, "height": 900})
+    context.grant_permissions(["clipboard-read", "clipboard-write"])
+    try:
+        with User.on(context, f"{server.url}?v=1&page=Learn&learn.lesson=coasting", on_drive=False) as user:
+            link = guess_and_take_back(user.page)
+        assert "guess" not in link
+        with User.on(context, link.replace("learn.lesson", "learn.coasting=140&learn.lesson"), on_drive=False) as other:
+            asked = lesson(other.page, "coasting")
+            expect(asked).to_be_in_viewport()
+            expect(asked.get_by_text("A metro train has 140 s for 1500 m.", exact=False)).to_be_visible()
+            expect(sides(asked)).to_be_hidden()
+    finally:
+        context.close()
+
+
+def guess_and_take_back(page: Page) -> str:
+    """Guess, look at the answer, and guess anew; return the link for a class that was copied with the guess set."""
+    asked = lesson(page, "coasting")
+    expect(page.locator(".rj-chart-lesson_coasting canvas").first).to_be_visible()
+    expect(page.get_by_text("The best run is hidden until you have guessed.").first).to_be_visible()
+    # the run to compare with, and nothing higher
+    page.wait_for_function(ON_PAGE, arg=52.5)
+    assert not page.evaluate(ON_PAGE, HIGHEST_KMH)
+    asked.get_by_role("button", name="This is my guess").click()
+    expect(sides(asked)).to_contain_text("8.1 points too high")
+    page.wait_for_function(ON_PAGE, arg=HIGHEST_KMH)
+    expect(page.get_by_text("Full power to 57.5 km/h, 10.09 kWh drawn", exact=False)).to_be_visible()
+    asked.get_by_role("button", name="Copy link for a class").click()
+    expect(asked.get_by_text("Copied: this case, without guesses.")).to_be_visible()
+    asked.get_by_role("button", name="Try again").click()
+    expect(sides(asked)).to_be_hidden()
+    page.wait_for_function(f"highest => !({ON_PAGE})(highest)", arg=HIGHEST_KMH)
+    expect(page.get_by_text("Full power to 57.5 km/h", exact=False)).to_have_count(0)
+    return str(page.evaluate("navigator.clipboard.readText()"))
 
 
 def test_all_five_by_keyboard_alone(chromium: Browser, server: Server) -> None:
@@ -115,26 +135,5 @@ def test_by_touch_in_a_narrow_window_up_to_the_workbench(chromium: Browser, serv
             expect(user.scenario("Why coasting saves")).to_be_visible()
             # what the lesson has shown
             expect(user.figure_value("Energy from the supply")).to_have_text(re.compile(r"^10\.09"))
-    finally:
-        context.close()
-
-
-@pytest.mark.parametrize("guess", ["", "&learn.coasting_guess=20"], ids=["plain", "guessed"])
-def test_a_link_for_a_class_has_the_case_and_no_guess(chromium: Browser, server: Server, guess: str) -> None:
-    context = chromium.new_context(viewport={"width": 1280, "height": 900})
-    context.grant_permissions(["clipboard-read", "clipboard-write"])
-    try:
-        with User.on(context, f"{server.url}?v=1&page=Learn&learn.coasting=140{guess}", on_drive=False) as user:
-            asked = lesson(user.page, "coasting")
-            expect(sides(asked)).to_be_visible(visible=bool(guess))
-            asked.get_by_role("button", name="Copy link for a class").click()
-            expect(asked.get_by_text("Copied: this case, without guesses.")).to_be_visible()
-            link = user.page.evaluate("navigator.clipboard.readText()")
-            assert "guess" not in link
-        with User.on(context, link, on_drive=False) as other:
-            asked = lesson(other.page, "coasting")
-            expect(asked).to_be_in_viewport()
-            expect(asked.get_by_text("A metro train has 140 s for 1500 m.", exact=False)).to_be_visible()
-            expect(sides(asked)).to_be_hidden()
     finally:
         context.close()

@@ -37,6 +37,9 @@ HEIGHTS = {
     "lesson_price": PRICE_HEIGHTS,
 }
 """Of each chart [px]: in usual, wide and narrow windows."""
+PLANNED = ("gradient", "load")
+"""Lessons whose plans are followed by a controller, and so keep to its braking curve."""
+PLANNED_NOTE = "These plans keep to the controller\u2019s braking curve; the workbench\u2019s optimum may brake harder, and needs less."
 HIDDEN_YET = "The best run is hidden until you have guessed."
 LESSON_CSS = """
 :host { display: grid; grid-template-columns: minmax(300px, 430px) minmax(0, 1400px); column-gap: 36px;
@@ -90,23 +93,22 @@ class LessonView:
         self.text, self.question = (parts.html_pane(stylesheets=styles) for _ in range(2))
         self.field = NumberField(state.learn, name, **SLIDER)
         self.figures = parts.html_pane(stylesheets=[parts_css(), FIGURES_CSS])
-        self.hint = parts.html_pane(
-            parts.markup("<p class=hidden-yet>{}</p>", HIDDEN_YET), stylesheets=[parts_css(), lesson_css()]
-        )
+        self.hint, self.stretches = (parts.html_pane(stylesheets=[parts_css(), lesson_css()]) for _ in range(2))
         self.bars = EnergyBars()
-        self.stretches = parts.html_pane(stylesheets=[parts_css(), lesson_css()])
         self.open = pmui.Button(
             label="Open in the workbench", variant="contained", size="small", margin=(14, 0, 0, 0), on_click=self._open
         )
         # a field has no say in whether it is seen, but the place that it stands in has
         self.explore = parts.stack(self.text, self.field, self.question)
         left = parts.stack(heading, self.form, self.explore)
+        note = [parts.html_pane(parts.markup("<p class=note>{}</p>", PLANNED_NOTE))] if name in PLANNED else []
+        self.end = parts.stack(*note, self.open)
         # two charts more are side by side beneath: one column of three would leave half of the page empty
         beside = (self.speed, *self.more) if len(self.more) < 2 else (self.speed,)
         charts = [chart.host for chart in beside]
         right = parts.stack(self.figures, charts[0], self.hint, self.bars, self.stretches, *charts[1:])
         lower = [parts.stack(chart.host) for chart in self.more if chart not in beside]
-        self.view = parts.stack(left, right, *lower, self.open, css=LESSON_CSS)
+        self.view = parts.stack(left, right, *lower, self.end, css=LESSON_CSS)
         self._reveal(False)
 
     @property
@@ -152,9 +154,10 @@ class LessonView:
             if revealed
             else ""
         )
-        self.hint.visible = not revealed
+        # by its text: a pane that has not been drawn yet cannot be shown in the browser
+        self.hint.object = "" if revealed else parts.markup("<p class=hidden-yet>{}</p>", HIDDEN_YET)
         self.speed.host.visible = revealed or self.guess.compared
-        for part in (self.explore, self.stretches, self.open, *(chart.host for chart in self.more)):
+        for part in (self.explore, self.end, *(chart.host for chart in self.more)):
             part.visible = revealed
         if not revealed:
             self.stretches.object = ""
