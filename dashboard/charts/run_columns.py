@@ -63,6 +63,12 @@ class RunColumns:
         if changed:
             known.update(changed)
 
+    def forget(self) -> None:
+        """Have nothing in any column, on the page too: nobody is to find there what is no longer shown."""
+        self._run, self._taken = None, {}
+        if any(len(column) for column in self.source.data.values()):
+            self.source.data = {name: [] for name in self.source.data}
+
     def _unfilled(self, count: int | None = None) -> Any:
         if count is None:
             count = len(next(iter(self.source.data.values()), ()))

@@ -77,6 +77,12 @@ def drive_it_css() -> str:
 
 
 @cache
+def lesson_css() -> str:
+    """Return the style sheet of what the lessons with live figures ask and tell."""
+    return (ASSETS / "css" / "lesson.css").read_text(encoding="utf-8")
+
+
+@cache
 def study_css() -> str:
     """Return the style sheet of the page Study's own parts, to be had beside that of pieces or of forms."""
     return (ASSETS / "css" / "study.css").read_text(encoding="utf-8")

@@ -19,12 +19,15 @@ ROW = (
 )
 
 
+UNCHANGED = '<div class="row small" style="padding-top:8px"><span>Unchanged</span></div>'
+
+
 class Changes:
     """The changed keys; the list opens at a press."""
 
     def __init__(self, state: Workbench) -> None:
         self.state = state
-        self.unchanged = html_pane('<div class="row small" style="padding-top:8px"><span>Unchanged</span></div>')
+        self.unchanged = html_pane(UNCHANGED)
         self.count = pmui.Button(
             label="", variant="text", size="small", margin=(0, 0, 0, 6), icon=CLOSED, on_click=self._turn
         )
@@ -54,7 +57,9 @@ class Changes:
         # a change costs the library much more than a look at what there is, and most moves of a slider change nothing
         if (label, opened) != (self.count.label, self.count.icon == OPENED):
             self.count.param.update(label=label, icon=OPENED if opened else CLOSED, visible=number > 0)
-            self.back.visible, self.unchanged.visible, self.list.visible = number > 0, number == 0, opened
+            self.back.visible, self.list.visible = number > 0, opened
+            # by its text: a pane that has not been drawn yet, as in a sidebar that is closed, cannot be shown
+            self.unchanged.object = "" if number else UNCHANGED
         if opened or len(self.list):
             self.list[:] = [self._row(key, value) for key, value in changes.items()] if opened else []
 

@@ -8,6 +8,8 @@ from playwright.sync_api import Browser, BrowserContext, expect
 from browser.findings import assert_nothing_grave
 from browser.server import Server
 from browser.user import User
+from railjoule.dashboard.pages.learn.guesses import GUESSES
+from railjoule.dashboard.pages.learn.model import LESSONS
 
 
 @pytest.fixture(scope="module")
@@ -38,6 +40,10 @@ def test_a_session_without_an_address_begins_with_start(server: Server, chromium
 
 def test_a_lesson_answers_its_question(user: User) -> None:
     user.turn_to("Learn")
+    for name, guess in GUESSES.items():
+        title = next(lesson.title for lesson in LESSONS if lesson.name == name)
+        asked = user.page.get_by_role("region", name=f"Guess: {title}", exact=True)
+        asked.get_by_role("button", name=f"{guess.choices[0]:g} " if guess.choices else "This is my guess").click()
     for chart in ("lesson_coasting", "lesson_price", "plane_multiplier", "plane_recuperation", "lesson_load"):
         chart_is_drawn(user, chart)
     slider = user.page.get_by_role("slider", name="Gradient of the hump")

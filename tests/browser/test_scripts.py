@@ -170,8 +170,17 @@ VALUES: dict[str, dict[str, Any]] = {
     },
     "disclosure": {"label": "Vehicle", "note": "", "open": False, "changed": False, "level": 3},
     "editor_head": {"status": "", "open": False},
+    "energy_bars": {"places": [], "runs": []},
     "fields_form": {"fields": [], "version": 0},
     "file_list": {"files": [], "deleted": "", "folder": "", "refusal": "", "left_out": []},
+    "guess": {
+        "lesson": "load",
+        "title": "What a wrong load costs",
+        "asked": {"question": "How much?", "unit": "%", "low": 0, "high": 30, "step": 1, "choices": []},
+        "verdict": {},
+        "guessed": False,
+        "opened": False,
+    },
     "import_files": {"cards": [], "refusal": "", "accept": ".csv", "formats": "", "largest_bytes": 1, "version": 0},
     "import_take": {
         "offers": [],

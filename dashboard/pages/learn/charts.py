@@ -51,15 +51,22 @@ class LessonSpeedChart(RunLines):
         self.palette.paint(f.xaxis[0], axis_line_color="line2")
         return f
 
-    def draw(self, result: LessonResult) -> None:
-        """Draw both runs."""
-        first, second, *_ = result.runs.values()
-        self.axis.fit(max(first.position_m[-1], second.position_m[-1]), roomy=False)
-        _, high = ends_of(self.fill({"first": first, "second": second}).values())
-        self.set_range(0, HEADROOM * high)
+    def draw(self, result: LessonResult, revealed: bool = True) -> None:
+        """Draw both runs, or the second alone as long as the first is to be guessed."""
         names = dict(zip(("first", "second"), result.runs, strict=False))
+        if not revealed:
+            del names["first"]
+        runs = {line: result.runs[name] for line, name in names.items()}
+        self.axis.fit(max(run.position_m[-1] for run in runs.values()), roomy=False)
+        _, high = ends_of(self.fill(runs).values())
+        self.set_range(0, HEADROOM * high)
         self.told["sources"] = [self.read(line, name) for line, name in names.items()]
         self.axis.settle("m", 0)
+
+    def forget(self) -> None:
+        """Have nothing of any run on the page."""
+        for line in self.lines:
+            self.axis.columns(line).forget()
 
 
 class PriceChart(LoneChart):

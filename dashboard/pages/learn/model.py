@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import param
 
 from railjoule.dashboard.pages.learn.by_hand import TryResult
+from railjoule.dashboard.pages.learn.guesses import GUESSES
 from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters
 from railjoule.dashboard.state.page_model import PageModel, result
 
@@ -126,13 +127,27 @@ LESSONS = (
 """In the order in which they are read."""
 
 
+def guess_field(lesson: str) -> str:
+    """Return the name of the parameter that holds the guess of a lesson."""
+    return f"{lesson}_guess"
+
+
+GUESS_FIELDS = tuple(guess_field(lesson.name) for lesson in LESSONS)
+
+
 class LearnModel(TypedParameters, PageModel):
     """Where the sliders stand, and what the lessons show."""
 
-    kept = (*(lesson.name for lesson in LESSONS), "driven")
+    kept = (*(lesson.name for lesson in LESSONS), *GUESS_FIELDS, "lesson", "driven")
     passing = ("shown", "finished")
 
     coasting, multiplier, recuperation, gradient, load = (lesson.number for lesson in LESSONS)
+    coasting_guess, multiplier_guess, recuperation_guess, gradient_guess, load_guess = (
+        GUESSES[lesson.name].number() for lesson in LESSONS
+    )
+    lesson = param.Selector(
+        default="", objects=["", *(lesson.name for lesson in LESSONS)], doc="The lesson that a link opens."
+    )
     shown = param.Dict(default={}, doc="What each lesson shows.")
     driven = param.String(default="", doc="Commands of the last run that was driven by hand, such as p0c300b2200.")
     finished = param.String(default="", doc="Commands of a try that is to be judged.")

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.pages.learn.cells import CELLS
 from railjoule.dashboard.pages.learn.charts import LessonSpeedChart, PhasePlaneChart, PriceChart
 from railjoule.dashboard.pages.learn.compute import LessonRequest, LessonResult, compute_lesson
-from railjoule.dashboard.pages.learn.view import CELLS
 
 
 @pytest.fixture(scope="module")
@@ -42,3 +42,15 @@ def test_a_second_more_saves_about_the_multiplier(result: LessonResult) -> None:
     cells = "".join(CELLS["multiplier"](result))
     assert "152<span>Wh/s" in cells
     assert "150<span>Wh" in cells
+
+
+def test_a_run_that_is_to_be_guessed_is_not_in_the_figure(result: LessonResult) -> None:
+    chart = LessonSpeedChart("multiplier", "Speed, km/h", 200, Palette(False))
+    first = chart.axis.columns("first").source
+    chart.show(lambda: chart.draw(result, revealed=False))
+    assert not any(len(column) for column in first.data.values())
+    assert [name for name, *_ in chart.told["sources"]] == ["a second later"]
+    chart.show(lambda: chart.draw(result))
+    assert max(first.data["speed"]) == pytest.approx(result.runs["optimum"].max_speed_kmh, rel=1e-6)
+    chart.forget()
+    assert not any(len(column) for line in chart.lines for column in chart.axis.columns(line).source.data.values())

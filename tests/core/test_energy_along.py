@@ -1,0 +1,69 @@
+import numpy as np
+import pytest
+from builders import COPPER_LOSS, HILLS, INDUCTION, plain_scenario
+
+from railjoule.core import solve
+from railjoule.core.energy_along import energy_along, stretches
+from railjoule.core.scenario import Scenario
+
+CASES = {
+    "constant efficiency": plain_scenario(),
+    "copper loss over hills": plain_scenario({"drive": COPPER_LOSS, "line.sections": HILLS}),
+    "friction brakes": plain_scenario(
+        {"vehicle.braking.max_effort_kn": 20.0, "vehicle.braking.friction_effort_kn": 80}
+    ),
+    "auxiliaries": plain_scenario({"vehicle.auxiliary_power_kw": 50.0}),
+    "induction": plain_scenario({"drive": INDUCTION, "vehicle.tare_kg": 30e3}),
+}
+
+
+@pytest.mark.parametrize("scenario", CASES.values(), ids=CASES.keys())
+def test_the_energy_along_a_run_ends_at_its_account(scenario: Scenario) -> None:
+    run = solve(scenario, "fastest")
+    along, energy = energy_along(run), run.energy
+    moved = energy.traction_j
+    # the account has resistance and losses from their formulas, `energy_along` from what closes the balance
+    ends = {
+        "resistance_j": energy.running_resistance_j + energy.curve_resistance_j,
+        "losses_j": sum(energy.losses_j.values()),
+        "drawn_j": energy.traction_j,
+        "returned_j": energy.recuperated_j,
+        "height_j": energy.potential_j,
+    }
+    for name, joules in ends.items():
+        assert getattr(along, name)[-1] == pytest.approx(joules, abs=1e-9 * moved), name
+    assert along.motion_j[-1] - along.motion_j[0] == pytest.approx(energy.kinetic_j, abs=1e-9 * moved)
+
+
+@pytest.mark.parametrize("scenario", CASES.values(), ids=CASES.keys())
+def test_resistance_and_losses_never_come_back(scenario: Scenario) -> None:
+    along = energy_along(solve(scenario, "fastest"))
+    for name in ("resistance_j", "losses_j", "returned_j", "drawn_j"):
+        assert np.diff(getattr(along, name)).min() >= -1e-9 * along.drawn_j[-1], name
+
+
+def test_stretches_sum_to_the_account_and_their_time_to_the_timetable() -> None:
+    run = solve(CASES["copper loss over hills"])
+    parts, energy = stretches(run), run.energy
+    assert [part.phase for part in parts] == list(run.phases)
+    assert sum(part.drawn_j for part in parts) == pytest.approx(energy.traction_j, rel=1e-9)
+    assert sum(part.losses_j for part in parts) == pytest.approx(sum(energy.losses_j.values()), rel=1e-9)
+    assert run.price_of_time_w is not None
+    worth = sum(part.time_worth_j or 0.0 for part in parts)
+    assert worth == pytest.approx(run.price_of_time_w * run.travel_time_s, rel=1e-9)
+
+
+def test_coasting_draws_nothing_and_pays_the_resistance_with_motion_and_height() -> None:
+    run = solve(CASES["copper loss over hills"])
+    coasts = [part for part in stretches(run) if part.phase.phase == "coast"]
+    assert coasts
+    for part in coasts:
+        # energy is conserved where no effort acts; up to what power or brakes do in a cell that ends or begins it
+        assert part.resistance_j == pytest.approx(-part.motion_j - part.height_j, rel=2e-2)
+        assert part.drawn_j == pytest.approx(0.0, abs=1e-2 * run.energy.traction_j)
+
+
+def test_a_run_without_a_price_has_no_worth_of_time() -> None:
+    run = solve(CASES["constant efficiency"], "fastest")
+    assert all(part.time_worth_j is None for part in stretches(run))
+    assert all(part.time_worth_j for part in stretches(run, 1000.0))
