@@ -110,6 +110,8 @@ export const enlarge = (place) => {
       position: "fixed", left: `${left}px`, top: `${top}px`, width: `${width}px`, height: `${height}px`, margin: "0px",
       "max-width": "none", "max-height": "none", "z-index": "2301", "touch-action": "none",
       transform: `scale(${factor})`, "transform-origin": "0px 0px",
+      // a canvas would be shrunk to its layout first and then scaled; what is drawn in words and lines would be blurred
+      "will-change": whole ? "auto" : "transform",
     });
     const tall = height / (figures.length + scenes.length || 1);
     for (const {model} of [...figures, ...scenes]) { lend(model, {height: Math.floor(tall)}); }

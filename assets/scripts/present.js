@@ -65,7 +65,7 @@ const present = (model, signal, ended) => {
   const count = make("p", {class: "count", role: "status"});
   const [before, next, close] = [button_with("before", "Previous figure"), button_with("next", "Next figure"),
     button_with("end", "End the presentation")];
-  const rail = make("input", {type: "range", "aria-label": model.slider}), value = make("output");
+  const rail = make("input", {type: "range", "aria-label": model.slider}), value = make("span", {"aria-hidden": "true"});
   const slide = make("label", {class: "slide", hidden: true}, make("span", {}, model.slider), rail, value);
   const wall = make("div", {class: "rj-wall", role: "dialog", "aria-modal": "true", "aria-label": "Presentation",
     tabindex: "-1"}, stage, make("div", {class: "foot"}, make("div", {class: "told"}, caption, numbers),
@@ -88,7 +88,9 @@ const present = (model, signal, ended) => {
     const words = caption_of(place);
     write(caption, words);
     stage.setAttribute("aria-label", words);
-    write(count, `${places.indexOf(place) + 1} of ${places.length}`);
+    // told with the caption to those who listen, but not whenever the cursor writes a value there
+    const which = `${places.indexOf(place) + 1} of ${places.length}`;
+    if (count.firstChild?.textContent !== which) { count.replaceChildren(which, make("span", {}, `: ${words}`)); }
     const row = deep(".figures").find((one) => one.checkVisibility({visibilityProperty: true}));
     const cells = [...row?.querySelectorAll(".figure") ?? []].map((cell) => make("div", {},
       ...[".label span", ".value", ".detail"].map((part) => cell.querySelector(part)?.cloneNode(true) ?? "")));
@@ -165,9 +167,9 @@ const present = (model, signal, ended) => {
     event.preventDefault();
   };
   let touch = null;
-  const on_stage = (event) => event.pointerType === "touch" && !event.composedPath().some((one) => one === wall.lastChild);
+  const on_stage = (event) => !event.composedPath().includes(wall.lastChild);
   const swipe = (event) => {
-    if (!on_stage(event)) { return; }
+    if (event.pointerType !== "touch" || !on_stage(event)) { return; }
     // a figure would take it for a zoom
     event.stopImmediatePropagation();
     if (event.type === "pointerdown") { touch = {x: event.clientX, y: event.clientY, at: event.timeStamp}; return; }
@@ -176,6 +178,8 @@ const present = (model, signal, ended) => {
     touch = null;
     if (Math.abs(x) > SWIPE_PX && Math.abs(x) > 2 * Math.abs(y) && took < SWIPE_WITHIN_MS) { step(x < 0 ? 1 : -1); }
   };
+  // what the browser would scroll goes on to move after a swipe, and takes the next touch for its end
+  const hold_still = (event) => { if (on_stage(event)) { event.preventDefault(); } };
   // a clicker's space goes on, whatever was pressed last by mouse
   const presses = (button, act) => button.addEventListener("click", (event) => {
     act();
@@ -212,6 +216,7 @@ const present = (model, signal, ended) => {
   for (const name of ["pointerdown", "pointermove", "pointerup", "pointercancel"]) {
     window.addEventListener(name, swipe, {...listening, capture: true});
   }
+  window.addEventListener("touchmove", hold_still, {...listening, capture: true, passive: false});
   window.addEventListener("keydown", press, {...listening, capture: true});
   window.addEventListener("focusin", (event) => {
     if (!event.composedPath().includes(wall)) { wall.focus(); }
