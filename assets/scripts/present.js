@@ -42,15 +42,21 @@ export const in_order = (elements) => {
     return a[parted]?.compareDocumentPosition(b[parted] ?? a[parted]) & Node.DOCUMENT_POSITION_FOLLOWING ? -1 : 1;
   });
 };
+// Of elements, the first of those that share most of what is around them with another one.
+export const nearest_to = (element, others) => {
+  const path = path_to(element);
+  const shared = (other) => path_to(other).findIndex((node, k) => node !== path[k]);
+  return in_order(others).reduce((best, other) => best && shared(best) >= shared(other) ? best : other, null);
+};
 const editor = () => {
   const model = Bokeh.documents[0]?.get_model_by_name("editor");
   return model ? Bokeh.index.find_one(model)?.el : null;
 };
-const figures_in_sight = () => {
+const of_page = () => {
   const beside = editor();
-  const seen = (place) => place.checkVisibility() && place.offsetHeight > 0 && !(beside && within(place, beside));
-  return in_order(deep(".rj-chart").filter(seen));
+  return (place) => place.checkVisibility() && !(beside && within(place, beside));
 };
+const figures_in_sight = () => in_order(deep(".rj-chart").filter(of_page()).filter((place) => place.offsetHeight));
 const caption_of = (place) => {
   // with the values beneath the mouse, which the cursor writes there
   const written = first_in(place, ".rj-caption"), words = written && first_in(written, ".bk-clearfix, div");
@@ -91,7 +97,7 @@ const present = (model, signal, ended) => {
     // told with the caption to those who listen, but not whenever the cursor writes a value there
     const which = `${places.indexOf(place) + 1} of ${places.length}`;
     if (count.firstChild?.textContent !== which) { count.replaceChildren(which, make("span", {}, `: ${words}`)); }
-    const row = deep(".figures").find((one) => one.checkVisibility({visibilityProperty: true}));
+    const row = nearest_to(place, deep(".figures").filter((one) => one.checkVisibility({visibilityProperty: true})));
     const cells = [...row?.querySelectorAll(".figure") ?? []].map((cell) => make("div", {},
       ...[".label span", ".value", ".detail"].map((part) => cell.querySelector(part)?.cloneNode(true) ?? "")));
     if (cells.map((cell) => cell.innerHTML).join() !== [...numbers.children].map((cell) => cell.innerHTML).join()) {
@@ -211,7 +217,7 @@ const present = (model, signal, ended) => {
     // the browser keeps the key Escape to itself then
     else if (went_full) { end(); }
   }, listening);
-  const full = document.documentElement.requestFullscreen?.({navigationUI: "hidden"});
+  const full = document.documentElement.requestFullscreen?.({navigationUI: "hide"});
   full?.catch(() => { /* it is not allowed here: the window is filled */ });
   for (const name of ["pointerdown", "pointermove", "pointerup", "pointercancel"]) {
     window.addEventListener(name, swipe, {...listening, capture: true});
@@ -238,7 +244,8 @@ export function render({model}) {
   const start = () => {
     if (!now && figures_in_sight().length) { now = present(model, signal, () => { now = null; }); }
   };
-  const offer_it = () => { if (!now) { button.hidden = !figures_in_sight().length; } };
+  // after each change of the page: nothing is measured, which would lay it out
+  const offer_it = () => { if (!now) { button.hidden = !deep(".rj-chart").some(of_page()); } };
   button.addEventListener("click", start);
   window.addEventListener("rj-present", start, {signal});
   model.on("page", () => { now?.end(); offer_it(); });

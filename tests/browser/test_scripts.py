@@ -517,6 +517,17 @@ def test_figures_are_presented_in_the_order_of_the_page(page: Page) -> None:
     assert run(page, "present", code) == ["1", "2", "3", "4"]
 
 
+def test_the_numbers_of_a_figure_are_those_beside_it_else_the_first_of_the_page(page: Page) -> None:
+    code = """
+      document.body.innerHTML = `<p id="page"></p><section><div><p id="other"></p></div></section>
+        <section id="lesson"><i></i><p id="own"></p></section><b></b>`;
+      const rows = [...document.querySelectorAll("p")].reverse();
+      const near = (name) => m.nearest_to(document.querySelector(name), rows);
+      return [near("i").id, near("b").id, m.nearest_to(rows[0], [])];
+    """
+    assert run(page, "present", code) == ["own", "page", None]
+
+
 def test_a_place_fills_its_part_of_the_screen_and_comes_back_as_it_was(page: Page) -> None:
     """Where a release of Bokeh is built otherwise, too: then words are as large as on the page."""
     code = """
