@@ -1,7 +1,8 @@
 // Saves what is shown: figures as PNG, SVG and CSV, tables as CSV; copies and prints the advice card, sorts tables.
 // All of it happens in the browser; nothing is asked of the server.
 
-import {filled, life_of, make, until, within} from "./dom.js";
+import {filled, life_of, make, until} from "./dom.js";
+import {at_ratio, bokeh_views, drawn_in, first_in, named, own_axis, plotly_of, words_of, x_words} from "./figures.js";
 import {copy_text, offer} from "./files.js";
 import {deep, listen} from "./page.js";
 
@@ -30,19 +31,6 @@ const STYLE = `
 const ICON = `<svg viewBox="0 0 16 16" width="16" height="16" fill="none" stroke="currentColor" stroke-width="1.5"
   aria-hidden="true"><path d="M8 2v8M4.8 7 8 10.2 11.2 7M2.5 11v2.5h11V11"/></svg>`;
 
-// the first element beneath a place that matches, within whatever shadow roots
-const first_in = (place, selector) => {
-  for (const root of [place.shadowRoot, place]) {
-    if (!root) { continue; }
-    const found = root.querySelector(selector);
-    if (found) { return found; }
-    for (const element of root.querySelectorAll("*")) {
-      const inner = element.shadowRoot && first_in(element, selector);
-      if (inner) { return inner; }
-    }
-  }
-  return null;
-};
 const token = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--rj-${name}`).trim();
 const slug = (text) => text.toLowerCase().replace(/[^a-z0-9]+/g, "-").replace(/^-+|-+$/g, "").slice(0, 60);
 const file_name = (what, ending) => {
@@ -54,37 +42,12 @@ const file_name = (what, ending) => {
 
 // --- pictures
 
-const named = (place) => first_in(place, "[data-figure], [role=img][aria-label]");
-const words_of = (place) => {
-  const figure = named(place);
-  return figure ? figure.dataset.figure ?? figure.getAttribute("aria-label") : "";
-};
-const bokeh_views = (place) =>
-  [...Bokeh.index.query((view) => view.model.type === "Figure" && within(view.el, place))];
-const plotly_of = (place) => first_in(place, ".js-plotly-plot");
-const drawn_in = (place) => first_in(place, "svg[data-figure]");
-
-// Bokeh draws a copy at the pixel ratio of the window: for that moment it is PIXELS
-const at_ratio = (ratio, draw) => {
-  const own = Object.getOwnPropertyDescriptor(window, "devicePixelRatio");
-  Object.defineProperty(window, "devicePixelRatio", {configurable: true, value: ratio});
-  try { return draw(); } finally {
-    if (own) { Object.defineProperty(window, "devicePixelRatio", own); } else { delete window.devicePixelRatio; }
-  }
-};
 const next_frame = () => new Promise((resolve) => requestAnimationFrame(resolve));
-// the tags of a shared axis are a count, its unit and the end of its ticks, as Axis.settle in charts.py writes them
-const x_words = (figure) => {
-  const [, unit] = figure.x_range.tags ?? [];
-  return figure.below.find((one) => one.axis_label)?.axis_label
-    || {s: "Time, s", m: "Distance, m"}[unit] || "";
-};
 // charts below each other share one axis on the page; a picture of one of them needs its own for a moment
 const with_axis = async (view, draw) => {
   const figure = view.model;
   const axis = figure.below[0];
   if (!axis || axis.visible) return draw();
-  const end = figure.x_range.tags?.[2];
   const before = {visible: false, axis_label: axis.axis_label, bounds: axis.bounds};
   const [height, tall] = [figure.height, view.bbox.height];
   const grow = async (changes, high) => {
@@ -94,7 +57,7 @@ const with_axis = async (view, draw) => {
     await until(() => view.bbox.height !== (high === height ? tall + AXIS_PX : tall), LAID_OUT_WITHIN_MS);
     await next_frame();
   };
-  await grow({visible: true, axis_label: x_words(figure), ...(end ? {bounds: [0, end]} : {})}, height + AXIS_PX);
+  await grow(own_axis(figure), height + AXIS_PX);
   try { return draw(); } finally { await grow(before, height); }
 };
 const image_from = (address) => new Promise((resolve, reject) => {

@@ -30,7 +30,9 @@ def captioned(text: str, f: figure) -> pn.Column:
     """Return a figure under its caption."""
     # 50 px, as `dress_alone` keeps left of the frame
     caption = parts.markup('<div style="font-size:12px;color:var(--rj-ink2);padding:2px 0 0 50px">{}</div>', text)
-    return parts.stack(parts.html_pane(caption), pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_width"))
+    return parts.stack(
+        parts.html_pane(caption, css_classes=["rj-caption"]), pn.pane.Bokeh(f, margin=0, sizing_mode="stretch_width")
+    )
 
 
 def empty_figure(

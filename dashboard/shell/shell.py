@@ -14,6 +14,7 @@ from bokeh.model import Model
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.browser.messages import added_to, one_message, unfrozen
 from railjoule.dashboard.browser.navigation import BRAND, Navigation
+from railjoule.dashboard.browser.presenting import Presenting
 from railjoule.dashboard.browser.saving import Saving
 from railjoule.dashboard.insides import keep_colours, leave_busy, name_sheets
 from railjoule.dashboard.look import glossary
@@ -154,6 +155,8 @@ class Shell:
             description="Pin run",
             visible=False,
         )
+        slider = state.scenario.param["travel_time_s"].label
+        self.presenting = Presenting(page=state.page, slider=slider, margin=0)
         self.compiling, self.saving = CompilingNote(), Saving()
         self.page = self._page()
         self.pin.on_click(lambda _: self._pin())
@@ -176,7 +179,7 @@ class Shell:
             sidebar_open=self._beside,
             # the handle to resize it has a name that its role forbids: aria-prohibited-attr of axe-core
             sidebar_resizable=False,
-            header=[self.navigation, *self.share.buttons, self.pin, self.pin_small],
+            header=[self.navigation, self.presenting, *self.share.buttons, self.pin, self.pin_small],
             dark_theme=self.state.dark,
             **of_the_document(),
             sx={
@@ -214,7 +217,7 @@ class Shell:
         """Show the page that the state names; those that were open before stay where they are, out of sight."""
         name = self.state.page
         with pn.io.hold():
-            self.navigation.page = name
+            self.navigation.page = self.presenting.page = name
             self._show_sidebar()
             # a page that could not be made is made again, as NOT_OPENED promises
             if name in self._failed:

@@ -93,7 +93,7 @@ def test_a_plain_script_is_strict_and_parses(page: Page, name: str) -> None:
 
 def test_each_module_stands_once_and_after_what_it_needs() -> None:
     assert imported("drag_heights") == ["drag", "numbers"]
-    assert imported("saving") == ["dom", "files", "page"]
+    assert imported("saving") == ["dom", "figures", "files", "page"]
     assert module("saving").count("const make = ") == 1
     assert function("ticks", "tick_words(tick, digits)").endswith("\nreturn tick_words(tick, digits);\n")
     assert "export" not in function("cursor", "follow({charts, range}, cb_obj)")
@@ -194,6 +194,7 @@ VALUES: dict[str, dict[str, Any]] = {
     "loop_diagram": {"drawing": "<svg></svg>", "charts": {}},
     "navigation": {"page": "Start", "entries": ENTRIES, "keyed": ["Start", "Drive"], "brand": ""},
     "number_field": NUMBER,
+    "present": {"page": "Drive", "slider": "Travel time, s"},
     "save_form": {"kinds": [], "names": {}, "refusal": "", "can_replace": False, "told": "", "version": 0},
     "saving": {},
     "strategies": {"strategies": [], "chosen": "", "ticked": [], "results": {}, "above": "", "draws": True},
@@ -499,7 +500,85 @@ def test_the_bar_opens_a_page_for_whoever_asks(page: Page) -> None:
     assert run(page, "navigation", code, VALUES["navigation"]) == ["Drive", "Drive", "Drive"]
 
 
+def test_a_key_asks_for_a_presentation_unless_something_is_typed(page: Page) -> None:
+    code = f"""
+      {MODEL}
+      const host = shown(m.render({{model}})), field = document.createElement("input");
+      document.body.append(field);
+      let asked = 0;
+      const count = () => asked++;
+      window.addEventListener("rj-present", count);
+      const press = (target, key, more) =>
+        target.dispatchEvent(new KeyboardEvent("keydown", {{key, bubbles: true, composed: true, ...more}}));
+      press(field, "f");
+      press(document.body, "f", {{ctrlKey: true}});
+      const before = asked;
+      press(document.body, "f");
+      window.removeEventListener("rj-present", count);
+      remove();
+      return [before, asked];
+    """
+    assert run(page, "navigation", code, VALUES["navigation"]) == [0, 1]
+
+
 # --- what they compute
+
+
+def test_figures_are_presented_in_the_order_of_the_page(page: Page) -> None:
+    code = """
+      const place = (id) => Object.assign(document.createElement("p"), {id});
+      const [one, two, three, four] = ["1", "2", "3", "4"].map(place);
+      const host = document.createElement("div"), inner = document.createElement("div");
+      host.attachShadow({mode: "open"}).append(two, inner);
+      inner.attachShadow({mode: "open"}).append(three);
+      document.body.replaceChildren(one, host, four);
+      return m.in_order([four, three, one, two]).map(({id}) => id);
+    """
+    assert run(page, "present", code) == ["1", "2", "3", "4"]
+
+
+def test_the_numbers_of_a_figure_are_those_beside_it_else_the_first_of_the_page(page: Page) -> None:
+    code = """
+      document.body.innerHTML = `<p id="page"></p><section><div><p id="other"></p></div></section>
+        <section id="lesson"><i></i><p id="own"></p></section><b></b>`;
+      const rows = [...document.querySelectorAll("p")].reverse();
+      const near = (name) => m.nearest_to(document.querySelector(name), rows);
+      return [near("i").id, near("b").id, m.nearest_to(rows[0], [])];
+    """
+    assert run(page, "present", code) == ["own", "page", None]
+
+
+def test_a_place_fills_its_part_of_the_screen_and_comes_back_as_it_was(page: Page) -> None:
+    """Where a release of Bokeh is built otherwise, too: then words are as large as on the page."""
+    code = """
+      const {Bokeh} = window;
+      window.Bokeh = {index: {query: () => []}, require: () => ({})};
+      const place = document.createElement("div");
+      place.style.cssText = "margin: 3px; height: 200px; left: 5px";
+      document.body.replaceChildren(place);
+      const before = place.style.cssText, shown = m.enlarge(place), part = {left: 10, top: 20, width: 640, height: 150};
+      shown.fit(part, 2);
+      const {left, top, width, height} = place.getBoundingClientRect();
+      shown.fit({...part, top: 40}, 2);
+      const again = place.getBoundingClientRect().top;
+      shown.back();
+      window.Bokeh = Bokeh;
+      return [left, top, width, height, again, place.style.cssText === before];
+    """
+    assert run(page, "enlarge", code) == [10, 20, 640, 150, 40, True]
+
+
+def test_a_figure_alone_has_the_axis_that_it_shares_on_the_page(page: Page) -> None:
+    code = """
+      const figure = (tags, below) => ({x_range: {tags}, below});
+      return [m.own_axis(figure([3, "s", 170], [{axis_label: null}])), m.own_axis(figure([3, "m", 2300], [])),
+        m.own_axis(figure(undefined, [{axis_label: "Load, %"}]))];
+    """
+    assert run(page, "figures", code) == [
+        {"visible": True, "axis_label": "Time, s", "bounds": [0, 170]},
+        {"visible": True, "axis_label": "Distance, m", "bounds": [0, 2300]},
+        {"visible": True, "axis_label": "Load, %"},
+    ]
 
 
 @pytest.mark.parametrize(

@@ -14,9 +14,11 @@ KEYS = (
     ("?", "open this page"),
     ("1 to 9", "open a page, in the order of the bar"),
     ("P", "pin the run, or unpin it"),
+    ("F", "present the page\u2019s figures, one by one on the whole screen"),
+    ("Right, left", "while presenting: the next figure or the one before; the space and page keys do so too"),
     ("Ctrl + Z", "undo"),
     ("Ctrl + Shift + Z", "redo"),
-    ("Escape", "close an explanation or a list of pages"),
+    ("Escape", "close an explanation or a list of pages, end a presentation"),
     ("Left, right", "move a slider by one step; Home and End to its ends"),
     ("Down", "open the list of a group of pages"),
 )
@@ -120,7 +122,7 @@ def documentation_html() -> Markup:
 def keys_html() -> Markup:
     """Return what the keys do."""
     rows = joined(markup("<tr><td><kbd>{}</kbd></td><td>{}</td></tr>", key, does) for key, does in KEYS)
-    note = "The keys ?, 1 to 9 and P do nothing while you type in a field."
+    note = "The keys ?, 1 to 9, P and F do nothing while you type in a field."
     template = '<h2 id="keys">Keys</h2><table><tbody>{}</tbody></table>{}'
     return markup(template, rows, parts.note_paragraphs([note]))
 
