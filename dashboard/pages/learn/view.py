@@ -1,4 +1,4 @@
-"""Learn: a lesson that is driven, and five short ones with live figures, each with a question to try."""
+"""Learn: lessons that are played, and five short ones with live figures, each with a question to try."""
 
 from collections.abc import Callable, Mapping
 from functools import partial
@@ -13,8 +13,10 @@ from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import parts_css
 from railjoule.dashboard.pages.learn.charts import LessonSpeedChart, PhasePlaneChart, PriceChart
 from railjoule.dashboard.pages.learn.compute import LessonResult
+from railjoule.dashboard.pages.learn.draw_speed import DrawSpeed
 from railjoule.dashboard.pages.learn.drive_it import DriveIt
 from railjoule.dashboard.pages.learn.model import LESSONS, Lesson
+from railjoule.dashboard.pages.learn.share_out import ShareOut
 from railjoule.dashboard.pages.learn.work import Learn
 from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.parts import html as parts
@@ -22,6 +24,8 @@ from railjoule.dashboard.parts.number_field import NumberField
 from railjoule.dashboard.state.workbench import Workbench
 
 PAGE = "Learn"
+PLAYED = 3
+"""So many lessons are played, before the others."""
 SPEED_HEIGHTS, PLANE_HEIGHTS, PRICE_HEIGHTS = (200, 250, 190), (250, 300, 240), (200, 240, 190)
 LINES = {
     "coasting": "Speed, km/h: blue the optimum, dashed one constant speed",
@@ -82,7 +86,7 @@ class LessonView:
             self.more = (*self.more, PhasePlaneChart(name, PLANE_HEIGHTS[0], palette))
         self.figures = parts.html_pane(stylesheets=[parts_css(), FIGURES_CSS])
         field = NumberField(state.learn, name, **SLIDER)
-        number = [known.name for known in LESSONS].index(name) + 2
+        number = [known.name for known in LESSONS].index(name) + 1 + PLAYED
         styles = [parts_css(), TEXT_CSS]
         text = parts.markup("<h2>{}. {}</h2><p>{}</p>", number, lesson.title, lesson.text)
         question = parts.markup(
@@ -125,13 +129,17 @@ class LearnView(PageView):
         self._shown: dict[str, LessonResult] = {}
         heading = parts.html_pane(
             parts.heading(
-                self.page, "Six lessons", "one to drive, five with live figures: move a slider and they follow", ""
+                self.page, "Eight lessons", "three to play, five with live figures: move a slider and they follow", ""
             )
         )
-        self.drive_it = DriveIt(self.state)
+        self.drive_it, self.share_out = DriveIt(self.state), ShareOut(self.state)
+        self.draw_speed = DrawSpeed(self.state)
         self.shows(self._show, (self.state.learn, ["shown", "failure"]))
         self.shows(self._show_drive, (self.state.learn, ["tried", "driven", "failure"]))
-        return parts.stack(heading, self.message, self.drive_it, *(lesson.view for lesson in self.lessons.values()))
+        self.shows(self._show_slack, (self.state.learn, ["slack", "failure"]))
+        self.shows(self._show_drawing, (self.state.learn, ["drawing", "failure"]))
+        played = (self.drive_it, self.share_out, self.draw_speed)
+        return parts.stack(heading, self.message, *played, *(lesson.view for lesson in self.lessons.values()))
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -147,6 +155,16 @@ class LearnView(PageView):
         if self.state.learn.failure is not None:
             self.drive_it.refuse()
         self.drive_it.show()
+
+    def _show_slack(self) -> None:
+        if self.state.learn.failure is not None:
+            self.share_out.refuse()
+        self.share_out.show()
+
+    def _show_drawing(self) -> None:
+        if self.state.learn.failure is not None:
+            self.draw_speed.refuse()
+        self.draw_speed.show()
 
     def _show(self) -> None:
         learn = self.state.learn
