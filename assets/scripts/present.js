@@ -88,7 +88,11 @@ const present = (model, signal, ended) => {
   const fit = () => {
     wall.style.setProperty("--rj-larger", factor_now());
     const {left, top, width, height} = stage.getBoundingClientRect();
-    if (shown && width && height) { shown.fit({left, top, width, height}, factor_now()); }
+    if (!shown || !width || !height) { return; }
+    shown.fit({left, top, width, height}, factor_now());
+    // where names of lines have room, the server knows
+    const figure_px = Math.floor(width / factor_now());
+    if (model.figure_px !== figure_px) { model.figure_px = figure_px; }
   };
   const tell = () => {
     const words = caption_of(place);
@@ -203,6 +207,7 @@ const present = (model, signal, ended) => {
     stop();
     shown?.back();
     shown = null;
+    model.figure_px = 0;
     wall.remove();
     document.documentElement.classList.remove("rj-presents");
     if (went_full && document.fullscreenElement) { document.exitFullscreen().catch(() => { /* it has ended itself */ }); }

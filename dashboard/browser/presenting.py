@@ -1,4 +1,8 @@
-"""The button that shows the page's figures on the wall, one by one; all of it happens in the browser."""
+"""The button that shows the page's figures on the wall, one by one.
+
+All of it happens in the browser; the server is told how wide figures are laid out meanwhile, and places the names of
+lines accordingly.
+"""
 
 from importlib.resources import files
 
@@ -18,6 +22,9 @@ class Presenting(JSComponent):
 
     page = param.String(default="", doc="The page in sight: a presentation ends with it.")
     slider = param.String(default="", doc="Label of the sidebar's slider that the presentation has, too.")
+    figure_px = param.Integer(
+        default=0, doc="How wide figures are laid out while one is presented [px]; 0 while none is."
+    )
 
     _esm = module("present")
     _stylesheets = [(ASSETS / "css" / "present.css").read_text(encoding="utf-8")]  # noqa: RUF012

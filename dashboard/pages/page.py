@@ -26,6 +26,8 @@ from railjoule.dashboard.state.workbench import Workbench
 
 SIDEBAR_PX, EDGES_PX, NARROW_EDGES_PX, COLUMN_GAP_PX, LEAST_WIDTH_PX = 290, 48, 40, 28, 260
 """What stands beside the charts, the sidebar open, and how wide they are at least."""
+BORDERS_PX = 74
+"""What a figure has beside its frame: 50 px for the numbers of its y axis, and RIGHT_PX."""
 STALE = "rj-stale"
 # by colours and not by opacity, which would leave text with too little contrast
 PAGE_CSS = """
@@ -75,7 +77,7 @@ class PageView:
         self.redraw()
         state.param.watch(self._appear, "page")
         state.param.watch(self._mark, "late")
-        browser.follow(["window_width"], self._refit)
+        browser.follow(["window_width", "figure_px"], self._refit)
         browser.follow(["charts_in_sight"], self._sight)
         browser.follow(["started"], self.queue.go_on)
 
@@ -199,7 +201,12 @@ class PageView:
             room -= self.rail_px
         if self.halves_from_px is not None and width >= self.halves_from_px:
             room = (room - COLUMN_GAP_PX) // 2
-        return float(max(room, LEAST_WIDTH_PX))
+        return float(max(min(room, self.browser.figure_px or room), LEAST_WIDTH_PX))
+
+    def names_px(self, room: float) -> float:
+        """Return how much of a figure's usual room for names it has, which is less while it is presented [px]."""
+        presented = self.browser.figure_px
+        return min(room, max(presented - BORDERS_PX, LEAST_WIDTH_PX)) if presented else room
 
     def _refit(self) -> None:
         with pn.io.hold():

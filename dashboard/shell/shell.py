@@ -159,6 +159,7 @@ class Shell:
         self.presenting = Presenting(page=state.page, slider=slider, margin=0)
         self.compiling, self.saving = CompilingNote(), Saving()
         self.page = self._page()
+        self.presenting.param.watch(lambda event: setattr(browser, "figure_px", event.new), "figure_px")
         self.pin.on_click(lambda _: self._pin())
         self.pin_small.on_click(lambda _: self._pin())
         state.param.watch(self._show_page, "page")

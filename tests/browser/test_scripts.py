@@ -218,7 +218,7 @@ VALUES: dict[str, dict[str, Any]] = {
     "loop_diagram": {"drawing": "<svg></svg>", "charts": {}},
     "navigation": {"page": "Start", "entries": ENTRIES, "keyed": ["Start", "Drive"], "brand": ""},
     "number_field": NUMBER,
-    "present": {"page": "Drive", "slider": "Travel time, s"},
+    "present": {"page": "Drive", "slider": "Travel time, s", "figure_px": 0},
     "save_form": {"kinds": [], "names": {}, "refusal": "", "can_replace": False, "told": "", "version": 0},
     "saving": {},
     "share_out": {
