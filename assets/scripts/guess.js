@@ -6,11 +6,8 @@ import {copy_text} from "./files.js";
 // a class is to guess for itself: the link for it has the state of the page without anybody's guesses
 const address_for_class = (lesson) => {
   const address = new URL(window.location.href);
-  const without = (text) => {
-    const values = new URLSearchParams(text);
-    for (const key of [...values.keys()]) { if (/^learn\.\w+_guess$/.test(key)) { values.delete(key); } }
-    return values;
-  };
+  const without = (text) =>
+    new URLSearchParams([...new URLSearchParams(text)].filter(([key]) => !/^learn\.\w+_guess$/.test(key)));
   // a long state stands behind the #
   const long = address.hash.length > 1, values = without(long ? address.hash.slice(1) : address.search);
   values.set("learn.lesson", lesson);

@@ -16,7 +16,9 @@ def compared_cells(result: LessonResult, name: str) -> list[str]:
     label = name[0].upper() + name[1:]
     cells = [_energy(run, label, "main"), parts.figure("Highest speed", words.number(run.max_speed_kmh), "km/h", "")]
     off = motors_off_m(run)
-    return cells if off is None else [*cells, parts.figure("Motors off at", words.number(off, 0), "m", "")]
+    if off is None or result.request.lesson != "recuperation":
+        return cells
+    return [*cells, parts.figure("Motors off at", words.number(off, 0), "m", "")]
 
 
 def _energies(result: LessonResult, first: str, second: str) -> list[str]:

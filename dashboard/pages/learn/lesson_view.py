@@ -41,7 +41,10 @@ PLAYED = 3
 """So many lessons are played, before the others."""
 PLANNED = ("gradient", "load")
 """Lessons whose plans are followed by a controller, and so keep to its braking curve."""
-PLANNED_NOTE = "These plans keep to the controller\u2019s braking curve; the workbench\u2019s optimum may brake harder, and needs less."
+PLANNED_NOTE = (
+    "These plans keep to the controller\u2019s braking curve; "
+    "the workbench\u2019s optimum may brake harder, and needs less."
+)
 HIDDEN_YET = "The best run is hidden until you have guessed."
 LESSON_CSS = """
 :host { display: grid; grid-template-columns: minmax(300px, 430px) minmax(0, 1400px); column-gap: 36px;

@@ -114,9 +114,10 @@ def _brake(part: Stretch, case: _Case) -> str:
     how = "Brake fully" if fully else "Brake along the planned curve"
     returned = -part.phase.energy_j
     back = f"{_kwh(returned)} kWh return" if returned > LEAST_J else "nothing returns"
+    why = "coasting on would waste less, but take" if fully else "later is not allowed, and earlier would take"
     return (
         f"{how} from {words.speed(part.phase.start_ms, 1)} km/h: of {_kwh(-part.motion_j)} kWh of motion {back}; "
-        f"coasting on would waste less, but take longer, at {case.second}."
+        f"{why} longer, at {case.second}."
     )
 
 

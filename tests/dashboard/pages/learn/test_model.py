@@ -14,8 +14,9 @@ MOST_WORDS = 150
 @pytest.mark.parametrize("lesson", LESSONS, ids=lambda lesson: lesson.name)
 def test_a_text_is_short_and_asks_one_question(lesson: Lesson) -> None:
     assert 40 < len(re.findall(r"\S+", lesson.text)) <= MOST_WORDS
+    for text in (lesson.question, lesson.answer):
+        assert 5 < len(re.findall(r"\S+", text)) <= MOST_WORDS
     assert lesson.question.count("?") == 1
-    assert lesson.answer
 
 
 def test_each_lesson_has_a_slider_and_a_figure() -> None:
