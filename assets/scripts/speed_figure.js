@@ -3,6 +3,8 @@
 import {KMH_PER_MS, figures_of, with_sign} from "./played.js";
 
 const INKS = ["surface", "ink", "ink2", "ink3", "line", "line2", "ground", "limit", "accent", "brake", "coast", "full_power", "overline", "over"];
+// as far as two lines of words reach
+const NEAR_LIMIT_MS = 4;
 
 // Speed over distance with limit and commands, the height of the track, and later the optimum with the difference.
 export const figure_on = (canvas, course) => {
@@ -123,7 +125,10 @@ export const figure_on = (canvas, course) => {
       pen.arc(x_of(at), y_of(speed), 5, 0, 7);
       pen.fill();
       const turned = x_of(at) > right - 70;
-      text(`${figures_of(speed * KMH_PER_MS, 1)} km/h`, x_of(at) + (turned ? -9 : 9), y_of(speed) - 8, ink.ink, turned ? "right" : "left");
+      // beneath the mark where the limit has its name
+      const cell = Math.max(position.findIndex((place) => place > at) - 1, 0);
+      const y = y_of(speed) + (limit[cell] - speed < NEAR_LIMIT_MS ? 18 : -8);
+      text(`${figures_of(speed * KMH_PER_MS, 1)} km/h`, x_of(at) + (turned ? -9 : 9), y, ink.ink, turned ? "right" : "left");
     }
     for (let place = 0; place <= end; place += 500) { text(String(place), x_of(place), tall - 6, ink.ink3, place ? "center" : "left"); }
     text("m", right, tall - 6, ink.ink3, "right");
