@@ -1,6 +1,8 @@
 """The report's file: sections, figures, style, Bokeh's own script once, the embedded scenario."""
 
-from collections.abc import Callable, Sequence
+import base64
+import hashlib
+from collections.abc import Callable, Iterable, Mapping
 from datetime import datetime
 from functools import cache
 from importlib.resources import files
@@ -33,19 +35,20 @@ from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.report import sections
 from railjoule.dashboard.report.figures import Figures
 from railjoule.dashboard.report.findings import Findings
+from railjoule.dashboard.report.section_names import SECTION_TITLES
 
-SECTIONS: Sequence[Callable[[Findings, Figures], Markup]] = (
-    sections.result,
-    sections.energy,
-    sections.pinned,
-    sections.trade_off,
-    sections.proof,
-    sections.reality,
-    sections.robustness,
-    sections.scenario,
-    sections.about_file,
-)
-"""What a report tells, in its order; a section without content returns an empty text."""
+SECTIONS: Mapping[str, Callable[[Findings, Figures], Markup]] = {
+    "result": sections.result,
+    "energy": sections.energy,
+    "pinned": sections.pinned,
+    "trade-off": sections.trade_off,
+    "proof": sections.proof,
+    "reality": sections.reality,
+    "robustness": sections.robustness,
+    "scenario": sections.scenario,
+    "file": sections.about_file,
+}
+"""What a report tells, by the names of `SECTION_TITLES`; a section without content returns an empty text."""
 
 
 def report_html(findings: Findings, made_at: datetime) -> str:
@@ -58,9 +61,12 @@ def report_html(findings: Findings, made_at: datetime) -> str:
     made_at : datetime
         When the report was made, with its time zone.
     """
-    scenario, run = findings.scenario, findings.run
+    scenario, run, contents = findings.scenario, findings.run, findings.contents
     figures = Figures(findings)
-    content = joined(make(findings, figures) for make in SECTIONS)
+    chosen = (SECTIONS[name](findings, figures) for name in SECTION_TITLES if contents.has(name))
+    # without figures, the library's two megabytes would draw nothing
+    library = [bokeh_script()] if figures.handles() else []
+    scripts = [Markup(text) for text in (*library, source("report"), source("surface"))]
     # assets/scripts/report.js reads these by their names
     data = {
         **figures.paints(),
@@ -77,12 +83,14 @@ def report_html(findings: Findings, made_at: datetime) -> str:
         subtitle=words.subtitle(run.distance_m, scenario.vehicle.name, scenario.vehicle.load_factor),
         made_at=moment(made_at),
         css=Markup(report_css()),
-        content=content,
+        author=contents.author.strip(),
+        content=joined([sections.foreword(findings), *chosen]),
         scenario=Markup(embedded(format_scenario(scenario))),
         figures=figures.embedding(),
         data=data,
         surfaces={name: surface.data for name, surface in figures.surfaces.items()},
-        scripts=[Markup(text) for text in (bokeh_script(), source("report"), source("surface"))],
+        scripts=scripts,
+        policy=Markup(policy(scripts)),
     )
 
 
@@ -94,6 +102,23 @@ def frame() -> Template:
     made.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
     template = files("railjoule.assets").joinpath("templates", "report.html").read_text(encoding="utf-8")
     return made.from_string(template)
+
+
+def policy(scripts: Iterable[str]) -> str:
+    """Return what a browser may do for the file: run these scripts and no others, and ask for nothing."""
+    hashes = (base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in scripts)
+    allowed = " ".join(f"'sha256-{one}'" for one in hashes)
+    return "; ".join(
+        [
+            "default-src 'none'",
+            f"script-src {allowed}",
+            "style-src 'unsafe-inline'",
+            "img-src data: blob:",
+            "font-src data:",
+            "base-uri 'none'",
+            "form-action 'none'",
+        ]
+    )
 
 
 def bokeh_script() -> str:
@@ -112,8 +137,8 @@ def moment(made_at: datetime) -> str:
 def optima_data(findings: Findings, figures: Figures) -> dict[str, Any]:
     """Return what moves with the travel time: of each optimum its lines, its phases and its texts."""
     optima = findings.optima
-    # a single one leaves the slider nowhere to go
-    if len(optima) < 2:
+    # a single one leaves the slider nowhere to go, and the slider is the result's
+    if len(optima) < 2 or not findings.contents.has("result"):
         return {"own": 0, "runs": []}
     own = sections.own_index(findings)
     # at its own place of the slider the report shows what it has drawn

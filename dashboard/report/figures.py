@@ -55,10 +55,11 @@ class Figures:
         self.findings = findings
         self.palette = Palette(dark=False)
         self.surfaces = surfaces_of(findings)
+        has = findings.contents.has
         self.groups: dict[str, list[DistanceChart]] = {
-            "runs": self._run_charts(),
-            "frontier": self._frontier(),
-            "reality": self._reality(),
+            "runs": self._run_charts() if has("result") else [],
+            "frontier": self._frontier() if has("trade-off") else [],
+            "reality": self._reality() if has("reality") else [],
         }
         charts = [chart for group in self.groups.values() for chart in group]
         self.document = Document()
@@ -72,7 +73,8 @@ class Figures:
         # before the charts are drawn in other colours and over other times, which the file has as data
         self.docs, self.item = written_down(self.document)
         # the roots stand there in the order in which they were added
-        self.places = dict(zip(charts, self.item.to_json()["roots"].values(), strict=True))
+        # without figures there are no roots
+        self.places = dict(zip(charts, self.item.to_json().get("roots", {}).values(), strict=True))
 
     # ---- drawing
 
@@ -227,8 +229,9 @@ class Figures:
 
     @property
     def optimum(self) -> str:
-        """The source of the optimum, whose columns all charts over the distance draw."""
-        return str(self.groups["runs"][0].axis.columns("optimal").source.id)
+        """The source of the optimum, whose columns all charts over the distance draw; empty without such charts."""
+        charts = self.groups["runs"]
+        return str(charts[0].axis.columns("optimal").source.id) if charts else ""
 
     def _lines(self, chart: DistanceChart) -> list[tuple[str, str]]:
         """Return source and column of all lines that a chart shows."""
