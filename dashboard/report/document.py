@@ -65,12 +65,13 @@ def report_html(findings: Findings, made_at: datetime) -> str:
     figures = Figures(findings)
     chosen = (SECTIONS[name](findings, figures) for name in SECTION_TITLES if contents.has(name))
     # without figures, the library's two megabytes would draw nothing
-    library = [bokeh_script()] if figures.handles() else []
+    charts = figures.handles()
+    library = [bokeh_script()] if charts else []
     scripts = [Markup(text) for text in (*library, source("report"), source("surface"))]
     # assets/scripts/report.js reads these by their names
     data = {
         **figures.paints(),
-        "charts": figures.handles(),
+        "charts": charts,
         "optimum": figures.optimum,
         "spare": figures.spare_texts(),
         "distance": max(run.distance_m for run in findings.runs.runs.values()),
@@ -90,7 +91,7 @@ def report_html(findings: Findings, made_at: datetime) -> str:
         data=data,
         surfaces={name: surface.data for name, surface in figures.surfaces.items()},
         scripts=scripts,
-        policy=Markup(policy(scripts)),
+        policy=Markup(policy(scripts, draws=bool(charts))),
     )
 
 
@@ -104,10 +105,18 @@ def frame() -> Template:
     return made.from_string(template)
 
 
-def policy(scripts: Iterable[str]) -> str:
-    """Return what a browser may do for the file: run these scripts and no others, and ask for nothing."""
+def policy(scripts: Iterable[str], draws: bool) -> str:
+    """Return what a browser may do for the file: run these scripts and no others, and ask for nothing.
+
+    Parameters
+    ----------
+    scripts : iterable of str
+        The scripts as they stand in their elements.
+    draws : bool
+        Whether Bokeh is among them, which makes functions of the texts that its models carry.
+    """
     hashes = (base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in scripts)
-    allowed = " ".join(f"'sha256-{one}'" for one in hashes)
+    allowed = " ".join([*(f"'sha256-{one}'" for one in hashes), *(["'unsafe-eval'"] if draws else [])])
     return "; ".join(
         [
             "default-src 'none'",
