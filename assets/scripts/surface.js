@@ -13,11 +13,11 @@
     const {x, y, z} = surface;
     const finite = z.flat().filter((value) => value !== null);
     const low = Math.min(...finite), high = Math.max(...finite), height = Math.max(high - low, 1e-12);
-    const share = (values) => values.map((value) => (value - values[0]) / (values[values.length - 1] - values[0]) - 0.5);
+    const along = (values, value) => (value - values[0]) / (values[values.length - 1] - values[0]) - 0.5;
+    const share = (values) => values.map((value) => along(values, value));
     const u = share(x), v = share(y);
     const lift = (value) => 0.62 * ((value - low) / height - 0.5);
-    const place = (values, value) => (value - values[0]) / (values[values.length - 1] - values[0]) - 0.5;
-    const on = ([a, b, c]) => [place(x, a), place(y, b), lift(c)];
+    const on = ([a, b, c]) => [along(x, a), along(y, b), lift(c)];
     const ridge = surface.line.map(on), dots = surface.points.map(on);
     const view = {...VIEW};
     let waiting = false, prints = false;

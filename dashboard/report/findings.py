@@ -1,7 +1,7 @@
 """Everything that a report tells: the runs, optima over other travel times, reality, the table of loads and errors."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -58,7 +58,7 @@ class ReportRequest:
     prove_seconds: float | None = None
     note: str = ""
     pinned: tuple[tuple[str, Trajectory], ...] = ()
-    contents: Contents = Contents()
+    contents: Contents = field(default_factory=Contents)
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +100,7 @@ class Findings:
     share: float = RUNS_SHARE
     note: str = ""
     pinned: tuple[tuple[str, Trajectory], ...] = ()
-    contents: Contents = Contents()
+    contents: Contents = field(default_factory=Contents)
 
     @property
     def run(self) -> Trajectory:
@@ -123,9 +123,7 @@ def compute_findings(request: ReportRequest) -> Iterator[Findings]:
     runs = tightened_runs(runs, request.bound, request.prove_seconds)
     contents = request.contents
     enoc_map = compute_enoc_map(scenario) if contents.has("trade-off") else None
-    findings = Findings(
-        scenario, runs, enoc_map=enoc_map, note=request.note, pinned=request.pinned, contents=contents
-    )
+    findings = Findings(scenario, runs, enoc_map=enoc_map, note=request.note, pinned=request.pinned, contents=contents)
     yield findings
     # the slider of the result goes over them, too
     if contents.has("result", "trade-off"):

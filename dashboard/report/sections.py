@@ -245,7 +245,9 @@ def proof(findings: Findings, figures: Figures) -> Markup:
     refusals = listed(words.about(names[name], reason) for name, reason in runs.refused.items())
     told = markup("<h3>Notes of the strategies</h3>{}", notes) if notes else ""
     refused = markup("<h3>Strategies that refused</h3>{}", refusals) if refusals else ""
-    return section("proof", SECTION_TITLES["proof"], markup('<div class="prose">{}{}{}</div>', certified, told, refused))
+    return section(
+        "proof", SECTION_TITLES["proof"], markup('<div class="prose">{}{}{}</div>', certified, told, refused)
+    )
 
 
 def certificate(findings: Findings) -> list[str]:

@@ -174,6 +174,7 @@ VALUES: dict[str, dict[str, Any]] = {
     "loop_diagram": {"drawing": "<svg></svg>", "charts": {}},
     "navigation": {"page": "Start", "entries": ENTRIES, "keyed": ["Start", "Drive"], "brand": ""},
     "number_field": NUMBER,
+    "report_form": {"sections": [["result", "Result"]], "longest_note": 2000, "refusal": "", "open": False},
     "save_form": {"kinds": [], "names": {}, "refusal": "", "can_replace": False, "told": "", "version": 0},
     "saving": {},
     "strategies": {"strategies": [], "chosen": "", "ticked": [], "results": {}, "above": "", "draws": True},
