@@ -4,7 +4,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
 from bokeh.document import Document
 
 from railjoule.core import Trajectory
@@ -32,8 +31,6 @@ from railjoule.dashboard.report.surfaces import surfaces_of
 
 WIDTH_PX = 640
 """Words are left out that have no room in figures of this width, about that of a printed page."""
-EXACT = np.float64
-"""Lines are written into the file with all their digits."""
 COLOUR_COLUMNS = ("colour", "fill", "ink")
 
 
@@ -79,7 +76,7 @@ class Figures:
     # ---- drawing
 
     def _run_charts(self) -> list[DistanceChart]:
-        axis, run = Axis(self.palette, EXACT), self.findings.run
+        axis, run = Axis(self.palette), self.findings.run
         common = (axis, self.palette)
         charts: list[SceneChart] = [
             SpeedChart(270, *common),
@@ -115,7 +112,6 @@ class Figures:
         findings = self.findings
         if len(findings.optima) < 2:
             return []
-        # not EXACT: the line of this chart is a source of its own, no column of a run
         axis = Axis(self.palette)
         chart = TimeChart(300, axis, self.palette)
         chart.build()
@@ -131,7 +127,7 @@ class Figures:
         reality = self.findings.reality
         if reality is None:
             return []
-        axis = Axis(self.palette, EXACT)
+        axis = Axis(self.palette)
         axis.fit(max(run.position_m[-1] for run in (reality.planned, reality.actual)), roomy=False)
         speed, effort = DrivenSpeedChart(220, axis, self.palette), DrivenEffortChart(130, axis, self.palette)
         for chart in (speed, effort):
