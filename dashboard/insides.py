@@ -456,4 +456,8 @@ def tell_no_insides() -> None:
 def written_down(document: Document) -> tuple[dict[str, Any], Any]:
     """Return a document as plain values, and where its roots go in a page without a server."""
     docs, (item,) = standalone_docs_json_and_render_items(document)
+    # the library defines each component that the process has ever shown, with its texts, whatever the document holds
+    used = {getattr(kind, "__qualified_model__", "") for model in document.models for kind in type(model).__mro__}
+    for doc in docs.values():
+        doc["defs"] = [one for one in doc.get("defs", []) if one["name"] in used]
     return docs, item

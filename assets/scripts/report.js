@@ -3,11 +3,12 @@
   "use strict";
   const read = (id) => JSON.parse(document.getElementById(id).textContent);
   const data = read("data"), figures = read("figures");
-  await Bokeh.embed.embed_items(figures.docs, figures.items);
-  const bokeh = Bokeh.documents[Bokeh.documents.length - 1];
+  const charts = Object.entries(data.charts);
+  // a report without figures has no library to draw them
+  if (charts.length) { await Bokeh.embed.embed_items(figures.docs, figures.items); }
+  const bokeh = charts.length ? Bokeh.documents[Bokeh.documents.length - 1] : null;
   const model = (id) => bokeh.get_model_by_id(id);
   const view = (id) => Bokeh.index.find_one(model(id));
-  const charts = Object.entries(data.charts);
   const at = (id) => document.getElementById(id);
 
   // ---- colours
@@ -34,8 +35,9 @@
   // ---- phases, with as many words as have room
 
   const strip = data.charts.phases;
-  const bands = model(strip.sources.phases);
+  const bands = strip && model(strip.sources.phases);
   const drawPhases = () => {
+    if (!strip) return;
     const frame = view(strip.figure);
     const range = model(strip.figure).x_range;
     const scale = frame ? frame.frame.bbox.width / (range.end - range.start) : 0.5;
@@ -57,6 +59,7 @@
 
   const NARROW_PX = 480, NAME_PX = 112;
   const fitNames = () => {
+    if (!strip) return;
     const frame = view(strip.figure)?.frame.bbox.width ?? 0;
     if (frame <= 0) return;
     const wide = frame >= NARROW_PX;
@@ -90,12 +93,14 @@
     at("shown").textContent = run.shown;
     at("numbers").innerHTML = run.numbers;
     at("advice").innerHTML = run.advice;
-    at("account").innerHTML = run.account;
-    at("phases").innerHTML = run.table;
-    const {largest, ...columns} = run.lines;
+    // these belong to a section that a report may lack
+    if (at("account")) { at("account").innerHTML = run.account; }
+    if (at("phases")) { at("phases").innerHTML = run.table; }
+    const {largest, ...lines} = run.lines;
+    const columns = {position: data.optima.position, ...lines};
     // at its own place of the slider a run has no lines of its own here: the figures show theirs again
     const draw = (id, moved) => { const start = keep(id); model(id).data = moved ? {...start, ...moved} : start; };
-    draw(data.optimum, run.lines.position && columns);
+    draw(data.optimum, run.lines.speed && columns);
     for (const [name, chart] of charts) {
       if (chart.sources.largest) { draw(chart.sources.largest, largest && {x: columns.position, y: largest}); }
       if (chart.sources.borders && name !== "line") {
@@ -128,7 +133,7 @@
 
   const PAPER_PX = 760;
   const settle = () => {
-    for (const root of Object.values(Bokeh.index)) { root.after_resize?.(); }
+    for (const root of charts.length ? Object.values(Bokeh.index) : []) { root.after_resize?.(); }
     for (const [, chart] of charts) {
       const figure = view(chart.figure);
       figure.canvas_view?.after_resize?.();

@@ -4,17 +4,23 @@
   const VIEW = {yaw: -0.72, pitch: 0.5}, TURN = 0.008, STEP = 0.12, FLAT = 0.05, STEEP = 1.5;
   const system = window.matchMedia("(prefers-color-scheme: dark)");
   const paper = window.matchMedia("print");
+  // as report.css sizes it on paper, where a page that is being printed has no widths of its own yet
+  const PAPER = {width: 620, height: 380, ratio: 2};
+  const BEFORE_FACES = 0.02; // so much nearer to the eye, lines and dots stand before the faces on which they lie
   const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(`--rj-${name}`).trim();
 
   const start = (canvas, surface) => {
     const {x, y, z} = surface;
     const finite = z.flat().filter((value) => value !== null);
     const low = Math.min(...finite), high = Math.max(...finite), height = Math.max(high - low, 1e-12);
-    const share = (values) => values.map((value) => (value - values[0]) / (values[values.length - 1] - values[0]) - 0.5);
+    const along = (values, value) => (value - values[0]) / (values[values.length - 1] - values[0]) - 0.5;
+    const share = (values) => values.map((value) => along(values, value));
     const u = share(x), v = share(y);
     const lift = (value) => 0.62 * ((value - low) / height - 0.5);
+    const on = ([a, b, c]) => [along(x, a), along(y, b), lift(c)];
+    const ridge = surface.line.map(on), dots = surface.points.map(on);
     const view = {...VIEW};
-    let waiting = false;
+    let waiting = false, prints = false;
 
     const shade = (value, scale) => {
       const place = ((value - low) / height) * (scale.length - 1), k = Math.min(Math.floor(place), scale.length - 2);
@@ -25,7 +31,8 @@
 
     const draw = () => {
       waiting = false;
-      const width = canvas.clientWidth, tall = canvas.clientHeight, ratio = window.devicePixelRatio || 1;
+      const width = prints ? PAPER.width : canvas.clientWidth, tall = prints ? PAPER.height : canvas.clientHeight;
+      const ratio = prints ? PAPER.ratio : window.devicePixelRatio || 1;
       if (!width) return;
       canvas.width = width * ratio;
       canvas.height = tall * ratio;
@@ -84,16 +91,38 @@
           const points = at.map(([i, j], k) => project(u[j], v[i], lift(values[k])));
           faces.push({
             points,
-            depth: points.reduce((sum, point) => sum + point[2], 0),
+            depth: points.reduce((sum, point) => sum + point[2], 0) / points.length,
             value: values.reduce((sum, value) => sum + value, 0) / 4,
           });
         }
       }
-      faces.sort((one, two) => two.depth - one.depth);
-      const dark = system.matches && !paper.matches && !document.documentElement.classList.contains("prints");
-      const scale = dark ? surface.scale.dark : surface.scale.light;
       const fine = faces.length > 400;
-      for (const {points, value} of faces) {
+      ridge.slice(1).forEach((end, k) => {
+        const points = [ridge[k], end].map((one) => project(...one));
+        faces.push({points, thick: 3, depth: (points[0][2] + points[1][2]) / 2 - BEFORE_FACES});
+      });
+      for (const dot of dots) {
+        const points = [project(...dot)];
+        faces.push({points, depth: points[0][2] - 2 * BEFORE_FACES});
+      }
+      faces.sort((one, two) => two.depth - one.depth);
+      const dark = system.matches && !paper.matches && !prints;
+      const scale = dark ? surface.scale.dark : surface.scale.light;
+      for (const {points, value, thick} of faces) {
+        if (thick) {
+          line(points, "#FFFFFF", thick);
+          continue;
+        }
+        if (points.length === 1) {
+          ink.beginPath();
+          ink.arc(...points[0].slice(0, 2), 5, 0, 2 * Math.PI);
+          ink.fillStyle = colour("accent");
+          ink.fill();
+          ink.strokeStyle = "#FFFFFF";
+          ink.lineWidth = 2;
+          ink.stroke();
+          continue;
+        }
         ink.fillStyle = shade(value, scale);
         ink.strokeStyle = fine ? ink.fillStyle : colour("surface");
         ink.lineWidth = fine ? 0.7 : 0.5;
@@ -136,8 +165,8 @@
     new ResizeObserver(redraw).observe(canvas);
     system.addEventListener("change", redraw);
     // paper does not wait for a frame
-    window.addEventListener("beforeprint", draw);
-    window.addEventListener("afterprint", redraw);
+    window.addEventListener("beforeprint", () => { prints = true; draw(); });
+    window.addEventListener("afterprint", () => { prints = false; redraw(); });
     draw();
   };
 

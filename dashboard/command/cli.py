@@ -7,6 +7,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
+from railjoule.dashboard.report.section_names import SECTION_TITLES
 from railjoule.dashboard.server.options import (
     DEFAULT_ADDRESS,
     DEFAULT_PORT,
@@ -154,7 +155,8 @@ def _call(options: argparse.Namespace) -> bool:
     elif options.command == "report":
         seconds = commands.parsed_seconds(options.prove_seconds)
         changes = commands.parsed_changes(options.set)
-        commands.report(options.file, changes, options.strategy, options.output, seconds, own)
+        contents = commands.report_contents(options.sections, options.author, options.note)
+        commands.report(options.file, changes, options.strategy, options.output, seconds, own, contents)
     else:
         file, words = _file_and_changes(options.file, options.set)
         changes = commands.parsed_changes(words)
@@ -200,6 +202,20 @@ def build_parser() -> argparse.ArgumentParser:
     report.add_argument("file", metavar="FILE", help="a scenario file, or the name of a scenario")
     report.add_argument("-o", "--output", metavar="OUT", required=True, help="OUT.html")
     report.add_argument("--strategy", metavar="S", help="whose results come first; default: the scenario's own")
+    report.add_argument(
+        "--sections",
+        metavar="NAME",
+        nargs="+",
+        action="extend",
+        default=[],
+        help=f"which sections it has: {', '.join(SECTION_TITLES)}; default: all",
+    )
+    report.add_argument("--author", metavar="NAME", default="", help="who has written it")
+    report.add_argument(
+        "--note",
+        metavar="TEXT_FILE",
+        help="a file with a note by the author: plain text, in which an empty line begins a new paragraph",
+    )
     _add_proof(report)
     _add_changes(report)
     _add_workspace(report)

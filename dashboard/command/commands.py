@@ -36,6 +36,8 @@ from railjoule.core.written import write_text, written
 from railjoule.dashboard.command import summary, terminal
 from railjoule.dashboard.keep.embedded import scenario_in_report
 from railjoule.dashboard.limits import limits as all_limits
+from railjoule.dashboard.report.contents import Contents
+from railjoule.dashboard.report.section_names import SECTION_TITLES
 
 if TYPE_CHECKING:
     import pandas
@@ -233,8 +235,9 @@ def report(
     target: str,
     prove_seconds: float | None = None,
     own: Workspace | None = None,
+    contents: Contents | None = None,
 ) -> None:
-    """Write everything there is to tell of a scenario as one file of HTML.
+    """Write what there is to tell of a scenario as one file of HTML, by default everything.
 
     Raises
     ------
@@ -247,11 +250,24 @@ def report(
         from railjoule.dashboard.report.document import report_html  # noqa: PLC0415
         from railjoule.dashboard.report.findings import ReportRequest, compute_findings  # noqa: PLC0415
     announce_compilation()
-    *_, findings = compute_findings(ReportRequest(scenario, prove_seconds=prove_seconds))
+    request = ReportRequest(scenario, prove_seconds=prove_seconds, contents=contents or Contents())
+    *_, findings = compute_findings(request)
     text = report_html(findings, datetime.now().astimezone())
     with failures_named(path):
         write_text(path, text)
     print(f"{shortened(str(path))}: {len(text.encode()) / 1e6:.1f} MB")
+
+
+def report_contents(sections: Sequence[str], author: str, note: str | None) -> Contents:
+    """Return what a report shall tell; all sections where none is named.
+
+    Raises
+    ------
+    RailjouleError
+        If the note cannot be read, or there can be no such report.
+    """
+    text = "" if note is None else read_text(Path(note)).strip()
+    return Contents(tuple(sections or SECTION_TITLES), author.strip(), text)
 
 
 def benchmark(output: Output) -> None:

@@ -1,4 +1,4 @@
-"""The button that makes a report, and its progress."""
+"""The button for a report, the form that it opens, and the progress."""
 
 from collections.abc import Callable
 from typing import Any
@@ -8,7 +8,9 @@ import panel_material_ui as pmui
 
 from railjoule.core import RailjouleError
 from railjoule.dashboard.browser.browser import Browser
-from railjoule.dashboard.parts.html import failure, html_pane
+from railjoule.dashboard.browser.messages import added_to
+from railjoule.dashboard.parts.html import failure, html_pane, stack
+from railjoule.dashboard.report.form import ReportForm, contents_of
 from railjoule.dashboard.report.model import ReportingModel
 
 NARROW_PX = 700
@@ -53,9 +55,12 @@ class ReportButton:
         )
         self.message = html_pane(visible=False, sizing_mode=None)
         self.message.stylesheets = [*self.message.stylesheets, MESSAGE_CSS]
-        self.parts = [self.progress, self.stop, self.button, self.small, self.message]
+        self.form = ReportForm(self._hear)
+        # empty until the form is asked for, as it would cost every page that opens
+        self.place = stack(sizing_mode=None, width=0)
+        self.parts = [self.progress, self.stop, self.button, self.small, self.message, self.place]
         for button in (self.button, self.small):
-            button.on_click(lambda _: model.param.trigger("wanted"))
+            button.on_click(self._open)
         self.stop.on_click(lambda _: model.param.trigger("unwanted"))
         model.param.watch(self._show, ["busy", "share"])
         model.param.watch(self._save, "text")
@@ -69,6 +74,29 @@ class ReportButton:
             self.progress.visible = self.stop.visible = busy
             self.button.visible = not busy and not narrow
             self.small.visible = not busy and narrow
+
+    def _open(self, *_: Any) -> None:
+        self.form.param.update(open=True, refusal="")
+        # last: what changes in one message before it is told where it stands, the browser does not know
+        if not self.place.objects:
+            with added_to(self.place):
+                self.place[:] = [self.form]
+
+    def _hear(self, message: dict[str, Any]) -> None:
+        if message.get("what") == "close":
+            self.form.open = False
+        elif message.get("what") == "make":
+            self._make(message)
+
+    def _make(self, message: dict[str, Any]) -> None:
+        """Ask for the report of a message, or tell why there is none."""
+        try:
+            self.model.contents = contents_of(message)
+        except RailjouleError as error:
+            self.form.refusal = str(error)
+            return
+        self.form.param.update(open=False, refusal="")
+        self.model.param.trigger("wanted")
 
     def _save(self, *_: Any) -> None:
         if self.model.text:

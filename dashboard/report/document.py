@@ -1,6 +1,8 @@
 """The report's file: sections, figures, style, Bokeh's own script once, the embedded scenario."""
 
-from collections.abc import Callable, Sequence
+import base64
+import hashlib
+from collections.abc import Callable, Iterable, Mapping
 from datetime import datetime
 from functools import cache
 from importlib.resources import files
@@ -33,19 +35,20 @@ from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.report import sections
 from railjoule.dashboard.report.figures import Figures
 from railjoule.dashboard.report.findings import Findings
+from railjoule.dashboard.report.section_names import SECTION_TITLES
 
-SECTIONS: Sequence[Callable[[Findings, Figures], Markup]] = (
-    sections.result,
-    sections.energy,
-    sections.pinned,
-    sections.trade_off,
-    sections.proof,
-    sections.reality,
-    sections.robustness,
-    sections.scenario,
-    sections.about_file,
-)
-"""What a report tells, in its order; a section without content returns an empty text."""
+SECTIONS: Mapping[str, Callable[[Findings, Figures], Markup]] = {
+    "result": sections.result,
+    "energy": sections.energy,
+    "pinned": sections.pinned,
+    "trade-off": sections.trade_off,
+    "proof": sections.proof,
+    "reality": sections.reality,
+    "robustness": sections.robustness,
+    "scenario": sections.scenario,
+    "file": sections.about_file,
+}
+"""What a report tells, by the names of `SECTION_TITLES`; a section without content returns an empty text."""
 
 
 def report_html(findings: Findings, made_at: datetime) -> str:
@@ -58,13 +61,17 @@ def report_html(findings: Findings, made_at: datetime) -> str:
     made_at : datetime
         When the report was made, with its time zone.
     """
-    scenario, run = findings.scenario, findings.run
+    scenario, run, contents = findings.scenario, findings.run, findings.contents
     figures = Figures(findings)
-    content = joined(make(findings, figures) for make in SECTIONS)
+    chosen = (SECTIONS[name](findings, figures) for name in SECTION_TITLES if contents.has(name))
+    # without figures, the library's two megabytes would draw nothing
+    charts = figures.handles()
+    library = [bokeh_script()] if charts else []
+    scripts = [Markup(text) for text in (*library, source("report"), source("surface"))]
     # assets/scripts/report.js reads these by their names
     data = {
         **figures.paints(),
-        "charts": figures.handles(),
+        "charts": charts,
         "optimum": figures.optimum,
         "spare": figures.spare_texts(),
         "distance": max(run.distance_m for run in findings.runs.runs.values()),
@@ -77,12 +84,14 @@ def report_html(findings: Findings, made_at: datetime) -> str:
         subtitle=words.subtitle(run.distance_m, scenario.vehicle.name, scenario.vehicle.load_factor),
         made_at=moment(made_at),
         css=Markup(report_css()),
-        content=content,
+        author=contents.author.strip(),
+        content=joined([sections.foreword(findings), *chosen]),
         scenario=Markup(embedded(format_scenario(scenario))),
         figures=figures.embedding(),
         data=data,
         surfaces={name: surface.data for name, surface in figures.surfaces.items()},
-        scripts=[Markup(text) for text in (bokeh_script(), source("report"), source("surface"))],
+        scripts=scripts,
+        policy=Markup(policy(scripts, draws=bool(charts))),
     )
 
 
@@ -94,6 +103,31 @@ def frame() -> Template:
     made.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
     template = files("railjoule.assets").joinpath("templates", "report.html").read_text(encoding="utf-8")
     return made.from_string(template)
+
+
+def policy(scripts: Iterable[str], draws: bool) -> str:
+    """Return what a browser may do for the file: run these scripts and no others, and ask for nothing.
+
+    Parameters
+    ----------
+    scripts : iterable of str
+        The scripts as they stand in their elements.
+    draws : bool
+        Whether Bokeh is among them, which makes functions of the texts that its models carry.
+    """
+    hashes = (base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in scripts)
+    allowed = " ".join([*(f"'sha256-{one}'" for one in hashes), *(["'unsafe-eval'"] if draws else [])])
+    return "; ".join(
+        [
+            "default-src 'none'",
+            f"script-src {allowed}",
+            "style-src 'unsafe-inline'",
+            "img-src data: blob:",
+            "font-src data:",
+            "base-uri 'none'",
+            "form-action 'none'",
+        ]
+    )
 
 
 def bokeh_script() -> str:
@@ -112,9 +146,9 @@ def moment(made_at: datetime) -> str:
 def optima_data(findings: Findings, figures: Figures) -> dict[str, Any]:
     """Return what moves with the travel time: of each optimum its lines, its phases and its texts."""
     optima = findings.optima
-    # a single one leaves the slider nowhere to go
-    if len(optima) < 2:
-        return {"own": 0, "runs": []}
+    # a single one leaves the slider nowhere to go, and the slider is the result's
+    if len(optima) < 2 or not findings.contents.has("result"):
+        return {"own": 0, "position": [], "runs": []}
     own = sections.own_index(findings)
     # at its own place of the slider the report shows what it has drawn
     moved = [findings.runs.runs["optimal"] if k == own else run for k, run in enumerate(optima)]
@@ -128,7 +162,10 @@ def optima_data(findings: Findings, figures: Figures) -> dict[str, Any]:
         }
         for k, (run, optimum, names) in enumerate(zip(shown, optima, figures.names_of(moved), strict=True))
     ]
-    return {"own": own, "runs": runs}
+    # the optima lie over one mesh: its nodes are written down once
+    positions = [run["lines"].pop(POSITION.name) for run in runs if run["lines"]]
+    assert all(position == positions[0] for position in positions)
+    return {"own": own, "position": positions[0], "runs": runs}
 
 
 def _texts(findings: Findings, run: Trajectory) -> dict[str, Any]:

@@ -4,7 +4,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
 from bokeh.document import Document
 
 from railjoule.core import Trajectory
@@ -32,8 +31,6 @@ from railjoule.dashboard.report.surfaces import surfaces_of
 
 WIDTH_PX = 640
 """Words are left out that have no room in figures of this width, about that of a printed page."""
-EXACT = np.float64
-"""Lines are written into the file with all their digits."""
 COLOUR_COLUMNS = ("colour", "fill", "ink")
 
 
@@ -55,10 +52,11 @@ class Figures:
         self.findings = findings
         self.palette = Palette(dark=False)
         self.surfaces = surfaces_of(findings)
+        has = findings.contents.has
         self.groups: dict[str, list[DistanceChart]] = {
-            "runs": self._run_charts(),
-            "frontier": self._frontier(),
-            "reality": self._reality(),
+            "runs": self._run_charts() if has("result") else [],
+            "frontier": self._frontier() if has("trade-off") else [],
+            "reality": self._reality() if has("reality") else [],
         }
         charts = [chart for group in self.groups.values() for chart in group]
         self.document = Document()
@@ -72,12 +70,13 @@ class Figures:
         # before the charts are drawn in other colours and over other times, which the file has as data
         self.docs, self.item = written_down(self.document)
         # the roots stand there in the order in which they were added
-        self.places = dict(zip(charts, self.item.to_json()["roots"].values(), strict=True))
+        # without figures there are no roots
+        self.places = dict(zip(charts, self.item.to_json().get("roots", {}).values(), strict=True))
 
     # ---- drawing
 
     def _run_charts(self) -> list[DistanceChart]:
-        axis, run = Axis(self.palette, EXACT), self.findings.run
+        axis, run = Axis(self.palette), self.findings.run
         common = (axis, self.palette)
         charts: list[SceneChart] = [
             SpeedChart(270, *common),
@@ -113,7 +112,6 @@ class Figures:
         findings = self.findings
         if len(findings.optima) < 2:
             return []
-        # not EXACT: the line of this chart is a source of its own, no column of a run
         axis = Axis(self.palette)
         chart = TimeChart(300, axis, self.palette)
         chart.build()
@@ -129,7 +127,7 @@ class Figures:
         reality = self.findings.reality
         if reality is None:
             return []
-        axis = Axis(self.palette, EXACT)
+        axis = Axis(self.palette)
         axis.fit(max(run.position_m[-1] for run in (reality.planned, reality.actual)), roomy=False)
         speed, effort = DrivenSpeedChart(220, axis, self.palette), DrivenEffortChart(130, axis, self.palette)
         for chart in (speed, effort):
@@ -227,8 +225,9 @@ class Figures:
 
     @property
     def optimum(self) -> str:
-        """The source of the optimum, whose columns all charts over the distance draw."""
-        return str(self.groups["runs"][0].axis.columns("optimal").source.id)
+        """The source of the optimum, whose columns all charts over the distance draw; empty without such charts."""
+        charts = self.groups["runs"]
+        return str(charts[0].axis.columns("optimal").source.id) if charts else ""
 
     def _lines(self, chart: DistanceChart) -> list[tuple[str, str]]:
         """Return source and column of all lines that a chart shows."""

@@ -1,7 +1,7 @@
 """Everything that a report tells: the runs, optima over other travel times, reality, the table of loads and errors."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from railjoule.core.studies.sensitivity import SensitivityTable, sensitivity_ste
 from railjoule.core.studies.tradeoff import coarsened, frontier_times
 from railjoule.core.trajectory import Bound
 from railjoule.dashboard.pages.trade_off.compute import EnocMap, compute_enoc_map
+from railjoule.dashboard.report.contents import Contents
 from railjoule.dashboard.work.refusals import named_refusals
 from railjoule.dashboard.work.runs import Runs, RunsRequest, compute_runs, tightened_runs
 
@@ -47,6 +48,8 @@ class ReportRequest:
         What its reader must know of the page that it comes from; empty where there is nothing.
     pinned : tuple of (str, Trajectory)
         Runs that stand beside those of the scenario, with their names.
+    contents : Contents
+        Which sections it shall have: what none of them tells is not computed.
     """
 
     scenario: Scenario
@@ -55,6 +58,7 @@ class ReportRequest:
     prove_seconds: float | None = None
     note: str = ""
     pinned: tuple[tuple[str, Trajectory], ...] = ()
+    contents: Contents = field(default_factory=Contents)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +85,7 @@ class Findings:
         ENOC's energy over travel time and acceleration time, where it takes the scenario.
     share : float
         How much of the work is done, 0 to 1.
-    note, pinned
+    note, pinned, contents
         As of the request.
     """
 
@@ -96,6 +100,7 @@ class Findings:
     share: float = RUNS_SHARE
     note: str = ""
     pinned: tuple[tuple[str, Trajectory], ...] = ()
+    contents: Contents = field(default_factory=Contents)
 
     @property
     def run(self) -> Trajectory:
@@ -116,21 +121,34 @@ def compute_findings(request: ReportRequest) -> Iterator[Findings]:
         scenario = scenario.with_(strategy=request.strategy)
     runs = compute_runs(RunsRequest(scenario, tuple(STRATEGIES)))
     runs = tightened_runs(runs, request.bound, request.prove_seconds)
-    findings = Findings(scenario, runs, enoc_map=compute_enoc_map(scenario), note=request.note, pinned=request.pinned)
+    contents = request.contents
+    enoc_map = compute_enoc_map(scenario) if contents.has("trade-off") else None
+    findings = Findings(scenario, runs, enoc_map=enoc_map, note=request.note, pinned=request.pinned, contents=contents)
     yield findings
-    # one by one, as the work can be stopped between two steps alone
-    for optima, share in _optima(findings):
-        findings = replace(findings, optima=optima, share=RUNS_SHARE + (OPTIMA_SHARE - RUNS_SHARE) * share)
+    # the slider of the result goes over them, too
+    if contents.has("result", "trade-off"):
+        # one by one, as the work can be stopped between two steps alone
+        for optima, share in _optima(findings):
+            findings = replace(findings, optima=optima, share=RUNS_SHARE + (OPTIMA_SHARE - RUNS_SHARE) * share)
+            yield findings
+    if contents.has("reality"):
+        try:
+            findings = replace(findings, reality=_reality(scenario), share=REALITY_SHARE)
+        # it costs this section, not the report
+        except RailjouleError as refusal:
+            findings = replace(findings, reality_refusal=str(refusal), share=REALITY_SHARE)
         yield findings
+    if contents.has("robustness"):
+        yield from _with_table(findings)
+    else:
+        yield replace(findings, share=1.0)
+
+
+def _with_table(findings: Findings) -> Iterator[Findings]:
+    """Yield findings with as much of the table of loads and errors as there is."""
     try:
-        findings = replace(findings, reality=_reality(scenario), share=REALITY_SHARE)
-    # it costs this section, not the report
-    except RailjouleError as refusal:
-        findings = replace(findings, reality_refusal=str(refusal), share=REALITY_SHARE)
-    yield findings
-    try:
-        with named_refusals(scenario):
-            for table in sensitivity_steps(scenario):
+        with named_refusals(findings.scenario):
+            for table in sensitivity_steps(findings.scenario):
                 done = table.done / table.energy_kwh.size
                 findings = replace(findings, table=table, share=REALITY_SHARE + (1 - REALITY_SHARE) * done)
                 yield findings

@@ -20,6 +20,7 @@ from railjoule.dashboard.pages.motor.view import held_words, parts_table, run_fi
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.report.figures import Figures, Plot
 from railjoule.dashboard.report.findings import Findings
+from railjoule.dashboard.report.section_names import SECTION_TITLES
 from railjoule.dashboard.report.tables import scenario_tables
 
 PACKAGES = ("railjoule", "numpy", "scipy", "numba", "bokeh")
@@ -81,6 +82,18 @@ def note(sentence: str) -> Markup:
     return parts.note_paragraphs([sentence])
 
 
+# ---- before all others
+
+
+def foreword(findings: Findings) -> Markup:
+    """Return the author's note, and what a reader must know of the page that the report comes from."""
+    paragraphs = joined(markup("<p>{}</p>", paragraph) for paragraph in findings.contents.paragraphs)
+    told = markup('<p class="message">{}</p>', findings.note) if findings.note else Markup()
+    if not paragraphs:
+        return told
+    return told + section("note", "Note by the author", markup('<div class="prose author">{}</div>', paragraphs))
+
+
 # ---- result
 
 
@@ -89,8 +102,7 @@ def result(findings: Findings, figures: Figures) -> Markup:
     run = findings.run
     return section(
         "result",
-        "Result",
-        markup('<p class="message">{}</p>', findings.note) if findings.note else "",
+        SECTION_TITLES["result"],
         markup('<p id="shown" role="status">{}</p>', shown_words(run)),
         slider(findings),
         markup('<div id="numbers">{}</div>', numbers(findings, run)),
@@ -150,7 +162,7 @@ def energy(findings: Findings, figures: Figures) -> Markup:
         parts.runs_table(findings.runs, run.strategy, ()),
         parts.phase_table(run),
     )
-    return section("energy", "Energy, runs and phases", columns)
+    return section("energy", SECTION_TITLES["energy"], columns)
 
 
 def pinned(findings: Findings, figures: Figures) -> Markup:
@@ -166,7 +178,7 @@ def pinned(findings: Findings, figures: Figures) -> Markup:
     measured = any(one.strategy == MEASURED for _, one in findings.pinned)
     return section(
         "pinned",
-        "Pinned runs",
+        SECTION_TITLES["pinned"],
         parts.table("Pinned runs beside the first run", head, rows),
         note(OF_MEASURED) if measured else "",
     )
@@ -188,7 +200,7 @@ def trade_off(findings: Findings, figures: Figures) -> Markup:
     optima = findings.optima
     if len(optima) < 2:
         reason = findings.runs.refused.get("optimal", "there is no optimum over other times")
-        return section("trade-off", "Energy and time", note(f"No frontier: {reason}"))
+        return section("trade-off", SECTION_TITLES["trade-off"], note(f"No frontier: {reason}"))
     chosen = np.unique(np.append(np.linspace(0, len(optima) - 1, FRONTIER_ROWS).astype(int), own_index(findings)))
     rows = [
         (
@@ -208,7 +220,7 @@ def trade_off(findings: Findings, figures: Figures) -> Markup:
     cells = int(np.count_nonzero(np.diff(optima[0].position_m)))
     return section(
         "trade-off",
-        "Energy and time",
+        SECTION_TITLES["trade-off"],
         plots(figures, "frontier"),
         parts.table("Optima", head, rows),
         note(f"{len(optima)} optima over a mesh of {words.number(cells, 0)} cells."),
@@ -233,7 +245,9 @@ def proof(findings: Findings, figures: Figures) -> Markup:
     refusals = listed(words.about(names[name], reason) for name, reason in runs.refused.items())
     told = markup("<h3>Notes of the strategies</h3>{}", notes) if notes else ""
     refused = markup("<h3>Strategies that refused</h3>{}", refusals) if refusals else ""
-    return section("proof", "What is proven", markup('<div class="prose">{}{}{}</div>', certified, told, refused))
+    return section(
+        "proof", SECTION_TITLES["proof"], markup('<div class="prose">{}{}{}</div>', certified, told, refused)
+    )
 
 
 def certificate(findings: Findings) -> list[str]:
@@ -305,7 +319,7 @@ def reality(findings: Findings, figures: Figures) -> Markup:
 
 def robustness(findings: Findings, figures: Figures) -> Markup:
     """Return what a wrong load and a wrong place cost."""
-    title = "What a wrong load and a position error cost"
+    title = SECTION_TITLES["robustness"]
     if findings.table is None:
         return section("robustness", title, note(findings.table_refusal))
     return section("robustness", title, sensitivity_table(findings.table), surface_element(figures, "costs"))
@@ -339,7 +353,7 @@ def sensitivity_table(found: SensitivityTable) -> Markup:
 def scenario(findings: Findings, figures: Figures) -> Markup:
     """Return the scenario as tables."""
     tables = markup('<div class="columns narrow">{}</div>', scenario_tables(findings.scenario))
-    return section("scenario-tables", "Scenario", tables)
+    return section("scenario-tables", SECTION_TITLES["scenario"], tables)
 
 
 def about_file(findings: Findings, figures: Figures) -> Markup:
@@ -348,7 +362,7 @@ def about_file(findings: Findings, figures: Figures) -> Markup:
         '<details><summary>The scenario as TOML</summary><pre tabindex="0">{}</pre></details>',
         format_scenario(findings.scenario),
     )
-    return section("file", "About this file", ABOUT, versions_table(), toml)
+    return section("file", SECTION_TITLES["file"], ABOUT, versions_table(), toml)
 
 
 def versions_table() -> Markup:

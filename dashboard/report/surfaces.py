@@ -1,11 +1,12 @@
 """The surfaces of a report: what they show, and their places; a script of its own draws and turns them."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
+from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
 from railjoule.core.studies.sensitivity import SensitivityTable
 from railjoule.dashboard.charts.surface import CIVIDIS, TALLEST, round_step
@@ -18,6 +19,10 @@ from railjoule.dashboard.report.findings import Findings
 TICKS, CORNER_SHARE = 5, 0.06
 MOST_NODES = 40
 """Along an axis: a finer surface looks the same, and the file has all its numbers."""
+
+
+def _none() -> FloatArray:
+    return np.empty((0, 3))
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +45,8 @@ class Surface:
         Write a number of an axis, and a height.
     scale : mapping
         Colours from low to high, by theme.
+    line, points : array of shape (n, 3)
+        Places on the surface that are joined by a line, and such that stand alone: x, y and height of each.
     """
 
     name: str
@@ -50,6 +57,8 @@ class Surface:
     titles: tuple[str, str]
     show: tuple[Callable[[float], str], Callable[[float], str]]
     scale: Mapping[ThemeName, Sequence[str]]
+    line: FloatArray = field(default_factory=_none)
+    points: FloatArray = field(default_factory=_none)
 
     @property
     def element(self) -> Markup:
@@ -80,6 +89,8 @@ class Surface:
                 "y": _ticks(float(self.y[0]), float(self.y[-1]), across),
                 "z": _ticks(low, high, up),
             },
+            "line": self.line.tolist(),
+            "points": self.points.tolist(),
             "scale": {theme: list(colours) for theme, colours in self.scale.items()},
         }
 
@@ -96,21 +107,36 @@ def _ticks(low: float, high: float, show: Callable[[float], str]) -> list[tuple[
     return [(share, show(value)) for share, value in ticks]
 
 
-def enoc_surface(found: EnocMap) -> Surface:
-    """Return ENOC's energy over travel time and acceleration time."""
+def enoc_surface(found: EnocMap, run: Trajectory | None = None) -> Surface:
+    """Return ENOC's energy over travel time and acceleration time, with its valley and the place of ENOC's run."""
     rows, columns = (_thinned(len(axis)) for axis in (found.acceleration_time_s, found.travel_time_s))
     energy = found.energy_kwh[np.ix_(rows, columns)]
-    energy = np.where(energy > TALLEST * np.nanmin(energy), np.nan, energy)
+    top = TALLEST * np.nanmin(energy)
+    energy = np.where(energy > top, np.nan, energy)
+    valley = np.column_stack([found.travel_time_s, found.best_acceleration_s, found.best_energy_kwh])
+    # its first phase is the ramp
+    place = [] if run is None else [[run.travel_time_s, run.phases[0].end_s, run.energy_kwh]]
+    caption = "ENOC: energy, kWh, over travel time and acceleration time; line: the best acceleration time"
     return Surface(
         "enoc",
-        "ENOC: energy, kWh, over travel time and acceleration time",
+        f"{caption}; dot: its run" if place else caption,
         found.travel_time_s[columns],
         found.acceleration_time_s[rows],
         energy,
         ("Travel time, s", "Acceleration time, s"),
         (lambda value: words.number(value, 0), words.energy),
         {"light": CIVIDIS, "dark": CIVIDIS},
+        _inside(valley, found, top),
+        _inside(np.reshape(place, (-1, 3)), found, top),
     )
+
+
+def _inside(places: FloatArray, found: EnocMap, top: float) -> FloatArray:
+    """Return those places that lie on the map, beneath the height at which it is cut."""
+    kept = places[:, 2] <= top
+    for column, axis in enumerate((found.travel_time_s, found.acceleration_time_s)):
+        kept &= (places[:, column] >= axis[0]) & (places[:, column] <= axis[-1])
+    return places[kept]
 
 
 def cost_surface(table: SensitivityTable) -> Surface | None:
@@ -136,6 +162,7 @@ def _thinned(count: int) -> FloatArray:
 
 def surfaces_of(findings: Findings) -> dict[str, Surface]:
     """Return the surfaces that a report shows, by the names of their places."""
-    found = [enoc_surface(findings.enoc_map)] if findings.enoc_map is not None else []
+    run = findings.runs.runs.get("enoc")
+    found = [enoc_surface(findings.enoc_map, run)] if findings.enoc_map is not None else []
     costs = cost_surface(findings.table) if findings.table is not None else None
     return {surface.name: surface for surface in [*found, *([costs] if costs else [])]}

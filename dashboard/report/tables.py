@@ -168,5 +168,9 @@ def _rows_table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]]) 
     if not rows:
         return Markup()
     left_out = len(rows) - MOST_ROWS
-    more = markup('<p class="note">{} more rows in the scenario below.</p>', left_out) if left_out > 0 else Markup()
+    more = (
+        markup('<p class="note">{} more rows in the scenario that this file carries.</p>', left_out)
+        if left_out > 0
+        else Markup()
+    )
     return table(title, head, ((row, False) for row in rows[:MOST_ROWS])) + more

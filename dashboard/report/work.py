@@ -46,7 +46,7 @@ def file_name(title: str) -> str:
 def _note(recipe: Recipe) -> str:
     """Return what a report says of a page whose numbers no scenario gives."""
     told = recipe.untold and recipe.program.of_scenario
-    return f"{recipe.untold} The numbers of this report are those of the scenario below." if told else ""
+    return f"{recipe.untold} The numbers of this report are those of its scenario." if told else ""
 
 
 class Reporting(PageWork[ReportingModel]):
@@ -81,6 +81,7 @@ class Reporting(PageWork[ReportingModel]):
                 bound=known.bound if known is not None else None,
                 note=_note(recipe),
                 pinned=tuple((pin.name, pin.trajectory) for pin in self.state.pins),
+                contents=self.model.contents,
             )
         except RailjouleError as error:
             self.take_failure(error)

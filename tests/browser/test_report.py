@@ -10,15 +10,21 @@ from playwright.sync_api import Browser, Page, expect
 
 from browser.findings import grave_findings
 from browser.user import User
-from railjoule.core import load_scenario
+from railjoule.core import Scenario, load_scenario
 from railjoule.core.scenario import parse_scenario
 from railjoule.dashboard.keep.embedded import scenario_in_report
 from railjoule.dashboard.look.tokens import DARK, LIGHT
+from railjoule.dashboard.report.contents import Contents
 from railjoule.dashboard.report.document import report_html
 from railjoule.dashboard.report.findings import ReportRequest, compute_findings
 
 CANARY = "<img src=x onerror='window.pwned=true'></script><script>window.pwned=true</script>"
 MOST_PAGES = 8
+PAPER_PX = 695
+"""Of A4, what the margins leave: 184 mm of 96 px an inch."""
+BEYOND = """width => [...document.querySelectorAll("main *, header *")]
+  .filter(element => element.checkVisibility() && element.getBoundingClientRect().right > width + 1)
+  .map(element => element.outerHTML.slice(0, 80))"""
 COLOURS_OF = """canvas => {
   const {data} = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
   const found = new Set();
@@ -42,8 +48,14 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
         "timetable.travel_time_s": 230.0,
         "disturbance.coordinate_error_m": 8.0,
     }
-    *_, findings = compute_findings(ReportRequest(load_scenario("metro-with-limit", changes)))
-    path = tmp_path_factory.mktemp("report") / "report.html"
+    contents = Contents(author=CANARY, note=f"{CANARY}\n\n{'x' * 300}")
+    return written(tmp_path_factory.mktemp("report"), load_scenario("metro-with-limit", changes), contents)
+
+
+def written(folder: Path, scenario: Scenario, contents: Contents) -> Path:
+    """Return the file of a report."""
+    *_, findings = compute_findings(ReportRequest(scenario, contents=contents))
+    path = folder / "report.html"
     path.write_text(report_html(findings, datetime(2026, 3, 9, 14, 5, tzinfo=UTC)), encoding="utf-8")
     return path
 
@@ -86,6 +98,30 @@ def reader(request: pytest.FixtureRequest, chromium: Browser, file: Path) -> Ite
 def test_texts_of_users_stay_texts(reader: Reader) -> None:
     expect(reader.page.get_by_role("heading", level=1, name=CANARY)).to_be_visible()
     expect(reader.page.get_by_role("cell", name=CANARY)).to_be_visible()
+    expect(reader.page.get_by_role("banner")).to_contain_text(f"by {CANARY}")
+    expect(reader.page.get_by_role("region", name="Note by the author")).to_contain_text(CANARY)
+
+
+def test_scripts_that_others_have_put_into_the_file_do_not_run(chromium: Browser, file: Path, tmp_path: Path) -> None:
+    changed = tmp_path / "changed.html"
+    bad = "<script>window.pwned = 1</script><img src=x onerror='window.pwned = 2'>"
+    changed.write_text(file.read_text(encoding="utf-8").replace("<main>", f"<main>{bad}"), encoding="utf-8")
+    context = chromium.new_context(offline=True)
+    someone = Reader(context.new_page(), changed)
+    assert someone.page.evaluate("window.pwned") is None
+    refused = [trouble for trouble in someone.troubles if "Content Security Policy" in trouble]
+    assert len(refused) >= 2
+    context.close()
+
+
+def test_a_report_without_figures_opens_and_prints(chromium: Browser, tmp_path: Path) -> None:
+    path = written(tmp_path, load_scenario("liashenko-0"), Contents(("proof", "robustness", "scenario")))
+    context = chromium.new_context(offline=True)
+    someone = Reader(context.new_page(), path)
+    expect(someone.page.get_by_role("region", name="What is proven")).to_be_visible()
+    assert someone.page.pdf().startswith(b"%PDF")
+    assert someone.troubles == []
+    context.close()
 
 
 def test_the_slider_moves_numbers_words_and_figures(reader: Reader) -> None:
@@ -160,10 +196,66 @@ def test_paper_is_light_and_short(reader: Reader) -> None:
     assert DARK["optimal"] not in colours
 
 
+def test_nothing_lies_beyond_the_paper(reader: Reader) -> None:
+    page = reader.page
+    page.set_viewport_size({"width": PAPER_PX, "height": 900})
+    page.emulate_media(media="print")
+    page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+    assert page.locator(".paper canvas").first.is_visible()
+    assert page.evaluate(BEYOND, PAPER_PX) == []
+    assert page.evaluate("document.documentElement.scrollWidth") <= PAPER_PX
+    page.evaluate("window.dispatchEvent(new Event('afterprint'))")
+    page.emulate_media(media="screen")
+    page.set_viewport_size({"width": 1280, "height": 900})
+
+
+def test_a_surface_is_printed_in_its_own_proportions(reader: Reader) -> None:
+    page, surface = reader.page, reader.page.locator("canvas[data-surface=costs]")
+    page.emulate_media(media="print")
+    page.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+    drawn, shown = surface.evaluate("one => [one.width / one.height, one.clientWidth / one.clientHeight]")
+    assert drawn == pytest.approx(shown, rel=1e-3)
+    page.evaluate("window.dispatchEvent(new Event('afterprint'))")
+    page.emulate_media(media="screen")
+
+
+def test_the_form_is_used_by_keyboard(user: User, tmp_path: Path) -> None:
+    page = user.page
+    page.get_by_role("button", name="Report", exact=True).focus()
+    page.keyboard.press("Enter")
+    form = page.get_by_role("dialog", name="Report")
+    expect(form.get_by_role("button", name="Make the report")).to_be_focused()
+    assert grave_findings(page) == {}
+    page.keyboard.press("Escape")
+    expect(form).not_to_be_visible()
+    expect(page.get_by_role("button", name="Report", exact=True)).to_be_focused()
+    page.keyboard.press("Enter")
+    expect(form).to_be_visible()
+    for box in form.get_by_role("checkbox").all():
+        box.press("Space")
+    form.get_by_role("button", name="Make the report").press("Enter")
+    expect(form.get_by_role("alert")).to_contain_text("a report has at least one of result, energy")
+    form.get_by_role("checkbox", name="What is proven").press("Space")
+    form.get_by_role("textbox", name="Author").fill("A. Author")
+    form.get_by_role("textbox", name="Note").fill("x" * 2001)
+    expect(form.get_by_text("2001 of 2000 characters")).to_be_visible()
+    form.get_by_role("textbox", name="Author").press("Enter")
+    expect(form.get_by_role("alert")).to_have_text("note: has 2,001 characters, at most 2,000 are allowed.")
+    form.get_by_role("textbox", name="Note").fill("One\n\nTwo")
+    with page.expect_download() as saved:
+        form.get_by_role("button", name="Make the report").press("Enter")
+    expect(form).not_to_be_visible()
+    saved.value.save_as(tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert re.findall(r'<section id="([\w-]+)"', text) == ["note", "proof"]
+    assert "<p>One</p><p>Two</p>" in text
+
+
 def test_the_button_makes_a_report_of_what_is_in_sight(user: User, tmp_path: Path) -> None:
     user.type("Travel time, s", "181.5")
     with user.page.expect_download() as saved:
         user.page.get_by_role("button", name="Report", exact=True).click()
+        user.page.get_by_role("button", name="Make the report").click()
     assert saved.value.suggested_filename == "railjoule-metro-profile-ii-i.html"
     path = tmp_path / "report.html"
     saved.value.save_as(path)

@@ -250,6 +250,12 @@ def test_a_document_is_written_down_with_its_roots() -> None:
     docs, item = written_down(document)
     assert len(docs) == 1
     assert list(item.to_json()["roots"]) == [root.id]
+    # the process has defined dozens of components by now, none of which stands in this document
+    assert [doc["defs"] for doc in docs.values()] == [[]]
+    drawn = Document()
+    drawn.add_root(pmui.Button(label="here").get_root())
+    docs, _ = written_down(drawn)
+    assert "Button1" in {one["name"] for doc in docs.values() for one in doc["defs"]}
 
 
 @pytest.mark.parametrize("library", [bokeh, pn, pmui])

@@ -1,6 +1,7 @@
 import gc
 import json
 import os
+import re
 import runpy
 import socket
 import subprocess
@@ -592,6 +593,12 @@ def test_a_bad_change(capsys, change, words):
         (["report", "liashenko-ii"], "the following arguments are required: -o/--output"),
         (["report", "liashenko-ii", "-o", "x.txt"], "must end in .html or .htm"),
         (["report", "nowhere", "-o", "x.html"], "nowhere: there is no such file"),
+        (
+            ["report", "liashenko-ii", "-o", "x.html", "--sections", "prof"],
+            "sections: 'prof' is no section of a report;",
+        ),
+        (["report", "liashenko-ii", "-o", "x.html", "--note", "no.txt"], "no.txt: there is no such file"),
+        (["report", "liashenko-ii", "-o", "x.html", "--author", "x" * 101], "author: has 101 characters, at most 100"),
         (["report", "liashenko-ii", "-o", "x.html", "--strategy", "best"], "strategy = 'best' must be 'optimal'"),
         (["study", "storage", "liashenko-ii", "-o", "x.nc"], "invalid choice: 'storage'"),
         (["study", "sensitivity", "liashenko-ii", "-o", "x.txt"], "must end in .nc or .csv or .parquet"),
@@ -780,6 +787,18 @@ def test_a_report_is_one_file_that_is_a_scenario_too(capsys, tmp_path):
     assert (result["title"], result["strategy"]) == ("night", "fastest")
     expected = solve(load_scenario("liashenko-ii", {"vehicle.load_factor": 0.3}), "fastest")
     assert result["energy_kwh"] == expected.energy_kwh
+
+
+def test_a_report_of_chosen_sections_with_author_and_note(capsys, tmp_path):
+    (tmp_path / "note.txt").write_bytes("One <b>\r\n\r\nZw\u00f6lf\n".encode())
+    words = ["--sections", "scenario", "proof", "--author", "A. & B.", "--note", str(tmp_path / "note.txt")]
+    answer(capsys, "report", "liashenko-0", "-o", str(tmp_path / "x.html"), *words)
+    text = (tmp_path / "x.html").read_text(encoding="utf-8")
+    assert re.findall(r'<section id="([\w-]+)"', text) == ["note", "proof", "scenario-tables"]
+    assert "<p>One &lt;b&gt;</p><p>Zw\u00f6lf</p>" in text
+    assert ", by A. &amp; B.</p>" in text
+    (tmp_path / "note.txt").write_text("x" * 2001)
+    assert "note: has 2,001 characters" in complaint(capsys, "report", "liashenko-0", "-o", "y.html", *words)
 
 
 def full_disk(_):

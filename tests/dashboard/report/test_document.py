@@ -1,5 +1,8 @@
+import base64
+import hashlib
 import json
 import re
+from dataclasses import replace
 from datetime import UTC, datetime
 from html.parser import HTMLParser
 
@@ -9,14 +12,18 @@ from railjoule.core import load_scenario, solve
 from railjoule.core.scenario import parse_scenario
 from railjoule.dashboard.keep.embedded import scenario_in_report
 from railjoule.dashboard.look import words
-from railjoule.dashboard.report.document import report_html
+from railjoule.dashboard.report.contents import Contents
+from railjoule.dashboard.report.document import SECTIONS, report_html
 from railjoule.dashboard.report.findings import Findings, ReportRequest, compute_findings
+from railjoule.dashboard.report.section_names import SECTION_TITLES
 from railjoule.dashboard.report.sections import certificate
 
 MADE_AT = datetime(2026, 3, 9, 14, 5, tzinfo=UTC)
 CANARY = "</style></script></title><img src=x onerror='window.pwned=true'>\"&"
-LARGEST_BYTES = 10_000_000
+LARGEST_BYTES = 5_000_000
 """The issue's bar."""
+FIGURES_BYTES = 1_000_000
+"""Bokeh's script alone has more."""
 
 
 def request(changes: dict[str, object] | None = None) -> ReportRequest:
@@ -133,6 +140,62 @@ def test_a_run_that_is_not_the_optimum_names_its_distance() -> None:
     findings = next(compute_findings(request({"strategy": "bellman"})))
     # 7.81 kWh and a share of 7e-9 more, as `railjoule compare metro-with-limit` has it
     assert certificate(findings)[1] == "Bellman needs 7.81 kWh, 0.00 % above the optimum of 7.81 kWh."
+
+
+# ---- what is asked for
+
+
+def headings(page: str) -> list[str]:
+    return re.findall(r"<h2 id=\"[\w-]+-title\">([^<]+)</h2>", page)
+
+
+def chosen(findings: Findings, *sections: str, **texts: str) -> str:
+    return report_html(replace(findings, contents=Contents(sections, **texts)), MADE_AT)
+
+
+def test_every_section_that_can_be_chosen_is_made() -> None:
+    assert SECTIONS.keys() == SECTION_TITLES.keys()
+
+
+def test_the_sections_that_are_chosen_stand_in_the_report_s_order(page: str, findings: Findings) -> None:
+    assert headings(chosen(findings, "scenario", "proof")) == ["What is proven", "Scenario"]
+    # this scenario is disturbed and has no pinned runs
+    titles = {**SECTION_TITLES, "reality": "Under the disturbance"}
+    assert headings(page) == [title for name, title in titles.items() if name != "pinned"]
+
+
+@pytest.mark.parametrize("section", SECTION_TITLES)
+def test_each_section_stands_alone(findings: Findings, section: str) -> None:
+    made = chosen(findings, section)
+    assert len(headings(made)) == (section != "pinned")
+    has_figures = section in {"result", "trade-off", "reality"}
+    assert bool(data(made)["charts"]) == has_figures
+    assert (len(made.encode()) > FIGURES_BYTES) == has_figures
+    assert parse_scenario(scenario_in_report(made, "report.html")) == findings.scenario
+
+
+def test_author_and_note_are_texts(page: str, findings: Findings) -> None:
+    made = without_scripts(chosen(findings, "file", author=CANARY, note=f"{CANARY}\nOne\n\nTwo"))
+    assert "<img" not in made
+    assert ", by &lt;/style&gt;" in made
+    assert "&#x27;window.pwned=true&#x27;&gt;&quot;&amp;\nOne</p><p>Two</p>" in made
+    assert headings(made) == ["Note by the author", "About this file"]
+    assert "Note by the author" not in page
+    assert re.search("UTC<.p><.header>", page)
+
+
+def test_a_browser_may_run_the_report_s_own_scripts_alone(page: str, findings: Findings) -> None:
+    for made, draws in ((page, True), (chosen(findings, "proof", note=CANARY), False)):
+        policy = re.search(r'<meta http-equiv="Content-Security-Policy" content="([^"]+)">', made)
+        assert policy is not None
+        rules = dict(rule.split(" ", 1) for rule in policy[1].split("; "))
+        assert rules["default-src"] == "'none'"
+        scripts = re.findall(r"<script>(.*?)</script>", made, re.DOTALL)
+        hashes = [base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in scripts]
+        # Bokeh makes functions of texts
+        library = ["'unsafe-eval'"] if draws else []
+        assert rules["script-src"].split() == [*(f"'sha256-{one}'" for one in hashes), *library]
+        assert made.index("Content-Security-Policy") < made.index("<title>")
 
 
 def test_a_run_in_closed_loop_has_its_section_and_its_machine() -> None:

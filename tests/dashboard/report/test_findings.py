@@ -7,6 +7,7 @@ from railjoule.core import TimetableError, load_scenario, solve
 from railjoule.core.simulate.disturbances import DisturbedRun
 from railjoule.core.simulate.following import Following
 from railjoule.core.strategies import STRATEGIES
+from railjoule.dashboard.report.contents import Contents
 from railjoule.dashboard.report.findings import OPTIMA_COUNT, Findings, ReportRequest, compute_findings
 
 
@@ -74,3 +75,19 @@ def test_a_report_tells_the_bound_that_is_known_or_proves_as_much_as_the_command
     assert own.bound is usual.bound
     known = replace(usual.bound, energy_j=usual.bound.energy_j + 1.0)
     assert next(compute_findings(ReportRequest(scenario, bound=known))).runs.best.bound is known
+
+
+def test_what_no_section_tells_is_not_computed() -> None:
+    scenario = load_scenario("ftorek-300s", {"disturbance.actual_load_factor": 1.0})
+
+    def told(*sections: str) -> tuple[bool, ...]:
+        steps = list(compute_findings(ReportRequest(scenario, contents=Contents(sections))))
+        assert steps[-1].share == 1.0
+        last = steps[-1]
+        return (bool(last.optima), last.enoc_map is not None, last.reality is not None, last.table is not None)
+
+    assert told("proof", "scenario", "energy", "file", "pinned") == (False, False, False, False)
+    assert told("result") == (True, False, False, False)
+    assert told("trade-off") == (True, True, False, False)
+    assert told("reality") == (False, False, True, False)
+    assert told("robustness") == (False, False, False, True)

@@ -3,7 +3,7 @@ import json
 import numpy as np
 import pytest
 
-from railjoule.core import load_scenario
+from railjoule.core import load_scenario, solve
 from railjoule.core.studies.sensitivity import sensitivity
 from railjoule.dashboard.pages.trade_off.compute import compute_enoc_map
 from railjoule.dashboard.report.surfaces import MOST_NODES, cost_surface, enoc_surface
@@ -22,6 +22,22 @@ def test_the_surface_of_enoc_has_the_map_s_own_numbers(enoc):
     row = int(np.flatnonzero(enoc.acceleration_time_s == data["y"][3])[0])
     column = int(np.flatnonzero(enoc.travel_time_s == data["x"][5])[0])
     assert data["z"][3][5] == pytest.approx(enoc.energy_kwh[row, column], rel=1e-4)
+
+
+def test_valley_and_run_lie_on_the_surface_of_enoc(enoc):
+    run = solve(load_scenario("ftorek-300s"), "enoc")
+    surface = enoc_surface(enoc, run)
+    assert "dot: its run" in surface.element
+    [place] = surface.data["points"]
+    assert place == pytest.approx([run.travel_time_s, 31.0, run.energy_kwh], rel=2e-3)  # 31.0 s: the run's own note
+    # the run has the best acceleration time, so it lies in the valley
+    line = np.array(surface.data["line"])
+    assert place[1] == pytest.approx(np.interp(place[0], line[:, 0], line[:, 1]), rel=2e-3)
+    assert place[2] == pytest.approx(np.interp(place[0], line[:, 0], line[:, 2]), rel=2e-3)
+    # beneath the cut alone, and no lower than the surface is anywhere at its travel time
+    assert line[:, 2].max() <= np.nanmax(surface.z)
+    assert np.all(np.diff(line[:, 0]) > 0)
+    assert enoc_surface(enoc).data["points"] == []
 
 
 def test_ticks_are_round_and_keep_clear_of_the_corners(enoc):

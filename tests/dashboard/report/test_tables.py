@@ -63,7 +63,7 @@ def test_choices_are_told_in_words() -> None:
 def test_a_long_table_says_how_much_it_leaves_out() -> None:
     sections = [{"length_m": 20.0}] * (MOST_ROWS + 7)
     markup = scenario_tables(load_scenario("liashenko-0", {"line.preset": None, "line.sections": sections}))
-    assert "7 more rows in the scenario below." in markup
+    assert "7 more rows in the scenario that this file carries." in markup
 
 
 def test_what_goes_as_planned_is_not_told() -> None:

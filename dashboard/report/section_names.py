@@ -1,0 +1,19 @@
+"""The sections that a report can have; without imports, as the command line names them in its help."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+SECTION_TITLES: Mapping[str, str] = MappingProxyType(
+    {
+        "result": "Result",
+        "energy": "Energy, runs and phases",
+        "pinned": "Pinned runs",
+        "trade-off": "Energy and time",
+        "proof": "What is proven",
+        "reality": "Actual run",
+        "robustness": "What a wrong load and a position error cost",
+        "scenario": "Scenario",
+        "file": "About this file",
+    }
+)
+"""The titles of all sections by their names, in the order of the report."""
