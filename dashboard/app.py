@@ -4,6 +4,7 @@ import gc
 import socket
 import time
 from collections.abc import Callable, MutableSequence
+from pathlib import Path
 from typing import Any
 
 import panel as pn
@@ -22,6 +23,7 @@ from railjoule.dashboard.insides import (
     PageAnswer,
     PageConnection,
     application_of,
+    collect_garbage_seldom,
     count_no_events,
     exchange,
     first_html,
@@ -46,7 +48,7 @@ from railjoule.dashboard.server.handed import take_handed
 from railjoule.dashboard.server.health import HealthHandler, ReadyHandler
 from railjoule.dashboard.server.kept_files import KeptFileHandler
 from railjoule.dashboard.server.logs import keep_quiet, warn_without_login, write_down
-from railjoule.dashboard.server.metrics import MetricsHandler
+from railjoule.dashboard.server.metrics import MetricsHandler, Telling
 from railjoule.dashboard.server.not_found import NotFoundHandler
 from railjoule.dashboard.server.offered_files import OfferedFileHandler
 from railjoule.dashboard.server.opening import TOKEN, Opening, PageHandler, PageSocket
@@ -58,6 +60,7 @@ from railjoule.dashboard.state.files import serve_files_of
 from railjoule.dashboard.state.plan_work import Plans
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work import events
+from railjoule.dashboard.work.offered import OFFERED
 from railjoule.dashboard.work.warmup import Reached, warmup
 
 pn.extension("plotly", notifications=False, exception_handler=handle)
@@ -72,7 +75,7 @@ settings.perform_error_diagnostics = False
 POLL_MS = 300
 COMPRESSION_LEVEL = 4
 """Of what pages are sent: a sixth of the bytes for 3 ms of the processor a page; higher levels hardly save more."""
-TELL_MS = 100
+TELL_MS, COUNTS_MS = 100, 2000
 """How often one of several processes tells the others how many pages it has."""
 LOOK_MS = 3000
 """How often a page looks at My files, which others may change too."""
@@ -228,6 +231,7 @@ def serve_handed(
     number: int,
     channel: socket.socket,
     shared: MutableSequence[int],
+    folder: Path,
 ) -> None:
     """Serve in one of several processes, on connections that another one takes, until that one is gone.
 
@@ -243,14 +247,19 @@ def serve_handed(
         On which it is handed connections, as `railjoule.dashboard.server.front` does.
     shared : mutable sequence of int
         Where all processes tell how many pages they have, as `Places` takes it.
+    folder : Path
+        Where all of them keep files that browsers fetch, and what they count.
     """
     serve_files_of(workspace)
     write_down()
+    OFFERED.share(folder)
     warmup().start()
     server = make_server(options, shared=shared, number=number)
     take = taking(server)
     server.io_loop.add_handler(channel, lambda *_: take_handed(channel, take, server.io_loop.stop), IOLoop.READ)
     server.io_loop.add_callback(channel.send, SERVES)
+    telling = Telling(folder, number)
+    TornadoCallback(telling.tell, COUNTS_MS).start()
     run(server)
 
 
@@ -294,7 +303,8 @@ def make_server(
     )
     if not listens:
         listen_no_more(server)
-    opening = Opening(first_html(server, empty_page(), TOKEN), lambda: places.has_one)
+    first = first_html(server, empty_page(), TOKEN)
+    opening = Opening(first, lambda: places.has_one, events.TALLY.someone_waits)
     places = Places(options.sessions, lambda: (open_pages(server), opening.awaited), shared, number)
     exchange(
         server,
@@ -323,6 +333,7 @@ def prepare() -> None:
     # or Python looks for garbage in all that stays until the end, again and again: half a second of all pages each time
     gc.collect()
     gc.freeze()
+    collect_garbage_seldom()
 
 
 def open_pages(server: Server) -> int:

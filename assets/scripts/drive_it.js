@@ -4,146 +4,16 @@ import {life_of, make, redraw_on} from "./dom.js";
 import {
   BRAKE, COAST, POWER, net_energy, next_speed2, nothing_yet, read, with_cell, written,
 } from "./driving.js";
+import {
+  KMH_PER_MS, clock_of, energy_bars, figures_of, kwh_of, link_button, pressing, table_of, with_sign,
+} from "./played.js";
+import {figure_on} from "./speed_figure.js";
 
-const TRIES = 3, RATES = [1, 4, 10], J_PER_KWH = 3.6e6, KMH_PER_MS = 3.6;
+const TRIES = 3, RATES = [1, 4, 10];
 // a tab out of sight gets no frames: its clock stands still meanwhile
 const LONGEST_FRAME_S = 0.1;
 const KEYS = {ArrowUp: POWER, ArrowRight: COAST, " ": COAST, ArrowDown: BRAKE};
-const INKS = ["surface", "ink", "ink2", "ink3", "line", "line2", "ground", "limit", "accent", "brake", "coast", "full_power", "overline", "over"];
-const PARTS = [
-  ["motion", "Motion", "accent"], ["height", "Height", "ink3"], ["resistance", "Resistance", "groundline"],
-  ["losses", "Losses", "costbar"], ["returned", "Returned", "good"], ["drawn", "Drawn from the supply", "ink"],
-];
-// what is rounded to zero has no sign
-const figures_of = (value, digits) => value.toFixed(digits).replace(/^-(?=0\.?0*$)/, "").replace("-", "\u2212");
-const kwh_of = (joules) => figures_of(joules / J_PER_KWH, 2);
-const clock_of = (seconds) => {
-  const tenths = Math.round(10 * Math.max(seconds, 0)), rest = tenths % 600;
-  return `${Math.floor(tenths / 600)}:${String(Math.floor(rest / 10)).padStart(2, "0")}.${rest % 10}`;
-};
 const arrival_words = (late_s) => `${figures_of(Math.abs(late_s), 1)} s ${late_s > 0.05 ? "late" : "early"}`;
-
-// --- the figure
-
-// Speed over distance with limit and commands, the height of the track, and later the optimum with the difference.
-const figure_on = (canvas, course) => {
-  const {position, limit, gradient, length} = course, end = position.at(-1);
-  const heights = [0];
-  // per newton of weight: only the shape is drawn
-  gradient.forEach((force, i) => heights.push(heights[i] + force * length[i]));
-  const [low, high] = [Math.min(...heights), Math.max(...heights)];
-  const top = 1.15 * Math.max(...limit);
-  let ink = {};
-  const recolour = () => {
-    const style = getComputedStyle(canvas);
-    ink = Object.fromEntries(INKS.map((name) => [name, style.getPropertyValue(`--rj-${name.replace("_", "-")}`).trim()]));
-  };
-  const draw = ({speeds, commands, at, speed, verdict}) => {
-    const ratio = window.devicePixelRatio || 1, wide = canvas.clientWidth, tall = canvas.clientHeight;
-    if (!wide) { return; }
-    if (canvas.width !== Math.round(wide * ratio)) { canvas.width = Math.round(wide * ratio); }
-    if (canvas.height !== Math.round(tall * ratio)) { canvas.height = Math.round(tall * ratio); }
-    const pen = canvas.getContext("2d");
-    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-    pen.clearRect(0, 0, wide, tall);
-    const left = 34, right = wide - 8, bottom = 0.6 * tall, strip = bottom + 8, track = bottom + 52, floor = tall - 22;
-    const x_of = (place) => left + ((right - left) * place) / end;
-    const y_of = (ms) => bottom - ((bottom - 20) * ms) / top;
-    const text = (words, x, y, colour, align = "left") => {
-      pen.fillStyle = colour;
-      pen.textAlign = align;
-      pen.fillText(words, x, y);
-    };
-    const line = (xs, ys, colour, thick) => {
-      pen.strokeStyle = colour;
-      pen.lineWidth = thick;
-      pen.beginPath();
-      for (let i = 0; i < ys.length; i++) { pen.lineTo(xs(i), ys[i]); }
-      pen.stroke();
-    };
-    pen.font = "11px Inter, sans-serif";
-    text("Speed, km/h", left, 11, ink.ink2);
-    for (let kmh = 0; kmh < top * KMH_PER_MS; kmh += 20) {
-      const y = y_of(kmh / KMH_PER_MS);
-      line((i) => [left, right][i], [y, y], ink.line, 1);
-      text(String(kmh), left - 6, y + 4, ink.ink3, "right");
-    }
-    // what lies above the limit, and its edge
-    pen.fillStyle = ink.ground;
-    pen.strokeStyle = ink.limit;
-    pen.lineWidth = 1.2;
-    pen.beginPath();
-    limit.forEach((ms, i) => { pen.lineTo(x_of(position[i]), y_of(ms)); pen.lineTo(x_of(position[i + 1]), y_of(ms)); });
-    pen.stroke();
-    pen.lineTo(right, 16);
-    pen.lineTo(left, 16);
-    pen.globalAlpha = 0.5;
-    pen.fill();
-    pen.globalAlpha = 1;
-    let before = null;
-    limit.forEach((ms, i) => {
-      if (ms !== before) { text(`limit ${Math.round(ms * KMH_PER_MS)}`, x_of(position[i]) + 4, y_of(ms) - 4, ink.limit); }
-      before = ms;
-    });
-    // commands so far
-    const fills = [ink.full_power, ink.coast, ink.brake];
-    pen.fillStyle = ink.line;
-    pen.fillRect(left, strip + 8, right - left, 2);
-    for (let i = 0; i < commands.length; i++) {
-      pen.fillStyle = fills[commands[i]];
-      pen.fillRect(x_of(position[i]), strip, x_of(position[i + 1]) - x_of(position[i]) + 0.5, 18);
-    }
-    if (verdict) {
-      const above = verdict.above_kwh, most = Math.max(...above, 0.01), least = Math.min(...above, 0);
-      const level = (kwh) => floor - ((floor - track - 6) * (kwh - least)) / (most - least);
-      text("You above the best possible so far, kWh", left, track - 4, ink.ink2);
-      pen.fillStyle = ink.over;
-      pen.beginPath();
-      pen.moveTo(left, level(0));
-      above.forEach((kwh, i) => pen.lineTo(x_of(position[i]), level(kwh)));
-      pen.lineTo(right, level(0));
-      pen.fill();
-      line((i) => x_of(position[i]), above.map(level), ink.overline, 1.4);
-      text(`+${figures_of(above.at(-1), 2)}`, right, track - 4, ink.overline, "right");
-      line((i) => x_of(position[i]), verdict.best_ms.map(y_of), ink.accent, 2.6);
-    } else {
-      const level = (joule) => floor - ((floor - track - 14) * (joule - low)) / Math.max(high - low, 1);
-      text("Track, height", left, track - 4, ink.ink2);
-      pen.fillStyle = ink.ground;
-      pen.beginPath();
-      pen.moveTo(left, floor);
-      heights.forEach((joule, i) => pen.lineTo(x_of(position[i]), level(joule)));
-      pen.lineTo(right, floor);
-      pen.fill();
-      let node = position.findIndex((place) => place >= at);
-      if (node < 0) { node = position.length - 1; }
-      pen.fillStyle = ink.ink;
-      pen.fillRect(Math.max(x_of(at) - 26, left), level(heights[node]) - 8, 26, 7);
-    }
-    line((i) => x_of(position[i]), speeds.map(y_of), ink.ink, 1.8);
-    if (verdict?.parting) {
-      const x = x_of(verdict.parting.position);
-      pen.setLineDash([2, 3]);
-      line((i) => [x, x][i], [20, floor], ink.accent, 1);
-      pen.setLineDash([]);
-      pen.fillStyle = ink.accent;
-      pen.beginPath();
-      pen.arc(x, y_of(verdict.best_ms[verdict.parting.node]), 5, 0, 7);
-      pen.fill();
-    } else if (!verdict) {
-      line((i) => [x_of(at), x_of(at)][i], [20, floor], ink.line2, 1);
-      pen.fillStyle = ink.ink;
-      pen.beginPath();
-      pen.arc(x_of(at), y_of(speed), 5, 0, 7);
-      pen.fill();
-      const turned = x_of(at) > right - 70;
-      text(`${figures_of(speed * KMH_PER_MS, 1)} km/h`, x_of(at) + (turned ? -9 : 9), y_of(speed) - 8, ink.ink, turned ? "right" : "left");
-    }
-    for (let place = 0; place <= end; place += 500) { text(String(place), x_of(place), tall - 6, ink.ink3, place ? "center" : "left"); }
-    text("m", right, tall - 6, ink.ink3, "right");
-  };
-  return {draw, recolour};
-};
 
 // --- a train on its way
 
@@ -188,20 +58,10 @@ const journey = (course) => {
 // --- the lesson
 
 export function render({model}) {
-  const signal = life_of(model), root = make("section", {class: "drive-it", "aria-label": "Drive it"});
+  const signal = life_of(model), root = make("section", {class: "played drive-it", "aria-label": "Drive it"});
   const canvas = make("canvas", {role: "img", "aria-label": "Speed over distance, your commands and the track"});
   const told = make("p", {role: "status"}), clock = make("b"), used = make("b"), clock_note = make("small"), best_note = make("small");
-  const bars = make("div", {class: "bars"}), fills = {}, values = {};
-  for (const [name, label, colour] of PARTS) {
-    fills[name] = make("i", {style: `background: var(--rj-${colour})`});
-    values[name] = make("span");
-    bars.append(make("span", {}, label), make("div", {}, fills[name]), values[name]);
-  }
-  const button = (label, act, name = "") => {
-    const made = make("button", {type: "button", class: name || null}, label);
-    made.addEventListener("click", act, {signal});
-    return made;
-  };
+  const {bars, show: show_bars} = energy_bars(), button = pressing(signal);
   let course = null, figure = null, trip = null, command = COAST, rate = RATES[0], driving = false, replayed = null;
   let verdict = null, last = 0, frames = [], asked = false;
   const tries = [];
@@ -239,12 +99,7 @@ export function render({model}) {
     clock_note.textContent = trip.state.arrived ? `timetable ${clock_of(model.timetable_s)}`
       : `timetable ${clock_of(model.timetable_s)}; ${Math.round(to_go)} m to go` +
         (left > 0 ? `, ${Math.round((to_go / left) * KMH_PER_MS)} km/h on average needed` : ", late");
-    const widest = Math.max(sum.drawn, Math.abs(sum.height), 1);
-    for (const [name] of PARTS) {
-      fills[name].style.width = `${(100 * Math.abs(sum[name])) / widest}%`;
-      fills[name].classList.toggle("less", sum[name] < -1);
-      values[name].textContent = kwh_of(sum[name]);
-    }
+    show_bars(sum);
   };
   const frame = (time) => {
     if (!driving || !root.isConnected) { driving = false; return; }
@@ -319,25 +174,19 @@ export function render({model}) {
     const words = make("p", {}, make("span", {class: verdict.proven ? "proven" : ""}, verdict.proven ? "\u2713 proven" : "not proven"),
       verdict.counts ? ` \u00b7 ${figures_of(more, 2)} kWh more than needed (+${figures_of(share, 0)} %), ${arrival_words(verdict.late_s)}. Blue is the best possible run, black is yours.`
         : ` \u00b7 on time, nobody can use less than ${figures_of(verdict.bound_kwh, 2)} kWh. Blue is the best possible run, black is yours.`);
-    const rows = tries.map((one, k) => make("tr", {class: one === best ? "best" : null}, make("td", {}, String(k + 1)),
-      make("td", {}, figures_of(one.kwh, 2)), make("td", {}, `+${figures_of(100 * (one.kwh / one.bound_kwh - 1), 0)} %`),
-      make("td", {class: one.counts ? "" : "late"}, arrival_words(one.late_s))));
-    const head = make("tr", {}, ...["Try", "kWh", "above the bound", "arrived"].map((word) => make("th", {scope: "col"}, word)));
-    const lost = verdict.rows.map(([name, kwh]) => make("tr", {}, make("td", {}, name), make("td", {}, `${kwh < 0 ? "" : "+"}${figures_of(kwh, 2)}`)));
-    const left = TRIES - tries.length, copied = make("span", {role: "status"});
-    const buttons = make("div", {class: "row"}, button("Open in the workbench", () => model.send_msg({what: "open"}), "main"));
-    if (left) { buttons.prepend(button(`Drive again (${left} left)`, () => { begin(); commands[0].focus(); })); }
-    buttons.prepend(button("Watch your run", () => watch(verdict.commands)), button("Copy replay link", async () => {
-      // the page's own address holds the run
-      try {
-        await navigator.clipboard.writeText(window.location.href);
-        copied.textContent = "Copied.";
-      } catch { copied.textContent = "Copy the address of this page: it holds the run."; }
-    }), copied);
+    const rows = tries.map((one, k) => ({name: one === best ? "best" : null, cells: [
+      String(k + 1), figures_of(one.kwh, 2), `+${figures_of(100 * (one.kwh / one.bound_kwh - 1), 0)} %`,
+      make("span", {class: one.counts ? null : "late"}, arrival_words(one.late_s)),
+    ]}));
+    const left = TRIES - tries.length;
+    const buttons = make("div", {class: "row"}, button("Watch your run", () => watch(verdict.commands)),
+      ...link_button(button, "Copy replay link"));
+    if (left) { buttons.append(button(`Drive again (${left} left)`, () => { begin(); commands[0].focus(); })); }
+    buttons.append(button("Open in the workbench", () => model.send_msg({what: "open"}), "main"));
     const parting = verdict.parting ? make("p", {}, make("b", {}, verdict.parting.here), " ", verdict.parting.there) : "";
     result.replaceChildren(outcome, words, parting, make("div", {class: "stage"},
-      make("div", {}, make("h3", {}, "Your tries"), make("table", {}, head, ...rows)),
-      make("div", {}, make("h3", {}, "Where it went, kWh against the best possible"), make("table", {}, ...lost))), buttons);
+      make("div", {}, make("h3", {}, "Your tries"), table_of(["Try", "kWh", "above the bound", "arrived"], rows)),
+      make("div", {}, make("h3", {}, "Where it went, kWh against the best possible"), table_of([], verdict.rows.map(([name, kwh]) => ({cells: [name, with_sign(kwh, 2)]}))))), buttons);
     result.hidden = false;
     picture();
     outcome.focus();

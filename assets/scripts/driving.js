@@ -83,14 +83,68 @@ export const with_cell = (course, sum, i, from2, to2, share = 1) => {
 
 export const net_energy = (sum) => sum.drawn - sum.returned + sum.auxiliary;
 
-// A whole run at once: squares of speed at the nodes and the account after each cell.
-export const drive = (course, commands) => {
-  const speed2 = [course.entering2], sums = [nothing_yet()];
-  course.length.forEach((_, i) => {
-    speed2.push(next_speed2(course, i, speed2[i], commands[i]));
-    sums.push(with_cell(course, sums[i], i, speed2[i], speed2[i + 1]));
-  });
+// A whole run: squares of speed at the nodes and the account after each cell.
+const accounted = (course, speed2) => {
+  const sums = [nothing_yet()];
+  course.length.forEach((_, i) => { sums.push(with_cell(course, sums[i], i, speed2[i], speed2[i + 1])); });
   return {speed2, sums};
+};
+export const drive = (course, commands) => {
+  const speed2 = [course.entering2];
+  course.length.forEach((_, i) => { speed2.push(next_speed2(course, i, speed2[i], commands[i])); });
+  return accounted(course, speed2);
+};
+
+// --- a run that is drawn: core/simulate/drawn, with the passes of core/motion/passes
+
+const HALVINGS = 60;
+// The force at the wheels [N] that leads from one square of speed to another in a cell; braking is negative.
+export const force_between = (course, i, from2, to2) => {
+  const v = Math.max(0.5 * (Math.sqrt(from2) + Math.sqrt(to2)), NEARLY_AT_REST);
+  const resistance = course.constant[i] + course.linear * v + course.quadratic[i] * 0.5 * (from2 + to2);
+  return (course.half_inertia / course.length[i]) * (to2 - from2) + resistance;
+};
+
+// Whether full effort leads from the known square of speed to another, or full braking from the other to the known one.
+const can = (course, i, known, other, braking) => {
+  const v = Math.max(0.5 * (Math.sqrt(known) + Math.sqrt(other)), NEARLY_AT_REST);
+  return braking ? -force_between(course, i, other, known) <= course.friction + largest_effort(course.braking, v)
+    : force_between(course, i, known, other) <= largest_effort(course.traction, v);
+};
+
+const greatest = (course, i, known, bound, braking) => {
+  if (can(course, i, known, bound, braking)) { return bound; }
+  let low = 0, high = bound;
+  for (let k = 0; k < HALVINGS; k++) {
+    const middle = 0.5 * (low + high);
+    if (can(course, i, known, middle, braking)) { low = middle; } else { high = middle; }
+  }
+  return low;
+};
+
+// The fastest run beneath a speed [m/s] that is drawn at each node.
+export const drive_drawn = (course, drawn) => {
+  const {length, highest2, pace2, most_acceleration, most_deceleration} = course, cells = length.length;
+  const speed2 = drawn.map((speed, i) => Math.min(Math.max(speed * speed, pace2), highest2[i]));
+  speed2[0] = Math.min(course.entering2, speed2[0]);
+  for (let i = 0; i < cells; i++) {
+    const most = speed2[i] + 2 * (most_acceleration ?? Infinity) * length[i];
+    speed2[i + 1] = greatest(course, i, speed2[i], Math.min(speed2[i + 1], most), false);
+  }
+  for (let i = cells - 1; i >= 0; i--) {
+    const most = speed2[i + 1] + 2 * (most_deceleration ?? Infinity) * length[i];
+    speed2[i] = greatest(course, i, speed2[i + 1], Math.min(speed2[i], most), true);
+  }
+  return accounted(course, speed2);
+};
+
+// A speed between points that stand at even distances.
+export const between_points = (course, points) => {
+  const end = course.position.at(-1), steps = points.length - 1;
+  return course.position.map((place) => {
+    const along = (steps * place) / end, k = Math.min(Math.floor(along), steps - 1);
+    return points[k] + (along - k) * (points[k + 1] - points[k]);
+  });
 };
 
 // Commands as a text that fits into a link, such as p0c45b600: a letter, and the cell from which it holds.

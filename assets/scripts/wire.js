@@ -22,8 +22,9 @@
   };
   const since = () => Math.min(...asked.values());
 
-  // Fields that were changed, by their names in the page's address, until the server has taken note of them. A page that
-  // is opened anew at the same address changes them once more.
+  // Fields that were changed, by their names in the page's address, and what was typed into the editor, by the keys of
+  // its fields and cells, until the server has taken note of them. A page that is opened anew at the same address
+  // changes them once more.
   const changes = new Map();
   let gone = false, timer = null;
   const where = () => location.search + location.hash;

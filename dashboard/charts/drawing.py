@@ -16,9 +16,11 @@ from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.browser.messages import added_to, unfrozen
 from railjoule.dashboard.charts.chart import Chart
 from railjoule.dashboard.faults import Faults
+from railjoule.dashboard.work import events
 
 AT_FIRST = 4
 """So many charts are drawn before the browser has told which are in sight."""
+LONGEST_WAIT_S, LATER_MS = 0.5, 20
 
 
 class DrawingQueue:
@@ -77,9 +79,13 @@ class DrawingQueue:
         document = pn.state.curdoc or self._document
         if document is None:
             return
-        if self._next_in_sight() is not None:
+        if (chart := self._next_in_sight()) is not None:
             self._called = True
-            document.add_next_tick_callback(self._draw_next)
+            # a page that opens lets those go first that wait for the answer to a move
+            if not chart.is_drawn and events.TALLY.someone_waits(LONGEST_WAIT_S):
+                document.add_timeout_callback(self._draw_next, LATER_MS)
+            else:
+                document.add_next_tick_callback(self._draw_next)
         elif self._next_out_of_sight() is not None:
             self._called = True
             self.browser.when_idle(self._draw_next)

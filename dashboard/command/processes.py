@@ -8,6 +8,7 @@ import socket
 from collections.abc import MutableSequence
 from functools import partial
 from multiprocessing.process import BaseProcess
+from pathlib import Path
 
 from railjoule.core.workspace import Workspace
 from railjoule.dashboard.server.front import Front
@@ -15,6 +16,7 @@ from railjoule.dashboard.server.logs import warn_without_login, write_down
 from railjoule.dashboard.server.options import ServerOptions
 from railjoule.dashboard.server.places import NUMBERS
 from railjoule.dashboard.work.kernel_parts import ALL, is_done
+from railjoule.dashboard.work.offered import new_folder
 
 # a fork would copy the threads' locks without the threads
 CONTEXT = multiprocessing.get_context("spawn")
@@ -31,7 +33,7 @@ def serve_in_processes(options: ServerOptions, own: Workspace | None) -> None:
     write_down()
     warn_without_login(options)
     shared: MutableSequence[int] = CONTEXT.RawArray("i", NUMBERS * options.processes)
-    front = Front(options, partial(_started, options, own), shared, lambda: is_done(ALL))
+    front = Front(options, partial(_started, options, own, new_folder()), shared, lambda: is_done(ALL))
     print(f"Launching {options.processes} processes at http://{options.address}:{options.port}{options.prefix}")
     ended_by = asyncio.run(front.run())
     if ended_by == signal.SIGINT:
@@ -42,15 +44,25 @@ def serve_in_processes(options: ServerOptions, own: Workspace | None) -> None:
 
 
 def _started(
-    options: ServerOptions, own: Workspace | None, number: int, channel: socket.socket, shared: MutableSequence[int]
+    options: ServerOptions,
+    own: Workspace | None,
+    folder: Path,
+    number: int,
+    channel: socket.socket,
+    shared: MutableSequence[int],
 ) -> BaseProcess:
-    process = CONTEXT.Process(target=_serve, args=(options, own, number, channel, shared), daemon=False)
+    process = CONTEXT.Process(target=_serve, args=(options, own, number, channel, shared, folder), daemon=False)
     process.start()
     return process
 
 
 def _serve(
-    options: ServerOptions, own: Workspace | None, number: int, channel: socket.socket, shared: MutableSequence[int]
+    options: ServerOptions,
+    own: Workspace | None,
+    number: int,
+    channel: socket.socket,
+    shared: MutableSequence[int],
+    folder: Path,
 ) -> None:
     """Serve in a process of its own what it is handed."""
     # the terminal sends it to all; the process before them ends the others
@@ -60,4 +72,4 @@ def _serve(
     warmup().start()
     from railjoule.dashboard import app  # noqa: PLC0415
 
-    app.serve_handed(options, own, number, channel, shared)
+    app.serve_handed(options, own, number, channel, shared, folder)

@@ -216,6 +216,7 @@ class Group:
         refusal: Refusal | None = self.editor.refused.get(table.key)
         beyond = len(rows) - MOST_ROWS
         return {
+            "key": table.key,
             "label": table.label,
             "help": table.help,
             "columns": [

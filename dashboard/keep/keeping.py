@@ -139,11 +139,15 @@ class Keeping(param.Parameterized):
         def take() -> None:
             refusals = []
             known = {key: (model, field) for key, model, field in fields_of(self.state)}
-            for key in known.keys() & changes.keys():
+            # in their order: a cell may have been typed into twice
+            for key, text in changes.items():
                 try:
-                    set_from_text(*known[key], str(changes[key]))
-                except (RailjouleError, ValueError) as refusal:
-                    refusals.append(f"{key} = {short(changes[key])}: {refusal}")
+                    if key in known:
+                        set_from_text(*known[key], str(text))
+                    elif refusal := self.state.editor.take_typed(key, str(text)):
+                        refusals.append(refusal)
+                except (RailjouleError, ValueError) as error:
+                    refusals.append(f"{key} = {short(text)}: {error}")
             if refusals:
                 self.tell(f"What was changed while the server was away is not all kept: {' '.join(refusals)}")
 

@@ -71,9 +71,9 @@ def editor_css() -> str:
 
 
 @cache
-def drive_it_css() -> str:
-    """Return the style sheet of the lesson that is driven."""
-    return (ASSETS / "css" / "drive_it.css").read_text(encoding="utf-8")
+def played_css() -> str:
+    """Return the style sheet of the lessons that are played."""
+    return (ASSETS / "css" / "played.css").read_text(encoding="utf-8")
 
 
 @cache

@@ -1,6 +1,11 @@
-"""Counts of this process for programs that watch it, in the text format of Prometheus."""
+"""Counts of a server for programs that watch it, in the text format of Prometheus."""
 
-from collections.abc import Iterator
+import json
+import os
+from collections.abc import Iterator, Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
 
 from tornado.web import RequestHandler
 
@@ -15,34 +20,104 @@ except ImportError:
 else:
 
     class Counts(Collector):
-        """The counts of `TALLY`, as they are when somebody asks."""
+        """The counts of all processes, each under its number."""
 
         def collect(self) -> Iterator[Metric]:
-            """Yield sessions, queue, pieces of work, and how long they kept pages waiting."""
-            yield GaugeMetricFamily("railjoule_sessions", "Pages that are open.", TALLY.sessions)
-            yield GaugeMetricFamily("railjoule_queue", "Pieces of work that wait or are under way.", TALLY.queued)
+            """Yield sessions, queue, pieces of work, how long they kept pages waiting, and what the system tells."""
+            told = all_counts()
+            sessions = GaugeMetricFamily("railjoule_sessions", "Pages that are open.", labels=("process",))
+            queue = GaugeMetricFamily(
+                "railjoule_queue", "Pieces of work that wait or are under way.", labels=("process",)
+            )
             work = CounterMetricFamily(
-                "railjoule_work", "Pieces of work done; compute_runs are moves.", labels=("work", "outcome")
+                "railjoule_work", "Pieces of work done; compute_runs are moves.", labels=("process", "work", "outcome")
             )
-            for labels, count in sorted(TALLY.counts.items()):
-                work.add_metric(labels, count)
-            yield work
             waits = GaugeMetricFamily(
-                "railjoule_wait_p95_seconds", "Wait that 95 % of the last pieces of work kept.", labels=("work",)
+                "railjoule_wait_p95_seconds", "Wait that 95 % of the last pieces kept.", labels=("process", "work")
             )
-            for name, duration_s in sorted(TALLY.percentiles_s(PERCENTILE).items()):
-                waits.add_metric((name,), duration_s)
-            yield waits
+            for number, counts in told.items():
+                sessions.add_metric((number,), counts["sessions"])
+                queue.add_metric((number,), counts["queue"])
+                for name, outcome, count in counts["work"]:
+                    work.add_metric((number, name, outcome), count)
+                for name, duration_s in counts["waits"]:
+                    waits.add_metric((number, name), duration_s)
+            yield from (sessions, queue, work, waits, *_of_the_system(told))
+
+    def _of_the_system(told: Mapping[str, Mapping[str, Any]]) -> Iterator[Metric]:
+        """Yield memory, processor time and files of each process, where its system tells them."""
+        for metric in SYSTEM.collect():
+            found, name = Metric(metric.name, metric.documentation, metric.type), metric.samples[0].name
+            for number, counts in told.items():
+                if name in counts["system"]:
+                    found.add_sample(name, {"process": number}, counts["system"][name])
+            yield found
 
     # one of its own: libraries may count what they like in that of the process
     REGISTRY = CollectorRegistry()
     REGISTRY.register(Counts())
-    # memory and processor time, where the system tells them
-    ProcessCollector(registry=REGISTRY)
+    SYSTEM = ProcessCollector(registry=None)
 
 PERCENTILE = 0.95
 NOT_IMPLEMENTED = 501
 WITHOUT = "Metrics need the package prometheus_client: pip install 'railjoule[metrics]'.\n"
+ALONE = 0
+FILES = "counts-{}.json"
+
+
+class Telling:
+    """Where the processes of a server tell each other what they count: any of them may be asked for the counts of all.
+
+    Parameters
+    ----------
+    folder : Path
+        One of them all.
+    number : int
+        Which of them this is, from 0 on.
+    """
+
+    here: "Telling | None" = None
+    """That of this process, where there are others."""
+
+    def __init__(self, folder: Path, number: int) -> None:
+        self._folder, self.number = folder, number
+        Telling.here = self
+
+    def tell(self) -> None:
+        """Tell the others what this process has counted."""
+        own = self._folder / FILES.format(self.number)
+        new = own.with_suffix(".new")
+        # a full disk is told where something is lost by it
+        with suppress(OSError):
+            new.write_text(json.dumps(own_counts()), encoding="utf-8")
+            os.replace(new, own)
+
+    def others(self) -> Iterator[tuple[int, dict[str, Any]]]:
+        """Yield what the others have told last, with their numbers."""
+        for path in sorted(self._folder.glob(FILES.format("*"))):
+            number = int(path.stem.rpartition("-")[2])
+            if number != self.number:
+                yield number, json.loads(path.read_text(encoding="utf-8"))
+
+
+def own_counts() -> dict[str, Any]:
+    """Return what this process has counted, as plain values."""
+    metrics = () if REGISTRY is None else SYSTEM.collect()
+    return {
+        "sessions": TALLY.sessions,
+        "queue": TALLY.queued,
+        "work": sorted((*labels, count) for labels, count in TALLY.counts.items()),
+        "waits": sorted(TALLY.percentiles_s(PERCENTILE).items()),
+        "system": {sample.name: sample.value for metric in metrics for sample in metric.samples},
+    }
+
+
+def all_counts() -> dict[str, Mapping[str, Any]]:
+    """Return what each process has counted, by its number from 1 on."""
+    here = Telling.here
+    if here is None:
+        return {str(ALONE + 1): own_counts()}
+    return {str(number + 1): counts for number, counts in sorted([(here.number, own_counts()), *here.others()])}
 
 
 class MetricsHandler(RequestHandler):

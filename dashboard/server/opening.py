@@ -13,6 +13,9 @@ from collections import deque
 from collections.abc import AsyncIterator, Callable
 from typing import Any
 
+from bokeh.protocol.exceptions import ProtocolError
+from tornado.web import HTTPError
+
 from railjoule.dashboard.insides import (
     PageAnswer,
     PageConnection,
@@ -30,11 +33,15 @@ OPENS_WITHIN_S = 5.0
 """A page whose connection has not come by then is taken for one that was left."""
 BREATH_S = 0.05
 """Between two pages that open, those that are open have their turns."""
+MOVE_S = 0.5
+"""A page that opens lets those go first that have waited for a result no longer than this."""
+LOOK_AGAIN_S = 0.005
 TOKEN = "@token@"
 """Stands where the token of a page comes."""
 MARK = "railjoule"
 """What all pages give their template, see `first_paint` in shell.py."""
 COULD_NOT, TRY_LATER = 1011, 1013
+FORBIDDEN = 403
 
 
 class Opening:
@@ -46,11 +53,18 @@ class Opening:
         What each browser gets first, with TOKEN where its own comes.
     has_place : callable
         Returns whether one more page may be open.
+    others_wait : callable
+        Returns whether an open page waits for a result, and not longer than so many seconds.
     """
 
-    def __init__(self, html: str, has_place: Callable[[], bool] = lambda: True) -> None:
+    def __init__(
+        self,
+        html: str,
+        has_place: Callable[[], bool] = lambda: True,
+        others_wait: Callable[[float], bool] = lambda _: False,
+    ) -> None:
         self._before, self._after = html.split(TOKEN)
-        self.has_place = has_place
+        self.has_place, self._others_wait = has_place, others_wait
         self._one = asyncio.Lock()
         self._answered: deque[float] = deque()
         self._opened: deque[float] = deque()
@@ -74,6 +88,9 @@ class Opening:
         """Let one page be made at a time, and the others have their turns before."""
         async with self._one:
             await asyncio.sleep(BREATH_S)
+            until = time.monotonic() + MOVE_S
+            while self._others_wait(MOVE_S) and time.monotonic() < until:
+                await asyncio.sleep(LOOK_AGAIN_S)
             yield
             self._opened.append(time.monotonic())
 
@@ -105,6 +122,15 @@ class PageSocket(PageConnection):
         """Take what pages that open have in common."""
         super().initialize(**kwargs)
         self._opening = opening
+
+    def open(self, *args: Any, **kwargs: Any) -> None:
+        """Begin with the token that the browser names; refuse one that is none in a line of the log."""
+        try:
+            super().open(*args, **kwargs)
+        # a token that is no base64, no JSON, without a session, or too old
+        except (ValueError, TypeError, AttributeError, LookupError, ProtocolError) as error:
+            # not the error's own words, which may hold what was sent
+            raise HTTPError(FORBIDDEN, "a connection without a valid token: %s", type(error).__name__) from None
 
     async def _async_open(self, token: str) -> None:
         async with self._opening.turn():

@@ -41,6 +41,7 @@ class Tally:
         self.counts: Counter[tuple[str, str]] = Counter()
         """Pieces of work by what they are and how they ended: ok or refused."""
         self._last: dict[str, deque[float]] = {}
+        self._waiting: WeakKeyDictionary[object, float] = WeakKeyDictionary()
 
     def opened(self, change: int) -> None:
         """Take note that so many sessions more, or fewer, are there."""
@@ -56,6 +57,19 @@ class Tally:
     def _done(self, _: "Future[Any]") -> None:
         with self._lock:
             self.queued -= 1
+
+    def wait(self, who: object) -> None:
+        """Take note that a page waits for a short piece of work; called on the event loop alone."""
+        self._waiting[who] = time.monotonic()
+
+    def settle(self, who: object) -> None:
+        """Take note that it has what it waited for."""
+        self._waiting.pop(who, None)
+
+    def someone_waits(self, longest_s: float) -> bool:
+        """Return whether a page waits that has not waited longer than this [s]: one that has may be gone."""
+        since = time.monotonic() - longest_s
+        return any(began_s > since for began_s in self._waiting.values())
 
     def took(self, work: str, outcome: str, duration_s: float) -> None:
         """Take note of how long a piece of work kept a page waiting."""

@@ -178,7 +178,10 @@ class Worker(Generic[Request, Result]):
 
     def _start(self, request: Request) -> None:
         self._running = True
-        threads = self._threads or (SLOW_THREADS if self._is_slow(request) else THREADS)
+        slow = self._is_slow(request)
+        threads = self._threads or (SLOW_THREADS if slow else THREADS)
+        if not slow:
+            events.TALLY.wait(self)
         # asked now: by the time the result comes, the page may be about another scenario
         future = threads.submit(self._timed, request)
         events.TALLY.queue(future)
@@ -203,6 +206,7 @@ class Worker(Generic[Request, Result]):
 
     def _finish(self, about: object, requested_s: float, future: "Future[Result | RailjouleError]") -> None:
         self._running = False
+        events.TALLY.settle(self)
         error = future.exception()
         self._late.answered(more=self._request is not None)
         outcome = future.result() if error is None else told(error)

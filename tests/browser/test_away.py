@@ -1,8 +1,10 @@
 """A page whose server stands still, dies and comes back: nothing that was changed is lost, and one may go on."""
 
+import json
 import re
 import signal
 from collections.abc import Iterator
+from urllib.parse import parse_qs, urlsplit
 
 import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
@@ -11,7 +13,8 @@ from browser.server import Server, free_port, serving
 from browser.user import PATIENCE_MS, User
 
 COMMAND = ("-m", "railjoule.dashboard", "serve", "--no-workspace")
-LOAD, TIME = "Load, % of capacity", "Travel time, s"
+LOAD, TIME, TARE = "Load, % of capacity", "Travel time, s", "Tare, kg"
+LIMIT = "Limit, km/h, row 1"
 KILLED_AFTER_MS = 60
 STOPPED_MS = 9000
 # when marks are due, WAITING_MS and SILENT_MS in assets/scripts/lifeline.js, with what a busy machine takes
@@ -51,6 +54,12 @@ def field(page: Page, name: str) -> Locator:
 def test_a_change_just_before_the_server_dies_is_kept_and_one_goes_on_without_it(page: Page, port: int) -> None:
     with serving(*COMMAND, port=port) as server:
         open_drive(page, server)
+        page.get_by_role("button", name="Edit scenario").click()
+        editor = page.get_by_role("region", name="Scenario editor")
+        for group in ("Vehicle", "Track"):
+            editor.locator(".turn button", has_text=group).first.click()
+        tare, limit = editor.get_by_label(TARE, exact=True), editor.get_by_label(LIMIT, exact=True)
+        expect(limit).to_be_visible()
         field(page, LOAD).fill("77")
         field(page, LOAD).press("Enter")
         page.wait_for_timeout(KILLED_AFTER_MS)
@@ -63,6 +72,9 @@ def test_a_change_just_before_the_server_dies_is_kept_and_one_goes_on_without_it
     # one goes on: a number can still be changed, and what only a server can do is not begun
     field(page, TIME).fill("190")
     field(page, TIME).press("Enter")
+    for cell, text in ((tare, "155000"), (limit, "66")):
+        cell.fill(text)
+        cell.press("Tab")
     before = page.url
     page.get_by_role("button", name="Compare", exact=True).first.click(force=True)
     assert page.url == before
@@ -72,6 +84,10 @@ def test_a_change_just_before_the_server_dies_is_kept_and_one_goes_on_without_it
         expect(field(page, TIME)).to_have_value(re.compile(r"^190"))
         expect(page).to_have_url(re.compile("travel_time_s=190&load_percent=77"))
         expect(page.locator(".figure:visible", has_text="Travel time").locator(".value")).to_have_text("190.0s")
+        # what was typed into the editor stands in the address too
+        edits = parse_qs(urlsplit(page.url).query)["edits"][0]
+        assert json.loads(edits)["vehicle.tare_kg"] == 155_000
+        assert json.loads(edits)["line.speed_limits"][0]["limit_kmh"] == 66
 
 
 def test_a_page_is_not_opened_anew_under_the_hands_of_who_types(page: Page, port: int) -> None:

@@ -10,6 +10,7 @@ from browser.user import User, open_page
 ARRIVES_MS = 60_000
 # within this a new frame comes at 60 a second
 FRAME_MS = 16
+MOST_WORDS = 150
 
 
 def lesson(page: Page) -> Locator:
@@ -30,6 +31,7 @@ def test_by_mouse_from_the_front_page_to_the_workbench(chromium: Browser, server
         drive = lesson(user.page)
         # nothing of the optimum before the first try has arrived
         expect(drive.get_by_text("best possible")).to_have_count(0)
+        assert len(drive.inner_text().split()) <= MOST_WORDS
         drive.get_by_role("button", name="10\u00d7").click()
         drive.get_by_role("button", name="Power").click()
         outcome = drive.locator(".outcome")

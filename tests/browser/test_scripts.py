@@ -10,9 +10,11 @@ import pytest
 from playwright.sync_api import Browser, Page, Route
 
 from railjoule.core.simulate.by_hand import drive_by_hand
-from railjoule.core.units import J_PER_KWH
+from railjoule.core.units import J_PER_KWH, J_PER_WH
 from railjoule.dashboard.look.scripts import SCRIPTS, borrowed, function, imported, lent, module, source
 from railjoule.dashboard.pages.learn.by_hand import course_arrays, lesson, read_commands
+from railjoule.dashboard.pages.learn.drawing import POINTS, drawing_lesson, run_of
+from railjoule.dashboard.pages.learn.slack import driven_line, line_tables
 
 ADDRESS = "http://scripts.invalid/"
 NAMES = sorted(path.name.removesuffix(".js") for path in SCRIPTS.iterdir() if path.name.endswith(".js"))
@@ -160,6 +162,28 @@ NUMBER: dict[str, Any] = {
 VALUES: dict[str, dict[str, Any]] = {
     "browser": {"pages": ["Start"], "bare": [], "questions": {}, "page": "Start", "charts_in_sight": []},
     "columns_form": {"columns": [], "quantities": [], "units": {}, "version": 0},
+    "draw_speed": {
+        "course": {
+            "position": [0, 2],
+            "length": [2],
+            "limit": [9],
+            "gradient": [0],
+            "constant": [1],
+            "linear": 0,
+            "quadratic": [0],
+            "highest2": [0, 0],
+            "half_inertia": 1,
+            "traction": {"constant": 9, "power": None, "table": []},
+            "braking": {"constant": 9, "power": None, "table": []},
+            "friction": 0,
+            "entering2": 0,
+        },
+        "shortest_s": 1.0,
+        "begun": [9, 9],
+        "ends_kmh": [5, 9],
+        "verdict": {},
+        "refusals": 0,
+    },
     "drive_it": {
         "timetable_s": 9.0,
         "length_km": 0.002,
@@ -196,6 +220,22 @@ VALUES: dict[str, dict[str, Any]] = {
     "number_field": NUMBER,
     "save_form": {"kinds": [], "names": {}, "refusal": "", "can_replace": False, "told": "", "version": 0},
     "saving": {},
+    "share_out": {
+        "lines": {
+            "uneven": {
+                "legs": [
+                    {"from": "A", "to": "B", "length_m": 9.0, "energy_kwh": [3, 2, 1], "price_wh_s": [3, 2, 1]},
+                    {"from": "B", "to": "C", "length_m": 9.0, "energy_kwh": [3, 2, 1], "price_wh_s": [3, 2, 1]},
+                ],
+                "standing_kwh": 0,
+                "least_s": 1,
+                "slack_s": 4,
+            }
+        },
+        "begun": {"line": "uneven", "seconds": [2, 2]},
+        "verdict": {},
+        "refusals": 0,
+    },
     "strategies": {"strategies": [], "chosen": "", "ticked": [], "results": {}, "above": "", "draws": True},
     "study_fields": {"fields": [], "groups": [], "note": "", "version": 0},
     "study_files": {},
@@ -718,3 +758,57 @@ def test_a_run_by_hand_has_the_numbers_of_the_library(page: Page, text: str) -> 
     for name, energy in wanted.items():
         # a ten-thousandth of a kilowatt hour, where a part may be zero
         assert sum_[name] == pytest.approx(energy, rel=1e-6, abs=1e-4 * J_PER_KWH), name
+
+
+DRAWINGS = {
+    "the fastest": (80,) * POINTS,
+    "one speed": (60,) * POINTS,
+    "walking pace": (5,) * POINTS,
+    "steps": (40,) * 12 + (75,) * 12 + (30,) * 11,
+    "teeth": (70, 20, 55, 35, 65) * (POINTS // 5),
+}
+
+
+@pytest.mark.parametrize("name", list(DRAWINGS))
+def test_a_drawn_run_has_the_numbers_of_the_library(page: Page, name: str) -> None:
+    """Speeds, time and each part of the account, of drawings that ask for more than the train can do."""
+    driven = run_of(DRAWINGS[name])
+    code = """
+      const drawn = m.between_points(a.course, a.points).map((kmh) => kmh / 3.6);
+      const driven = m.drive_drawn(a.course, drawn);
+      return {speed2: driven.speed2, sum: driven.sums.at(-1), net: m.net_energy(driven.sums.at(-1))};
+    """
+    given = {"course": course_arrays(drawing_lesson()[1]), "points": DRAWINGS[name]}
+    found = run(page, "driving", code, given)
+    assert [math.sqrt(one) for one in found["speed2"]] == pytest.approx(driven.node_speed_ms.tolist(), abs=1e-6)
+    assert found["sum"]["time"] == pytest.approx(driven.travel_time_s, rel=1e-6)
+    assert found["net"] == pytest.approx(driven.energy.net_j, rel=1e-6)
+    resisted = driven.energy.running_resistance_j + driven.energy.curve_resistance_j
+    assert found["sum"]["resistance"] == pytest.approx(resisted, rel=1e-6)
+    assert found["sum"]["losses"] == pytest.approx(sum(driven.energy.losses_j.values()), rel=1e-6)
+    assert found["sum"]["height"] == pytest.approx(driven.energy.potential_j, rel=1e-6)
+
+
+# --- slack that is shared out
+
+
+@pytest.mark.parametrize("name", ["uneven", "even"])
+def test_a_sharing_has_the_numbers_of_the_library(page: Page, name: str) -> None:
+    """Total energy and each leg's price, after seconds have moved to both sides and as far as they go."""
+    code = """
+      let seconds = m.equal_share(a.line);
+      return a.moves.map(([k, by]) => {
+        seconds = m.moved(seconds, k, by, a.line.least_s);
+        const prices = seconds.map((_, leg) => m.price_of(a.line, seconds, leg));
+        return {seconds, kwh: m.total_kwh(a.line, seconds), prices, text: m.sharing_text(a.name, seconds)};
+      });
+    """
+    moves = [(0, -8), (1, 10), (1, -99), (0, 99)]
+    found = run(page, "slack", code, {"line": line_tables(name), "name": name, "moves": moves})
+    assert [one["seconds"] for one in found] == [[12, 28, 20], [12, 38, 10], [12, 1, 47], [12, 1, 47]]
+    assert found[0]["text"] == f"{name}:12,28,20"
+    for one in found:
+        line = driven_line(name, tuple(one["seconds"]))
+        assert one["kwh"] == pytest.approx(line.run.energy_kwh, rel=1e-6)
+        wanted = [leg.price_of_time_w / J_PER_WH for leg in line.legs]
+        assert one["prices"] == pytest.approx(wanted, rel=1e-5)

@@ -161,7 +161,7 @@ def verdict_on(text: str) -> dict[str, Any]:
         "best_ms": best.speed_ms.tolist(),
         "above_kwh": ((run.line_energy_j - best.line_energy_j) / J_PER_KWH).tolist(),
         "parting": _parting(run, best, commands),
-        "rows": _rows(run, best),
+        "rows": beyond(run, best),
     }
 
 
@@ -189,7 +189,7 @@ def _parting(run: Trajectory, best: Trajectory, commands: IntArray) -> dict[str,
     }
 
 
-def _rows(run: Trajectory, best: Trajectory) -> list[tuple[str, float]]:
+def beyond(run: Trajectory, best: Trajectory) -> list[tuple[str, float]]:
     """Return what a try took beyond the optimum, by where it went [kWh]; they sum to the whole."""
     mine, least = run.energy, best.energy
     lost = sum(mine.losses_j.values()) - sum(least.losses_j.values())

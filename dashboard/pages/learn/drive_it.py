@@ -7,7 +7,7 @@ import param
 from railjoule.core import load_scenario
 from railjoule.dashboard.editor.forms import Form
 from railjoule.dashboard.look.scripts import module
-from railjoule.dashboard.look.theme import drive_it_css
+from railjoule.dashboard.look.theme import played_css
 from railjoule.dashboard.pages.learn.by_hand import PRESET
 from railjoule.dashboard.state.workbench import Workbench
 
@@ -33,7 +33,7 @@ class DriveIt(Form):
         scenario = load_scenario(PRESET)
         super().__init__(
             self._take,
-            stylesheets=[drive_it_css()],
+            stylesheets=[played_css()],
             timetable_s=scenario.travel_time_s,
             length_km=scenario.line.length_m / 1000,
         )

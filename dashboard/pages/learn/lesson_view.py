@@ -37,6 +37,8 @@ HEIGHTS = {
     "lesson_price": PRICE_HEIGHTS,
 }
 """Of each chart [px]: in usual, wide and narrow windows."""
+PLAYED = 3
+"""So many lessons are played, before the others."""
 PLANNED = ("gradient", "load")
 """Lessons whose plans are followed by a controller, and so keep to its braking curve."""
 PLANNED_NOTE = (
@@ -89,7 +91,7 @@ class LessonView:
         if name in WITH_PLANE:
             self.more = (*self.more, PhasePlaneChart(name, PLANE_HEIGHTS[0], palette))
         styles = [parts_css(), TEXT_CSS]
-        number = [known.name for known in LESSONS].index(name) + 2
+        number = [known.name for known in LESSONS].index(name) + 1 + PLAYED
         heading = parts.html_pane(parts.markup("<h2>{}. {}</h2>", number, lesson.title), stylesheets=styles)
         at = float(getattr(state.learn, name))
         self.form = GuessForm(name, lesson.title, self.guess, at, self._take)

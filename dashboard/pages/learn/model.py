@@ -5,7 +5,9 @@ from dataclasses import dataclass
 import param
 
 from railjoule.dashboard.pages.learn.by_hand import TryResult
+from railjoule.dashboard.pages.learn.drawing import DrawingResult
 from railjoule.dashboard.pages.learn.guesses import GUESSES
+from railjoule.dashboard.pages.learn.slack import SlackResult
 from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters
 from railjoule.dashboard.state.page_model import PageModel, result
 
@@ -138,8 +140,8 @@ GUESS_FIELDS = tuple(guess_field(lesson.name) for lesson in LESSONS)
 class LearnModel(TypedParameters, PageModel):
     """Where the sliders stand, and what the lessons show."""
 
-    kept = (*(lesson.name for lesson in LESSONS), *GUESS_FIELDS, "lesson", "driven")
-    passing = ("shown", "finished")
+    kept = (*(lesson.name for lesson in LESSONS), *GUESS_FIELDS, "lesson", "driven", "shared", "drawn")
+    passing = ("shown", "finished", "sharing", "sketched")
 
     coasting, multiplier, recuperation, gradient, load = (lesson.number for lesson in LESSONS)
     coasting_guess, multiplier_guess, recuperation_guess, gradient_guess, load_guess = (
@@ -152,3 +154,9 @@ class LearnModel(TypedParameters, PageModel):
     driven = param.String(default="", doc="Commands of the last run that was driven by hand, such as p0c300b2200.")
     finished = param.String(default="", doc="Commands of a try that is to be judged.")
     tried = result(TryResult, "What the browser is told of it.")
+    shared = param.String(default="", doc="The last sharing of slack that was judged, such as uneven:20,20,20.")
+    sharing = param.String(default="", doc="A sharing that is to be judged.")
+    slack = result(SlackResult, "What the browser is told of it.")
+    drawn = param.String(default="", doc="The last drawing that was judged: speeds in km/h with commas between.")
+    sketched = param.String(default="", doc="A drawing that is to be judged.")
+    drawing = result(DrawingResult, "What the browser is told of it.")

@@ -1,12 +1,14 @@
-"""Learn: a lesson that is driven, and five short ones with live figures, each of which asks for a guess first."""
+"""Learn: lessons that are played, and five short ones with live figures, each of which asks for a guess first."""
 
 from panel.viewable import Viewable
 
 from railjoule.dashboard.charts.chart import Chart
 from railjoule.dashboard.pages.learn.compute import LessonResult
+from railjoule.dashboard.pages.learn.draw_speed import DrawSpeed
 from railjoule.dashboard.pages.learn.drive_it import DriveIt
 from railjoule.dashboard.pages.learn.lesson_view import HEIGHTS, LessonView
 from railjoule.dashboard.pages.learn.model import GUESS_FIELDS, LESSONS, guess_field
+from railjoule.dashboard.pages.learn.share_out import ShareOut
 from railjoule.dashboard.pages.learn.work import Learn
 from railjoule.dashboard.pages.page import PageView
 from railjoule.dashboard.parts import html as parts
@@ -27,13 +29,20 @@ class LearnView(PageView):
         self._shown: dict[str, tuple[LessonResult, bool]] = {}
         heading = parts.html_pane(
             parts.heading(
-                self.page, "Six lessons", "one to drive, five to guess: then move a slider and the figures follow", ""
+                self.page,
+                "Eight lessons",
+                "three to play, five to guess: then move a slider and the figures follow",
+                "",
             )
         )
-        self.drive_it = DriveIt(self.state)
+        self.drive_it, self.share_out = DriveIt(self.state), ShareOut(self.state)
+        self.draw_speed = DrawSpeed(self.state)
         self.shows(self._show, (self.state.learn, ["shown", "failure", "lesson", *GUESS_FIELDS]))
         self.shows(self._show_drive, (self.state.learn, ["tried", "driven", "failure"]))
-        return parts.stack(heading, self.message, self.drive_it, *(lesson.view for lesson in self.lessons.values()))
+        self.shows(self._show_slack, (self.state.learn, ["slack", "failure"]))
+        self.shows(self._show_drawing, (self.state.learn, ["drawing", "failure"]))
+        played = (self.drive_it, self.share_out, self.draw_speed)
+        return parts.stack(heading, self.message, *played, *(lesson.view for lesson in self.lessons.values()))
 
     @property
     def charts(self) -> tuple[Chart, ...]:
@@ -49,6 +58,16 @@ class LearnView(PageView):
         if self.state.learn.failure is not None:
             self.drive_it.refuse()
         self.drive_it.show()
+
+    def _show_slack(self) -> None:
+        if self.state.learn.failure is not None:
+            self.share_out.refuse()
+        self.share_out.show()
+
+    def _show_drawing(self) -> None:
+        if self.state.learn.failure is not None:
+            self.draw_speed.refuse()
+        self.draw_speed.show()
 
     def _show(self) -> None:
         learn = self.state.learn

@@ -233,6 +233,9 @@ def test_what_was_changed_while_the_server_was_away_is_taken_or_told(keeping: Ke
     assert state.scenario.load_percent == 50
     assert "load_percent = 900: At most" in state.notice
     assert "chosen = nobody: must be one of" in state.notice
+    keeping.take_unsent({"edit:vehicle.tare_kg": "heavy", "edit:vehicle.auxiliary_power_kw": "31"})
+    assert state.scenario.changes["vehicle.auxiliary_power_kw"] == 31.0
+    assert "not all kept" in state.notice
     for nothing in (None, [], "load_percent=1", {}):
         keeping.take_unsent(nothing)
     keeping.note()

@@ -1,9 +1,12 @@
 import asyncio
+from unittest.mock import Mock
 
 import pytest
+from tornado.httputil import HTTPHeaders, HTTPServerRequest, RequestStartLine
+from tornado.web import Application, HTTPError
 
 from railjoule.dashboard.server import opening
-from railjoule.dashboard.server.opening import TOKEN, Opening
+from railjoule.dashboard.server.opening import TOKEN, Opening, PageSocket
 
 
 def test_each_browser_gets_the_same_but_for_its_token() -> None:
@@ -53,3 +56,44 @@ def test_one_page_is_made_at_a_time_and_others_have_their_turns_between() -> Non
     made = "".join(order)
     assert made.replace(".", "") == "aabbcc"
     assert all("." in part for part in (made[: made.index("a")], made[made.index("aa") + 2 : made.index("b")]))
+
+
+@pytest.mark.parametrize("patience_s", [0.05, 10.0])
+def test_a_page_that_opens_lets_those_go_first_that_wait_but_not_for_ever(
+    patience_s: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(opening, "MOVE_S", patience_s)
+    asked: list[float] = []
+
+    def wait_thrice(longest_s: float) -> bool:
+        asked.append(longest_s)
+        return patience_s < 1 or len(asked) <= 3
+
+    async def opened() -> None:
+        async with Opening(TOKEN, others_wait=wait_thrice).turn():
+            asked.append(0.0)
+
+    asyncio.run(opened())
+    assert asked[-1] == 0.0
+    assert set(asked[:-1]) == {patience_s}
+    # 5 ms between two looks
+    assert len(asked) == 5 if patience_s > 1 else 2 < len(asked) <= 12
+
+
+# no base64, half of it, no JSON, JSON without a session, with one and without an end
+@pytest.mark.parametrize("token", ["nonsense", "a.b", "e30", "W10.e30", "eyJzZXNzaW9uX2lkIjoiYSJ9"])
+def test_a_connection_whose_token_is_none_is_refused_in_a_line(token: str) -> None:
+    application = Application()
+    line, headers = RequestStartLine("GET", "/ws", "HTTP/1.1"), HTTPHeaders({"Host": "localhost"})
+    request = HTTPServerRequest(start_line=line, headers=headers, connection=Mock())
+    application.sign_sessions, application.secret_key = False, None
+    known = {"application_context": Mock(), "bokeh_websocket_path": "/ws"}
+    socket = PageSocket(application, request, opening=Opening(TOKEN), **known)
+    socket.select_subprotocol(["bokeh", token])
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(PageSocket, "selected_subprotocol", "bokeh")
+        patch.setattr(PageSocket, "close", lambda _: None)
+        with pytest.raises(HTTPError) as refused:
+            socket.open()
+    assert refused.value.status_code == 403
+    assert token not in str(refused.value)

@@ -64,3 +64,18 @@ def test_work_is_in_the_queue_until_it_is_done() -> None:
         assert tally.queued == 3
         gate.set()
     assert tally.queued == 0
+
+
+def test_who_has_waited_too_long_is_taken_for_gone(monkeypatch: pytest.MonkeyPatch) -> None:
+    tally, page, now_s = Tally(), SimpleNamespace, [100.0]
+    monkeypatch.setattr(events.time, "monotonic", lambda: now_s[0])
+    tally.wait(page)
+    now_s[0] += 0.4
+    assert tally.someone_waits(0.5)
+    now_s[0] += 0.2
+    assert not tally.someone_waits(0.5)
+    tally.wait(page)
+    assert tally.someone_waits(0.5)
+    tally.settle(page)
+    tally.settle(page)
+    assert not tally.someone_waits(0.5)

@@ -9,6 +9,7 @@ from turns import PATIENCE_S, Page
 
 from railjoule.core import RailjouleError
 from railjoule.core.budget import LIBRARY, PAGE, current_budget
+from railjoule.dashboard.work import events
 from railjoule.dashboard.work.worker import Study, Worker
 
 
@@ -221,3 +222,15 @@ def test_slow_work_keeps_no_short_work_waiting() -> None:
     for _ in slow:
         page.take_turn()
     assert taken == [2, 10, 10, 10, 10]
+
+
+@pytest.mark.parametrize("slow", [False, True])
+def test_who_waits_for_short_work_is_known_until_it_is_taken(slow: bool) -> None:
+    gate, page = Gate(), Page()
+    worker = Worker(gate, lambda _: None, pytest.fail, is_slow=lambda _: slow)
+    with set_curdoc(page.document):
+        worker.ask(1)
+    assert events.TALLY.someone_waits(PATIENCE_S) is not slow
+    gate.open.set()
+    page.take_turn()
+    assert not events.TALLY.someone_waits(PATIENCE_S)

@@ -1,0 +1,167 @@
+// The lesson that is drawn: a speed over the distance, snapped to what the train can do, then the best run in its time.
+
+import {life_of, make, redraw_on} from "./dom.js";
+import {BRAKE, COAST, POWER, between_points, drive_drawn, force_between, net_energy} from "./driving.js";
+import {
+  KMH_PER_MS, clock_of, energy_bars, figures_of, kwh_of, link_button, pressing, table_of, with_sign,
+} from "./played.js";
+import {figure_on} from "./speed_figure.js";
+
+// beyond the shortest time; with less, there is nothing to save with
+const LEAST_TIME_TO_SAVE_S = 0.5;
+// of the greatest effort: a train that needs less coasts, as everybody would say
+const COASTING_SHARE = 0.01;
+const TURNS = {ArrowUp: 1, ArrowDown: -1, PageUp: 5, PageDown: -5}, WALKS = {ArrowRight: 1, ArrowLeft: -1};
+
+export function render({model}) {
+  const signal = life_of(model), root = make("section", {class: "played draw-speed", "aria-label": "Draw the speed"});
+  const canvas = make("canvas", {
+    role: "slider", tabindex: "0", "aria-label": "Drawn speed over distance", "aria-orientation": "vertical",
+  });
+  const told = make("p", {role: "status"}), clock = make("b"), used = make("b"), clock_note = make("small");
+  const {bars, show: show_bars} = energy_bars(), button = pressing(signal), result = make("div", {hidden: true});
+  let course = null, figure = null, points = [], chosen = 0, run = null, verdict = null, asked = false, due = false, held = null;
+  const frames = [];
+
+  const place_of = (k) => (course.position.at(-1) * k) / (points.length - 1);
+  const kinds = () => {
+    const {speed2} = run, least = COASTING_SHARE * course.traction.constant;
+    return course.length.map((_, i) => {
+      const force = force_between(course, i, speed2[i], speed2[i + 1]);
+      return force > least ? POWER : force < -least ? BRAKE : COAST;
+    });
+  };
+  const picture = () => {
+    const begun = performance.now(), drawn = between_points(course, points).map((kmh) => kmh / KMH_PER_MS);
+    run = drive_drawn(course, drawn);
+    const sum = run.sums.at(-1), spare = sum.time - model.shortest_s, speed = points[chosen];
+    figure.draw({
+      speeds: run.speed2.map(Math.sqrt), commands: kinds(), at: place_of(chosen), speed: speed / KMH_PER_MS, verdict, drawn,
+    });
+    clock.textContent = clock_of(sum.time);
+    clock_note.textContent = `${figures_of(spare, 1)} s more than the shortest time`;
+    used.textContent = `${kwh_of(net_energy(sum))} kWh`;
+    show_bars(sum);
+    canvas.setAttribute("aria-valuenow", String(speed));
+    canvas.setAttribute("aria-valuetext", `${speed} km/h at ${Math.round(place_of(chosen))} m`);
+    reveal.disabled = asked || Boolean(verdict) || spare < LEAST_TIME_TO_SAVE_S;
+    frames.push(performance.now() - begun);
+    root.dataset.frameMs = String(frames.toSorted((one, other) => one - other)[Math.floor(frames.length / 2)]);
+  };
+  // once a frame, however often a pointer moves in it
+  const soon = () => {
+    if (due) { return; }
+    due = true;
+    requestAnimationFrame(() => { due = false; picture(); });
+  };
+  const changed = () => {
+    if (verdict) { verdict = null; result.hidden = true; }
+    told.textContent = "";
+    soon();
+  };
+  const set = (k, kmh) => {
+    const [least, most] = model.ends_kmh;
+    points[k] = Math.round(Math.min(Math.max(kmh, least), most));
+  };
+  const draw_to = (event) => {
+    const {at, speed} = figure.place_of(event), last = points.length - 1;
+    const k = Math.min(Math.max(Math.round((last * at) / course.position.at(-1)), 0), last), kmh = speed * KMH_PER_MS;
+    // what a quick hand leaves out lies on a line
+    const from = held ?? {k, kmh}, steps = Math.max(Math.abs(k - from.k), 1);
+    for (let step = 0; step <= steps; step++) {
+      const share = step / steps;
+      set(Math.round(from.k + share * (k - from.k)), from.kmh + share * (kmh - from.kmh));
+    }
+    held = {k, kmh};
+    chosen = k;
+    changed();
+  };
+  canvas.addEventListener("pointerdown", (event) => {
+    if (!course || asked) { return; }
+    canvas.setPointerCapture(event.pointerId);
+    held = null;
+    draw_to(event);
+  }, {signal});
+  canvas.addEventListener("pointermove", (event) => {
+    if (!asked && course && canvas.hasPointerCapture(event.pointerId)) { draw_to(event); }
+  }, {signal});
+  canvas.addEventListener("keydown", (event) => {
+    const turn = TURNS[event.key], walk = WALKS[event.key], ends = {Home: 0, End: points.length - 1}[event.key];
+    if (!course || asked || event.ctrlKey || event.metaKey || event.altKey || (turn ?? walk ?? ends) === undefined) { return; }
+    event.preventDefault();
+    if (turn !== undefined) {
+      set(chosen, points[chosen] + turn);
+      changed();
+      return;
+    }
+    const before = chosen;
+    chosen = ends ?? Math.min(Math.max(chosen + walk, 0), points.length - 1);
+    if (event.shiftKey) {
+      for (let k = Math.min(before, chosen); k <= Math.max(before, chosen); k++) { points[k] = points[before]; }
+      changed();
+    } else { soon(); }
+  }, {signal});
+
+  const text = () => points.join(",");
+  const reveal = button("Show the best run in this time", () => {
+    asked = true;
+    reveal.disabled = true;
+    told.textContent = "The best run in this time is being computed.";
+    model.send_msg({what: "done", drawn: text()});
+  }, "main");
+  const anew = button("Draw anew", () => {
+    points = points.map(() => model.ends_kmh[1]);
+    chosen = 0;
+    changed();
+    canvas.focus();
+  });
+
+  const judge = () => {
+    asked = false;
+    ({verdict} = model);
+    told.textContent = "";
+    const more = verdict.kwh - verdict.bound_kwh;
+    const outcome = make("h2", {class: "outcome", tabindex: "-1"},
+      `You use ${figures_of(verdict.kwh, 2)} kWh; in ${clock_of(verdict.time_s)} nobody can use less than ${figures_of(verdict.bound_kwh, 2)}.`);
+    const words = make("p", {}, make("span", {class: verdict.proven ? "proven" : ""}, verdict.proven ? "\u2713 proven" : "not proven"),
+      ` \u00b7 ${figures_of(more, 2)} kWh more than needed (+${figures_of((100 * more) / verdict.bound_kwh, 0)} %). Blue is the best run, black is yours.`);
+    result.replaceChildren(outcome, words, make("div", {class: "stage"},
+      make("div", {}, make("h3", {}, "What the best run does"), make("ul", {}, ...verdict.stretches.map((one) => make("li", {}, one)))),
+      make("div", {}, make("h3", {}, "Where it went, kWh against the best possible"),
+        table_of([], verdict.rows.map(([name, kwh]) => ({cells: [name, with_sign(kwh, 2)]}))))),
+    make("div", {class: "row"}, button("Change it", () => { verdict = null; result.hidden = true; picture(); canvas.focus(); }),
+      ...link_button(button, "Copy link"),
+      button("Open in the workbench", () => model.send_msg({what: "open", drawn: text()}), "main")));
+    result.hidden = false;
+    picture();
+    outcome.focus();
+  };
+
+  root.append(make("h2", {}, "3. Draw the speed: how would you climb this line?"),
+    make("p", {}, "Draw a speed over the distance. The train follows it as well as it can: black is what it does, dashed what you drew. " +
+      "Spend some seconds, and use little energy. Keys: \u2190 \u2192 along the line, \u2191 \u2193 change the speed, with Shift draw on."),
+    told, make("div", {class: "stage"}, canvas, make("div", {},
+      make("div", {class: "clocks"}, make("div", {}, "Time", clock, clock_note), make("div", {}, "Energy", used)),
+      make("h3", {}, "Where it goes, kWh"), bars)),
+    make("div", {class: "row"}, reveal, anew), result);
+  told.textContent = "Opening";
+  reveal.disabled = true;
+  const prepare = () => {
+    if (course || !model.course.length || !model.begun.length) { return; }
+    ({course} = model);
+    points = [...model.begun];
+    canvas.setAttribute("aria-valuemin", String(model.ends_kmh[0]));
+    canvas.setAttribute("aria-valuemax", String(model.ends_kmh[1]));
+    figure = figure_on(canvas, course);
+    told.textContent = "Press on the figure and draw.";
+    const again = () => { figure.recolour(); picture(); };
+    again();
+    new ResizeObserver(again).observe(canvas);
+    window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => requestAnimationFrame(again), {signal});
+  };
+  redraw_on(model, ["course", "begun", "shortest_s"], prepare);
+  redraw_on(model, ["verdict"], () => { if (model.verdict.points && asked) { judge(); } });
+  redraw_on(model, ["refusals"], () => { if (asked) { asked = false; told.textContent = ""; picture(); } });
+  prepare();
+  return root;
+}

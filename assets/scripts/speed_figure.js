@@ -1,0 +1,140 @@
+// The figure of the lessons that are played: speed over distance on a canvas, drawn anew in each frame.
+
+import {KMH_PER_MS, figures_of, with_sign} from "./played.js";
+
+const INKS = ["surface", "ink", "ink2", "ink3", "line", "line2", "ground", "limit", "accent", "brake", "coast", "full_power", "overline", "over"];
+
+// Speed over distance with limit and commands, the height of the track, and later the optimum with the difference.
+export const figure_on = (canvas, course) => {
+  const {position, limit, gradient, length} = course, end = position.at(-1);
+  const heights = [0];
+  // per newton of weight: only the shape is drawn
+  gradient.forEach((force, i) => heights.push(heights[i] + force * length[i]));
+  const [low, high] = [Math.min(...heights), Math.max(...heights)];
+  const top = 1.15 * Math.max(...limit);
+  let ink = {};
+  const recolour = () => {
+    const style = getComputedStyle(canvas);
+    ink = Object.fromEntries(INKS.map((name) => [name, style.getPropertyValue(`--rj-${name.replace("_", "-")}`).trim()]));
+  };
+  const LEFT = 34, edges = () => ({right: canvas.clientWidth - 8, bottom: 0.6 * canvas.clientHeight});
+  // `drawn` is a speed that is asked for; `at` and `speed` tell where the mark stands
+  const draw = ({speeds, commands, at, speed, verdict, drawn = null}) => {
+    const ratio = window.devicePixelRatio || 1, wide = canvas.clientWidth, tall = canvas.clientHeight;
+    if (!wide) { return; }
+    if (canvas.width !== Math.round(wide * ratio)) { canvas.width = Math.round(wide * ratio); }
+    if (canvas.height !== Math.round(tall * ratio)) { canvas.height = Math.round(tall * ratio); }
+    const pen = canvas.getContext("2d");
+    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+    pen.clearRect(0, 0, wide, tall);
+    const left = LEFT, {right, bottom} = edges(), strip = bottom + 8, track = bottom + 52, floor = tall - 22;
+    const x_of = (place) => left + ((right - left) * place) / end;
+    const y_of = (ms) => bottom - ((bottom - 20) * ms) / top;
+    const text = (words, x, y, colour, align = "left") => {
+      pen.fillStyle = colour;
+      pen.textAlign = align;
+      pen.fillText(words, x, y);
+    };
+    const line = (xs, ys, colour, thick) => {
+      pen.strokeStyle = colour;
+      pen.lineWidth = thick;
+      pen.beginPath();
+      for (let i = 0; i < ys.length; i++) { pen.lineTo(xs(i), ys[i]); }
+      pen.stroke();
+    };
+    pen.font = "11px Inter, sans-serif";
+    text("Speed, km/h", left, 11, ink.ink2);
+    for (let kmh = 0; kmh < top * KMH_PER_MS; kmh += 20) {
+      const y = y_of(kmh / KMH_PER_MS);
+      line((i) => [left, right][i], [y, y], ink.line, 1);
+      text(String(kmh), left - 6, y + 4, ink.ink3, "right");
+    }
+    // what lies above the limit, and its edge
+    pen.fillStyle = ink.ground;
+    pen.strokeStyle = ink.limit;
+    pen.lineWidth = 1.2;
+    pen.beginPath();
+    limit.forEach((ms, i) => { pen.lineTo(x_of(position[i]), y_of(ms)); pen.lineTo(x_of(position[i + 1]), y_of(ms)); });
+    pen.stroke();
+    pen.lineTo(right, 16);
+    pen.lineTo(left, 16);
+    pen.globalAlpha = 0.5;
+    pen.fill();
+    pen.globalAlpha = 1;
+    let before = null;
+    limit.forEach((ms, i) => {
+      if (ms !== before) { text(`limit ${Math.round(ms * KMH_PER_MS)}`, x_of(position[i]) + 4, y_of(ms) - 4, ink.limit); }
+      before = ms;
+    });
+    // commands so far
+    const fills = [ink.full_power, ink.coast, ink.brake];
+    pen.fillStyle = ink.line;
+    pen.fillRect(left, strip + 8, right - left, 2);
+    for (let i = 0; i < commands.length; i++) {
+      pen.fillStyle = fills[commands[i]];
+      pen.fillRect(x_of(position[i]), strip, x_of(position[i + 1]) - x_of(position[i]) + 0.5, 18);
+    }
+    if (verdict) {
+      const above = verdict.above_kwh, most = Math.max(...above, 0.01), least = Math.min(...above, 0);
+      const level = (kwh) => floor - ((floor - track - 6) * (kwh - least)) / (most - least);
+      text("You above the best possible so far, kWh", left, track - 4, ink.ink2);
+      pen.fillStyle = ink.over;
+      pen.beginPath();
+      pen.moveTo(left, level(0));
+      above.forEach((kwh, i) => pen.lineTo(x_of(position[i]), level(kwh)));
+      pen.lineTo(right, level(0));
+      pen.fill();
+      line((i) => x_of(position[i]), above.map(level), ink.overline, 1.4);
+      text(with_sign(above.at(-1), 2), right, track - 4, ink.overline, "right");
+      line((i) => x_of(position[i]), verdict.best_ms.map(y_of), ink.accent, 2.6);
+    } else {
+      const level = (joule) => floor - ((floor - track - 14) * (joule - low)) / Math.max(high - low, 1);
+      text("Track, height", left, track - 4, ink.ink2);
+      pen.fillStyle = ink.ground;
+      pen.beginPath();
+      pen.moveTo(left, floor);
+      heights.forEach((joule, i) => pen.lineTo(x_of(position[i]), level(joule)));
+      pen.lineTo(right, floor);
+      pen.fill();
+      let node = position.findIndex((place) => place >= at);
+      if (node < 0) { node = position.length - 1; }
+      pen.fillStyle = ink.ink;
+      pen.fillRect(Math.max(x_of(at) - 26, left), level(heights[node]) - 8, 26, 7);
+    }
+    if (drawn) {
+      pen.setLineDash([4, 3]);
+      line((i) => x_of(position[i]), drawn.map(y_of), ink.ink3, 1.4);
+      pen.setLineDash([]);
+    }
+    line((i) => x_of(position[i]), speeds.map(y_of), ink.ink, 1.8);
+    if (verdict?.parting) {
+      const x = x_of(verdict.parting.position);
+      pen.setLineDash([2, 3]);
+      line((i) => [x, x][i], [20, floor], ink.accent, 1);
+      pen.setLineDash([]);
+      pen.fillStyle = ink.accent;
+      pen.beginPath();
+      pen.arc(x, y_of(verdict.best_ms[verdict.parting.node]), 5, 0, 7);
+      pen.fill();
+    } else if (!verdict) {
+      line((i) => [x_of(at), x_of(at)][i], [20, floor], ink.line2, 1);
+      pen.fillStyle = ink.ink;
+      pen.beginPath();
+      pen.arc(x_of(at), y_of(speed), 5, 0, 7);
+      pen.fill();
+      const turned = x_of(at) > right - 70;
+      text(`${figures_of(speed * KMH_PER_MS, 1)} km/h`, x_of(at) + (turned ? -9 : 9), y_of(speed) - 8, ink.ink, turned ? "right" : "left");
+    }
+    for (let place = 0; place <= end; place += 500) { text(String(place), x_of(place), tall - 6, ink.ink3, place ? "center" : "left"); }
+    text("m", right, tall - 6, ink.ink3, "right");
+  };
+  // where a pointer stands: metres, and metres per second
+  const place_of = ({clientX, clientY}) => {
+    const box = canvas.getBoundingClientRect(), {right, bottom} = edges();
+    return {
+      at: (end * (clientX - box.left - LEFT)) / (right - LEFT),
+      speed: (top * (bottom - (clientY - box.top))) / (bottom - 20),
+    };
+  };
+  return {draw, recolour, place_of};
+};

@@ -1,0 +1,223 @@
+"""The lesson on slack: two lines of three legs, what each leg needs over its seconds, and what a sharing is worth."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from itertools import accumulate
+from typing import Any
+
+from railjoule.core import Scenario, ScenarioError, load_scenario
+from railjoule.core.energy import share_above
+from railjoule.core.strategies.line_parts import shortest_times_s, stop_nodes
+from railjoule.core.studies.leg_tables import LegTable, leg_tables
+from railjoule.core.studies.whole_line import Leg, WholeLine, shared_line
+from railjoule.core.task import Task, prepare_task
+from railjoule.core.units import J_PER_KWH, J_PER_WH
+from railjoule.dashboard.look import words
+
+BASE = "metro-10-stations"
+"""Train, load and recuperation are those of this scenario."""
+NAMES = ("Harbour", "Old Town", "University", "Hill")
+# assumed: the first line has one long leg between short ones, the second has legs nearly alike
+LENGTHS_M = {"uneven": (400.0, 2000.0, 600.0), "even": (1100.0, 1350.0, 1050.0)}
+SLACK_S, DWELL_S = 60, 25.0
+"""What there is to share out over the shortest times, and how long the train stands at each station between [s]."""
+LEAST_S = 1
+"""No leg gets less, as the shortest time itself leaves nothing to choose."""
+MOST_S = SLACK_S - LEAST_S * (len(NAMES) - 2)
+SHARED = re.compile(r"(uneven|even):(\d{1,2}),(\d{1,2}),(\d{1,2})")
+# seconds are dragged whole, so that less than one is no difference
+ALIKE_S = 1.0
+
+
+@dataclass(frozen=True)
+class SlackRequest:
+    """A sharing as a text, such as uneven:20,20,20.
+
+    Parameters
+    ----------
+    judged : str
+        The one to be compared with the best; empty where only the lines are asked for.
+    begun : str
+        The one to begin with; empty for equal slack on the first line.
+    """
+
+    judged: str = ""
+    begun: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class SlackResult:
+    """What the browser is told.
+
+    Parameters
+    ----------
+    request : SlackRequest
+    lines : mapping
+        Each line's legs with their tables.
+    begun : mapping
+        The sharing to begin with.
+    verdict : mapping or None
+        How a sharing compares with the best; None where there was none.
+    """
+
+    request: SlackRequest
+    lines: Mapping[str, Any]
+    begun: Mapping[str, Any]
+    verdict: Mapping[str, Any] | None = None
+
+
+def judge_slack(request: SlackRequest) -> SlackResult:
+    """Return the lines and how a sharing compares with the best one.
+
+    Raises
+    ------
+    ScenarioError
+        If a text is no sharing of these lines.
+    """
+    line, seconds = read_sharing(request.begun or "uneven:20,20,20")
+    lines = {name: line_tables(name) for name in LENGTHS_M}
+    verdict = verdict_on(*read_sharing(request.judged)) if request.judged else None
+    return SlackResult(request, lines, {"line": line, "seconds": seconds}, verdict)
+
+
+def read_sharing(text: str) -> tuple[str, tuple[int, ...]]:
+    """Return the name of a line and the seconds of its legs from a text.
+
+    Raises
+    ------
+    ScenarioError
+        If it names no line, or its seconds are not those that there are to share out.
+    """
+    found = SHARED.fullmatch(text)
+    seconds = tuple(int(one) for one in found.groups()[1:]) if found else ()
+    if not found or min(seconds) < LEAST_S or sum(seconds) != SLACK_S:
+        raise ScenarioError(
+            f"shared must be uneven: or even: with three whole numbers of at least {LEAST_S} that sum to {SLACK_S}."
+        )
+    return found[1], seconds
+
+
+@cache
+def task_of(name: str) -> Task:
+    """Return the task of a line, whose travel time leaves SLACK_S over the shortest times."""
+    wide = _scenario(name, 3600.0)
+    stops = stop_nodes(prepare_task(wide))
+    shortest = float(shortest_times_s(prepare_task(wide), stops).sum())
+    return prepare_task(_scenario(name, shortest + SLACK_S + DWELL_S * (len(NAMES) - 2)))
+
+
+def scenario_of(name: str, seconds: tuple[int, ...]) -> Scenario:
+    """Return a line whose given timetable is a sharing."""
+    task = task_of(name)
+    shortest = shortest_times_s(task, stop_nodes(task))
+    running = [float(least) + more for least, more in zip(shortest, seconds, strict=True)]
+    arrivals = [time + k * DWELL_S for k, time in enumerate(accumulate(running))][:-1]
+    return task.scenario.with_(**{"line.stations": _stations(name, arrivals)})
+
+
+@cache
+def line_tables(name: str) -> dict[str, Any]:
+    """Return a line as the browser takes it: each leg's energy and price at each whole second of slack."""
+    task = task_of(name)
+    dwells = DWELL_S * (len(NAMES) - 2)
+    tables = leg_tables(task, range(LEAST_S, MOST_S + 1))
+    # what the train takes while it stands is the same however the seconds are shared
+    standing_j = task.course.data.auxiliary_power_w * dwells
+    return {
+        "legs": [_leg(name, k, table) for k, table in enumerate(tables)],
+        "standing_kwh": standing_j / J_PER_KWH,
+        "least_s": LEAST_S,
+        "slack_s": SLACK_S,
+    }
+
+
+@cache
+def best_line(name: str) -> WholeLine:
+    """Return the optimum of a line."""
+    return shared_line(task_of(name), "optimum")
+
+
+def driven_line(name: str, seconds: tuple[int, ...]) -> WholeLine:
+    """Return the run of least energy under a sharing."""
+    return shared_line(prepare_task(scenario_of(name, seconds)), "given")
+
+
+def verdict_on(name: str, seconds: tuple[int, ...]) -> dict[str, Any]:
+    """Return how a sharing compares with the best, in numbers and sentences."""
+    mine, best = driven_line(name, seconds), best_line(name)
+    bound = best.run.bound
+    assert bound is not None
+    equal = driven_line(name, (SLACK_S // len(seconds),) * len(seconds))
+    return {
+        "line": name,
+        "seconds": list(seconds),
+        "kwh": mine.run.energy_kwh,
+        "bound_kwh": bound.energy_j / J_PER_KWH,
+        "proven": best.run.is_proven,
+        "best_kwh": best.run.energy_kwh,
+        "best_s": [leg.supplement_s for leg in best.legs],
+        "price_wh_s": best.legs[0].price_of_time_w / J_PER_WH,
+        "sentences": [_on_leg(*legs) for legs in zip(mine.legs, best.legs, strict=True)],
+        "worth": _worth(share_above(equal.run.energy_kwh, best.run.energy_kwh)),
+    }
+
+
+def _on_leg(mine: Leg, best: Leg) -> str:
+    """Return what a leg got and what the best sharing gives it."""
+    name = f"{mine.departs_from} \u2013 {mine.arrives_at}"
+    more, price = mine.supplement_s - best.supplement_s, words.price(mine.price_of_time_w)
+    if abs(more) < ALIKE_S:
+        return f"{name}: as in the best sharing, within a second."
+    seconds = words.time(abs(more))
+    if more > 0:
+        return f"{name}: {seconds} s too many. Here one more second saves only {price} Wh."
+    return f"{name}: {seconds} s too few. Here one more second would save {price} Wh."
+
+
+def _worth(share: float) -> str:
+    """Return what equal slack costs on a line, and whether a better sharing pays."""
+    told = f"Equal slack costs {100 * share:.2f} % more than the best sharing"
+    # as on the page Line: a load or a day's weather moves the energy by more
+    if share >= 0.01:
+        return f"{told}: on this line, sharing out pays."
+    return f"{told}: on this line it does not pay. A few more passengers change more."
+
+
+def _leg(name: str, number: int, table: LegTable) -> dict[str, Any]:
+    return {
+        "from": NAMES[number],
+        "to": NAMES[number + 1],
+        "length_m": LENGTHS_M[name][number],
+        "shortest_s": table.shortest_time_s,
+        "energy_kwh": (table.energy_j / J_PER_KWH).tolist(),
+        "price_wh_s": (table.price_of_time_w / J_PER_WH).tolist(),
+    }
+
+
+def _scenario(name: str, travel_time_s: float) -> Scenario:
+    sections = [section for length in LENGTHS_M[name] for section in _hump(length)]
+    line = {"name": f"Three {name} legs (assumed)", "sections": sections, "stations": _stations(name)}
+    title = f"Share out the slack: {name} legs"
+    return load_scenario(BASE).with_(title=title, line=line, **{"timetable.travel_time_s": travel_time_s})
+
+
+def _hump(length_m: float) -> list[dict[str, float]]:
+    """Return a leg between stations on humps, as metros have them."""
+    level, slope = {"length_m": 60.0}, 100.0
+    down, up = ({"length_m": slope, "gradient_permille": gradient} for gradient in (-20.0, 20.0))
+    between = {"length_m": length_m - 2 * (level["length_m"] + slope)}
+    return [level, down, between, up, level]
+
+
+def _stations(name: str, arrivals_s: list[float] | None = None) -> list[dict[str, Any]]:
+    places = [0.0, *accumulate(LENGTHS_M[name])]
+    rows: list[dict[str, Any]] = [
+        {"name": name, "position_m": place} for name, place in zip(NAMES, places, strict=True)
+    ]
+    for row in rows[1:-1]:
+        row["dwell_s"] = DWELL_S
+    for row, arrival in zip(rows[1:-1], arrivals_s or (), strict=False):
+        row["arrival_s"] = arrival
+    return rows

@@ -1,0 +1,102 @@
+"""The lesson that is drawn: by mouse, by keyboard alone, by touch, and from a link."""
+
+import re
+
+from playwright.sync_api import Browser, Locator, Page, expect
+
+from browser.server import Server
+from browser.user import User
+from railjoule.dashboard.pages.learn.drawing import POINTS, verdict_on
+
+READY_MS = 60_000
+# within this a new frame comes at 60 a second
+FRAME_MS = 16
+MOST_WORDS = 150
+BUTTON = "Show the best run in this time"
+
+
+def lesson(page: Page) -> Locator:
+    """Return the lesson, once it can be drawn."""
+    found = page.locator("section.draw-speed:visible")
+    expect(found.get_by_text("Press on the figure and draw.")).to_be_visible(timeout=READY_MS)
+    return found
+
+
+def test_by_mouse_to_the_workbench(chromium: Browser, server: Server) -> None:
+    with User.at(chromium, f"{server.url}?v=1&page=Learn", on_drive=False) as user:
+        draw, mouse = lesson(user.page), user.page.mouse
+        draw.scroll_into_view_if_needed()
+        # the fastest run: nothing to save with, nothing told of the best
+        expect(draw.get_by_role("button", name=BUTTON)).to_be_disabled()
+        expect(draw.locator(".outcome")).to_have_count(0)
+        assert len(draw.inner_text().split()) <= MOST_WORDS
+        box = draw.locator("canvas").bounding_box()
+        assert box is not None
+        mouse.move(box["x"] + 60, box["y"] + 90)
+        mouse.down()
+        mouse.move(box["x"] + 0.6 * box["width"], box["y"] + 100, steps=20)
+        mouse.move(box["x"] + 0.95 * box["width"], box["y"] + 160, steps=10)
+        mouse.up()
+        draw.get_by_role("button", name=BUTTON).click()
+        outcome = draw.locator(".outcome")
+        expect(outcome).to_be_visible(timeout=READY_MS)
+        assert float(draw.get_attribute("data-frame-ms") or "nan") <= FRAME_MS
+        used, bound = re.findall(r"\d+\.\d\d\b", outcome.inner_text())
+        # what the address holds gives the same numbers in the library
+        expect(user.page).to_have_url(re.compile("learn.drawn="))
+        found = re.search(r"learn\.drawn=([\d,]+)", user.page.url)
+        assert found is not None
+        verdict = verdict_on([int(one) for one in found[1].split(",")])
+        assert (used, bound) == (f"{verdict['kwh']:.2f}", f"{verdict['bound_kwh']:.2f}")
+        expect(draw.locator("li")).to_have_count(len(verdict["stretches"]))
+        draw.get_by_role("button", name="Open in the workbench").click()
+        expect(user.scenario("Metro, profile III")).to_be_visible()
+        expect(user.figure_value("Energy from the supply")).to_have_text(f"{verdict['best_kwh']:.2f}kWh")
+
+
+def test_by_keyboard_alone(chromium: Browser, server: Server) -> None:
+    with User.at(chromium, f"{server.url}?v=1&page=Learn", on_drive=False) as user:
+        keys, draw = user.page.keyboard, lesson(user.page)
+
+        def reach(target: Locator) -> None:
+            for _ in range(80):
+                if target.evaluate("one => one.getRootNode().activeElement === one"):
+                    return
+                keys.press("Tab")
+            raise AssertionError("the keyboard does not reach it")
+
+        canvas = draw.get_by_role("slider")
+        reach(canvas)
+        for _ in range(4):
+            keys.press("PageDown")
+        for _ in range(POINTS - 1):
+            keys.press("Shift+ArrowRight")
+        keys.press("ArrowUp")
+        expect(canvas).to_have_attribute("aria-valuetext", "61 km/h at 1700 m")
+        reach(draw.get_by_role("button", name=BUTTON))
+        keys.press("Enter")
+        outcome = draw.locator(".outcome")
+        expect(outcome).to_be_focused(timeout=READY_MS)
+        # 60 km/h as far as the train can, by `railjoule.core` in test_drawing
+        expect(outcome).to_contain_text("You use 36.40 kWh")
+        expect(outcome).to_contain_text("less than 29.41")
+
+
+def test_by_touch_from_a_link(chromium: Browser, server: Server) -> None:
+    context = chromium.new_context(viewport={"width": 390, "height": 844}, has_touch=True)
+    try:
+        drawn = ",".join(["45"] * POINTS)
+        with User.on(context, f"{server.url}?v=1&page=Learn&learn.drawn={drawn}", on_drive=False) as user:
+            draw = lesson(user.page)
+            expect(draw.get_by_text("30.54 kWh")).to_be_visible()
+            canvas = draw.locator("canvas")
+            canvas.scroll_into_view_if_needed()
+            canvas.tap(position={"x": 200, "y": 60})
+            expect(draw.get_by_text("30.54 kWh")).to_have_count(0)
+            draw.get_by_role("button", name=BUTTON).tap()
+            expect(draw.locator(".outcome")).to_be_visible(timeout=READY_MS)
+            draw.get_by_role("button", name="Change it").tap()
+            expect(draw.locator(".outcome")).to_be_hidden()
+            assert user.page.evaluate("document.documentElement.scrollWidth") <= 390
+    finally:
+        context.close()

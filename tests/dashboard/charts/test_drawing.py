@@ -1,0 +1,44 @@
+"""When the charts of a page are drawn, told by a document that writes down what it is asked for."""
+
+from collections.abc import Iterator
+
+import pytest
+from bokeh.document import Document
+from bokeh.plotting import figure
+from panel.io.state import set_curdoc
+
+from railjoule.dashboard.browser.browser import Browser
+from railjoule.dashboard.charts.drawing import LATER_MS, DrawingQueue
+from railjoule.dashboard.charts.figures import FinishedChart
+from railjoule.dashboard.faults import Faults
+from railjoule.dashboard.work import events
+
+
+@pytest.fixture
+def someone() -> Iterator[object]:
+    """One of whom is told when it waits."""
+    who = type("Who", (), {})()
+    yield who
+    events.TALLY.settle(who)
+
+
+@pytest.mark.parametrize("waits", [False, True])
+def test_a_chart_that_is_new_comes_after_the_answers_to_moves(waits: bool, someone: object) -> None:
+    asked: list[int] = []
+
+    class Asked(Document):
+        def add_next_tick_callback(self, callback):
+            asked.append(0)
+
+        def add_timeout_callback(self, callback, timeout_milliseconds):
+            asked.append(timeout_milliseconds)
+
+    browser, chart = Browser(), FinishedChart("differences", "Differences, %", 300)
+    queue = DrawingQueue(browser, Faults(lambda _: None), lambda: True, lambda: None)
+    queue.take((chart,))
+    browser.started = True
+    if waits:
+        events.TALLY.wait(someone)
+    with set_curdoc(Asked()):
+        chart.show(lambda: chart.draw(figure()))
+    assert asked == [LATER_MS if waits else 0]
