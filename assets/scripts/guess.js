@@ -3,11 +3,12 @@
 import {life_of, make, redraw_on} from "./dom.js";
 import {copy_text} from "./files.js";
 
-// a class is to guess for itself: the link for it has the state of the page without anybody's guesses
+const OWN = /^learn\.(?:\w+_guess|driven|shared|drawn)$/;
+// a class is to guess for itself: the link for it has the state of the page without anybody's guesses and runs
 const address_for_class = (lesson) => {
   const address = new URL(window.location.href);
   const without = (text) =>
-    new URLSearchParams([...new URLSearchParams(text)].filter(([key]) => !/^learn\.\w+_guess$/.test(key)));
+    new URLSearchParams([...new URLSearchParams(text)].filter(([key]) => !OWN.test(key)));
   // a long state stands behind the #
   const long = address.hash.length > 1, values = without(long ? address.hash.slice(1) : address.search);
   values.set("learn.lesson", lesson);
