@@ -3,7 +3,7 @@
 import {life_of, make, redraw_on} from "./dom.js";
 import {BRAKE, COAST, POWER, between_points, drive_drawn, force_between, net_energy} from "./driving.js";
 import {
-  KMH_PER_MS, clock_of, energy_bars, figures_of, kwh_of, link_button, pressing, table_of, with_sign,
+  KMH_PER_MS, clock_of, come_into_sight, energy_bars, figures_of, kwh_of, link_button, pressing, table_of, with_sign,
 } from "./played.js";
 import {figure_on} from "./speed_figure.js";
 
@@ -130,7 +130,7 @@ export function render({model}) {
       make("div", {}, make("h3", {}, "Where it went, kWh against the best possible"),
         table_of([], verdict.rows.map(([name, kwh]) => ({cells: [name, with_sign(kwh, 2)]}))))),
     make("div", {class: "row"}, button("Change it", () => { verdict = null; result.hidden = true; picture(); canvas.focus(); }),
-      ...link_button(button, "Copy link"),
+      ...link_button(button, "Copy link", "learn.drawn"),
       button("Open in the workbench", () => model.send_msg({what: "open", drawn: text()}), "main")));
     result.hidden = false;
     picture();
@@ -156,10 +156,11 @@ export function render({model}) {
     told.textContent = "Press on the figure and draw.";
     const again = () => { figure.recolour(); picture(); };
     again();
+    if (model.linked) { come_into_sight(root); }
     new ResizeObserver(again).observe(canvas);
     window.matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => requestAnimationFrame(again), {signal});
   };
-  redraw_on(model, ["course", "begun", "shortest_s"], prepare);
+  redraw_on(model, ["course", "begun", "shortest_s", "linked"], prepare);
   redraw_on(model, ["verdict"], () => { if (model.verdict.points && asked) { judge(); } });
   redraw_on(model, ["refusals"], () => { if (asked) { asked = false; told.textContent = ""; picture(); } });
   prepare();

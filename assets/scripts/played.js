@@ -1,6 +1,6 @@
 // What the lessons that are played share: numbers in words, bars of energy, buttons, and the link to hand out.
 
-import {make} from "./dom.js";
+import {make, until} from "./dom.js";
 
 export const J_PER_KWH = 3.6e6;
 export const KMH_PER_MS = 3.6;
@@ -45,12 +45,26 @@ export const pressing = (signal) => (label, act, name = "") => {
   return made;
 };
 
-// The page's own address holds what the server was told last.
-export const link_button = (button, label) => {
+// The page's own address without what other lessons keep in it: such a link opens at its lesson.
+export const lesson_address = (address, key) => {
+  const url = new URL(address);
+  const others = [...url.searchParams.keys()].filter((name) => name.startsWith("learn.") && name !== key);
+  for (const name of others) { url.searchParams.delete(name); }
+  return url.href;
+};
+
+// Once it is there: what has just been made is not laid out yet, and the page may still be another one.
+const LAID_OUT_WITHIN_MS = 10_000;
+export const come_into_sight = async (root) => {
+  await until(() => root.isConnected && root.getBoundingClientRect().height > 0, LAID_OUT_WITHIN_MS);
+  requestAnimationFrame(() => root.scrollIntoView());
+};
+
+export const link_button = (button, label, key) => {
   const copied = make("span", {role: "status"});
   return [button(label, async () => {
     try {
-      await navigator.clipboard.writeText(window.location.href);
+      await navigator.clipboard.writeText(lesson_address(window.location.href, key));
       copied.textContent = "Copied.";
     } catch { copied.textContent = "Copy the address of this page: it holds what you did."; }
   }), copied];

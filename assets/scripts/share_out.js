@@ -1,7 +1,7 @@
 // The lesson on slack: seconds dragged from leg to leg until a second more saves alike everywhere, then the best sharing.
 
 import {life_of, make, redraw_on} from "./dom.js";
-import {figures_of, link_button, pressing, with_sign} from "./played.js";
+import {come_into_sight, figures_of, link_button, pressing, with_sign} from "./played.js";
 import {equal_share, moved, price_of, sharing_text, total_kwh} from "./slack.js";
 
 const KEY_STEPS = {ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1, PageUp: 5, PageDown: -5};
@@ -127,7 +127,7 @@ export function render({model}) {
           lay(NEXT[name], equal_share(model.lines[NEXT[name]]));
           parts[0].border.focus();
         }),
-        ...link_button(button, "Copy link"),
+        ...link_button(button, "Copy link", "learn.shared"),
         button("Open in the workbench", () => model.send_msg({what: "open", sharing: text()}), "main")));
     result.hidden = false;
     outcome.focus();
@@ -145,6 +145,7 @@ export function render({model}) {
   const prepare = () => {
     if (line || !model.begun.line || !model.lines[model.begun.line]) { return; }
     lay(model.begun.line, model.begun.seconds);
+    if (model.begun.linked) { come_into_sight(root); }
   };
   redraw_on(model, ["lines", "begun"], prepare);
   redraw_on(model, ["verdict"], () => { if (model.verdict.line && asked) { judge(); } });

@@ -89,6 +89,8 @@ def test_by_touch_from_a_link(chromium: Browser, server: Server) -> None:
         with User.on(context, f"{server.url}?v=1&page=Learn&learn.drawn={drawn}", on_drive=False) as user:
             draw = lesson(user.page)
             expect(draw.get_by_text("30.54 kWh")).to_be_visible()
+            # a link for a class opens at its lesson
+            expect(draw.get_by_role("heading").first).to_be_in_viewport()
             canvas = draw.locator("canvas")
             canvas.scroll_into_view_if_needed()
             canvas.tap(position={"x": 200, "y": 60})

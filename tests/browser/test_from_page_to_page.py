@@ -23,7 +23,8 @@ LOOK_MS = 40
 COMPILED_WITHIN_MS = 240_000
 COMMAND = ("-m", "railjoule.dashboard", "serve")
 WITHOUT_NUMBER = {"Compare", "Disturbances", "Study", "Measured runs", "Import", "Help"}
-WITHOUT_CHART = {"Start", "Study", "Papers", "Measured runs", "Import", "Help"}
+WITHOUT_CHART = {"Start", "Learn", "Study", "Papers", "Measured runs", "Import", "Help"}
+"""In the first view: on Learn they stand beneath the lessons that are played, where the way down finds them."""
 NAMES = tuple(PAGES)
 SUBURBAN, STATIONS = "ftorek-300s", "metro-10-stations"
 """One whose motor is known, and one with stations: together they have all charts."""

@@ -180,6 +180,7 @@ VALUES: dict[str, dict[str, Any]] = {
         },
         "shortest_s": 1.0,
         "begun": [9, 9],
+        "linked": False,
         "ends_kmh": [5, 9],
         "verdict": {},
         "refusals": 0,
@@ -234,7 +235,7 @@ VALUES: dict[str, dict[str, Any]] = {
                 "slack_s": 4,
             }
         },
-        "begun": {"line": "uneven", "seconds": [2, 2]},
+        "begun": {"line": "uneven", "seconds": [2, 2], "linked": False},
         "verdict": {},
         "refusals": 0,
     },
@@ -867,6 +868,15 @@ def test_a_drawn_run_has_the_numbers_of_the_library(page: Page, name: str) -> No
     assert found["sum"]["resistance"] == pytest.approx(resisted, rel=1e-6)
     assert found["sum"]["losses"] == pytest.approx(sum(driven.energy.losses_j.values()), rel=1e-6)
     assert found["sum"]["height"] == pytest.approx(driven.energy.potential_j, rel=1e-6)
+
+
+def test_a_link_of_a_lesson_leaves_the_others_out(page: Page) -> None:
+    address = "http://scripts.invalid/?v=1&page=Learn&learn.driven=p0&learn.shared=even:20,20,20"
+    found = run(page, "played", "return m.lesson_address(a.address, 'learn.shared');", {"address": address})
+    assert found in (
+        address.replace("learn.driven=p0&", ""),
+        f"{ADDRESS}?v=1&page=Learn&learn.shared=even%3A20%2C20%2C20",
+    )
 
 
 # --- slack that is shared out

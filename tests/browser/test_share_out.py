@@ -82,6 +82,8 @@ def test_by_touch_from_a_link(chromium: Browser, server: Server) -> None:
         with User.on(context, address, on_drive=False) as user:
             share = lesson(user.page)
             expect(share.get_by_text("30 s", exact=True)).to_be_visible()
+            # a link for a class opens at its lesson
+            expect(share.get_by_role("heading").first).to_be_in_viewport()
             share.get_by_role("button", name="1 s earlier").first.tap()
             expect(share.get_by_text("29 s", exact=True)).to_be_visible()
             share.get_by_role("button", name="Show the best sharing").tap()

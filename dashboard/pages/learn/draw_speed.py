@@ -24,6 +24,7 @@ class DrawSpeed(Form):
     course = param.Dict(default={}, doc="What the train obeys.")
     shortest_s = param.Number(default=0.0, doc="Shortest possible time [s].")
     begun = param.List(default=[], doc="The drawing to begin with [km/h].")
+    linked = param.Boolean(default=False, doc="Whether that drawing is one of a link.")
     ends_kmh = param.List(default=[LEAST_KMH, MOST_KMH], doc="The least and the greatest speed that can be drawn.")
     verdict = param.Dict(default={}, doc="How the last drawing compares with the best; empty before the first one.")
     refusals = param.Integer(default=0, doc="Counts the drawings that could not be judged.")
@@ -44,7 +45,11 @@ class DrawSpeed(Form):
         self._shown = found
         verdict = {**found.verdict, "count": self._count} if found.verdict else {}
         self.param.update(
-            course=dict(found.course), shortest_s=found.shortest_s, begun=list(found.begun), verdict=verdict
+            course=dict(found.course),
+            shortest_s=found.shortest_s,
+            begun=list(found.begun),
+            linked=bool(found.request.begun),
+            verdict=verdict,
         )
 
     def refuse(self) -> None:

@@ -79,7 +79,7 @@ def judge_slack(request: SlackRequest) -> SlackResult:
     line, seconds = read_sharing(request.begun or "uneven:20,20,20")
     lines = {name: line_tables(name) for name in LENGTHS_M}
     verdict = verdict_on(*read_sharing(request.judged)) if request.judged else None
-    return SlackResult(request, lines, {"line": line, "seconds": seconds}, verdict)
+    return SlackResult(request, lines, {"line": line, "seconds": seconds, "linked": bool(request.begun)}, verdict)
 
 
 def read_sharing(text: str) -> tuple[str, tuple[int, ...]]:

@@ -29,7 +29,7 @@ def test_nothing_of_the_best_is_told_before_it_is_asked_for() -> None:
     found = judge_slack(SlackRequest())
     assert found.verdict is None
     assert set(found.lines["uneven"]) == {"legs", "standing_kwh", "least_s", "slack_s"}
-    assert found.begun == {"line": "uneven", "seconds": (20, 20, 20)}
+    assert found.begun == {"line": "uneven", "seconds": (20, 20, 20), "linked": False}
 
 
 def test_the_best_sharing_has_one_price_on_all_legs() -> None:
