@@ -44,7 +44,7 @@ class SurfacePane(Chart):
         # saved pictures have their names from data-figure
         title = parts.markup('<div data-figure="{0}" style="{1}">{0}</div>', self.caption, style)
         # as plain text: the library escapes what it sends, and pieces of HTML would refuse
-        self.content = parts.stack(pn.pane.HTML(str(title), margin=0), self.pane)
+        self.content = parts.stack(pn.pane.HTML(str(title), margin=0, css_classes=["rj-caption"]), self.pane)
         self.figure = self.pane
 
     def draw(
