@@ -124,7 +124,7 @@ export function render({model}) {
     const outcome = make("h2", {class: "outcome", tabindex: "-1"},
       `You use ${figures_of(verdict.kwh, 2)} kWh; in ${clock_of(verdict.time_s)} nobody can use less than ${figures_of(verdict.bound_kwh, 2)}.`);
     const words = make("p", {}, make("span", {class: verdict.proven ? "proven" : ""}, verdict.proven ? "\u2713 proven" : "not proven"),
-      ` \u00b7 ${figures_of(more, 2)} kWh more than needed (+${figures_of((100 * more) / verdict.bound_kwh, 0)} %). Blue is the best run, black is yours.`);
+      ` \u00b7 ${figures_of(more, 2)} kWh more than needed (+${figures_of((100 * more) / verdict.bound_kwh, 0)} %). Blue is the best run, the thinner line is yours.`);
     result.replaceChildren(outcome, words, make("div", {class: "stage"},
       make("div", {}, make("h3", {}, "What the best run does"), make("ul", {}, ...verdict.stretches.map((one) => make("li", {}, one)))),
       make("div", {}, make("h3", {}, "Where it went, kWh against the best possible"),
@@ -138,7 +138,7 @@ export function render({model}) {
   };
 
   root.append(make("h2", {}, "3. Draw the speed: how would you climb this line?"),
-    make("p", {}, "Draw a speed over the distance. The train follows it as well as it can: black is what it does, dashed what you drew. " +
+    make("p", {}, "Draw a speed over the distance. The train follows it as well as it can: dashed is what you drew, the full line what it does. " +
       "Spend some seconds, and use little energy. Keys: \u2190 \u2192 along the line, \u2191 \u2193 change the speed, with Shift draw on."),
     told, make("div", {class: "stage"}, canvas, make("div", {},
       make("div", {class: "clocks"}, make("div", {}, "Time", clock, clock_note), make("div", {}, "Energy", used)),

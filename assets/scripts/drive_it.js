@@ -172,8 +172,8 @@ export function render({model}) {
       ? `You used ${figures_of(verdict.kwh, 2)} kWh; nobody on time can use less than ${figures_of(verdict.bound_kwh, 2)}.`
       : `You are ${arrival_words(verdict.late_s)}: this try does not count.`);
     const words = make("p", {}, make("span", {class: verdict.proven ? "proven" : ""}, verdict.proven ? "\u2713 proven" : "not proven"),
-      verdict.counts ? ` \u00b7 ${figures_of(more, 2)} kWh more than needed (+${figures_of(share, 0)} %), ${arrival_words(verdict.late_s)}. Blue is the best possible run, black is yours.`
-        : ` \u00b7 on time, nobody can use less than ${figures_of(verdict.bound_kwh, 2)} kWh. Blue is the best possible run, black is yours.`);
+      verdict.counts ? ` \u00b7 ${figures_of(more, 2)} kWh more than needed (+${figures_of(share, 0)} %), ${arrival_words(verdict.late_s)}. Blue is the best possible run, the thinner line is yours.`
+        : ` \u00b7 on time, nobody can use less than ${figures_of(verdict.bound_kwh, 2)} kWh. Blue is the best possible run, the thinner line is yours.`);
     const rows = tries.map((one, k) => ({name: one === best ? "best" : null, cells: [
       String(k + 1), figures_of(one.kwh, 2), `+${figures_of(100 * (one.kwh / one.bound_kwh - 1), 0)} %`,
       make("span", {class: one.counts ? null : "late"}, arrival_words(one.late_s)),
