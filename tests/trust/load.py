@@ -136,7 +136,7 @@ def main() -> int:
     parser.add_argument("--seconds", type=float, default=120.0, help=f"of moves a round, {MOST_SECONDS} at most")
     parser.add_argument("--processes", type=int, default=2, help="processes of the server")
     parser.add_argument("--rounds", type=int, default=1, help=f"{MOST_ROUNDS} at most")
-    parser.add_argument("--pause", type=float, default=60.0, help="seconds between rounds, for closed pages to end")
+    parser.add_argument("--pause", type=float, default=100.0, help="seconds between rounds, for closed pages to end")
     asked = parser.parse_args()
     if not 1 <= asked.pages <= MOST_PAGES or not EVERY_S <= asked.seconds <= MOST_SECONDS:
         parser.error(f"--pages is from 1 to {MOST_PAGES}, --seconds from {EVERY_S:g} to {MOST_SECONDS}")
