@@ -1,12 +1,7 @@
 // Where the energy of runs is at one place of their way: bars of motion, height, resistance, losses and what returned.
 
 import {life_of, make, redraw_on} from "./dom.js";
-
-const BARS = [
-  ["motion", "Motion"], ["height", "Height"], ["resistance", "Resistance"], ["losses", "Losses"],
-  ["returned", "Returned"], ["drawn", "Drawn from the supply"],
-];
-const energy_text = (kwh) => kwh.toFixed(2).replace(/^-(?=0\.00$)/, "").replace("-", "\u2212");
+import {PARTS, figures_of} from "./played.js";
 
 export function render({model}) {
   const signal = life_of(model), root = make("section", {class: "energies", "aria-label": "Where the energy is, kWh"});
@@ -16,7 +11,7 @@ export function render({model}) {
   const at = () => Number(range.value);
 
   // the widest bar of all places, so that bars of different places can be compared
-  const widest = () => Math.max(0.01, ...model.runs.flatMap((run) => BARS.flatMap(([name]) => run[name].map(Math.abs))));
+  const widest = () => Math.max(0.01, ...model.runs.flatMap((run) => PARTS.flatMap(([name]) => run[name].map(Math.abs))));
   const follow = (tell) => {
     const k = at(), most = widest(), metres = `${model.places[k] ?? 0} m`;
     place.textContent = metres;
@@ -25,11 +20,11 @@ export function render({model}) {
       const kwh = run[name][k] ?? 0;
       fills[r].style.width = `${(100 * Math.abs(kwh)) / most}%`;
       fills[r].classList.toggle("less", kwh < -0.005);
-      values[r].textContent = energy_text(kwh);
+      values[r].textContent = figures_of(kwh, 2);
     }));
     if (tell) {
       told.textContent = model.runs.map((run) => `At ${metres}, ${run.name}: ` +
-        BARS.map(([name, label]) => `${label.toLowerCase()} ${energy_text(run[name][k] ?? 0)}`).join(", ") + " kWh.").join(" ");
+        PARTS.map(([name, label]) => `${label.toLowerCase()} ${figures_of(run[name][k] ?? 0, 2)}`).join(", ") + " kWh.").join(" ");
     }
   };
   const build = () => {
@@ -40,9 +35,9 @@ export function render({model}) {
     if (last > 0) { range.dataset.placed = "yes"; }
     head.replaceChildren(make("th", {scope: "col"}, "kWh"), make("td"), ...model.runs.map((run) =>
       make("th", {scope: "col"}, make("i", {class: run.kind, "aria-hidden": "true"}), run.name)));
-    cells = BARS.map(([name]) => [name, model.runs.map((run) => make("i", {class: run.kind})), model.runs.map(() => make("td"))]);
+    cells = PARTS.map(([name]) => [name, model.runs.map((run) => make("i", {class: run.kind})), model.runs.map(() => make("td"))]);
     body.replaceChildren(...cells.map(([, fills, values], k) => make("tr", {},
-      make("th", {scope: "row"}, BARS[k][1]), make("td", {class: "bars", "aria-hidden": "true"}, ...fills), ...values)));
+      make("th", {scope: "row"}, PARTS[k][1]), make("td", {class: "bars", "aria-hidden": "true"}, ...fills), ...values)));
     follow(false);
   };
   range.addEventListener("input", () => follow(true), {signal});

@@ -2,29 +2,19 @@
 
 import {life_of, make, redraw_on} from "./dom.js";
 import {copy_text} from "./files.js";
+import {come_into_sight, lesson_address, pressing} from "./played.js";
 
-const OWN = /^learn\.(?:\w+_guess|driven|shared|drawn)$/;
-// a class is to guess for itself: the link for it has the state of the page without anybody's guesses and runs
+// a class is to guess for itself: the link for it has the case of the lesson, and nobody's guesses and runs
 const address_for_class = (lesson) => {
-  const address = new URL(window.location.href);
-  const without = (text) =>
-    new URLSearchParams([...new URLSearchParams(text)].filter(([key]) => !OWN.test(key)));
-  // a long state stands behind the #
-  const long = address.hash.length > 1, values = without(long ? address.hash.slice(1) : address.search);
-  values.set("learn.lesson", lesson);
-  if (long) { address.hash = values; } else { address.search = values; }
-  return address.href;
+  const address = lesson_address(window.location.href, `learn.${lesson}`);
+  return `${address}${/[?#]./.test(address) ? "&" : "?"}learn.lesson=${lesson}`;
 };
 
 export function render({model}) {
   const signal = life_of(model), root = make("section", {class: "guess", "aria-label": `Guess: ${model.title}`});
   const ask = make("p", {class: "ask", id: "ask"}), copied = make("span", {role: "status"});
   const outcome = make("div", {class: "outcome", tabindex: "-1", role: "group", "aria-label": "Your guess and the answer"});
-  const button = (label, act, name = "") => {
-    const made = make("button", {type: "button", class: name || null}, label);
-    made.addEventListener("click", act, {signal});
-    return made;
-  };
+  const button = pressing(signal);
   let mine = false;
   const guess = (value) => {
     mine = true;
@@ -83,7 +73,7 @@ export function render({model}) {
   root.append(ask, control, outcome, buttons);
   show();
   redraw_on(model, ["asked", "verdict", "guessed"], show);
-  const come = () => { if (model.opened) { requestAnimationFrame(() => root.scrollIntoView({block: "center"})); } };
+  const come = () => { if (model.opened) { come_into_sight(root); } };
   redraw_on(model, ["opened"], come);
   come();
   return root;

@@ -1,10 +1,11 @@
-// What the lessons that are played share: numbers in words, bars of energy, buttons, and the link to hand out.
+// What the lessons share: numbers in words, bars of energy, buttons, and the link to hand out.
 
 import {make, until} from "./dom.js";
 
 export const J_PER_KWH = 3.6e6;
 export const KMH_PER_MS = 3.6;
-const PARTS = [
+// Name, label and colour of what the account of a run consists of.
+export const PARTS = [
   ["motion", "Motion", "accent"], ["height", "Height", "ink3"], ["resistance", "Resistance", "groundline"],
   ["losses", "Losses", "costbar"], ["returned", "Returned", "good"], ["drawn", "Drawn from the supply", "ink"],
 ];
@@ -45,11 +46,13 @@ export const pressing = (signal) => (label, act, name = "") => {
   return made;
 };
 
-// The page's own address without what other lessons keep in it: such a link opens at its lesson.
+// An address without what lessons keep in it, but for one name: such a link opens at its lesson.
 export const lesson_address = (address, key) => {
   const url = new URL(address);
-  const others = [...url.searchParams.keys()].filter((name) => name.startsWith("learn.") && name !== key);
-  for (const name of others) { url.searchParams.delete(name); }
+  // a long state stands behind the #
+  const long = url.hash.length > 1, before = new URLSearchParams(long ? url.hash.slice(1) : url.search);
+  const values = new URLSearchParams([...before].filter(([name]) => !name.startsWith("learn.") || name === key));
+  if (long) { url.hash = values; } else { url.search = values; }
   return url.href;
 };
 

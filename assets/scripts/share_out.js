@@ -79,7 +79,7 @@ export function render({model}) {
     seconds = [...begins];
     const titles = line.legs.map((leg) => `${leg.from} \u2013 ${leg.to}`);
     parts = line.legs.map((leg, k) => ({
-      share: make("div", {class: "share"}, make("b"), make("span", {}, titles[k])),
+      share: make("div", {class: "share", title: titles[k]}, make("b"), make("span", {}, titles[k])),
       fill: make("i", {style: "background: var(--rj-accent)"}), value: make("span"), own: make("span"),
       border: k + 1 < line.legs.length
         ? make("div", {class: "border", role: "slider", tabindex: "0", "aria-label": `Seconds before ${leg.to}`}) : null,
