@@ -87,3 +87,15 @@ HILLS: list[dict[str, Any]] = [
 def plain_scenario(changes: Mapping[str, Any] | None = None) -> Scenario:
     """Return the plain scenario with changed keys, named by their path in a file."""
     return scenario_from_document(change_document(PLAIN, changes or {}))
+
+
+ACCOUNT_CASES = {
+    "constant efficiency": plain_scenario(),
+    "copper loss over hills": plain_scenario({"drive": COPPER_LOSS, "line.sections": HILLS}),
+    "friction brakes": plain_scenario(
+        {"vehicle.braking.max_effort_kn": 20.0, "vehicle.braking.friction_effort_kn": 80}
+    ),
+    "auxiliaries": plain_scenario({"vehicle.auxiliary_power_kw": 50.0}),
+    "induction": plain_scenario({"drive": INDUCTION, "vehicle.tare_kg": 30e3}),
+}
+"""Scenarios that have each part of the energy account between them."""

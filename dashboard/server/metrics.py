@@ -1,7 +1,6 @@
 """Counts of a server for programs that watch it, in the text format of Prometheus."""
 
 import json
-import os
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -61,7 +60,6 @@ else:
 PERCENTILE = 0.95
 NOT_IMPLEMENTED = 501
 WITHOUT = "Metrics need the package prometheus_client: pip install 'railjoule[metrics]'.\n"
-ALONE = 0
 FILES = "counts-{}.json"
 
 
@@ -87,10 +85,10 @@ class Telling:
         """Tell the others what this process has counted."""
         own = self._folder / FILES.format(self.number)
         new = own.with_suffix(".new")
-        # a full disk is told where something is lost by it
+        # not by `core.written`, which waits for the disk: all pages would, and nothing is lost with these counts
         with suppress(OSError):
             new.write_text(json.dumps(own_counts()), encoding="utf-8")
-            os.replace(new, own)
+            new.replace(own)
 
     def others(self) -> Iterator[tuple[int, dict[str, Any]]]:
         """Yield what the others have told last, with their numbers."""
@@ -116,7 +114,7 @@ def all_counts() -> dict[str, Mapping[str, Any]]:
     """Return what each process has counted, by its number from 1 on."""
     here = Telling.here
     if here is None:
-        return {str(ALONE + 1): own_counts()}
+        return {"1": own_counts()}
     return {str(number + 1): counts for number, counts in sorted([(here.number, own_counts()), *here.others()])}
 
 

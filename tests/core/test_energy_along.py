@@ -1,23 +1,13 @@
 import numpy as np
 import pytest
-from builders import COPPER_LOSS, HILLS, INDUCTION, plain_scenario
+from builders import ACCOUNT_CASES
 
 from railjoule.core import solve
 from railjoule.core.energy_along import energy_along, stretches
 from railjoule.core.scenario import Scenario
 
-CASES = {
-    "constant efficiency": plain_scenario(),
-    "copper loss over hills": plain_scenario({"drive": COPPER_LOSS, "line.sections": HILLS}),
-    "friction brakes": plain_scenario(
-        {"vehicle.braking.max_effort_kn": 20.0, "vehicle.braking.friction_effort_kn": 80}
-    ),
-    "auxiliaries": plain_scenario({"vehicle.auxiliary_power_kw": 50.0}),
-    "induction": plain_scenario({"drive": INDUCTION, "vehicle.tare_kg": 30e3}),
-}
 
-
-@pytest.mark.parametrize("scenario", CASES.values(), ids=CASES.keys())
+@pytest.mark.parametrize("scenario", ACCOUNT_CASES.values(), ids=ACCOUNT_CASES.keys())
 def test_the_energy_along_a_run_ends_at_its_account(scenario: Scenario) -> None:
     run = solve(scenario, "fastest")
     along, energy = energy_along(run), run.energy
@@ -35,7 +25,7 @@ def test_the_energy_along_a_run_ends_at_its_account(scenario: Scenario) -> None:
     assert along.motion_j[-1] - along.motion_j[0] == pytest.approx(energy.kinetic_j, abs=1e-9 * moved)
 
 
-@pytest.mark.parametrize("scenario", CASES.values(), ids=CASES.keys())
+@pytest.mark.parametrize("scenario", ACCOUNT_CASES.values(), ids=ACCOUNT_CASES.keys())
 def test_resistance_and_losses_never_come_back(scenario: Scenario) -> None:
     along = energy_along(solve(scenario, "fastest"))
     for name in ("resistance_j", "losses_j", "returned_j", "drawn_j"):
@@ -43,7 +33,7 @@ def test_resistance_and_losses_never_come_back(scenario: Scenario) -> None:
 
 
 def test_stretches_sum_to_the_account_and_their_time_to_the_timetable() -> None:
-    run = solve(CASES["copper loss over hills"])
+    run = solve(ACCOUNT_CASES["copper loss over hills"])
     parts, energy = stretches(run), run.energy
     assert [part.phase for part in parts] == list(run.phases)
     assert sum(part.drawn_j for part in parts) == pytest.approx(energy.traction_j, rel=1e-9)
@@ -54,7 +44,7 @@ def test_stretches_sum_to_the_account_and_their_time_to_the_timetable() -> None:
 
 
 def test_coasting_draws_nothing_and_pays_the_resistance_with_motion_and_height() -> None:
-    run = solve(CASES["copper loss over hills"])
+    run = solve(ACCOUNT_CASES["copper loss over hills"])
     coasts = [part for part in stretches(run) if part.phase.phase == "coast"]
     assert coasts
     for part in coasts:
@@ -64,6 +54,6 @@ def test_coasting_draws_nothing_and_pays_the_resistance_with_motion_and_height()
 
 
 def test_a_run_without_a_price_has_no_worth_of_time() -> None:
-    run = solve(CASES["constant efficiency"], "fastest")
+    run = solve(ACCOUNT_CASES["constant efficiency"], "fastest")
     assert all(part.time_worth_j is None for part in stretches(run))
     assert all(part.time_worth_j for part in stretches(run, 1000.0))

@@ -1,22 +1,12 @@
 import pytest
-from builders import COPPER_LOSS, HILLS, INDUCTION, plain_scenario
+from builders import ACCOUNT_CASES
 
 from railjoule.core import solve
 from railjoule.core.energy_flow import energy_flow
 from railjoule.core.scenario import Scenario
 
-CASES = {
-    "constant efficiency": plain_scenario(),
-    "copper loss over hills": plain_scenario({"drive": COPPER_LOSS, "line.sections": HILLS}),
-    "friction brakes": plain_scenario(
-        {"vehicle.braking.max_effort_kn": 20.0, "vehicle.braking.friction_effort_kn": 80}
-    ),
-    "auxiliaries": plain_scenario({"vehicle.auxiliary_power_kw": 50.0}),
-    "induction": plain_scenario({"drive": INDUCTION, "vehicle.tare_kg": 30e3}),
-}
 
-
-@pytest.mark.parametrize("scenario", CASES.values(), ids=CASES.keys())
+@pytest.mark.parametrize("scenario", ACCOUNT_CASES.values(), ids=ACCOUNT_CASES.keys())
 def test_what_passes_the_wheels_closes_the_account(scenario: Scenario) -> None:
     # an identity: line energy less wheel work is what the drive loses, both ways
     flow = energy_flow(solve(scenario, "fastest"))
@@ -29,6 +19,6 @@ def test_what_passes_the_wheels_closes_the_account(scenario: Scenario) -> None:
 
 
 def test_a_drive_of_constant_efficiency_loses_its_share_of_the_line_power() -> None:
-    flow = energy_flow(solve(CASES["constant efficiency"], "fastest"))
+    flow = energy_flow(solve(ACCOUNT_CASES["constant efficiency"], "fastest"))
     assert flow.driving_loss_j == pytest.approx(0.15 * flow.energy.traction_j, rel=1e-9)
     assert flow.braking_loss_j == pytest.approx(0.15 * flow.wheel_braking_j, rel=1e-9)

@@ -3,22 +3,10 @@
 import numpy as np
 import pytest
 
-from railjoule.core import Scenario, ScenarioError, load_scenario, solve
-from railjoule.core.motion import Course, build_course
+from railjoule.core import Scenario, ScenarioError, solve
+from railjoule.core.motion import Course
 from railjoule.core.motion.cell_step import COAST, FULL_BRAKE, FULL_TRACTION
 from railjoule.core.simulate.by_hand import PARTED_MS, WALKING_PACE_MS, drive_by_hand, parting_node
-
-
-@pytest.fixture(scope="module")
-def scenario() -> Scenario:
-    """A metro with gradients and a limit."""
-    return load_scenario("metro-with-limit")
-
-
-@pytest.fixture(scope="module")
-def course(scenario: Scenario) -> Course:
-    """Its course."""
-    return build_course(scenario)
 
 
 def test_power_all_the_way_is_the_fastest_run(scenario: Scenario, course: Course) -> None:

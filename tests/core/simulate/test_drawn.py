@@ -3,23 +3,11 @@
 import numpy as np
 import pytest
 
-from railjoule.core import Scenario, ScenarioError, load_scenario, solve
-from railjoule.core.motion import Course, build_course
+from railjoule.core import Scenario, ScenarioError, solve
+from railjoule.core.motion import Course
 from railjoule.core.simulate.by_hand import WALKING_PACE_MS
 from railjoule.core.simulate.drawn import drive_drawn
 from railjoule.core.units import MS_PER_KMH
-
-
-@pytest.fixture(scope="module")
-def scenario() -> Scenario:
-    """A metro with gradients and a limit."""
-    return load_scenario("metro-with-limit")
-
-
-@pytest.fixture(scope="module")
-def course(scenario: Scenario) -> Course:
-    """Its course."""
-    return build_course(scenario)
 
 
 def test_a_drawing_above_all_limits_is_the_fastest_run(scenario: Scenario, course: Course) -> None:
