@@ -1,5 +1,7 @@
 """Learn: lessons that are played, and five short ones with live figures, each of which asks for a guess first."""
 
+from functools import partial
+
 from panel.viewable import Viewable
 
 from railjoule.dashboard.charts.chart import Chart
@@ -8,6 +10,7 @@ from railjoule.dashboard.pages.learn.draw_speed import DrawSpeed
 from railjoule.dashboard.pages.learn.drive_it import DriveIt
 from railjoule.dashboard.pages.learn.lesson_view import HEIGHTS, LessonView
 from railjoule.dashboard.pages.learn.model import GUESS_FIELDS, LESSONS, guess_field
+from railjoule.dashboard.pages.learn.played_form import PlayedForm
 from railjoule.dashboard.pages.learn.share_out import ShareOut
 from railjoule.dashboard.pages.learn.work import Learn
 from railjoule.dashboard.pages.page import PageView
@@ -38,10 +41,10 @@ class LearnView(PageView):
         self.drive_it, self.share_out = DriveIt(self.state), ShareOut(self.state)
         self.draw_speed = DrawSpeed(self.state)
         self.shows(self._show, (self.state.learn, ["shown", "failure", "lesson", *GUESS_FIELDS]))
-        self.shows(self._show_drive, (self.state.learn, ["tried", "driven", "failure"]))
-        self.shows(self._show_slack, (self.state.learn, ["slack", "failure"]))
-        self.shows(self._show_drawing, (self.state.learn, ["drawing", "failure"]))
         played = (self.drive_it, self.share_out, self.draw_speed)
+        for lesson in played:
+            more = ["driven"] if lesson is self.drive_it else []
+            self.shows(partial(self._show_played, lesson), (self.state.learn, [lesson.result, "failure", *more]))
         return parts.stack(heading, self.message, *played, *(lesson.view for lesson in self.lessons.values()))
 
     @property
@@ -54,20 +57,10 @@ class LearnView(PageView):
         self._shown = {}
         super().redraw()
 
-    def _show_drive(self) -> None:
+    def _show_played(self, lesson: PlayedForm) -> None:
         if self.state.learn.failure is not None:
-            self.drive_it.refuse()
-        self.drive_it.show()
-
-    def _show_slack(self) -> None:
-        if self.state.learn.failure is not None:
-            self.share_out.refuse()
-        self.share_out.show()
-
-    def _show_drawing(self) -> None:
-        if self.state.learn.failure is not None:
-            self.draw_speed.refuse()
-        self.draw_speed.show()
+            lesson.refuse()
+        lesson.show()
 
     def _show(self) -> None:
         learn = self.state.learn
