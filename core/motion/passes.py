@@ -67,7 +67,8 @@ def _greatest_reachable(
 ) -> float:
     """Return the greatest speed squared up to `bound` at the unknown end of a cell; negative if there is none.
 
-    Arguments as in `_excess`, which rises with the unknown: Newton's rule, kept inside a bracket.
+    Arguments as in `_excess`: Newton's rule, kept inside a bracket. The excess rises with the unknown, but where the
+    effort rises with speed, as that of a brake may that is weak close to a stand; there the bracket is halved.
     """
     if _excess(limit, friction, cell, known, bound, sign)[0] <= 0.0:
         return bound
@@ -81,7 +82,7 @@ def _greatest_reachable(
     else:
         low = known
     for _ in range(ROOT_STEPS):
-        step = x - value / slope if slope > 0.0 else low
+        step = x - value / slope if slope > 0.0 else 0.5 * (low + high)
         if abs(step - x) <= EXACT * bound or high - low <= EXACT * bound:
             break
         if not low < step < high:

@@ -16,6 +16,12 @@ from railjoule.core.motion import build_course, greatest_speeds, running_time
 from railjoule.core.motion.passes import MOVED
 from railjoule.core.strategies import prepare_task
 
+WEAK_AT_A_STAND = {
+    "line.sections": [{"length_m": 500.0}, {"length_m": 500.0, "gradient_permille": -18.0}],
+    "vehicle.braking.max_effort_kn": 200.0,
+    "vehicle.braking.curve": [[0, 20], [12, 150], [80, 40]],
+}
+"""Downhill this brake hardly slows the train down before its stop, and with more speed well enough."""
 LIMITED = {"vehicle.traction.max_acceleration_ms2": 0.5, "vehicle.braking.max_deceleration_ms2": 0.3}
 
 
@@ -70,8 +76,9 @@ def reference(course):
         {"line.sections": HILLS, "vehicle.braking.max_power_kw": 500, "vehicle.braking.friction_effort_kn": 10},
         {"line.sections": HILLS, "line.stations": [{"position_m": 900}], **LIMITED},
         {"line.sections": HILLS, "line.reverse": True, "vehicle.resistance.linear_n_per_kmh": 60, **LIMITED},
+        WEAK_AT_A_STAND,
     ],
-    ids=["flat", "curve", "braking power", "stop and limits", "reverse"],
+    ids=["flat", "curve", "braking power", "stop and limits", "reverse", "weak at a stand"],
 )
 def test_against_the_reference(changes):
     course = build_course(plain_scenario({"solver.mesh_m": 40.0, **changes}))
