@@ -56,6 +56,41 @@ def any_document(seed: int) -> Table:
     return document
 
 
+def any_full_document(seed: int) -> Table:
+    """Return the scenario of a seed with what came later: neutral sections, and what train protection permits.
+
+    It draws from numbers of its own, so that the scenarios that tests know by their seed stay as they are.
+    """
+    rng, document = np.random.default_rng([seed, 2]), any_document(seed)
+    _add_braking(rng, document["vehicle"])
+    line = document["line"]
+    length = sum(section["length_m"] for section in line["sections"])
+    # on a plain line EOC and ENOC are tried, which refuse all of these
+    if len(line["sections"]) > 1 and rng.random() < 0.3:
+        start = rng.uniform(0.1, 0.8) * length
+        line["neutral_sections"] = [{"from_m": start, "to_m": start + rng.uniform(0.01, 0.1) * length}]
+    if len(line["sections"]) > 1 and rng.random() < 0.2:
+        line["head_wind_kmh"] = rng.uniform(0, 80)
+    if "length_m" in document["vehicle"] and rng.random() < 0.5:
+        line["limits_hold_for"] = "whole_train"
+    return document
+
+
+def _add_braking(rng: np.random.Generator, vehicle: Table) -> None:
+    """Add a braking curve, an effort over speed and a breakdown to some."""
+    braking, top = vehicle["braking"], vehicle["traction"]["max_speed_kmh"]
+    if rng.random() < 0.2:
+        braking["permitted_deceleration"] = [[0.0, rng.uniform(0.2, 1.0)]]
+        if rng.random() < 0.5:
+            braking["permitted_deceleration"].append([rng.uniform(0.3, 0.9) * top, rng.uniform(0.2, 1.0)])
+    if rng.random() < 0.15 and braking["max_effort_kn"]:
+        effort = braking["max_effort_kn"]
+        braking["curve"] = [[0.0, 0.5 * effort], [0.1 * top, effort], [top, 0.4 * effort]]
+    for side in (braking, vehicle["traction"]):
+        if rng.random() < 0.15 and side.get("max_effort_kn"):
+            side["breakdown_speed_kmh"] = rng.uniform(0.4, 1.0) * top
+
+
 def any_time(seed: int) -> float:
     """Return the time of the scenario of a seed over the shortest one, without dwells: from all but none to much."""
     rng = np.random.default_rng([seed, 1])

@@ -13,7 +13,7 @@ BAD = [["tractive power", 0.01, 2e-6, 40.0]]
 
 def solved(seed, strategy, energy_kwh, broken=(), **more):
     return {"seed": seed, "model": "m", "strategy": strategy, "status": "solved", "seconds": 0.1, "cells": 9,
-            "energy_kwh": energy_kwh, "time_s": 100.0, "broken": list(broken), **more}  # fmt: skip
+            "energy_kwh": energy_kwh, "time_s": 100.0, "broken": list(broken), "told": False, **more}  # fmt: skip
 
 
 def test_every_strategy_is_called_once():
@@ -36,18 +36,26 @@ def test_what_a_strategy_raises_is_written_down(monkeypatch):
     assert "ZeroDivisionError: by zero" in row["words"]
 
 
+def test_a_run_that_says_that_it_is_switched_too_often_has_told_it():
+    """Seed 695 leaves 0.15 s over the shortest time, and a limit of half a metre for which the drive would brake."""
+    (row,) = (row for row in calls(695, set(STRATEGIES) - {"optimal"}, None, None) if "status" in row)
+    assert [broken[0] for broken in row["broken"]] == ["stretches of the drive"]
+    assert row["told"]
+
+
 def test_rows_of_the_same_sources_are_kept(tmp_path):
     file = tmp_path / "rows.jsonl"
     assert kept_rows(file, range(9)) == []
-    rows = [solved(1, "optimal", 1.0) | {"sources": name} for name in (sources(), "others")]
-    rows.append(solved(70, "optimal", 1.0) | {"sources": sources()})
+    mine = {"sources": sources(), "review": False}
+    rows = [solved(1, "optimal", 1.0) | mine | other for other in ({}, {"sources": "others"}, {"review": True})]
+    rows.append(solved(70, "optimal", 1.0) | mine)
     file.write_text("".join(json.dumps(row) + "\n" for row in rows) + '{"seed": 2, "strat', encoding="utf-8")
     assert kept_rows(file, range(9)) == rows[:1]
 
 
 def test_what_is_done_is_not_done_again(tmp_path, monkeypatch):
     class Idle:
-        def __init__(self, limit_s):
+        def __init__(self, limit_s, is_review):
             pass
 
         def rows(self, seed, done):
@@ -68,7 +76,7 @@ def test_what_is_done_is_not_done_again(tmp_path, monkeypatch):
 @pytest.mark.parametrize("dies", [False, True])
 def test_a_call_that_takes_too_long_is_stopped_and_the_next_one_made(monkeypatch, dies):
     """A worker whose `bellman` never answers, or kills its process."""
-    worker, asked = check_many.Worker(limit_s=5.0), []
+    worker, asked = check_many.Worker(limit_s=5.0, is_review=False), []
 
     def answers(seed, done):
         asked.append(set(done))
@@ -114,11 +122,12 @@ def test_the_table_counts():
 
 
 def test_what_is_not_as_it_must_be_is_counted() -> None:
-    good = {"seed": 1, "strategy": "optimal", "status": "solved", "broken": []}
+    good = {"seed": 1, "strategy": "optimal", "status": "solved", "broken": [], "told": False}
     rows = [
         good,
         good | {"broken": [["finite numbers", 1.0, 0.0, 0.0]]},
         good | {"broken": [["speed limits", 1.0, 0.0, 0.0]]},
+        good | {"broken": [["stretches of the drive", 0.5, 0.0, 0.0]], "told": True},
         good | {"status": "traceback", "words": "x"},
         good | {"status": "stopped"},
         good | {"status": "refused", "words": "y"},
@@ -129,9 +138,9 @@ def test_what_is_not_as_it_must_be_is_counted() -> None:
         "a traceback": 1,
         "over the limit of time": 1,
     }
-    assert check_many.verdict(rows, range(3)).startswith("verdict: 1 of 3 scenarios, 6 calls: 1 not finite, ")
+    assert check_many.verdict(rows, range(3)).startswith("verdict: 1 of 3 scenarios, 7 calls: 1 not finite, ")
 
 
 def test_no_scenario_is_begun_after_its_time(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(check_many, "Worker", lambda limit_s: pytest.fail("a worker was asked"))
+    monkeypatch.setattr(check_many, "Worker", lambda *given: pytest.fail("a worker was asked"))
     assert check_many.drive_all(tmp_path / "rows", range(3), 0, 1.0, until_s=0.0) == []

@@ -6,7 +6,7 @@ from every_drive import train
 
 from railjoule.core import load_scenario
 from railjoule.core.bounds import certify, minimise
-from railjoule.core.physics.stretches import BRAKES, DRIVES, IS_OFF, RunActions
+from railjoule.core.physics.stretches import BRAKES, DRIVES, IS_OFF, NOTHING, STOP, RunActions
 from railjoule.core.strategies import prepare_task, run_strategy
 from tests.benchmarks.duty import DutyProgram, even_run
 from tests.benchmarks.mesh import dwells_of
@@ -74,7 +74,7 @@ def test_the_speed_grid_finds_a_run_as_good_as_ours_and_none_below_the_bound():
 def test_stretches_of_one_mode_are_counted_and_timed():
     # 10 s a cell: driven for two, off for one, driven for one, off for the rest but the last, which brakes
     action = np.array([DRIVES, DRIVES, IS_OFF, DRIVES, IS_OFF, IS_OFF, BRAKES])
-    found = dwells_of(RunActions(action, np.zeros(7), np.full(7, 10.0), np.arange(7) == 0))
+    found = dwells_of(RunActions(action, np.zeros(7), np.full(7, 10.0), np.array([STOP] + 6 * [NOTHING])))
     assert found.blocks == 5
     assert found.shortest_on_s == 10.0
     assert found.shortest_off_s == 10.0

@@ -1,7 +1,8 @@
 """Whether the drive of a run stays on or off for as long as the scenario asks, to the nearest cell.
 
 A run is switched where its cells meet, so that no stretch can be held to a time more closely than by half of a cell.
-From driving to braking a drive passes through no effort, for however short a time.
+From driving to braking a drive passes through no effort, for however short a time. What a neutral section cuts is
+held to nothing, as the section switches there.
 """
 
 from collections.abc import Iterator
@@ -34,10 +35,11 @@ def switching_findings(case: Case) -> Iterator[Finding]:
     none = NO_EFFORT * max(float(np.max(driving, initial=0.0)), float(np.max(braking, initial=0.0)))
     does = np.where(driving > none, 1, np.where(braking > none, -1, 0))
     departs = record.entering_speed2 == 0
-    borders = np.flatnonzero(np.append(True, departs[1:] | (np.diff(does) != 0)))
+    cut = np.append(False, case.neutral[1:] != case.neutral[:-1])
+    borders = np.flatnonzero(np.append(True, departs[1:] | cut[1:] | (np.diff(does) != 0)))
     ends = np.append(borders[1:], len(does))
     # nobody switches at a stop or at the end, and a train that is moving at the beginning was switched before
-    whole = (ends < len(does)) & ~np.append(departs, True)[ends] & ((borders > 0) | departs[0])
+    whole = (ends < len(does)) & ~np.append(departs | cut, True)[ends] & ((borders > 0) | departs[0]) & ~cut[borders]
     # what the drive does before and after each; a departure has nothing before it
     actions = does[borders]
     before, after = np.where(departs[borders], 0, np.append(0, actions[:-1])), np.append(actions[1:], 0)

@@ -14,14 +14,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from railjoule.core.arrays import BoolArray, FloatArray, IntArray
+from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import has_standstill_brake
 from railjoule.core.dynamic_programming.backward import Steps, band_of_speeds, cost_between, tabulate_steps
 from railjoule.core.dynamic_programming.search import TINY, log_price_range, meeting_prices, price_scale_w
 from railjoule.core.physics.account import account_of_cell
 from railjoule.core.physics.course_data import OFF, CourseData, cell_of, shared_by_cells
-from railjoule.core.physics.stretches import ACTIONS, action_of_cell, actions_of_run, least_cells
+from railjoule.core.physics.stretches import (
+    ACTIONS,
+    NEUTRAL_SECTION,
+    NOTHING,
+    STOP,
+    action_of_cell,
+    actions_of_run,
+    least_cells,
+)
 
 # A kernel's table grows with them. More than so many come where cells are short, next to stops, where a train that
 # starts or brakes stays as it is anyway
@@ -101,7 +109,7 @@ def _cheapest_by_action(
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def sweep_back_spaced(
-    steps: Steps, action: IntArray, grid: FloatArray, price: float, lasting: IntArray, from_rest: BoolArray
+    steps: Steps, action: IntArray, grid: FloatArray, price: float, lasting: IntArray, interrupted_by: IntArray
 ) -> Policy:
     """Return the cheapest policy whose stretches last.
 
@@ -115,8 +123,8 @@ def sweep_back_spaced(
         Cost of a second, auxiliaries included [J/s].
     lasting : array of shape (nodes - 1,)
         How many cells a stretch lasts at least that begins with a cell.
-    from_rest : array of shape (nodes - 1,)
-        Cells before which the train stands, so that nothing is bound.
+    interrupted_by : array of shape (nodes - 1,)
+        What interrupts the drive before each cell, so that nothing is bound there.
     """
     nodes, points = grid.shape
     most = int(lasting.max())
@@ -127,6 +135,7 @@ def sweep_back_spaced(
     for i in range(nodes - 2, -1, -1):
         # a stretch that begins here has this cell behind it when the next node is reached
         bound = lasting[i] - 1
+        is_free = interrupted_by[i] != NOTHING
         for k in range(points):
             if k > 0 and grid[i, 0] == grid[i, points - 1]:
                 # only the first of the equal points of a fixed speed has steps
@@ -135,11 +144,11 @@ def sweep_back_spaced(
             _cheapest_by_action(steps, action, (i, k), price, onward, least, best[i, k])
             cheapest = int(np.argmin(least[:, bound]))
             for before in range(ACTIONS):
-                goes_on = not from_rest[i] and least[before, 0] <= least[cheapest, bound]
+                goes_on = not is_free and least[before, 0] <= least[cheapest, bound]
                 policy[i, k, before] = before if goes_on else cheapest
                 here[before, 0, k] = least[before, 0] if goes_on else least[cheapest, bound]
                 for cells in range(1, most):
-                    here[before, cells, k] = least[cheapest, bound] if from_rest[i] else least[before, cells - 1]
+                    here[before, cells, k] = least[cheapest, bound] if is_free else least[before, cells - 1]
         onward, here = here, onward
     return Policy(best, policy)
 
@@ -154,9 +163,27 @@ def _nearest(row: FloatArray, speed2: float, best: IntArray) -> int:
     return found
 
 
+@njit(cache=True, error_model="numpy")
+def _begins_at(row: FloatArray, speed2: float, best: IntArray, does: int, interrupted_by: int) -> int:
+    """Return the point of a row at which to ask what to do; -1 if there is none.
+
+    `best` is that of `Policy` for the row, and `does` what the drive has done so far.
+    """
+    if interrupted_by == STOP:
+        return 0
+    found = _nearest(row, speed2, best[:, does, 0])
+    if interrupted_by == NEUTRAL_SECTION:
+        # what was done before may not be possible any more
+        for another in range(ACTIONS):
+            k = _nearest(row, speed2, best[:, another, 0])
+            if k >= 0 and (found < 0 or abs(row[k] - speed2) < abs(row[found] - speed2)):
+                found = k
+    return found
+
+
 @njit(cache=True, error_model="numpy", nogil=True)
 def follow(
-    steps: Steps, actions: StepActions, grid: FloatArray, policy: Policy, lasting: IntArray, from_rest: BoolArray
+    steps: Steps, actions: StepActions, grid: FloatArray, policy: Policy, lasting: IntArray, interrupted_by: IntArray
 ) -> tuple[FloatArray, float]:
     """Return the decision of a policy, an array of shape (nodes - 1,), and about its time [s], infinite if it ends.
 
@@ -166,11 +193,11 @@ def follow(
     decision, time = np.full(nodes - 1, OFF), 0.0
     speed2, does, bound = grid[0, 0], 0, 0
     for i in range(nodes - 1):
-        row = grid[i]
-        if bound == 0 or from_rest[i]:
-            k = _nearest(row, speed2, policy.best[i, :, does, 0]) if not from_rest[i] else 0
+        row, is_free = grid[i], interrupted_by[i] != NOTHING
+        if bound == 0 or is_free:
+            k = _begins_at(row, speed2, policy.best[i], does, interrupted_by[i])
             chosen = policy.action[i, max(k, 0), does]
-            bound = lasting[i] if from_rest[i] or chosen != does else 1
+            bound = lasting[i] if is_free or chosen != does else 1
             does = chosen
         bound -= 1
         k = _nearest(row, speed2, policy.best[i, :, does, bound])
@@ -217,12 +244,13 @@ def spaced_decisions(
     actions = actions_of_steps(course, grid, steps)
     done = actions_of_run(course, centre_speed2)
     lasting = np.minimum(least_cells(done.duration_s, least_switching_s), MOST_BOUND_CELLS)
+    lasting[done.interrupted_by == NEUTRAL_SECTION] = 1
     found: dict[float, tuple[FloatArray, float]] = {}
 
     def lateness_s(log_price: float) -> float:
         if log_price not in found:
-            policy = sweep_back_spaced(steps, actions.action, grid, math.exp(log_price), lasting, done.from_rest)
-            found[log_price] = follow(steps, actions, grid, policy, lasting, done.from_rest)
+            policy = sweep_back_spaced(steps, actions.action, grid, math.exp(log_price), lasting, done.interrupted_by)
+            found[log_price] = follow(steps, actions, grid, policy, lasting, done.interrupted_by)
         # what gets nowhere is late, by no more than a bracket can be drawn with
         return min(found[log_price][1], MOST_LATE * time_s) - time_s
 

@@ -3,13 +3,15 @@
 A drive that takes power as soon as it is on saves by being on for a part of the time. How often it may be switched is
 `drive.least_switching_s`; a mesh, on which it is switched at nodes alone, holds that to the nearest cell. Between
 driving and braking a drive may be off for less, as it passes through no effort on the way from the one to the other.
+A neutral section switches the drive off and lets it go on, wherever it lies: how long a stretch lasts of which it cuts
+off an end is nobody's choice.
 """
 
 from typing import NamedTuple
 
 import numpy as np
 
-from railjoule.core.arrays import BoolArray, FloatArray, IntArray
+from railjoule.core.arrays import FloatArray, IntArray
 from railjoule.core.compiled import njit
 from railjoule.core.drive.kernels import has_standstill_brake
 from railjoule.core.physics.account import CellAccount, account_of_cell
@@ -18,6 +20,8 @@ from railjoule.core.physics.effort_limit import EffortLimit
 
 IS_OFF, DRIVES, BRAKES = range(3)
 ACTIONS, NONE_BEFORE = 3, -1
+NOTHING, STOP, NEUTRAL_SECTION = range(3)
+"""What may interrupt a drive before a cell; a neutral section does at either of its ends."""
 NEXT_TO_NOTHING = 1e-5
 """Efforts below this share of the largest are what a barrier leaves of none."""
 
@@ -47,21 +51,31 @@ class RunActions(NamedTuple):
         What a decision says of its machines: DRIVING, BRAKING or OFF of `course_data`.
     duration_s : array
         For how long [s].
-    from_rest : array of bool
-        Whether the train stands before the cell, so that nothing goes on from before.
+    interrupted_by : array of int
+        What keeps the drive from going on as before the cell: NOTHING, a STOP or the end of a NEUTRAL_SECTION.
     """
 
     action: IntArray
     machines: FloatArray
     duration_s: FloatArray
-    from_rest: BoolArray
+    interrupted_by: IntArray
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def interruptions(course: CourseData) -> IntArray:
+    """Return what interrupts the drive before each cell of a course; shape (n,)."""
+    found = np.where(course.fixed_speed2[:-1] == 0.0, STOP, NOTHING)
+    for i in range(1, found.shape[0]):
+        if found[i] == NOTHING and course.powered[i] != course.powered[i - 1]:
+            found[i] = NEUTRAL_SECTION
+    return found
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def actions_of_run(course: CourseData, speed2: FloatArray) -> RunActions:
     """Return what the drive does in each cell of a run, given by its squares of speed [m2/s2] at n + 1 nodes."""
     n = course.cell_length_m.shape[0]
-    done = RunActions(np.empty(n, np.int64), np.empty(n), np.empty(n), course.fixed_speed2[:-1] == 0.0)
+    done = RunActions(np.empty(n, np.int64), np.empty(n), np.empty(n), interruptions(course))
     train, traction, braking, drive = shared_by_cells(course)
     another = has_standstill_brake(course.drive_kind, course.drive_parameters)
     for i in range(n):
@@ -74,7 +88,8 @@ def actions_of_run(course: CourseData, speed2: FloatArray) -> RunActions:
 def shortest_stretch_s(course: CourseData, speed2: FloatArray) -> float:
     """Return how long a run's drive stays as it is at least [s], to the nearest cell; infinite if it never switches.
 
-    What ends with a stop does not count, as nobody switches there, nor what is off between driving and braking.
+    What ends with a stop does not count, as nobody switches there, nor what a neutral section cuts, nor what is off
+    between driving and braking.
 
     Parameters
     ----------
@@ -84,29 +99,30 @@ def shortest_stretch_s(course: CourseData, speed2: FloatArray) -> float:
         Squares of speed at the nodes [m2/s2].
     """
     done = actions_of_run(course, speed2)
-    return float(lasting_of_cells(done.action, done.duration_s, done.from_rest).min(initial=np.inf))
+    return float(lasting_of_cells(done.action, done.duration_s, done.interrupted_by).min(initial=np.inf))
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def lasting_of_cells(actions: IntArray, durations_s: FloatArray, from_rest: BoolArray) -> FloatArray:
+def lasting_of_cells(actions: IntArray, durations_s: FloatArray, interrupted_by: IntArray) -> FloatArray:
     """Return for how long the stretches last that cells are in, half a cell added; infinite where that tells nothing.
 
     Parameters
     ----------
     actions, durations_s : arrays of shape (n,)
         What the drive does in each cell, and for how long [s].
-    from_rest : array of shape (n,)
-        Cells before which the train stands.
+    interrupted_by : array of shape (n,)
+        What interrupts the drive before each cell.
     """
     n = actions.shape[0]
     lasting, first, before = np.full(n, np.inf), 0, NONE_BEFORE
     for i in range(1, n):
-        if from_rest[i]:
+        if interrupted_by[i] != NOTHING:
             first, before = i, NONE_BEFORE
         elif actions[i] != actions[i - 1]:
             passes = actions[first] == IS_OFF and before != actions[i]
             # a train that is moving at the beginning may have been switched long before
-            if (first > 0 or from_rest[0]) and not passes:
+            begins = interrupted_by[first] == STOP or (first > 0 and interrupted_by[first] == NOTHING)
+            if begins and not passes:
                 lasting[first:i] = durations_s[first:i].sum() + 0.5 * durations_s[first:i].max()
             first, before = i, actions[first]
     return lasting

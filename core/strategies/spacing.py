@@ -16,7 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from railjoule.core.arrays import BoolArray, FloatArray
+from railjoule.core.arrays import BoolArray, FloatArray, IntArray
 from railjoule.core.compiled import njit
 from railjoule.core.dynamic_programming.spaced import spaced_decisions
 from railjoule.core.errors import SolverError
@@ -27,6 +27,7 @@ from railjoule.core.physics.reference import reference_energy
 from railjoule.core.physics.stretches import (
     BRAKES,
     DRIVES,
+    NOTHING,
     actions_of_run,
     lasting_of_cells,
     shortest_stretch_s,
@@ -123,10 +124,10 @@ def _rounded_decisions(course: CourseData, speed2: FloatArray, shares: Duty, lea
     # what is not shared switches seldom by itself, and then the threshold alone decides where
     for owed in OWED:
         modes = summed_up_modes(shares, course.cell_length_m, owed)
-        if lasting_of_cells(modes.astype(int), done.duration_s, done.from_rest).min() >= least_s:
+        if lasting_of_cells(modes.astype(int), done.duration_s, done.interrupted_by).min() >= least_s:
             yield modes
     for phase in PHASES:
-        yield rounded(*shares, done.duration_s, done.from_rest, SPARE * least_s, phase)
+        yield rounded(*shares, done.duration_s, done.interrupted_by, SPARE * least_s, phase)
 
 
 def lies_above(task: Task, run: DecidedRun | None, other: DecidedRun, share: float) -> bool:
@@ -158,8 +159,8 @@ class _Spaced(Decisions):
         data, least = self.task.course.data, self.least_switching_s
         # what is given up may leave something else too short
         for gives_up in (True, True, False):
-            action, machines, durations, from_rest = actions_of_run(data, self.runs[-1].speed2)
-            short = lasting_of_cells(action, durations, from_rest) < least
+            action, machines, durations, interrupted_by = actions_of_run(data, self.runs[-1].speed2)
+            short = lasting_of_cells(action, durations, interrupted_by) < least
             mended = given_up(machines, short) if gives_up else lengthened(machines, short, durations, least)
             if self._is_enough(mended):
                 return
@@ -195,7 +196,12 @@ def lengthened(decision: FloatArray, short: BoolArray, durations_s: FloatArray, 
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def rounded(
-    driving: FloatArray, braking: FloatArray, durations_s: FloatArray, stands: BoolArray, least_s: float, phase: float
+    driving: FloatArray,
+    braking: FloatArray,
+    durations_s: FloatArray,
+    interrupted_by: IntArray,
+    least_s: float,
+    phase: float,
 ) -> FloatArray:
     """Return a decision, an array of shape (n,), whose stretches last and which keeps close to given shares.
 
@@ -203,8 +209,8 @@ def rounded(
     ----------
     driving, braking, durations_s : arrays of shape (n,)
         Shares of the cells on which the drive is on, and times of the cells [s].
-    stands : array of shape (n,)
-        Cells before which the train stands.
+    interrupted_by : array of shape (n,)
+        What interrupts the drive before each cell.
     least_s : float
         For how long a stretch lasts at least [s].
     phase : float
@@ -215,7 +221,7 @@ def rounded(
     owed_driving, owed_braking = 0.0, 0.0
     for i in range(n):
         t = durations_s[i]
-        if stands[i]:
+        if interrupted_by[i] != NOTHING:
             does, lasts = OFF, np.inf
         owed_driving, drive = _owes(owed_driving, driving, i, t, least_s, phase, does == DRIVING)
         owed_braking, brake = _owes(owed_braking, braking, i, t, least_s, phase, does == BRAKING)

@@ -12,7 +12,7 @@ import numpy as np
 
 from railjoule.core import RailjouleError, load_scenario
 from railjoule.core.bounds import minimise
-from railjoule.core.physics.stretches import IS_OFF, RunActions, actions_of_run
+from railjoule.core.physics.stretches import IS_OFF, NOTHING, RunActions, actions_of_run
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.core.units import J_PER_KWH
 from tests.benchmarks.referee import with_drive
@@ -47,11 +47,11 @@ class Dwells:
 
 
 def dwells_of(done: RunActions) -> Dwells:
-    """Return how the drive of a run is switched; a stop begins and ends a stretch."""
-    borders = np.flatnonzero(np.append(True, (np.diff(done.action) != 0) | done.from_rest[1:]))
+    """Return how the drive of a run is switched; what interrupts it begins and ends a stretch."""
+    borders = np.flatnonzero(np.append(True, (np.diff(done.action) != 0) | (done.interrupted_by[1:] != NOTHING)))
     lasts, is_off = np.add.reduceat(done.duration_s, borders), done.action[borders] == IS_OFF
     # off between two stretches that are on, and at neither end of the way between two stops
-    departs = np.append(done.from_rest[borders], True)
+    departs = np.append(done.interrupted_by[borders] != NOTHING, True)
     inner = is_off & ~departs[:-1] & ~departs[1:]
     shortest = (float(lasts[some].min(initial=np.inf)) for some in (~is_off, inner))
     return Dwells(len(borders), *shortest)

@@ -10,7 +10,7 @@ from every_drive import train
 from railjoule.core.dynamic_programming.backward import least_speeds, speed_grid, sweep_back, tabulate_steps
 from railjoule.core.dynamic_programming.spaced import actions_of_steps, follow, spaced_decisions, sweep_back_spaced
 from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF
-from railjoule.core.physics.stretches import ACTIONS
+from railjoule.core.physics.stretches import ACTIONS, interruptions
 from railjoule.core.strategies import prepare_task
 
 PRICE_W = 20e3
@@ -39,10 +39,10 @@ def short():
 
 def swept(short, lasting):
     task, grid, steps, actions = short
-    from_rest = task.course.data.fixed_speed2[:-1] == 0.0
+    interrupted_by = interruptions(task.course.data)
     lasting = np.full(task.course.cell_count, lasting)
-    policy = sweep_back_spaced(steps, actions.action, grid, PRICE_W, lasting, from_rest)
-    return follow(steps, actions, grid, policy, lasting, from_rest)
+    policy = sweep_back_spaced(steps, actions.action, grid, PRICE_W, lasting, interrupted_by)
+    return follow(steps, actions, grid, policy, lasting, interrupted_by)
 
 
 def test_stretches_of_a_cell_are_the_recursion_itself(short):

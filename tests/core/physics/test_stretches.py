@@ -12,6 +12,9 @@ from railjoule.core.physics.stretches import (
     BRAKES,
     DRIVES,
     IS_OFF,
+    NEUTRAL_SECTION,
+    NOTHING,
+    STOP,
     actions_of_run,
     lasting_of_cells,
     least_cells,
@@ -21,10 +24,11 @@ from railjoule.core.strategies import prepare_task
 NEVER = np.inf
 
 
-def lasting(actions, durations=None, from_rest=()):
+def lasting(actions, durations=None, from_rest=(), cut=()):
     n = len(actions)
-    stands = np.isin(np.arange(n), list(from_rest))
-    return lasting_of_cells(np.array(actions), np.array(durations or [1.0] * n), stands).tolist()
+    interrupted_by = np.full(n, NOTHING)
+    interrupted_by[list(from_rest)], interrupted_by[list(cut)] = STOP, NEUTRAL_SECTION
+    return lasting_of_cells(np.array(actions), np.array(durations or [1.0] * n), interrupted_by).tolist()
 
 
 def fastest_of(drive):
@@ -40,7 +44,7 @@ def test_what_a_drive_does_is_told_by_its_account():
     assert np.array_equal(done.machines == BRAKING, braked)
     assert np.array_equal(done.action, np.where(driven, DRIVES, np.where(braked, BRAKES, IS_OFF)))
     assert np.array_equal(done.duration_s, account.duration_s)
-    assert done.from_rest.tolist() == [True] + [False] * (len(done.action) - 1)
+    assert done.interrupted_by.tolist() == [STOP] + [NOTHING] * (len(done.action) - 1)
 
 
 def test_a_standstill_brake_lets_the_machines_be_off():
@@ -57,6 +61,13 @@ def test_a_stretch_lasts_its_cells_and_half_of_the_longest():
 def test_a_stop_ends_a_stretch_that_nobody_switches():
     actions = [DRIVES, IS_OFF, DRIVES, BRAKES, DRIVES, IS_OFF]
     assert lasting(actions, from_rest=[0, 4]) == [1.5, 1.5, 1.5, NEVER, 1.5, NEVER]
+
+
+def test_a_neutral_section_cuts_what_nobody_switches():
+    """It lies over cells 3 and 4; what is driven before it and behind it, and off within, was not ended by choice."""
+    actions = [DRIVES, IS_OFF, DRIVES, IS_OFF, IS_OFF, DRIVES, IS_OFF, DRIVES, IS_OFF]
+    cut = lasting(actions, from_rest=[0], cut=[3, 5])
+    assert cut == [1.5, 1.5, NEVER, NEVER, NEVER, NEVER, 1.5, 1.5, NEVER]
 
 
 def test_a_drive_passes_from_driving_to_braking_as_fast_as_it_likes():

@@ -11,7 +11,7 @@ from railjoule.core.bounds import minimise
 from railjoule.core.check import check_run
 from railjoule.core.errors import ScenarioError
 from railjoule.core.physics.course_data import BRAKING, DRIVING, OFF
-from railjoule.core.physics.stretches import shortest_stretch_s
+from railjoule.core.physics.stretches import NOTHING, STOP, shortest_stretch_s
 from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.core.strategies.spacing import given_up, lengthened, rounded, seldom_switched
 from railjoule.core.strategies.switching import unswitched
@@ -26,7 +26,8 @@ def shares(value):
 def decision_of(driving, braking=None, least=2.0, phase=0.0, duration=0.5, stands=()):
     n = len(driving)
     given = driving, np.zeros(n) if braking is None else braking, np.full(n, duration)
-    return rounded(*given, np.isin(np.arange(n), list(stands)), least, phase)
+    interrupted_by = np.where(np.isin(np.arange(n), list(stands)), STOP, NOTHING)
+    return rounded(*given, interrupted_by, least, phase)
 
 
 def lengths(decision):
