@@ -21,10 +21,12 @@ def full_disk() -> None:
     resource.setrlimit(resource.RLIMIT_FSIZE, (LARGEST_BYTES, LARGEST_BYTES))
 
 
-def run(*words: str, folder: Path, prepare: Callable[[], None] | None = None) -> subprocess.CompletedProcess[str]:
-    """Run a command of railjoule."""
+def run(
+    *words: str, folder: Path, prepare: Callable[[], None] | None = None, before: tuple[str, ...] = ()
+) -> subprocess.CompletedProcess[str]:
+    """Run a command of railjoule, behind the words of a program that runs it in turn."""
     return subprocess.run(
-        [sys.executable, "-m", "railjoule.dashboard", *words],
+        [*before, sys.executable, "-m", "railjoule.dashboard", *words],
         cwd=folder,
         capture_output=True,
         text=True,
@@ -66,6 +68,23 @@ def missing_folder() -> Found:
         return Found(f"rc {done.returncode}: {done.stderr.strip()[:90]}", told(done))
 
 
+READ_ONLY = 'mount --bind "$0" "$0" && mount -o remount,bind,ro "$0" && cd "$0" && exec "$@"'
+"""Makes a folder read-only, even for root, and runs a command in it; seen by nobody outside its own space of mounts."""
+
+
+def read_only_folder() -> Found:
+    """Write over an old file in a folder that is mounted read-only."""
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        (folder / "t.csv").write_text(OLD)
+        alone = ("unshare", "--map-root-user", "--mount", "sh", "-c", READ_ONLY, place)
+        done = run(*TABLE, "t.csv", folder=folder, before=alone)
+        left = {file.name: file.read_text() for file in folder.iterdir()}
+        words = "old file as it was" if left == {"t.csv": OLD} else f"{sorted(left)}"
+        is_kept = left == {"t.csv": OLD} and "read-only" in done.stderr.lower()
+        return Found(f"rc {done.returncode}, {words}: {done.stderr.strip()[:90]}", told(done) and is_kept)
+
+
 def no_memory() -> Found:
     """Ask for more cells than anything may have."""
     with tempfile.TemporaryDirectory() as place:
@@ -79,5 +98,6 @@ ROWS = (
     Row("4", "full disk, report to a new file", "61 kB left behind", on_a_full_disk(REPORT, "r.html", False), False),
     Row("4", "full disk, table over an old file", "not tried", on_a_full_disk(TABLE, "t.csv", True)),
     Row("4", "missing folder", "one sentence, rc 2", missing_folder, False),
+    Row("4", "folder mounted read-only", "one sentence, rc 2", read_only_folder, False),
     Row("4", "46,000,000 cells", "MemoryError not caught", no_memory, False),
 )
