@@ -4,8 +4,9 @@ The multipliers of one optimum, with T its time and lambda its price of a second
 
     E + lambda (t - T) >= B,
 
-E being the run's energy, auxiliaries included, and t the time that it takes: `railjoule.core.interior_point.certificate`
-prices the time and never asks how much of it there is. A run that may take t' takes no more, and lambda >= 0, so that
+E being the run's energy, auxiliaries included, and t the time that it takes: the proof of
+`railjoule.core.interior_point.certificate` prices the time and never asks how much of it there is. A run that may take
+t' takes no more, and lambda >= 0, so that
 
     E >= B - lambda (t' - T)
 
