@@ -91,6 +91,7 @@ export const drawing_verdict = (lesson, text) => {
   };
   return {
     ...account, points, bound_kwh: bound_at(bounds, account.time_s), proven: true, best_kwh: best.kwh, best_ms: best.ms,
+    other_time: less !== "0.0",
     best_name: less === "0.0" ? words.best_name : told(words.other_time, {time: clock_of(best.time_s), less}),
     above_kwh: differences(used, best.so_far_kwh), rows: beyond(run, best, words), stretches: best.stretches.map(sentence),
   };

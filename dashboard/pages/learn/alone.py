@@ -131,7 +131,7 @@ def _optimum(run: Trajectory) -> dict[str, Any]:
         "time_s": run.travel_time_s,
         "kwh": run.energy_kwh,
         "proven": run.is_proven,
-        "ms": np.round(run.node_speed_ms, 3).tolist(),
+        "ms": np.round(run.node_speed_ms, 2).tolist(),
         "so_far_kwh": np.round(run.line_energy_j / J_PER_KWH, 4).tolist(),
         "spent_kwh": by_hand.spent_kwh(run),
         "stretches": drawing.told_stretches(run),
