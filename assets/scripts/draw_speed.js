@@ -103,7 +103,7 @@ export function render({model}) {
   }, {signal});
 
   const text = () => points.join(",");
-  const reveal = button("Show the best run in this time", () => {
+  const reveal = button(`Show the best run${model.alone ? "" : " in this time"}`, () => {
     asked = true;
     reveal.disabled = true;
     told.textContent = "The best run in this time is being computed.";

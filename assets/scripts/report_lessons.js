@@ -46,7 +46,7 @@ const reveal_in_figure = ({source, columns, range, ends}, revealed) => {
 const guess = (place, name, {guessed, sheets}, components) => {
   const {title, asked, verdicts, before, after, later} = guessed[name];
   const parts = Object.fromEntries([...place.querySelectorAll("[data-part]")]
-    .map((part) => [part.dataset.part, root_in(part, sheets.guessed)]));
+    .map((part) => [part.dataset.part, root_in(part, sheets[part.dataset.part])]));
   const bars = model_of(before.bars, () => {});
   const show = (revealed) => {
     const shown = revealed ? after : before;

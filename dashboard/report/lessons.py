@@ -95,7 +95,14 @@ def lessons_data(findings: Findings, figures: Figures) -> dict[str, Any]:
             lesson.name: {**_guessed(lesson, found.guessed[lesson.name]), "later": figures.lessons[lesson.name].later}
             for lesson in LESSONS
         },
-        "sheets": {"played": played_css(), "guessed": "\n".join((parts_css(), TEXT_CSS, FIGURES_CSS, lesson_css(), NO_INFO))},
+        "sheets": {
+            "played": played_css(),
+            # those that the parts of a lesson have on the page Learn
+            **dict.fromkeys(("guess", "bars"), lesson_css()),
+            "text": parts_css() + TEXT_CSS,
+            "cells": parts_css() + FIGURES_CSS + NO_INFO,
+            "told": parts_css() + lesson_css(),
+        },
     }
 
 

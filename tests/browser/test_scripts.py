@@ -222,7 +222,7 @@ VALUES: dict[str, dict[str, Any]] = {
     "navigation": {"page": "Start", "entries": ENTRIES, "keyed": ["Start", "Drive"], "brand": ""},
     "number_field": NUMBER,
     "present": {"page": "Drive", "slider": "Travel time, s", "figure_px": 0},
-    "report_form": {"sections": [["result", "Result"]], "longest_note": 2000, "refusal": "", "open": False},
+    "report_form": {"sections": [["result", "Result", True]], "longest_note": 2000, "refusal": "", "open": False},
     "save_form": {"kinds": [], "names": {}, "refusal": "", "can_replace": False, "told": "", "version": 0},
     "saving": {},
     "share_out": {
