@@ -59,7 +59,7 @@ class Figures:
             "frontier": self._frontier() if has("trade-off") else [],
             "reality": self._reality() if has("reality") else [],
         }
-        guessed = {} if findings.lessons is None else findings.lessons.guessed
+        guessed = findings.lessons.guessed if findings.lessons is not None and has("lessons") else {}
         self.lessons = {name: LessonCharts(result, self.palette) for name, result in guessed.items()}
         charts = [chart for group in self.groups.values() for chart in group]
         of_lessons = [chart for lesson in self.lessons.values() for chart in lesson.charts]

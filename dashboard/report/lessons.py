@@ -44,6 +44,8 @@ INTRODUCTION = (
 
 def lessons_section(findings: Findings, figures: Figures) -> Markup:
     """Return the places of all lessons, which `report_lessons.js` fills; a sentence on paper."""
+    if findings.lessons is None:
+        return Markup()
     played = joined(markup('<div data-played="{}"></div>', name) for name in PLAYED)
     guessed = joined(_place(lesson, figures) for lesson in LESSONS)
     return section(
@@ -87,7 +89,7 @@ def _figure(chart: Chart, charts: LessonCharts, place: str) -> Markup:
 def lessons_data(findings: Findings, figures: Figures) -> dict[str, Any]:
     """Return all that `report_lessons.js` needs; nothing without lessons."""
     found = findings.lessons
-    if found is None or not findings.contents.has("lessons"):
+    if found is None or not figures.lessons:
         return {}
     return {
         "played": found.played,

@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, Page, Route
 
 from railjoule.core.simulate.by_hand import drive_by_hand
 from railjoule.core.units import J_PER_KWH, J_PER_WH
-from railjoule.dashboard.look.scripts import SCRIPTS, borrowed, function, imported, lent, module, source
+from railjoule.dashboard.look.scripts import SCRIPTS, borrowed, bundle, function, imported, lent, module, source
 from railjoule.dashboard.pages.learn import alone, by_hand, drawing, slack
 from railjoule.dashboard.pages.learn.by_hand import course_arrays, lesson, read_commands
 from railjoule.dashboard.pages.learn.drawing import POINTS, drawing_lesson, run_of
@@ -87,6 +87,17 @@ def test_a_component_of_which_there_are_many_is_sent_once(page: Page) -> None:
       return shown(m.render({{model}})).querySelector("[type=text]").value;
     """
     assert page.evaluate(f"async (a) => {{ {code} }}", NUMBER) == "170.0"
+
+
+def test_components_are_sent_with_a_script_that_draws_them_by_their_names(page: Page) -> None:
+    text = bundle(
+        "numbers", "told.push(Object.keys(components), typeof components.guess, written(1234, 0))", ("guess",)
+    )
+    assert page.evaluate("text => { const told = []; new Function('told', text)(told); return told; }", text) == [
+        ["guess"],
+        "function",
+        "1\u202f234",
+    ]
 
 
 @pytest.mark.parametrize("name", sorted(set(NAMES) - set(MODULES)))
