@@ -67,9 +67,17 @@ export const sharing_verdict = ({lines, best, alike_s, words}, text) => {
 };
 
 const value_between = (places, values, at) => {
-  const k = Math.max(places.findIndex((place) => place >= at), 1);
+  const found = places.findIndex((place) => place >= at), k = found < 0 ? places.length - 1 : Math.max(found, 1);
   return values[k - 1] + ((values[k] - values[k - 1]) * (at - places[k - 1])) / (places[k] - places[k - 1]);
 };
+// Values at all nodes from those at the nodes that are kept.
+const spread = (places, kept, values) => {
+  const at = kept.map((node) => places[node]);
+  return places.map((place) => value_between(at, values, place));
+};
+// speed squared is what an even force moves evenly along the way
+const spread_speeds = (places, kept, speeds) => spread(places, kept, speeds.map((one) => one * one)).map(Math.sqrt);
+
 // The least energy of a time, as the greatest of the lines that are proven.
 export const bound_at = ({time_s, kwh, kwh_a_second}, time) =>
   Math.max(...time_s.map((touches, k) => kwh[k] - kwh_a_second[k] * (time - touches)));
@@ -90,9 +98,9 @@ export const drawing_verdict = (lesson, text) => {
     return told(words.did, {stretch, pace, energy: figures_of(Math.abs(more), 2), more: which(words.more, more)});
   };
   return {
-    ...account, points, bound_kwh: bound_at(bounds, account.time_s), proven: true, best_kwh: best.kwh, best_ms: best.ms,
+    ...account, points, bound_kwh: bound_at(bounds, account.time_s), proven: true, best_kwh: best.kwh, best_ms: spread_speeds(course.position, best.kept, best.ms),
     other_time: less !== "0.0",
     best_name: less === "0.0" ? words.best_name : told(words.other_time, {time: clock_of(best.time_s), less}),
-    above_kwh: differences(used, best.so_far_kwh), rows: beyond(run, best, words), stretches: best.stretches.map(sentence),
+    above_kwh: differences(used, spread(course.position, best.kept, best.so_far_kwh)), rows: beyond(run, best, words), stretches: best.stretches.map(sentence),
   };
 };

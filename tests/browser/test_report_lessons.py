@@ -161,6 +161,7 @@ def test_they_are_played_by_touch_and_left_out_on_paper(reader: Reader) -> None:
         else:
             asked.get_by_role("button", name="This is my guess").tap()
         expect(asked.get_by_role("img").first).to_be_visible()
+    assert grave_findings(page) == {}
     page.emulate_media(media="print")
     expect(page.get_by_text("they are played on the screen")).to_be_visible()
     expect(drive).to_be_hidden()

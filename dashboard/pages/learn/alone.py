@@ -21,12 +21,17 @@ from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import words
 from railjoule.dashboard.pages.learn import by_hand, drawing, slack
 
-OPTIMA_COUNT = 120
-"""Over the times of drawings; between two of them, the lines lie a five-thousandth below the least energy at most."""
+OPTIMA_COUNT = 240
+"""Over the times of drawings; between two of them, the lines lie a ten-thousandth below the least energy at most."""
 LEAST_SLACK_S = 0.4
 """Beyond the shortest time, of the first of them: less than what draw_speed.js asks for before it compares."""
 LATEST_SHARE = 1.02
 """The last of them takes so many times as long as a train at the least speed that can be drawn."""
+
+
+DRAWN_MS, DRAWN_KWH = 0.05, 0.01
+"""As closely an optimum is written down at its nodes [m/s, kWh]: all together they are most of a lesson's data, and
+between the nodes that are kept the browser lets an even force act."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,14 +130,32 @@ def draw_speed() -> dict[str, Any]:
     }
 
 
+def kept_nodes(run: Trajectory) -> list[int]:
+    """Return nodes between which an even force gives all speeds and energies within DRAWN_MS and DRAWN_KWH."""
+    places, speed, energy = run.nodes_m, run.node_speed_ms, run.line_energy_j / J_PER_KWH
+    kept, open_pairs = {0, len(places) - 1}, [(0, len(places) - 1)]
+    while open_pairs:
+        first, last = open_pairs.pop()
+        ends, inner = [first, last], slice(first + 1, last)
+        speed2, used = (np.interp(places[inner], places[ends], values[ends]) for values in (speed**2, energy))
+        off = np.maximum(np.abs(np.sqrt(speed2) - speed[inner]) / DRAWN_MS, np.abs(used - energy[inner]) / DRAWN_KWH)
+        if len(off) and off.max() > 1.0:
+            # the farthest one has to be kept, and may be enough
+            worst = first + 1 + int(np.argmax(off))
+            kept.add(worst)
+            open_pairs += [(first, worst), (worst, last)]
+    return sorted(kept)
+
+
 def _optimum(run: Trajectory) -> dict[str, Any]:
+    kept = kept_nodes(run)
     # the figure draws the lines, and needs no more digits
     return {
         "time_s": run.travel_time_s,
         "kwh": run.energy_kwh,
-        "proven": run.is_proven,
-        "ms": np.round(run.node_speed_ms, 2).tolist(),
-        "so_far_kwh": np.round(run.line_energy_j / J_PER_KWH, 4).tolist(),
+        "kept": kept,
+        "ms": np.round(run.node_speed_ms[kept], 2).tolist(),
+        "so_far_kwh": np.round(run.line_energy_j[kept] / J_PER_KWH, 4).tolist(),
         "spent_kwh": by_hand.spent_kwh(run),
         "stretches": drawing.told_stretches(run),
     }
