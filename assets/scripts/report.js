@@ -5,8 +5,8 @@
   const data = read("data"), figures = read("figures");
   const charts = Object.entries(data.charts);
   // a report without figures has no library to draw them
-  if (charts.length) { await Bokeh.embed.embed_items(figures.docs, figures.items); }
-  const bokeh = charts.length ? Bokeh.documents[Bokeh.documents.length - 1] : null;
+  if (data.draws) { await Bokeh.embed.embed_items(figures.docs, figures.items); }
+  const bokeh = data.draws ? Bokeh.documents[Bokeh.documents.length - 1] : null;
   const model = (id) => bokeh.get_model_by_id(id);
   const view = (id) => Bokeh.index.find_one(model(id));
   const at = (id) => document.getElementById(id);
@@ -14,6 +14,7 @@
   // ---- colours
 
   const system = window.matchMedia("(prefers-color-scheme: dark)");
+  const strip = data.charts.phases;
   let theme = "light";
   let phases = data.phases;
   const paint = (name) => {
@@ -21,7 +22,8 @@
     theme = name;
     for (const [id, attribute, token] of data.worn) { model(id).setv({[attribute]: data.tokens[theme][token]}); }
     for (const [id, column, light, dark] of data.columns) {
-      if (column === "fill" || column === "ink") continue;
+      // drawn anew below
+      if (id === strip?.sources.phases) continue;
       const source = model(id);
       source.data = {...source.data, [column]: theme === "dark" ? dark : light};
     }
@@ -34,7 +36,6 @@
 
   // ---- phases, with as many words as have room
 
-  const strip = data.charts.phases;
   const bands = strip && model(strip.sources.phases);
   const drawPhases = () => {
     if (!strip) return;
@@ -133,7 +134,7 @@
 
   const PAPER_PX = 760;
   const settle = () => {
-    for (const root of charts.length ? Object.values(Bokeh.index) : []) { root.after_resize?.(); }
+    for (const root of data.draws ? Object.values(Bokeh.index) : []) { root.after_resize?.(); }
     for (const [, chart] of charts) {
       const figure = view(chart.figure);
       figure.canvas_view?.after_resize?.();

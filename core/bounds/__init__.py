@@ -5,7 +5,8 @@
 optimum the best one, so that a solver's fault makes a bound weak, never wrong. `certify` returns the energy that no run
 on the same mesh undercuts, `bound_of` optimum and bound at once, and `bounded` gives a run of any strategy a bound that
 covers its own nodes and time. `tightening` raises the bound of a drive that idles step by step; `tightened` is its
-last step. `strongest_bounds` lets bounds of several timetables strengthen one another.
+last step. `strongest_bounds` lets bounds of several timetables strengthen one another, and `time_lines` has
+one for every time at once.
 
 Read `minimum.minimise` first, then `certified.certify`; the method itself is in `railjoule.core.interior_point`.
 """
@@ -22,6 +23,7 @@ from railjoule.core.bounds.certified import (
     work_floor_j,
 )
 from railjoule.core.bounds.minimum import Solution, minimise, minimise_decided
+from railjoule.core.bounds.over_time import TimeLines, time_lines
 from railjoule.core.bounds.tightening import (
     FIRST_STAGE_BOXES,
     LONGEST_PROOF_S,
@@ -41,6 +43,7 @@ __all__ = [
     "PROOF_BUDGET",
     "ProofStep",
     "Solution",
+    "TimeLines",
     "bound_of",
     "bounded",
     "can_tighten",
@@ -55,6 +58,7 @@ __all__ = [
     "strongest_bounds",
     "tightened",
     "tightening",
+    "time_lines",
     "with_chains",
     "with_tighter_bound",
     "work_floor_j",

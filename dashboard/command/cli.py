@@ -208,7 +208,7 @@ def build_parser() -> argparse.ArgumentParser:
         nargs="+",
         action="extend",
         default=[],
-        help=f"which sections it has: {', '.join(SECTION_TITLES)}; default: all",
+        help=f"which sections it has: {', '.join(SECTION_TITLES)}; default: all but lessons",
     )
     report.add_argument("--author", metavar="NAME", default="", help="who has written it")
     report.add_argument(

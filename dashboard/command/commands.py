@@ -37,7 +37,7 @@ from railjoule.dashboard.command import summary, terminal
 from railjoule.dashboard.keep.embedded import scenario_in_report
 from railjoule.dashboard.limits import limits as all_limits
 from railjoule.dashboard.report.contents import Contents
-from railjoule.dashboard.report.section_names import SECTION_TITLES
+from railjoule.dashboard.report.section_names import USUAL_SECTIONS
 
 if TYPE_CHECKING:
     import pandas
@@ -259,7 +259,7 @@ def report(
 
 
 def report_contents(sections: Sequence[str], author: str, note: str | None) -> Contents:
-    """Return what a report shall tell; all sections where none is named.
+    """Return what a report shall tell; the usual sections where none is named.
 
     Raises
     ------
@@ -267,7 +267,7 @@ def report_contents(sections: Sequence[str], author: str, note: str | None) -> C
         If the note cannot be read, or there can be no such report.
     """
     text = "" if note is None else read_text(Path(note)).strip()
-    return Contents(tuple(sections or SECTION_TITLES), author.strip(), text)
+    return Contents(tuple(sections or USUAL_SECTIONS), author.strip(), text)
 
 
 def benchmark(output: Output) -> None:

@@ -29,12 +29,13 @@ from railjoule.dashboard.charts.quantities import (
 from railjoule.dashboard.keep.embedded import embedded
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, joined
-from railjoule.dashboard.look.scripts import source
+from railjoule.dashboard.look.scripts import bundle, source
 from railjoule.dashboard.look.theme import report_css
 from railjoule.dashboard.parts import html as parts
 from railjoule.dashboard.report import sections
 from railjoule.dashboard.report.figures import Figures
 from railjoule.dashboard.report.findings import Findings
+from railjoule.dashboard.report.lessons import LESSON_COMPONENTS, lessons_data, lessons_section
 from railjoule.dashboard.report.section_names import SECTION_TITLES
 
 SECTIONS: Mapping[str, Callable[[Findings, Figures], Markup]] = {
@@ -45,6 +46,7 @@ SECTIONS: Mapping[str, Callable[[Findings, Figures], Markup]] = {
     "proof": sections.proof,
     "reality": sections.reality,
     "robustness": sections.robustness,
+    "lessons": lessons_section,
     "scenario": sections.scenario,
     "file": sections.about_file,
 }
@@ -64,14 +66,17 @@ def report_html(findings: Findings, made_at: datetime) -> str:
     scenario, run, contents = findings.scenario, findings.run, findings.contents
     figures = Figures(findings)
     chosen = (SECTIONS[name](findings, figures) for name in SECTION_TITLES if contents.has(name))
-    # without figures, the library's two megabytes would draw nothing
     charts = figures.handles()
-    library = [bokeh_script()] if charts else []
-    scripts = [Markup(text) for text in (*library, source("report"), source("surface"))]
+    # without figures, the library's two megabytes would draw nothing
+    draws = bool(figures.places)
+    library = [bokeh_script()] if draws else []
+    lessons = [bundle("report_lessons", "begin(components)", LESSON_COMPONENTS)] if figures.lessons else []
+    scripts = [Markup(text) for text in (*library, source("report"), source("surface"), *lessons)]
     # assets/scripts/report.js reads these by their names
     data = {
         **figures.paints(),
         "charts": charts,
+        "draws": draws,
         "optimum": figures.optimum,
         "spare": figures.spare_texts(),
         "distance": max(run.distance_m for run in findings.runs.runs.values()),
@@ -89,9 +94,10 @@ def report_html(findings: Findings, made_at: datetime) -> str:
         scenario=Markup(embedded(format_scenario(scenario))),
         figures=figures.embedding(),
         data=data,
+        lessons=lessons_data(findings, figures),
         surfaces={name: surface.data for name, surface in figures.surfaces.items()},
         scripts=scripts,
-        policy=Markup(policy(scripts, draws=bool(charts))),
+        policy=Markup(policy(scripts, draws=draws)),
     )
 
 

@@ -2,21 +2,19 @@
 
 import re
 from collections.abc import Iterator
-from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, expect
 
 from browser.findings import grave_findings
+from browser.reader import Reader, written
 from browser.user import User
-from railjoule.core import Scenario, load_scenario
+from railjoule.core import load_scenario
 from railjoule.core.scenario import parse_scenario
 from railjoule.dashboard.keep.embedded import scenario_in_report
 from railjoule.dashboard.look.tokens import DARK, LIGHT
 from railjoule.dashboard.report.contents import Contents
-from railjoule.dashboard.report.document import report_html
-from railjoule.dashboard.report.findings import ReportRequest, compute_findings
 
 CANARY = "<img src=x onerror='window.pwned=true'></script><script>window.pwned=true</script>"
 MOST_PAGES = 8
@@ -50,37 +48,6 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     }
     contents = Contents(author=CANARY, note=f"{CANARY}\n\n{'x' * 300}")
     return written(tmp_path_factory.mktemp("report"), load_scenario("metro-with-limit", changes), contents)
-
-
-def written(folder: Path, scenario: Scenario, contents: Contents) -> Path:
-    """Return the file of a report."""
-    *_, findings = compute_findings(ReportRequest(scenario, contents=contents))
-    path = folder / "report.html"
-    path.write_text(report_html(findings, datetime(2026, 3, 9, 14, 5, tzinfo=UTC)), encoding="utf-8")
-    return path
-
-
-class Reader:
-    """Someone who opens a report on a machine without a network; what goes wrong is kept for the end."""
-
-    def __init__(self, page: Page, file: Path) -> None:
-        self.page = page
-        self.troubles: list[str] = []
-        page.on("console", lambda message: message.type == "error" and self.troubles.append(message.text))
-        page.on("pageerror", lambda error: self.troubles.append(str(error)))
-        page.on("request", lambda request: self._note(request.url, file))
-        page.goto(file.as_uri())
-        page.locator("html.ready").wait_for()
-
-    def _note(self, address: str, file: Path) -> None:
-        if address != file.as_uri() and not address.startswith(("data:", "blob:")):
-            self.troubles.append(address)
-
-    def energy(self) -> str:
-        return self.page.locator("#numbers .figure.main .value").inner_text()
-
-    def picture(self, name: str) -> bytes:
-        return self.page.locator(f"[data-plot={name}]").screenshot()
 
 
 @pytest.fixture(scope="module", params=["light", "dark"])
@@ -231,7 +198,9 @@ def test_the_form_is_used_by_keyboard(user: User, tmp_path: Path) -> None:
     expect(page.get_by_role("button", name="Report", exact=True)).to_be_focused()
     page.keyboard.press("Enter")
     expect(form).to_be_visible()
-    for box in form.get_by_role("checkbox").all():
+    # all but the lessons, which tell nothing of a scenario
+    expect(form.get_by_role("checkbox", name="Lessons")).not_to_be_checked()
+    for box in form.get_by_role("checkbox", checked=True).all()[::-1]:
         box.press("Space")
     form.get_by_role("button", name="Make the report").press("Enter")
     expect(form.get_by_role("alert")).to_contain_text("a report has at least one of result, energy")
@@ -242,12 +211,13 @@ def test_the_form_is_used_by_keyboard(user: User, tmp_path: Path) -> None:
     form.get_by_role("textbox", name="Author").press("Enter")
     expect(form.get_by_role("alert")).to_have_text("note: has 2,001 characters, at most 2,000 are allowed.")
     form.get_by_role("textbox", name="Note").fill("One\n\nTwo")
+    form.get_by_role("checkbox", name="Lessons").press("Space")
     with page.expect_download() as saved:
         form.get_by_role("button", name="Make the report").press("Enter")
     expect(form).not_to_be_visible()
     saved.value.save_as(tmp_path / "report.html")
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert re.findall(r'<section id="([\w-]+)"', text) == ["note", "proof"]
+    assert re.findall(r'<section id="([\w-]+)"', text) == ["note", "proof", "lessons"]
     assert "<p>One</p><p>Two</p>" in text
 
 

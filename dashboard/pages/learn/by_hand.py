@@ -26,6 +26,12 @@ MESH_M = 2.0
 LETTERS = "pcb"
 DID = ("kept power", "coasted", "braked")
 """What a driver did, by the number of the command."""
+HERE = "Here you part, at {place} m. The best run: {phase}."
+THERE = "You {did} to {place} m: there you are {speed} km/h {faster} and have used {energy} kWh {more}."
+FASTER, MORE = ("faster", "slower"), ("more", "less")
+"""Words of a difference of speed and of energy that is not negative, and of one that is."""
+BEYOND = {"losses": "Lost in motors and brakes", "resistance": "Lost to resistance", "auxiliary": "Auxiliaries"}
+"""Where energy goes, by the name that the browser's account has for it."""
 # a second behind the decimal point is rounding of the last cells
 IN_TIME_S = 0.05
 COMMANDS = re.compile(r"p0(?:[pcb][1-9]\d{0,4}){0,1500}")
@@ -180,26 +186,35 @@ def _parting(run: Trajectory, best: Trajectory, commands: IntArray) -> dict[str,
     return {
         "position": place,
         "node": node,
-        "here": f"Here you part, at {words.number(place, 0)} m. The best run: {words.PHASE_WORDS[phase.phase]}.",
-        "there": (
-            f"You {DID[commands[node]]} to {words.number(run.nodes_m[end], 0)} m: there you are "
-            f"{words.speed(abs(faster), 0)} km/h {'faster' if faster >= 0 else 'slower'} and have used "
-            f"{words.energy(abs(cost))} kWh {'more' if cost >= 0 else 'less'}."
+        "here": HERE.format(place=words.number(place, 0), phase=words.PHASE_WORDS[phase.phase]),
+        "there": THERE.format(
+            did=DID[commands[node]],
+            place=words.number(run.nodes_m[end], 0),
+            speed=words.speed(abs(faster), 0),
+            faster=FASTER[faster < 0],
+            energy=words.energy(abs(cost)),
+            more=MORE[cost < 0],
         ),
     }
 
 
+def spent_kwh(run: Trajectory) -> dict[str, float]:
+    """Return what a run has spent for good, by the names of BEYOND [kWh]."""
+    account = run.energy
+    spent = {
+        "losses": sum(account.losses_j.values()),
+        "resistance": account.running_resistance_j + account.curve_resistance_j,
+        "auxiliary": account.auxiliary_j,
+    }
+    return {name: energy / J_PER_KWH for name, energy in spent.items()}
+
+
 def beyond(run: Trajectory, best: Trajectory) -> list[tuple[str, float]]:
     """Return what a try took beyond the optimum, by where it went [kWh]; they sum to the whole."""
-    mine, least = run.energy, best.energy
-    lost = sum(mine.losses_j.values()) - sum(least.losses_j.values())
-    resisted = mine.running_resistance_j + mine.curve_resistance_j
-    resisted -= least.running_resistance_j + least.curve_resistance_j
-    auxiliary = mine.auxiliary_j - least.auxiliary_j
-    rows = [("Lost in motors and brakes", lost), ("Lost to resistance", resisted)]
-    if auxiliary:
-        rows.append(("Auxiliaries", auxiliary))
-    return [(name, energy / J_PER_KWH) for name, energy in rows]
+    mine, least = spent_kwh(run), spent_kwh(best)
+    rows = [(word, mine[name] - least[name]) for name, word in BEYOND.items()]
+    # a train without auxiliaries has no row of them
+    return [row for row in rows if row[1] or row[0] != BEYOND["auxiliary"]]
 
 
 def _limit(limit: EffortLimit) -> dict[str, Any]:

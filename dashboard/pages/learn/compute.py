@@ -18,6 +18,8 @@ BASE = "liashenko-0"
 SHORT_M, MIDDLE_M, LONG_M = 1500.0, 3000.0, 6000.0
 HUMP_TIME_S, LONG_TIME_S, LOAD_TIME_S = 125.0, 430.0, 125.0
 PLANNED_LOAD = 0.3
+FIRST_VALUES = {"coasting": 115.0, "multiplier": 200.0, "recuperation": 70.0, "gradient": 15.0, "load": 100.0}
+"""Where the sliders of the lessons stand at first."""
 
 
 @dataclass(frozen=True)

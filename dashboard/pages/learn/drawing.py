@@ -16,7 +16,7 @@ from railjoule.core.simulate.drawn import drive_drawn
 from railjoule.core.strategies import prepare_task
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
 from railjoule.dashboard.look import words
-from railjoule.dashboard.pages.learn.by_hand import beyond, course_arrays
+from railjoule.dashboard.pages.learn.by_hand import FASTER, MORE, beyond, course_arrays
 
 PRESET = "liashenko-iii"
 """A metro with a constant efficiency on a long climb, whose optimum has all four phases."""
@@ -36,6 +36,13 @@ REASONS: Mapping[PhaseName, str] = {
 SHORT_SHARE = 0.01
 # below both of these one did as the optimum does
 ALIKE_KMH, ALIKE_KWH = 1.0, 0.05
+STRETCH = "{start}\u2013{end} m, {phase}: {reason}."
+DID_ALIKE = "{stretch} You did much the same."
+DID = "{stretch} You were {pace} and used {energy} kWh {more} here."
+BEST_NAME = "the best run"
+OTHER_TIME = "the best run in {time}, {less} s less than yours"
+"""What the optimum is called that a drawing is compared with; the second where there is none in its own time."""
+PACE, SAME_PACE = "{speed} km/h {faster} on average", "as fast on average"
 
 
 @dataclass(frozen=True)
@@ -138,6 +145,7 @@ def verdict_on(speeds_kmh: Sequence[int]) -> dict[str, Any]:
         "bound_kwh": bound.energy_j / J_PER_KWH,
         "proven": best.is_proven,
         "best_kwh": best.energy_kwh,
+        "best_name": BEST_NAME,
         "best_ms": best.node_speed_ms.tolist(),
         "above_kwh": ((run.line_energy_j - best.line_energy_j) / J_PER_KWH).tolist(),
         "rows": beyond(run, best),
@@ -152,25 +160,47 @@ def in_time_of(run: Trajectory) -> Scenario:
 
 def stretches(run: Trajectory, best: Trajectory) -> list[str]:
     """Return a sentence on each stretch of the best run: what it does, why, and what one did there."""
+    return [_on_stretch(run, stretch) for stretch in told_stretches(best)]
+
+
+def told_stretches(best: Trajectory) -> list[dict[str, Any]]:
+    """Return of each stretch of a best run its ends [m], its words, its mean speed [m/s] and what it took [kWh]."""
     joined: list[tuple[PhaseName, float, float]] = []
     for phase in best.phases:
         if joined and (phase.phase == joined[-1][0] or phase.end_m - phase.start_m < SHORT_SHARE * best.distance_m):
             joined[-1] = (*joined[-1][:2], phase.end_m)
         else:
             joined.append((phase.phase, phase.start_m, phase.end_m))
-    return [_on_stretch(run, best, *one) for one in joined]
+    return [
+        {
+            "ends_m": [start, end],
+            "words": STRETCH.format(
+                start=words.number(start, 0),
+                end=words.number(end, 0),
+                phase=words.PHASE_WORDS[phase],
+                reason=REASONS[phase],
+            ),
+            "mean_ms": _mean_speed(best, start, end),
+            "kwh": _taken_kwh(best, start, end),
+        }
+        for phase, start, end in joined
+    ]
 
 
-def _on_stretch(run: Trajectory, best: Trajectory, phase: PhaseName, start_m: float, end_m: float) -> str:
-    what = f"{words.number(start_m, 0)}\u2013{words.number(end_m, 0)} m, {words.PHASE_WORDS[phase]}: {REASONS[phase]}."
-    faster = (_mean_speed(run, start_m, end_m) - _mean_speed(best, start_m, end_m)) / MS_PER_KMH
-    more = (_taken(run, start_m, end_m) - _taken(best, start_m, end_m)) / J_PER_KWH
+def _on_stretch(run: Trajectory, stretch: dict[str, Any]) -> str:
+    """Return what the best run does on a stretch, and what one did there."""
+    ends = stretch["ends_m"]
+    faster = (_mean_speed(run, *ends) - stretch["mean_ms"]) / MS_PER_KMH
+    more = _taken_kwh(run, *ends) - stretch["kwh"]
     if abs(faster) < ALIKE_KMH and abs(more) < ALIKE_KWH:
-        return f"{what} You did much the same."
-    pace = f"{words.number(abs(faster), 0)} km/h {'faster' if faster > 0 else 'slower'} on average"
-    if abs(faster) < ALIKE_KMH:
-        pace = "as fast on average"
-    return f"{what} You were {pace} and used {abs(more):.2f} kWh {'more' if more > 0 else 'less'} here."
+        return DID_ALIKE.format(stretch=stretch["words"])
+    pace = PACE.format(speed=words.number(abs(faster), 0), faster=FASTER[faster < 0])
+    return DID.format(
+        stretch=stretch["words"],
+        pace=SAME_PACE if abs(faster) < ALIKE_KMH else pace,
+        energy=f"{abs(more):.2f}",
+        more=MORE[more < 0],
+    )
 
 
 def _growth(places: FloatArray, values: FloatArray, start_m: float, end_m: float) -> float:
@@ -183,5 +213,5 @@ def _mean_speed(run: Trajectory, start_m: float, end_m: float) -> float:
     return (end_m - start_m) / _growth(run.position_m, run.time_s, start_m, end_m)
 
 
-def _taken(run: Trajectory, start_m: float, end_m: float) -> float:
-    return _growth(run.position_m, run.line_energy_j, start_m, end_m)
+def _taken_kwh(run: Trajectory, start_m: float, end_m: float) -> float:
+    return _growth(run.position_m, run.line_energy_j, start_m, end_m) / J_PER_KWH

@@ -50,6 +50,7 @@ class GuessForm(Form):
     verdict = param.Dict(default={}, doc="Guess, answer, and a sentence on their difference; empty without a guess.")
     guessed = param.Boolean(default=False, doc="Whether there is a guess.")
     opened = param.Boolean(default=False, doc="Whether a link has opened the page for this lesson.")
+    alone = param.Boolean(default=False, doc="Whether no server answers, as in a report.")
 
     _esm = module("guess")
 
@@ -87,16 +88,19 @@ class EnergyBars(Form):
 
     def show(self, runs: Mapping[str, Trajectory], best: str) -> None:
         """Show runs by name, and mark one of them as the best; none to show nothing."""
-        if not runs:
-            self.param.update(places=[], runs=[])
-            return
-        length = max(run.distance_m for run in runs.values())
-        places = np.linspace(0.0, length, STEPS + 1)
-        told = [
-            {"name": name, "kind": "best" if name == best else "other", **energies_at(run, places)}
-            for name, run in runs.items()
-        ]
-        self.param.update(places=np.round(places).astype(int).tolist(), runs=told)
+        self.param.update(**bars_of(runs, best))
+
+
+def bars_of(runs: Mapping[str, Trajectory], best: str) -> dict[str, list[Any]]:
+    """Return places along the longest of some runs, and the energies of each there; nothing without runs."""
+    if not runs:
+        return {"places": [], "runs": []}
+    places = np.linspace(0.0, max(run.distance_m for run in runs.values()), STEPS + 1)
+    told = [
+        {"name": name, "kind": "best" if name == best else "other", **energies_at(run, places)}
+        for name, run in runs.items()
+    ]
+    return {"places": np.round(places).astype(int).tolist(), "runs": told}
 
 
 def energies_at(run: Trajectory, places: Any) -> dict[str, list[float]]:

@@ -77,6 +77,18 @@ FIGURES_CSS = """
 SLIDER: dict[str, Any] = {"margin": (10, 0, 0, -16), "max_width": 430}
 
 
+def more_charts(lesson: str, palette: Palette) -> tuple[PriceChart | PhasePlaneChart, ...]:
+    """Return the charts that a lesson has beside that of the speeds, which are for after the guess."""
+    prices = (PriceChart(PRICE_HEIGHTS[0], palette),) if lesson == "multiplier" else ()
+    planes = (PhasePlaneChart(lesson, PLANE_HEIGHTS[0], palette),) if lesson in WITH_PLANE else ()
+    return (*prices, *planes)
+
+
+def numbered_title(lesson: Lesson) -> str:
+    """Return the title of a lesson, with its number among all of the page."""
+    return f"{LESSONS.index(lesson) + 1 + PLAYED}. {lesson.title}"
+
+
 class LessonView:
     """One lesson."""
 
@@ -85,14 +97,9 @@ class LessonView:
         self._result: LessonResult | None = None
         name = lesson.name
         self.speed = LessonSpeedChart(name, LINES[name], SPEED_HEIGHTS[0], palette)
-        self.more: tuple[PriceChart | PhasePlaneChart, ...] = ()
-        if name == "multiplier":
-            self.more = (PriceChart(PRICE_HEIGHTS[0], palette),)
-        if name in WITH_PLANE:
-            self.more = (*self.more, PhasePlaneChart(name, PLANE_HEIGHTS[0], palette))
+        self.more = more_charts(name, palette)
         styles = [parts_css(), TEXT_CSS]
-        number = [known.name for known in LESSONS].index(name) + 1 + PLAYED
-        heading = parts.html_pane(parts.markup("<h2>{}. {}</h2>", number, lesson.title), stylesheets=styles)
+        heading = parts.html_pane(parts.markup("<h2>{}</h2>", numbered_title(lesson)), stylesheets=styles)
         at = float(getattr(state.learn, name))
         self.form = GuessForm(name, lesson.title, self.guess, at, self._take)
         self.text, self.question = (parts.html_pane(stylesheets=styles) for _ in range(2))
@@ -137,7 +144,7 @@ class LessonView:
         if revealed:
             self.figures.object = parts.figures(CELLS[self.lesson.name](result))
             self.bars.show(result.runs, best)
-            self.stretches.object = _stretches(stretch_words(result.runs[best]))
+            self.stretches.object = stretch_list(stretch_words(result.runs[best]))
         else:
             self.figures.object = parts.figures(compared_cells(result, other)) if compared else ""
             self.bars.show(compared, best)
@@ -191,7 +198,8 @@ def forget(chart: Chart) -> None:
         chart.forget()
 
 
-def _stretches(told: tuple[ToldStretch, ...]) -> Markup:
+def stretch_list(told: tuple[ToldStretch, ...]) -> Markup:
+    """Return the stretches of the best run as a list."""
     items = (
         parts.markup(
             "<li><b>{}{}<br>{}</b><span>{}</span></li>",

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import param
 
 from railjoule.dashboard.pages.learn.by_hand import TryResult
+from railjoule.dashboard.pages.learn.compute import FIRST_VALUES
 from railjoule.dashboard.pages.learn.drawing import DrawingResult
 from railjoule.dashboard.pages.learn.guesses import GUESSES
 from railjoule.dashboard.pages.learn.slack import SlackResult
@@ -61,7 +62,7 @@ LESSONS = (
         "Allow more travel time. Does coasting save a larger or a smaller share?",
         "A larger one: 9.8 % at 95 s, 15.2 % at 160 s. A slower train coasts farther: running resistance uses up more "
         "of its kinetic energy, and the brakes waste less.",
-        _slider("Travel time, s", "s", (95.0, 160.0), 115.0),
+        _slider("Travel time, s", "s", (95.0, 160.0), FIRST_VALUES["coasting"]),
     ),
     Lesson(
         "multiplier",
@@ -76,7 +77,7 @@ LESSONS = (
         "Shorten the travel time by 30 s, then by 10 s more. How does the energy saved per extra second grow?",
         "At 200 s, one extra second saves 152 Wh, at 170 s 293 Wh, at 160 s 505 Wh. The last seconds cost most: a "
         "little slack in the timetable is the cheapest way to save energy.",
-        _slider("Travel time, s", "s", (158.0, 270.0), 200.0),
+        _slider("Travel time, s", "s", (158.0, 270.0), FIRST_VALUES["multiplier"]),
     ),
     Lesson(
         "recuperation",
@@ -93,7 +94,7 @@ LESSONS = (
         "At 0 % the motors are switched off after 2.6 of 6 km, at 100 % after 3.9 km, and 16.6 % of the energy is "
         "saved. The train still coasts for 2 km: two conversions at 85 % would lose energy that coasting turns into "
         "distance.",
-        _slider("Recuperation, %", "%", (0.0, 100.0), 70.0),
+        _slider("Recuperation, %", "%", (0.0, 100.0), FIRST_VALUES["recuperation"]),
     ),
     Lesson(
         "gradient",
@@ -108,7 +109,7 @@ LESSONS = (
         "From which gradient on does the plan without gradients need twice the energy of the plan with gradients?",
         "From about 24 per mille. At 20 per mille the plan with gradients saves 45 %, at 30 per mille 57 %, although "
         "both runs arrive at the same time.",
-        _slider("Gradient of the hump, \u2030", "\u2030", (0.0, 30.0), 15.0),
+        _slider("Gradient of the hump, \u2030", "\u2030", (0.0, 30.0), FIRST_VALUES["gradient"]),
     ),
     Lesson(
         "load",
@@ -123,7 +124,7 @@ LESSONS = (
         "Which costs more than its own best plan: an empty or a full train?",
         "Both cost about the same: the empty one needs 3.3 % more than its own best plan and is on time, the full one "
         "3.5 % more and arrives 2.2 s late.",
-        _slider("Actual load, % of capacity", "%", (0.0, 100.0), 100.0),
+        _slider("Actual load, % of capacity", "%", (0.0, 100.0), FIRST_VALUES["load"]),
     ),
 )
 """In the order in which they are read."""

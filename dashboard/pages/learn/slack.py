@@ -29,6 +29,9 @@ MOST_S = SLACK_S - LEAST_S * (len(NAMES) - 2)
 SHARED = re.compile(r"(uneven|even):(\d{1,2}),(\d{1,2}),(\d{1,2})")
 # seconds are dragged whole, so that less than one is no difference
 ALIKE_S = 1.0
+AS_BEST = "{leg}: as in the best sharing, within a second."
+TOO_MANY = "{leg}: {seconds} s too many. Here one more second saves only {price} Wh."
+TOO_FEW = "{leg}: {seconds} s too few. Here one more second would save {price} Wh."
 
 
 @dataclass(frozen=True)
@@ -146,34 +149,41 @@ def driven_line(name: str, seconds: tuple[int, ...]) -> WholeLine:
 
 def verdict_on(name: str, seconds: tuple[int, ...]) -> dict[str, Any]:
     """Return how a sharing compares with the best, in numbers and sentences."""
-    mine, best = driven_line(name, seconds), best_line(name)
-    bound = best.run.bound
-    assert bound is not None
-    equal = driven_line(name, (SLACK_S // len(seconds),) * len(seconds))
+    mine = driven_line(name, seconds)
     return {
         "line": name,
         "seconds": list(seconds),
         "kwh": mine.run.energy_kwh,
+        **best_of(name),
+        "sentences": [_on_leg(*legs) for legs in zip(mine.legs, best_line(name).legs, strict=True)],
+    }
+
+
+def best_of(name: str) -> dict[str, Any]:
+    """Return what is told of the best sharing of a line, whatever it is compared with."""
+    best, legs = best_line(name), len(LENGTHS_M[name])
+    bound = best.run.bound
+    assert bound is not None
+    equal = driven_line(name, (SLACK_S // legs,) * legs)
+    return {
         "bound_kwh": bound.energy_j / J_PER_KWH,
         "proven": best.run.is_proven,
         "best_kwh": best.run.energy_kwh,
         "best_s": [leg.supplement_s for leg in best.legs],
         "price_wh_s": best.legs[0].price_of_time_w / J_PER_WH,
-        "sentences": [_on_leg(*legs) for legs in zip(mine.legs, best.legs, strict=True)],
         "worth": _worth(share_above(equal.run.energy_kwh, best.run.energy_kwh)),
     }
 
 
 def _on_leg(mine: Leg, best: Leg) -> str:
     """Return what a leg got and what the best sharing gives it."""
-    name = f"{mine.departs_from} \u2013 {mine.arrives_at}"
-    more, price = mine.supplement_s - best.supplement_s, words.price(mine.price_of_time_w)
-    if abs(more) < ALIKE_S:
-        return f"{name}: as in the best sharing, within a second."
-    seconds = words.time(abs(more))
-    if more > 0:
-        return f"{name}: {seconds} s too many. Here one more second saves only {price} Wh."
-    return f"{name}: {seconds} s too few. Here one more second would save {price} Wh."
+    more = mine.supplement_s - best.supplement_s
+    told = AS_BEST if abs(more) < ALIKE_S else TOO_MANY if more > 0 else TOO_FEW
+    return told.format(
+        leg=f"{mine.departs_from} \u2013 {mine.arrives_at}",
+        seconds=words.time(abs(more)),
+        price=words.price(mine.price_of_time_w),
+    )
 
 
 def _worth(share: float) -> str:

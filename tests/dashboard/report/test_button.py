@@ -33,7 +33,7 @@ def test_the_button_opens_the_form_alone() -> None:
 def test_a_report_is_made_as_it_was_asked_for() -> None:
     asked = Asked()
     asked.send(what="make", sections=list(SECTION_TITLES), author="", note="")
-    assert asked.model.contents == Contents()
+    assert asked.model.contents == Contents(tuple(SECTION_TITLES))
     asked.button.small.clicks += 1
     asked.send(what="make", sections=["proof"], author="A.", note="One")
     assert asked.model.contents == Contents(("proof",), "A.", "One")

@@ -1,0 +1,107 @@
+"""What optima of some travel times prove of all others: lines beneath the least energy over the time.
+
+The multipliers of one optimum, with T its time and lambda its price of a second, prove for every run on the mesh
+
+    E + lambda (t - T) >= B,
+
+E being the run's energy, auxiliaries included, and t the time that it takes: the proof of
+`railjoule.core.interior_point.certificate` prices the time and never asks how much of it there is. A run that may take
+t' takes no more, and lambda >= 0, so that
+
+    E >= B - lambda (t' - T)
+
+for each t', shorter or longer than T: a line that touches the least energy at T. The greatest of several lines is
+proven as well.
+
+One step of the proof for T itself does look at the time: speeds are left out that only runs of more energy than the
+optimum's reach. Here they stay in, so that the runs are all that are nowhere faster than the fastest one.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.bounds.minimum import minimise
+from railjoule.core.errors import StrategyRefusedError
+from railjoule.core.interior_point.certificate import fastest_of_better_runs, usable_prices
+from railjoule.core.interior_point.proof import prove
+from railjoule.core.interior_point.solver import Optimum
+from railjoule.core.task import Task
+from railjoule.core.trajectory import PROVEN_GAP
+
+
+@dataclass(frozen=True, eq=False)
+class TimeLines:
+    """A lower bound of the energy over the travel time, as the greatest of lines; arrays of shape (m,).
+
+    It covers the runs that a `Bound` of the same mesh covers, within whatever time.
+
+    Parameters
+    ----------
+    travel_time_s : array
+        Where each line touches the least energy, dwells included [s].
+    energy_j : array
+        Its height there [J].
+    price_of_time_w : array
+        By how much it falls with each second [J/s].
+    """
+
+    travel_time_s: FloatArray
+    energy_j: FloatArray
+    price_of_time_w: FloatArray
+
+    def energy_j_at(self, travel_time_s: float) -> float:
+        """Return the energy that no run within a travel time undercuts [J]."""
+        return float(np.max(self.energy_j - self.price_of_time_w * (travel_time_s - self.travel_time_s)))
+
+
+def time_lines(task: Task, travel_times_s: Sequence[float] | FloatArray) -> TimeLines:
+    """Return the lines that the optima of some travel times prove.
+
+    Parameters
+    ----------
+    task : Task
+        What is asked for, but for its time; windows of arrival do not count.
+    travel_times_s : array of shape (m,)
+        Times of the whole run, dwells included [s].
+
+    Raises
+    ------
+    TimetableError
+        If a time is no longer than the shortest possible one.
+    StrategyRefusedError
+        If the drive takes power without effort, whose bound has another proof.
+    SolverError
+        If an optimum is not found.
+    """
+    if task.course.drive.jumps_at_no_effort:
+        raise StrategyRefusedError("takes no power without effort: bounds over the time are proven of other drives")
+    rows = []
+    for time in np.asarray(travel_times_s, dtype=float).tolist():
+        timed = replace(task, running_time_s=time - task.dwell_s)
+        timed.require_timetable()
+        optimum = minimise(timed).optimum
+        rows.append((time, proven_of_all_times_j(timed, optimum), usable_prices(task.course.data, optimum)[0]))
+    times, energies, prices = np.reshape(rows, (-1, 3)).T
+    return TimeLines(frozen_array(times), frozen_array(energies), frozen_array(prices))
+
+
+def proven_of_all_times_j(task: Task, optimum: Optimum) -> float:
+    """Return B of the line that the multipliers of an optimum prove [J], dwells included."""
+    data, fastest = task.course.data, task.greatest_speed2
+    # without a budget no speeds are cut into intervals, whose proof would aim at the energy of this time
+    given = fastest, task.running_time_s, PROVEN_GAP, 0
+    return float(prove(data, with_all_speeds(task, optimum), *given).bound_j) + task.dwell_energy_j
+
+
+def with_all_speeds(task: Task, optimum: Optimum) -> Optimum:
+    """Return an optimum with so much energy that every speed up to the fastest run's may be that of a better run."""
+    data, fastest = task.course.data, task.greatest_speed2
+    # what full speed holds and what the optimum takes, and more where the first slopes take more than they give back
+    energy = abs(optimum.energy_j) + data.half_inertia_kg * float(np.max(fastest))
+    raised = optimum._replace(energy_j=energy)
+    while np.any(fastest_of_better_runs(data, raised, fastest, task.running_time_s) < np.sqrt(fastest)):
+        raised = raised._replace(energy_j=2 * raised.energy_j)
+    return raised
