@@ -259,7 +259,7 @@ def report(
 
 
 def report_contents(sections: Sequence[str], author: str, note: str | None) -> Contents:
-    """Return what a report shall tell; the usual sections where none is named.
+    """Return what a report shall tell, its sections by words or commas apart; the usual ones where none is named.
 
     Raises
     ------
@@ -267,7 +267,8 @@ def report_contents(sections: Sequence[str], author: str, note: str | None) -> C
         If the note cannot be read, or there can be no such report.
     """
     text = "" if note is None else read_text(Path(note)).strip()
-    return Contents(tuple(sections or USUAL_SECTIONS), author.strip(), text)
+    named = tuple(name for word in sections for name in word.split(",") if name)
+    return Contents(named or USUAL_SECTIONS, author.strip(), text)
 
 
 def benchmark(output: Output) -> None:

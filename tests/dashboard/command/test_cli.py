@@ -789,9 +789,10 @@ def test_a_report_is_one_file_that_is_a_scenario_too(capsys, tmp_path):
     assert result["energy_kwh"] == expected.energy_kwh
 
 
-def test_a_report_of_chosen_sections_with_author_and_note(capsys, tmp_path):
+@pytest.mark.parametrize("apart", [["scenario", "proof"], ["scenario,proof"]], ids=["words", "commas"])
+def test_a_report_of_chosen_sections_with_author_and_note(capsys, tmp_path, apart):
     (tmp_path / "note.txt").write_bytes("One <b>\r\n\r\nZw\u00f6lf\n".encode())
-    words = ["--sections", "scenario", "proof", "--author", "A. & B.", "--note", str(tmp_path / "note.txt")]
+    words = ["--sections", *apart, "--author", "A. & B.", "--note", str(tmp_path / "note.txt")]
     answer(capsys, "report", "liashenko-0", "-o", str(tmp_path / "x.html"), *words)
     text = (tmp_path / "x.html").read_text(encoding="utf-8")
     assert re.findall(r'<section id="([\w-]+)"', text) == ["note", "proof", "scenario-tables"]
