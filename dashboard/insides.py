@@ -10,7 +10,6 @@ import gc
 import socket
 from collections.abc import Callable
 from copy import copy
-from functools import cache
 from typing import Any
 from weakref import WeakKeyDictionary
 
@@ -161,7 +160,7 @@ def _own_parameter(parameter: Any, owner: Any = None) -> Any:
     A page has 2000 of them. The library copies each through functions for whoever watches a parameter, which nobody
     does with a new one, and asks three abstract classes for each value whether it can be changed.
     """
-    kind = type(parameter)
+    kind: Any = type(parameter)
     made = kind.__new__(kind)
     for slot in kind._all_slots_:
         value = object.__getattribute__(parameter, slot)
@@ -391,7 +390,12 @@ class _Kind:
         return callable(default) or bool(default) or type(descriptor.property.wrap(copy(default))) not in WRAPPED
 
 
-_kind = cache(_Kind)
+_KINDS: dict[type, _Kind] = {}
+
+
+def _kind(model: Any) -> _Kind:
+    kind = type(model)
+    return _KINDS.get(kind) or _KINDS.setdefault(kind, _Kind(kind))
 
 
 def _made_of(make: Any) -> Any:
@@ -401,7 +405,7 @@ def _made_of(make: Any) -> Any:
         for name, value in properties.items():
             if value is not Undefined and value is not Intrinsic:
                 setattr(self, name, value)
-        for descriptor in _kind(type(self)).made_at_once:
+        for descriptor in _kind(self).made_at_once:
             if descriptor.name not in properties:
                 descriptor._get(self)
         self._initialized = True
@@ -414,7 +418,7 @@ def _written_of(write: Any) -> Any:
     def written(
         self: Any, query: Callable[[Any], bool], *, include_defaults: bool = True, include_undefined: bool = False
     ) -> dict[str, Any]:
-        kind, given, own = _kind(type(self)), self._property_values, self._unstable_default_values
+        kind, given, own = _kind(self), self._property_values, self._unstable_default_values
         whole = include_defaults or include_undefined or self.themed_values() is not None
         # the library says best what is missing
         if whole or not all(name in given for name in kind.required):
@@ -440,7 +444,7 @@ def _searched_of(search: Any) -> Any:
         if not isinstance(value, HasProps) or value.themed_values() is not None:
             search(value, visitor)
             return
-        names = _kind(type(value)).with_references
+        names = _kind(value).with_references
         for values in (value._property_values, value._unstable_default_values):
             for name, held in values.items():
                 if name in names and type(held) not in PLAIN:
