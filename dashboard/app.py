@@ -25,6 +25,7 @@ from railjoule.dashboard.insides import (
     application_of,
     collect_garbage_seldom,
     count_no_events,
+    define_once,
     exchange,
     first_html,
     listen_no_more,
@@ -72,6 +73,7 @@ tell_no_insides()
 write_all_messages()
 remember_defaults()
 read_set_values_alone()
+define_once()
 make_views_lightly()
 # Panel asks models for many attributes that they may not have: a tenth of a move went into guesses at what it meant
 settings.perform_error_diagnostics = False

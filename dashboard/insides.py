@@ -16,8 +16,8 @@ from weakref import WeakKeyDictionary
 import panel as pn
 import panel_material_ui as pmui
 import param
-from bokeh.core.has_props import HasProps
-from bokeh.core.property.bases import ParameterizedProperty
+from bokeh.core.has_props import HasProps, MetaHasProps, is_DataModel
+from bokeh.core.property.bases import ParameterizedProperty, Property
 from bokeh.core.property.descriptors import AliasPropertyDescriptor, PropertyDescriptor
 from bokeh.core.property.singletons import Intrinsic, Undefined
 from bokeh.core.property.wrappers import (
@@ -26,6 +26,7 @@ from bokeh.core.property.wrappers import (
     PropertyValueList,
     PropertyValueSet,
 )
+from bokeh.core.serialization import Ref, Serializer
 from bokeh.document import Document
 from bokeh.embed.util import standalone_docs_json_and_render_items
 from bokeh.model import Model
@@ -45,6 +46,7 @@ from panel.pane.holoviews import find_links, link_axes
 from panel.param import link_param_method
 from panel.reactive import Syncable
 from panel.viewable import Viewable
+from panel_material_ui.theme import MaterialDesign
 from param import parameterized
 from param._utils import _is_mutable_container
 from tornado.httputil import HTTPServerRequest
@@ -145,6 +147,10 @@ def make_views_lightly() -> None:
             Viewable._preprocessing_hooks.remove(hook)
     Syncable._init_params = _init_params
     parameterized._instantiate_param_obj = _own_parameter
+    parameterized._instantiated_parameter = _parameter_of(parameterized._instantiated_parameter)
+    for name in ("_get_properties", "_get_children"):
+        setattr(ReactiveESM, name, _reading_of(getattr(ReactiveESM, name)))
+    MaterialDesign._get_modifiers = classmethod(_modifiers_of(MaterialDesign._get_modifiers.__func__))
     ReactiveESM._component_resource_path = classmethod(_resource_path_of(ReactiveESM._component_resource_path.__func__))
 
 
@@ -170,6 +176,54 @@ def _own_parameter(parameter: Any, owner: Any = None) -> Any:
     object.__setattr__(made, "owner", owner)
     object.__setattr__(made, "watchers", {})
     return made
+
+
+READ: set[int] = set()
+"""Parts of pages that are just written down for the browser, by their `id`."""
+
+
+def _parameter_of(look_up: Any) -> Any:
+    def parameter_of(part: Any, parameter: Any) -> Any:
+        # three in four of a page's parameters were copied for a look at their kind
+        if id(part) in READ:
+            return part._param__private.params.get(parameter.name, parameter)
+        return look_up(part, parameter)
+
+    parameter_of.replaces = look_up  # type: ignore[attr-defined]
+    return parameter_of
+
+
+def _reading_of(read: Any) -> Any:
+    def reading(self: Any, *args: Any) -> Any:
+        within = id(self) in READ
+        READ.add(id(self))
+        try:
+            return read(self, *args)
+        finally:
+            if not within:
+                READ.discard(id(self))
+
+    reading.replaces = read  # type: ignore[attr-defined]
+    return reading
+
+
+def _modifiers_of(look_up: Any) -> Any:
+    known: dict[tuple[Any, ...], tuple[dict[str, Any], dict[str, Any]]] = {}
+
+    def modifiers_of(
+        cls: Any, viewable: Any, theme: Any, isolated: Any = None
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        document = pn.state.curdoc
+        served = document is not None and bool(document.session_context)
+        key = cls, type(viewable), type(theme), isolated, served, pn.state.rel_path
+        if key not in known:
+            known[key] = look_up(cls, viewable, theme, isolated)
+        modifiers, of_children = known[key]
+        # what asks puts the document's own style sheets into it
+        return dict(modifiers), of_children
+
+    modifiers_of.replaces = look_up  # type: ignore[attr-defined]
+    return modifiers_of
 
 
 CHANGING: dict[type, bool] = {}
@@ -294,6 +348,8 @@ def remember_defaults() -> None:
     """
     PropertyDescriptor._get_default = _default_of(PropertyDescriptor._get_default)
     PropertyDescriptor.has_unstable_default = _by_class(PropertyDescriptor.has_unstable_default)
+    # by far the most models are given what another one was given: stretch_width, False, an axis of the same colour
+    Property.prepare_value = _prepared_of(Property.prepare_value)
     # each dict that is validated asks for the name of its type, for an error that it hardly ever raises
     ParameterizedProperty.__str__ = _once(ParameterizedProperty.__str__)
     # asked for with each value of each model; that an attribute is not there takes Python long to find out
@@ -311,6 +367,65 @@ def read_set_values_alone() -> None:
         HasProps.query_properties_with_values
     )
     searching.visit_immediate_value_references = _searched_of(searching.visit_immediate_value_references)
+
+
+MOST_REMEMBERED, LONGEST_REMEMBERED = 64, 48
+"""So many values of a property are remembered, and texts of so many letters: what visitors type has no end."""
+
+
+def _prepared_of(prepare: Any) -> Any:
+    def prepared(self: Any, owner: Any, name: str, value: Any, *, hint: Any = None) -> Any:
+        kind = type(value)
+        is_new = value is Undefined or (kind is str and len(value) > LONGEST_REMEMBERED)
+        if kind not in PLAIN or is_new or self.assertions:
+            return prepare(self, owner, name, value, hint=hint)
+        # as 1 == 1.0 == True
+        key, valid = (kind, value), vars(self).setdefault("_railjoule_valid", set())
+        if key in valid:
+            return value
+        found = prepare(self, owner, name, value, hint=hint)
+        # what is changed on the way is changed each time
+        if found is value and len(valid) < MOST_REMEMBERED:
+            valid.add(key)
+        return found
+
+    prepared.replaces = prepare  # type: ignore[attr-defined]
+    return prepared
+
+
+def define_once() -> None:
+    """Let Bokeh write down once what kinds of components there are, which it tells each page that opens.
+
+    There are 150 of them, whatever the page holds.
+    """
+    kinds = Serializer._encoders
+    kinds[MetaHasProps] = _defined_of(kinds[MetaHasProps])
+
+
+def _defined_of(define: Any) -> Any:
+    known: dict[type, Any] = {}
+
+    def defined(kind: Any, serializer: Serializer) -> Any:
+        if kind in known:
+            serializer.add_ref(kind, Ref(id=kind.__qualified_model__))
+            return known[kind]
+        found = define(kind, serializer)
+        # one that extends another tells of that too, where it is the first to name it
+        if is_DataModel(kind) and "extends" not in found and not _holds_models(found):
+            known[kind] = found
+        return found
+
+    defined.replaces = define  # type: ignore[attr-defined]
+    return defined
+
+
+def _holds_models(value: Any) -> bool:
+    """Return whether anything in a definition belongs to one page or to one message."""
+    if isinstance(value, dict):
+        return "id" in value or any(map(_holds_models, value.values()))
+    if isinstance(value, list):
+        return any(map(_holds_models, value))
+    return type(value) not in PLAIN
 
 
 def _themed_values(self: Any) -> Any:

@@ -5,6 +5,7 @@ import asyncio
 import inspect
 import json
 import re
+from datetime import date
 from importlib.resources import files
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,14 +17,14 @@ import panel as pn
 import panel_material_ui as pmui
 import param
 import pytest
-from bokeh.core.has_props import HasProps
+from bokeh.core.has_props import HasProps, MetaHasProps, is_DataModel
 from bokeh.core.property.descriptors import PropertyDescriptor, UnsetValueError
 from bokeh.core.serialization import Serializer
 from bokeh.document import Document
 from bokeh.document.locking import UnlockedDocumentProxy
 from bokeh.model import Model
 from bokeh.model import util as searching
-from bokeh.models import Button, Column, ColumnDataSource, CustomJS, Div, GlyphRenderer, Span
+from bokeh.models import Button, Column, ColumnDataSource, CustomJS, DatePicker, Div, GlyphRenderer, Plot, Slider, Span
 from bokeh.models.widgets import Slider as FloatSlider
 from bokeh.plotting import figure
 from bokeh.protocol import Protocol
@@ -32,11 +33,16 @@ from panel.io import document as messages
 from panel.io.state import set_curdoc
 from panel.reactive import Syncable
 from panel.viewable import Viewable
+from panel_material_ui.theme import MaterialDesign
 from tornado.httputil import HTTPHeaders, HTTPServerRequest, RequestStartLine
 
 from railjoule import dashboard
+from railjoule.dashboard import insides
 from railjoule.dashboard.app import make_page, make_server
 from railjoule.dashboard.insides import (
+    LONGEST_REMEMBERED,
+    MOST_REMEMBERED,
+    READ,
     LightComponent,
     PageAnswer,
     SmallFile,
@@ -278,6 +284,78 @@ def test_an_empty_list_of_a_model_is_its_own() -> None:
     assert "tags" not in other.properties_with_values(include_defaults=False)
 
 
+def test_a_value_that_was_right_once_is_right_again_and_a_wrong_one_stays_wrong() -> None:
+    for _ in range(2):
+        assert Div(width=5).width == 5
+        # each a value of its own, although Python takes them for equal
+        assert (type(Span(location=1).location), type(Span(location=1.0).location)) == (int, float)
+        with pytest.raises(ValueError, match="width"):
+            Div(width=True)
+        with pytest.raises(ValueError, match="sizing_mode"):
+            Div(sizing_mode="anyhow")
+        # what the library changes on the way is changed each time
+        assert Slider(start=0, end=1, value=0.5, format="0a").format == "0a"
+        assert DatePicker(value=date(2026, 1, 2)).value == "2026-01-02"
+
+
+def test_values_without_end_are_not_remembered() -> None:
+    for number in range(500):
+        assert Div(text=f"text {number}").text == f"text {number}"
+    remembered = vars(Div.lookup("text").property)["_railjoule_valid"]
+    assert 0 < len(remembered) <= MOST_REMEMBERED
+    long = "x" * (LONGEST_REMEMBERED + 1)
+    other = Plot.lookup("name").property
+    Plot(name=long)
+    assert (str, long) not in vars(other).get("_railjoule_valid", set())
+
+
+def test_kinds_of_components_are_defined_as_the_library_does() -> None:
+    kinds = [kind for kind in Model.model_class_reverse_map.values() if is_DataModel(kind)]
+    assert len(kinds) > 20
+    ours = Serializer._encoders[MetaHasProps]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(Serializer._encoders, MetaHasProps, library(ours))
+        expected = Serializer(deferred=False).encode(kinds)
+    for _ in range(2):
+        serializer = Serializer(deferred=False)
+        assert serializer.encode(kinds) == expected
+        # the second time in a message, a name will do
+        assert serializer.encode(kinds[0]) == {"id": kinds[0].__qualified_model__}
+
+
+def test_a_part_is_written_down_without_copies_of_its_parameters() -> None:
+    part = pmui.Select(label="here", options=["a", "b"], value="a")
+    before = set(part._param__private.params)
+    model = part.get_root()
+    assert (model.data.label, model.data.value) == ("here", "a")
+    copied = set(part._param__private.params) - before
+    # a few of those that are watched; the library copies all 50
+    assert len(copied) < len(list(part.param)) / 2
+    part.param.value.constant = True
+    assert not pmui.Select.param.value.constant
+    assert set() == READ
+
+
+def test_what_one_part_says_of_a_parameter_counts_where_it_is_written_down(monkeypatch: pytest.MonkeyPatch) -> None:
+    own, other = pmui.Button(), pmui.Button()
+    own.param.href.precedence = -1
+    for part in (own, other):
+        monkeypatch.setitem(vars(insides), "READ", {id(part)})
+        assert part.param["href"].precedence == (-1 if part is own else pmui.Button.param.href.precedence)
+
+
+@pytest.mark.parametrize("kind", [pn.Column, pn.pane.HTML, pmui.Button])
+def test_style_sheets_of_a_part_are_those_of_the_library(kind: type[Syncable]) -> None:
+    design, part = MaterialDesign(theme="default"), kind()
+    ours = MaterialDesign._get_modifiers.__func__
+    expected = library(ours)(MaterialDesign, part, design.theme)
+    for _ in range(2):
+        found = MaterialDesign._get_modifiers(part, theme=design.theme)
+        assert found == expected
+        # what asks changes what it is given
+        found[0].clear()
+
+
 def test_a_parameter_of_one_object_is_the_copy_of_the_library() -> None:
     class Two(param.Parameterized):
         number = param.Number(1.0, bounds=(0.0, 2.0))
@@ -293,7 +371,7 @@ def test_a_parameter_of_one_object_is_the_copy_of_the_library() -> None:
     assert one.param.number.owner is one
     assert (other.param.number.bounds, Two.param.number.bounds) == ((0.0, 2.0), (0.0, 2.0))
     assert (list(other.param.choice.objects), list(Two.param.choice.objects)) == (["a", "b"], ["a", "b"])
-    assert "_instantiate_param_obj(" in inspect.getsource(param.parameterized._instantiated_parameter)
+    assert "_instantiate_param_obj(" in inspect.getsource(library(param.parameterized._instantiated_parameter))
 
 
 @pytest.mark.parametrize("kind", [pn.Column, pn.pane.HTML, pmui.Button, pmui.Select])
