@@ -25,9 +25,12 @@ from railjoule.dashboard.insides import (
     application_of,
     collect_garbage_seldom,
     count_no_events,
+    define_once,
     exchange,
     first_html,
     listen_no_more,
+    make_views_lightly,
+    read_set_values_alone,
     remember_defaults,
     taking,
     tell_no_insides,
@@ -69,8 +72,13 @@ count_no_events()
 tell_no_insides()
 write_all_messages()
 remember_defaults()
+read_set_values_alone()
+define_once()
+make_views_lightly()
 # Panel asks models for many attributes that they may not have: a tenth of a move went into guesses at what it meant
 settings.perform_error_diagnostics = False
+# and looks through the whole page for mistakes of programmers, which the log would name
+settings.perform_document_validation = False
 
 POLL_MS = 300
 COMPRESSION_LEVEL = 4
