@@ -21,19 +21,19 @@ from typing import Any
 import numpy as np
 from numba.core.dispatcher import Dispatcher
 
-from railjoule.core import StrategyRefusedError, compare, load_scenario, solve
+from railjoule.core import StrategyRefusedError, load_scenario, solve
 from railjoule.core.advice import advise
 from railjoule.core.bounds.minimum import FREE_CENTRING, TOLERANCE
 from railjoule.core.compiled import specialisations
 from railjoule.core.interior_point.proof import prove
 from railjoule.core.interior_point.solver import Optimum, minimise_energy
 from railjoule.core.motion import build_course
-from railjoule.core.scenario import StrategyName
+from railjoule.core.scenario import Scenario, StrategyName
 from railjoule.core.simulate.disturbances import simulate_disturbances
 from railjoule.core.simulate.field_oriented import current_ripple, simulate_field_oriented
 from railjoule.core.simulate.following import simulate_following
 from railjoule.core.simulate.regulator import drive_under_limits
-from railjoule.core.strategies import Task, prepare_task, run_strategy
+from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
 from railjoule.core.studies.induction_map import induction_map
 from railjoule.core.studies.motor_map import motor_map
 from railjoule.core.studies.storage import saving_over_size
@@ -48,6 +48,8 @@ SCENARIOS = ("liashenko-i", "ftorek-300s", "tram-950m")
 """Three small runs that use every kernel but those of maps and regulators."""
 METRO = "kharkiv-like-40kmh"
 """A run for the kernels of maps, regulators and storages."""
+COARSE_MESH_M = 30.0
+"""Of runs that are there for their kernels alone, in half the time; coarser ones leave kernels of switching unused."""
 CLOSED_LOOP = "tram-950m"
 """A short run for those of the closed loop."""
 PARTS_FIRST = ("tasks", "fastest", "advice", "solver", "proof", "optimum")
@@ -67,6 +69,11 @@ HELPERS_NICENESS = 10
 DONE = "{}-{}.done"
 """The file that says, beside the kernels, that those of a part are there, for the sources of one place."""
 ALL = "all"
+
+
+def coarse(name: str) -> Scenario:
+    """Return a shipped scenario with a coarse mesh."""
+    return load_scenario(name, {"solver.mesh_m": COARSE_MESH_M})
 
 
 @cache
@@ -108,10 +115,12 @@ def drive_optimum() -> None:
 
 def drive_strategy(name: StrategyName) -> None:
     """Use the kernels of a strategy."""
+    # dynamic programming needs no mesh as fine as theirs to use its kernels
+    read = coarse if name == "bellman" else load_scenario
     for scenario in SCENARIOS:
         # not every scenario suits each of them: it is enough that a kernel runs in one
         with contextlib.suppress(StrategyRefusedError):
-            advise(run_strategy(prepare_task(load_scenario(scenario)), name))
+            advise(run_strategy(prepare_task(read(scenario)), name))
 
 
 def drive_following() -> None:
@@ -122,7 +131,7 @@ def drive_following() -> None:
 
 def drive_metro() -> None:
     """Use the kernels of storages, and of proofs that free switching leaves something to."""
-    scenario = load_scenario(METRO)
+    scenario = coarse(METRO)
     solve(scenario, "optimal")
     saving_over_size(solve(scenario), [1.0], 1e3)
 
@@ -130,7 +139,7 @@ def drive_metro() -> None:
 def drive_regulators() -> None:
     """Use the kernels of the regulators of speed limits."""
     for regulator in ("coast", "literal"):
-        drive_under_limits(load_scenario(METRO), [45.0, 30.0], regulator)
+        drive_under_limits(coarse(METRO), [45.0, 30.0], regulator)
 
 
 def drive_maps() -> None:
@@ -176,9 +185,8 @@ PARTS: Mapping[str, Callable[[], object]] = {
 
 def drive_all() -> None:
     """Use every kernel, and leave word that all are there."""
-    for scenario in SCENARIOS:
-        for run in compare(load_scenario(scenario))[0]:
-            advise(run)
+    for name in STRATEGIES:
+        drive_strategy(name)
     for part in ("following", "metro", "regulators", "maps", "closed_loop", "simple_advice"):
         PARTS[part]()
     tell_done(ALL)

@@ -2,10 +2,12 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from railjoule.core.compiled import specialisations
+from railjoule.core.strategies import spacing
 from railjoule.dashboard.state.scenario import FIRST_SCENARIO
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work import kernel_parts as module
@@ -49,6 +51,20 @@ def test_the_first_page_is_the_one_with_which_a_page_opens() -> None:
 def test_pieces_are_compiled_for_the_types_that_the_whole_has() -> None:
     command = [sys.executable, "-c", PIECES_BEFORE_THE_WHOLE]
     assert subprocess.run(command, capture_output=True, text=True, check=True).stdout.split() == ["1", "1"]
+
+
+def test_a_coarse_metro_uses_both_ways_of_mending_what_switches_too_soon(monkeypatch: pytest.MonkeyPatch) -> None:
+    used: set[str] = set()
+    for kernel in (spacing.given_up, spacing.lengthened):
+
+        def call(*arguments: Any, kernel: Any = kernel) -> Any:
+            used.add(kernel.__name__)
+            return kernel(*arguments)
+
+        monkeypatch.setattr(spacing, kernel.__name__, call)
+    PARTS["metro"]()
+    PARTS["regulators"]()
+    assert used == {"given_up", "lengthened"}
 
 
 def test_progress_counts_what_this_process_and_others_have_compiled(
