@@ -25,13 +25,9 @@ from railjoule.dashboard.insides import (
     application_of,
     collect_garbage_seldom,
     count_no_events,
-    define_once,
     exchange,
     first_html,
     listen_no_more,
-    make_views_lightly,
-    read_set_values_alone,
-    remember_defaults,
     taking,
     tell_no_insides,
     write_all_messages,
@@ -59,6 +55,12 @@ from railjoule.dashboard.server.options import LOCAL_NAMES, ServerOptions
 from railjoule.dashboard.server.places import Places
 from railjoule.dashboard.shell.share import Share
 from railjoule.dashboard.shell.shell import Page, Shell, empty_page
+from railjoule.dashboard.shortcuts import (
+    define_once,
+    make_views_lightly,
+    read_set_values_alone,
+    remember_defaults,
+)
 from railjoule.dashboard.state.files import serve_files_of
 from railjoule.dashboard.state.plan_work import Plans
 from railjoule.dashboard.state.workbench import Workbench

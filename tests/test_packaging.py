@@ -130,8 +130,8 @@ REQUIREMENTS = [
     for text in [*PROJECT["project"]["dependencies"], *(text for extra in EXTRAS.values() for text in extra)]
     if Requirement(text).name != "railjoule"
 ]
-BOUNDED = {"bokeh", "panel", "panel-material-ui"}
-"""Packages of whose insides the page makes use: see dashboard/insides.py."""
+BOUNDED = {"bokeh", "panel", "panel-material-ui", "param"}
+"""Packages of whose insides the page makes use: see dashboard/insides.py and shortcuts.py."""
 
 
 def test_dependencies_have_lower_bounds_and_those_with_insides_in_use_upper_ones():
