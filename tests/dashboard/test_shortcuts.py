@@ -25,6 +25,8 @@ from panel.reactive import Syncable
 from panel.viewable import Viewable
 from panel_material_ui.theme import MaterialDesign
 
+# puts the shortcuts in their places
+import railjoule.dashboard.app  # noqa: F401
 from railjoule import dashboard
 from railjoule.dashboard import shortcuts
 from railjoule.dashboard.shortcuts import LONGEST_REMEMBERED, MOST_REMEMBERED, READ
