@@ -87,7 +87,9 @@ def _powers_of_sharing(
 def _current(case: Case) -> Iterator[Finding]:
     record = case.record
     current = case.model.current_a(case.electric_n, record.mean_speed_ms)
-    if current is None:
+    # a run that only coasts has no current to be a share of
+    scale = case.model.current_a(np.full(len(case.electric_n), case.effort_scale_n), record.mean_speed_ms)
+    if current is None or scale is None:
         yield Unchecked("motor current", "the drive's model has none")
         return
     if record.current_a is None or record.electric_braking_n is None:
@@ -96,6 +98,6 @@ def _current(case: Case) -> Iterator[Finding]:
         return
     # a drive that is off has no current, though its formula would tell that of its flux
     current = np.where(case.off, 0.0, current)
-    large = float(np.nanmax(np.abs(current), initial=1e-9))
+    large = float(np.nanmax(np.abs(np.append(current, scale)), initial=1e-9))
     misses = np.nan_to_num(np.abs(record.moving(record.current_a) - current)) / large
     yield largest_of("motor current", "the largest current", ROUNDED_CURRENT, misses, record.middle_m)

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 from railjoule.core import Bound, CheckError, Energy, Trajectory, check_run, load_scenario, solve
-from railjoule.core.scenario import Scenario, preset_document
+from railjoule.core.scenario import Scenario, preset_document, scenario_from_document
 from railjoule.core.strategies import STRATEGIES
+from tests.any_scenarios import any_full_document
 from tests.builders import COPPER_LOSS, HILLS, INDUCTION, LOSS_POLYNOMIAL, plain_scenario
 
 SYNCHRONOUS = preset_document("vehicles", "metro-5-car-synchronous")["drive"] | {"gear_ratio": 4.0}
@@ -432,3 +433,12 @@ def test_every_part_of_the_account_is_held_against_its_sum(run):
             assert broken(run.scenario, with_energy(run, **{field.name: getattr(run.energy, field.name) + 1e4}))
     for kind in run.energy.losses_j:
         assert broken(run.scenario, with_loss(run, kind, 1.0, 1e4))
+
+
+def test_what_rounding_leaves_of_a_current_is_judged_by_that_of_an_effort_that_counts():
+    """Down this hill the train only coasts: 1e-4 N and 9e-8 A are left, which were 90 times the largest current."""
+    document = any_full_document(2377)
+    document["timetable"] = {"travel_time_s": 266.0}
+    run = solve(scenario_from_document(document), "optimal")
+    assert run.energy_kwh < 1e-6
+    assert check_run(run.scenario, run).ok
