@@ -41,6 +41,8 @@ WARMING_SEEDS = range(2 * len(MODELS))
 STARTING_S = 1800.0
 SAID = "no run was found"
 """What a run says of itself that is switched more often than the scenario allows, as no other was found in time."""
+MOST_NAMED = 12
+"""So many calls are named where more are counted."""
 DEARER = 1e-3
 """From this share on another strategy's run counts as cheaper than the optimum."""
 
@@ -334,19 +336,21 @@ def _other_lines(rows: list[Row]) -> Iterator[str]:
 
 def _places(rows: Iterable[Row]) -> str:
     found = [f"{row['strategy'] or 'scenario'} {row['seed']}" for row in rows]
-    return f"{len(found)} ({', '.join(found)})" if found else "none"
+    more = [f"{len(found) - MOST_NAMED} more"] if len(found) > MOST_NAMED else []
+    return f"{len(found)} ({', '.join([*found[:MOST_NAMED], *more])})" if found else "none"
 
 
 def _dearer(solved: list[Row]) -> Iterator[Row]:
     """Yield the optima that a run without a fault undercuts, in no more time."""
-    for best in solved:
-        if best["strategy"] == "optimal":
-            others = (row for row in solved if row["seed"] == best["seed"] and not row["broken"])
-            least = min(
-                (row["energy_kwh"] for row in others if row["time_s"] <= best["time_s"] * 1.000001), default=None
-            )
-            if least is not None and best["energy_kwh"] - least > DEARER * abs(least):
-                yield best
+    faultless: dict[int, list[Row]] = defaultdict(list)
+    for row in solved:
+        if not row["broken"]:
+            faultless[row["seed"]].append(row)
+    for best in (row for row in solved if row["strategy"] == "optimal"):
+        in_time = (row for row in faultless[best["seed"]] if row["time_s"] <= best["time_s"] * 1.000001)
+        energy = min((row["energy_kwh"] for row in in_time), default=math.inf)
+        if best["energy_kwh"] - energy > DEARER * abs(energy):
+            yield best
 
 
 def faults(rows: list[Row]) -> dict[str, int]:

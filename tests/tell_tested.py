@@ -1,7 +1,7 @@
 """`python -m tests.tell_tested` writes assets/docs/tested.md: what was tested, when, with which numbers, and how again.
 
-It takes the table that `python -m tests.trust --results FILE` has written, and the calls that `python -m
-tests.check_many --results FILE` has, and counts the tests of the gate.
+It takes the table that `python -m tests.trust --results FILE` has written, the calls that `python -m tests.check_many
+--results FILE` has and the samples of `python -m tests.trust.soak`, and counts the tests of the gate.
 """
 
 import argparse
@@ -16,6 +16,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from tests import check_many
+from tests.trust import soak
 from tests.trust.floors import FLOORS, ROOT
 
 TARGET = ROOT / "assets" / "docs" / "tested.md"
@@ -39,7 +40,7 @@ def commit() -> str:
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
 
 
-def text(trust: str, rows: list[check_many.Row], seeds: range, tests: Counter[str]) -> str:
+def text(trust: str, rows: list[check_many.Row], seeds: range, samples: list[soak.Sample], tests: Counter[str]) -> str:
     """Return the page."""
     releases = ", ".join(f"{name} {version(name)}" for name in PACKAGES)
     parts = "\n".join(f"| tests/{name} | {count:,} |" for name, count in sorted(tests.items()))
@@ -66,6 +67,15 @@ each run by formulas that share no code with the solvers. It goes on where it wa
 
 {check_many.verdict(rows, seeds)}
 
+## Hours
+
+`python -m tests.trust.soak --minutes 120 --samples FILE --picture assets/pictures/soak.png` serves pages that come and
+go, with other work on the same processors:
+
+{soak.summary(samples)}
+
+![Memory, times of answers, open files and pages over the time](../pictures/soak.png)
+
 ## Reliability and security
 
 `python -m tests.trust` repeats the rows of the review of 22 November 2026 on a server of its own, over the loopback
@@ -84,11 +94,13 @@ def main() -> None:
     parser.add_argument("--trust", type=Path, required=True, metavar="FILE", help="the table of tests.trust")
     many = Path(tempfile.gettempdir()) / "check_many.jsonl"
     parser.add_argument("--many", type=Path, default=many, metavar="FILE", help="the calls of tests.check_many")
+    parser.add_argument("--soak", type=Path, required=True, metavar="FILE", help="the samples of tests.trust.soak")
     parser.add_argument("--count", type=int, default=20_000, help="how many scenarios were asked for")
     asked = parser.parse_args()
     seeds = range(asked.count)
     rows = check_many.kept_rows(asked.many, seeds)
-    TARGET.write_text(text(asked.trust.read_text(encoding="utf-8"), rows, seeds, counted()), encoding="utf-8")
+    trust, samples = asked.trust.read_text(encoding="utf-8"), soak.read(asked.soak)
+    TARGET.write_text(text(trust, rows, seeds, samples, counted()), encoding="utf-8")
     print(f"{TARGET.relative_to(ROOT)}: {len(rows):,} calls")
 
 

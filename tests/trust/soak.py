@@ -164,7 +164,8 @@ def draw(samples: Sequence[Sample], path: Path) -> None:
             minutes, values = [one.minutes for one in samples], [getattr(one, name) for one in samples]
             f.line(minutes, values, color=colour, line_width=1.5, legend_label=name.replace("_", " "))
         f.y_range.start = 0
-        f.legend.location, f.legend.orientation = "bottom_right", "horizontal"
+        f.legend.location, f.legend.orientation = "bottom_left", "horizontal"
+        f.legend.background_fill_alpha = 0.3
         figures.append(f)
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=browser_path(), args=ARGUMENTS)
@@ -176,20 +177,22 @@ def draw(samples: Sequence[Sample], path: Path) -> None:
         browser.close()
 
 
-def told(samples: Sequence[Sample]) -> bool:
-    """Print what the samples come to, and return whether nothing was lost and the memory has stayed flat."""
-    half = samples[len(samples) // 2 :]
-    rise = half[-1].memory_mb / half[0].memory_mb
-    print(
+def summary(samples: Sequence[Sample]) -> str:
+    """Return in three lines what the samples come to."""
+    half, p95 = samples[len(samples) // 2], sorted(one.p95_ms for one in samples)
+    return (
         f"{samples[-1].minutes:.0f} minutes, {samples[-1].opened} pages opened, {sum(one.moves for one in samples):,} "
-        f"moves, {samples[-1].lost} lost\n"
-        f"p95 of a sample: median {sorted(one.p95_ms for one in samples)[len(samples) // 2]:.0f} ms, "
-        f"highest {max(one.p95_ms for one in samples):.0f} ms\n"
-        f"memory: {samples[0].memory_mb:.0f} MB first, {half[0].memory_mb:.0f} MB half way, "
-        f"{half[-1].memory_mb:.0f} MB last; files {samples[0].files} first, {half[0].files} half way, "
-        f"{half[-1].files} last"
+        f"moves, {samples[-1].lost} lost;\n"
+        f"95th percentile of a sample: {p95[len(p95) // 2]:.0f} ms in the median, {p95[-1]:.0f} ms at most;\n"
+        f"memory: {samples[0].memory_mb:.0f} MB first, {half.memory_mb:.0f} MB half way, "
+        f"{samples[-1].memory_mb:.0f} MB last; open files: {samples[0].files}, {half.files} and {samples[-1].files}."
     )
-    return samples[-1].lost == 0 and rise < 1.1
+
+
+def is_steady(samples: Sequence[Sample]) -> bool:
+    """Return whether nothing was lost and the memory has stayed flat in the second half."""
+    half, last = samples[len(samples) // 2], samples[-1]
+    return last.lost == 0 and last.memory_mb < 1.1 * half.memory_mb
 
 
 def main() -> int:
@@ -212,7 +215,8 @@ def main() -> int:
             samples = asyncio.run(soak(server, asked.minutes, asked.places, asked.every, asked.samples))
     if asked.picture is not None:
         draw(samples, asked.picture)
-    return not told(samples)
+    print(summary(samples))
+    return not is_steady(samples)
 
 
 if __name__ == "__main__":
