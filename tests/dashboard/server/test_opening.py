@@ -55,7 +55,8 @@ def test_one_page_is_made_at_a_time_and_others_have_their_turns_between() -> Non
     asyncio.run(all_at_once())
     made = "".join(order)
     assert made.replace(".", "") == "aabbcc"
-    assert all("." in part for part in (made[: made.index("a")], made[made.index("aa") + 2 : made.index("b")]))
+    # a turn of the others may fall between the two halves of one as well
+    assert all("." in part for part in (made[: made.index("a")], made[made.rindex("a") : made.index("b")]))
 
 
 @pytest.mark.parametrize("patience_s", [0.05, 10.0])
