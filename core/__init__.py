@@ -2,15 +2,11 @@
 
 from typing import TYPE_CHECKING, Any
 
-from railjoule.core._numba_cache import select_cache_folder
-
-select_cache_folder()  # before any module below imports numba
-
 # Whoever needs scipy writes `import scipy` and `scipy.optimize.brentq`: its parts then load when they are first used.
 # Together they take as long as the rest of the core, and most runs need none of them.
-from railjoule.core.check import Check, CheckResult, check_run, check_table  # noqa: E402
-from railjoule.core.energy import Energy  # noqa: E402
-from railjoule.core.errors import (  # noqa: E402
+from railjoule.core.check import Check, CheckResult, check_run, check_table
+from railjoule.core.energy import Energy
+from railjoule.core.errors import (
     CheckError,
     InfeasibleLineError,
     RailjouleError,
@@ -19,10 +15,10 @@ from railjoule.core.errors import (  # noqa: E402
     StrategyRefusedError,
     TimetableError,
 )
-from railjoule.core.phases import Phase  # noqa: E402
-from railjoule.core.scenario import Scenario, load_scenario, save_scenario  # noqa: E402
-from railjoule.core.strategies import compare, solve  # noqa: E402
-from railjoule.core.trajectory import Bound, Trajectory  # noqa: E402
+from railjoule.core.phases import Phase
+from railjoule.core.scenario import Scenario, load_scenario, save_scenario
+from railjoule.core.strategies import compare, solve
+from railjoule.core.trajectory import Bound, Trajectory
 
 if TYPE_CHECKING:
     from railjoule.core.studies.sweep import SweepTable, sweep

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from railjoule.core.compiled import njit
 from railjoule.core.phases import Phase, PhaseName, RunData
 from railjoule.core.phases.borders import FULL_BRAKING_SHARE, spare_braking_n
 from railjoule.core.phases.labels import FULL_SHARE, HOLD_TOLERANCE_MS
@@ -136,7 +135,6 @@ def _hundredths(share: float) -> float:
     return 1.0 if share >= FULL_SHARE else round(share, 2)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def brake_place_m(run: RunData, start: tuple[float, float], end: tuple[float, float], reserve_ms: float) -> float:
     """Return the last place, up to the start of a brake, from which all brakes suffice for a faster train [m].
 

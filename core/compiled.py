@@ -1,67 +1,177 @@
-"""Numba's decorators, in a form that tells type checkers that a function keeps its signature."""
+"""Decorators for functions that numba compiles, and that Python interprets until the compiled code is available."""
 
+import threading
+import time
 from collections.abc import Callable
-from functools import partial
+from functools import cached_property, update_wrapper
 from types import FunctionType
 from typing import Any, TypeVar, cast
 
 import numba
-from numba.extending import intrinsic, overload, register_jitable
+from numba.extending import intrinsic, models, overload, register_jitable, register_model, typeof_impl
 
+from railjoule.core import kernel_cache
 from railjoule.core.arrays import FloatArray, IntArray
 
-Kernel = TypeVar("Kernel", bound=Callable[..., Any])
+Function = TypeVar("Function", bound=Callable[..., Any])
 Array = TypeVar("Array", FloatArray, IntArray)
 Value = TypeVar("Value", float, FloatArray)
 """What a formula is asked for and answers: a number, or as many as an array holds."""
 Numbers = Any
 """What else it takes: a number, an array of them, or symbols of CasADi."""
+PATIENCE_S = 2.0
+"""A process whose interpreted kernels have taken longer than this compiles before it goes on."""
+
+kernel_cache.use_kernel_cache()
 
 
-def njit(**options: Any) -> Callable[[Kernel], Kernel]:
-    """Return numba's decorator with these options; the annotations of a kernel are for readers and checkers only.
+class _Thread(threading.local):
+    is_interpreting = False
+    """Whether a kernel of this thread is interpreted: then all that it calls are."""
 
-    What a kernel needs to be called from Python, which unpacks and counts each array of a course, takes numba and LLVM
-    longer than many a kernel itself. So a kernel that another one calls is compiled without: only what Python calls has
-    it, and is compiled once more where both do.
+
+_THREAD = _Thread()
+
+
+class Mode:
+    """How kernels run that Python calls: compiled, or interpreted while the compiled code is not available."""
+
+    def __init__(self) -> None:
+        self.interpreted_s = 0.0
+        """Time that interpreted kernels have taken in this process [s]."""
+        self.is_saving = True
+        """Whether compiled code is saved; not where that has failed."""
+        self.before_interpreting: Callable[[], None] = compile_when_slow
+        """Called before each kernel that Python calls while it is interpreted."""
+
+    @cached_property
+    def is_compiled(self) -> bool:
+        """Whether compiled code is called; assign to switch."""
+        return kernel_cache.has_all_kernels()
+
+
+def compile_when_slow() -> None:
+    """Compile all kernels once interpreted ones have taken too long."""
+    if MODE.interpreted_s > PATIENCE_S:
+        # it imports all of the core
+        from railjoule.core.compilation import require_compiled  # noqa: PLC0415
+
+        require_compiled()
+
+
+class Kernel:
+    """A function that is compiled; Python interprets it until all kernels are.
+
+    Interpreted it returns the same numbers some hundred times slower: half a second for an optimum of a usual line. The
+    code that Python needs to call a kernel, which unpacks and counts each array of a course, takes longer to compile
+    than many a kernel itself. So there are two compiled forms, and each is compiled only where it is used.
+
+    Parameters
+    ----------
+    function : function
+        The annotations are for readers and type checkers only.
+    options : dict
+        Numba's.
     """
-    # nobody calls a kernel from C
-    compiler: Any = partial(numba.njit, **options, no_cfunc_wrapper=True)
+
+    def __init__(self, function: FunctionType, options: dict[str, Any]) -> None:
+        update_wrapper(self, function)
+        self.py_func = function
+        self._options = options
+
+    @cached_property
+    def entry(self) -> Any:
+        """The compiled form that Python calls."""
+        return self._form(self.py_func)
+
+    @cached_property
+    def within(self) -> Any:
+        """The compiled form that other kernels call."""
+        return self._form(_renamed(self.py_func), no_cpython_wrapper=True)
+
+    def _form(self, function: FunctionType, **options: bool) -> Any:
+        cached = self._options.get("cache", False) and MODE.is_saving
+        # nobody calls a kernel from C
+        return numba.njit(**{**self._options, **options, "cache": cached}, no_cfunc_wrapper=True)(function)
+
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
+        """Return the function's result."""
+        if _THREAD.is_interpreting:
+            return self.py_func(*arguments, **named)
+        if not MODE.is_compiled:
+            MODE.before_interpreting()
+        if MODE.is_compiled:
+            return self.entry(*arguments, **named)
+        return self._interpret(arguments, named)
+
+    def _interpret(self, arguments: tuple[Any, ...], named: dict[str, Any]) -> Any:
+        began_s = time.perf_counter()
+        _THREAD.is_interpreting = True
+        try:
+            return self.py_func(*arguments, **named)
+        finally:
+            _THREAD.is_interpreting = False
+            MODE.interpreted_s += time.perf_counter() - began_s
+
+    def __reduce__(self) -> str:
+        """Pickle a kernel as a function is: by its name."""
+        return self.py_func.__qualname__
+
+    @property
+    def specialisations(self) -> int:
+        """How many times it has been compiled, or loaded, for the types of its arguments."""
+        made = (vars(self).get(form) for form in ("entry", "within"))
+        return sum(len(form.signatures) for form in made if form is not None)
+
+
+MODE = Mode()
+_UNLITERAL: Any = numba.types.unliteral
+_CONFIG: Any = numba.config
+
+
+class KernelType(numba.types.Dispatcher):
+    """The type of a kernel within compiled code, which compiles no version of its own for a literal argument."""
+
+    def get_call_type(self, context: Any, args: Any, kws: Any) -> Any:
+        """Return the signature of a call; numbers and flags that are written in the code count as any others."""
+        plain = {name: _UNLITERAL(kind) for name, kind in kws.items()}
+        return super().get_call_type(context, tuple(map(_UNLITERAL, args)), plain)
+
+
+register_model(KernelType)(models.OpaqueModel)
+
+
+@typeof_impl.register(Kernel)
+def _type_of_kernel(kernel: Kernel, _context: Any) -> Any:
+    return KernelType(kernel.within)
+
+
+def njit(**options: Any) -> Callable[[Function], Function]:
+    """Return a decorator that makes a function a `Kernel`, with these options of numba."""
 
     def decorate(function: FunctionType) -> Any:
-        kernel: Any = compiler()(function)
-        if kernel is function:  # with NUMBA_DISABLE_JIT
-            return kernel
-        kernel.within = compiler(no_cpython_wrapper=True)(_renamed(function))
-        # what typing and lowering of a call within compiled code ask of the function that is called
-        kernel.get_call_template, kernel.get_overload = kernel.within.get_call_template, kernel.within.get_overload
-        return kernel
+        return function if _CONFIG.DISABLE_JIT else Kernel(function, options)
 
-    # numba types a kernel as Any, which would switch the type checker off in all that calls it
-    return cast("Callable[[Kernel], Kernel]", decorate)
+    # a kernel is called as its function is, and type checkers see the function
+    return cast("Callable[[Function], Function]", decorate)
 
 
 def _renamed(function: FunctionType) -> FunctionType:
-    """Return a function with another name for numba's cache, whose files know a kernel by its name and place alone."""
+    """Return a function with another name for numba's cache, whose files are named after the function."""
     name, defaults, closure = f"{function.__qualname__}.within", function.__defaults__, function.__closure__
     same = FunctionType(function.__code__, function.__globals__, function.__name__, defaults, closure)
     same.__module__, same.__qualname__, same.__kwdefaults__ = function.__module__, name, function.__kwdefaults__
     return same
 
 
-def specialisations(kernel: Any) -> int:
-    """Return how many times a kernel has been compiled, or loaded, for the types of its arguments."""
-    return len(kernel.signatures) + len(kernel.within.signatures)
-
-
-def formula(function: Kernel) -> Kernel:
+def formula(function: Function) -> Function:
     """Let compiled code call a function that stays one of Python: of numbers there, of arrays or symbols elsewhere.
 
     So a rule of physics is written once for kernels, for arrays and for CasADi. It is compiled into its callers,
     without liberties of floating point: all of them get the same digits.
     """
     # no fastmath and error_model="numpy": the same order of operations and the same division by zero as in Python
-    shared: Kernel = register_jitable(error_model="numpy")(function)
+    shared: Function = register_jitable(error_model="numpy")(function)
     return shared
 
 

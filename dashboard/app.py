@@ -15,6 +15,8 @@ from tornado.ioloop import IOLoop
 from tornado.ioloop import PeriodicCallback as TornadoCallback
 from tornado.web import StaticFileHandler
 
+from railjoule.core.compilation import compilation
+from railjoule.core.compiled import MODE
 from railjoule.core.workspace import Workspace
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.editor.view import EditorView
@@ -66,7 +68,6 @@ from railjoule.dashboard.state.plan_work import Plans
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work import events
 from railjoule.dashboard.work.offered import OFFERED
-from railjoule.dashboard.work.warmup import Reached, warmup
 
 pn.extension("plotly", notifications=False, exception_handler=handle)
 keep_quiet()
@@ -105,9 +106,6 @@ class Session:
 
     def __init__(self) -> None:
         began_s = time.monotonic()
-        # asked before the state is made, which needs no kernel then
-        self._is_without_ends = warmup().holds_up_tasks
-        self._reached: Reached | None = None
         self._polling: PeriodicCallback | None = None
         self.state = Workbench()
         self.browser = Browser()
@@ -131,7 +129,7 @@ class Session:
         self._document = pn.state.curdoc
         pn.state.on_session_destroyed(lambda _: self._end())
         self.shell.open()
-        if warmup().first.is_set() and self.state.scenario.is_shipped:
+        if MODE.is_compiled and self.state.scenario.is_shipped:
             # a page that is sent with its first run is there a second earlier than one that asks for it
             self.plans.take_first()
         self.reporting = Reporting(self.state)
@@ -166,32 +164,23 @@ class Session:
         if self.state.files.there:
             self.state.files.look()
             pn.state.add_periodic_callback(self.state.files.look, period=LOOK_MS)
-        warmup().start()
-        if not warmup().ready.is_set():
+        compilation().begin()
+        if self.state.runs is None:
+            self.plans.ask()
+        self._turn_to_page()
+        if not MODE.is_compiled:
             self._polling = pn.state.add_periodic_callback(self._poll, period=POLL_MS)
-        self._poll()
+            self._poll()
 
     def _poll(self) -> None:
-        """Tell how far the kernels are, and go on where the page waits for those that have come."""
-        reached, before = warmup().reached, self._reached
-        if reached != before:
-            self._reached = reached
-            self._go_on(reached)
-        if not reached.ready and warmup().compiles:
-            self.shell.compiling.tell(*warmup().progress)
-        elif reached.ready and self._polling is not None:
+        """Show the progress of the compilation; once it has ended, ask for what had to wait for it."""
+        if not MODE.is_compiled:
+            self.shell.compiling.show(compilation().share)
+        elif self._polling is not None:
             self._polling.stop()
             self._polling = None
-            self.shell.compiling.done()
-
-    def _go_on(self, reached: Reached) -> None:
-        if reached.tasks and self._is_without_ends:
-            self._is_without_ends = False
-            self.state.scenario.take_ends()
-        if reached.first and self.state.runs is None:
+            self.shell.compiling.hide()
             self.plans.ask()
-        # to take what it can have by now
-        if reached.fastest:
             self._turn_to_page()
 
     def _turn_to_page(self) -> None:
@@ -231,7 +220,7 @@ def serve(options: ServerOptions, workspace: Workspace | None = None) -> None:
     serve_files_of(workspace)
     write_down()
     warn_without_login(options)
-    warmup().start()
+    compilation().begin()
     run(make_server(options))
 
 
@@ -263,7 +252,7 @@ def serve_handed(
     serve_files_of(workspace)
     write_down()
     OFFERED.share(folder)
-    warmup().start()
+    compilation().begin()
     server = make_server(options, shared=shared, number=number)
     take = taking(server)
     server.io_loop.add_handler(channel, lambda *_: take_handed(channel, take, server.io_loop.stop), IOLoop.READ)
@@ -333,7 +322,7 @@ def make_server(
 def run(server: Server) -> None:
     """Run a server until it is stopped."""
     server.start()
-    warmup().then(prepare)
+    compilation().then(prepare)
     server.io_loop.start()
 
 

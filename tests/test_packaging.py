@@ -67,8 +67,6 @@ COMMAND_LINE = (
     "keep/embedded",
     "look/comparisons",
     "look/words",
-    "work/kernel_parts",
-    "work/warmup",
 )
 """Modules of the dashboard that need nothing of the page."""
 

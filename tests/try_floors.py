@@ -23,9 +23,6 @@ run = core.solve(scenario)
 assert not core.check_run(scenario, run).broken
 print("solved", round(run.energy_kwh, 3))
 from railjoule.dashboard.app import make_page
-from railjoule.dashboard.work.warmup import warmup
-warmup().start()
-assert warmup().ready.wait(1200)
 make_page().server_doc()
 print("page made")
 """

@@ -5,7 +5,6 @@ import math
 import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray
-from railjoule.core.compiled import njit
 from railjoule.core.phases.labels import HOLD_TOLERANCE_MS, NEGLIGIBLE_MS, SHORTEST_S, STEADY_MS2
 from railjoule.core.phases.phase import BRAKE, COAST, FULL_POWER, HOLD, PART_POWER, STAND
 from railjoule.core.phases.run_data import RunData
@@ -26,7 +25,6 @@ TIMING_TOLERANCE_S = 0.25
 DROPPED = -1.0
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def with_borders_in_cells(run: RunData, rows: FloatArray) -> FloatArray:
     """Return segments without the cells within which the effort changes: the border of their neighbours lies in them.
 
@@ -68,7 +66,6 @@ def with_borders_in_cells(run: RunData, rows: FloatArray) -> FloatArray:
     return remaining
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _is_short_power(run: RunData, rows: FloatArray, row: int) -> bool:
     """Return whether a segment is a cell of part power that quickens the train, before coasting."""
     if rows[row, KIND] != PART_POWER or rows[row, STEADY] > 0.0 or rows[row, LAST] > rows[row, FIRST] + 1:
@@ -78,7 +75,6 @@ def _is_short_power(run: RunData, rows: FloatArray, row: int) -> bool:
     return bool(run.speed_ms[int(rows[row, LAST])] > run.speed_ms[int(rows[row, FIRST])])
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _move_border(run: RunData, row: FloatArray, first: int, last: int, before: float) -> bool:
     """Let a segment begin within cells at the end of which another would begin; return False where that is too far.
 
@@ -121,7 +117,6 @@ def _move_border(run: RunData, row: FloatArray, first: int, last: int, before: f
     return True
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _effort_of(kind: float, largest: float, holding_n: float, braking: float) -> float:
     """Return the effort [N] that a kind of segment has where it could be full power, a hold or a brake."""
     if kind == FULL_POWER:
@@ -131,7 +126,6 @@ def _effort_of(kind: float, largest: float, holding_n: float, braking: float) ->
     return braking if kind == BRAKE else 0.0
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def without_negligible_power(run: RunData, rows: FloatArray, negligible: BoolArray) -> FloatArray:
     """Return segments without full power between coasting that advice cannot tell; mark its cells as negligible.
 
@@ -154,7 +148,6 @@ def without_negligible_power(run: RunData, rows: FloatArray, negligible: BoolArr
     return out[:count]
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _is_negligible(run: RunData, rows: FloatArray, row: int) -> bool:
     """Return whether power has no length in whole metres and hardly changes the speed."""
     if math.ceil(rows[row, PLACE]) < round(rows[row + 1, PLACE]):
@@ -169,7 +162,6 @@ def _is_negligible(run: RunData, rows: FloatArray, row: int) -> bool:
 # ---- straight pieces
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def with_steady_pieces(run: RunData, rows: FloatArray) -> FloatArray:
     """Return segments with part power and braking cut into pieces over which the speed squared changes steadily."""
     out = np.empty((run.effort_n.shape[0] + rows.shape[0], COLUMNS))
@@ -193,7 +185,6 @@ def with_steady_pieces(run: RunData, rows: FloatArray) -> FloatArray:
     return out[:count]
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _continues_part_power(run: RunData, row: FloatArray) -> bool:
     """Return whether a segment after part power may be a part of it."""
     if row[KIND] == PART_POWER:
@@ -201,7 +192,6 @@ def _continues_part_power(run: RunData, row: FloatArray) -> bool:
     return bool(row[KIND] == COAST and duration_s(run, row) < SHORTEST_S)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _is_full_brake(run: RunData, row: FloatArray) -> bool:
     """Return whether a brake takes nearly all that the brakes have in each cell; the first may be braked in part."""
     first, last = int(row[FIRST]), int(row[LAST])
@@ -211,7 +201,6 @@ def _is_full_brake(run: RunData, row: FloatArray) -> bool:
     return True
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _braking_share(run: RunData, row: FloatArray) -> float:
     """Return which share of what the brakes have is used; a first cell that is braked in part tells nothing."""
     first, last = int(row[FIRST]), int(row[LAST])
@@ -225,7 +214,6 @@ def _braking_share(run: RunData, row: FloatArray) -> float:
     return min(used / all_of_it, 1.0) if all_of_it > 0.0 else 1.0
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def spare_braking_n(run: RunData, cell: int, gain_ms2: float = 0.0) -> float:
     """Return how much more a train could brake in a cell than it does [N].
 
@@ -249,7 +237,6 @@ def spare_braking_n(run: RunData, cell: int, gain_ms2: float = 0.0) -> float:
     return float(spare)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _write_pieces(run: RunData, rows: FloatArray, first_row: int, end_row: int, out: FloatArray, count: int) -> int:
     """Write the straight pieces of rows that follow one another; return how many segments there are then."""
     nodes, coasts = _nodes_of(run, rows, first_row, end_row)
@@ -276,7 +263,6 @@ def _write_pieces(run: RunData, rows: FloatArray, first_row: int, end_row: int, 
     return count
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _nodes_of(run: RunData, rows: FloatArray, first_row: int, end_row: int) -> tuple[FloatArray, BoolArray]:
     """Return place, time, speed and number of the nodes of rows, and whether the train coasts from each of them."""
     first, last = int(rows[first_row, FIRST]), int(rows[end_row - 1, LAST])
@@ -299,7 +285,6 @@ def _nodes_of(run: RunData, rows: FloatArray, first_row: int, end_row: int) -> t
     return nodes[: count + 1], coasts[: count + 1]
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _steady_end(run: RunData, nodes: FloatArray, coasts: BoolArray, begin: int) -> int:
     """Return the farthest node to which a straight line of speed squared stays near the run, and below limits.
 

@@ -5,7 +5,6 @@ import math
 import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray
-from railjoule.core.compiled import njit
 from railjoule.core.phases.borders import with_borders_in_cells, with_steady_pieces, without_negligible_power
 from railjoule.core.phases.labels import label_cells
 from railjoule.core.phases.phase import COAST, NAMES, STAND, Phase
@@ -49,7 +48,6 @@ def find_phases(run: RunData) -> tuple[Phase, ...]:
     )
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _segments(run: RunData) -> tuple[FloatArray, FloatArray]:
     """Return the segments of a run and their energies [J]."""
     labels, begins_hold, negligible = label_cells(run)
@@ -61,7 +59,6 @@ def _segments(run: RunData) -> tuple[FloatArray, FloatArray]:
     return rows, _energies(run, rows, negligible)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _energies(run: RunData, rows: FloatArray, negligible: BoolArray) -> FloatArray:
     """Return the energy of each segment [J]; what a negligible effort takes counts where the driver last had one."""
     count = rows.shape[0]
@@ -76,7 +73,6 @@ def _energies(run: RunData, rows: FloatArray, negligible: BoolArray) -> FloatArr
     return energy
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _receiver_of(rows: FloatArray, coast: int) -> int:
     """Return the last segment with an effort before a coasting one, else the next one after it, else itself."""
     for k in range(coast - 1, -1, -1):

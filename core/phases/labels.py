@@ -5,7 +5,6 @@ import math
 import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray, IntArray
-from railjoule.core.compiled import njit
 from railjoule.core.phases.phase import BRAKE, COAST, FULL_POWER, HOLD, PART_POWER, STAND
 from railjoule.core.phases.run_data import RunData
 from railjoule.core.units import MS_PER_KMH
@@ -30,7 +29,6 @@ PULSE_S = 2 * SHORTEST_S
 """Power or coasting that lasts less may be one of several pulses."""
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def label_cells(run: RunData) -> tuple[IntArray, BoolArray, BoolArray]:
     """Return what is done in each cell.
 
@@ -63,7 +61,6 @@ def label_cells(run: RunData) -> tuple[IntArray, BoolArray, BoolArray]:
     return labels, _mark_holds(run, labels), negligible
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _end_of_run(labels: IntArray, first: int) -> int:
     """Return the cell after the last one of the same label."""
     last = first + 1
@@ -72,7 +69,6 @@ def _end_of_run(labels: IntArray, first: int) -> int:
     return last
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _coast_through_negligible(run: RunData, labels: IntArray) -> BoolArray:
     """Let runs of cells beside coasting coast too if their effort is too small to tell; return which they are."""
     n = labels.shape[0]
@@ -95,7 +91,6 @@ def _coast_through_negligible(run: RunData, labels: IntArray) -> BoolArray:
     return negligible
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _mark_holds(run: RunData, labels: IntArray) -> BoolArray:
     """Mark the stretches over which the speed is held, by power, brakes or short coasting; return where they begin."""
     n = labels.shape[0]
@@ -114,7 +109,6 @@ def _mark_holds(run: RunData, labels: IntArray) -> BoolArray:
     return begins
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _hold_candidates(run: RunData, labels: IntArray) -> tuple[BoolArray, BoolArray]:
     """Return which cells may lie in a hold, and in which of them power or brakes keep the speed; of shape (n,)."""
     time_s, speed_ms = run.time_s, run.speed_ms
@@ -132,7 +126,6 @@ def _hold_candidates(run: RunData, labels: IntArray) -> tuple[BoolArray, BoolArr
     return may_hold, steady
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _hold_end(speed_ms: FloatArray, limit_ms: FloatArray, may_hold: BoolArray, steady: BoolArray, first: int) -> int:
     """Return the end of the longest stretch from a cell on whose speeds read the same and all keep all its limits."""
     end = first

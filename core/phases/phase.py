@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 PhaseName = Literal["full_power", "part_power", "hold", "coast", "brake", "stand"]
-# numbers for compiled code, in the order of NAMES
+# in the order of NAMES
 FULL_POWER, PART_POWER, HOLD, COAST, BRAKE, STAND = range(6)
 NAMES: tuple[PhaseName, ...] = ("full_power", "part_power", "hold", "coast", "brake", "stand")
 

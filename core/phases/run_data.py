@@ -6,7 +6,7 @@ from railjoule.core.arrays import FloatArray
 
 
 class RunData(NamedTuple):
-    """A run of n cells, in a form that compiled code takes; a dwell is a cell without length.
+    """A run of n cells; a dwell is a cell without length.
 
     Parameters
     ----------

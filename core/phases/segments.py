@@ -7,12 +7,11 @@ share of effort of a brake or a hold by turns, and whether it is one straight li
 import numpy as np
 
 from railjoule.core.arrays import BoolArray, FloatArray, IntArray
-from railjoule.core.compiled import copy_rows, njit
 from railjoule.core.phases.labels import HOLD_TOLERANCE_MS, NEGLIGIBLE_MS, PULSE_S, SHORTEST_S
 from railjoule.core.phases.phase import COAST, FULL_POWER, HOLD, PART_POWER, STAND
 from railjoule.core.phases.run_data import RunData
 
-# an array and no tuple, as compiled code changes rows in place and cuts them out
+# an array and no tuple, as rows are changed in place and cut out
 KIND, FIRST, LAST, PLACE, TIME, SPEED, SHARE, STEADY = range(8)
 COLUMNS = 8
 # a notch that is taken back for seconds, and no choice of another speed; below, the train would get far too fast
@@ -25,7 +24,6 @@ LEAST_PULSES = 3
 """So many times power is taken off and on before the advice is to hold by turns."""
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def segments_of(run: RunData, labels: IntArray, begins_hold: BoolArray) -> FloatArray:
     """Return the segments of labelled cells; shape (k, COLUMNS)."""
     n = labels.shape[0]
@@ -40,7 +38,6 @@ def segments_of(run: RunData, labels: IntArray, begins_hold: BoolArray) -> Float
     return rows[:count]
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _set(run: RunData, rows: FloatArray, row: int, kind: int, first: int, last: int) -> None:
     """Make a row a segment that begins at a node."""
     rows[row, KIND], rows[row, FIRST], rows[row, LAST] = kind, first, last
@@ -48,7 +45,6 @@ def _set(run: RunData, rows: FloatArray, row: int, kind: int, first: int, last: 
     rows[row, SPEED], rows[row, SHARE], rows[row, STEADY] = run.speed_ms[first], np.nan, 0.0
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def duration_s(run: RunData, row: FloatArray) -> float:
     """Return how long the cells of a segment last [s]."""
     return float(run.time_s[int(row[LAST])] - run.time_s[int(row[FIRST])])
@@ -57,7 +53,6 @@ def duration_s(run: RunData, row: FloatArray) -> float:
 # ---- what is too short beside full power and holds
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def joined(run: RunData, rows: FloatArray) -> FloatArray:
     """Return segments without power that is briefly less than full, and without coasting that a hold covers."""
     out = np.empty_like(rows)
@@ -87,7 +82,6 @@ def joined(run: RunData, rows: FloatArray) -> FloatArray:
     return out[:count]
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _is_reduced_power(run: RunData, part: FloatArray, full: FloatArray) -> bool:
     """Return whether part power before full power is so short and strong that full power throughout does no harm."""
     if part[KIND] != PART_POWER or duration_s(run, part) >= SHORTEST_S:
@@ -110,7 +104,6 @@ def _is_reduced_power(run: RunData, part: FloatArray, full: FloatArray) -> bool:
     return True
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _belongs_to_hold(run: RunData, short: FloatArray, hold: FloatArray, following: FloatArray) -> bool:
     """Return whether a segment beside a hold is short and keeps the speed that is held.
 
@@ -132,7 +125,6 @@ def _belongs_to_hold(run: RunData, short: FloatArray, hold: FloatArray, followin
 # ---- pulses
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def with_pulses(run: RunData, rows: FloatArray) -> FloatArray:
     """Return segments with pulses of power made what a driver can do: hold the speed by turns, or part power."""
     out = np.empty((2 * rows.shape[0] + 2, COLUMNS))
@@ -150,7 +142,7 @@ def with_pulses(run: RunData, rows: FloatArray) -> FloatArray:
             first += 1
         if np.sum(rows[first:last, KIND] == COAST) < LEAST_PULSES:
             last = first = max(end, k + 1)
-        copy_rows(rows[k:first], out[count:])
+        out[count : count + first - k] = rows[k:first]
         count += first - k
         unassigned = first
         while first < last:
@@ -165,7 +157,6 @@ def with_pulses(run: RunData, rows: FloatArray) -> FloatArray:
     return out[:count]
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _is_pulse(run: RunData, row: FloatArray) -> bool:
     """Return whether power or coasting is so short that it may be one of several pulses."""
     if row[KIND] == COAST:
@@ -173,7 +164,6 @@ def _is_pulse(run: RunData, row: FloatArray) -> bool:
     return (row[KIND] == FULL_POWER or row[KIND] == PART_POWER) and duration_s(run, row) < SHORTEST_S
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _level_group(run: RunData, rows: FloatArray, first: int, last: int) -> int:
     """Return the end of the pulses from `first` on that keep one mean speed: the row after one of power."""
     low, high, end = np.inf, -np.inf, first + 1
@@ -190,7 +180,6 @@ def _level_group(run: RunData, rows: FloatArray, first: int, last: int) -> int:
     return min(end + 1, last) if end == first + 1 and rows[first, KIND] == COAST else end
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _is_alternating_hold(run: RunData, group: FloatArray) -> bool:
     """Return whether pulses of one mean speed are so many that they are a hold; none of them under another's limit."""
     first, last = int(group[0, FIRST]), int(group[-1, LAST])
@@ -198,13 +187,11 @@ def _is_alternating_hold(run: RunData, group: FloatArray) -> bool:
     return bool(many and _keeps_one_limit(run, first, last))
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _keeps_one_limit(run: RunData, first: int, last: int) -> bool:
     """Return whether all speeds of cells keep the lowest limit of them."""
     return bool(np.max(run.speed_ms[first : last + 1]) <= np.min(run.limit_ms[first:last]) + NEGLIGIBLE_MS)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _write_alternating_hold(run: RunData, group: FloatArray, out: FloatArray, count: int) -> int:
     """Write pulses as a hold by turns; return how many segments there are then.
 
@@ -222,19 +209,17 @@ def _write_alternating_hold(run: RunData, group: FloatArray, out: FloatArray, co
     return _write_steady_change(run, group[row:], out, count)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _write_steady_change(run: RunData, rows: FloatArray, out: FloatArray, count: int) -> int:
     """Write rows as one steady change of speed, or as they are where that would break a limit."""
     first, last = int(rows[0, FIRST]), int(rows[-1, LAST])
     if not _steady_change_keeps_limits(run, first, last):
-        copy_rows(rows, out[count:])
+        out[count : count + rows.shape[0]] = rows
         return count + len(rows)
     _set(run, out, count, PART_POWER, first, last)
     out[count, STEADY] = 1.0
     return count + 1
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _share_of_full_power(run: RunData, group: FloatArray) -> float:
     """Return which share of full power the powered cells of a group use."""
     used = full = 0.0
@@ -247,7 +232,6 @@ def _share_of_full_power(run: RunData, group: FloatArray) -> float:
     return used / full
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _write_steady_changes(run: RunData, group: FloatArray, out: FloatArray, count: int) -> int:
     """Write pulses as part power, each piece long enough for an instruction, and ending where a pulse ends."""
     begin = 0
@@ -265,7 +249,6 @@ def _write_steady_changes(run: RunData, group: FloatArray, out: FloatArray, coun
     return count
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
 def _steady_change_keeps_limits(run: RunData, first: int, last: int) -> bool:
     """Return whether a steady change of speed between two nodes keeps the limits."""
     place, speed2 = run.position_m[first], run.speed_ms[first] ** 2

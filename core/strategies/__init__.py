@@ -19,6 +19,7 @@ from dataclasses import replace
 from railjoule.core.best_known import with_best_known
 from railjoule.core.bounds import bounded, check_seconds, run_to_prove, tightened
 from railjoule.core.check import check_run
+from railjoule.core.compilation import needs_compiler, require_compiled
 from railjoule.core.errors import (
     CheckError,
     DriveRangeError,
@@ -131,6 +132,8 @@ def run_strategy(task: Task, strategy: StrategyName) -> Trajectory:
         if strategy in STRATEGY_NAMES:
             raise StrategyRefusedError(f"is not part of this version; choose one of {known}.")
         raise StrategyRefusedError(f"is not a strategy; choose one of {known}.")
+    if needs_compiler(task.scenario, strategy):
+        require_compiled()
     started = time.perf_counter()
     try:
         trajectory = STRATEGIES[strategy](task)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.compilation import require_compiled
 from railjoule.core.energy import share_above
 from railjoule.core.errors import InfeasibleLineError, ScenarioError
 from railjoule.core.scenario import Scenario
@@ -143,6 +144,7 @@ def monte_carlo(scenario: Scenario, executor: Executor | None = None) -> MonteCa
 
 def monte_carlo_steps(scenario: Scenario, executor: Executor | None = None) -> Iterator[MonteCarloTable]:
     """Yield the table of `monte_carlo` empty, and again after every few runs; parameters and errors as there."""
+    require_compiled()
     planned = plan_for(scenario)
     drawn = draw(scenario)
     table = MonteCarloTable(

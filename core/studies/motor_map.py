@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
+from railjoule.core.compilation import require_compiled
 from railjoule.core.drive import make_drive
 from railjoule.core.drive.geared_parameters import turns_per_metre
 from railjoule.core.drive.synchronous.drive import efficiency_maps, output_over_input, torque_envelope
@@ -75,6 +76,7 @@ def motor_map(scenario: Scenario) -> MotorMap:
         If its drive tells no losses over torque and speed of a motor.
     """
     drive = _geared(scenario)
+    require_compiled()
     top_rads = scenario.vehicle.traction.max_speed_kmh * MS_PER_KMH * turns_per_metre(drive)
     if not isinstance(drive, Synchronous):
         return _map_of_losses(scenario, drive, np.linspace(0.0, top_rads, SPEEDS))

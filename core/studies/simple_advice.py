@@ -15,6 +15,7 @@ import numpy as np
 import scipy
 
 from railjoule.core.arrays import FloatArray, IntArray
+from railjoule.core.compilation import require_compiled
 from railjoule.core.dynamic_programming.backward import (
     Steps,
     laid_along_coasting,
@@ -109,6 +110,7 @@ def simple_advice(task: Task, most_changes: int = MOST_CHANGES) -> SimpleAdvice:
     """
     task.require_timetable()
     task.require_few_cells(MOST_CELLS)
+    require_compiled()
     optimum = known_optimum(task)
     table = _Table(task)
     runs: list[SimpleRun] = []

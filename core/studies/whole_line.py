@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from railjoule.core.compilation import require_compiled
 from railjoule.core.errors import ScenarioError
 from railjoule.core.scenario import Scenario
 from railjoule.core.strategies.line_parts import (
@@ -156,6 +157,8 @@ def whole_line(
 def shared_line(task: Task, sharing: Sharing, arrivals_s: Mapping[int, float] | None = None) -> WholeLine:
     """Return as `whole_line` the run of a task that is prepared already."""
     task.require_timetable()
+    # each leg is solved many times
+    require_compiled()
     windows = {**arrival_windows(task), **{number: (at, at) for number, at in (arrivals_s or {}).items()}}
     if sharing == "optimum":
         line = optimum_within(task, windows, unwindowed_optimum)

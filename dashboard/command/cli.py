@@ -139,6 +139,8 @@ def _call(options: argparse.Namespace) -> bool:
     output = commands.Output(getattr(options, "json", False))
     if options.command == "benchmark":
         commands.benchmark(output)
+    elif options.command == "compile":
+        commands.compile_kernels()
     elif options.command == "limits":
         commands.limits()
     elif options.command == "study" and options.study == "sweep":
@@ -222,6 +224,7 @@ def build_parser() -> argparse.ArgumentParser:
     benchmark = _add(commands, "benchmark", "time every strategy on the shipped scenarios, and CasADi with IPOPT")
     _add_json(benchmark)
     _add(commands, "limits", "show what is asked for at most, in a terminal and on a page")
+    _add(commands, "compile", "compile the solver ahead of its first use, as for an image or a cluster")
     validate = _add(commands, "validate", "compare the papers' published numbers with ours")
     validate.add_argument(
         "paper", metavar="PAPER", nargs="?", help="ftorek, liashenko, rawicki or shtompel; default: all papers"

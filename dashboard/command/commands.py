@@ -2,9 +2,7 @@
 
 import io
 import json
-import os
 import socket
-import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -84,7 +82,6 @@ def solve(
     # first of all: a name that cannot be written to is refused before anything is solved
     target = None if trajectory_file is None else table_file(trajectory_file)
     scenario = load(file, changes, own)
-    announce_compilation()
     with refusals_named(strategy or scenario.strategy):
         # a name that is none is refused by the core, in its own words
         trajectory = solve_scenario(scenario, cast("StrategyName | None", strategy), prove_seconds=prove_seconds)
@@ -143,7 +140,6 @@ def compare_strategies(
         If anything is wrong with the scenario.
     """
     scenario = load(file, changes, own)
-    announce_compilation()
     runs, refused = compare(scenario, prove_seconds=prove_seconds)
     values = summary.summarise_comparison(runs, refused, prepare_task(scenario).shortest_travel_time_s)
     output.show(values, terminal.comparison_text)
@@ -162,7 +158,6 @@ def advise(
     from railjoule.core.studies.simple_advice import MOST_CHANGES, simple_advice  # noqa: PLC0415
 
     task = prepare_task(load(file, changes, own))
-    announce_compilation()
     advice = simple_advice(task, MOST_CHANGES if most is None else most)
     output.show(summary.summarise_advice(advice, last=most is not None), terminal.simple_advice_text)
 
@@ -176,7 +171,6 @@ def simulate(file: str, changes: Mapping[str, Any], output: Output, own: Workspa
         If anything is wrong with the scenario, or the real train cannot pass the line.
     """
     scenario = load(file, changes, own)
-    announce_compilation()
     with refusals_named(scenario.strategy):
         # each kind alone: all of them take a tenth of a second to import
         if scenario.simulation.kind == "field_oriented":
@@ -207,7 +201,6 @@ def study(name: str, file: str, changes: Mapping[str, Any], target: str, own: Wo
 
     path = table_file(target, "-o", (".nc", *TABLE_SUFFIXES))
     scenario = load(file, changes, own)
-    announce_compilation()
     with ThreadPoolExecutor(worker_count(), "study") as executor, refusals_named(scenario.strategy):
         if name == "sensitivity":
             table = sensitivity(scenario, executor=executor).to_dataset()
@@ -249,7 +242,6 @@ def report(
     with missing_named("a report"):
         from railjoule.dashboard.report.document import report_html  # noqa: PLC0415
         from railjoule.dashboard.report.findings import ReportRequest, compute_findings  # noqa: PLC0415
-    announce_compilation()
     request = ReportRequest(scenario, prove_seconds=prove_seconds, contents=contents or Contents())
     *_, findings = compute_findings(request)
     text = report_html(findings, datetime.now().astimezone())
@@ -276,7 +268,6 @@ def benchmark(output: Output) -> None:
     from railjoule.core.validation.benchmark import benchmark as time_all  # noqa: PLC0415
     from railjoule.core.validation.ipopt import is_installed  # noqa: PLC0415
 
-    announce_compilation()
     values = summary.summarise_benchmark(list(time_all()))
     output.show({**values, "ipopt": is_installed()}, terminal.benchmark_text)
 
@@ -293,10 +284,18 @@ def validate(paper: str | None, output: Output) -> None:
 
     if paper is not None and paper not in PAPERS:
         raise CommandError(f"{paper!r} is not a paper of this version; choose one of {', '.join(PAPERS)}.")
-    announce_compilation()
     chosen = PAPERS if paper is None else {paper: PAPERS[paper]}
     papers = [summary.summarise_validation(compute()) for compute in chosen.values()]
     output.show({"papers": papers}, terminal.validations_text)
+
+
+def compile_kernels() -> None:
+    """Compile the solver, and print where the compiled code is."""
+    from railjoule.core.compilation import require_compiled  # noqa: PLC0415
+    from railjoule.core.kernel_cache import cache_folder  # noqa: PLC0415
+
+    require_compiled()
+    print(f"The solver is compiled; the code is in {cache_folder()}.")
 
 
 def serve(options: "ServerOptions", own: Workspace | None = None) -> None:
@@ -307,13 +306,13 @@ def serve(options: "ServerOptions", own: Workspace | None = None) -> None:
     CommandError
         If a package of the dashboard is missing, or the address cannot be served at.
     """
-    from railjoule.dashboard.work.warmup import warmup  # noqa: PLC0415
+    from railjoule.core.compilation import compilation  # noqa: PLC0415
 
     if options.processes > 1:
         _serve_in_processes(options, own)
         return
     # the libraries of the page take seconds to import, which other processes may spend compiling
-    warmup().start()
+    compilation().begin()
     with missing_named("the dashboard"):
         from railjoule.dashboard import app  # noqa: PLC0415
     with _served_at(options):
@@ -560,13 +559,6 @@ def refusals_named(strategy: str) -> Iterator[None]:
         yield
     except StrategyRefusedError as refusal:
         raise CommandError(f"{strategy} {refusal}") from None
-
-
-def announce_compilation() -> None:
-    """Tell a person at a terminal why the first run ever takes so long."""
-    # not into a pipe or a file, whose readers look for errors
-    if sys.stderr.isatty() and not Path(os.environ["NUMBA_CACHE_DIR"]).is_dir():
-        print("Compiling the solver, only this once; this takes about a minute.", file=sys.stderr)
 
 
 def shortened(text: str) -> str:

@@ -29,7 +29,6 @@ from railjoule.dashboard.command.cli import LONGEST_TIME_S
 from railjoule.dashboard.command.commands import (
     TABLE_SUFFIXES,
     CommandError,
-    announce_compilation,
     failures_named,
     load,
     parsed_changes,
@@ -112,7 +111,6 @@ def _with_some_time(imported: "ImportedScenario") -> "ImportedScenario":
     """Return a scenario of which nothing says how long it takes with a time that its train can keep."""
     from railjoule.core.strategies import prepare_task  # noqa: PLC0415
 
-    announce_compilation()
     timetable = {**imported.document.get("timetable", {}), "travel_time_s": LONGEST_TIME_S}
     any_time = {**imported.document, "timetable": timetable}
     shortest = prepare_task(scenario_from_document(any_time, imported.source)).shortest_travel_time_s

@@ -29,7 +29,6 @@ def measured(options: argparse.Namespace) -> None:
     table = None if options.trajectory is None else commands.table_file(options.trajectory)
     target = None if options.output is None else commands.table_file(options.output, "-o", SCENARIO_SUFFIXES)
     scenario = _scenario(options)
-    commands.announce_compilation()
     run = load_run(Path(options.run), scenario, _format(options), _start(options.start_m), options.sheet)
     saving, refusal = None, ""
     try:
@@ -54,7 +53,6 @@ def fit(options: argparse.Namespace) -> None:
     """
     target = None if options.output is None else commands.table_file(options.output, "-o", SCENARIO_SUFFIXES)
     scenario = _scenario(options)
-    commands.announce_compilation()
     form, start = _format(options), _start(options.start_m)
     runs = [load_run(Path(name), scenario, form, start, options.sheet) for name in options.runs]
     found = fit_runs(runs, scenario, options.free, options.coasting)

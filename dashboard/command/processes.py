@@ -10,12 +10,13 @@ from functools import partial
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 
+from railjoule.core.compilation import compilation
+from railjoule.core.kernel_cache import has_all_kernels
 from railjoule.core.workspace import Workspace
 from railjoule.dashboard.server.front import Front
 from railjoule.dashboard.server.logs import warn_without_login, write_down
 from railjoule.dashboard.server.options import ServerOptions
 from railjoule.dashboard.server.places import NUMBERS
-from railjoule.dashboard.work.kernel_parts import ALL, is_done
 from railjoule.dashboard.work.offered import new_folder
 
 # a fork would copy the threads' locks without the threads
@@ -33,7 +34,7 @@ def serve_in_processes(options: ServerOptions, own: Workspace | None) -> None:
     write_down()
     warn_without_login(options)
     shared: MutableSequence[int] = CONTEXT.RawArray("i", NUMBERS * options.processes)
-    front = Front(options, partial(_started, options, own, new_folder()), shared, lambda: is_done(ALL))
+    front = Front(options, partial(_started, options, own, new_folder()), shared, has_all_kernels)
     print(f"Launching {options.processes} processes at http://{options.address}:{options.port}{options.prefix}")
     ended_by = asyncio.run(front.run())
     if ended_by == signal.SIGINT:
@@ -67,9 +68,7 @@ def _serve(
     """Serve in a process of its own what it is handed."""
     # the terminal sends it to all; the process before them ends the others
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    from railjoule.dashboard.work.warmup import warmup  # noqa: PLC0415
-
-    warmup().start()
+    compilation().begin()
     from railjoule.dashboard import app  # noqa: PLC0415
 
     app.serve_handed(options, own, number, channel, shared, folder)

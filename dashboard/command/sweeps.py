@@ -31,7 +31,6 @@ from railjoule.core.written import require_writable
 from railjoule.dashboard.command.commands import (
     CommandError,
     Output,
-    announce_compilation,
     failures_named,
     load,
     shortened,
@@ -73,7 +72,6 @@ def study_sweep(options: "argparse.Namespace", changes: Mapping[str, Any], own: 
     with _results(study, path, kept, options.resume) as results:
         try:
             _require_disk(path, study, results.done)
-            announce_compilation()
             _run(results, kept, options.scheduler)
             with failures_named(path):
                 write_rows(results, path)

@@ -23,7 +23,6 @@ from railjoule.dashboard.state.opened import outcome_of
 from railjoule.dashboard.state.page_work import Items
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.uploads import too_large
-from railjoule.dashboard.work.warmup import warmup
 from railjoule.dashboard.work.worker import SLOW_THREADS
 
 LOG = logging.getLogger(__name__)
@@ -36,8 +35,7 @@ LONGEST_AT_ONCE = 50_000
 
 
 def read_ahead(toml: str | None) -> None:
-    """Wait until a scenario can be tried without compiling, and read it into the cache of those that are opened."""
-    warmup().wait_for_tasks()
+    """Read a scenario into the cache of those that are opened."""
     if toml is not None:
         outcome_of(toml)
 
@@ -196,7 +194,7 @@ class Keeping(param.Parameterized):
         # without a page there is nobody else who waits, and no later turn
         if pn.state.curdoc is None or not (toml or is_changed):
             return False
-        return warmup().holds_up_tasks or (toml is not None and len(toml) > LONGEST_AT_ONCE)
+        return toml is not None and len(toml) > LONGEST_AT_ONCE
 
     def _when_read(self, found: Snapshot, then: Callable[[], None]) -> None:
         """Go on with a scenario; with one that takes long in a later turn, once a thread has read it."""

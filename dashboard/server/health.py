@@ -3,10 +3,10 @@
 from tornado.web import RequestHandler
 
 from railjoule.core import load_scenario, solve
-from railjoule.dashboard.work.kernel_parts import SCENARIOS
-from railjoule.dashboard.work.warmup import warmup
+from railjoule.core.compiled import MODE
 
 SERVICE_UNAVAILABLE = 503
+SMALL_SCENARIO = "liashenko-i"
 
 
 class Watched(RequestHandler):
@@ -17,7 +17,7 @@ class Watched(RequestHandler):
 
     def is_ready(self) -> bool:
         """Return whether the kernels are there, and answer that they are not."""
-        if warmup().ready.is_set():
+        if MODE.is_compiled:
             return True
         self.set_status(SERVICE_UNAVAILABLE)
         self.finish({"status": "starting"})
@@ -35,8 +35,7 @@ class HealthHandler(Watched):
     def get(self) -> None:
         """Solve, once the kernels are ready."""
         if self.is_ready():
-            # one that the warm-up runs too, so that nothing is left to compile
-            run = solve(load_scenario(SCENARIOS[0]))
+            run = solve(load_scenario(SMALL_SCENARIO))
             self.finish({"status": "ok", "energy_kwh": run.energy_kwh, "solve_time_s": run.solve_time_s})
 
 

@@ -174,7 +174,7 @@ class Shell:
 
     def _page(self) -> Page:
         return Page(
-            main=[self.share.view, self.main, self.compiling.view, self.browser, self.saving, self.editor],
+            main=[self.share.view, self.compiling.view, self.main, self.browser, self.saving, self.editor],
             sidebar=[self.sidebar.view],
             sidebar_width=272,
             sidebar_open=self._beside,

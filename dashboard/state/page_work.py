@@ -10,9 +10,9 @@ import param
 from panel.io.state import set_curdoc
 
 from railjoule.core import RailjouleError
+from railjoule.core.compiled import MODE
 from railjoule.dashboard.state.page_model import PageModel
 from railjoule.dashboard.state.workbench import Workbench
-from railjoule.dashboard.work.warmup import warmup
 from railjoule.dashboard.work.worker import LONG_THREADS, Study, Worker, nobody
 
 Model = TypeVar("Model", bound=PageModel)
@@ -104,8 +104,8 @@ class PageWork(Generic[Model]):
 
     @property
     def in_sight(self) -> bool:
-        """Whether the page is, and what it asks for would not have to be compiled first."""
-        return bool(self.state.page == self.page) and not warmup().holds_up_runs
+        """Whether the page is, and the solver is compiled: what a page asks for takes minutes without."""
+        return bool(self.state.page == self.page) and MODE.is_compiled
 
     @contextmanager
     def quiet(self) -> Iterator[None]:

@@ -8,7 +8,6 @@ from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.scenario import RUN_FIELDS
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import FirstRuns, Runs, RunsRequest
-from railjoule.dashboard.work.warmup import warmup
 from railjoule.dashboard.work.worker import Worker
 
 FIRST = FirstRuns()
@@ -34,9 +33,10 @@ class Plans(PageWork[Workbench]):
         self.state.param.watch(self.ask, ["ticked", "chosen"])
 
     def ask(self, *_: Any) -> None:
-        """Ask for the runs; what is asked for before their kernels are there, the page asks for again."""
-        if not warmup().holds_up_runs:
-            self.runs.ask(self._request())
+        """Ask for the runs; the page asks again for those that need compiled code before there is any."""
+        request = self._request()
+        if request.is_possible:
+            self.runs.ask(request)
 
     def take_first(self) -> None:
         """Take short runs that are known into a page that opens; others it asks for when it is there."""

@@ -5,7 +5,7 @@ from typing import Any
 
 import param
 
-from railjoule.core import RailjouleError, Scenario, ScenarioError
+from railjoule.core import Scenario, ScenarioError
 from railjoule.core.budget import PAGE, within
 from railjoule.core.scenario import preset_names
 from railjoule.core.scenario.vehicle import MOST_LOAD_FACTOR
@@ -13,7 +13,6 @@ from railjoule.core.strategies import prepare_task
 from railjoule.dashboard.state.draft import FIELD_KEYS, Edited, ScenarioDraft, shipped
 from railjoule.dashboard.state.numbers import TypedNumber, TypedParameters
 from railjoule.dashboard.state.opened import open_scenario
-from railjoule.dashboard.work.warmup import warmup
 
 FIRST_SCENARIO = "metro-with-limit"
 # as core/scenario bounds the keys timetable.travel_time_s and enoc.acceleration_time_s
@@ -28,8 +27,6 @@ LEAST_RANGE, TIMETABLE_RANGE = 0.97, 2.0
 LEAST_OF_TIMETABLE = 0.75
 """At least this share of the timetable is taken for the shortest time, where the slider ends."""
 
-NOT_YET = "The solver is still being compiled, so that no change can be tried yet; try again in a few seconds."
-
 
 def travel_time_ends(scenario: Scenario) -> tuple[float, float]:
     """Return the ends of the travel time's slider [s].
@@ -39,12 +36,8 @@ def travel_time_ends(scenario: Scenario) -> tuple[float, float]:
     RailjouleError
         If no train can run the scenario.
     """
-    # a timetable of a shipped scenario can be kept; others wait, or are refused
-    if warmup().holds_up_tasks:
-        shortest = LEAST_OF_TIMETABLE * scenario.travel_time_s
-    else:
-        with within(PAGE):
-            shortest = prepare_task(scenario).shortest_travel_time_s
+    with within(PAGE):
+        shortest = prepare_task(scenario).shortest_travel_time_s
     # whole seconds at both ends, as those stand at them: a little less than can be driven, so that one sees where it
     # ends, and at least one and a half times the timetable, however tight that is
     start = float(int(LEAST_RANGE * shortest))
@@ -138,10 +131,6 @@ class ScenarioModel(TypedParameters):
         """
         self._change(self.draft.with_changes(changes))
 
-    def take_ends(self) -> None:
-        """Give the slider of the travel time the ends that it could not have while the kernels compiled."""
-        self.travel_time_range_s = travel_time_ends(self.edited)
-
     def take_back(self, *keys: str) -> None:
         """Give keys the values of the shipped scenario or the file again.
 
@@ -203,9 +192,6 @@ class ScenarioModel(TypedParameters):
 
     def _take(self, scenario: Scenario, edits: Mapping[str, Any]) -> None:
         """Show a scenario that comes from edits of the base."""
-        # a shipped scenario as it is needs no kernel here; an edited one would compile them in this turn, for a minute
-        if warmup().holds_up_tasks and (edits or self.opened is not None):
-            raise RailjouleError(NOT_YET)
         # first of all: it refuses what no train can run, and then nothing must have changed
         ends = travel_time_ends(scenario)
         self.param.update(

@@ -7,8 +7,10 @@ from dataclasses import dataclass, replace
 from railjoule.core import RailjouleError, Scenario, StrategyRefusedError, Trajectory
 from railjoule.core.best_known import with_best_known
 from railjoule.core.bounds import bounded, run_to_prove, tightened, with_tighter_bound
+from railjoule.core.compilation import needs_compiler
+from railjoule.core.compilation.light import NO_IDLE_LOSSES, estimated_cells
+from railjoule.core.compiled import MODE
 from railjoule.core.scenario import StrategyName
-from railjoule.core.scenario.drive import ConstantEfficiency, CopperLoss
 from railjoule.core.strategies import Task, prepare_task, run_strategy
 from railjoule.core.strategies.bellman import ControlLaw, bellman_with_law
 from railjoule.core.trajectory import Bound
@@ -77,17 +79,14 @@ SECONDS_PER_CELL: Mapping[StrategyName, float] = {"bellman": 4e-4, "speed_limits
 """Measured on one busy core; all other strategies together take about a tenth of Bellman's."""
 OTHERS_SECONDS_PER_CELL, SWITCHING_SECONDS_PER_CELL2 = 5e-5, 1.6e-7
 """The second for drives that take power idling, for which the optimum takes time with the square of its cells."""
-NEVER_IDLING = (ConstantEfficiency, CopperLoss)
 # what takes less than AT_ONCE_S, a page that opens computes on the event loop, where all other pages wait meanwhile
 SLOW_S, AT_ONCE_S = 1.0, 0.1
 
 
 def expected_s(scenario: Scenario, *strategies: StrategyName) -> float:
     """Return about how long strategies take [s]: for deciding where to compute them, not for telling it."""
-    line, mesh_m = scenario.line, scenario.solver.mesh_m
-    # no cell goes across a border: each section ends with a shorter one
-    cells = line.length_m / mesh_m + len(line.sections)
-    switching = 0.0 if isinstance(scenario.vehicle.drive, NEVER_IDLING) else SWITCHING_SECONDS_PER_CELL2 * cells
+    cells = estimated_cells(scenario)
+    switching = 0.0 if isinstance(scenario.vehicle.drive, NO_IDLE_LOSSES) else SWITCHING_SECONDS_PER_CELL2 * cells
     return cells * (OTHERS_SECONDS_PER_CELL + switching + sum(SECONDS_PER_CELL.get(name, 0.0) for name in strategies))
 
 
@@ -103,6 +102,11 @@ class RunsRequest:
     scenario: Scenario
     strategies: tuple[StrategyName, ...]
     with_law: bool = False
+
+    @property
+    def is_possible(self) -> bool:
+        """Whether it can be computed by now: some runs need compiled code."""
+        return MODE.is_compiled or not needs_compiler(self.scenario, "optimal", *self.strategies)
 
     @property
     def is_slow(self) -> bool:

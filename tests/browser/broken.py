@@ -2,9 +2,9 @@
 
 import sys
 
+from railjoule.core.compilation import compilation
 from railjoule.dashboard import app
 from railjoule.dashboard.server.options import ServerOptions
-from railjoule.dashboard.work.warmup import warmup
 
 
 def fail() -> None:
@@ -14,7 +14,7 @@ def fail() -> None:
 
 if __name__ == "__main__":
     port = int(sys.argv[sys.argv.index("--port") + 1])
-    warmup().start()
+    compilation().begin()
     app.make_page = fail
     app.write_down()
     app.run(app.make_server(ServerOptions(port=port)))

@@ -5,10 +5,10 @@ import sys
 
 from tornado.web import RequestHandler
 
+from railjoule.core.compilation import compilation
 from railjoule.dashboard.app import make_server, run
 from railjoule.dashboard.server.options import ServerOptions
 from railjoule.dashboard.shell.shell import Page
-from railjoule.dashboard.work.warmup import warmup
 
 LOOKS_EVERY_MS = 1000
 
@@ -23,6 +23,6 @@ class PagesHandler(RequestHandler):
 
 if __name__ == "__main__":
     port = int(sys.argv[sys.argv.index("--port") + 1])
-    warmup().start()
+    compilation().begin()
     watched = ("/pages", PagesHandler)
     run(make_server(ServerOptions(port=port), watched, check_unused_sessions_milliseconds=LOOKS_EVERY_MS))

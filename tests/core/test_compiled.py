@@ -1,12 +1,13 @@
-"""Arrays that compiled code borrows."""
+"""Kernels, interpreted and compiled, and the arrays that compiled code borrows."""
 
+import pickle
 import sys
 
 import numpy as np
 import pytest
 
 from railjoule.core.arrays import FloatArray
-from railjoule.core.compiled import borrowed, copy_rows, njit, specialisations
+from railjoule.core.compiled import MODE, borrowed, copy_rows, njit
 
 
 @njit()
@@ -51,11 +52,55 @@ def _four_times(number: float) -> float:
 
 def test_a_kernel_that_another_calls_is_compiled_for_python_only_when_python_calls_it() -> None:
     assert _four_times(3.0) == 12.0
-    within = specialisations(_twice)
-    assert within > 0
-    assert not _twice.signatures  # type: ignore[attr-defined]
+    assert len(_twice.within.signatures) == 1  # type: ignore[attr-defined]
+    assert not _twice.entry.signatures  # type: ignore[attr-defined]
     assert (_twice(3.0), _twice(3.0, share=0.5)) == (6.0, 3.0)
-    assert specialisations(_twice) > within
+    assert _twice.entry.signatures  # type: ignore[attr-defined]
+
+
+@njit()
+def _power(number: float, exponent: int) -> float:
+    return number**exponent
+
+
+@njit()
+def _sum_of_powers(number: float) -> float:
+    return _power(number, 1) + _power(number, 2) + _power(number, 3)
+
+
+def test_a_number_in_the_code_needs_no_version_of_its_own() -> None:
+    assert _sum_of_powers(2.0) == 14.0
+    assert len(_power.within.signatures) == 1  # type: ignore[attr-defined]
+
+
+@njit()
+def _depth(number: float) -> float:
+    return _four_times(number)
+
+
+def test_a_kernel_and_all_that_it_calls_are_interpreted_until_the_solver_is_compiled(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    calls: list[float] = []
+    monkeypatch.setattr(MODE, "is_compiled", False)
+    monkeypatch.setattr(MODE, "interpreted_s", 0.0)
+    monkeypatch.setattr(MODE, "before_interpreting", lambda: calls.append(MODE.interpreted_s))
+    assert _depth(3.0) == 12.0
+    assert not _depth.entry.signatures  # type: ignore[attr-defined]
+    # once for the kernel that Python calls, before it has taken any time
+    assert calls == [0.0]
+    assert MODE.interpreted_s > 0.0
+
+
+def test_the_last_interpreted_call_may_begin_the_compilation(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(MODE, "is_compiled", False)
+    monkeypatch.setattr(MODE, "before_interpreting", lambda: setattr(MODE, "is_compiled", True))
+    assert _depth(2.0) == 8.0
+    assert _depth.entry.signatures  # type: ignore[attr-defined]
+
+
+def test_a_kernel_is_pickled_by_its_name() -> None:
+    assert pickle.loads(pickle.dumps(copy_rows)) is copy_rows
 
 
 @pytest.mark.parametrize("source", [np.arange(3.0), np.arange(6.0).reshape(3, 2)], ids=["numbers", "rows"])

@@ -17,7 +17,6 @@ from railjoule.dashboard.keep.snapshot import VIEW, Snapshot, snapshot_of
 from railjoule.dashboard.page_list import PAGES
 from railjoule.dashboard.state.pins import MOST_PINS, KeptPin
 from railjoule.dashboard.state.workbench import Workbench
-from railjoule.dashboard.work.warmup import warmup
 
 EXAMPLES, STEPS = 6, 15
 # short lines whose drives take no power idling, so that a run takes milliseconds
@@ -32,12 +31,6 @@ EDITS: dict[str, tuple[Any, ...]] = {
 }
 """Values of keys; some are out of bounds, or of no key that there is."""
 LINKS = ("?v=1&load_percent=400", "?v=9", "#v=1&preset=liashenko-ii&load_percent=20", "?v=1&edits=[", "?v=1&toml=x")
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _ready() -> None:
-    warmup().start()
-    assert warmup().ready.wait(240)
 
 
 def opened(address: str) -> Workbench:

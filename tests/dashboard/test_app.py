@@ -7,13 +7,6 @@ from railjoule.dashboard import app
 from railjoule.dashboard.app import Session, make_page
 from railjoule.dashboard.server.options import ServerOptions
 from railjoule.dashboard.shell.shell import Page
-from railjoule.dashboard.work.warmup import warmup
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _ready() -> None:
-    warmup().start()
-    assert warmup().ready.wait(240)
 
 
 @pytest.fixture
@@ -107,6 +100,5 @@ def test_a_server_that_others_reach_says_that_there_is_no_login(
     monkeypatch.setattr(app, "write_down", lambda: None)
     monkeypatch.setattr(app, "make_server", lambda _: None)
     monkeypatch.setattr(app, "run", lambda _: None)
-    monkeypatch.setattr(app.warmup(), "start", lambda: None)
     app.serve(ServerOptions(address=address))
     assert ("There is no login" in caplog.text) is told

@@ -7,6 +7,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.budget import current_budget, rounded_up
+from railjoule.core.compilation import require_compiled
 from railjoule.core.drive.induction.traction import TractionMachines, traction_machines
 from railjoule.core.errors import InfeasibleLineError, ScenarioError, SolverError
 from railjoule.core.motion import Course, build_course
@@ -66,6 +67,7 @@ def simulate_field_oriented(scenario: Scenario, plan: Trajectory | None = None) 
     """
     traction_machines(scenario.vehicle.drive)
     _refuse_what_is_not_simulated(scenario)
+    require_compiled()
     planned = plan if plan is not None else solve(scenario)
     _require_few_steps(scenario, planned.travel_time_s)
     options, real = scenario.simulation, actual_vehicle(scenario)

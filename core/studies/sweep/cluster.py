@@ -1,7 +1,7 @@
 """Workers of a Dask cluster as an executor for studies: `dask scheduler` and `dask worker`, as their users start them.
 
 Each worker compiles nothing that its node has compiled already: numba's files lie in the cache folder of its user
-(`railjoule.core._numba_cache`), and one worker of a node compiles while the others wait (`compiling`).
+(`railjoule.core.kernel_cache`), and one worker of a node compiles while the others wait (`require_compiled`).
 """
 
 import time

@@ -7,7 +7,6 @@ windows of arrival, and the few optima that are not found or not proven at once,
 
 import math
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
@@ -17,6 +16,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.bounds import chain_target_j, minimise, proven_j
 from railjoule.core.bounds.tightening import OPTIMUM
 from railjoule.core.budget import Budget
+from railjoule.core.compilation import require_compiled
 from railjoule.core.energy import Energy, net_energy
 from railjoule.core.errors import RailjouleError, SolverError
 from railjoule.core.motion.course import Course, CourseParts, course_of, drive_of, limits_of, line_of
@@ -25,7 +25,6 @@ from railjoule.core.scenario import Scenario, StrategyName
 from railjoule.core.strategies import solve
 from railjoule.core.strategies.line_parts import arrival_windows
 from railjoule.core.studies.sweep.columns import COLUMNS
-from railjoule.core.studies.sweep.compiling import compiling_alone
 from railjoule.core.studies.sweep.fields import Field, Patch
 from railjoule.core.studies.sweep.rows import RowByRow, Rows
 from railjoule.core.studies.sweep.version import solver_version
@@ -115,13 +114,9 @@ def _engine_of(plan: Plan) -> "Engine":
             f"a worker of the study has another version ({solver_version()}) than who asks it ({plan.solver}): install "
             "the same railjoule, numba, numpy and scipy on both."
         )
-    engine = Engine(plan)
-    with compiling_alone(f"sweep-{plan.strategy}-{plan.scenario.vehicle.drive.model}") as needed:
-        if needed:
-            # whether this one can be driven does not matter
-            with suppress(RailjouleError):
-                engine.run([field.low for field in plan.fields])
-    return engine
+    # a worker of a cluster may be the first process of its machine
+    require_compiled()
+    return Engine(plan)
 
 
 @dataclass(frozen=True, eq=False)

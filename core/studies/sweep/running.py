@@ -19,6 +19,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
+from railjoule.core.compilation import require_compiled
 from railjoule.core.errors import RailjouleError
 from railjoule.core.studies.sweep.engine import solve_rows
 from railjoule.core.studies.sweep.results import Chunk, Results
@@ -96,6 +97,7 @@ def run_study(
     InterruptedStudyError
         If the executor has lost its workers; what was done is kept.
     """
+    require_compiled()
     study, kept_at = results.study, time.perf_counter()
     work = partial(solve_rows, study.plan)
     with ThreadPoolExecutor(worker_count(), "sweep") if executor is None else nullcontext(executor) as own:

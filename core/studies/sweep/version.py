@@ -5,7 +5,7 @@ from functools import cache
 from importlib.metadata import version
 from pathlib import Path
 
-from railjoule.core._numba_cache import source_hash
+from railjoule.core.kernel_cache import source_hash
 
 CORE = Path(__file__).parents[2]
 # by whose releases the last digits of a run, or a row of a sample, may differ

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import railjoule.core
-from railjoule.core._numba_cache import source_hash
+from railjoule.core.kernel_cache import source_hash
 from railjoule.core.validation import COMPARISONS, Row, Table, Validation
 
 SHIPPED = ("papers", "computed.json")

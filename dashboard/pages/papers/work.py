@@ -8,7 +8,6 @@ from railjoule.dashboard.pages.papers.compute import PaperTables, compute_papers
 from railjoule.dashboard.pages.papers.model import PapersModel
 from railjoule.dashboard.state.page_work import PageWork
 from railjoule.dashboard.state.workbench import Workbench
-from railjoule.dashboard.work.warmup import warmup
 
 
 class Papers(PageWork[PapersModel]):
@@ -28,11 +27,11 @@ class Papers(PageWork[PapersModel]):
 
     def _begin(self, *_: Any) -> None:
         """Take the shipped comparisons, and compute them anew where the code is not the one that has made them."""
-        if not self.in_sight or self._begun:
+        if self.state.page != self.page or self._begun:
             return
         shipped = shipped_tables()
-        # while kernels compile it stays open: the page is turned to once more when they are there
-        self._begun = shipped.is_current or warmup().ready.is_set()
+        # what the shipped tables lack is computed once the solver is compiled: then the page is asked again
+        self._begun = shipped.is_current or self.in_sight
         self.model.param.update(results={**shipped.papers, **self.model.results}, is_current=shipped.is_current)
         if not shipped.is_current and self._begun:
             self.model.compare = list(COMPARISONS)

@@ -1,6 +1,6 @@
 """The shipped scenarios as cards, each with the run that Drive shows first."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -74,20 +74,9 @@ def _first_run(task: Task, strategies: tuple[StrategyName, ...]) -> Trajectory:
     return run_strategy(task, strategies[-1])
 
 
-def fastest_card(name: str) -> Card:
-    """Return the card of a shipped scenario with its fastest run, for as long as there is no other."""
-    return replace(outline(name), run=run_strategy(prepare_task(load_scenario(name)), "fastest"))
-
-
-def compute_cards(names: tuple[str, ...], make: Callable[[str], Card] = make_card) -> Iterator[tuple[Card, ...]]:
+def compute_cards(names: tuple[str, ...]) -> Iterator[tuple[Card, ...]]:
     """Yield the cards of the named scenarios, each time with one run more."""
     cards = {name: outline(name) for name in names}
     for name in names:
-        cards[name] = make(name)
+        cards[name] = make_card(name)
         yield tuple(cards.values())
-
-
-def compute_fastest_cards(names: tuple[str, ...]) -> Iterator[tuple[Card, ...]]:
-    """Yield the same with the fastest runs alone."""
-    # a function of its own, as the steps of a study take the request alone
-    yield from compute_cards(names, fastest_card)

@@ -666,17 +666,6 @@ def test_an_interrupt_is_silent(capsys, monkeypatch):
     assert capsys.readouterr() == ("", "")
 
 
-# ---- the first run ever
-
-
-@pytest.mark.parametrize(("terminal", "cached"), [(True, False), (True, True), (False, False)])
-def test_compilation_is_announced_to_people_only(capsys, monkeypatch, tmp_path, terminal, cached):
-    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path if cached else tmp_path / "none"))
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal, raising=False)
-    commands.announce_compilation()
-    assert ("Compiling the solver" in capsys.readouterr().err) == (terminal and not cached)
-
-
 # ---- in a process of its own
 
 

@@ -21,7 +21,6 @@ from railjoule.dashboard.parts.number_field import NumberField
 from railjoule.dashboard.shell.changes import Changes
 from railjoule.dashboard.shell.share import file_name
 from railjoule.dashboard.state.workbench import Workbench
-from railjoule.dashboard.work.warmup import Warmup
 
 
 @pytest.fixture
@@ -204,22 +203,6 @@ def test_a_long_scenario_is_read_in_a_thread(state: Workbench) -> None:
     page.take_turn()
     assert state.scenario.opened is not None
     assert len(state.scenario.opened.line.sections) == 4001
-
-
-def test_a_scenario_waits_until_it_can_be_tried_without_compiling(
-    state: Workbench, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    page, keeping, compiling = Page(), Keeping(state, Lifeline()), Warmup()
-    monkeypatch.setattr("railjoule.dashboard.keep.keeping.warmup", lambda: compiling)
-    compiling.compiles = True
-    with set_curdoc(page.document):
-        keeping.begin("")
-        keeping.open_file("mine.toml", format_scenario(load_scenario("ftorek-300s").with_(title="Mine")))
-        assert state.scenario.opened is None
-    assert not page.is_due
-    compiling.tasks.set()
-    page.take_turn()
-    assert state.scenario.base.title == "Mine"
 
 
 def test_what_was_changed_while_the_server_was_away_is_taken_or_told(keeping: Keeping) -> None:

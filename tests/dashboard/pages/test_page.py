@@ -11,7 +11,6 @@ from railjoule.dashboard.pages.drive.view import DriveView
 from railjoule.dashboard.pages.page import NOT_SHOWN
 from railjoule.dashboard.pages.robustness.view import RobustnessView
 from railjoule.dashboard.shell.shell import NOT_OPENED
-from railjoule.dashboard.work.warmup import warmup
 
 
 class PlantedError(Exception):
@@ -20,12 +19,6 @@ class PlantedError(Exception):
 
 def fail(*_: object) -> None:
     raise PlantedError
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _ready() -> None:
-    warmup().start()
-    assert warmup().ready.wait(240)
 
 
 @pytest.fixture

@@ -5,14 +5,8 @@ from tornado.testing import AsyncHTTPTestCase
 from tornado.web import Application
 
 from railjoule.core import load_scenario, solve
+from railjoule.core.compiled import MODE
 from railjoule.dashboard.app import EXTRA_PATTERNS
-from railjoule.dashboard.work.warmup import Warmup, warmup
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _ready() -> None:
-    warmup().start()
-    assert warmup().ready.wait(240)
 
 
 class TestHealth(AsyncHTTPTestCase):
@@ -36,7 +30,7 @@ class TestStarting(AsyncHTTPTestCase):
 
     def test_both_say_so_while_kernels_compile(self) -> None:
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("railjoule.dashboard.server.health.warmup", Warmup)
+            patch.setattr(MODE, "is_compiled", False)
             for path in ("/health", "/ready"):
                 answer = self.fetch(path)
                 assert (answer.code, json.loads(answer.body)) == (503, {"status": "starting"})

@@ -3,7 +3,6 @@ import pytest
 from railjoule.core import RailjouleError, ScenarioError, load_scenario
 from railjoule.core.scenario import format_scenario
 from railjoule.dashboard.state.scenario import ScenarioModel
-from railjoule.dashboard.work.warmup import Warmup
 
 
 @pytest.fixture
@@ -14,24 +13,6 @@ def model() -> ScenarioModel:
 def test_it_begins_with_a_shipped_scenario_unchanged(model: ScenarioModel) -> None:
     assert model.scenario() == load_scenario(model.preset)
     assert dict(model.changes) == {}
-
-
-def test_while_kernels_compile_the_ends_of_the_travel_time_are_those_of_the_timetable(
-    monkeypatch: pytest.MonkeyPatch, model: ScenarioModel
-) -> None:
-    compiling = Warmup()
-    monkeypatch.setattr("railjoule.dashboard.state.scenario.warmup", lambda: compiling)
-    compiling.compiles = True
-    early = ScenarioModel()
-    start, end = early.travel_time_range_s
-    assert start < early.travel_time_s < end
-    assert early.travel_time_range_s != model.travel_time_range_s
-    with pytest.raises(RailjouleError, match="still being compiled"):
-        early.edit({"vehicle.auxiliary_power_kw": 30.0})
-    assert early.edits == {}
-    compiling.tasks.set()
-    early.take_ends()
-    assert early.travel_time_range_s == model.travel_time_range_s
 
 
 def test_sliders_change_the_keys_of_the_file(model: ScenarioModel) -> None:

@@ -6,17 +6,10 @@ import pytest
 from bokeh.plotting import figure
 
 from railjoule.dashboard.app import VIEWS, Session
-from railjoule.dashboard.work.warmup import warmup
 
 UNIT = re.compile(r", (km/h|kWh|Wh/s|kN|MW|kW|A|V s|V|N m|rad/s|Wb|s|mm|m|ms|min|%|J|Hz|\u2030|\u2013)(?![a-z])")
 COUNTED = ("Trip", "Row, in the order of the tables", "Changes of regime between two stops")
 """What is counted has no unit."""
-
-
-@pytest.fixture(scope="module", autouse=True)
-def _ready() -> None:
-    warmup().start()
-    assert warmup().ready.wait(240)
 
 
 # Panel warns once of how panel-material-ui calls it

@@ -6,7 +6,6 @@ from lines import sent
 from railjoule.dashboard.app import Session
 from railjoule.dashboard.pages.compare.view import CompareView
 from railjoule.dashboard.pages.compare.work import PAGE
-from railjoule.dashboard.work.warmup import warmup
 
 HOSTILE = '<img src=x onerror="alert(1)">'
 
@@ -14,8 +13,6 @@ HOSTILE = '<img src=x onerror="alert(1)">'
 @pytest.fixture(scope="module")
 def session() -> Session:
     """A page with one pinned run, turned to Compare."""
-    warmup().start()
-    assert warmup().ready.wait(240)
     session = Session()
     session.state.pin()
     session.state.page = PAGE

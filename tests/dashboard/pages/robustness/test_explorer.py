@@ -146,9 +146,6 @@ def test_pages_that_come_and_go_leave_nothing_in_the_registries(tables: tuple[An
 LATE = """
 import sys
 from railjoule.dashboard.app import VIEWS, Session
-from railjoule.dashboard.work.warmup import warmup
-warmup().start()
-assert warmup().ready.wait(240)
 session = Session()
 for page in VIEWS:
     if page != "Papers":

@@ -4,7 +4,7 @@ from dataclasses import replace
 import pytest
 
 from railjoule.core.scenario import preset_names
-from railjoule.dashboard.pages.start.compute import card_names, compute_cards, compute_fastest_cards
+from railjoule.dashboard.pages.start.compute import card_names, compute_cards
 from railjoule.dashboard.pages.start.view import HEIGHT, WIDTH, card_html, hero, picture
 from railjoule.dashboard.state.workbench import Workbench
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
@@ -33,13 +33,6 @@ def test_a_card_tells_the_run_that_drive_shows(name: str, words: str) -> None:
     ((card,),) = compute_cards((name,))
     last = re.findall(r"<p>(.*?)</p>", card_html(card))[-1]
     assert last.replace("\u00a0", " ") == words
-
-
-def test_a_card_has_its_fastest_run_until_the_solver_is_compiled() -> None:
-    ((card,),) = compute_fastest_cards(("liashenko-ii",))
-    assert card.run is not None
-    assert card.run.strategy == "fastest"
-    assert re.search(r"<p>Fastest[^<]*: [\d.]+.kWh in [\d.]+.s \(133\.7.s allowed\)</p>", card_html(card))
 
 
 @pytest.fixture(scope="module")

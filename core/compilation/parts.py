@@ -1,0 +1,139 @@
+"""Small runs that use all kernels, in the parts in which helper processes compile them."""
+
+import contextlib
+from collections.abc import Callable, Mapping
+from functools import cache, partial
+
+import numpy as np
+
+from railjoule.core import StrategyRefusedError, load_scenario, solve
+from railjoule.core.advice import advise
+from railjoule.core.bounds.minimum import FREE_CENTRING, TOLERANCE
+from railjoule.core.compilation.order import Part
+from railjoule.core.interior_point.proof import prove
+from railjoule.core.interior_point.solver import Optimum, minimise_energy
+from railjoule.core.motion import build_course
+from railjoule.core.scenario import Scenario, StrategyName
+from railjoule.core.simulate.disturbances import simulate_disturbances
+from railjoule.core.simulate.field_oriented import current_ripple, simulate_field_oriented
+from railjoule.core.simulate.following import simulate_following
+from railjoule.core.simulate.regulator import drive_under_limits
+from railjoule.core.strategies import Task, prepare_task, run_strategy
+from railjoule.core.studies.induction_map import induction_map
+from railjoule.core.studies.motor_map import motor_map
+from railjoule.core.studies.storage import saving_over_size
+
+FIRST = "metro-with-limit"
+"""The scenario with which a page opens."""
+SCENARIOS = ("liashenko-i", "ftorek-300s", "tram-950m")
+"""Three small runs that use every kernel but those of maps and regulators."""
+METRO = "kharkiv-like-40kmh"
+"""A run for the kernels of maps, regulators and storages."""
+COARSE_MESH_M = 30.0
+"""Of runs that are there for their kernels alone, in half the time; coarser ones leave kernels of switching unused."""
+CLOSED_LOOP = "tram-950m"
+"""A short run for the kernels of the closed loop."""
+
+
+def coarse(name: str) -> Scenario:
+    """Return a shipped scenario with a coarse mesh."""
+    return load_scenario(name, {"solver.mesh_m": COARSE_MESH_M})
+
+
+@cache
+def first_task() -> Task:
+    """Return the task with which a page opens."""
+    return prepare_task(load_scenario(FIRST))
+
+
+def drive_fastest() -> None:
+    """Use the kernels of a run, its energy and its advice."""
+    advise(run_strategy(first_task(), "fastest"))
+
+
+def drive_solver() -> None:
+    """Use the kernels of the interior point without those that are called before it: it has no steps to do."""
+    course = build_course(load_scenario(FIRST)).data
+    minimise_energy(course, course.largest_speed2, 1.0, 2.0, TOLERANCE, 0, FREE_CENTRING, False, False)
+
+
+def drive_proof() -> None:
+    """Use the kernels of the first proof without those of the interior point, of whose result they take the form."""
+    task = first_task()
+    course, cells = task.course.data, task.course.cell_count
+    prices, speed2 = np.ones(cells), task.greatest_speed2
+    guess = Optimum(speed2, prices, prices, np.ones((12, cells)), prices, 1.0, 1.0, 1.0, 0, 0)
+    prove(course, guess, speed2, task.running_time_s, TOLERANCE, 0)
+
+
+def drive_optimum() -> None:
+    """Use all kernels of an optimum."""
+    solve(load_scenario(FIRST), "optimal")
+
+
+def drive_strategy(name: StrategyName) -> None:
+    """Use the kernels of a strategy."""
+    # dynamic programming needs no mesh as fine as theirs to use its kernels
+    read = coarse if name == "bellman" else load_scenario
+    for scenario in SCENARIOS:
+        # not every scenario suits each of them: it is enough that a kernel runs in one
+        with contextlib.suppress(StrategyRefusedError):
+            advise(run_strategy(prepare_task(read(scenario)), name))
+
+
+def drive_following() -> None:
+    """Use the kernels of runs that meet other conditions than the planned ones."""
+    simulate_following(load_scenario(SCENARIOS[0]))
+    simulate_disturbances(load_scenario("tram-950m-stop"))
+
+
+def drive_metro() -> None:
+    """Use the kernels of storages, and of proofs that free switching leaves something to."""
+    scenario = coarse(METRO)
+    solve(scenario, "optimal")
+    saving_over_size(solve(scenario), [1.0], 1e3)
+
+
+def drive_regulators() -> None:
+    """Use the kernels of the regulators of speed limits."""
+    for regulator in ("coast", "literal"):
+        drive_under_limits(coarse(METRO), [45.0, 30.0], regulator)
+
+
+def drive_maps() -> None:
+    """Use the kernels of the maps of machines."""
+    motor_map(load_scenario(METRO))
+    induction_map(load_scenario(CLOSED_LOOP))
+
+
+def drive_closed_loop() -> None:
+    """Use the kernels of machines under field-oriented control."""
+    run = simulate_field_oriented(load_scenario(CLOSED_LOOP, {"simulation.flux": "least_loss"}))
+    current_ripple(run, 0.5 * run.planned.travel_time_s)
+
+
+def drive_simple_advice() -> None:
+    """Use the kernels of runs with few changes of regime."""
+    # no page needs it until it is asked for
+    from railjoule.core.studies.simple_advice import FEWEST_CHANGES, simple_advice  # noqa: PLC0415
+
+    simple_advice(first_task(), FEWEST_CHANGES)
+
+
+PARTS: Mapping[Part, Callable[[], object]] = {
+    "solver": drive_solver,
+    "fastest": drive_fastest,
+    "proof": drive_proof,
+    "limits": partial(drive_strategy, "speed_limits"),
+    "bellman": partial(drive_strategy, "bellman"),
+    "optimum": drive_optimum,
+    "switching": partial(drive_strategy, "optimal"),
+    "metro": drive_metro,
+    "regulators": drive_regulators,
+    "closed_loop": drive_closed_loop,
+    "simple_advice": drive_simple_advice,
+    "following": drive_following,
+    "maps": drive_maps,
+    "phases": partial(drive_strategy, "phases"),
+    "enoc": partial(drive_strategy, "enoc"),
+}
