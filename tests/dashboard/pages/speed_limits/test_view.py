@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from lines import sent
 
+from railjoule.core import load_scenario
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.charts.machine_map import LEVELS
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.speed_limits.search_charts import search_words
-from railjoule.dashboard.pages.speed_limits.view import HEIGHTS, SpeedLimitsView
+from railjoule.dashboard.pages.speed_limits.view import HEIGHTS, SpeedLimitsView, rule_html
 from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
 from railjoule.dashboard.state.workbench import Workbench
 
@@ -34,6 +35,16 @@ def test_all_charts_draw_the_run(view: SpeedLimitsView) -> None:
     assert len(view.map.sources["points"].data["x"]) == len(run.points.torque_nm)
     assert set(view.map.sources["signs"].data["text"]) <= {f"{100 * level:.0f}" for level in LEVELS}
     assert view.storage.sources["chosen"].data["x"] == [run.need.largest_drop_kwh]
+
+
+@pytest.mark.parametrize(
+    ("regulator", "does", "other"), [("coast", "coasts above", "brakes"), ("literal", "brakes above", "coasts")]
+)
+def test_the_rule_is_that_of_the_regulator(regulator: str, does: str, other: str) -> None:
+    """The published relay asks for the brake above V + dV, (5) and the words above it."""
+    text = rule_html(load_scenario("kharkiv-like-40kmh").with_(**{"search.regulator": regulator}).search)
+    assert does in text
+    assert other not in text
 
 
 def test_the_search_s_path_never_rises(view: SpeedLimitsView) -> None:
