@@ -51,14 +51,14 @@ REGULATOR_DOES = {
     "literal": "is the published relay",
 }
 RULES = {
-    "coast": "The train drives below its set speed and coasts above it. Set speeds are targets, not limits of the line.",
-    "brake": "The train drives below its set speed and brakes ahead of a lower one. Set speeds are targets, not limits of "
-    "the line.",
-    "literal": "The train drives below its set speed and brakes above it; within {zone} km/h of it, it asks for no "
-    "effort. Set speeds are targets, not limits of the line.",
+    "coast": "The train drives below its set speed and coasts above it.",
+    "brake": "The train drives below its set speed and brakes ahead of a lower one.",
+    "literal": "The train drives below its set speed and brakes above it; within {zone} km/h of it, it does neither.",
 }
 """What each regulator does at a set speed; `zone` is half of the dead zone of the published relay."""
-WINDOW = "The travel time may differ from the timetable within a window."
+TARGETS = (
+    "Set speeds are targets, not limits of the line. The travel time may differ from the timetable within a window."
+)
 
 
 class SpeedLimitsView(PageView):
@@ -260,7 +260,7 @@ class SpeedLimitsView(PageView):
 def rule_html(search: SearchOptions) -> Markup:
     """Return what the regulator of a scenario does at its set speeds."""
     rule = RULES[search.regulator].format(zone=words.number(search.dead_zone_kmh))
-    return markup('<p style="padding:0 20px 8px;max-width:90ch">{} {}</p>', rule, WINDOW)
+    return markup('<p style="padding:0 20px 8px;max-width:90ch">{} {}</p>', rule, TARGETS)
 
 
 def cost_figure(run: LimitRun) -> str:
