@@ -32,6 +32,9 @@ def test_a_press_drops_an_event_on_the_distance_alone(asked: RidesRequest) -> No
 
     chart.draw(runs, model.events, over_time=False)
     assert list(chart.sources["events"].data["text"]) == ["stop 5 s"]
+    # as the lines are named
+    names = {"undisturbed", "driver", "replanned", "with advance notice"}
+    assert {one[0] for one in chart.told["sources"]} == names == set(chart.sources["names"].data["text"])
     chart._press(Press)
     chart.draw(runs, model.events, over_time=True)
     assert list(chart.sources["events"].data["text"]) == []
