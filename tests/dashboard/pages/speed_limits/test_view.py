@@ -109,7 +109,7 @@ def test_the_sentence_stands_where_the_map_is_missing(view: SpeedLimitsView) -> 
     assert not view.no_map.visible
     view.state.scenario.choose("liashenko-ii")
     assert not view.map.host.visible
-    assert "has no efficiency map" in view.no_map.object
+    assert "there is no efficiency map" in view.no_map.object
 
 
 def test_the_motor_alone_is_better_than_with_its_inverter(view: SpeedLimitsView) -> None:
