@@ -38,6 +38,8 @@ NAME_TOKENS = {"undisturbed": "ink3"}
 """In which colour a name is written, where that of its line is too pale."""
 HEADROOM = 1.28
 """The upper end of the axis over the highest speed: the signs of the events stand between."""
+SAVED_OVER_S = 1.5
+"""The saving of a second is that of the first delay which is so much later than the smallest one [s]."""
 SIGN_DROP_PX = 15
 """The sign of an event hangs down so far from its place."""
 
@@ -159,7 +161,9 @@ def saved_by(late: LateArrivals, reaction: str) -> str:
     """Return what the first seconds of delay save, in words."""
     delay, energy = late.delay_s[reaction], late.energy_kwh[reaction]  # type: ignore[index]
     known = np.flatnonzero(np.isfinite(energy))
-    if len(known) < 3 or delay[known[2]] <= delay[known[0]]:
+    # a train that cannot make up all of its delay arrives no later for the first delays that are accepted
+    later = known[delay[known] >= delay[known[0]] + SAVED_OVER_S] if len(known) else known
+    if not len(later):
         return "\u2013"
-    price = (energy[known[0]] - energy[known[2]]) / (delay[known[2]] - delay[known[0]]) * J_PER_KWH
-    return words.price(price)
+    first, then = known[0], later[0]
+    return words.price((energy[first] - energy[then]) / (delay[then] - delay[first]) * J_PER_KWH)

@@ -271,7 +271,8 @@ def run_figures(run: FieldOrientedRun) -> list[str]:
             "Energy from input power",
             words.energy(by_input),
             "kWh",
-            f"all braking energy deducted; the parts sum to it within {words.number(abs(share), 2)} ppm",
+            "all braking energy deducted",
+            whole=f"The parts sum to it within {words.number(abs(share), 2)} ppm",
         ),
         parts.figure(
             "Magnetising loss",
