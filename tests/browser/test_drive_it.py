@@ -52,7 +52,8 @@ def test_by_mouse_from_the_front_page_to_the_workbench(chromium: Browser, server
         expect(user.scenario("Metro, profile II + I")).to_be_visible()
         # the try and the optimum of the lesson are pinned, to be compared
         user.turn_to("Compare")
-        expect(user.page.get_by_text("Driven by hand", exact=False).first).to_be_visible()
+        expect(user.page.get_by_label("Name of pinned run 1")).to_have_value(re.compile("^Optimal"))
+        expect(user.page.get_by_label("Name of pinned run 2")).to_have_value(re.compile("^Driven by hand"))
 
 
 def test_by_keyboard_alone(chromium: Browser, server: Server) -> None:
