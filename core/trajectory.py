@@ -23,7 +23,7 @@ from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN, W_PER_KW
 if TYPE_CHECKING:
     import pandas
 
-MEASURED = "measured"
+MEASURED, BY_HAND = "measured", "by hand"
 """Who made a run that a recorder wrote, where others name a strategy."""
 # well above the tolerance of the solver and the rounding of its certificate, below any printed digit
 PROVEN_GAP = 1e-6

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from railjoule.core.validation import COMPARISONS, Table
-from railjoule.dashboard.pages.papers.compute import SHIPPED, code_hash
+from railjoule.dashboard.pages.papers.compute import SHIPPED, input_hash
 
 DIGITS = 10
 """Significant digits of our numbers in the file."""
@@ -24,7 +24,7 @@ def computed_papers() -> dict[str, Any]:
     papers = {
         name: [as_kept(table) for table in compare().validation().tables] for name, compare in COMPARISONS.items()
     }
-    return {"code": code_hash(), "papers": papers}
+    return {"inputs": input_hash(), "papers": papers}
 
 
 if __name__ == "__main__":

@@ -124,7 +124,7 @@ export function render({model}) {
     const outcome = make("h2", {class: "outcome", tabindex: "-1"},
       `You use ${figures_of(verdict.kwh, 2)} kWh; in ${clock_of(verdict.time_s)} nobody can use less than ${figures_of(verdict.bound_kwh, 2)}.`);
     const words = make("p", {}, make("span", {class: verdict.proven ? "proven" : ""}, verdict.proven ? "\u2713 proven" : "not proven"),
-      ` \u00b7 ${figures_of(more, 2)} kWh more than needed (+${figures_of((100 * more) / verdict.bound_kwh, 0)} %). Blue is ${verdict.best_name}, the thinner line is yours.`);
+      ` \u00b7 ${figures_of(more, 2)} kWh more than needed (${with_sign((100 * more) / verdict.bound_kwh, 0)} %). Blue is ${verdict.best_name}, the thinner line is yours.`);
     result.replaceChildren(outcome, words, make("div", {class: "stage"},
       make("div", {}, make("h3", {}, "What the best run does"), make("ul", {}, ...verdict.stretches.map((one) => make("li", {}, one)))),
       make("div", {}, make("h3", {}, `Where it went, kWh against ${compared_with(verdict)}`),

@@ -172,10 +172,11 @@ export function render({model}) {
       ? `You used ${figures_of(verdict.kwh, 2)} kWh; nobody on time can use less than ${figures_of(verdict.bound_kwh, 2)}.`
       : `You are ${arrival_words(verdict.late_s)}: this try does not count.`);
     const words = make("p", {}, make("span", {class: verdict.proven ? "proven" : ""}, verdict.proven ? "\u2713 proven" : "not proven"),
-      verdict.counts ? ` \u00b7 ${figures_of(more, 2)} kWh more than needed (+${figures_of(share, 0)} %), ${arrival_words(verdict.late_s)}. Blue is the best possible run, the thinner line is yours.`
+      verdict.counts ? ` \u00b7 ${figures_of(more, 2)} kWh more than needed (${with_sign(share, 0)} %), ${arrival_words(verdict.late_s)}. Blue is the best possible run, the thinner line is yours.`
         : ` \u00b7 on time, nobody can use less than ${figures_of(verdict.bound_kwh, 2)} kWh. Blue is the best possible run, the thinner line is yours.`);
     const rows = tries.map((one, k) => ({name: one === best ? "best" : null, cells: [
-      String(k + 1), figures_of(one.kwh, 2), `+${figures_of(100 * (one.kwh / one.bound_kwh - 1), 0)} %`,
+      // the bound holds for runs on time, and says nothing of a late one
+      String(k + 1), figures_of(one.kwh, 2), one.counts ? `${with_sign(100 * (one.kwh / one.bound_kwh - 1), 0)} %` : "\u2013",
       make("span", {class: one.counts ? null : "late"}, arrival_words(one.late_s)),
     ]}));
     const left = TRIES - tries.length;
@@ -186,7 +187,7 @@ export function render({model}) {
     const parting = verdict.parting ? make("p", {}, make("b", {}, verdict.parting.here), " ", verdict.parting.there) : "";
     result.replaceChildren(outcome, words, parting, make("div", {class: "stage"},
       make("div", {}, make("h3", {}, "Your tries"), table_of(["Try", "kWh", "above the bound", "arrived"], rows)),
-      make("div", {}, make("h3", {}, "Where it went, kWh against the best possible"), table_of([], verdict.rows.map(([name, kwh]) => ({cells: [name, with_sign(kwh, 2)]}))))), buttons);
+      make("div", {}, make("h3", {}, `Where it went, kWh against the best possible${verdict.counts ? "" : " on time"}`), table_of([], verdict.rows.map(([name, kwh]) => ({cells: [name, with_sign(kwh, 2)]}))))), buttons);
     result.hidden = false;
     picture();
     outcome.focus();

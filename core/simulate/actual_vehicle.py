@@ -81,13 +81,15 @@ def voltage_notes(vehicle: Vehicle) -> tuple[str, ...]:
     # what such a drive has instead of a voltage: a power or a curve that can be scaled
     untouched = []
     if traction.max_power_kw is None and traction.curve is None:
-        untouched.append("tractive effort, as vehicle.traction has neither max_power_kw nor curve")
+        untouched.append("tractive effort")
     if braking.max_power_kw is None and braking.curve is None and braking.max_effort_kn != 0:
-        untouched.append("electric braking, as vehicle.braking has neither max_power_kw nor curve")
+        untouched.append("electric braking")
     if not untouched:
         return ()
-    model = getattr(vehicle.drive, "model", "")
-    return (f"drive.model = '{model}' knows no line voltage: it leaves the {' and the '.join(untouched)}.",)
+    return (
+        "This train's data give no line voltage and no power or curve of effort to scale with it: the "
+        f"{' and the '.join(untouched)} stay{'s' if len(untouched) == 1 else ''} as at nominal voltage.",
+    )
 
 
 def notes_on(scenario: Scenario) -> tuple[str, ...]:

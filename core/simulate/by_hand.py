@@ -7,6 +7,7 @@ the mesh covers the run.
 """
 
 import math
+import re
 
 import numpy as np
 
@@ -18,12 +19,13 @@ from railjoule.core.motion.cell_step import COAST, FULL_BRAKE, FULL_TRACTION, ex
 from railjoule.core.physics.course_data import CourseData, cell_of, shared_by_cells
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.driver import braking_envelope
-from railjoule.core.trajectory import Trajectory, make_trajectory
+from railjoule.core.trajectory import BY_HAND, Trajectory, make_trajectory
 from railjoule.core.units import MS_PER_KMH
 
-BY_HAND = "by hand"
-"""Who made the run, where others name a strategy."""
 COMMANDS = (FULL_TRACTION, COAST, FULL_BRAKE)
+LETTERS = "pcb"
+"""The commands in a text, in that order."""
+COMMANDS_TEXT = re.compile(r"p0(?:[pcb][1-9]\d{0,4}){0,1500}")
 WALKING_PACE_MS = 5 * MS_PER_KMH
 """A train on its way is not left slower than this, which also keeps it from standing between two stops."""
 # far above rounding, far below what anybody sees in a speed
@@ -46,8 +48,10 @@ def drive_by_hand(scenario: Scenario, course: Course, commands: IntArray) -> Tra
     Raises
     ------
     ScenarioError
-        If there is not one known command a cell, or full traction does not move the train.
+        If there is not one known command a cell, the course has neutral sections or stops, or full traction does not
+        move the train.
     """
+    require_drivable(course)
     given = np.asarray(commands)
     if given.shape != (course.cell_count,) or not np.isin(given, COMMANDS).all():
         raise ScenarioError(f"commands must have {course.cell_count:,} entries of 0, 1 or 2, one for each cell.")
@@ -55,6 +59,32 @@ def drive_by_hand(scenario: Scenario, course: Course, commands: IntArray) -> Tra
     if standing >= 0:
         raise ScenarioError(f"The train comes to a stand at {course.position_m[standing]:g} m under full traction.")
     return make_trajectory(scenario, course, BY_HAND, speed2)
+
+
+def require_drivable(course: Course) -> None:
+    """Raise ScenarioError if a course has neutral sections or stops on the way."""
+    if np.any(course.data.powered < 1) or np.any(course.dwell_s > 0):
+        raise ScenarioError("A line is driven by hand without neutral sections and without stops on the way.")
+
+
+def read_commands(text: str, cells: int) -> IntArray:
+    """Return a command for each cell from a text of letters, each with the cell from which it holds.
+
+    Raises
+    ------
+    ScenarioError
+        If the text begins otherwise than with power at cell 0, or its cells do not rise up to the last one.
+    """
+    rows = re.findall(r"([pcb])(\d+)", text) if COMMANDS_TEXT.fullmatch(text) else []
+    starts = [int(start) for _, start in rows]
+    if not rows or starts != sorted(set(starts)) or starts[-1] >= cells:
+        raise ScenarioError(
+            f"driven must be letters p, c and b, each with a rising number of a cell below {cells:,}, from p0 on."
+        )
+    commands = np.zeros(cells, dtype=np.int64)
+    for (letter, _), start in zip(rows, starts, strict=True):
+        commands[start:] = LETTERS.index(letter)
+    return commands
 
 
 def parting_node(run: Trajectory, other: Trajectory) -> int | None:

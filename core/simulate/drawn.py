@@ -11,9 +11,9 @@ from railjoule.core.errors import ScenarioError
 from railjoule.core.motion import Course
 from railjoule.core.motion.passes import slowed_to_reach
 from railjoule.core.scenario import Scenario
-from railjoule.core.simulate.by_hand import BY_HAND, WALKING_PACE_MS
+from railjoule.core.simulate.by_hand import WALKING_PACE_MS
 from railjoule.core.simulate.driver import braking_envelope
-from railjoule.core.trajectory import Trajectory, make_trajectory
+from railjoule.core.trajectory import BY_HAND, Trajectory, make_trajectory
 
 
 def drive_drawn(scenario: Scenario, course: Course, drawn_ms: FloatArray) -> Trajectory:

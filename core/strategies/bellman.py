@@ -92,7 +92,7 @@ def bellman_with_law(task: Task) -> tuple[Trajectory, ControlLaw]:
 def _spacing_note(task: Task, free: DecidedRun, run: DecidedRun | None) -> str:
     """Return what became of a run that is switched too often, in one sentence."""
     shortest, energy = shortest_stretch_s(task.course.data, free.speed2), free.energy_j + task.dwell_energy_j
-    said = f"the {task.least_switching_s:g} s of drive.least_switching_s"
+    said = f"the minimum on/off time of {task.least_switching_s:g} s"
     if run is None:
         return f"Its drive is switched after {shortest:.1f} s: no run was found in which it stays on or off for {said}."
     needed = energy / J_PER_KWH

@@ -81,7 +81,8 @@ def literal_run(task: Task, limits_ms: FloatArray, boundaries_m: FloatArray) -> 
     if np.isfinite(task.course.permitted_deceleration_ms2):
         # it reacts in steps of time, and would pass the curve by what it drives in one
         raise StrategyRefusedError(
-            "needs a train without vehicle.braking.permitted_deceleration for the literal regulator."
+            "needs a train without a permitted deceleration (vehicle.braking.permitted_deceleration) for the literal "
+            "regulator."
         )
     _require_few_steps(options.time_step_s, task.running_time_s)
     relay = _relay(options)

@@ -142,7 +142,7 @@ def _kept_words(task: Task, run: DecidedRun) -> str:
         return "Each cell is driven, braked or coasted as a whole"
     if shortest < least:
         return (
-            f"No run was found whose drive stays on or off for the {least:g} s of drive.least_switching_s: this one is "
+            f"No run was found whose drive stays on or off for the minimum on/off time of {least:g} s: this one is "
             f"switched after {shortest:.1f} s"
         )
     return f"The drive stays on or off for at least {least:g} s, to the nearest cell, but between driving and braking"

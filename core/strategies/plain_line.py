@@ -119,7 +119,7 @@ def require_no_passing_points(task: Task) -> None:
 def require_no_neutral_sections(task: Task) -> None:
     """Raise StrategyRefusedError if a part of the line has no traction power."""
     if task.scenario.line.neutral_sections:
-        raise StrategyRefusedError("needs a line without neutral sections: line.neutral_sections has some.")
+        raise StrategyRefusedError("needs a line without neutral sections.")
 
 
 def _note_on_the_mean(course: Course) -> str:
@@ -164,8 +164,8 @@ def check_speeds(course: Course, speed2: FloatArray) -> None:
     limit_ms = np.min(course.cell_limit_ms[max(node - 1, 0) : node + 1])
     if _has_braking_curve(course) and permitted2[node] < limit_ms**2 * (1 - SAME):
         raise StrategyRefusedError(
-            f"needs {needed} km/h at {course.position_m[node]:.0f} m, but vehicle.braking.permitted_deceleration "
-            f"permits only {allowed} km/h there."
+            f"needs {needed} km/h at {course.position_m[node]:.0f} m, but the permitted deceleration "
+            f"(vehicle.braking.permitted_deceleration) allows only {allowed} km/h there."
         )
     raise StrategyRefusedError(f"needs {needed} km/h, but only {allowed} km/h is allowed.")
 

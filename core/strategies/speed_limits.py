@@ -93,8 +93,8 @@ def section_boundaries(scenario: Scenario) -> FloatArray:
             )
     if len(borders) >= MOST_SECTIONS and options.limits_kmh is None:
         raise StrategyRefusedError(
-            f"needs search.boundaries_m: the line has {len(borders) + 1} sections, and it searches over at most "
-            f"{MOST_SECTIONS}."
+            f"needs borders of sections (search.boundaries_m): the line has {len(borders) + 1} sections, and it "
+            f"searches over at most {MOST_SECTIONS}."
         )
     return frozen_array(borders)
 

@@ -108,8 +108,7 @@ def _geared(scenario: Scenario) -> GearedMotors:
     drive = scenario.vehicle.drive
     if not isinstance(drive, GearedMotors):
         raise ScenarioError(
-            f"drive.model = '{drive.model}' has no efficiency map over torque and speed of a motor; 'synchronous', "
-            "'loss_polynomial' and 'efficiency_map' have one."
+            "This train's data have no losses over torque and speed of a motor, so there is no efficiency map."
         )
     return drive
 

@@ -211,7 +211,7 @@ def _mesh_notes(task: Task, coarse: Task) -> tuple[str, ...]:
         return ()
     return (
         f"Computed over {coarse.course.cell_count:,} cells of at most {coarse.scenario.solver.mesh_m:.3g} m instead of "
-        f"the {task.course.cell_count:,} of solver.mesh_m = {task.scenario.solver.mesh_m:g}.",
+        f"the {task.course.cell_count:,} of the mesh of {task.scenario.solver.mesh_m:g} m.",
     )
 
 

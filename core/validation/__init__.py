@@ -6,7 +6,7 @@ from railjoule.core.validation.ftorek import ftorek_comparison, validate_ftorek
 from railjoule.core.validation.liashenko import liashenko_comparison, validate_liashenko
 from railjoule.core.validation.rawicki import rawicki_comparison, validate_rawicki
 from railjoule.core.validation.shtompel import shtompel_comparison, validate_shtompel
-from railjoule.core.validation.table import Comparison, Erratum, Row, Table, Validation
+from railjoule.core.validation.table import Comparison, Erratum, Row, Table, Validation, first_comparisons
 
 PAPERS: dict[str, Callable[[], Validation]] = {
     "ftorek": validate_ftorek,
@@ -32,6 +32,7 @@ __all__ = [
     "Row",
     "Table",
     "Validation",
+    "first_comparisons",
     "validate_ftorek",
     "validate_liashenko",
     "validate_rawicki",

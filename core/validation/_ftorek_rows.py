@@ -7,6 +7,7 @@ from railjoule.core.validation.table import Row
 
 Printed = dict[str, Any]
 
+TABLE_1, TABLE_2 = "Table 1", "Table 2"
 FOLLOWS = "It includes W_sh, and with it the same difference."
 # the symbols and units of Tables 1 and 2, by the keys of assets/papers/ftorek-2025.toml
 QUANTITIES = {
@@ -30,8 +31,24 @@ def as_if_heavier(entry: Printed, ours: float) -> str:
     return f"{100 * (1 / ratio - 1):+.2f} %, as if the paper took g = {gravity:.3f} m/s2 for the weight."
 
 
-def printed_row(entry: Printed, key: str, ours: float, note: str = "", by: str = "") -> Row:
-    """Return the row of a printed entry's quantity; `by` tells whose number ours is."""
+def printed_row(place: str, entry: Printed, key: str, ours: float, note: str = "", by: str = "") -> Row:
+    """Return the row of an entry's quantity.
+
+    Parameters
+    ----------
+    place : str
+        Table of the paper that prints the entry; empty if it is not printed.
+    entry : dict
+        One run of `assets/papers/ftorek-2025.toml`.
+    key : str
+        The quantity there.
+    ours : float
+        The number that this version computes.
+    note : str
+        As in `Row`.
+    by : str
+        Method or integral that gives `ours`, where a quantity has several.
+    """
     symbol, unit = QUANTITIES[key]
-    quantity = f"{symbol} by {by}" if by else symbol
-    return Row(f"T_m = {entry['travel_time_s']:g} s", quantity, unit, entry[key], ours, note)
+    case, quantity = f"T_m = {entry['travel_time_s']:g} s", f"{symbol} by {by}" if by else symbol
+    return Row(case, quantity, unit, entry[key], ours, note, f"{place}, {case}, {symbol}" if place else "")

@@ -15,7 +15,14 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import Scenario
 from railjoule.core.simulate.field_oriented import FieldOrientedRun, simulate_field_oriented
 from railjoule.core.units import J_PER_WH, MS_PER_KMH
-from railjoule.core.validation._ftorek_rows import FOLLOWS, Printed, as_if_heavier, printed_row
+from railjoule.core.validation._ftorek_rows import (
+    FOLLOWS,
+    TABLE_1,
+    TABLE_2,
+    Printed,
+    as_if_heavier,
+    printed_row,
+)
 from railjoule.core.validation.table import Row, Table
 
 # EOC brakes hardest in its last metres, of which a cell of 5 m takes the mean
@@ -23,7 +30,7 @@ FINE_MESH_M = 0.5
 FILTERED = "The median over half a second: short switching transients are filtered, as in the paper."
 # the paper tells that it filtered and not how; half a second removes the switching of the plan and keeps its peaks
 FILTER_S = 0.5
-SOURCES = {"eoc": ("EOC as printed", "Table 1, Figure 4"), "enoc": ("ENOC", "Table 2, Figure 5")}
+SOURCES = {"eoc": ("EOC as printed", TABLE_1, "Figure 4"), "enoc": ("ENOC", TABLE_2, "Figure 5")}
 MAGNETISING = (
     "The copper loss of the current that produces the flux, (3/2) Rs id^2, is part of ours; the printed energies do "
     "not include it."
@@ -64,12 +71,13 @@ def _run(scenario: Scenario, entry: Printed, strategy: str, flux: str = "constan
 
 def _in_the_papers_account(scenario: Scenario, strategy: str, printed: list[Printed]) -> Table:
     rows: list[Row] = []
+    words, place, figure = SOURCES[strategy]
     for entry in printed:
         run = _run(scenario, entry, strategy)
         # at every sample and not at the end alone, as the largest energy on the way is printed too
         energy = run.energy_by_input_power_j - run.magnetising_so_far_j
         current = _without_spikes(run)
-        row, shaft = partial(printed_row, entry), run.parts_j["shaft"] / J_PER_WH
+        row, shaft = partial(printed_row, place, entry), run.parts_j["shaft"] / J_PER_WH
         rows += [
             row("max_speed_kmh", float(run.speed_ms.max()) / MS_PER_KMH),
             row("max_current_a", float(current.max()), FILTERED),
@@ -78,8 +86,8 @@ def _in_the_papers_account(scenario: Scenario, strategy: str, printed: list[Prin
             row("peak_energy_wh", float(np.max(energy)) / J_PER_WH, FOLLOWS),
             row("total_energy_wh", float(energy[-1]) / J_PER_WH, FOLLOWS),
         ]
-    words, source = SOURCES[strategy]
-    return Table(f"{words} driven in closed loop, without the magnetising loss", tuple(rows), source)
+    title = f"{words} driven in closed loop, without the magnetising loss"
+    return Table(title, tuple(rows), f"{place}, {figure}")
 
 
 def _without_spikes(run: FieldOrientedRun) -> FloatArray:
@@ -95,10 +103,10 @@ def _with_all_losses(scenario: Scenario, printed: list[Printed]) -> Table:
     for entry in printed:
         run = _run(scenario, entry, "enoc")
         less_flux = _run(scenario, entry, "enoc", "least_loss")
-        row = partial(printed_row, entry, "total_energy_wh")
+        row = partial(printed_row, TABLE_2, entry, "total_energy_wh")
         rows += [
             row(float(run.energy_by_input_power_j[-1]) / J_PER_WH, MAGNETISING, by="input power"),
             row(float(run.energy_by_parts_j[-1]) / J_PER_WH, MAGNETISING, by="parts"),
             row(float(less_flux.energy_by_input_power_j[-1]) / J_PER_WH, LESS_FLUX, by="least-loss flux"),
         ]
-    return Table("ENOC driven in closed loop, with all losses", tuple(rows), "Table 2")
+    return Table("ENOC driven in closed loop, with all losses", tuple(rows), TABLE_2)

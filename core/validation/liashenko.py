@@ -50,12 +50,13 @@ def overconsumption(entry: Printed, paper: Printed) -> Table:
     percent = 100 * ours.over_replanned
     rows = [
         Row(
-            f"{error:+g} m, load {load:g}",
+            case := f"{error:+g} m, load {load:g}",
             "overconsumption",
             "%",
             entry["overconsumption_percent"][m][k],
             float(percent[k, m]),
             "" if error == 0 and load == 0.5 else LOAD_EFFECT if load >= HEAVY else CONTROLLER,
+            f"{entry['place']}, {case}",
         )
         for m, error in enumerate(errors)
         for k, load in enumerate(loads)

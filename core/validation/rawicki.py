@@ -36,6 +36,7 @@ NOT_UNIQUE = (
     "The printed numbers leave the tram open: other gear efficiencies and core losses than the assumed ones fit almost "
     "as well."
 )
+DIFFERENCE = "Printed is the energy with the stop, less those of part I."
 BRAKING = "No single constant current meets distance and time of all printed braking phases."
 NAMEPLATE = "Voltage, current, power and power factor of the nameplate are not more consistent than this."
 TOGETHER = "Only the product with the inductances, the rated flux, is determined well: to {:.1f} %."
@@ -89,15 +90,15 @@ def figures(vehicle: Vehicle, paper: Printed, distance_m: float, running_time_s:
         # the figures without a stop come first in the file; those with one are measured against them
         if "penalty_percent" not in entry:
             alone[recuperation] = _kwh(planner.plan(distance_m, running_time_s))
-            rows.append(Row(case, "En", "kWh", printed, alone[recuperation], NOT_UNIQUE))
+            rows.append(Row(case, "En", "kWh", printed, alone[recuperation], NOT_UNIQUE, place))
             continue
         first = _part_one(planner, paper)
         second = _kwh(_part_two(planner, paper))
         penalty = 100 * share_above(first + second, alone[recuperation])
         rows += [
-            Row(case, "En", "kWh", printed, first + second, NOT_UNIQUE),
-            Row(case, "En of part II", "kWh", _printed_part_two(entry, paper), second, NOT_UNIQUE),
-            Row(case, "penalty of the stop", "%", entry["penalty_percent"], penalty, NOT_UNIQUE),
+            Row(case, "En", "kWh", printed, first + second, NOT_UNIQUE, place),
+            Row(case, "En of part II", "kWh", _printed_part_two(entry, paper), second, f"{DIFFERENCE} {NOT_UNIQUE}"),
+            Row(case, "penalty of the stop", "%", entry["penalty_percent"], penalty, NOT_UNIQUE, f"{place}, penalty"),
         ]
     return Table("Energies of the runs", tuple(rows), "Figs. 1 to 4")
 
@@ -112,9 +113,9 @@ def planned_phases(vehicle: Vehicle, paper: Printed) -> Table:
             own = ours[printed["phase"]]
             case = f"{part}, {printed['phase']}"
             rows += [
-                Row(case, "s", "m", printed["distance_m"], own.distance_m, FLAT),
-                Row(case, "t", "s", printed["duration_s"], own.duration_s, FLAT),
-                Row(case, "v at its start", "m/s", printed["start_ms"], own.start_ms, FLAT),
+                Row(case, "s", "m", printed["distance_m"], own.distance_m, FLAT, f"{case}, s"),
+                Row(case, "t", "s", printed["duration_s"], own.duration_s, FLAT, f"{case}, t"),
+                Row(case, "v at its start", "m/s", printed["start_ms"], own.start_ms, FLAT, f"{case}, v"),
             ]
     ride = f"{paper['part_ii_length_m']:g} m in {_part_two_time_s(paper):g} s"
     return Table(f"Phases of part II as planned by us, {ride}", tuple(rows), "below Figs. 3 and 4")
@@ -180,7 +181,8 @@ def driven_phases(vehicle: Vehicle, paper: Printed) -> Table:
         for name in value_names(phase):
             symbol, unit = SYMBOLS[name]
             note = BRAKING if phase["phase"] == "brake" else ""
-            rows.append(Row(f"{phase['part']}, {phase['phase']}", symbol, unit, phase[name], float(next(ours)), note))
+            case = f"{phase['part']}, {phase['phase']}"
+            rows.append(Row(case, symbol, unit, phase[name], float(next(ours)), note, f"{case}, {symbol}"))
     return Table("Phases between their printed speeds, with the identified tram", tuple(rows), "below Figs. 3 and 4")
 
 
@@ -190,7 +192,7 @@ def nameplate(vehicle: Vehicle, plate: Printed) -> Table:
     case = f"{plate['speed_rpm']:g} r/min at {plate['frequency_hz']:g} Hz"
     printed, ours = nameplate_values(plate), machine_values(vehicle, plate)
     rows = tuple(
-        Row(case, name, unit, float(f"{a:.5g}"), float(b), NAMEPLATE)
+        Row(case, name, unit, float(f"{a:.5g}"), float(b), NAMEPLATE, f"nameplate, {name}")
         for (name, unit), a, b in zip(quantities, printed, ours, strict=True)
     )
     return Table("Nameplate of a motor, amplitudes per phase", rows, "rated data")
@@ -223,7 +225,7 @@ def claims(paper: Printed) -> Table:
         )
         run = solve(scenario, "phases")
         case = f"{entry['place']}, whole trajectory"
-        rows.append(Row(case, "En", "kWh", entry["energy_kwh"], run.energy_kwh, NOT_UNIQUE))
+        rows.append(Row(case, "En", "kWh", entry["energy_kwh"], run.energy_kwh, NOT_UNIQUE, entry["place"]))
         part = scenario.with_(
             **{
                 "line.sections": [{"length_m": paper["part_ii_length_m"]}],
@@ -237,7 +239,7 @@ def claims(paper: Printed) -> Table:
                 "kWh",
                 _printed_part_two(with_stop, paper),
                 solve(part, "phases").energy_kwh,
-                "Its start takes less than the full current where that pulls more.",
+                f"{DIFFERENCE} Its start takes less than the full current where that pulls more.",
             )
         )
     return Table("The strategy `phases`, with less than full current beyond the pull-out", tuple(rows), "Figs. 1 to 4")

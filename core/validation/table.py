@@ -1,6 +1,6 @@
 """Printed numbers beside ours: the types that the validation of every paper returns."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 # printed numbers have three digits, and papers round their inputs as well: below a per cent a difference tells nothing
@@ -26,6 +26,9 @@ class Row:
         What this version computes.
     note : str
         One sentence on a difference that stays; empty where none needs explaining.
+    source : str
+        Table or figure, case and quantity of the printed number, so that each counts once however often it is
+        compared; empty where the reference is no printed number.
     """
 
     case: str
@@ -34,6 +37,7 @@ class Row:
     printed: float | None
     ours: float
     note: str = ""
+    source: str = ""
 
     @property
     def difference_percent(self) -> float | None:
@@ -83,6 +87,24 @@ class Table:
     rows: tuple[Row, ...]
     place: str = ""
     reference: str = "printed"
+
+
+def first_comparisons(tables: Iterable[Table]) -> tuple[Row, ...]:
+    """Return one row for each printed number of a paper: the first that compares it.
+
+    Each paper's tables begin with those that compute as the paper does. Rows whose reference is not printed, or that
+    have no difference because zero is printed, are left out.
+
+    Parameters
+    ----------
+    tables : iterable of Table
+        All tables of one paper, in their order.
+    """
+    rows = (row for table in tables for row in table.rows if row.source and row.difference is not None)
+    first: dict[str, Row] = {}
+    for row in rows:
+        first.setdefault(row.source, row)
+    return tuple(first.values())
 
 
 @dataclass(frozen=True)

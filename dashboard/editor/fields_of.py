@@ -15,57 +15,12 @@ from pydantic.fields import FieldInfo
 
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.map_csv import COLUMNS as MAP_COLUMNS
+from railjoule.dashboard.look.key_names import split_unit, words_of
 from railjoule.dashboard.look.words import MINUS, THIN_SPACE
 from railjoule.dashboard.state.numbers import clock, parse_number, parse_time
 
 Kind = Literal["number", "whole", "yes_no", "choice", "text", "numbers"]
 
-NAMES = {
-    "capacity_passengers": "passenger capacity",
-    "model": "kind",
-    "coordinate_error": "position error",  # the papers' word in the file's key, the pages' in all that is read
-    "no_load_loss": "no-load loss",
-    "limits_hold_for": "speed limits hold for",
-    "gradient_at": "gradient acts on",
-}
-"""What a field is called whose key does not read well."""
-UNITS = {
-    "_m_n_per_kn": "N m/kN",
-    "_n_per_kn_per_kmh2": "N/kN/(km/h)\u00b2",
-    "_n_per_kn_per_kmh": "N/kN/(km/h)",
-    "_n_per_kn": "N/kN",
-    "_n_per_kmh2": "N/(km/h)\u00b2",
-    "_n_per_kmh": "N/(km/h)",
-    "_n": "N",
-    "_w_per_rads3": "W/(rad/s)\u00b3",
-    "_w_per_rads2": "W/(rad/s)\u00b2",
-    "_w_per_rads": "W/(rad/s)",
-    "_w_per_nm2": "W/(N m)\u00b2",
-    "_w_per_nm": "W/(N m)",
-    "_per_amp_nm": "N m/A",
-    "_permille": "\u2030",
-    "_rads": "rad/s",
-    "_kmh": "km/h",
-    "_ms2": "m/s\u00b2",
-    "_ohm": "ohm",
-    "_kwh": "kWh",
-    "_kg": "kg",
-    "_kn": "kN",
-    "_kw": "kW",
-    "_hz": "Hz",
-    "_mh": "mH",
-    "_mm": "mm",
-    "_nm": "N m",
-    "_vs": "V s",
-    "_km": "km",
-    "_m": "m",
-    "_s": "s",
-    "_w": "W",
-    "_a": "A",
-    "_v": "V",
-    "_j": "J",
-}
-"""Ends of keys with the units that they name; the longest stand before those that they end with."""
 SMALL_UNIT = re.compile(r" \[[^\[\]]+\]")
 """The unit in a description: the label says it already."""
 POINT_COLUMNS: Mapping[str, tuple[str, ...]] = {
@@ -286,21 +241,6 @@ def plain(number: float) -> str:
     """Return a number as it stands in a file, without more digits than it needs."""
     # a float holds 15 digits at least: what arithmetic has left in the last ones is not shown
     return f"{number:.12g}"
-
-
-def words_of(key: str) -> str:
-    """Return what the last part of a key is called; no unit ends it any more."""
-    name = key.rpartition(".")[2]
-    words = NAMES.get(name, name.replace("_", " "))
-    return words[:1].upper() + words[1:]
-
-
-def split_unit(name: str) -> tuple[str, str]:
-    """Return a key's words and the unit that it ends with; no unit where it names none."""
-    for end, unit in UNITS.items():
-        if name.endswith(end):
-            return name.removesuffix(end), unit
-    return name, ""
 
 
 def parts_of(table: str, model: str = "") -> Sequence[Field | Table]:

@@ -12,9 +12,10 @@ from railjoule.core import RailjouleError, Scenario
 from railjoule.core.budget import PAGE
 from railjoule.core.scenario import preset_document, preset_names
 from railjoule.core.scenario.presets import PresetKind
-from railjoule.dashboard.editor.fields_of import Field, Table, models_of, parts_of, tables_in, words_of
+from railjoule.dashboard.editor.fields_of import Field, Table, models_of, parts_of, tables_in
 from railjoule.dashboard.editor.first_values import drive_of_kind, first_rows, row_after
 from railjoule.dashboard.editor.pasted_table import CellError, parse_cell, rows_of
+from railjoule.dashboard.look.key_names import words_of
 from railjoule.dashboard.state.scenario import ScenarioModel
 
 GROUPS: Mapping[str, tuple[str, ...]] = {

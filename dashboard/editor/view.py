@@ -12,11 +12,12 @@ from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.browser.messages import added_to
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.drawing import DrawingQueue
-from railjoule.dashboard.editor.fields_of import Field, Table, parts_of, words_of
+from railjoule.dashboard.editor.fields_of import Field, Table, parts_of
 from railjoule.dashboard.editor.forms import Disclosure, EditorHead, FieldsForm, TableForm
 from railjoule.dashboard.editor.model import GROUPS, Look, Refusal, drive_kinds, preset_options
 from railjoule.dashboard.editor.profile_charts import LimitStepsChart, ProfileChart
 from railjoule.dashboard.look import words
+from railjoule.dashboard.look.key_names import without_keys, words_of
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.parts.failures import failure_words
 from railjoule.dashboard.parts.html import html_pane, markup, note_paragraphs, stack
@@ -107,7 +108,7 @@ class EditorView:
         if self.head is None or not self.editor.open:
             return
         if failure is not None:
-            self.head.status = " ".join(failure_words(failure))
+            self.head.status = without_keys(" ".join(failure_words(failure)))
         elif run is not None:
             name = words.STRATEGY_WORDS[self.state.chosen_now]
             self.head.status = f"{name}: {words.energy(run.energy_kwh)} kWh in {words.number(run.travel_time_s)} s"

@@ -87,7 +87,6 @@ ENERGY = (
         (
             "Energy",
             "Energy of the whole line",
-            "Energy from input power",
             "Optimum at this time",
             "Energy of a run",
             "Planned run",
@@ -162,9 +161,9 @@ ENERGY = (
     ),
     Term(
         "Agreement with print",
-        "A number of ours agrees with a printed one if it differs by at most 1 %, a percentage by at most one "
-        "percentage point.",
-        ("Numbers that agree", "Differ, with a reason", "Differ, unexplained", "Computed only by us"),
+        "A computed number agrees with the printed one within 1 %, a percentage within one percentage point. Each "
+        "printed number counts once, in the first table that compares it.",
+        ("Numbers that agree", "Differ, with a reason", "Differ, unexplained", "Rows without a printed number"),
     ),
     Term(
         "Saving",
@@ -409,10 +408,10 @@ MOTORS = (
         "Copper loss of the current that makes the magnetic field; the paper's energy leaves it out.",
     ),
     Term(
-        "Sum of losses",
-        "The same energy added up from mechanical work and losses; the difference to the integrated "
-        "input power checks the simulation.",
-        ("Sum of parts",),
+        "Energy at the motors",
+        "The energy that the motors take less all that they generate in braking, even if the supply takes none back. "
+        "The sum of work and losses must equal it.",
+        ("Energy from input power", "Sum of parts"),
     ),
     Term("Tracking error", "The largest distance between planned and simulated position during the run."),
     Term("Peak current", "The largest amplitude of a motor's phase current during the run.", ("Current, A",)),

@@ -2,7 +2,7 @@
 
 from bokeh.model import Model
 
-from railjoule.dashboard.look.tokens import COST_SCALES, THEMES, ThemeName, Tokens
+from railjoule.dashboard.look.tokens import COST_SCALES, SAVING_SCALES, THEMES, ThemeName, Tokens
 
 
 class Palette:
@@ -12,6 +12,7 @@ class Palette:
         self._worn: list[tuple[Model, str, str]] = []
         self.tokens: Tokens = {}
         self.costs: tuple[str, ...] = ()
+        self.savings: tuple[str, ...] = ()
         self._choose(dark)
 
     @property
@@ -21,7 +22,7 @@ class Palette:
 
     def _choose(self, dark: bool) -> None:
         theme: ThemeName = "dark" if dark else "light"
-        self.tokens, self.costs = THEMES[theme], COST_SCALES[theme]
+        self.tokens, self.costs, self.savings = THEMES[theme], COST_SCALES[theme], SAVING_SCALES[theme]
 
     def paint(self, model: Model, **attributes: str) -> None:
         """Give attributes of a model the colours of tokens, now and after each change of theme."""

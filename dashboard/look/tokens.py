@@ -120,6 +120,11 @@ COST_SCALES: dict[ThemeName, tuple[str, ...]] = {
     "dark": ("#1D1A19", "#33231B", "#4E2E1C", "#6E3C1E", "#934F25", "#BA6A35", "#DD8F56", "#F6BE8E"),
 }
 """Overconsumption, from none to most."""
+SAVING_SCALES: dict[ThemeName, tuple[str, ...]] = {
+    "light": ("#FBF6F1", "#E6EEF1", "#CBDFE7", "#A5C9D8", "#78AEC4", "#4A8FAB", "#27708E", "#0E516D"),
+    "dark": ("#1D1A19", "#1B262B", "#1D3640", "#204A59", "#286276", "#3A7F96", "#63A2B7", "#9AC8D8"),
+}
+"""The opposite, from none to most; both scales begin with one colour."""
 
 DASHES: dict[StrategyName | Literal["pinned", "actual"], Dash] = {
     "optimal": "solid",

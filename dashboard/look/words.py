@@ -14,7 +14,7 @@ from railjoule.core.energy import energy_decimals
 from railjoule.core.phases import PhaseName
 from railjoule.core.scenario import StrategyName
 from railjoule.core.scenario.disturbance import Reaction
-from railjoule.core.trajectory import MEASURED
+from railjoule.core.trajectory import BY_HAND, MEASURED
 from railjoule.core.units import J_PER_WH, MS_PER_KMH
 
 # for mypy alone, as simulations are slow to import, and every command imports this module
@@ -38,7 +38,7 @@ STRATEGY_WORDS: dict[StrategyName, str] = {
     "fastest": "Fastest",
 }
 ADVISED = "advised"
-NOT_STRATEGIES = {MEASURED: "Measured", ADVISED: "Simpler advice"}
+NOT_STRATEGIES = {MEASURED: "Measured", ADVISED: "Simpler advice", BY_HAND: "Driven by hand"}
 """What runs are called that no strategy made."""
 REACTION_WORDS: dict[Reaction, str] = {
     "driver": "Driver",

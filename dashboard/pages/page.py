@@ -14,6 +14,7 @@ from railjoule.dashboard.browser.messages import unfrozen
 from railjoule.dashboard.charts.chart import Chart
 from railjoule.dashboard.charts.drawing import DrawingQueue
 from railjoule.dashboard.charts.sketches import COMPUTING, numbers_sketch
+from railjoule.dashboard.look.key_names import without_keys
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.look.theme import padded
@@ -121,7 +122,8 @@ class PageView:
         self._failed = failure is not None
         self.message.visible = self._failed
         if failure is not None:
-            self.message.object = parts.failure(*failure_words(failure), shown)
+            what, why = failure_words(failure)
+            self.message.object = parts.failure(what, without_keys(why), shown)
         for chart in self.charts:
             # a chart that waits to be drawn will be in a moment, whatever has failed
             if not chart.is_drawn and chart.waiting is None:

@@ -10,8 +10,9 @@ from railjoule.core.motion.line_profile import section_borders
 from railjoule.core.scenario import Line, Vehicle
 from railjoule.core.scenario.disturbance import Disturbance
 from railjoule.core.scenario.line import NeutralSection, PassingPoint, Section, SpeedLimit, Station
-from railjoule.dashboard.editor.fields_of import Field, Table, describe, words_of
+from railjoule.dashboard.editor.fields_of import Field, Table, describe
 from railjoule.dashboard.look import words
+from railjoule.dashboard.look.key_names import words_of
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.parts.html import table
 

@@ -5,13 +5,10 @@ from typing import Any
 
 from tornado.web import RedirectHandler, StaticFileHandler
 
+from railjoule.dashboard.built_documentation import FOLDER, FRONT, is_built
 from railjoule.dashboard.look.markup import markup
 from railjoule.dashboard.server.refusal import told
 
-# an editable install maps each file by a link; elsewhere there is no such folder, and the answer says so
-FOLDER = Path(__file__).resolve().parents[2] / "build" / "docs"
-"""Where the documentation lies in a checkout once it is built."""
-FRONT = "index.html"
 NOT_BUILT = "The documentation is not built"
 HOW_TO_BUILD = "Run ./run docs in the checkout of railjoule, and load this page anew."
 NO_SUCH_PAGE = "There is no such page in the documentation"
@@ -23,7 +20,7 @@ class DocumentationHandler(StaticFileHandler):
 
     def prepare(self) -> None:
         """Say how to build what is not there."""
-        if not (Path(self.root) / FRONT).is_file():
+        if not is_built(self.root):
             self.set_status(404)
             self.finish(told(NOT_BUILT, markup("<p>{}</p>", HOW_TO_BUILD)))
 

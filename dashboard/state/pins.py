@@ -51,6 +51,8 @@ class Recipe:
         Of simple advice, how often the regime may change between two stops; 0 for a run of the strategy.
     recording : str
         Of a measured run the key under which the page holds it, as its file is in no link; empty for all others.
+    driven : str
+        Of a run driven by hand its commands, such as p0c300b2200; empty for all others.
     """
 
     preset: str | None
@@ -59,6 +61,7 @@ class Recipe:
     strategy: StrategyName
     simple: int = 0
     recording: str = ""
+    driven: str = ""
 
     def scenario(self) -> Scenario:
         """Return the scenario of the run.
@@ -108,13 +111,14 @@ class Pin:
 class KeptPin(Kept):
     """A pin without its run, as an address holds it."""
 
-    kept = ("called", "strategy", "simple", "recording", "preset", "toml", "changes", "colour")
+    kept = ("called", "strategy", "simple", "recording", "driven", "preset", "toml", "changes", "colour")
 
     called = param.String(default="", doc="Name given by the user.")
     strategy = param.Selector(default="optimal", objects=list(STRATEGIES), doc="The strategy.")
     # as core/studies/simple_advice.py bounds them, which no page loads before it is asked for
     simple = param.Integer(default=0, bounds=(0, 9), doc="Changes of regime of simple advice; 0: the strategy.")
     recording = param.String(default="", doc="Of a measured run the key under which the page holds it.")
+    driven = param.String(default="", doc="Commands of a run driven by hand, such as p0c300b2200.")
     preset = param.Selector(
         default=None, allow_None=True, objects=list(preset_names("scenarios")), doc="Shipped scenario."
     )
@@ -131,6 +135,7 @@ class KeptPin(Kept):
             strategy=recipe.strategy,
             simple=recipe.simple,
             recording=recipe.recording,
+            driven=recipe.driven,
             preset=recipe.preset,
             toml=None if recipe.document is None else format_scenario(scenario_from_document(recipe.document)),
             changes=dict(recipe.changes),
@@ -146,7 +151,8 @@ class KeptPin(Kept):
             If its text is no scenario.
         """
         document = None if self.toml is None else document_of(open_scenario(self.toml, "the pinned run").scenario)
-        return Recipe(self.preset, document, dict(self.changes), self.strategy, self.simple, self.recording)
+        changes = dict(self.changes)
+        return Recipe(self.preset, document, changes, self.strategy, self.simple, self.recording, self.driven)
 
 
 def pin_name(run: Trajectory) -> str:

@@ -221,6 +221,13 @@ class Workbench(Kept, PageModel):
         self.recorded[recipe.recording] = run
         self._pin(run, recipe, measured_name(run, found.measured is not None, found.recording.name))
 
+    def pin_lesson(self, driven: Trajectory, commands: str, best: Trajectory, recipe: Recipe) -> None:
+        """Pin a run of the lesson that is driven by hand, and the lesson's optimum, whose recipe is given."""
+        if self.pin_of(best) is None:
+            self._pin(best, recipe)
+        if self.pin_of(driven) is None:
+            self._pin(driven, replace(recipe, driven=commands))
+
     def pin_of(self, run: Trajectory) -> Pin | None:
         """Return the pin of a run that is no strategy's, if it is pinned."""
         return next((pin for pin in self.pins if same_run(pin.trajectory, run)), None)

@@ -4,7 +4,9 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from railjoule.core import Scenario, StrategyRefusedError, Trajectory
+from railjoule.core.motion import build_course
 from railjoule.core.scenario import StrategyName
+from railjoule.core.simulate.by_hand import drive_by_hand, read_commands
 from railjoule.dashboard.work.runs import RunsRequest, compute_runs
 from railjoule.dashboard.work.simple_advice import simple_run
 
@@ -19,6 +21,10 @@ class Recipe(Protocol):
     @property
     def simple(self) -> int:
         """Of simple advice, how often the regime may change between two stops; else 0."""
+
+    @property
+    def driven(self) -> str:
+        """Of a run driven by hand, its commands; else empty."""
 
     def scenario(self) -> Scenario:
         """Return the scenario of the run."""
@@ -47,6 +53,9 @@ def _run(recipe: Recipe) -> Trajectory:
     scenario, strategy = recipe.scenario(), recipe.strategy
     if recipe.simple:
         return simple_run(scenario, recipe.simple)
+    if recipe.driven:
+        course = build_course(scenario)
+        return drive_by_hand(scenario, course, read_commands(recipe.driven, course.cell_count))
     runs = compute_runs(RunsRequest(scenario, (strategy,)))
     if strategy not in runs.runs:
         raise StrategyRefusedError(f"{strategy} {runs.refused[strategy]}")

@@ -14,6 +14,7 @@ from railjoule.core.scenario import StrategyName
 from railjoule.core.strategies import Task, prepare_task, run_strategy
 from railjoule.core.strategies.bellman import ControlLaw, bellman_with_law
 from railjoule.core.trajectory import Bound
+from railjoule.dashboard.look.key_names import without_keys
 
 
 # results equal themselves alone, as arrays have no single answer to `==`; requests are compared by their values
@@ -185,7 +186,7 @@ def compute_runs_in_steps(request: RunsRequest) -> Iterator[Runs]:
             # the optimum comes first, and its bound covers the runs over the same mesh that are in time
             runs[name] = bounded(task, run, runs["optimal"].bound if "optimal" in runs else None)
         except RailjouleError as refusal:
-            refused[name] = str(refusal)
+            refused[name] = without_keys(str(refusal))
         if runs:
             yield beside_each_other(task, runs, refused, law)
     if not runs:

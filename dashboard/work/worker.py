@@ -33,7 +33,7 @@ LATE_MS = 250
 PAUSE_S = 0.002
 """A study sleeps this long after each step: the page's own turns come first."""
 UNKNOWN = "Something went wrong in the computation; the server's log has the details."
-NO_MEMORY = "This takes more memory than the server has; a longer solver.mesh_m needs less."
+NO_MEMORY = "This takes more memory than the server has; a mesh with longer cells needs less."
 
 Turns = Callable[[Callable[[], None]], object]
 Request = TypeVar("Request")

@@ -35,7 +35,7 @@ def test_the_paper_s_ride(user: User) -> None:
 
 def test_events_are_dropped_changed_and_removed(user: User) -> None:
     user.choose("Metro, profile II")
-    invitation = user.page.get_by_text('No event yet. Click the track or press "Add a stop".')
+    invitation = user.page.get_by_text('No event yet. Click the speed chart or press "Add a stop".')
     expect(invitation).to_be_visible()
     expect(user.page.locator(".figure:visible")).to_have_count(0)
     user.page.get_by_role("button", name="Add a stop", exact=True).click()
@@ -53,7 +53,7 @@ def test_events_are_dropped_changed_and_removed(user: User) -> None:
     expect(user.figure_value("Driver arrives")).not_to_have_text(before)
     user.page.get_by_role("button", name="Remove 2 Limit").click()
     expect(user.page.get_by_label("2 Limit: km/h, as a number")).to_have_count(0)
-    user.push("Accepted delay, s", 20)
+    user.type("Accepted delay, s", "20")
     expect(user.figure_value("Replanned run arrives")).to_have_text("+20.0s")
 
 

@@ -20,8 +20,6 @@ from tornado.web import Application
 
 import railjoule.core
 from browser.findings import grave_findings
-from browser.server import Server
-from browser.user import User, open_page
 from railjoule.dashboard.server.documentation import documentation_patterns
 from railjoule.dashboard.server.guard import guard
 from railjoule.dashboard.server.options import ServerOptions
@@ -186,11 +184,3 @@ def test_formulas_are_drawn_by_the_browser(address: str, chromium: Browser) -> N
     # a fraction is taller than a line of text only where MathML is drawn
     assert page.locator(".formula math mfrac").first.evaluate("one => one.getBoundingClientRect().height") > 24
     page.close()
-
-
-def test_help_leads_to_it(server: Server, chromium: Browser) -> None:
-    with User.at(chromium, server.url, on_drive=False) as user:
-        open_page(user, "Help")
-        link = user.page.get_by_role("link", name="Documentation")
-        expect(link).to_be_visible()
-        assert link.evaluate("one => one.href") == f"{server.url}docs/"

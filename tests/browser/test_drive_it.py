@@ -50,6 +50,10 @@ def test_by_mouse_from_the_front_page_to_the_workbench(chromium: Browser, server
         expect(user.page).to_have_url(re.compile("driven=p0"))
         drive.get_by_role("button", name="Open in the workbench").click()
         expect(user.scenario("Metro, profile II + I")).to_be_visible()
+        # the try and the optimum of the lesson are pinned, to be compared
+        user.turn_to("Compare")
+        expect(user.page.get_by_label("Name of pinned run 1")).to_have_value(re.compile("^Optimal"))
+        expect(user.page.get_by_label("Name of pinned run 2")).to_have_value(re.compile("^Driven by hand"))
 
 
 def test_by_keyboard_alone(chromium: Browser, server: Server) -> None:
@@ -88,12 +92,22 @@ def test_by_touch_in_a_narrow_window_three_times(chromium: Browser, server: Serv
             drive.get_by_role("button", name="10\u00d7").tap()
             for number in (1, 2, 3):
                 drive.get_by_role("button", name="Power").tap()
+                if number == 2:
+                    # from some 50 km/h on it coasts: late, with little energy
+                    user.rest(300)
+                    drive.get_by_role("button", name="Coast").tap()
                 expect(drive.get_by_text(f"Arrived: try {number} of 3.")).to_be_visible(timeout=ARRIVES_MS)
                 again = drive.get_by_role("button", name=re.compile(r"Drive again \("))
                 expect(again).to_have_count(1 if number < 3 else 0)
                 if number < 3:
                     again.tap()
             expect(drive.locator("tr.best")).to_have_count(1)
+            # the bound is that of a run on time: it stands beside no late try
+            _, early, late, _ = (
+                row.split("\t") for row in drive.locator("table").first.locator("tr").all_inner_texts()
+            )
+            assert early[2].startswith("+")
+            assert (late[2], "late" in late[3]) == ("\u2013", True)
     finally:
         context.close()
 

@@ -93,7 +93,7 @@ def test_a_window_binds_is_kept_in_the_address_and_in_the_file(user: User) -> No
 def test_a_timetable_is_taken_over_and_a_station_dragged(user: User) -> None:
     user.page.get_by_role("button", name="Take over the arrivals of the proportional reserve").click()
     expect(user.figure_value("Given timetable")).to_have_text("+1.0%")
-    expect(user.page.get_by_text("saves 1.0 % beside the given timetable")).to_be_visible()
+    expect(user.page.get_by_text("the given timetable costs 1.0 % more")).to_be_visible()
     given = field(user, "Market: Given arrival")
     expect(given).to_have_value("191.4")
     drag_market(user, by_px=-20)

@@ -10,11 +10,11 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, Route
 
-from railjoule.core.simulate.by_hand import drive_by_hand
+from railjoule.core.simulate.by_hand import drive_by_hand, read_commands
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 from railjoule.dashboard.look.scripts import SCRIPTS, borrowed, bundle, function, imported, lent, module, source
 from railjoule.dashboard.pages.learn import alone, by_hand, drawing, slack
-from railjoule.dashboard.pages.learn.by_hand import course_arrays, lesson, read_commands
+from railjoule.dashboard.pages.learn.by_hand import course_arrays, lesson
 from railjoule.dashboard.pages.learn.drawing import POINTS, drawing_lesson, run_of
 from railjoule.dashboard.pages.learn.slack import driven_line, line_tables
 

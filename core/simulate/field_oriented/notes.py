@@ -29,8 +29,8 @@ ROLLED_BACK_M = 0.01
 # Both accounts integrate the same stages, so what they differ by is the error of the steps of time.
 ALLOWED_DIFFERENCE = 5e-4
 ACCOUNTS_DIFFER = (
-    "The energy of the input power and the sum of its parts differ by {:.2f} %: simulation.time_step_s is too long for "
-    "the currents."
+    "The energy of the input power and the sum of its parts differ by {:.2f} %: the simulation's time step is too long "
+    "for the currents."
 )
 
 

@@ -30,16 +30,16 @@ from railjoule.dashboard.pages.disturbances.compute import LateArrivals
 LINES: Mapping[str, Line] = {
     "undisturbed": Line("pinned", {"line_width": 1.8}),
     "driver": Line("driven", {"line_width": 1.8, "line_dash": DRIVEN_DASH}),
-    "known": Line("phases", {"line_width": 2.0, "line_dash": [2, 2]}),
-    "computer": Line("accent", {"line_width": 2.2}),
+    "with advance notice": Line("phases", {"line_width": 2.0, "line_dash": [2, 2]}, "known"),
+    "replanned": Line("accent", {"line_width": 2.2}, "computer"),
 }
-"""Colour and stroke of each ride, in the order of drawing."""
-NAMES = {"computer": "replanned", "known": "with advance notice"}
-"""What rides are called in a chart, where that is not their key."""
+"""Colour and stroke of each ride by its name at the line and under the cursor, in the order of drawing."""
 NAME_TOKENS = {"undisturbed": "ink3"}
 """In which colour a name is written, where that of its line is too pale."""
 HEADROOM = 1.28
 """The upper end of the axis over the highest speed: the signs of the events stand between."""
+SAVED_OVER_S = 1.5
+"""The saving of a second is that of the first delay which is so much later than the smallest one [s]."""
 SIGN_DROP_PX = 15
 """The sign of an event hangs down so far from its place."""
 
@@ -114,7 +114,7 @@ class RideSpeedChart(RunLines):
             for x, y, text in zip(events["x"], events["y"], events["text"], strict=True)
         ]
         names = [
-            Name(name, NAMES.get(name, name), self.palette.tokens[NAME_TOKENS.get(name, LINES[name].token)])
+            Name(name, name, self.palette.tokens[NAME_TOKENS.get(name, LINES[name].token)])
             for name in reversed(list(lines))
         ]
         self.place_names({**lines, **borders, **upright}, names, taken)
@@ -136,7 +136,7 @@ class LateChart(LoneChart):
         self.frame(ticks=4, digits=1, x_title="Delay at the end, s")
         for name, line in LINES.items():
             if name != "undisturbed":
-                self.line(name, line.token, **line.stroke)
+                self.line(line.of or name, line.token, **line.stroke)
         self.dots("present", size=9, line_width=2)
 
     def draw(self, late: LateArrivals, present: list[tuple[float, float]]) -> None:
@@ -161,7 +161,9 @@ def saved_by(late: LateArrivals, reaction: str) -> str:
     """Return what the first seconds of delay save, in words."""
     delay, energy = late.delay_s[reaction], late.energy_kwh[reaction]  # type: ignore[index]
     known = np.flatnonzero(np.isfinite(energy))
-    if len(known) < 3 or delay[known[2]] <= delay[known[0]]:
+    # a train that cannot make up all of its delay arrives no later for the first delays that are accepted
+    later = known[delay[known] >= delay[known[0]] + SAVED_OVER_S] if len(known) else known
+    if not len(later):
         return "\u2013"
-    price = (energy[known[0]] - energy[known[2]]) / (delay[known[2]] - delay[known[0]]) * J_PER_KWH
-    return words.price(price)
+    first, then = known[0], later[0]
+    return words.price((energy[first] - energy[then]) / (delay[then] - delay[first]) * J_PER_KWH)

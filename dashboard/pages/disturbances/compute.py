@@ -1,5 +1,6 @@
 """Rides with events on the way: who reacts how, and what a later arrival saves."""
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, get_args
@@ -20,10 +21,20 @@ DELAYS_S = (0.0, 1.0, 2.0, 4.0, 7.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0)
 
 @dataclass(frozen=True)
 class RidesRequest:
-    """A scenario, and its events by the keys of the scenario's file."""
+    """A scenario, and its events by the keys of the scenario's file.
+
+    Parameters
+    ----------
+    scenario : Scenario
+    changes : mapping
+        The events, and the delay that is accepted.
+    as_driver : bool
+        Whether the driver's smallest delay is accepted instead.
+    """
 
     scenario: Scenario
     changes: Mapping[str, Any]
+    as_driver: bool = False
 
     def disturbed(self) -> Scenario:
         """Return the scenario with its events; raises ScenarioError if a value is out of its bounds."""
@@ -38,9 +49,15 @@ class Rides:
     ----------
     rides : mapping
         By reaction.
+    accepted_s : float
+        The delay that is accepted [s].
+    as_driver : bool
+        Whether it is the driver's smallest one.
     """
 
     rides: Mapping[Reaction, DisturbedRun]
+    accepted_s: float
+    as_driver: bool
 
     @property
     def undisturbed(self) -> Any:
@@ -59,7 +76,23 @@ def compute_rides(request: RidesRequest) -> Rides:
     scenario = request.disturbed()
     with named_refusals(scenario):
         planned = plan_of(scenario)
-        return Rides({reaction: disturbed_run_of(scenario, reaction, planned) for reaction in REACTIONS})
+        if request.as_driver:
+            scenario = accepting(scenario, smallest_delay_s(accepting(scenario, 0.0), planned))
+        rides = {reaction: disturbed_run_of(scenario, reaction, planned) for reaction in REACTIONS}
+        return Rides(rides, scenario.disturbance.accepted_delay_s, request.as_driver)
+
+
+def accepting(scenario: Scenario, delay_s: float) -> Scenario:
+    """Return a scenario whose train may arrive so much later than planned [s]."""
+    disturbance = scenario.disturbance.model_copy(update={"accepted_delay_s": delay_s})
+    return scenario.model_copy(update={"disturbance": disturbance})
+
+
+def smallest_delay_s(scenario: Scenario, planned: Trajectory) -> float:
+    """Return the delay of a driver who makes up time as fast as allowed, in whole tenths that he can keep [s]."""
+    delay = disturbed_run_of(scenario, "driver", planned).delay_s
+    # less than a hundredth above a tenth is what solvers leave of a timetable
+    return max(math.ceil(10 * delay - 0.1) / 10, 0.0)
 
 
 def disturbed_run_of(scenario: Scenario, reaction: Reaction, planned: Trajectory) -> DisturbedRun:
@@ -94,10 +127,10 @@ def compute_late_arrivals(request: RidesRequest) -> Iterator[LateArrivals]:
     energies = {reaction: np.full(len(DELAYS_S), np.nan) for reaction in REACTIONS}
     late = LateArrivals(frozen_array(DELAYS_S), {}, {})
     for k, accepted in enumerate(DELAYS_S):
-        relaxed = scenario.disturbance.model_copy(update={"accepted_delay_s": accepted})
+        relaxed = accepting(scenario, accepted)
         for reaction in REACTIONS:
             try:
-                ride = disturbed_run_of(scenario.model_copy(update={"disturbance": relaxed}), reaction, planned)
+                ride = disturbed_run_of(relaxed, reaction, planned)
             # it stays NaN: one delay that cannot be had must not cost the others
             except RailjouleError:
                 continue

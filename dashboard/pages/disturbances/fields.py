@@ -33,7 +33,7 @@ class EventFields:
             for kind, word in KIND_WORDS.items()
         ]
         self.view = stack(
-            html_pane('<div class="section">Events <span>\u00b7 click the track to add one</span></div>'),
+            html_pane('<div class="section">Events <span>\u00b7 click the speed chart to add one</span></div>'),
             self.list,
             pn.FlexBox(*adders, margin=(4, 8)),
             NumberField(self.model, "accepted_delay_s"),

@@ -23,11 +23,14 @@ class DisturbancesModel(TypedParameters, PageModel):
     """The events of the page and their results."""
 
     kept = ("events", "accepted_delay_s")
-    passing = ("dropping",)
+    passing = ("dropping", "as_driver")
 
     events = param.List(default=[], item_type=EventModel, doc="What happens on the way.")
     accepted_delay_s = TypedNumber(
         "Accepted delay, s", "s", default=0.0, bounds=(0.0, 86_400.0), softbounds=(0, 60), step=1
+    )
+    as_driver = param.Boolean(
+        default=False, doc="Whether the accepted delay follows the driver's smallest one, until it is set by hand."
     )
     dropping = param.Selector(default="stop", objects=["stop", "limit"], doc="What a click on the track adds.")
 
@@ -38,7 +41,8 @@ class DisturbancesModel(TypedParameters, PageModel):
     def take(self, scenario: Scenario) -> None:
         """Take over the events of a scenario's file."""
         events = [event_model(event) for event in scenario.disturbance.events]
-        self.param.update(events=events, accepted_delay_s=scenario.disturbance.accepted_delay_s)
+        accepted = scenario.disturbance.accepted_delay_s
+        self.param.update(events=events, accepted_delay_s=accepted, as_driver=False)
 
     def drop(self, kind: str, place_m: float) -> None:
         """Add an event of a kind at a place."""
@@ -52,6 +56,9 @@ class DisturbancesModel(TypedParameters, PageModel):
             # changes of voltage and recuperation have no other place than that at which they are noticed
             noticed_at_m=max(place - NOTICE_BEFORE_M, 0.0) if kind in {"stop", "limit"} else place,
         )
+        # flat out, each reaction would arrive at another time, and their energies would not compare
+        if not self.events and self.accepted_delay_s == 0:
+            self.as_driver = True
         self.events = [*self.events, event]
 
     def remove(self, event: EventModel) -> None:

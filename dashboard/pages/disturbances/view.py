@@ -31,7 +31,11 @@ WHO = (
     "Driver: holds the speed or coasts on, brakes for the event, then drives the optimal remainder. Replanned: the "
     "whole remainder is computed again when the event is noticed. With advance notice: the whole run is planned for it."
 )
-NO_EVENT = 'No event yet. Click the track or press "Add a stop".'
+AS_DRIVER = (
+    "Every run may arrive {} s late, which the driver does at least: energies of different arrivals do not compare. "
+    "Change the accepted delay in the sidebar."
+)
+NO_EVENT = 'No event yet. Click the speed chart or press "Add a stop".'
 
 
 class DisturbancesView(PageView):
@@ -126,7 +130,8 @@ class DisturbancesView(PageView):
         self.heading.object = parts.heading(self.page, scenario.title, what, "")
         self.figures.object = parts.figures(self._cells(rides), self.model.failure is not None)
         self.table.object = self._table(rides)
-        self.notes.object = parts.note_paragraphs([*told(rides), WHO])
+        alike = [AS_DRIVER.format(words.number(rides.accepted_s))] if rides.as_driver and rides.accepted_s else []
+        self.notes.object = parts.note_paragraphs([*told(rides), *alike, WHO])
 
     def _day(self) -> str:
         """Return what else differs from the plan, where the actual run on Drive is switched on."""

@@ -42,7 +42,8 @@ class Disturbances(PageWork[DisturbancesModel]):
         state.scenario.param.watch(self._ask, list(RUN_FIELDS))
         state.param.watch(self._ask, ["page", "chosen"])
         self.model.param.watch(self._watch_events, "events")
-        self.model.param.watch(self._ask, ["accepted_delay_s", "changed"])
+        self.model.param.watch(self._take_delay, "accepted_delay_s")
+        self.model.param.watch(self._ask, "changed")
         # with it the rides have the load and the position error of the day, too: `event_changes`
         state.actual.param.watch(self._ask, "on")
         state.robustness.param.watch(self._ask, [*REALITY, *FOLLOWER])
@@ -56,14 +57,25 @@ class Disturbances(PageWork[DisturbancesModel]):
 
     def _watch_events(self, *_: Any) -> None:
         self._events.follow(self.model.events, lambda _: NUMBERS)
+        # an event that is added on Drive must not change its numbers once this page is opened
+        if not self.in_sight:
+            self.model.as_driver = False
         self._ask()
+
+    def _take_delay(self, *_: Any) -> None:
+        # set by hand, by a link or by a step back
+        if not self._quiet:
+            self.model.as_driver = False
+            self._ask()
 
     def _ask(self, *_: Any) -> None:
         if not self.in_sight:
             return
-        request = RidesRequest(
-            self.state.scenario.scenario(), {"strategy": self.state.chosen, **event_changes(self.state)}
-        )
+        changes = {"strategy": self.state.chosen, **event_changes(self.state)}
+        if self.model.as_driver:
+            # what is accepted follows from the rest
+            changes["disturbance.accepted_delay_s"] = 0.0
+        request = RidesRequest(self.state.scenario.scenario(), changes, self.model.as_driver)
         if self.is_new(request):
             self._request = request
             # a curve of the same events goes on, whatever delay is accepted now
@@ -75,9 +87,13 @@ class Disturbances(PageWork[DisturbancesModel]):
         """Return the request on which energy over delay depends: all but the delay that is accepted."""
         if self._request is None:
             return None
-        return replace(self._request, changes={**self._request.changes, "disturbance.accepted_delay_s": 0.0})
+        changes = {**self._request.changes, "disturbance.accepted_delay_s": 0.0}
+        return replace(self._request, changes=changes, as_driver=False)
 
     def _take_rides(self, rides: Rides) -> None:
+        if rides.as_driver and self.model.as_driver:
+            with self.quiet():
+                self.model.accepted_delay_s = rides.accepted_s
         self.model.param.update(rides=rides, failure=None)
         curve = self._curve()
         if not self.model.events:

@@ -2,6 +2,7 @@
 
 from panel.viewable import Viewable
 
+from railjoule.dashboard.built_documentation import is_built
 from railjoule.dashboard.limits import limits
 from railjoule.dashboard.look.glossary import GROUPS, Term
 from railjoule.dashboard.look.markup import Markup, joined, markup
@@ -113,7 +114,9 @@ def limits_html() -> Markup:
 
 
 def documentation_html() -> Markup:
-    """Return the way to the documentation, which the same server has."""
+    """Return the link to the documentation, which the same server has; nothing where it is not built."""
+    if not is_built():
+        return Markup()
     # relative, as a proxy may serve the page below any path
     link = markup('<a href="docs/" target="_blank" rel="noopener">Documentation</a>')
     return markup("<p>{}: tutorials, how-to, the mathematics, Python and all commands.</p>", link)

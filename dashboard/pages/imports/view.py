@@ -7,8 +7,9 @@ from panel.viewable import Viewable
 
 from railjoule.core.imports.source_file import counted
 from railjoule.dashboard.charts.chart import Axis, Chart
-from railjoule.dashboard.editor.fields_of import Field, parts_of, plain, words_of
+from railjoule.dashboard.editor.fields_of import Field, parts_of, plain
 from railjoule.dashboard.look import words
+from railjoule.dashboard.look.key_names import words_of
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.pages.imports.charts import ImportedCurves, ImportedHeight, ImportedLimits, gaps_of
 from railjoule.dashboard.pages.imports.compute import Reading

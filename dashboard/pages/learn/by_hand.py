@@ -1,6 +1,5 @@
 """The lesson that is driven: the course that the browser drives on, and how a try compares with the optimum."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -14,16 +13,21 @@ from railjoule.core.drive import constant_efficiency
 from railjoule.core.drive.kinds import CONSTANT_EFFICIENCY
 from railjoule.core.motion import Course, build_course
 from railjoule.core.physics.effort_limit import EffortLimit
-from railjoule.core.simulate.by_hand import WALKING_PACE_MS, drive_by_hand, parting_node
+from railjoule.core.simulate.by_hand import (
+    WALKING_PACE_MS,
+    drive_by_hand,
+    parting_node,
+    read_commands,
+    require_drivable,
+)
 from railjoule.core.simulate.driver import braking_envelope
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import words
 
 PRESET = "metro-with-limit"
 """A metro train with a constant efficiency; "Open in the workbench" opens it."""
-MESH_M = 2.0
+LESSON_CHANGES = {"solver.mesh_m": 2.0}
 """A command holds for whole cells: of two metres, a tenth of a second at 72 km/h."""
-LETTERS = "pcb"
 DID = ("kept power", "coasted", "braked")
 """What a driver did, by the number of the command."""
 HERE = "Here you part, at {place} m. The best run: {phase}."
@@ -34,7 +38,6 @@ BEYOND = {"losses": "Lost in motors and brakes", "resistance": "Lost to resistan
 """Where energy goes, by the name that the browser's account has for it."""
 # a second behind the decimal point is rounding of the last cells
 IN_TIME_S = 0.05
-COMMANDS = re.compile(r"p0(?:[pcb][1-9]\d{0,4}){0,1500}")
 
 
 @dataclass(frozen=True)
@@ -80,7 +83,7 @@ def judge(request: TryRequest) -> TryResult:
 @cache
 def lesson() -> tuple[Scenario, Course]:
     """Return the scenario of the lesson over its mesh, and its course."""
-    scenario = load_scenario(PRESET).with_(**{"solver.mesh_m": MESH_M})
+    scenario = load_scenario(PRESET).with_(**LESSON_CHANGES)
     return scenario, build_course(scenario)
 
 
@@ -90,24 +93,10 @@ def best_run() -> Trajectory:
     return solve(lesson()[0])
 
 
-def read_commands(text: str, cells: int) -> IntArray:
-    """Return a command for each cell from a text of letters, each with the cell from which it holds.
-
-    Raises
-    ------
-    ScenarioError
-        If the text begins otherwise than with power at cell 0, or its cells do not rise up to the last one.
-    """
-    rows = re.findall(r"([pcb])(\d+)", text) if COMMANDS.fullmatch(text) else []
-    starts = [int(start) for _, start in rows]
-    if not rows or starts != sorted(set(starts)) or starts[-1] >= cells:
-        raise ScenarioError(
-            f"driven must be letters p, c and b, each with a rising number of a cell below {cells:,}, from p0 on."
-        )
-    commands = np.zeros(cells, dtype=np.int64)
-    for (letter, _), start in zip(rows, starts, strict=True):
-        commands[start:] = LETTERS.index(letter)
-    return commands
+def driven_run(text: str) -> Trajectory:
+    """Return the run of a try; errors as `read_commands`."""
+    scenario, course = lesson()
+    return drive_by_hand(scenario, course, read_commands(text, course.cell_count))
 
 
 def course_arrays(course: Course) -> dict[str, Any]:
@@ -116,11 +105,12 @@ def course_arrays(course: Course) -> dict[str, Any]:
     Raises
     ------
     ScenarioError
-        If its drive has no constant efficiency, or it has neutral sections or stops on the way.
+        If its drive has no constant efficiency, or `railjoule.core.simulate.by_hand` does not take the course.
     """
     data = course.data
-    if data.drive_kind != CONSTANT_EFFICIENCY or np.any(data.powered < 1) or np.any(course.dwell_s > 0):
-        raise ScenarioError("A line is driven by hand with a constant efficiency, without neutral sections and stops.")
+    require_drivable(course)
+    if data.drive_kind != CONSTANT_EFFICIENCY:
+        raise ScenarioError("The lesson needs a drive with a constant efficiency.")
     return {
         "position": course.position_m.tolist(),
         "length": data.cell_length_m.tolist(),
@@ -151,7 +141,7 @@ def verdict_on(text: str) -> dict[str, Any]:
     """Return how a try compares with the optimum, in numbers and sentences; errors as `read_commands`."""
     scenario, course = lesson()
     commands, best = read_commands(text, course.cell_count), best_run()
-    run = drive_by_hand(scenario, course, commands)
+    run = driven_run(text)
     late = run.travel_time_s - scenario.travel_time_s
     bound = best.bound
     assert bound is not None

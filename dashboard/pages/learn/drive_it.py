@@ -6,8 +6,9 @@ import param
 
 from railjoule.core import load_scenario
 from railjoule.dashboard.look.scripts import module
-from railjoule.dashboard.pages.learn.by_hand import PRESET, TryResult
+from railjoule.dashboard.pages.learn.by_hand import LESSON_CHANGES, PRESET, TryResult, best_run, driven_run
 from railjoule.dashboard.pages.learn.played_form import PlayedForm
+from railjoule.dashboard.state.pins import Recipe
 from railjoule.dashboard.state.workbench import Workbench
 
 
@@ -37,7 +38,16 @@ class DriveIt(PlayedForm):
 
     def _take(self, message: dict[str, Any]) -> None:
         if message.get("what") == "open":
-            self.state.scenario.choose(PRESET)
-            self.state.page = "Drive"
+            self._open()
         elif message.get("what") == "done":
             self.state.learn.finished = str(message.get("commands", ""))
+
+    def _open(self) -> None:
+        """Turn to Drive with the lesson's scenario, and pin the try that is shown and the optimum."""
+        tried = self.state.learn.tried
+        self.state.scenario.choose(PRESET)
+        if tried is not None and tried.request.commands:
+            commands = tried.request.commands
+            recipe = Recipe(PRESET, None, dict(LESSON_CHANGES), "optimal")
+            self.state.pin_lesson(driven_run(commands), commands, best_run(), recipe)
+        self.state.page = "Drive"

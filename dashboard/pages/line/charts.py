@@ -11,6 +11,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.studies.whole_line import Leg, Sharing, WholeLine
 from railjoule.core.units import J_PER_KWH, J_PER_WH
 from railjoule.dashboard.charts.chart import Axis, DistanceChart, add_zero, columns, dragged, nice_range, text_style, xy
+from railjoule.dashboard.charts.label_places import text_width_px
 from railjoule.dashboard.charts.quantities import PATH, POSITION, SPEED
 from railjoule.dashboard.charts.run_lines import (
     Form,
@@ -52,6 +53,7 @@ LINES: Mapping[str, Line] = {
 # over the highest limit: the names of the stations hang down from the upper edge
 HEADROOM = 1.2
 WORD_PX = 6.8
+SIGN_PX = 11
 GROUP_SHARE, GAP_SHARE = 0.75, 0.1
 """Width of a leg's bars over the leg, and of the gap behind a bar over what it has."""
 LEAST_SLACK_S = 0.1
@@ -163,7 +165,8 @@ class LegBars(DistanceChart):
         for sharing, token in SHARING_TOKENS.items():
             sides = ("left", "right", 0, "top")
             self.glyphs("quad", sharing, *sides, paint={"fill_color": token}, line_color=None)
-        self.signs("signs", SHARING_TOKENS["optimum"], text_align="center", y_offset=-2)
+        # to the left of the bar's right end: to the right the next bar of the leg may be taller
+        self.grounded_signs("signs", SHARING_TOKENS["optimum"], SIGN_PX, text_align="right", y_offset=-2)
         if self.last:
             f.xaxis.axis_label = POSITION.words
 
@@ -180,13 +183,14 @@ class LegBars(DistanceChart):
         low, high = min(0.0, *(float(top.min()) for *_, top in bars)), max(0.0, float(tallest.max()))
         self.fit(low, high)
         draw_stations(self, stations(runs.best.legs))
-        (left, _, top), *_, (_, right, _) = bars
+        (_, right, top), *_, (_, group_end, _) = bars
         texts = [self.show_value(value) for value in top]
-        needed = np.array([0.8 + 0.6 * len(text) for text in texts]) * WORD_PX
-        fits = (right - left) / runs.best.run.distance_m * width_px > needed
+        # from the last bar of the leg before
+        room_m = right - np.append(0.0, group_end[:-1])
+        fits = room_m / runs.best.run.distance_m * width_px > [text_width_px(text, SIGN_PX) for text in texts]
         self.put(
             "signs",
-            **xy((0.5 * (left + right))[fits], np.maximum(tallest, 0.0)[fits]),
+            **xy(right[fits], np.maximum(top, 0.0)[fits]),
             text=[text for text, fit in zip(texts, fits, strict=True) if fit],
         )
 

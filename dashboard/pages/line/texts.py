@@ -58,12 +58,12 @@ def figure_cells(runs: LineRuns) -> list[str]:
 def sharing_words(runs: LineRuns) -> list[str]:
     """Return what sharing the slack by the optimum saves, and whether that is worth a new timetable."""
     best = runs.best.run.energy_kwh
-    savings = [
-        f"{comparisons.saving(best, runs.runs[other].run.energy_kwh)[1]} beside "
-        f"{'the' if other == 'given' else 'a' if other == 'proportional' else 'an'} {SHARING_WORDS[other]}"
-        for other in runs.measured_by
-    ]
-    told = f"Sharing the slack by the optimum saves {' and '.join(savings)}"
+    costs = []
+    for other in runs.measured_by:
+        # the figure of the row above the charts
+        verb, amount = comparisons.saving(runs.runs[other].run.energy_kwh, best)
+        costs.append(f"the {SHARING_WORDS[other]} {verb} {amount}{' more' if verb == 'costs' else ''}")
+    told = f"Against the optimal reserve, {' and '.join(costs)}"
     less = f"less than {words.share(WORTH_SHARE)} %"
     if runs.pays:
         verdict = f"{told}."

@@ -117,7 +117,7 @@ FLUX = Loop(
     tick_digits=1,
 )
 ENERGY = Loop(
-    Quantity("loop_energy", "Energy so far, kWh", "kWh", 3, read("energy_by_input_power_j", J_PER_KWH)),
+    Quantity("loop_energy", "Energy at the motors so far, kWh", "kWh", 3, read("energy_by_input_power_j", J_PER_KWH)),
     {
         # wide, as the dashed line of the parts lies on it
         "input power": Line("accent", {"line_width": 3}, "run", INPUT_ENERGY),

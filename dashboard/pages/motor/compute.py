@@ -21,6 +21,7 @@ from railjoule.core.strategies import prepare_task, run_strategy
 from railjoule.core.studies.detuning import FACTORS, DetuningTable, detuning_steps
 from railjoule.core.studies.induction_map import induction_map, machine_points
 from railjoule.core.studies.motor_map import MotorMap, OperatingPoints
+from railjoule.dashboard.look.key_names import without_keys
 from railjoule.dashboard.work.refusals import named_refusals
 
 MACHINE_SCENARIO = "ftorek-300s"
@@ -53,7 +54,7 @@ def machine_refusal(scenario: Scenario) -> str:
         return ""
     return (
         f"This page simulates induction motors, and the data of {scenario.vehicle.name} describe none. The editor has "
-        "them under Powertrain; in a file they are the table drive.machine."
+        "them under Powertrain."
     )
 
 
@@ -174,7 +175,7 @@ def compute_rivals(loop: LoopRun) -> LoopRivals:
         try:
             strategies[name] = simulate_field_oriented(scenario, loop.request.plan(name))
         except (StrategyRefusedError, SolverError, TimetableError) as refusal:
-            refused[name] = str(refusal)
+            refused[name] = without_keys(str(refusal))
     with_it, without = (run, other) if ahead else (other, run)
     return LoopRivals(run, with_it, without, strategies, refused)
 

@@ -11,7 +11,7 @@ from railjoule.core.simulate.field_oriented import FieldOrientedRun
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.machine_map import MotorMapChart
-from railjoule.dashboard.look import words
+from railjoule.dashboard.look import comparisons, words
 from railjoule.dashboard.look.markup import Markup, joined, markup
 from railjoule.dashboard.pages.motor.charts import (
     CURRENTS,
@@ -260,15 +260,20 @@ def run_figures(run: FieldOrientedRun) -> list[str]:
     magnetising = run.magnetising_loss_j / J_PER_KWH
     # in millionths, as a percentage of so small a difference would read 0.00
     share = 1e6 * (by_parts / by_input - 1) if by_input else 0.0
+    # both from the supply: the motors' net energy counts braking energy that the supply may not take back
+    amount = comparisons.above(run.actual.energy_kwh, run.planned.energy_kwh)
+    planned = words.energy(run.planned.energy_kwh)
     return [
+        parts.figure(
+            "Energy", words.energy(run.actual.energy_kwh), "kWh", f"{amount.sentence} the plan, {planned} kWh", "main"
+        ),
         parts.figure(
             "Energy from input power",
             words.energy(by_input),
             "kWh",
-            f"planned {words.energy(run.planned.energy_kwh)}",
-            "main",
+            "all braking energy deducted",
+            whole=f"The parts sum to it within {words.number(abs(share), 2)} ppm",
         ),
-        parts.figure("Sum of parts", words.energy(by_parts), "kWh", f"difference {words.signed(share, 2)} ppm"),
         parts.figure(
             "Magnetising loss",
             words.energy(magnetising),
@@ -312,7 +317,7 @@ def parts_table(run: FieldOrientedRun) -> Markup:
     rows.append((("Sum of parts", *_amount(total, total)), True))
     by_input = float(run.energy_by_input_power_j[-1])
     rows.append((("Input power, integrated", *_amount(by_input, total)), True))
-    return parts.inset(parts.table("Where the energy goes", ("Part", "kWh", "%"), rows))
+    return parts.inset(parts.table("Energy at the motors, by part", ("Part", "kWh", "%"), rows))
 
 
 def _amount(joules: float, total: float) -> tuple[str, str]:

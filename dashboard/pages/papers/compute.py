@@ -1,9 +1,10 @@
 """The papers' printed numbers beside ours, table by table: computed now, or as they were computed for this release.
 
-They depend on the code alone and take half a minute, so they are shipped; `python -m railjoule.dashboard.renew_papers`
-renews the file after a change of the core.
+They depend only on the core and the assets and take half a minute, so they are shipped;
+`python -m railjoule.dashboard.renew_papers` renews the file after a change of either.
 """
 
+import hashlib
 import json
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -17,6 +18,8 @@ from railjoule.core.kernel_cache import source_hash
 from railjoule.core.validation import COMPARISONS, Row, Table, Validation
 
 SHIPPED = ("papers", "computed.json")
+ASSETS = ("vehicles", "lines", "scenarios", "papers")
+"""Folders of the assets whose TOML files the comparisons read; the last has the printed numbers."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +65,7 @@ class ShippedTables:
     papers : mapping
         By name.
     is_current : bool
-        Whether this very code has computed it.
+        Whether this code has computed it, from these assets.
     """
 
     papers: dict[str, PaperTables]
@@ -74,12 +77,18 @@ def shipped_tables() -> ShippedTables:
     """Return the comparisons of the file that is shipped."""
     kept = json.loads(files("railjoule.assets").joinpath(*SHIPPED).read_text(encoding="utf-8"))
     papers = {name: _paper(name, tables) for name, tables in kept["papers"].items() if name in COMPARISONS}
-    return ShippedTables(papers, kept["code"] == code_hash())
+    return ShippedTables(papers, kept["inputs"] == input_hash())
 
 
-def code_hash() -> str:
-    """Return digits that change with any source of the core."""
-    return source_hash(Path(railjoule.core.__file__).parent)
+def input_hash() -> str:
+    """Return digits that change with any source of the core and any vehicle, line, scenario or printed number."""
+    digest = hashlib.sha256(source_hash(Path(railjoule.core.__file__).parent).encode())
+    for folder in ASSETS:
+        for entry in sorted((files("railjoule.assets") / folder).iterdir(), key=lambda entry: entry.name):
+            if entry.name.endswith(".toml"):
+                digest.update(f"{folder}/{entry.name}".encode())
+                digest.update(entry.read_bytes())
+    return digest.hexdigest()[:16]
 
 
 def _paper(name: str, tables: list[dict[str, Any]]) -> PaperTables:

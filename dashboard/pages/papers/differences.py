@@ -1,4 +1,4 @@
-"""All printed numbers against ours in one figure of HoloViews: a dot for each row of the tables."""
+"""All printed numbers against ours in one figure of HoloViews: a dot for each row that has a printed number."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -46,13 +46,13 @@ def scaled(percent: float) -> float:
 
 
 def differences(papers: Sequence[PaperTables]) -> hv.Dataset:
-    """Return all rows that have a difference, in the order of the tables, numbered from 1."""
+    """Return all rows that have a difference from a printed number, in the order of the tables, numbered from 1."""
     rows = [
         (paper, table.title, row)
         for paper in papers
         for table in paper.validation.tables
         for row in table.rows
-        if row.difference is not None
+        if row.source and row.difference is not None
     ]
     told = [(AUTHORS[paper.name], title, row.case, *_numbers(row)) for paper, title, row in rows]
     columns: dict[str, Any] = {

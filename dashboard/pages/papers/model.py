@@ -9,7 +9,7 @@ class PapersModel(PageModel):
     """The comparisons so far."""
 
     results = param.Dict(default={}, doc="Tables of each paper so far.")
-    is_current = param.Boolean(default=True, doc="Whether this very code has computed all of them.")
+    is_current = param.Boolean(default=True, doc="Whether this code has computed all of them, from these assets.")
     under_way = param.Dict(default={}, doc="Tables of the comparisons that are being computed.")
     asked = param.List(default=[], doc="The papers that are being compared, in their order.")
     compare = param.List(default=[], doc="Set to names of papers to compare them.")

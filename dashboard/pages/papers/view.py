@@ -12,7 +12,7 @@ from panel.viewable import Viewable
 
 from railjoule.core import RailjouleError
 from railjoule.core.csv_text import csv_of_rows
-from railjoule.core.validation import COMPARISONS, Erratum, Row, Table
+from railjoule.core.validation import COMPARISONS, Erratum, Row, Table, first_comparisons
 from railjoule.core.validation.papers import citation, printed_numbers
 from railjoule.core.validation.table import CLOSE_PERCENT
 from railjoule.dashboard.charts.chart import Chart
@@ -68,8 +68,10 @@ CHART_CSS = ":host { padding: 4px 20px 12px 14px; } @media (max-width: 899px) { 
 HEIGHTS = {"differences": (330, 420, 320)}
 """Of the chart [px]: in usual, wide and narrow windows."""
 CAPTION = "Ours less printed, in % of the printed number; percentages in percentage points, %"
-COMPUTED = "Computed with the code of this version."
-COMPUTED_BEFORE = "Computed before the last change of the code; it is being computed again, table by table."
+COMPUTED = "Computed with the code, vehicles, lines and scenarios of this version."
+COMPUTED_BEFORE = (
+    "Computed before the last change of code, vehicles, lines or scenarios; it is being computed again, table by table."
+)
 SMALL: dict[str, Any] = {"size": "small", "margin": (6, 8, 4, 0)}
 
 
@@ -302,16 +304,18 @@ def summary_words(table: Table) -> str:
 
 
 def figure_cells(papers: Iterable[PaperTables]) -> list[str]:
-    """Return how many numbers of all papers agree with ours."""
-    rows = [row for paper in papers for table in paper.validation.tables for row in table.rows]
-    compared = [row for row in rows if row.difference is not None]
+    """Return how many printed numbers of all papers agree with railjoule, and how many rows have none."""
+    tables = [paper.validation.tables for paper in papers]
+    compared = [row for each in tables for row in first_comparisons(each)]
+    others = sum(not row.source for each in tables for table in each for row in table.rows)
     close = sum(row.is_close for row in compared)
     told = sum(not row.is_close and bool(row.note) for row in compared)
+    counted = f"of {len(compared)} printed numbers, each counted once"
     return [
-        parts.figure("Numbers that agree", words.number(close, 0), "", f"of {len(compared)} printed numbers", "main"),
-        parts.figure("Differ, with a reason", words.number(told, 0), "", "the reason stands beneath the table"),
+        parts.figure("Numbers that agree", words.number(close, 0), "", counted, "main"),
+        parts.figure("Differ, with a reason", words.number(told, 0), "", "the reason is below the table"),
         parts.figure("Differ, unexplained", words.number(len(compared) - close - told, 0), "", ""),
-        parts.figure("Computed only by us", words.number(len(rows) - len(compared), 0), "", "nothing is printed"),
+        parts.figure("Rows without a printed number", words.number(others, 0), "", "not counted"),
     ]
 
 

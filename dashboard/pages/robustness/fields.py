@@ -43,13 +43,14 @@ class RealityFields:
         self.progress = pmui.LinearProgress(
             value=0, variant="determinate", margin=(0, 16, 4, 16), sizing_mode="stretch_width", visible=False
         )
+        self.sensors = stack(*number_fields(model, *SENSOR_FIELDS), visible=model.target_braking)
         self.view = stack(
             html_pane('<div class="section">Actual conditions <span>\u00b7 the framed cell</span></div>'),
             LoadField(model, "actual_load_percent", ["most_load_percent"]),
             *number_fields(model, "coordinate_error_m", "speed_error_percent"),
             html_pane('<div class="section">Braking sensors <span>\u00b7 metres before the stop</span></div>'),
             self.braking,
-            *number_fields(model, *SENSOR_FIELDS),
+            self.sensors,
             html_pane('<div class="section">Monte Carlo <span>\u00b7 normal, resistance log-normal</span></div>'),
             *number_fields(model, *CHANCE_FIELDS),
             pn.Row(self.run, self.stop, margin=0, sizing_mode="stretch_width"),
@@ -57,7 +58,12 @@ class RealityFields:
             html_pane('<hr class="rule">'),
         )
         tie(self.braking, model, "target_braking")
+        model.param.watch(self._show_sensors, "target_braking")
         model.param.watch(self._show_progress, ["chance", "drawing"])
+
+    def _show_sensors(self, *_: Any) -> None:
+        # without the target curve nothing depends on them
+        self.sensors.visible = self.state.robustness.target_braking
 
     def _show_progress(self, *_: Any) -> None:
         model = self.state.robustness

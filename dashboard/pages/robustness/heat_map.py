@@ -92,11 +92,18 @@ MEASURES = {
 
 
 def colour_of(number: float, most: float, palette: Palette) -> str:
-    """Return the colour of a cell: the more, the warmer."""
+    """Return the colour of a cell: the warmer the more it is above zero, the cooler the more it is below."""
     if not np.isfinite(number):
         return palette.tokens["ground"]
     share = min(abs(number) / most, 1.0) if most > 0 else 0.0
-    return palette.costs[round(share * (len(palette.costs) - 1))]
+    scale = palette.costs if number >= 0 else palette.savings
+    return scale[round(share * (len(scale) - 1))]
+
+
+def signed_scale(palette: Palette) -> list[list[Any]]:
+    """Return the colours of cells as Plotly has them, from the largest number below zero to the largest above."""
+    colours = (*reversed(palette.savings), *palette.costs[1:])
+    return [[k / (len(colours) - 1), colour] for k, colour in enumerate(colours)]
 
 
 class HeatMapChart(Chart):
@@ -209,8 +216,7 @@ class CostSurface(Chart):
             return
         self._drawn = state
         bottom, top = float(np.nanmin(values)), float(np.nanmax(values))
-        room = max(top - bottom, 1e-6)
-        scale = self.palette.costs
+        room, most = max(top - bottom, 1e-6), max(abs(bottom), abs(top), 1e-6)
         self.pane.object = {
             "data": [
                 {
@@ -218,7 +224,9 @@ class CostSurface(Chart):
                     "x": list(table.coordinate_errors_m),
                     "y": [100 * load for load in table.load_factors],
                     "z": values,
-                    "colorscale": [[k / (len(scale) - 1), colour] for k, colour in enumerate(scale)],
+                    "colorscale": signed_scale(self.palette),
+                    "cmin": -most,
+                    "cmax": most,
                     "showscale": False,
                     "lighting": LIGHTING,
                     # plotly refines a small table before it draws it, and what it then points at has no text of ours

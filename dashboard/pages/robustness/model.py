@@ -48,7 +48,9 @@ class RobustnessModel(TypedParameters, PageModel):
     speed_error_percent = TypedNumber(
         "Speed error, %", "%", 1, default=0.0, bounds=(-50, 50), softbounds=(-5, 5), step=0.1
     )
-    target_braking = param.Boolean(default=False, doc="Whether the train brakes along the target curve.")
+    target_braking = param.Boolean(
+        default=SENSORS.target_braking, doc="Whether the train brakes along the target curve."
+    )
     reset_sensor_m = TypedNumber("D1, resets position", "m", default=SENSORS.reset_sensor_m, bounds=(0.0, 1e5))
     calibration_length_m = TypedNumber(
         "D1 to D2, calibrates", "m", default=SENSORS.calibration_length_m, bounds=(0.0, 1e5)

@@ -168,6 +168,9 @@ class RobustnessView(PageView):
         self.speed.show(partial(self.speed.draw, following, name))
         self.effort.show(partial(self.effort.draw, following))
         self.braking.show(partial(self.braking.draw, following))
+        simulation = following.planned.scenario.simulation
+        # sensors reset the position only under the target curve; without them and an error of speed it stays as it is
+        self.position_error.host.visible = simulation.target_braking or simulation.speed_error != 0
         self.position_error.show(partial(self.position_error.draw, following))
         self._draw_map()
         self._show_texts()
@@ -211,9 +214,10 @@ class RobustnessView(PageView):
         planned = reality.following.planned
         scenario = planned.scenario
         runs = self.model.table.done if self.model.table else 0
+        braking = ", braking along the target curve" if scenario.simulation.target_braking else ""
         what = (
             f"{words.distance(planned.distance_m)} km in {words.time(planned.travel_time_s)} s, planned at "
-            f"{words.setting(scenario.vehicle.load_factor)} % load; actual load and position differ"
+            f"{words.setting(scenario.vehicle.load_factor)} % load{braking}; actual load and position differ"
         )
         self.heading.object = parts.heading(self.page, scenario.title, what, f"{runs} cells")
         self.figures.object = parts.figures(self._cells(reality), self.model.failure is not None)

@@ -22,6 +22,7 @@ from railjoule.core.studies.storage import (
     with_storage,
 )
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH
+from railjoule.dashboard.look.key_names import without_keys
 from railjoule.dashboard.work.refusals import named_refusals
 
 LARGEST_SIZE_SHARE, SIZES = 1.5, 25
@@ -111,7 +112,7 @@ def optimum_over(scenario: Scenario, travel_time_s: float) -> tuple[Trajectory |
         return run_strategy(task, "optimal"), ""
     # a scenario that is wrong in itself is no lack of an optimum: other errors go on
     except (TimetableError, SolverError, StrategyRefusedError) as refusal:
-        return None, str(refusal)
+        return None, without_keys(str(refusal))
 
 
 @dataclass(frozen=True, eq=False)

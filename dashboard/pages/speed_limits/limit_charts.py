@@ -28,13 +28,14 @@ from railjoule.dashboard.charts.run_lines import (
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.speed_limits.compute import LimitRun, LimitTrip
 
+UNDER_LIMITS = "under the limits"
 LINES: Mapping[str, Line] = {
-    "optimum": Line("optimal", {"line_width": 1.8, "line_dash": DRIVEN_DASH}),
-    "run": Line("speed_limits", {"line_width": 2.4}),
+    "optimal in the same time": Line("optimal", {"line_width": 1.8, "line_dash": DRIVEN_DASH}, "optimum"),
+    UNDER_LIMITS: Line("speed_limits", {"line_width": 2.4}, "run"),
 }
+"""By the names at the lines and under the cursor."""
 TRIP = "trip"
 """The run as the chart of speeds has it: while a step is dragged it alone shows the trip, which has no efforts."""
-LINE_WORDS = {"optimum": "optimal in the same time", "run": "under the limits"}
 HEADROOM = 1.09
 GRIP_PX, SIGN_RISE_PX = 7.0, 8.0
 """Half the size of a handle, and how far above its step a limit is written."""
@@ -61,7 +62,7 @@ class LimitSpeedChart(RunLines):
         move: Callable[[Sequence[float], Sequence[float]], None],
         release: Callable[[], None],
     ) -> None:
-        lines = {**LINES, "run": replace(LINES["run"], of=TRIP)}
+        lines = {**LINES, UNDER_LIMITS: replace(LINES[UNDER_LIMITS], of=TRIP)}
         caption = "Speed, km/h: drag a step to change its limit, its end to move it"
         super().__init__("limit_speed", SPEED, lines, height, axis, palette, caption, Form(ticks=5))
         self._move, self._release = move, release
@@ -127,7 +128,7 @@ class LimitSpeedChart(RunLines):
             for x, y in zip(frame.x_px(data[column[0]]), frame.y_px(data[column[1]]), strict=True)
         ]
         tokens = self.palette.tokens
-        names = [Name(name, LINE_WORDS[name], tokens[LINES[name].token]) for name in reversed(list(curves))]
+        names = [Name(name, name, tokens[LINES[name].token]) for name in reversed(list(curves))]
         self.place_names({**curves, "steps": ends, "line": line}, names, [*signs, *grips])
 
     def _draw_steps(self, limits_kmh: Sequence[float], ends_m: Sequence[float], most: float) -> None:

@@ -6,12 +6,14 @@ import panel as pn
 import panel_material_ui as pmui
 from panel.viewable import Viewable
 
+from railjoule.core.scenario.options import SearchOptions
 from railjoule.dashboard.charts.chart import Axis, Chart
 from railjoule.dashboard.charts.machine_map import MotorMapChart
 from railjoule.dashboard.charts.quantities import EFFORT, ENERGY
 from railjoule.dashboard.charts.run_charts import LineStrip
 from railjoule.dashboard.charts.scene import RunScene
 from railjoule.dashboard.look import comparisons, words
+from railjoule.dashboard.look.markup import Markup, markup
 from railjoule.dashboard.look.theme import padded
 from railjoule.dashboard.look.tokens import NARROW_PX
 from railjoule.dashboard.pages.page import BODY_CSS, PageView
@@ -43,10 +45,19 @@ LOWER_CSS = """
 GAP_CSS = ":host { row-gap: 10px; }"
 NOTES_CSS = padded("0 20px 16px", "0 12px 16px")
 REGULATOR_WORDS = {"coast": "Coasts", "brake": "Brakes", "literal": "As printed"}
-REGULATOR_DOES = {"coast": "coasts above a limit", "brake": "brakes for a limit", "literal": "is the published relay"}
-RULE = (
-    '<p style="padding:0 20px 8px;max-width:90ch">Below its limit the train drives, above it coasts: limits are '
-    "set-points, not rules. The travel time may differ from the timetable within a window.</p>"
+REGULATOR_DOES = {
+    "coast": "coasts above a set speed",
+    "brake": "brakes for a set speed",
+    "literal": "is the published relay",
+}
+RULES = {
+    "coast": "The train drives below its set speed and coasts above it.",
+    "brake": "The train drives below its set speed and brakes ahead of a lower one.",
+    "literal": "The train drives below its set speed and brakes above it; within {zone} km/h of it, it does neither.",
+}
+"""What each regulator does at a set speed; `zone` is half of the dead zone of the published relay."""
+TARGETS = (
+    "Set speeds are targets, not limits of the line. The travel time may differ from the timetable within a window."
 )
 
 
@@ -208,7 +219,7 @@ class SpeedLimitsView(PageView):
             f"section{'' if count == 1 else 's'}, set speeds {how}; the regulator "
             f"{REGULATOR_DOES[scenario.search.regulator]}"
         )
-        self.heading.object = f"{parts.heading(self.page, scenario.title, what, '')}{RULE}"
+        self.heading.object = parts.heading(self.page, scenario.title, what, "") + rule_html(scenario.search)
         self.figures.object = parts.figures(self._cells(run), self.model.failure is not None)
         self.table.object = sections_table(run)
         without = run.no_optimum and f"No optimum in the time of the run: {run.no_optimum}"
@@ -244,6 +255,12 @@ class SpeedLimitsView(PageView):
         else:
             detail = parts.markup('<span class="open">{} s too early</span>', words.number(first - time_s))
         return parts.figure("Travel time", words.time(time_s), "s", detail)
+
+
+def rule_html(search: SearchOptions) -> Markup:
+    """Return what the regulator of a scenario does at its set speeds."""
+    rule = RULES[search.regulator].format(zone=words.number(search.dead_zone_kmh))
+    return markup('<p style="padding:0 20px 8px;max-width:90ch">{} {}</p>', rule, TARGETS)
 
 
 def cost_figure(run: LimitRun) -> str:

@@ -98,8 +98,8 @@ def test_a_note_says_what_another_voltage_leaves_as_it_is(model):
         return
     (note,) = notes
     assert note == (
-        f"drive.model = '{model}' knows no line voltage: it leaves the tractive effort, as vehicle.traction has "
-        "neither max_power_kw nor curve."
+        "This train's data give no line voltage and no power or curve of effort to scale with it: the tractive effort "
+        "stays as at nominal voltage."
     )
 
 

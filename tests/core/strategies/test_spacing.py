@@ -110,7 +110,7 @@ def test_a_run_that_no_switching_suits_says_so():
     for strategy in ("optimal", "bellman"):
         run = run_strategy(prepare_task(train("induction", 0.0, **changes)), strategy)
         assert "no run was found" in run.notes[-1].lower()
-        assert "60 s of drive.least_switching_s" in run.notes[-1]
+        assert "minimum on/off time of 60 s" in run.notes[-1]
 
 
 def test_a_time_below_nothing_is_refused():

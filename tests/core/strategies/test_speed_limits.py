@@ -90,7 +90,7 @@ def test_too_tight_for_the_regulator():
 
 def test_too_many_sections():
     many = plain_scenario({"line.sections": [{"length_m": 100.0}] * 20, "strategy": "speed_limits"})
-    with pytest.raises(StrategyRefusedError, match=r"needs search.boundaries_m: the line has 20 sections"):
+    with pytest.raises(StrategyRefusedError, match=r"\(search.boundaries_m\): the line has 20 sections"):
         solve(many)
 
 

@@ -110,7 +110,7 @@ def test_a_fine_course_is_coarsened(suburban):
     assert coarse.cell_count < 1.05 * MOST_CELLS
     (note,) = coarse.notes
     assert note.startswith(f"Computed over {coarse.cell_count} cells of at most ")
-    assert note.endswith(" instead of the 1,006 of solver.mesh_m = 5.")
+    assert note.endswith(" instead of the 1,006 of the mesh of 5 m.")
     assert fine.notes == ()
     # measured: 1.8e-5; a screen shows no difference below 1e-3
     np.testing.assert_allclose(coarse.energy_j, fine.energy_j, rtol=1e-4)

@@ -25,8 +25,8 @@ class Tables(NamedTuple):
     claimed: Table
     enoc: Table
     enoc_best: Table
-    surface_heavy: Table
     surface_own: Table
+    surface_heavy: Table
     eoc_driven: Table
     enoc_driven: Table
     enoc_all_losses: Table

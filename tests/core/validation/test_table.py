@@ -3,7 +3,7 @@ from collections.abc import Callable
 import pytest
 
 from railjoule.core.validation import COMPARISONS, PAPERS
-from railjoule.core.validation.table import Comparison, Row, Table
+from railjoule.core.validation.table import Comparison, Row, Table, first_comparisons
 
 
 def test_difference_is_relative_to_the_printed_number():
@@ -55,3 +55,11 @@ def test_a_comparison_is_computed_table_by_table() -> None:
 
 def test_every_paper_is_known_both_ways() -> None:
     assert list(COMPARISONS) == list(PAPERS)
+
+
+def test_a_printed_number_counts_once_by_its_first_comparison() -> None:
+    first = Row("a", "W", "Wh", 2.0, 2.0, source="Table 1, a, W")
+    again = Row("a", "W by parts", "Wh", 2.0, 3.0, source="Table 1, a, W")
+    independent = Row("a", "W", "Wh", 2.0, 2.0)
+    zero = Row("b", "v", "m/s", 0.0, 0.0, source="Table 1, b, v")
+    assert first_comparisons([Table("", (independent, first)), Table("", (again, zero))]) == (first,)

@@ -4,8 +4,9 @@ import pytest
 from name_units import WITHOUT_UNIT, unit_of
 
 from railjoule.core.scenario import Scenario
-from railjoule.dashboard.editor.fields_of import Field, Table, models_of, parts_of, split_unit
+from railjoule.dashboard.editor.fields_of import Field, Table, models_of, parts_of
 from railjoule.dashboard.editor.model import GROUPS
+from railjoule.dashboard.look.key_names import split_unit
 
 
 def all_fields() -> list[Field]:

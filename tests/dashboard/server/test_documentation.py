@@ -5,7 +5,8 @@ import pytest
 from tornado.testing import AsyncHTTPTestCase
 from tornado.web import Application
 
-from railjoule.dashboard.server.documentation import FOLDER, documentation_patterns
+from railjoule.dashboard.built_documentation import FOLDER
+from railjoule.dashboard.server.documentation import documentation_patterns
 from railjoule.dashboard.server.guard import guard
 from railjoule.dashboard.server.options import ServerOptions
 

@@ -3,9 +3,15 @@ import pytest
 
 from railjoule.core import load_scenario
 from railjoule.dashboard.charts.chart import Axis
+from railjoule.dashboard.look import words
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.disturbances.charts import LateChart, RideSpeedChart, saved_by
-from railjoule.dashboard.pages.disturbances.compute import RidesRequest, compute_late_arrivals, compute_rides
+from railjoule.dashboard.pages.disturbances.compute import (
+    LateArrivals,
+    RidesRequest,
+    compute_late_arrivals,
+    compute_rides,
+)
 from railjoule.dashboard.pages.disturbances.model import DisturbancesModel
 from railjoule.dashboard.pages.disturbances.view import drawn
 
@@ -32,6 +38,9 @@ def test_a_press_drops_an_event_on_the_distance_alone(asked: RidesRequest) -> No
 
     chart.draw(runs, model.events, over_time=False)
     assert list(chart.sources["events"].data["text"]) == ["stop 5 s"]
+    # as the lines are named
+    names = {"undisturbed", "driver", "replanned", "with advance notice"}
+    assert {one[0] for one in chart.told["sources"]} == names == set(chart.sources["names"].data["text"])
     chart._press(Press)
     chart.draw(runs, model.events, over_time=True)
     assert list(chart.sources["events"].data["text"]) == []
@@ -48,3 +57,12 @@ def test_later_arrivals_save_and_the_price_falls(asked: RidesRequest) -> None:
     assert np.all(np.diff(energy) < 0)
     # 2.264 on time and 2.127 two seconds late (findings on Rawicki): about 70 Wh a second
     assert 55 < float(saved_by(late, "driver")) < 80
+
+
+def test_a_second_is_priced_from_the_smallest_delay_on() -> None:
+    """Of a driver who is 18.1 s late whatever less is accepted; the column was empty."""
+    accepted = np.array([0.0, 10.0, 20.0, 30.0])
+    delay, energy = np.array([18.1, 18.1, 20.1, 30.0]), np.array([22.0, 22.0, 18.0, 14.0])
+    late = LateArrivals(accepted, {"driver": delay}, {"driver": energy})
+    assert saved_by(late, "driver") == words.price(4.0 / 2.0 * 3.6e6)
+    assert saved_by(LateArrivals(accepted, {"driver": delay[:2]}, {"driver": energy[:2]}), "driver") == "\u2013"

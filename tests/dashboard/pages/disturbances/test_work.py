@@ -62,6 +62,38 @@ def test_a_dropped_limit_is_kept_to(state: Workbench) -> None:
     assert len(model.events) == 1
 
 
+def test_rides_are_compared_at_the_arrival_of_the_driver() -> None:
+    """Flat out, replanned runs arrive earlier than the driver and take more: 26.6 kWh against 21.0, as it looked."""
+    state = Workbench()
+    Disturbances(state)
+    state.page = "Disturbances"
+    model = state.disturbances
+    model.drop("stop", 1200.0)
+    model.events[0].param.update(duration_s=20.0, noticed_at_m=900.0)
+    assert model.rides is not None
+    rides = model.rides.rides
+    # `simulate_disturbances` gives the driver 19.184 s with this stop and no accepted delay
+    assert model.accepted_delay_s == model.rides.accepted_s == 19.2
+    assert all(ride.delay_s == pytest.approx(19.2, abs=0.01) for ride in rides.values())
+    driver, replanned, known = (rides[one].actual.energy_kwh for one in ("driver", "computer", "known"))
+    assert driver > replanned > known
+    # it follows the event until it is set by hand
+    model.events[0].duration_s += 10.0
+    assert model.accepted_delay_s == pytest.approx(29.2, abs=0.2)
+    model.accepted_delay_s = 5.0
+    model.events[0].duration_s += 10.0
+    assert model.accepted_delay_s == 5.0
+    assert model.rides.rides["driver"].delay_s > 30.0
+
+
+def test_an_event_that_is_added_on_drive_leaves_the_accepted_delay() -> None:
+    state = Workbench()
+    Disturbances(state)
+    state.disturbances.drop("stop", 1200.0)
+    state.page = "Disturbances"
+    assert state.disturbances.accepted_delay_s == 0.0
+
+
 def test_the_strategy_of_a_file_is_the_one_that_plans() -> None:
     state = Workbench()
     state.scenario.choose("tram-950m-stop")

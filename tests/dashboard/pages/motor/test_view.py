@@ -7,11 +7,13 @@ import numpy as np
 import pytest
 from lines import sent
 
+from railjoule.core import load_scenario
+from railjoule.core.simulate.field_oriented import simulate_field_oriented
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.look.paint import Palette
 from railjoule.dashboard.pages.motor.charts import length
 from railjoule.dashboard.pages.motor.compute import LoopRequest, compute_detuning
-from railjoule.dashboard.pages.motor.view import HEIGHTS, MotorView
+from railjoule.dashboard.pages.motor.view import HEIGHTS, MotorView, run_figures
 from railjoule.dashboard.pages.motor.work import Motor
 from railjoule.dashboard.state.workbench import Workbench
 
@@ -85,6 +87,17 @@ def test_parts_of_the_energy_are_listed_with_the_magnetising_loss_by_name(view: 
     assert "Stator copper, magnetising" in view.account.object
     assert "Magnetising loss" in view.figures.object
     assert "Input power, integrated" in view.account.object
+
+
+def test_the_energy_from_the_supply_is_compared_with_the_plan() -> None:
+    """The tram returns no braking energy: its motors' net 1.042 kWh is no number beside the plan's 1.053 kWh."""
+    run = simulate_field_oriented(load_scenario("tram-950m").with_(**{"simulation.kind": "field_oriented"}))
+    main, at_motors, *_ = run_figures(run)
+    # railjoule simulate tram-950m --set 'simulation.kind="field_oriented"': 1.192 kWh driven, +13.2 % energy
+    assert "<div class=value>1.192<" in main
+    assert "13.2 % above the plan, 1.053 kWh" in main
+    assert "<div class=value>1.042<" in at_motors
+    assert "plan" not in at_motors
 
 
 def test_a_scenario_without_machine_offers_one_that_has(view: MotorView) -> None:

@@ -3,8 +3,9 @@ from io import StringIO
 
 import pytest
 
-from railjoule.core.validation import Row, Table
-from railjoule.dashboard.pages.papers.view import difference_words, summary_words, table_html, tables_csv
+from railjoule.core.validation import Row, Table, Validation
+from railjoule.dashboard.pages.papers.compute import PaperTables
+from railjoule.dashboard.pages.papers.view import difference_words, figure_cells, summary_words, table_html, tables_csv
 
 TABLE = Table(
     "Energies & <times>",
@@ -61,3 +62,15 @@ def test_the_csv_holds_every_row() -> None:
     assert len(rows) == 6
     assert rows[1]["difference_percent"].startswith("3.0")
     assert rows[2]["printed"] == ""
+
+
+def test_the_head_counts_only_printed_numbers_and_each_once() -> None:
+    close, differs = Row("a", "W", "Wh", 2.0, 2.0, source="a"), Row("b", "W", "Wh", 2.0, 3.0, "Because.", "b")
+    again = Row("a", "W by parts", "Wh", 2.0, 3.0, "Because.", "a")
+    tables = (Table("One", (close, differs)), Table("Two", (again, Row("c", "W", "Wh", 2.0, 2.0))))
+    agree, told, unexplained, others = figure_cells([PaperTables("ftorek", Validation("ftorek", "", tables, ()), 2)])
+    assert ">1<" in agree
+    assert "of 2 printed numbers" in agree
+    assert ">1<" in told
+    assert ">0<" in unexplained
+    assert ">1<" in others

@@ -1,18 +1,34 @@
 import numpy as np
+import pytest
 
 from railjoule.core import load_scenario
 from railjoule.core.studies import sensitivity
 from railjoule.dashboard.look import comparisons
 from railjoule.dashboard.look.paint import Palette
-from railjoule.dashboard.pages.robustness.heat_map import MEASURES, HeatMapChart, colour_of, printed_table
+from railjoule.dashboard.pages.robustness.heat_map import (
+    MEASURES,
+    HeatMapChart,
+    colour_of,
+    printed_table,
+    signed_scale,
+)
 
 
-def test_the_more_the_warmer() -> None:
-    palette = Palette(dark=False)
-    assert colour_of(0.0, 10.0, palette) == palette.costs[0]
-    assert colour_of(-10.0, 10.0, palette) == palette.costs[-1]
+@pytest.mark.parametrize("dark", [False, True])
+def test_more_is_warm_and_less_is_cool(dark: bool) -> None:
+    palette = Palette(dark)
+    assert colour_of(0.0, 10.0, palette) == palette.costs[0] == palette.savings[0]
+    assert colour_of(10.0, 10.0, palette) == palette.costs[-1]
+    # a saving of 5.0 % looked like 5.2 % more
+    assert colour_of(-10.0, 10.0, palette) == palette.savings[-1] != palette.costs[-1]
     assert colour_of(np.nan, 10.0, palette) == palette.tokens["ground"]
     assert colour_of(0.0, 0.0, palette) == palette.costs[0]
+    surface = signed_scale(palette)
+    assert [surface[0][1], surface[7], surface[-1][1]] == [
+        palette.savings[-1],
+        [0.5, palette.costs[0]],
+        palette.costs[-1],
+    ]
 
 
 def test_the_printed_table_stands_only_beside_its_own_case() -> None:

@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 from lines import sent
 
+from railjoule.core import load_scenario
 from railjoule.dashboard.browser.browser import Browser
 from railjoule.dashboard.charts.machine_map import LEVELS
 from railjoule.dashboard.look.paint import Palette
+from railjoule.dashboard.pages.speed_limits.limit_charts import UNDER_LIMITS
 from railjoule.dashboard.pages.speed_limits.search_charts import search_words
-from railjoule.dashboard.pages.speed_limits.view import HEIGHTS, SpeedLimitsView
+from railjoule.dashboard.pages.speed_limits.view import HEIGHTS, SpeedLimitsView, rule_html
 from railjoule.dashboard.pages.speed_limits.work import SpeedLimits
 from railjoule.dashboard.state.workbench import Workbench
 
@@ -28,12 +30,27 @@ def test_all_charts_draw_the_run(view: SpeedLimitsView) -> None:
     assert run is not None
     assert view.speed.sources["sections"].data["limit"] == pytest.approx(run.limits_kmh)
     assert view.speed.sources["borders"].data["x"] == [1200.0]
-    assert len(sent(view.speed, "run")[0]) == len(run.run.position_m)
-    assert sent(view.energy, "run")[1][-1] == pytest.approx(run.run.energy_kwh)
+    assert len(sent(view.speed, UNDER_LIMITS)[0]) == len(run.run.position_m)
+    assert sent(view.energy, UNDER_LIMITS)[1][-1] == pytest.approx(run.run.energy_kwh)
     assert run.points is not None
     assert len(view.map.sources["points"].data["x"]) == len(run.points.torque_nm)
     assert set(view.map.sources["signs"].data["text"]) <= {f"{100 * level:.0f}" for level in LEVELS}
     assert view.storage.sources["chosen"].data["x"] == [run.need.largest_drop_kwh]
+
+
+@pytest.mark.parametrize(
+    ("regulator", "does", "other"), [("coast", "coasts above", "brakes"), ("literal", "brakes above", "coasts")]
+)
+def test_the_rule_is_that_of_the_regulator(regulator: str, does: str, other: str) -> None:
+    """The published relay asks for the brake above V + dV, (5) and the words above it."""
+    text = rule_html(load_scenario("kharkiv-like-40kmh").with_(**{"search.regulator": regulator}).search)
+    assert does in text
+    assert other not in text
+
+
+def test_the_cursor_names_lines_as_their_ends_do(view: SpeedLimitsView) -> None:
+    for chart in (view.speed, view.effort, view.energy):
+        assert [one[0] for one in chart.told["sources"]] == ["optimal in the same time", UNDER_LIMITS]
 
 
 def test_the_search_s_path_never_rises(view: SpeedLimitsView) -> None:
@@ -53,7 +70,7 @@ def test_what_the_browser_has_moved_is_a_trip_until_it_is_let_go(view: SpeedLimi
     assert (model.limits_kmh, model.borders_m) == ((60.0, 30.0), (900.0,))
     assert model.run is before
     assert model.trip is not None
-    assert len(sent(view.speed, "run")[0]) == len(model.trip.position_m)
+    assert len(sent(view.speed, UNDER_LIMITS)[0]) == len(model.trip.position_m)
     assert "release the step to compare" in view.figures.object
     view._release()
     assert model.run is not before
@@ -92,7 +109,7 @@ def test_the_sentence_stands_where_the_map_is_missing(view: SpeedLimitsView) -> 
     assert not view.no_map.visible
     view.state.scenario.choose("liashenko-ii")
     assert not view.map.host.visible
-    assert "has no efficiency map" in view.no_map.object
+    assert "there is no efficiency map" in view.no_map.object
 
 
 def test_the_motor_alone_is_better_than_with_its_inverter(view: SpeedLimitsView) -> None:

@@ -114,6 +114,6 @@ def test_a_drive_without_a_map_says_so(state: Workbench) -> None:
     state.scenario.choose("liashenko-ii")
     model = state.speed_limits
     assert model.motor_map is None
-    assert "'constant_efficiency' has no efficiency map" in model.no_map
+    assert "there is no efficiency map" in model.no_map
     assert model.run is not None
     assert model.run.points is None
