@@ -6,12 +6,12 @@ from itertools import groupby, pairwise
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.cells import CellTable, read_cells
-from railjoule.core.imports.columns import IntervalKind
 from railjoule.core.imports.findings import Finding, Notes
 from railjoule.core.imports.line import ImportedLine, Stop, line_of
 from railjoule.core.imports.numbers import M_PER_KM, decimal_of, number_of, text_of_cell
 from railjoule.core.imports.source_file import SourceFile, shown_list
 from railjoule.core.imports.table import DIGITS_M, ImportedTable, Interval, bounded
+from railjoule.core.imports.units import IntervalKind
 from railjoule.core.scenario._sentences import show
 
 NEEDED = ("seconds", "position", "speed", "speedLimit")

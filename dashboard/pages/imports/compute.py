@@ -331,7 +331,8 @@ def with_factors(imported: ImportedVehicle, factors: Mapping[str, float]) -> Imp
     if not factors:
         return imported
     vehicle = {**imported.document["vehicle"]}
-    for key, factor in factors.items():
+    with_mass = [(key, factors["tare_kg"]) for key in imported.per_mass] if "tare_kg" in factors else []
+    for key, factor in [*factors.items(), *with_mass]:
         *path, last = key.split(".")
         table = vehicle
         for name in path:

@@ -52,11 +52,12 @@ def test_a_file_of_2024():
     train = read_railtoolkit(DETAILED)
     vehicle = train.vehicle
     assert vehicle.tare_kg == 125_000
-    assert vehicle.rotating_mass_factor == pytest.approx(8 / 120)
+    assert vehicle.rotating_mass_factor == pytest.approx(8 / 125)
     assert (vehicle.traction.max_effort_kn, vehicle.traction.max_power_kw) == (200, 3000)
     assert (vehicle.braking.max_effort_kn, vehicle.braking.max_power_kw) == (150, 3000)
     assert vehicle.braking.friction_effort_kn == 100
-    assert vehicle.resistance.constant_n_per_kn == 2.0
+    # 2 per mille of the 120 t without load, of a vehicle that carries none; the other has no base resistance
+    assert vehicle.resistance.constant_n_per_kn == pytest.approx(240 / 125)
     assert told(train, "question") == ["railtoolkit-detailed.yaml: no base_resistance of coach: none is taken."]
     assert "railtoolkit-detailed.yaml: vehicle.tare_kg includes its load of 5 t." in told(train, "assumption")
 
