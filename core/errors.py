@@ -67,8 +67,9 @@ class EncodingError(ScenarioError):
 
     def __init__(self, source: str, doubt: str, likely: tuple[str, ...] = ()) -> None:
         self.likely = likely
+        example = (likely or ("cp1252",))[0]
         super().__init__(
-            f"{source}: not UTF-8, {doubt}; name its code page, as --encoding {(likely or ('cp1252',))[0]}."
+            f"{source}: not UTF-8, {doubt}; save it as UTF-8, or name its code page, as --encoding {example}."
         )
 
 

@@ -10,7 +10,7 @@ import unicodedata
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
-from railjoule.core.errors import EncodingError, ScenarioError
+from railjoule.core.errors import EncodingError, RailjouleError, ScenarioError
 from railjoule.core.imports.findings import Finding
 from railjoule.core.scenario._sentences import show
 
@@ -24,7 +24,8 @@ LETTERS = {
                "абвгдђежзијклљмнњопрстћуфхцчџш", "абвгдеёжзійклмнопрстуўфхцчшыьэюя"),
 }  # fmt: skip
 """Letters of languages by code page, beside a to z."""
-NAMES = {"cp1250": "Windows-1250", "cp1251": "Windows-1251", "cp1252": "Windows-1252", "gb18030": "GBK"}
+NAMES = {"gb18030": "GBK", "cp1250": "Windows-1250", "cp1251": "Windows-1251", "cp1252": "Windows-1252"}
+"""The last of those that read a file alike is the one that is named."""
 SIGNS = frozenset(
     "\u2030\u00b0\u00b2\u00b3\u00b5\u00b1\u2013\u2014\u2018\u2019\u201c\u201d\u201e\u2026\u00b7\u00a7\u00ab\u00bb\u00bd\u20ac\u2116\u00a0"
 )
@@ -73,8 +74,18 @@ def decoded(name: str, content: bytes, encoding: str) -> tuple[str, list[Finding
     if len(set(texts.values())) != 1:
         found = " and ".join(NAMES[page] for page in texts) or "none of Windows-1250, -1251, -1252 and GBK"
         raise EncodingError(name, f"and {found} {'are possible' if texts else 'is possible'}", tuple(texts))
-    page, text = next(iter(texts.items()))
+    page, text = texts.popitem()
     return text, [Finding("reading", f"{name}: not UTF-8, and so read as {NAMES[page]}.")]
+
+
+def found_code_page(content: bytes) -> str | None:
+    """Return the code page in which a file is read that is not Unicode, empty where it is in doubt; None of others."""
+    try:
+        content.decode("utf-16" if content.startswith(UTF_16_MARKS) else "utf-8-sig")
+    except UnicodeDecodeError:
+        texts = _possible_texts(content)
+        return texts.popitem()[0] if len(set(texts.values())) == 1 else ""
+    return None
 
 
 def require_code_page(encoding: str) -> None:
@@ -93,10 +104,12 @@ def encoding_mentioned(findings: Sequence[Finding]) -> Iterator[None]:
     """Add to an error how the characters of its file were read: a wrong code page may be its cause."""
     try:
         yield
-    except ScenarioError as error:
+    except RailjouleError as error:
         readings = [one.sentence.partition(": ")[2] for one in findings if "not UTF-8" in one.sentence]
         if readings:
-            sentence = f"{readings[0][:1].upper()}{readings[0][1:-1]}; another code page is named as --encoding cp1251."
+            sentence = (
+                f"{readings[0][:1].upper()}{readings[0][1:-1]}; if that is wrong name another, as --encoding cp1251."
+            )
             error.args = (f"{error} {sentence}",)
         raise
 

@@ -59,7 +59,6 @@ def read_osrd_line(source: SourceFile, name: str = "", sheet: str | None = None)
     neutral = _joined(stretches, lambda row: 0.0 if row.is_neutral else None)
     if not limits:
         raise ScenarioError(f"{source.name}: no row has a speedLimit and a length.")
-    notes.findings.append(Finding("assumption", f"{source.name}: it tells no gradients: a level line."))
     line = line_of(
         limits=_table("limits", source.name, limits),
         neutral=_table("neutral", source.name, neutral) if neutral else None,
