@@ -113,7 +113,7 @@ def line_of(
     begin, end = _extent(tables, begin_m, end_m)
     findings = [finding for table in tables for finding in (*table.findings, *_missing_ends(table, begin, end))]
     if gradients is None:
-        findings.append(Finding("assumption", f"{source}: it tells no gradients: a level line."))
+        findings.append(Finding("assumption", f"{source}: no gradients are given: a level line."))
     findings += _jumps([table for table in tables if table.kind in WHOLE])
     unused = [sentence for table in tables for sentence in (*table.unused, *_outside(table, begin, end))]
     placed: dict[str, tuple[Interval, ...]] = {table.kind: _on_line(table, begin, end) for table in tables}

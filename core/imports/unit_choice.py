@@ -142,7 +142,7 @@ def _gradient_doubt(permille: Sequence[float]) -> tuple[str, tuple[str, ...]] | 
     if steepest > STEEPEST_PERMILLE:
         return f"gradients reach {steepest:.4g} per mille", ("ratio",) if min(permille) > 1 else ()
     if steepest < LEVELLEST_PERMILLE:
-        # a fraction of 0.06 is the steepest, and a percentage is seldom as small
+        # a fraction of 0.06 is the steepest, and a line in per cent is rarely as level
         return f"no gradient exceeds {steepest:.4g} per mille", ("fraction",) if steepest < 0.06 else ()
     return None
 

@@ -21,8 +21,8 @@ SPELLINGS: Mapping[Quantity, Mapping[str, tuple[str, ...]]] = {
     "positions": {
         **LENGTHS,
         "mi": ("mi", "mile", "miles"),
-        "mi.ch": ("mi.ch", "mi ch", "miles.chains", "miles chains", "miles and chains", "m.ch"),
-        "mi.yd": ("mi.yd", "mi yd", "miles.yards", "miles yards", "miles and yards", "m.yd"),
+        "mi.ch": ("mi.ch", "mi ch", "miles.chains", "miles chains", "miles and chains", "mile.chain", "m.ch"),
+        "mi.yd": ("mi.yd", "mi yd", "miles.yards", "miles yards", "miles and yards", "mile.yard", "m.yd"),
     },
     "gradients": {
         "permille": ("\u2030", "permille", "permil", "per mille", "per mil", "promille", "pro mille", "mm/m", "m/km",
@@ -68,7 +68,8 @@ IMPLIED: Mapping[Quantity, Mapping[str, tuple[str, ...]]] = {
 CURVATURES = ("curvature", "krummung", "courbure")
 """What is measured is no radius, and so not in metres."""
 NO_UNIT = ("of", "the", "in", "at", "en", "de", "du", "la", "le", "max", "maximum", "permitted", "allowed", "value",
-           "values", "profile", "mean", "average", "point", "place", "station", "distance", "mileage")  # fmt: skip
+           "values", "profile", "mean", "average", "point", "place", "station", "distance", "mileage",
+           "limite", "maximale", "courbe")  # fmt: skip
 """Words of headings that say nothing of a unit."""
 LONGEST_PHRASE = 4
 BRACKETS = re.compile(r"\(([^()]*)\)|\[([^][]*)\]|\{([^{}]*)\}")

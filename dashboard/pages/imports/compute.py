@@ -238,7 +238,7 @@ def refused_parts(reading: Reading, others: Collection[str]) -> tuple[str, ...]:
 def waiting_words(offer: Offer) -> str:
     """Return why an offer is not taken."""
     parts = " and ".join(offer.waits_for)
-    return f"It waits for {parts}, which cannot be read yet: answer the questions at the left, or take it without."
+    return f"It waits for {parts}, which cannot be read: answer what the file\u2019s card asks, or take it without."
 
 
 def _vehicle_of(imported: ImportedVehicle, base: Scenario) -> dict[str, Any]:

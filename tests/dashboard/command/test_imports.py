@@ -113,7 +113,7 @@ def test_a_line_is_not_written_while_one_of_its_files_is_refused(capsys, tmp_pat
     assert told == "g.csv, row 2: gradient = 'abc' must be a number."
     assert not (tmp_path / "line.toml").exists()
     _, told = imported(capsys, "intervals", "--limits", FILES / "limits.csv", "-o", tmp_path / "line.toml")
-    assert "limits.csv: it tells no gradients: a level line." in told
+    assert "limits.csv: no gradients are given: a level line." in told
 
 
 @pytest.mark.parametrize(

@@ -46,7 +46,7 @@ def test_a_line_is_taken_without_its_gradients_only_if_the_user_says_so(state: W
     form = TakeForm(state.imports, lambda: state.scenario.edited)
     form.show()
     (offer,) = form.offers
-    assert offer["waits"].startswith("It waits for the gradients, which cannot be read yet: ")
+    assert offer["waits"].startswith("It waits for the gradients, which cannot be read: ")
     assert offer["without"] == "Take this line without the gradients"
     before = snapshot_of(state)
     form._take({"what": "take", "offer": "line", "time": "900"})
