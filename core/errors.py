@@ -31,6 +31,48 @@ class ChoiceError(ScenarioError):
         super().__init__(f"{source}: holds {len(names)} {what}s, {shown}{more}; choose one {what} by its name.")
 
 
+class UnitError(ScenarioError):
+    """A column of a file of which the unit is in doubt, and must be named.
+
+    Parameters
+    ----------
+    source, doubt : str
+        The file, and in words why it is in doubt.
+    setting : tuple of (str, str)
+        The kind of table and the key that says the unit.
+    units : tuple of str
+        Those that there are.
+    likely : tuple of str
+        Those that the numbers suggest, the likeliest first.
+    """
+
+    def __init__(
+        self, source: str, doubt: str, setting: tuple[str, str], units: tuple[str, ...], likely: tuple[str, ...] = ()
+    ) -> None:
+        self.key, self.likely = setting[1], likely
+        example = f"{'.'.join(setting)}={(likely or units)[0]}"
+        super().__init__(f"{source}: {doubt}; name the unit, as {example}, of {', '.join(units)}.")
+
+
+class EncodingError(ScenarioError):
+    """A text file that is not UTF-8, and of which the code page must be named.
+
+    Parameters
+    ----------
+    source, doubt : str
+        The file, and in words what is known of its code page.
+    likely : tuple of str
+        Code pages in which it is a text.
+    """
+
+    def __init__(self, source: str, doubt: str, likely: tuple[str, ...] = ()) -> None:
+        self.likely = likely
+        example = (likely or ("cp1252",))[0]
+        super().__init__(
+            f"{source}: not UTF-8, {doubt}; save it as UTF-8, or name its code page, as --encoding {example}."
+        )
+
+
 class DriveRangeError(ScenarioError):
     """An effort or a speed beyond what the map of a drive holds."""
 

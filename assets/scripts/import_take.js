@@ -28,12 +28,20 @@ export function render({model}) {
       return make("div", {class: "offer"}, make("b", {}, offer.label), make("p", {class: "refusal", role: "alert"}, offer.failure));
     }
     const [time, input] = field("Travel time, s", offer.time, `time ${offer.what}`, offer.why);
-    const send = () => model.send_msg({what: "take", offer: offer.what, time: input.value});
-    const take = make("button", {type: "button", class: offer.main ? "filled-button" : "plain-button", "data-key": offer.what},
-      offer.label);
-    take.addEventListener("click", send);
-    input.addEventListener("keydown", (event) => { if (event.key === "Enter") { send(); } });
-    return make("div", {class: "offer"}, take, time, make("p", {class: "muted small"}, offer.about));
+    const button = (text, kind, key, without) => {
+      const made = make("button", {type: "button", class: kind, "data-key": key}, text);
+      made.addEventListener("click", () => model.send_msg({what: "take", offer: offer.what, time: input.value, without}));
+      return made;
+    };
+    const take = button(offer.label, offer.main ? "filled-button" : "plain-button", offer.what, false);
+    const about = make("p", {class: "muted small"}, offer.about);
+    if (!offer.waits) {
+      input.addEventListener("keydown", (event) => { if (event.key === "Enter") { take.click(); } });
+      return make("div", {class: "offer"}, take, time, about);
+    }
+    take.disabled = true;
+    return make("div", {class: "offer"}, take, button(offer.without, "plain-button", `${offer.what} without`, true), time,
+      make("p", {class: "refusal", role: "alert"}, offer.waits), about);
   };
   const show = () => {
     const key = focused()?.dataset?.key, had = root.contains(focused());

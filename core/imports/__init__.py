@@ -1,11 +1,12 @@
 """Lines and vehicles from files of other programs; of the core, `measured` alone reads its tables with it."""
 
-from railjoule.core.imports.columns import INTERVAL_KINDS, PRESETS, ColumnMap, IntervalKind
+from railjoule.core.imports.columns import INTERVAL_KINDS, PRESETS, ColumnMap
 from railjoule.core.imports.findings import Finding, Imported
 from railjoule.core.imports.intervals import read_intervals
 from railjoule.core.imports.line import ImportedLine, line_of
 from railjoule.core.imports.source_file import SourceFile
 from railjoule.core.imports.table import ImportedTable, Interval
+from railjoule.core.imports.units import IntervalKind
 
 __all__ = [
     "INTERVAL_KINDS",

@@ -1,67 +1,54 @@
 """Which column of a table of intervals holds what: named, as a preset has it, or guessed from the columns' names."""
 
 import re
-import unicodedata
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, Literal, get_args
+from typing import Any, get_args
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.cells import Cell, CellTable
 from railjoule.core.imports.numbers import COMPOUND_UNITS, POSITION_UNITS
 from railjoule.core.imports.source_file import shown_list
+from railjoule.core.imports.units import BRACKETS, Heading, IntervalKind, name_tokens, plain, read_heading
 from railjoule.core.scenario._sentences import show, suggestion
 
-IntervalKind = Literal["gradients", "limits", "curves", "tunnels", "neutral"]
 INTERVAL_KINDS: tuple[IntervalKind, ...] = get_args(IntervalKind)
 ROLES = ("from", "to", "value", "direction")
 SETTINGS = ("position_unit", "value_unit", "decimal", "sheet")
 SELECTORS = ("line", "track")
 """Columns of which one value must be chosen."""
 VALUE_UNITS: Mapping[IntervalKind, tuple[str, ...]] = {
-    "gradients": ("permille", "percent", "ratio"),
+    "gradients": ("permille", "percent", "fraction", "ratio", "deg", "rad", "per10000", "ft/mi"),
     "limits": ("km/h", "m/s", "mph"),
-    "curves": ("m",),
+    "curves": ("m", "km", "ft", "yd", "ch", "deg", "1/m", "1/km"),
     "tunnels": ("factor", "m2"),
     "neutral": (),
 }
 """Units of what a table of each kind holds; of gradients, limits and curves the first holds where none is named."""
+ALL_POSITION_UNITS = (*POSITION_UNITS, *COMPOUND_UNITS)
 NAMES: Mapping[str, tuple[str, ...]] = {
-    "from": ("from", "start", "begin", "beginning", "von", "anfang", "pkd", "pk debut", "debut", "position", "pos",
-             "chainage", "kilometer", "km", "mileage", "location", "pk", "start position", "from position"),
-    "to": ("to", "end", "bis", "ende", "pkf", "pk fin", "fin", "end position", "to position"),
-    "gradients": ("gradient", "slope", "grade", "inclination", "neigung", "declivite", "valeur", "value", "permille",
-                  "steigung", "ill gradprofile"),
-    "limits": ("limit", "speed limit", "speed", "v max", "vmax", "max speed", "vitesse", "geschwindigkeit", "value",
-               "velocity", "permitted speed"),
-    "curves": ("radius", "rayon", "curve radius", "r", "halbmesser", "value"),
-    "tunnels": ("factor", "tunnel factor", "cross section", "area", "querschnitt", "section", "value"),
-    "neutral": (),
-    "line": ("line", "code ligne", "strecke", "line code", "route", "ligne"),
-    "track": ("track", "nom voie", "voie", "gleis"),
+    role: tuple(map(plain, names))
+    for role, names in {
+        "from": ("from", "start", "begin", "beginning", "von", "anfang", "pkd", "pk debut", "debut", "od", "początek",
+                 "начало", "початок", "起点", "起点里程", "position", "pos", "chainage", "kilometer", "km", "mileage",
+                 "location", "pk", "start position", "from position", "milepost", "里程"),
+        "to": ("to", "end", "bis", "ende", "pkf", "pk fin", "fin", "do", "koniec", "конец", "кінець", "终点",
+               "终点里程", "end position", "to position"),
+        "gradients": ("gradient", "slope", "grade", "inclination", "neigung", "längsneigung", "declivite", "valeur",
+                      "value", "permille", "steigung", "ill gradprofile", "pochylenie", "уклон", "ухил", "坡度"),
+        "limits": ("limit", "speed limit", "speed", "v max", "vmax", "max speed", "maxspeed", "vitesse",
+                   "geschwindigkeit", "höchstgeschwindigkeit", "value", "velocity", "permitted speed",
+                   "v", "prędkość", "скорость", "швидкість", "限速"),
+        "curves": ("radius", "rayon", "curve radius", "r", "halbmesser", "value", "degree of curve", "curvature",
+                   "promień", "радиус", "радіус", "半径", "曲线半径"),
+        "tunnels": ("factor", "tunnel factor", "cross section", "area", "querschnitt", "section", "value"),
+        "neutral": (),
+        "line": ("line", "code ligne", "strecke", "line code", "route", "ligne"),
+        "track": ("track", "nom voie", "voie", "gleis"),
+    }.items()
 }  # fmt: skip
 """Words by which a column is known, the likeliest first."""
-UNITS_IN_NAMES = {
-    "m": "m", "metres": "m", "meters": "m", "metre": "m", "km": "km", "pk": "pk", "pkd": "pk", "pkf": "pk",
-    "mi": "mi", "miles": "mi", "ch": "ch", "chains": "ch", "yd": "yd", "yards": "yd", "ft": "ft",
-    "permille": "permille", "percent": "percent", "kmh": "km/h", "mph": "mph", "ms": "m/s", "factor": "factor",
-    "m2": "m2", "area": "m2", "querschnitt": "m2",
-}  # fmt: skip
-"""Units that stand in columns' names, as the words that `_words` makes of them."""
-UNIT_WORDS = UNITS_IN_NAMES.keys() - {"factor", "area", "querschnitt"}
-"""Those that say nothing of what the column holds, and are left out where it is looked for."""
-SIGNS_OF_UNITS = {
-    "%": " percent ",
-    "\u2030": " permille ",
-    "o/oo": " permille ",
-    "mm/m": " permille ",
-    "per mille": " permille ",
-    "per cent": " percent ",
-    "km/h": " kmh ",
-    "m/s": " ms ",
-    "\u00b2": "2",
-}
-"""Units that are no single word."""
+WORDS_OF_NAMES = frozenset(word for names in NAMES.values() for name in names for word in name.split())
 FALLS, RISES, IS_LEVEL = ("pente", "fall", "gefalle", "gefaelle", "down"), ("rampe", "rise", "up"), ("palier", "level")
 """Words of a column of directions, as they begin."""
 
@@ -77,7 +64,7 @@ class ColumnMap:
     position_unit : str or None
         m, km, mi, ch, yd, ft, pk (012+345), mi.ch (12.34 is 12 miles 34 chains) or mi.yd.
     value_unit : str or None
-        As in `VALUE_UNITS`.
+        As in `VALUE_UNITS`; ratio is 1 in so many, ft/mi feet a mile, deg of curves the degree of curve.
     decimal : str or None
         The decimal sign, '.' or ','.
     rows : mapping of str to str
@@ -122,14 +109,17 @@ PRESETS: Mapping[str, tuple[IntervalKind, ColumnMap]] = {
 
 @dataclass(frozen=True)
 class ResolvedColumns:
-    """The columns of one table by what they hold, and their units; None where the table has no such column."""
+    """The columns of one table by what they hold, and what is said of their units; None where there is no such column.
+
+    The units have no doubt where the user named them.
+    """
 
     begin: str
     end: str | None
     value: str | None
     direction: str | None
-    position_unit: str | None
-    value_unit: str | None
+    position: Heading
+    amount: Heading
 
 
 def resolve(cells: CellTable, kind: IntervalKind, wanted: ColumnMap) -> ResolvedColumns:
@@ -168,9 +158,29 @@ def resolve(cells: CellTable, kind: IntervalKind, wanted: ColumnMap) -> Resolved
         end,
         value,
         direction,
-        wanted.position_unit or _unit_in(begin, (*POSITION_UNITS, *COMPOUND_UNITS)),
-        wanted.value_unit or (_unit_in(value, VALUE_UNITS[kind]) if value else None),
+        Heading(wanted.position_unit) if wanted.position_unit else _position_heading(begin, end, named),
+        Heading(wanted.value_unit) if wanted.value_unit else _value_heading(value, kind, named),
     )
+
+
+def _position_heading(begin: str, end: str | None, named: Mapping[str, str]) -> Heading:
+    """Return the unit that the columns of positions name, of which one may leave it to the other."""
+    headings = [
+        read_heading(column, "positions", None if role in named else WORDS_OF_NAMES)
+        for role, column in (("from", begin), ("to", end))
+        if column is not None
+    ]
+    doubt = next((heading.doubt for heading in headings if heading.doubt), "")
+    units = list(dict.fromkeys(heading.unit for heading in headings if heading.unit))
+    if len(units) > 1 and not doubt:
+        doubt = f"{begin!r} and {end!r} name two units, {' and '.join(units)}"
+    return Heading(units[0] if units else None, doubt)
+
+
+def _value_heading(value: str | None, kind: IntervalKind, named: Mapping[str, str]) -> Heading:
+    if value is None or not VALUE_UNITS[kind]:
+        return Heading()
+    return read_heading(value, kind, None if "value" in named else WORDS_OF_NAMES)
 
 
 def selectors_of(cells: CellTable, used: Collection[str]) -> list[str]:
@@ -188,11 +198,9 @@ def _require_known(source: str, kind: IntervalKind, wanted: ColumnMap) -> None:
     for name in wanted.columns:
         if name not in ROLES:
             raise ScenarioError(f"{source}: {kind}.{_told(name, ROLES)}")
-    units = (*POSITION_UNITS, *COMPOUND_UNITS)
-    if wanted.position_unit is not None and wanted.position_unit not in units:
-        raise ScenarioError(
-            f"{source}: {kind}.position_unit = {show(wanted.position_unit)} must be one of {', '.join(units)}."
-        )
+    if wanted.position_unit is not None and wanted.position_unit not in ALL_POSITION_UNITS:
+        known = ", ".join(ALL_POSITION_UNITS)
+        raise ScenarioError(f"{source}: {kind}.position_unit = {show(wanted.position_unit)} must be one of {known}.")
     if wanted.value_unit is not None and wanted.value_unit not in VALUE_UNITS[kind]:
         known = ", ".join(VALUE_UNITS[kind]) or "left out"
         raise ScenarioError(f"{source}: {kind}.value_unit = {show(wanted.value_unit)} must be one of {known}.")
@@ -278,19 +286,5 @@ def _has_word(column: str, name: str) -> bool:
 def _words(text: str, with_unit: bool = True) -> str:
     """Return a column's name in small letters without accents and signs, and if asked without its unit."""
     if not with_unit:
-        text = re.sub(r"\([^)]*\)|\[[^\]]*\]", " ", text)
-    plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
-    words = re.sub(r"[^a-z0-9]+", " ", plain.lower()).split()
-    # a name that is nothing but a unit, as 'km', keeps it
-    return " ".join(words[:-1] if not with_unit and len(words) > 1 and words[-1] in UNIT_WORDS else words)
-
-
-def _unit_in(column: str, units: tuple[str, ...]) -> str | None:
-    """Return the unit that a column's name tells, such as km in 'From (km)'."""
-    text = column.lower()
-    for sign, word in SIGNS_OF_UNITS.items():
-        text = text.replace(sign, word)
-    for word in reversed(re.sub(r"[^a-z0-9]+", " ", text).split()):
-        if UNITS_IN_NAMES.get(word) in units:
-            return UNITS_IN_NAMES[word]
-    return None
+        text = " ".join(name_tokens(text)) or BRACKETS.sub(" ", text)
+    return " ".join(re.sub(r"[\W_]+", " ", plain(text)).split())

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import Protocol
 
-from railjoule.core.imports.columns import IntervalKind
 from railjoule.core.imports.findings import Finding
+from railjoule.core.imports.units import IntervalKind
 
 # a millimetre less or more is how positions were rounded
 LEAST_STRETCH_M = 0.001
@@ -65,7 +65,8 @@ def continuity_findings(kind: IntervalKind, ordered: Sequence[Stretch]) -> list[
             end = min(furthest.to_m, stretch.to_m)
             same = (furthest.from_m, furthest.to_m, furthest.value) == (stretch.from_m, stretch.to_m, stretch.value)
             where = f"from {place(stretch.from_m)} to {place(end)} m"
-            sentence = f"rows {rows[0]} and {rows[1]} overlap {where}; {RULES[kind]}."
+            rule = "they agree" if furthest.value == stretch.value else RULES[kind]
+            sentence = f"rows {rows[0]} and {rows[1]} overlap {where}; {rule}."
             if same:
                 sentence = f"row {rows[1]} repeats row {rows[0]}."
             found.append(Finding("overlap", sentence, rows, stretch.from_m, end))

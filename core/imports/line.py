@@ -112,6 +112,8 @@ def line_of(
     source = ", ".join(dict.fromkeys(table.source for table in tables))
     begin, end = _extent(tables, begin_m, end_m)
     findings = [finding for table in tables for finding in (*table.findings, *_missing_ends(table, begin, end))]
+    if gradients is None:
+        findings.append(Finding("assumption", f"{source}: no gradients are given: a level line."))
     findings += _jumps([table for table in tables if table.kind in WHOLE])
     unused = [sentence for table in tables for sentence in (*table.unused, *_outside(table, begin, end))]
     placed: dict[str, tuple[Interval, ...]] = {table.kind: _on_line(table, begin, end) for table in tables}

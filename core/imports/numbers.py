@@ -7,30 +7,55 @@ from typing import Literal
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.cells import Cell
+from railjoule.core.imports.units import KNOTS, Quantity, without_unit
 from railjoule.core.scenario._sentences import show
+from railjoule.core.units import MS_PER_KMH
 
 Decimal = Literal[".", ","]
 M_PER_KM = 1000.0
 M_PER_MILE = 1609.344
 M_PER_CHAIN = M_PER_MILE / 80
 M_PER_YARD = M_PER_MILE / 1760
-POSITION_UNITS = {"m": 1.0, "km": M_PER_KM, "mi": M_PER_MILE, "ch": M_PER_CHAIN, "yd": M_PER_YARD, "ft": M_PER_YARD / 3}
+M_PER_FOOT = M_PER_YARD / 3
+POSITION_UNITS = {"m": 1.0, "km": M_PER_KM, "mi": M_PER_MILE, "ch": M_PER_CHAIN, "yd": M_PER_YARD, "ft": M_PER_FOOT}
 """Metres in one of each unit of length."""
 COMPOUND_UNITS = {
     "pk": "kilometres and metres, 012+345",
     "mi.ch": "miles and chains, 12.34 or 12m 34ch",
     "mi.yd": "miles and yards, 12.0440 or 12m 440yd",
 }
+PERMILLE_UNITS = {
+    "permille": 1.0,
+    "percent": 10.0,
+    "fraction": 1000.0,
+    "per10000": 0.1,
+    "ft/mi": 1000.0 * M_PER_FOOT / M_PER_MILE,
+}
+"""Per mille in one of each unit of gradients that is proportional to them."""
+RADIANS = {"rad": 1.0, "deg": math.pi / 180}
+KMH_UNITS = {"km/h": 1.0, "m/s": 1 / MS_PER_KMH, "mph": M_PER_MILE / M_PER_KM}
+CURVATURE_UNITS = {"1/m": 1.0, "1/km": 1 / M_PER_KM}
+CHORD_M = 100 * M_PER_FOOT
+"""The degree of curve is the angle of the arc over this chord, as North American railways define it."""
 LONGEST_NUMBER = 40
 """Characters of a number that is read; a longer one is none."""
 THIN_SPACES = dict.fromkeys(map(ord, " \u00a0\u2007\u2009\u202f'\u2019"))
 # \u2212 is the sign that word processors make of a hyphen between numbers
 MINUS = str.maketrans("\u2212\u2013", "--")
-KILOMETRES_METRES = re.compile(r"([+-]?)(\d+)([+-])(\d+(?:[.,]\d+)?)")
+KILOMETRES_METRES = re.compile(r"([+-]?)(\d+)\+(\d{3,}(?:[.,]\d+)?)")
+BEFORE_ORIGIN = re.compile(r"000-(\d{3}(?:[.,]\d+)?)")
+FEW_METRES = re.compile(r"[+-]?\d+\+\d{1,2}(?:[.,]\d+)?")
+"""12 km and 50 m, 500 m, or a station of 50 ft."""
+RANGE = re.compile(r"\d[\d.,]*-\d[\d.,-]*")
+"""Two places, or a date."""
+CHAINAGE_UNITS = ("m", "km", "pk")
+"""Units in which a table may be that has places in km and m."""
 MILES = re.compile(r"(\d+)\s*(?:mi|m|miles?)\.?\s*(\d+(?:[.,]\d+)?)\s*(ch|c|chains?|yd|y|yards?)\.?", re.IGNORECASE)
 WITH_UNIT = re.compile(r"([^a-z]+)(km|mi|ch|yd|ft|m)", re.IGNORECASE)
 """A number with its unit behind it; 12m alone is metres."""
+PLACES_WITH_UNITS = (KILOMETRES_METRES, BEFORE_ORIGIN, MILES, WITH_UNIT)
 RATIO = re.compile(r"([+-]?)\s*1\s*(?::|in|/)\s*([+-]?)\s*(\d[\d.,]*)\s*([RF]?)", re.IGNORECASE)
+THOUSANDS = re.compile(r"(?<![\d.,])[1-9]\d{0,2}[.,]\d{3}(?!\d)")
 LEVEL = {"level", "l", "1:inf", "1:\u221e", "\u221e", "palier", "eben"}
 STRAIGHT = {"infinity", "infinite", "inf", "straight", "\u221e", "droit", "gerade", "alignement"}
 
@@ -67,7 +92,7 @@ def decimal_of(cells: Iterable[tuple[int, Cell]], separator: str, source: str) -
         If some rows have the one and some the other.
     """
     sure: dict[Decimal, tuple[int, str]] = {}
-    in_doubt = None
+    in_doubt: dict[Decimal, tuple[int, str]] = {}
     for number, cell in cells:
         if not isinstance(cell, str):
             continue
@@ -76,19 +101,21 @@ def decimal_of(cells: Iterable[tuple[int, Cell]], separator: str, source: str) -
             sure.setdefault("." if cell.rindex(".") > cell.rindex(",") else ",", (number, cell))
         elif points > 1 or commas > 1:
             sure.setdefault("," if points else ".", (number, cell))
-        elif commas and re.search(r"\b\d{1,3},\d{3}\b", cell):
-            in_doubt = number if in_doubt is None else in_doubt
         elif points or commas:
-            sure.setdefault("." if points else ",", (number, cell))
-    if len(sure) == 2:
-        (row, cell), (other_row, other) = sure["."], sure[","]
+            # 1.234 may be a thousand and more, 0.234 may not; nor may what no comma for decimals stands beside
+            is_doubtful = THOUSANDS.search(cell) and not (points and separator == ",")
+            (in_doubt if is_doubtful else sure).setdefault("." if points else ",", (number, cell))
+    mixed = sure if len(sure) == 2 else in_doubt if len(in_doubt) == 2 and not sure else None
+    if mixed is not None:
+        (row, cell), (other_row, other) = mixed["."], mixed[","]
         raise ScenarioError(
             f"{source}: row {row} has {show(cell)} and row {other_row} {show(other)}; name the decimal sign, . or ,."
         )
-    if sure:
-        return next(iter(sure)), None
+    if sure or not in_doubt:
+        return next(iter(sure), "."), None
+    ((sign, (row, _)),) = in_doubt.items()
     # commas that separate cells can only be within quotes, where they part thousands
-    return ("." if separator == "," or in_doubt is None else ","), in_doubt
+    return ("." if separator == "," else sign), row
 
 
 def number_of(cell: Cell, decimal: Decimal) -> float:
@@ -128,8 +155,17 @@ def position_of(cell: Cell, unit: str, decimal: Decimal) -> float:
     """
     text = text_of_cell(cell).translate(MINUS)
     if len(text) <= LONGEST_NUMBER:
-        if found := KILOMETRES_METRES.fullmatch(text.replace(" ", "")):
+        joined = text.replace(" ", "")
+        if found := KILOMETRES_METRES.fullmatch(joined):
+            if unit not in CHAINAGE_UNITS:
+                raise ValueError(f"is in km and m, but the column is in {unit}")
             return _chainage(*found.groups())
+        if FEW_METRES.fullmatch(joined):
+            raise ValueError("must have three digits of metres behind the +, as 12+050")
+        if found := BEFORE_ORIGIN.fullmatch(joined):
+            return -float(found[1].replace(",", "."))
+        if RANGE.fullmatch(joined):
+            raise ValueError("looks like a range or a date, and must be one place; 120 m before the origin is 000-120")
         if found := MILES.fullmatch(text):
             return _miles(*found.groups())
         if found := WITH_UNIT.fullmatch(text):
@@ -142,40 +178,90 @@ def position_of(cell: Cell, unit: str, decimal: Decimal) -> float:
     return number_of(cell, decimal) * POSITION_UNITS[unit]
 
 
-def gradient_of(cell: Cell, unit: str, decimal: Decimal) -> float:
-    """Return the gradient in a cell [per mille], uphill positive; '1:100' is read in any unit.
+def value_of(cell: Cell, kind: Quantity, unit: str, decimal: Decimal, stated: str | None = None) -> float:
+    """Return the gradient [per mille, uphill positive], limit [km/h], radius [m] or other value in a cell.
+
+    Parameters
+    ----------
+    cell : Cell
+        A number; a unit behind it goes before that of the column, and '1:100' is a gradient in any column.
+    kind : str
+        What it is.
+    unit : str
+        The unit of the column.
+    decimal : str
+        The decimal sign.
+    stated : str or None
+        The unit that heading or user name, which the cell must not contradict.
 
     Raises
     ------
     ValueError
-        If it holds none; the text says what it must be.
+        If it holds none, or in another unit than `stated`; the text says what it must be.
     """
     text = text_of_cell(cell).translate(MINUS)
-    if text.lower().replace(" ", "") in LEVEL:
-        return 0.0
-    if len(text) <= LONGEST_NUMBER and (found := RATIO.fullmatch(text)):
+    if len(text) > LONGEST_NUMBER:
+        return number_of(cell, decimal)
+    if kind == "gradients" and (found := RATIO.fullmatch(text)):
         sign, other_sign, length, letter = found.groups()
         falls = (sign == "-") != (other_sign == "-") or letter.upper() == "F"
         return (-1 if falls else 1) * _one_in(number_of(length, decimal))
-    if isinstance(cell, str):
-        cell = text.removesuffix("%").removesuffix("\u2030")
-    value = number_of(cell, decimal)
-    if unit == "ratio":
-        return math.copysign(_one_in(abs(value)), value)
-    return value * (10.0 if unit == "percent" else 1.0)
-
-
-def radius_of(cell: Cell, decimal: Decimal) -> float:
-    """Return the radius in a cell [m], without the side to which it bends; 0 is straight.
-
-    Raises
-    ------
-    ValueError
-        If it holds none; the text says what it must be.
-    """
-    if text_of_cell(cell).lower() in STRAIGHT:
+    if is_zero_in_words(text, kind):
         return 0.0
-    return abs(number_of(cell, decimal))
+    number, own = without_unit(text, kind)
+    if own is not None:
+        if stated is not None and own != stated:
+            raise ValueError(f"is in {own}, but the column in {stated}")
+        cell, unit = number, own
+    if unit == KNOTS:
+        raise ValueError("is in knots, which are not read; write km/h, of which a knot is 1.852")
+    return _converted(number_of(cell, decimal), kind, unit)
+
+
+def is_zero_in_words(text: str, kind: Quantity) -> bool:
+    """Return whether a cell says 'level' or 'straight'."""
+    word = text.lower().replace(" ", "")
+    return (kind == "gradients" and word in LEVEL) or (kind == "curves" and word in STRAIGHT)
+
+
+def names_unit(cell: Cell, kind: Quantity) -> bool:
+    """Return whether a cell says its unit itself."""
+    text = text_of_cell(cell).translate(MINUS)
+    if len(text) > LONGEST_NUMBER:
+        return False
+    if kind == "positions":
+        return any(form.fullmatch(text.replace(" ", "")) for form in PLACES_WITH_UNITS)
+    return (kind == "gradients" and RATIO.fullmatch(text) is not None) or without_unit(text, kind)[1] is not None
+
+
+def _converted(value: float, kind: Quantity, unit: str) -> float:
+    if kind == "gradients":
+        if unit == "ratio":
+            return math.copysign(_one_in(abs(value)), value) if value else 0.0  # level is written as 0
+        if unit in RADIANS:
+            angle = RADIANS[unit] * value
+            if abs(angle) >= math.pi / 2:
+                raise ValueError("must be less steep than a right angle")
+            return 1000.0 * math.tan(angle)
+        return value * PERMILLE_UNITS[unit]
+    if kind == "limits":
+        return value * KMH_UNITS[unit]
+    if kind == "curves":
+        return _radius(abs(value), unit)
+    return value
+
+
+def _radius(amount: float, unit: str) -> float:
+    """Return a radius [m], 0 where the line is straight."""
+    if unit in POSITION_UNITS:
+        return amount * POSITION_UNITS[unit]
+    if amount == 0:
+        return 0.0
+    if unit == "deg":
+        if amount >= 180:
+            raise ValueError("must be below 180 degrees")
+        return CHORD_M / 2 / math.sin(RADIANS["deg"] * amount / 2)
+    return 1 / (amount * CURVATURE_UNITS[unit])
 
 
 def _one_in(length: float) -> float:
@@ -184,10 +270,9 @@ def _one_in(length: float) -> float:
     return 1000.0 / length
 
 
-def _chainage(sign: str, kilometres: str, joint: str, metres: str) -> float:
+def _chainage(sign: str, kilometres: str, metres: str) -> float:
     value = int(kilometres) * M_PER_KM + float(metres.replace(",", "."))
-    # '000-120' is how places before the origin are written
-    return -value if sign == "-" or joint == "-" else value
+    return -value if sign == "-" else value
 
 
 def _miles(miles: str, rest: str, unit: str) -> float:

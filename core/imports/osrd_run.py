@@ -6,12 +6,12 @@ from itertools import groupby, pairwise
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.cells import CellTable, read_cells
-from railjoule.core.imports.columns import IntervalKind
 from railjoule.core.imports.findings import Finding, Notes
 from railjoule.core.imports.line import ImportedLine, Stop, line_of
 from railjoule.core.imports.numbers import M_PER_KM, decimal_of, number_of, text_of_cell
 from railjoule.core.imports.source_file import SourceFile, shown_list
 from railjoule.core.imports.table import DIGITS_M, ImportedTable, Interval, bounded
+from railjoule.core.imports.units import IntervalKind
 from railjoule.core.scenario._sentences import show
 
 NEEDED = ("seconds", "position", "speed", "speedLimit")
@@ -59,7 +59,6 @@ def read_osrd_line(source: SourceFile, name: str = "", sheet: str | None = None)
     neutral = _joined(stretches, lambda row: 0.0 if row.is_neutral else None)
     if not limits:
         raise ScenarioError(f"{source.name}: no row has a speedLimit and a length.")
-    notes.findings.append(Finding("assumption", f"{source.name}: it tells no gradients: a level line."))
     line = line_of(
         limits=_table("limits", source.name, limits),
         neutral=_table("neutral", source.name, neutral) if neutral else None,

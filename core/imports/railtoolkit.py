@@ -8,13 +8,13 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from railjoule.core.errors import ChoiceError, ScenarioError
-from railjoule.core.imports.columns import IntervalKind
 from railjoule.core.imports.findings import Finding, Notes
 from railjoule.core.imports.foreign import Foreign, checked, unknown_keys
 from railjoule.core.imports.line import ImportedLine, line_of
 from railjoule.core.imports.railtoolkit_train import read_train
-from railjoule.core.imports.source_file import SourceFile, shown_list, text_of
+from railjoule.core.imports.source_file import SourceFile, shown_list, unicode_text_of
 from railjoule.core.imports.table import ImportedTable, Interval, bounded
+from railjoule.core.imports.units import IntervalKind
 from railjoule.core.imports.vehicle import ImportedVehicle
 from railjoule.core.scenario._base import Number
 from railjoule.core.scenario._sentences import show
@@ -98,7 +98,7 @@ def yaml_of(source: SourceFile) -> dict[str, Any]:
         ) from None
     if len(source.content) > LARGEST_YAML_BYTES:
         raise ScenarioError(f"{source.name}: larger than the {LARGEST_YAML_BYTES / 1e6:g} MB allowed.")
-    text, _ = text_of(source)
+    text = unicode_text_of(source, "YAML")
     try:
         level = 0
         for event in yaml.parse(text, yaml.SafeLoader):

@@ -141,15 +141,16 @@ def read_train(document: Mapping[str, Any], source: str, wanted: str | None, not
         if vehicle.traction and vehicle.power_type not in {"electric", None}:
             sentence = f"{where} is {vehicle.power_type}: its efforts are taken, and its energy counts as electric."
             notes.findings.append(Finding("question", sentence))
-    mass_kg = _mass_kg(train, formation, source, notes)
-    rotating = _rotating_mass_factor(formation)
+    masses_t = _loaded_masses_t(train, formation, source, notes)
+    mass_kg = KG_PER_T * sum(masses_t)
+    rotating = _rotating_mass_factor(formation, masses_t)
     table = short_numbers(
         {
             "name": (train.name or train.id)[:200],
             "tare_kg": mass_kg,
             "rotating_mass_factor": rotating,
             "length_m": sum(vehicle.length for vehicle in formation),
-            "resistance": _resistance(formation, source, notes),
+            "resistance": _resistance(formation, masses_t, source, notes),
             "traction": {"max_speed_kmh": _speed_limit(formation, source), **_traction(formation, source)},
             "braking": _braking(formation, (1 + rotating) * mass_kg, source, notes),
             "drive": {"model": "constant_efficiency", "traction_efficiency": 1.0},
@@ -158,8 +159,15 @@ def read_train(document: Mapping[str, Any], source: str, wanted: str | None, not
     notes.findings.append(Finding("assumption", f"{source}: it tells no losses: a drive without losses."))
     checked_one = checked_vehicle(table, source)
     notes.findings += questions(checked_one, source)
+    # resistance is over weight, and so stays
+    per_mass = () if _friction_forces(formation) else ("braking.friction_effort_kn",)
     return ImportedVehicle(
-        source, {"vehicle": table}, checked_one, findings=tuple(notes.findings), unused=tuple(notes.unused)
+        source,
+        {"vehicle": table},
+        checked_one,
+        findings=tuple(notes.findings),
+        unused=tuple(notes.unused),
+        per_mass=per_mass,
     )
 
 
@@ -237,42 +245,48 @@ def _unused_parts(vehicle: RailVehicle, where: str) -> list[str]:
     return told
 
 
-def _mass_kg(train: Train, formation: Sequence[RailVehicle], source: str, notes: Notes) -> float:
-    empty = sum(vehicle.mass for vehicle in formation)
-    load = 0.0
-    if train.loading_factor is not None:
-        if len(train.loading_factor) != len(formation):
-            raise ScenarioError(
-                f"{source}: train {train.id}: loading_factor has {len(train.loading_factor)} entries for "
-                f"{len(formation)} vehicles."
-            )
-        load = sum(share * one.load_limit for share, one in zip(train.loading_factor, formation, strict=True))
-        notes.findings.append(Finding("assumption", f"{source}: vehicle.tare_kg includes its load of {load:g} t."))
-    elif any(vehicle.load_limit for vehicle in formation):
-        total = sum(vehicle.load_limit for vehicle in formation)
-        notes.unused.append(f"{source}: load_limit: the train is empty, and may carry {total:g} t.")
-    return KG_PER_T * (empty + load)
+def _loaded_masses_t(train: Train, formation: Sequence[RailVehicle], source: str, notes: Notes) -> list[float]:
+    """Return the mass of each vehicle with its load [t]."""
+    empty = [vehicle.mass for vehicle in formation]
+    if train.loading_factor is None:
+        if total := sum(vehicle.load_limit for vehicle in formation):
+            notes.unused.append(f"{source}: load_limit: the train is empty, and may carry {total:g} t.")
+        return empty
+    if len(train.loading_factor) != len(formation):
+        raise ScenarioError(
+            f"{source}: train {train.id}: loading_factor has {len(train.loading_factor)} entries for "
+            f"{len(formation)} vehicles."
+        )
+    loads = [share * one.load_limit for share, one in zip(train.loading_factor, formation, strict=True)]
+    notes.findings.append(Finding("assumption", f"{source}: vehicle.tare_kg includes its load of {sum(loads):g} t."))
+    return [mass + load for mass, load in zip(empty, loads, strict=True)]
 
 
-def _rotating_mass_factor(formation: Sequence[RailVehicle]) -> float:
-    """Return the share of rotating masses in the empty mass; where a vehicle tells none it has none."""
+def _rotating_mass_factor(formation: Sequence[RailVehicle], masses_t: Sequence[float]) -> float:
+    """Return rotating masses over the loaded mass: a vehicle gives its share of its empty mass, as no load rotates."""
     rotating = sum(vehicle.mass * ((vehicle.resistance.rotation_mass or 1.0) - 1) for vehicle in formation)
-    return rotating / sum(vehicle.mass for vehicle in formation)
+    return rotating / sum(masses_t)
 
 
-def _resistance(formation: Sequence[RailVehicle], source: str, notes: Notes) -> dict[str, float]:
-    """Return resistance over weight: one per mille of the weight is one newton a kilonewton."""
-    mass = sum(vehicle.mass for vehicle in formation)
+def _resistance(
+    formation: Sequence[RailVehicle], masses_t: Sequence[float], source: str, notes: Notes
+) -> dict[str, float]:
+    """Return resistance over weight: one per mille of the weight is one newton a kilonewton.
+
+    The coefficients of a vehicle are per mille of its loaded weight, as TrainRuns.jl takes them.
+    """
     terms = np.zeros(3)
-    for vehicle in formation:
+    for vehicle, mass in zip(formation, masses_t, strict=True):
         base, rolling, air = (
             getattr(vehicle.resistance, f"{name}_resistance") or 0.0 for name in ("base", "rolling", "air")
         )
-        driven = vehicle.mass if vehicle.mass_traction is None else min(vehicle.mass_traction, vehicle.mass)
         if vehicle.traction:  # on driving axles the base, on carrying ones the rolling coefficient
-            terms += np.array([base * driven + rolling * (vehicle.mass - driven), 0.0, air * vehicle.mass]) / mass
+            # a load is spread over the axles as the empty mass is
+            driven = 1.0 if vehicle.mass_traction is None else min(vehicle.mass_traction / vehicle.mass, 1.0)
+            terms += mass * np.array([base * driven + rolling * (1 - driven), 0.0, air])
         else:
-            terms += np.array([base, rolling, air]) * vehicle.mass / mass
+            terms += mass * np.array([base, rolling, air])
+    terms /= sum(masses_t)
     silent = [one.id for one in formation if one.resistance.base_resistance is None]
     if silent:
         sentence = f"{source}: no base_resistance of {shown_list(list(Counter(silent)))}: none is taken."
@@ -333,15 +347,25 @@ def _braking(formation: Sequence[RailVehicle], inertia_kg: float, source: str, n
     if not known:
         told = f"{source}: it tells of no electric brake, and nothing goes back."
         notes.findings.append(Finding("assumption", told))
-    decelerations = [abs(one.brakes.deceleration) for one in formation if one.brakes.deceleration]
-    services = [one.brakes.friction_brake.service_brake_effort or 0.0 for one in formation if one.brakes.friction_brake]
+    decelerations = _decelerations(formation)
     if decelerations:
         braking["max_deceleration_ms2"] = min(decelerations)
-        braking["friction_effort_kn"] = inertia_kg * min(decelerations) / N_PER_KN
-    elif sum(services):
-        braking["friction_effort_kn"] = sum(services)
-    else:
-        braking["friction_effort_kn"] = inertia_kg * USUAL_DECELERATION_MS2 / N_PER_KN
+    if services := _friction_forces(formation):
+        braking["friction_effort_kn"] = services
+        return braking
+    braking["friction_effort_kn"] = inertia_kg * min(decelerations, default=USUAL_DECELERATION_MS2) / N_PER_KN
+    if not decelerations:
         told = f"{source}: it tells of no friction brake: one for {USUAL_DECELERATION_MS2} m/s2 is assumed."
         notes.findings.append(Finding("assumption", told))
     return braking
+
+
+def _decelerations(formation: Sequence[RailVehicle]) -> list[float]:
+    return [abs(one.brakes.deceleration) for one in formation if one.brakes.deceleration]
+
+
+def _friction_forces(formation: Sequence[RailVehicle]) -> float:
+    """Return the force of all friction brakes [kN]; 0 where decelerations go before them, or there are none."""
+    if _decelerations(formation):
+        return 0.0
+    return sum(one.brakes.friction_brake.service_brake_effort or 0.0 for one in formation if one.brakes.friction_brake)

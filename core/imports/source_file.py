@@ -6,25 +6,36 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, NoReturn, overload
 
-from railjoule.core.errors import ScenarioError
+from railjoule.core.errors import EncodingError, ScenarioError
+from railjoule.core.imports.encoding import decoded
 from railjoule.core.imports.findings import Finding
 from railjoule.core.scenario._sentences import shorten
 from railjoule.core.scenario.text_file import read_bytes
 
 # a whole network's speed limits with the shape of each line are about 30 MB
 LARGEST_BYTES = 50_000_000
-UTF_16_MARKS = (b"\xff\xfe", b"\xfe\xff")
 
 
 @dataclass(frozen=True)
 class SourceFile:
-    """A file by its name and what it holds, so that an uploaded one is read like one on disk."""
+    """A file by its name and what it holds, so that an uploaded one is read like one on disk.
+
+    Parameters
+    ----------
+    name : str
+        What errors call it.
+    content : bytes
+        What it holds.
+    encoding : str
+        Its code page where it is a text that is not UTF-8; empty where that is to be found.
+    """
 
     name: str
     content: bytes
+    encoding: str = ""
 
     @classmethod
-    def read(cls, path: str | Path) -> "SourceFile":
+    def read(cls, path: str | Path, encoding: str = "") -> "SourceFile":
         """Read a file of at most 50 MB.
 
         Raises
@@ -33,7 +44,7 @@ class SourceFile:
             If it is missing or too large.
         """
         path = Path(path)
-        return cls(path.name, read_bytes(path, LARGEST_BYTES))
+        return cls(path.name, read_bytes(path, LARGEST_BYTES), encoding)
 
 
 def text_of(source: SourceFile) -> tuple[str, list[Finding]]:
@@ -42,21 +53,29 @@ def text_of(source: SourceFile) -> tuple[str, list[Finding]]:
     Raises
     ------
     ScenarioError
-        If it is larger than 50 MB or no text.
+        If it is larger than 50 MB or no text, or its code page is in doubt.
     """
     content = source.content
     if len(content) > LARGEST_BYTES:
         raise ScenarioError(f"{source.name}: larger than the {LARGEST_BYTES / 1e6:g} MB allowed.")
-    findings = []
-    try:
-        text = content.decode("utf-16" if content.startswith(UTF_16_MARKS) else "utf-8-sig")
-    except UnicodeDecodeError:
-        # what spreadsheet programs of Western Europe write; it has a character for every byte
-        text = content.decode("cp1252", errors="replace")
-        findings = [Finding("reading", f"{source.name}: not UTF-8, and so read as Windows-1252 (Latin-1).")]
+    text, findings = decoded(source.name, content, source.encoding)
     if "\0" in text:
         raise ScenarioError(f"{source.name}: not a text file: it holds the character NUL.")
     return text, findings
+
+
+def unicode_text_of(source: SourceFile, form: str) -> str:
+    """Return the text of a file in a format that is UTF-8 by definition, or in the code page that the user names.
+
+    Raises
+    ------
+    ScenarioError
+        If it is in neither, larger than 50 MB or no text.
+    """
+    text, findings = text_of(source)
+    if findings:
+        raise EncodingError(source.name, f"which {form} is by definition")
+    return text
 
 
 @overload
@@ -75,7 +94,7 @@ def json_of(source: SourceFile, lists: bool = False) -> dict[str, Any] | list[An
     ScenarioError
         If it is no JSON, or holds something else.
     """
-    text, _ = text_of(source)
+    text = unicode_text_of(source, "JSON")
     try:
         value = json.loads(text, parse_constant=_refuse_constant)
     except json.JSONDecodeError as error:

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 from railjoule.core.errors import ScenarioError
 from railjoule.core.imports.cells import Cell
-from railjoule.core.imports.columns import IntervalKind
 from railjoule.core.imports.findings import Finding
 from railjoule.core.imports.numbers import text_of_cell
+from railjoule.core.imports.units import IntervalKind
 from railjoule.core.scenario import Section
 from railjoule.core.scenario._sentences import show
 

@@ -159,6 +159,8 @@ class RecorderFormat:
         For how long samples may be missing [s]: what happened meanwhile is interpolated.
     assumed : mapping of str to str
         Units by quantity that are taken, and told, where nothing tells one.
+    encoding : str
+        Code page of files that are not UTF-8; empty where it is to be found.
     """
 
     preset: str = "generic"
@@ -166,6 +168,7 @@ class RecorderFormat:
     units: Mapping[str, str] = field(default_factory=dict)
     longest_gap_s: float = 10.0
     assumed: Mapping[str, str] = field(default_factory=dict)
+    encoding: str = ""
 
     def require_known(self) -> None:
         """Raise RecordingError if the preset, a quantity or a unit is unknown, or the gap no length of time."""

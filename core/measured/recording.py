@@ -95,7 +95,7 @@ def load_recording(path: Path, form: RecorderFormat = GENERIC, sheet: str | None
     RailjouleError
         As `recording_of`, or if there is no such file.
     """
-    return recording_of(recorder_cells(SourceFile.read(path), form, sheet), form)
+    return recording_of(recorder_cells(SourceFile.read(path, form.encoding), form, sheet), form)
 
 
 def read_recording(text: str, source: str, form: RecorderFormat = GENERIC) -> Recording:

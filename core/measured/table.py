@@ -11,6 +11,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import RecordingError, ScenarioError
 from railjoule.core.imports.cells import Cell, CellTable, read_cells
+from railjoule.core.imports.encoding import encoding_mentioned
 from railjoule.core.imports.findings import without_name
 from railjoule.core.imports.numbers import Decimal, decimal_of, number_of, position_of, text_of_cell
 from railjoule.core.imports.source_file import SourceFile, counted, shown_list
@@ -114,7 +115,9 @@ def read_table(cells: CellTable, form: RecorderFormat = GENERIC) -> Table:
     source = cells.source
     if len(cells.header) < 2:
         raise RecordingError(f"{source} is no table: no row has columns with a semicolon, tab or comma between them.")
-    columns = [_with_clock(column, cells, form) for column in find_columns(cells.header, form, source)]
+    with encoding_mentioned(cells.findings):
+        found = find_columns(cells.header, form, source)
+    columns = [_with_clock(column, cells, form) for column in found]
     notes = [without_name(told, source) for told in (*(one.sentence for one in cells.findings), *cells.unused)]
     notes += [
         f"No unit is named for {column.header!r}: taken as {column.unit}."

@@ -347,9 +347,11 @@ def _add_import(commands: "argparse._SubParsersAction[_Parser]") -> None:
     stock.add_argument("file", metavar="FILE", help="FILE.json")
     stock.add_argument("--train", metavar="NAME", help="the rolling stock of that name; needed where there are several")
     stock.add_argument("--mode", metavar="M", help="the supply whose efforts are taken; default: the file's")
+    _add_encoding(stock)
     _add_output(stock, "OUT.toml")
     run = _add(formats, "osrd-run", "make a line with limits, or the table of a run, of a simulation of OSRD")
     run.add_argument("file", metavar="FILE", help="FILE.csv")
+    _add_encoding(run)
     _add_output(run, "OUT.toml for the line, OUT.csv or OUT.parquet for the run")
     toolkit = _add(formats, "railtoolkit", "make a vehicle or a line of a file of railtoolkit, YAML 2022.05 or 2024.07")
     toolkit.add_argument("file", metavar="FILE", help="FILE.yaml")
@@ -361,6 +363,7 @@ def _add_import(commands: "argparse._SubParsersAction[_Parser]") -> None:
         metavar="ID",
         help="the train, vehicle or path of that id; needed where there are several",
     )
+    _add_encoding(toolkit)
     _add_output(toolkit, "OUT.toml")
     measured = _add(formats, "run", "make the table of a run of what a recorder measured, CSV or XLSX")
     measured.add_argument("file", metavar="FILE", help="FILE.csv or FILE.xlsx")
@@ -393,15 +396,16 @@ def _add_ttobench(formats: "argparse._SubParsersAction[_Parser]") -> None:
         type=_seconds,
         help="time for the whole run; default: the journey's, or 10 %% above the shortest possible",
     )
+    _add_encoding(ttobench)
     _add_output(ttobench, "OUT.toml")
 
 
 def _add_intervals(formats: "argparse._SubParsersAction[_Parser]") -> None:
     intervals = _add(formats, "intervals", "put a line together from tables of intervals, CSV or XLSX")
     for kind, what in (
-        ("gradients", "gradients in per mille, per cent or 1:n"),
+        ("gradients", "gradients"),
         ("limits", "speed limits"),
-        ("curves", "radii of curves"),
+        ("curves", "radii or curvatures"),
         ("tunnels", "tunnels"),
         ("neutral", "neutral sections"),
     ):
@@ -421,8 +425,9 @@ def _add_intervals(formats: "argparse._SubParsersAction[_Parser]") -> None:
         action="extend",
         default=[],
         help="which column holds what, as gradients.from=PKD; KEY is from, to, value, direction, position_unit (m, km, "
-        "mi, ch, yd, ft, pk, mi.ch, mi.yd), value_unit (permille, percent, ratio, km/h, m/s, mph, factor, m2), decimal "
-        "or sheet",
+        "mi, ch, yd, ft, pk, mi.ch, mi.yd), value_unit (of gradients permille, percent, fraction, ratio for 1 in n, "
+        "deg, rad, per10000, ft/mi; of limits km/h, m/s, mph; of curves m, km, ft, yd, ch, 1/m, 1/km, or deg for the "
+        "degree of curve; of tunnels factor, m2), decimal or sheet",
     )
     intervals.add_argument(
         "--rows",
@@ -436,6 +441,7 @@ def _add_intervals(formats: "argparse._SubParsersAction[_Parser]") -> None:
     intervals.add_argument("--end", metavar="PLACE", help="chainage at which it ends")
     intervals.add_argument("--reverse", action="store_true", help="run it in falling chainage")
     intervals.add_argument("--name", metavar="NAME", help="the line's name")
+    _add_encoding(intervals)
     _add_output(intervals, "OUT.toml, or OUT.csv for line.file of a scenario")
 
 
@@ -489,6 +495,16 @@ def _add_columns(parser: _Parser, *other_names: str) -> None:
         "--unit", metavar="QUANTITY=UNIT", nargs="+", action="extend", default=[], help="such as speed=km/h effort=kN"
     )
     parser.add_argument("--sheet", metavar="NAME", help="the sheet of a workbook; needed where it has several")
+    _add_encoding(parser)
+
+
+def _add_encoding(parser: _Parser) -> None:
+    parser.add_argument(
+        "--encoding",
+        metavar="NAME",
+        default="",
+        help="code page of files that are not UTF-8, such as cp1250, cp1251 or gbk; default: found by their letters",
+    )
 
 
 def _add_recording(parser: _Parser) -> None:

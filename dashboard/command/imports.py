@@ -66,7 +66,8 @@ def intervals(options: argparse.Namespace) -> None:
         if kind not in files:
             raise CommandError(f"--{kind} is missing, whose columns are named.")
     tables: dict[str, Any] = {
-        kind: read_intervals(SourceFile.read(file), kind, maps.get(kind)) for kind, file in files.items()
+        kind: read_intervals(SourceFile.read(file, options.encoding), kind, maps.get(kind))
+        for kind, file in files.items()
     }
     line = line_of(
         **tables,
@@ -92,9 +93,9 @@ def ttobench(options: argparse.Namespace) -> None:
 
     target = _target(options.output, (".toml",))
     imported = read_ttobench(
-        SourceFile.read(options.file),
-        SourceFile.read(options.train),
-        None if options.journey is None else SourceFile.read(options.journey),
+        SourceFile.read(options.file, options.encoding),
+        SourceFile.read(options.train, options.encoding),
+        None if options.journey is None else SourceFile.read(options.journey, options.encoding),
         stops=options.stops,
         travel_time_s=options.travel_time_s,
     )
@@ -127,7 +128,7 @@ def osrd_stock(options: argparse.Namespace) -> None:
     from railjoule.core.imports.osrd_stock import read_osrd_stock  # noqa: PLC0415
 
     target = _target(options.output, (".toml",))
-    vehicle = read_osrd_stock(SourceFile.read(options.file), options.mode, options.train)
+    vehicle = read_osrd_stock(SourceFile.read(options.file, options.encoding), options.mode, options.train)
     _write(target, vehicle.to_toml())
     _tell(vehicle)
     print(f"{target}: {_vehicle_words(vehicle.vehicle)}")
@@ -139,7 +140,7 @@ def osrd_run(options: argparse.Namespace) -> None:
     from railjoule.core.measured import RecorderFormat  # noqa: PLC0415
 
     target = _target(options.output, (".toml", *TABLE_SUFFIXES))
-    source = SourceFile.read(options.file)
+    source = SourceFile.read(options.file, options.encoding)
     if target.suffix.lower() == ".toml":
         line = read_osrd_line(source)
         _write(target, line.to_toml())
@@ -154,7 +155,7 @@ def railtoolkit(options: argparse.Namespace) -> None:
     from railjoule.core.imports.railtoolkit import read_railtoolkit  # noqa: PLC0415
 
     target = _target(options.output, (".toml",))
-    imported = read_railtoolkit(SourceFile.read(options.file), options.train)
+    imported = read_railtoolkit(SourceFile.read(options.file, options.encoding), options.train)
     _write(target, imported.to_toml())
     _tell(imported)
     told = _line_words(imported.line) if isinstance(imported, ImportedLine) else _vehicle_words(imported.vehicle)
@@ -167,8 +168,8 @@ def measured_run(options: argparse.Namespace) -> None:
 
     target = _target(options.output, TABLE_SUFFIXES)
     columns, units = quantities("--column", options.column), quantities("--unit", options.unit)
-    form = RecorderFormat(options.preset, columns, units)
-    _write_run(target, SourceFile.read(options.file), form, options.sheet)
+    form = RecorderFormat(options.preset, columns, units, encoding=options.encoding)
+    _write_run(target, SourceFile.read(options.file, options.encoding), form, options.sheet)
 
 
 def _write_run(target: Path, source: SourceFile, form: "RecorderFormat", sheet: str | None = None) -> None:

@@ -217,7 +217,7 @@ def _format(options: argparse.Namespace) -> RecorderFormat:
     gap = RecorderFormat.longest_gap_s if options.longest_gap is None else _number("--longest-gap", options.longest_gap)
     columns = commands.quantities("--column", options.column)
     units = commands.quantities("--unit", options.unit)
-    return RecorderFormat(options.preset, columns, units, gap)
+    return RecorderFormat(options.preset, columns, units, gap, encoding=options.encoding)
 
 
 def _start(text: str | None) -> float | None:

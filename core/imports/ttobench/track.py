@@ -6,7 +6,6 @@ from dataclasses import replace
 from itertools import pairwise
 
 from railjoule.core.errors import ScenarioError
-from railjoule.core.imports.columns import IntervalKind
 from railjoule.core.imports.continuity import continuity_findings, place
 from railjoule.core.imports.findings import Finding, Notes
 from railjoule.core.imports.foreign import checked, unknown_keys
@@ -29,6 +28,7 @@ from railjoule.core.imports.ttobench.format import (
 )
 from railjoule.core.imports.ttobench.journey import Service, StopChoice
 from railjoule.core.imports.ttobench.train import TunnelCoefficients
+from railjoule.core.imports.units import IntervalKind
 from railjoule.core.scenario._sentences import show
 
 # a larger radius than a section's key can have is as good as straight

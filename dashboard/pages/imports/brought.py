@@ -11,6 +11,7 @@ from railjoule.core.errors import ScenarioError
 from railjoule.core.imports import INTERVAL_KINDS, PRESETS, ColumnMap, IntervalKind, SourceFile
 from railjoule.core.imports.cells import CellTable, read_cells
 from railjoule.core.imports.columns import NAMES, ROLES, SELECTORS, resolve, same_name
+from railjoule.core.imports.encoding import encoding_mentioned, found_code_page
 from railjoule.core.imports.osrd_run import NEEDED
 from railjoule.core.imports.osrd_stock import LISTS
 from railjoule.core.imports.railtoolkit import yaml_of
@@ -43,8 +44,8 @@ KEYS_OF_JSON: dict[OtherKind, str] = {
 }
 """By which key of a JSON file its kind is known."""
 WORKBOOKS, YAMLS = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0"), (".yaml", ".yml")
-SHEET, CHOSEN = "sheet", "chosen"
-"""What is said of a file that holds several things: which sheet, which train or path."""
+SHEET, CHOSEN, ENCODING = "sheet", "chosen", "encoding"
+"""What is said of a file that holds several things, which sheet, which train or path; and of its letters."""
 GENERIC = ("value", "valeur")
 """Names of columns that say nothing of the kind."""
 WORDS_IN_NAMES: dict[IntervalKind, tuple[str, ...]] = {
@@ -79,6 +80,8 @@ class Brought:
         What numbers of a vehicle are multiplied with, by their keys: answers to questions about units.
     chosen : str or None
         Of a file with several trains or paths the name of the one that is wanted.
+    encoding : str
+        The code page of a text that is not UTF-8, where the user says it.
     """
 
     number: int
@@ -88,6 +91,7 @@ class Brought:
     columns: ColumnMap = field(default_factory=ColumnMap)
     factors: dict[str, float] = field(default_factory=dict)
     chosen: str | None = None
+    encoding: str = ""
 
     @classmethod
     def of(cls, number: int, source: SourceFile) -> "Brought":
@@ -106,12 +110,19 @@ class Brought:
         if what == CHOSEN:
             # what was answered about another train says nothing of this one
             return replace(self, chosen=value or None, factors={})
+        if what == ENCODING:
+            # nor what was said of columns whose names were read in another
+            return replace(self, encoding=value, columns=ColumnMap(), chosen=None)
         if what == SHEET:
             # nor do the columns of another sheet
             return replace(self, columns=ColumnMap(sheet=value or None))
         if what == "rows":
             rows = {column: text for column, text in self.columns.rows.items() if column != name}
             return replace(self, columns=replace(self.columns, rows={**rows, name: value} if value else rows))
+        if what in {"position_unit", "value_unit"} and not value:
+            is_position = what == "position_unit"
+            kept = replace(self.columns, position_unit=None) if is_position else replace(self.columns, value_unit=None)
+            return replace(self, columns=kept)
         if not value:
             # the guess again
             columns = {role: column for role, column in self.columns.columns.items() if role != what}
@@ -130,9 +141,17 @@ class Brought:
             If it did not arrive whole.
         """
         try:
-            return SourceFile(self.name, base64.b64decode(self.encoded, validate=True))
+            return SourceFile(self.name, base64.b64decode(self.encoded, validate=True), self.encoding)
         except (binascii.Error, ValueError):
             raise ScenarioError(f"{self.name}: it did not arrive whole; choose it again.") from None
+
+    @cached_property
+    def code_page(self) -> str | None:
+        """The code page of a text that is not Unicode, empty where it is in doubt; None of other files."""
+        if self.source.content.startswith(WORKBOOKS):
+            return None
+        found = found_code_page(self.source.content)
+        return found if found is None else self.encoding or found
 
     @cached_property
     def cells(self) -> CellTable:
@@ -175,7 +194,8 @@ class Brought:
         if not content.startswith(WORKBOOKS) and PurePath(self.name).suffix.lower() in YAMLS:
             yaml_of(self.source)
             return "railtoolkit"
-        return kind_of_table(self.cells)
+        with encoding_mentioned(self.cells.findings):
+            return kind_of_table(self.cells)
 
 
 def preset_of(cells: CellTable) -> str | None:

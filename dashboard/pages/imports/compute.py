@@ -1,103 +1,30 @@
 """What is read from the files that a user brings, and the scenarios that can be made of it."""
 
 import math
-import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib.resources import files
 from typing import Any
 
 from railjoule.core import RailjouleError, Scenario, ScenarioError
-from railjoule.core.errors import ChoiceError
-from railjoule.core.imports import (
-    INTERVAL_KINDS,
-    Finding,
-    ImportedLine,
-    ImportedTable,
-    SourceFile,
-    line_of,
-    read_intervals,
-)
-from railjoule.core.imports.columns import VALUE_UNITS, ResolvedColumns, resolve
-from railjoule.core.imports.findings import OtherUnit, without_name
-from railjoule.core.imports.intervals import SHORTEST_LINE_M
-from railjoule.core.imports.numbers import COMPOUND_UNITS, POSITION_UNITS, position_of, text_of_cell
-from railjoule.core.imports.osrd_run import read_osrd_line
-from railjoule.core.imports.osrd_stock import read_osrd_stock
-from railjoule.core.imports.parts import checked_vehicle
-from railjoule.core.imports.railtoolkit import read_railtoolkit
-from railjoule.core.imports.ttobench import read_track, read_train, read_ttobench
-from railjoule.core.imports.vehicle import ImportedVehicle, questions, short_numbers
+from railjoule.core.imports import INTERVAL_KINDS, ImportedLine, ImportedTable, SourceFile, line_of
+from railjoule.core.imports.numbers import position_of
+from railjoule.core.imports.ttobench import read_ttobench
+from railjoule.core.imports.vehicle import ImportedVehicle
 from railjoule.core.scenario import format_scenario, scenario_from_document
 from railjoule.core.scenario.document import document_of
 from railjoule.core.strategies import prepare_task
-from railjoule.dashboard.pages.imports.brought import CHOSEN, SHEET, Brought, selectors_of
+from railjoule.dashboard.pages.imports.brought import TABLE_WORDS, Brought
+from railjoule.dashboard.pages.imports.cards import Card, card_of
 
-FIRST_ROWS = 4
-"""Rows of each file that are shown."""
-MOST_CHOICES = 300
-"""Lines or tracks of one table among which the page lets choose."""
 SLACK = 0.1
 """Of the travel time that is proposed, over the shortest."""
 LONGEST_TIME_S = 86_400.0
 EXAMPLES = ("limits", "gradients", "curves")
-TOLD_IN_A_TERMINAL = re.compile(rf",? as (?:{'|'.join(INTERVAL_KINDS)})\.[^=]+=[^.,]*")
-"""How an option of the command line is written, in sentences that both tell; on the page there are menus for it."""
+KINDS_OF_TRAINS = ("train", "stock")
+KINDS_OF_LINES = (*INTERVAL_KINDS, "track", "journey", "osrd_run")
 TABLES_AND_LINE = "the line of the tables is taken"
-
-
-@dataclass(frozen=True)
-class Choice:
-    """One thing that can be chosen of a file: its key, what it is called, what there is, and what is chosen."""
-
-    key: str
-    label: str
-    options: tuple[tuple[str, str], ...]
-    value: str
-
-
-@dataclass(frozen=True)
-class Question:
-    """A number in doubt: in words, and both answers with what each says when it is sent."""
-
-    sentence: str
-    use: str
-    keep: str
-    key: str
-    value: str
-    kept: str
-
-
-@dataclass(frozen=True, eq=False)
-class Card:
-    """What is known of one file.
-
-    Parameters
-    ----------
-    number, name, kind : int, str, str
-    header, rows : tuple
-        The first rows of a table.
-    choices : tuple of Choice
-        Its columns, units, line and track.
-    result : ImportedTable or ImportedLine or ImportedVehicle or None
-    findings, unused, questions : tuple
-    failure : str
-        Why it could not be read.
-    """
-
-    number: int
-    name: str
-    kind: str = ""
-    header: tuple[str, ...] = ()
-    rows: tuple[tuple[str, ...], ...] = ()
-    row_count: int = 0
-    choices: tuple[Choice, ...] = ()
-    result: Any = None
-    findings: tuple[str, ...] = ()
-    unused: tuple[str, ...] = ()
-    questions: tuple[Question, ...] = ()
-    failure: str = ""
 
 
 @dataclass(frozen=True)
@@ -124,6 +51,8 @@ class Offer:
         Where the proposed time is from.
     failure : str
         Why no train can run it.
+    waits_for : tuple of str
+        In words what is missing, as its files could not be read: the user must say that it is to be taken without.
     """
 
     what: str
@@ -132,6 +61,7 @@ class Offer:
     time_s: float = 0.0
     why: str = ""
     failure: str = ""
+    waits_for: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,190 +121,6 @@ def read_files(request: Request) -> Iterator[Reading]:
     reading = put_together(tuple(card_of(file) for file in request.files), request)
     yield reading
     yield replace(reading, offers=tuple(offers_of(reading, request.base)))
-
-
-# ---- one file
-
-
-def card_of(file: Brought) -> Card:
-    """Return what is known of a file; what is wrong with it is told, never raised."""
-    card = Card(file.number, file.name)
-    try:
-        card = replace(card, kind=file.kind)
-        if file.kind in INTERVAL_KINDS:
-            return _with_several(_with_table(card, file), file)
-        return _with_several(_with_result(card, file, _read_other(file)), file)
-    except ChoiceError as error:
-        return replace(card, failure=str(error), choices=(_one_of(error.what, error.names, ""),))
-    except RailjouleError as error:
-        return _failed(card, file, str(error))
-    except (MemoryError, RecursionError):
-        return replace(card, failure=f"{file.name}: it is too large or too deeply nested to be read.")
-
-
-def _with_several(card: Card, file: Brought) -> Card:
-    """Return the card of a file that holds several sheets, trains or paths with the choice among them first."""
-    several = _others(file)
-    return card if several is None else replace(card, choices=(several, *card.choices))
-
-
-def _others(file: Brought) -> Choice | None:
-    """Return the choice among what a file holds several of; None where it holds one alone."""
-    if file.columns.sheet is not None:
-        return _one_of(SHEET, file.cells.sheets, file.columns.sheet)
-    if file.chosen is None:
-        return None
-    try:
-        _read_other(replace(file, chosen=None))
-    except ChoiceError as error:
-        return _one_of(error.what, error.names, file.chosen)
-    return None
-
-
-def _one_of(what: str, names: Sequence[str], value: str) -> Choice:
-    options = (("", "choose"), *((name, name) for name in names[:MOST_CHOICES]))
-    return Choice(SHEET if what == SHEET else CHOSEN, what.capitalize(), options, value)
-
-
-def _failed(card: Card, file: Brought, sentence: str) -> Card:
-    """Return the card of a file that could not be read: of a table nobody knows, with its first rows."""
-    card = replace(card, failure=TOLD_IN_A_TERMINAL.sub("", sentence))
-    if card.kind:
-        return card
-    try:
-        return _with_rows(card, file)
-    except RailjouleError:
-        return card
-
-
-def _with_rows(card: Card, file: Brought) -> Card:
-    cells = file.cells
-    rows = tuple(tuple(map(text_of_cell, row)) for _, row in cells.rows[:FIRST_ROWS])
-    return replace(card, header=cells.header, rows=rows, row_count=len(cells.rows))
-
-
-def _with_table(card: Card, file: Brought) -> Card:
-    """Return the card of a table of intervals, with its columns even where it cannot be read yet."""
-    cells, kind = file.cells, file.kind
-    assert kind in INTERVAL_KINDS
-    card = _with_rows(card, file)
-    try:
-        found: ResolvedColumns | None = resolve(cells, kind, file.wanted)
-    except RailjouleError as error:
-        found, card = None, _failed(card, file, str(error))
-    card = replace(card, choices=tuple(_choices(file, found)))
-    if found is None and not any("ILL_GradProfile" in column for column in cells.header):
-        return card
-    try:
-        table = read_intervals(file.source, kind, file.wanted)
-    except RailjouleError as error:
-        return _failed(card, file, str(error))
-    card, asked = _with_result(card, file, table), tuple(_about_positions(file, table))
-    told = {without_name(question.sentence, file.name) for question in asked}
-    return replace(card, questions=asked, findings=tuple(one for one in card.findings if one not in told))
-
-
-def _choices(file: Brought, found: ResolvedColumns | None) -> Iterator[Choice]:
-    """Yield what can be said of a table's columns."""
-    cells, kind, wanted = file.cells, file.kind, file.wanted
-    columns = tuple((name, name) for name in cells.header)
-    named = wanted.columns
-    roles = [("from", "From", found and found.begin), ("to", "To", found and found.end)]
-    if kind != "neutral":
-        roles.append(("value", "Value", found and found.value))
-    if kind == "gradients":
-        roles.append(("direction", "Rises or falls", found and found.direction))
-    for role, label, column in roles:
-        free = (("", "none" if found else "choose"), *columns)
-        yield Choice(role, label, free, column or named.get(role, ""))
-    units = (*POSITION_UNITS, *COMPOUND_UNITS)
-    guess = (found and found.position_unit) or wanted.position_unit or "m"
-    yield Choice("position_unit", "Positions in", tuple((unit, unit) for unit in units), guess)
-    if values := VALUE_UNITS[kind]:  # type: ignore[index]
-        unit = (found and found.value_unit) or wanted.value_unit or values[0]
-        words = {"permille": "per mille", "percent": "per cent", "ratio": "1:n", "m2": "m\u00b2"}
-        yield Choice("value_unit", "Values in", tuple((value, words.get(value, value)) for value in values), unit)
-    used = (found.begin, found.end, found.value, found.direction) if found else ()
-    for column in selectors_of(cells, used):
-        texts = sorted({text_of_cell(cell) for _, cell in cells.column(column)} - {""})
-        if len(texts) > 1:
-            options = (("", "choose"), *((text, text) for text in texts[:MOST_CHOICES]))
-            yield Choice(f"rows {column}", f"Only {column}", options, wanted.rows.get(column, ""))
-
-
-def _about_positions(file: Brought, table: ImportedTable) -> Iterator[Question]:
-    """Yield the question about positions that make a line too short for any train."""
-    if 0 < table.end_m - table.begin_m < SHORTEST_LINE_M and file.columns.position_unit is None:
-        told = next(one.sentence for one in table.findings if one.kind == "question")
-        yield Question(told, "Use km", "Keep m", "position_unit", "km", "m")
-
-
-def _read_other(file: Brought) -> ImportedLine | ImportedVehicle | None:
-    """Return the line or vehicle of a file; of a journey nothing, as it is read with its track."""
-    source = file.source
-    if file.kind == "track":
-        return read_track(source)
-    if file.kind == "train":
-        return with_factors(read_train(source), file.factors)
-    if file.kind == "stock":
-        return with_factors(read_osrd_stock(source, wanted=file.chosen), file.factors)
-    if file.kind == "osrd_run":
-        return read_osrd_line(source, sheet=file.columns.sheet)
-    if file.kind == "railtoolkit":
-        found = read_railtoolkit(source, file.chosen)
-        return with_factors(found, file.factors) if isinstance(found, ImportedVehicle) else found
-    return None
-
-
-def with_factors(imported: ImportedVehicle, factors: Mapping[str, float]) -> ImportedVehicle:
-    """Return a vehicle with numbers in other units, and the questions that are left."""
-    if not factors:
-        return imported
-    vehicle = {**imported.document["vehicle"]}
-    for key, factor in factors.items():
-        *path, last = key.split(".")
-        table = vehicle
-        for name in path:
-            table[name] = dict(table.get(name, {}))
-            table = table[name]
-        if isinstance(table.get(last), int | float):
-            table[last] = short_numbers(float(table[last]) * factor)
-    checked = checked_vehicle(vehicle, imported.source)
-    others = [finding for finding in imported.findings if finding.other_unit is None]
-    asked = [one for one in questions(checked, imported.source) if one.other_unit is not None]
-    return replace(
-        imported,
-        vehicle=checked,
-        document={**imported.document, "vehicle": vehicle},
-        findings=(*others, *(one for one in asked if factors.get(_unit(one).key) is None)),
-    )
-
-
-def _unit(finding: Finding) -> OtherUnit:
-    assert finding.other_unit is not None
-    return finding.other_unit
-
-
-def _with_result(card: Card, file: Brought, result: Any) -> Card:
-    if result is None:
-        return card
-    asked = [finding for finding in result.findings if finding.other_unit is not None]
-    told = [finding for finding in result.findings if finding.other_unit is None and finding.kind != "question"]
-    plain = [finding for finding in result.findings if finding.other_unit is None and finding.kind == "question"]
-    # questions that the user answers by other means stand with what is told
-    return replace(
-        card,
-        result=result,
-        findings=tuple(without_name(finding.sentence, file.name) for finding in (*plain, *told)),
-        unused=tuple(without_name(sentence, file.name) for sentence in result.unused),
-        questions=tuple(_asked(finding) for finding in asked),
-    )
-
-
-def _asked(finding: Finding) -> Question:
-    unit = _unit(finding)
-    sentence = finding.sentence.partition(": ")[2]
-    return Question(sentence, f"Use {unit.meant}", f"Keep {unit.given}", f"factor {unit.key}", f"{unit.factor:g}", "1")
 
 
 # ---- all files together
@@ -473,11 +219,26 @@ def offers_of(reading: Reading, base: Scenario) -> Iterator[Offer]:
     line = reading.line.document["line"] if reading.line is not None else None
     train = _vehicle_of(reading.vehicle, base) if reading.vehicle is not None else None
     if line is not None and train is not None:
-        yield _offer("both", {**train, "line": line}, reading, None)
+        yield replace(_offer("both", {**train, "line": line}, reading, None), waits_for=refused_parts(reading, ()))
     if line is not None:
-        yield _offer("line", {**kept, "line": line}, reading, None)
+        offer = _offer("line", {**kept, "line": line}, reading, None)
+        yield replace(offer, waits_for=refused_parts(reading, KINDS_OF_TRAINS))
     if train is not None:
-        yield _offer("train", {**train, "line": own["line"]}, reading, base.travel_time_s)
+        offer = _offer("train", {**train, "line": own["line"]}, reading, base.travel_time_s)
+        yield replace(offer, waits_for=refused_parts(reading, KINDS_OF_LINES))
+
+
+def refused_parts(reading: Reading, others: Collection[str]) -> tuple[str, ...]:
+    """Return in words what the files tell that could not be read, but for `others`, kinds that do not matter."""
+    refused = [card for card in reading.cards if card.failure and card.kind not in others]
+    words = (f"the {TABLE_WORDS[card.kind].lower()}" if card.kind in TABLE_WORDS else card.name for card in refused)
+    return tuple(dict.fromkeys(words))
+
+
+def waiting_words(offer: Offer) -> str:
+    """Return why an offer is not taken."""
+    parts = " and ".join(offer.waits_for)
+    return f"It waits for {parts}, which cannot be read: answer what the file\u2019s card asks, or take it without."
 
 
 def _vehicle_of(imported: ImportedVehicle, base: Scenario) -> dict[str, Any]:

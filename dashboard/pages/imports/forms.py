@@ -12,8 +12,9 @@ from railjoule.core.imports.vehicle import ImportedVehicle
 from railjoule.dashboard.editor.forms import Form
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.scripts import module
-from railjoule.dashboard.pages.imports.brought import CHOSEN, KIND_WORDS, SHEET, TABLE_WORDS
-from railjoule.dashboard.pages.imports.compute import Card, Choice, Offer, Stretch, examples
+from railjoule.dashboard.pages.imports.brought import CHOSEN, ENCODING, KIND_WORDS, SHEET, TABLE_WORDS
+from railjoule.dashboard.pages.imports.cards import Card, Choice
+from railjoule.dashboard.pages.imports.compute import Offer, Stretch, examples, waiting_words
 from railjoule.dashboard.pages.imports.model import LARGEST_FILE_BYTES, ImportModel, Wanted
 
 ACCEPTED = ".csv,.tsv,.txt,.xlsx,.json,.yaml,.yml"
@@ -23,7 +24,7 @@ FORMATS = (
     "example is an invented line in SNCF\u2019s columns."
 )
 ROLE_WORDS = {"from": "from", "to": "to", "value": "value", "direction": "rises or falls"}
-NEEDED = ("from", "value", SHEET, CHOSEN)
+NEEDED = ("from", "value", "position_unit", "value_unit", SHEET, CHOSEN, ENCODING)
 OFFER_WORDS = {"both": "Take both", "line": "Take this line", "train": "Take this train"}
 ABOUT = {
     "both": "Line and train become the scenario.",
@@ -122,7 +123,8 @@ class TakeForm(Form):
     def _take(self, message: dict[str, Any]) -> None:
         what = message.get("what")
         if what == "take":
-            self.model.wanted = Wanted(str(message.get("offer")), str(message.get("time", ""))[:40])
+            time, without = str(message.get("time", ""))[:40], message.get("without") is True
+            self.model.wanted = Wanted(str(message.get("offer")), time, without)
         elif what == "stretch":
             key, value, now = message.get("key"), str(message.get("value", ""))[:40], self.model.stretch
             if key == "reverse":
@@ -194,4 +196,6 @@ def offer_words(offer: Offer, about: dict[str, str]) -> dict[str, Any]:
         "why": offer.why,
         "about": shortest + ABOUT[offer.what].format(**about),
         "failure": offer.failure,
+        "waits": waiting_words(offer) if offer.waits_for else "",
+        "without": f"{OFFER_WORDS[offer.what]} without {' and '.join(offer.waits_for)}",
     }

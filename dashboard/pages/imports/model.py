@@ -21,10 +21,18 @@ LONGEST_NAME = 120
 
 @dataclass(frozen=True, eq=False)
 class Wanted:
-    """That a scenario is to be taken: which of those that can be, and the travel time as it was typed."""
+    """That a scenario is to be taken: which of those that can be, and the travel time as it was typed.
+
+    Parameters
+    ----------
+    what, time : str
+    without : bool
+        Whether it is to be taken without what could not be read.
+    """
 
     what: str
     time: str
+    without: bool = False
 
 
 class ImportModel(PageModel):

@@ -3,7 +3,7 @@
 from typing import Any
 
 from railjoule.core import RailjouleError
-from railjoule.dashboard.pages.imports.compute import Offer, Reading, Request, read_files, taken
+from railjoule.dashboard.pages.imports.compute import Offer, Reading, Request, read_files, taken, waiting_words
 from railjoule.dashboard.pages.imports.model import ImportModel, Wanted
 from railjoule.dashboard.state.opened import Opened, open_scenario
 from railjoule.dashboard.state.page_work import PageWork
@@ -44,6 +44,9 @@ class Imports(PageWork[ImportModel]):
         offers: tuple[Offer, ...] = self.model.reading.offers or ()
         offer = next((one for one in offers if one.what == wanted.what and not one.failure), None)
         if offer is None:
+            return
+        if offer.waits_for and not wanted.without:
+            self.model.refusal = waiting_words(offer)
             return
         try:
             time_s = float(wanted.time.replace(",", "."))

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from railjoule.core.errors import ScenarioError
+from railjoule.core.errors import ScenarioError, UnitError
 from railjoule.core.imports import PRESETS, ColumnMap, SourceFile, read_intervals
 
 FILES = Path(__file__).parent / "files"
@@ -56,7 +56,7 @@ def test_units_of_gradients(header, value, permille):
     ("header", "value", "kmh"), [("speed (km/h)", "80", 80), ("limit_mph", "50", 80.4672), ("v_max (m/s)", "20", 72)]
 )
 def test_units_of_limits(header, value, kmh):
-    assert values(table_of(f"from,to,{header}\n0,100,{value}\n", "limits")) == [(0, 100, pytest.approx(kmh))]
+    assert values(table_of(f"from_m,to_m,{header}\n0,100,{value}\n", "limits")) == [(0, 100, pytest.approx(kmh))]
 
 
 def test_columns_are_named_in_any_capitals_and_accents():
@@ -144,7 +144,7 @@ def test_rows_that_are_not_there_cannot_be_chosen():
 
 def test_columns_and_rows_without_use_are_told():
     table = table_of("from,to,gradient,name\n0,100,5,a\n100,200,,b\n200,300,5,c\n")
-    assert table.unused == ("a.csv: columns not used: name.", "a.csv: row 3 is without from or gradient.")
+    assert table.unused == ("a.csv: columns not used: name.", "a.csv: row 3 is without gradient.")
 
 
 def test_gaps_are_told_with_rows():
@@ -162,7 +162,7 @@ def test_curves_may_have_gaps():
 
 
 def test_overlaps_and_repeated_rows_are_told():
-    table = table_of("from,to,limit\n0,100,60\n80,200,50\n80,200,50\n", "limits")
+    table = table_of("from_m,to_m,limit\n0,100,60\n80,200,50\n80,200,50\n", "limits")
     assert told(table, "overlap") == [
         "a.csv: rows 2 and 3 overlap from 80 to 100 m; the lower counts.",
         "a.csv: row 4 repeats row 3.",
@@ -190,15 +190,208 @@ def test_places_in_falling_chainage_hold_downwards():
     assert table.unused == ("a.csv: row 4, the last in falling chainage: no row says where it ends.",)
 
 
-def test_coinciding_places_are_told():
-    table = table_of("position,gradient\n0,3\n100,1\n100,2\n200,0\n")
+def test_a_place_may_repeat_the_value_before_it():
+    """Some tables give both ends of each stretch."""
+    table = table_of("position,gradient\n0,3\n100,3\n100,2\n200,0\n")
     assert values(table) == [(0, 100, 3), (100, 200, 2), (200, math.inf, 0)]
     assert table.unused == ("a.csv: row 3 has no length.",)
 
 
-def test_a_line_of_some_metres_is_asked_about():
-    table = table_of("from,to,gradient\n0,48.5,5\n")
-    assert told(table, "question") == ["a.csv: covers 48.5 m in all: are the positions in km?"]
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        # check.md, section 4: the later row counted
+        ("from_m,to_m,gradient\n0,350,2.5\n0,350,7\n350,800,-4\n",
+         "a.csv: rows 2 and 3 give two values from 0 to 350 m: 2.5 and 7; leave one of them out."),
+        ("from_m,to_m,gradient\n0,350,2.5\n0,800,7\n",
+         "a.csv: rows 2 and 3 give two values from 0 to 350 m: 2.5 and 7; leave one of them out."),
+        ("position_m,gradient\n0,3\n100,1\n100,2\n200,0\n",
+         "a.csv: rows 3 and 4 begin at 100 m: 1 and 2; leave one of them out."),
+        ("position_m,gradient\n200,3\n100,1\n100,2\n0,0\n",
+         "a.csv: rows 3 and 4 begin at 100 m: 1 and 2; leave one of them out."),
+        ("position_m,limit\n0,80\n1000,60\n1000,50\n2000,40\n",
+         "a.csv: rows 3 and 4 begin at 1,000 m: 60 and 50; leave one of them out."),
+    ],
+)  # fmt: skip
+def test_two_values_of_one_place_are_refused(text, told):
+    with pytest.raises(ScenarioError, match=f"^{re.escape(told)}$"):
+        table_of(text, "limits" if "limit" in text else "gradients")
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        # check.md, section 4: the line ended at 350 instead of 800 m
+        ("from_m,to_m,limit\n0,350,60\n350,800,\n", "row 3, from 350 to 800 m, has no value, and without it the line "
+         "would end at 350 m; write its value, or delete the row."),
+        ("from_m,to_m,limit\n0,350,\n350,800,60\n", "row 2, from 0 to 350 m, has no value, and without it the line "
+         "would begin at 350 m; write its value, or delete the row."),
+        ("from_m,limit\n0,\n350,60\n800,50\n", "row 2, from 0 to 350 m, has no value, and without it the line would "
+         "begin at 350 m; write its value, or delete the row."),
+    ],
+)  # fmt: skip
+def test_a_row_without_a_value_does_not_shorten_the_line(text, told):
+    with pytest.raises(ScenarioError, match=f"^a.csv: {re.escape(told)}$"):
+        table_of(text, "limits")
+
+
+def test_a_place_without_a_value_ends_the_row_above():
+    table = table_of("from_m,limit\n0,60\n350,\n800,50\n1200,\n", "limits")
+    assert values(table) == [(0, 350, 60), (800, 1200, 50)]
+    assert told(table, "reading") == ["a.csv: row 5 has no value: the line ends there, at 1,200 m."]
+    assert len(told(table, "gap")) == 1
+
+
+# ---- units
+
+
+@pytest.mark.parametrize(
+    ("heading", "cell", "permille"),
+    [
+        ("gradient (1 in)", "100", 10),
+        ("gradient [1:n]", "-200", -5),
+        ("grade_1_in_x", "150", 20 / 3),
+        ("slope (m/m)", "0.012", 12),
+        ("gradient (-)", "-0.008", -8),
+        ("gradient_deg", "1.5", 26.1859),
+        ("gradient (deg)", "1.5", 26.1859),
+        ("gradient_rad", "0.01", 10.00033),
+        ("gradient_per_10000", "120", 12),
+        ("gradient ft/mi", "52.8", 10),
+        ("gradient", "1.2 %", 12),
+        ("\u0423\u0445\u0438\u043b, \u2030", "3.5", 3.5),
+    ],
+)
+def test_a_heading_or_cell_names_the_unit_of_gradients(heading, cell, permille):
+    """field.md, faults 4 and 5; core.md, B3."""
+    table = table_of(f"from_m\tto_m\t{heading}\n0\t500\t{cell}\n")
+    assert [one.value for one in table.intervals] == pytest.approx([permille], rel=1e-5)
+    assert table.findings == ()
+
+
+@pytest.mark.parametrize(
+    ("heading", "cell", "radius_m"),
+    [
+        ("radius_km", "0.35", 350),
+        ("radius_ft", "955", 291.084),
+        ("Radius [ch]", "17.4", 350.032),
+        ("radius (yd)", "400", 365.76),
+        ("curve radius (deg)", "6", 291.196),
+        ("degree of curve", "6", 291.196),
+        ("curvature (1/m)", "0.004", 250),
+    ],
+)
+def test_a_heading_names_the_unit_of_curves(heading, cell, radius_m):
+    table = table_of(f"from_m,to_m,{heading}\n0,500,{cell}\n", "curves")
+    assert [one.value for one in table.intervals] == pytest.approx([radius_m], rel=1e-5)
+    assert table.findings == ()
+
+
+@pytest.mark.parametrize(
+    ("heading", "end_m"),
+    [("from (feet)", 304.8), ("from_mile", 1609344), ("milepost_from", 1609344), ("from [yd]", 914.4),
+     ("Kilometer", 1e6), ("from ch", 20116.8), ("PK [m]", 1000),
+     ("\u041f\u043e\u0447\u0430\u0442\u043e\u043a, \u043a\u043c", 1e6)],
+)  # fmt: skip
+def test_a_heading_names_the_unit_of_positions(heading, end_m):
+    table = table_of(f"{heading}\tto\tgradient_permille\n0\t1000\t5\n")
+    assert (table.end_m, table.findings) == (pytest.approx(end_m), ())
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "doubt"),
+    [
+        ("from_m,to_m,gradient (x)\n0,500,5\n", "gradients", "'gradient (x)' says 'x', which is not understood"),
+        ("from_m,to_m,gradient (\u2030; fall +)\n0,500,5\n", "gradients",
+         "'gradient (\u2030; fall +)' says '\u2030; fall +', which is not understood"),
+        ("from_m,to_m,gradient compensated\n0,500,5\n", "gradients",
+         "'gradient compensated' says 'compensated', which is not understood"),
+        ("from_m,to_m,gradient (%) [\u2030]\n0,500,5\n", "gradients",
+         "'gradient (%) [\u2030]' names 2 units, percent and permille"),
+        ("from_m,to_km,gradient_permille\n0,500,5\n", "gradients", "'from_m' and 'to_km' name two units, m and km"),
+        ("from (furlong),to,limit_kmh\n0,500,60\n", "limits",
+         "'from (furlong)' says 'furlong', which is not understood"),
+        ("from_m,to_m,curvature\n0,500,0.004\n", "curves",
+         "'curvature' is no radius, and does not name the unit of its curvatures"),
+        ("from_m,to_m,gradient\n0,500,1.2 %\n500,900,3\n", "gradients",
+         "row 2 names a unit under 'gradient', and row 3 does not"),
+        # by size, where no unit is named
+        ("from_m,to_m,gradient\n0,500,100\n500,900,-200\n", "gradients",
+         "no unit is named for 'gradient', and in permille gradients reach 200 per mille"),
+        ("from_m,to_m,slope\n0,500,0.012\n500,900,0\n", "gradients",
+         "no unit is named for 'slope', and in permille no gradient exceeds 0.012 per mille"),
+        ("from_m,to_m,radius\n0,500,0.35\n500,900,1.2\n", "curves",
+         "no unit is named for 'radius', and in m radii go down to 0.35 m"),
+        ("from,to,gradient_permille\n0,48.5,5\n", "gradients",
+         "no unit is named for 'from', and in m it covers 48.5 m in all"),
+        ("from,to,speed_mph\n0,120.5,40\n120.5,203.2,60\n", "limits",
+         "no unit is named for 'from', and in m it covers 203.2 m in all, with limits to 96.56 km/h"),
+    ],
+)  # fmt: skip
+def test_a_unit_in_doubt_is_asked_for(text, kind, doubt):
+    with pytest.raises(UnitError, match=f"^{re.escape(f'a.csv: {doubt}; name the unit, as {kind}.')}"):
+        table_of(text, kind)
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "answer", "expected"),
+    [
+        ("from_m,to_m,gradient (x)\n0,500,5\n", "gradients", {"value_unit": "percent"}, (0, 500, 50)),
+        ("from_m,to_m,gradient\n0,500,100\n", "gradients", {"value_unit": "ratio"}, (0, 500, 10)),
+        ("from_m,to_m,radius\n0,500,0.35\n", "curves", {"value_unit": "km"}, (0, 500, 350)),
+        ("from,to,speed_mph\n0,200,50\n", "limits", {"position_unit": "mi"}, (0, 321868.8, 80.4672)),
+        # what was asked about may be right
+        ("from_m,to_m,radius\n0,500,18\n", "curves", {"value_unit": "m"}, (0, 500, 18)),
+    ],
+)
+def test_the_answer_settles_it(text, kind, answer, expected):
+    with pytest.raises(UnitError) as caught:
+        table_of(text, kind)
+    assert answer.keys() == {caught.value.key}
+    assert set(answer.values()) <= {*caught.value.likely, "percent", "m"}
+    table = table_of(text, kind, **answer)
+    assert values(table) == [pytest.approx(expected)]
+    assert table.findings == ()
+
+
+def test_a_size_in_doubt_is_told_where_the_unit_is_named():
+    table = table_of("from_m,to_m,gradient_permille\n0,500,70\n")
+    assert told(table, "question") == ["a.csv: gradients reach 70 per mille: is the unit right?"]
+    assert told(table_of("from_m,to_m,gradient\n0,500,70\n", value_unit="permille"), "question") == []
+
+
+def test_a_column_of_another_quantity_is_no_gradient():
+    """field.md, row 13: heights that the user names as the column of gradients were per mille."""
+    with pytest.raises(UnitError, match=r"'elevation_m' says 'm', which is not understood; name the unit, as "):
+        table_of("position_m,elevation_m\n0,120\n1000,128\n", columns={"value": "elevation_m"})
+
+
+def test_knots_are_no_speed_of_trains():
+    with pytest.raises(
+        ScenarioError, match=r"^a.csv, row 2: limit \(kn\) = '40' is in knots, which are not read; write"
+    ):
+        table_of("from_m,to_m,limit (kn)\n0,500,40\n", "limits")
+
+
+def test_a_cell_must_not_contradict_its_heading():
+    """core.md, B3: 12 per mille under per cent was 120 per mille."""
+    told = "a.csv, row 2: gradient [%] = '12 \u2030' is in permille, but the column in percent."
+    with pytest.raises(ScenarioError, match=f"^{re.escape(told)}$"):
+        table_of("from_m,to_m,gradient [%]\n0,500,12 \u2030\n")
+
+
+def test_no_unit_is_named_is_said_where_none_is():
+    """Neither of columns with a unit in each cell, nor of curves in silence."""
+    table = table_of("from,to,gradient\n0 m,500 m,1:40\n500 m,800 m,level\n")
+    assert told(table, "assumption") == []
+    table = table_of("from_m,to_m,radius\n0,500,300\n", "curves")
+    assert told(table, "assumption") == ["a.csv: no unit is named for 'radius': taken as m."]
+
+
+def test_a_decimal_sign_in_doubt_is_told():
+    """core.md, B5."""
+    table = table_of("from_km;to_km;gradient_permille\n1.234;12.345;5\n")
+    assert told(table, "reading") == ["a.csv: row 2 may be read in two ways; its point is for decimals here."]
 
 
 @pytest.mark.parametrize(

@@ -55,7 +55,7 @@ def test_the_csv_is_the_file_of_a_line(tmp_path):
 
 
 def test_a_names_line_break_cannot_leave_the_comment():
-    table = read_intervals(SourceFile("a\n[x]\n.csv", b"from,to,limit\n0,100,60\n"), "limits")
+    table = read_intervals(SourceFile("a\n[x]\n.csv", b"from_m,to_m,limit\n0,100,60\n"), "limits")
     assert set(tomllib.loads(line_of(limits=table).to_toml())) == {"line"}
 
 
@@ -75,7 +75,7 @@ def test_a_part_of_the_line_is_cut_out():
 
 
 def test_what_counts_where_rows_overlap():
-    limits = table_of("from,to,limit\n0,100,60\n50,200,80\n", "limits")
+    limits = table_of("from_m,to_m,limit\n0,100,60\n50,200,80\n", "limits")
     gradients = table_of("from,to,gradient\n0,200,5\n50,100,-5\n", "gradients")
     curves = table_of("from,to,radius\n0,200,300\n50,100,500\n", "curves")
     line = line_of(gradients=gradients, limits=limits, curves=curves)

@@ -1,9 +1,10 @@
 import math
+import re
 
 import pytest
 
 from railjoule.core.errors import ScenarioError
-from railjoule.core.imports.numbers import decimal_of, gradient_of, number_of, position_of, radius_of
+from railjoule.core.imports.numbers import decimal_of, number_of, position_of, value_of
 
 
 @pytest.mark.parametrize(
@@ -50,6 +51,11 @@ def test_a_formula_is_called_one():
         (["12,345"], ",", ".", 2),
         (["12,345", "1,5"], ";", ",", None),
         (["1,234,567"], ";", ".", None),
+        (["1.234", "12.345"], ";", ".", 2),
+        (["1.234", "12.345"], ",", ".", None),
+        (["1.234", "1,5"], ";", ",", None),
+        (["0.234", "0.345"], ";", ".", None),
+        (["0,234", "0,345"], ";", ",", None),
         (["1", "012+345"], ";", ".", None),
     ],
 )
@@ -57,9 +63,11 @@ def test_the_decimal_sign_is_told_from_all_rows(cells, separator, decimal, in_do
     assert decimal_of(enumerate(cells, 2), separator, "a.csv") == (decimal, in_doubt)
 
 
-def test_two_decimal_signs_in_one_table_are_refused():
-    with pytest.raises(ScenarioError, match=r"^a.csv: row 2 has '1.5' and row 3 '1,5'; name the decimal sign"):
-        decimal_of([(2, "1.5"), (3, "1,5")], ";", "a.csv")
+@pytest.mark.parametrize("cells", [["1.5", "1,5"], ["1.234", "1,234"]])
+def test_two_decimal_signs_in_one_table_are_refused(cells):
+    told = f"a.csv: row 2 has '{cells[0]}' and row 3 '{cells[1]}'; name the decimal sign"
+    with pytest.raises(ScenarioError, match=f"^{re.escape(told)}"):
+        decimal_of(enumerate(cells, 2), ";", "a.csv")
 
 
 # 1 mile = 1609.344 m, 80 chains, 1760 yards
@@ -99,6 +107,12 @@ def test_positions_in_all_notations(cell, unit, position_m):
         ("2.401", "mi.ch", "must have 2 digits after the point"),
         ("2.1800", "mi.yd", "fewer than 1760 yards"),
         ("north end", "m", "must be a number"),
+        # core.md, B4: these were -100 m, -100,250 m and -2,024,001 m
+        ("0-100", "m", "looks like a range or a date"),
+        ("100-250", "m", "looks like a range or a date"),
+        ("2024-01", "m", "looks like a range or a date"),
+        ("12+50", "m", "three digits of metres behind the \\+"),
+        ("12+345", "ft", "is in km and m, but the column is in ft"),
     ],
 )
 def test_positions_that_are_none(cell, unit, words):
@@ -110,24 +124,81 @@ def test_positions_that_are_none(cell, unit, words):
     ("cell", "unit", "permille"),
     [
         ("-4", "permille", -4.0),
-        ("2.5%", "percent", 25.0),
         ("1:100", "permille", 10.0),
         ("1 in 200 F", "permille", -5.0),
         ("-1:80", "ratio", -12.5),
         ("1:-80", "ratio", -12.5),
         ("200", "ratio", 5.0),
         (-200.0, "ratio", -5.0),
+        # level is written so in columns of 1 in N
+        ("0", "ratio", 0.0),
         ("Level", "ratio", 0.0),
+        ("1.2", "percent", 12.0),
+        ("-0.008", "fraction", -8.0),
+        # tan 1.5 degrees = 0.0261859
+        ("1.5", "deg", 26.1859),
+        ("0.0261799", "rad", 26.1859),
+        ("120", "per10000", 12.0),
+        # 52.8 feet in 5280
+        ("52.8", "ft/mi", 10.0),
     ],
 )
-def test_gradients_in_all_notations(cell, unit, permille):
-    assert gradient_of(cell, unit, ".") == pytest.approx(permille)
+def test_gradients_in_all_units(cell, unit, permille):
+    assert value_of(cell, "gradients", unit, ".") == pytest.approx(permille, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("cell", "kind", "value"),
+    [
+        ("1.2 %", "gradients", 12.0),
+        ("12 \u2030", "gradients", 12.0),
+        ("12 (per mille)", "gradients", 12.0),
+        ("1.5\u00b0", "gradients", 26.1859),
+        # what OpenStreetMap has of lines in miles
+        ("40 mph", "limits", 64.37376),
+        ("20 m/s", "limits", 72.0),
+        ("0.35 km", "curves", 350.0),
+        ("6\u00b0", "curves", 291.196),
+    ],
+)
+def test_a_cell_that_names_its_unit_is_read_in_it(cell, kind, value):
+    default = {"gradients": "permille", "limits": "km/h", "curves": "m"}[kind]
+    assert value_of(cell, kind, default, ".") == pytest.approx(value, rel=1e-5)
+
+
+def test_a_cell_must_not_contradict_its_column():
+    with pytest.raises(ValueError, match="is in permille, but the column in percent"):
+        value_of("12 \u2030", "gradients", "percent", ".", "percent")
 
 
 def test_one_in_nothing_is_refused():
     with pytest.raises(ValueError, match="one in 0"):
-        gradient_of("0", "ratio", ".")
+        value_of("1:0", "gradients", "ratio", ".")
 
 
-def test_radii_have_no_side():
-    assert [radius_of(cell, ".") for cell in ("300", "-300", "infinity", "0")] == [300.0, 300.0, 0.0, 0.0]
+def test_knots_are_refused():
+    with pytest.raises(ValueError, match="knots, which are not read"):
+        value_of("40 kn", "limits", "km/h", ".")
+
+
+@pytest.mark.parametrize(
+    ("cell", "unit", "radius_m"),
+    [
+        ("300", "m", 300.0),
+        ("-300", "m", 300.0),
+        ("infinity", "m", 0.0),
+        ("0", "m", 0.0),
+        ("0.35", "km", 350.0),
+        ("955", "ft", 291.084),
+        ("17.4", "ch", 350.032),
+        ("400", "yd", 365.76),
+        # a chord of 100 ft: 50 ft / sin 3 degrees
+        ("6", "deg", 291.196),
+        ("0", "deg", 0.0),
+        ("0.004", "1/m", 250.0),
+        ("4", "1/km", 250.0),
+        ("0", "1/m", 0.0),
+    ],
+)
+def test_radii_in_all_units_have_no_side(cell, unit, radius_m):
+    assert value_of(cell, "curves", unit, ".") == pytest.approx(radius_m, rel=1e-5)

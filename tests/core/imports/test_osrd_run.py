@@ -25,7 +25,7 @@ def test_limits_neutral_sections_and_stops_become_a_line():
     assert line.unused == (
         "osrd-run.csv: columns not used: ch, trackName, lineCode, electrificationMode, electrificationProfile.",
     )
-    assert [finding.sentence for finding in line.findings] == ["osrd-run.csv: it tells no gradients: a level line."]
+    assert [finding.sentence for finding in line.findings] == ["osrd-run.csv: no gradients are given: a level line."]
 
 
 def test_rows_out_of_order_are_told():

@@ -4,9 +4,11 @@ from pathlib import Path
 
 import pytest
 
+from railjoule.core import solve
 from railjoule.core.errors import ChoiceError, ScenarioError
 from railjoule.core.imports import SourceFile
 from railjoule.core.imports.railtoolkit import read_railtoolkit
+from railjoule.core.scenario import scenario_from_document
 
 pytest.importorskip("yaml")
 FILES = Path(__file__).parent / "files"
@@ -52,13 +54,76 @@ def test_a_file_of_2024():
     train = read_railtoolkit(DETAILED)
     vehicle = train.vehicle
     assert vehicle.tare_kg == 125_000
-    assert vehicle.rotating_mass_factor == pytest.approx(8 / 120)
+    assert vehicle.rotating_mass_factor == pytest.approx(8 / 125)
     assert (vehicle.traction.max_effort_kn, vehicle.traction.max_power_kw) == (200, 3000)
     assert (vehicle.braking.max_effort_kn, vehicle.braking.max_power_kw) == (150, 3000)
     assert vehicle.braking.friction_effort_kn == 100
-    assert vehicle.resistance.constant_n_per_kn == 2.0
+    # 2 per mille of the 120 t without load, of a vehicle that carries none; the other has no base resistance
+    assert vehicle.resistance.constant_n_per_kn == pytest.approx(240 / 125)
     assert told(train, "question") == ["railtoolkit-detailed.yaml: no base_resistance of coach: none is taken."]
     assert "railtoolkit-detailed.yaml: vehicle.tare_kg includes its load of 5 t." in told(train, "assumption")
+
+
+LOADED = """
+schema: https://railtoolkit.org/schema/rolling-stock.json
+schema_version: "2024.07"
+trains:
+  - {id: ore, formation: [loco, wagon, wagon, wagon, wagon], loading_factor: [0, 1, 1, 1, 1]}
+vehicles:
+  - id: loco
+    length: 14
+    mass: 80
+    mass_traction: 80
+    speed_limit: 80
+    resistance: {rotation_mass: 1.15, base_resistance: 2.0, air_resistance: 10.0}
+    traction: {rated_power: 1000, initial_tractive_force: 180}
+  - id: wagon
+    length: 12
+    mass: 20
+    load_limit: 60
+    resistance: {rotation_mass: 1.05, base_resistance: 1.0, air_resistance: 3.0}
+"""
+
+
+def test_a_loaded_formation_has_the_resistance_of_its_loaded_mass():
+    """field.md, fault 1, by hand: 80 t at 2 and 320 t at 1 per mille, air 10 and 3; 12 t and 4 times 1 t rotate.
+
+    With the empty masses, 80 t and 80 t, it was A 1.5 and C 0.00065, and the mass of a tenth of the load rotated too.
+    """
+    vehicle = read_railtoolkit(SourceFile("ore.yaml", LOADED.encode())).vehicle
+    assert vehicle.tare_kg == 400_000
+    assert vehicle.resistance.constant_n_per_kn == pytest.approx((80 * 2 + 320 * 1) / 400)
+    assert vehicle.resistance.quadratic_n_per_kn_per_kmh2 == pytest.approx((80 * 10 + 320 * 3) / 400 / 100**2)
+    assert vehicle.total_inertia_kg == pytest.approx(400_000 + 12_000 + 4 * 1000)
+    # the brake that is assumed gives 0.375 m/s2 to that inertia
+    assert vehicle.braking.friction_effort_kn == pytest.approx(416 * 0.375)
+
+
+def test_the_energy_of_a_loaded_formation():
+    """field.md gives 53.15 kWh over 10 km with the old resistance, and 41.71 kWh with the right one.
+
+    Both in 620 s, and with a tenth of 400 t rotating; with the 16 t that do, it is less.
+    """
+    right = read_railtoolkit(SourceFile("ore.yaml", LOADED.encode())).document["vehicle"]
+    rotating = {"rotating_mass_factor": 0.1, "braking": {"max_effort_kn": 0, "friction_effort_kn": 165}}
+    old = {"constant_n_per_kn": 1.5, "quadratic_n_per_kn_per_kmh2": 0.00065}
+    rest = {"line": {"sections": [{"length_m": 10_000}]}, "timetable": {"travel_time_s": 620}}
+    energies = [
+        solve(scenario_from_document({"vehicle": vehicle, **rest}), "optimal").energy_kwh
+        for vehicle in ({**right, **rotating, "resistance": old}, {**right, **rotating}, right)
+    ]
+    assert energies == pytest.approx([53.15, 41.71, 40.82], abs=0.006)
+
+
+def test_a_load_is_spread_over_the_axles_of_a_unit():
+    """Three quarters of 80 t on driving axles at 3, the rest at 1 per mille; so too of 20 t of load."""
+    train = changed(
+        TRAIN,
+        ("[unit, coach, coach]", "[unit]\n    loading_factor: [1]"),
+        ("    mass: 80", "    mass: 80\n    load_limit: 20"),
+    )
+    assert train.vehicle.tare_kg == 100_000
+    assert train.vehicle.resistance.constant_n_per_kn == pytest.approx(0.75 * 3 + 0.25 * 1)
 
 
 def test_what_is_told_twice_is_told():

@@ -41,7 +41,7 @@ def package(files):
 
 
 def test_a_workbook_is_read_like_csv():
-    content = workbook([["from_km", "to_km", "gradient"], [0, 0.35, 2.5], [0.35, "0.8", "1:250"]])
+    content = workbook([["from_km", "to_km", "gradient_permille"], [0, 0.35, 2.5], [0.35, "0.8", "1:250"]])
     table = read_intervals(SourceFile("line.xlsx", content), "gradients")
     assert [(one.from_m, one.to_m, one.value, one.row) for one in table.intervals] == [
         (0, 350, 2.5, 2),

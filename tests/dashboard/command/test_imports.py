@@ -75,7 +75,7 @@ def test_columns_and_units_are_named(capsys, tmp_path):
 
 
 def test_a_files_control_characters_do_not_reach_the_terminal(capsys, tmp_path):
-    (tmp_path / "t.csv").write_text("from,to,limit,\x1b[31mred\n0,100,60,x\n")
+    (tmp_path / "t.csv").write_text("from_m,to_m,limit,\x1b[31mred\n0,100,60,x\n")
     _, told = imported(capsys, "intervals", "--limits", tmp_path / "t.csv", "-o", tmp_path / "line.toml")
     assert any("red" in line for line in told)
     assert not any("\x1b" in line for line in told)
@@ -103,6 +103,50 @@ def test_bad_words_are_answered_in_one_sentence(capsys, words, sentence):
 
 def test_a_format_must_be_known(capsys):
     assert refusal(capsys, "railml", "x").startswith("argument FORMAT: invalid choice: 'railml'")
+
+
+def test_a_line_is_not_written_while_one_of_its_files_is_refused(capsys, tmp_path):
+    (tmp_path / "g.csv").write_text("from_m,to_m,gradient,track\n0,500,abc,1\n0,500,2,2\n")
+    words = ("--limits", FILES / "limits.csv", "--gradients", tmp_path / "g.csv", "-o", tmp_path / "line.toml")
+    assert refusal(capsys, "intervals", *words).startswith("g.csv: its rows are of several track: 1, 2; choose one")
+    told = refusal(capsys, "intervals", *words, "--rows", "gradients.track=1")
+    assert told == "g.csv, row 2: gradient = 'abc' must be a number."
+    assert not (tmp_path / "line.toml").exists()
+    _, told = imported(capsys, "intervals", "--limits", FILES / "limits.csv", "-o", tmp_path / "line.toml")
+    assert "limits.csv: no gradients are given: a level line." in told
+
+
+@pytest.mark.parametrize(
+    ("text", "page"),
+    [
+        ("Початок, км;Кінець, км;Ухил, \u2030", "cp1251"),
+        ("od (km);koniec (km);pochylenie pod\u0142u\u017cne, \u2030", "cp1250"),
+        ("起点(km);终点(km);坡度(\u2030)", "gbk"),
+    ],
+)  # fmt: skip
+def test_code_pages_are_found_or_named(capsys, tmp_path, text, page):
+    file, target = tmp_path / "g.csv", tmp_path / "line.toml"
+    file.write_bytes(f"{text}\n0;0,5;3,5\n".encode(page))
+    columns = () if page != "cp1250" else ("--columns", f"gradients.value={text.split(';')[2]}")
+    for words in ((), ("--encoding", page)):
+        out, told = imported(capsys, "intervals", "--gradients", file, *columns, *words, "-o", target)
+        assert out.endswith(": 0.50 km, 1 section\n")
+        assert [line for line in told if "not UTF-8" in line][: not words] == told[: not words]
+        sections = tomllib.loads(target.read_text())["line"]["sections"]
+        assert sections == [{"length_m": 500, "gradient_permille": 3.5}]
+
+
+def test_a_code_page_is_told_where_a_file_is_refused(capsys, tmp_path):
+    """field.md, fault 5: headings nobody has written, and no word of how they were read."""
+    file = tmp_path / "g.csv"
+    file.write_bytes("d\u00e9but,fin,\u00e9l\u00e9vation\n0,1,2\n".encode("cp1252"))
+    told = refusal(capsys, "intervals", "--gradients", file, "-o", tmp_path / "line.toml")
+    assert told.endswith(
+        " Not UTF-8, and so read as Windows-1252; if that is wrong name another, as --encoding cp1251."
+    )
+    file.write_bytes("Rep\u00e8re,fin,gradient\n0,1,2\n".encode("cp1252"))
+    told = refusal(capsys, "intervals", "--gradients", file, "--encoding", "klingon", "-o", tmp_path / "line.toml")
+    assert told.startswith("--encoding 'klingon' is no code page; name one, such as ")
 
 
 # ---- ttobench

@@ -7,7 +7,7 @@ import pytest
 from railjoule.core.errors import RailjouleError
 from railjoule.core.imports import SourceFile
 from railjoule.dashboard.pages.imports.brought import Brought
-from railjoule.dashboard.pages.imports.compute import card_of
+from railjoule.dashboard.pages.imports.cards import card_of
 
 FILES = Path(__file__).parents[3] / "core" / "imports" / "files"
 KINDS = {

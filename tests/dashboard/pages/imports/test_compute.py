@@ -13,11 +13,11 @@ from railjoule.core.errors import RailjouleError
 from railjoule.core.imports import SourceFile
 from railjoule.core.scenario import parse_scenario
 from railjoule.dashboard.pages.imports.brought import Brought
+from railjoule.dashboard.pages.imports.cards import card_of
 from railjoule.dashboard.pages.imports.compute import (
     Reading,
     Request,
     Stretch,
-    card_of,
     examples,
     read_files,
     taken,
@@ -141,7 +141,7 @@ def test_positions_in_doubt_are_asked_and_answered() -> None:
     content = b"from,to,gradient_permille\n0,1.5,2\n1.5,4,-3\n"
     file = Brought.of(1, SourceFile("g.csv", content))
     (question,) = card_of(file).questions
-    assert question.sentence == "g.csv: covers 4 m in all: are the positions in km?"
+    assert (question.sentence, question.use, question.keep) == ("Positions in km or in m?", "Use km", "Keep m")
     assert card_of(file.told(question.key, question.value)).result.end_m == 4000
     assert card_of(file.told(question.key, question.kept)).questions == ()
 
@@ -194,3 +194,92 @@ def test_one_of_several_sheets_is_chosen_on_the_card() -> None:
         card = card_of(file.told(choice.key, name))
         assert (card.kind, card.failure) == (kind, "")
         assert card.choices[0] == replace(choice, value=name)
+
+
+TWO_FAULTS = b"""PKD;PKF;VALEUR;TYPE;NOM_VOIE
+012+000;014+000;2.5;rampe;V1
+014+000;024+000;abc;rampe;V1
+012+000;024+000;4;pente;V2
+"""
+
+
+def offers_with(base: Scenario, gradients: Brought) -> dict[str, tuple[str, ...]]:
+    """Return what each offer waits for where the example's limits come with a table of gradients."""
+    limits = next(Brought.of(1, source) for source in examples() if "limits" in source.name)
+    return {offer.what: offer.waits_for for offer in read(base, (limits, gradients)).offers or ()}
+
+
+def test_a_line_waits_for_a_file_that_cannot_be_read(base: Scenario) -> None:
+    """Both faults of one file: rows of two tracks, and behind that choice a cell that is no number."""
+    file = Brought.of(2, SourceFile("gradients.csv", TWO_FAULTS))
+    assert card_of(file).failure == "gradients.csv: its rows are of several NOM_VOIE: V1, V2; choose one."
+    assert offers_with(base, file) == {"line": ("the gradients",)}
+    file = file.told("rows NOM_VOIE", "V1")
+    assert card_of(file).failure == "gradients.csv, row 3: VALEUR = 'abc' must be a number."
+    assert offers_with(base, file) == {"line": ("the gradients",)}
+    assert offers_with(base, file.told("rows NOM_VOIE", "V2")) == {"line": ()}
+
+
+def test_a_file_of_an_unknown_kind_is_waited_for_too(base: Scenario) -> None:
+    file = Brought.of(2, SourceFile("stations.csv", b"name,km\nA,1\n"))
+    assert offers_with(base, file) == {"line": ("stations.csv",)}
+
+
+def test_a_train_does_not_wait_for_gradients(base: Scenario) -> None:
+    train = replace(brought("ttobench-train.json")[0], number=3)
+    limits = next(Brought.of(1, source) for source in examples() if "limits" in source.name)
+    reading = read(base, (limits, Brought.of(2, SourceFile("gradients.csv", TWO_FAULTS)), train))
+    waits = {offer.what: offer.waits_for for offer in reading.offers or ()}
+    assert waits == {"both": ("the gradients",), "line": ("the gradients",), "train": ()}
+
+
+def test_a_unit_that_is_not_understood_is_chosen_on_the_card() -> None:
+    file = Brought.of(1, SourceFile("g.csv", b"from_m,to_m,gradient (x)\n0,500,1.2\n"))
+    card = card_of(file)
+    assert card.failure.startswith(
+        "g.csv: 'gradient (x)' says 'x', which is not understood; name the unit, of permille,"
+    )
+    choice = next(choice for choice in card.choices if choice.key == "value_unit")
+    assert (choice.value, choice.options[:3]) == (
+        "",
+        (("", "choose"), ("permille", "per mille"), ("percent", "per cent")),
+    )
+    assert card.questions == ()
+    answered = card_of(file.told("value_unit", "percent"))
+    assert (answered.failure, answered.result.intervals[0].value) == ("", 12)
+    assert card_of(file.told("value_unit", "percent").told("value_unit", "")).failure == card.failure
+
+
+def test_a_code_page_is_chosen_on_the_card() -> None:
+    text = "Початок, км;Кінець, км;Ухил, \u2030\n0;0,5;3,5\n"
+    file = Brought.of(1, SourceFile("gradients.csv", text.encode("cp1251")))
+    card = card_of(file)
+    assert (card.failure, card.kind, card.choices[0].label, card.choices[0].value) == (
+        "",
+        "gradients",
+        "Text in",
+        "cp1251",
+    )
+    assert card.findings == ("Not UTF-8, and so read as Windows-1251.",)
+    assert card_of(file.told("encoding", "cp1252")).failure.startswith("gradients.csv: no column says where")
+    # Polish in Latin-2 is in no code page that is looked for
+    polish = "od;do;pochylenie \u015brednie (\u2030)\n0;500;3\n".replace("\u2030", "o/oo").encode("iso8859_2")
+    file = Brought.of(1, SourceFile("gradients.csv", polish))
+    card = card_of(file)
+    assert card.failure == (
+        "gradients.csv: not UTF-8, and none of Windows-1250, -1251, -1252 and GBK is possible; save it as UTF-8, or "
+        "name its code page."
+    )
+    assert [choice.key for choice in card.choices] == ["encoding"]
+    assert card_of(file.told("encoding", "iso8859_2")).header[2] == "pochylenie \u015brednie (o/oo)"
+
+
+def test_a_mass_in_another_unit_takes_with_it_what_was_computed_from_it() -> None:
+    """Resistance for each kilogram, and the brake that gives a deceleration: both were those of 200 kg."""
+    stock = json.loads((FILES / "osrd-stock.json").read_text())
+    right = card_of(Brought.of(1, SourceFile("a.json", json.dumps(stock).encode()))).result.document["vehicle"]
+    stock["mass"] /= 1000
+    file = Brought.of(1, SourceFile("a.json", json.dumps(stock).encode()))
+    (question,) = card_of(file).questions
+    answered = card_of(file.told(question.key, question.value)).result.document["vehicle"]
+    assert answered == right

@@ -41,6 +41,22 @@ def test_the_example_is_taken_as_one_step_and_drive_opens(state: Workbench) -> N
     assert not history.can_undo
 
 
+def test_a_line_is_taken_without_its_gradients_only_if_the_user_says_so(state: Workbench) -> None:
+    FilesForm(state.imports)._take({"what": "example"})
+    form = TakeForm(state.imports, lambda: state.scenario.edited)
+    form.show()
+    (offer,) = form.offers
+    assert offer["waits"].startswith("It waits for the gradients, which cannot be read: ")
+    assert offer["without"] == "Take this line without the gradients"
+    before = snapshot_of(state)
+    form._take({"what": "take", "offer": "line", "time": "900"})
+    assert state.imports.refusal == offer["waits"]
+    assert snapshot_of(state) == before
+    form._take({"what": "take", "offer": "line", "time": "900", "without": True})
+    assert state.page == "Drive"
+    assert all(section.gradient_permille == 0 for section in state.scenario.scenario().line.sections)
+
+
 def test_a_time_that_is_none_changes_nothing(state: Workbench) -> None:
     choose_track(state)
     before = snapshot_of(state)

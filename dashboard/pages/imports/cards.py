@@ -1,0 +1,310 @@
+"""The card of each file that a user brings: what the file holds, and what is to be said of it."""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from railjoule.core import RailjouleError
+from railjoule.core.errors import ChoiceError, UnitError
+from railjoule.core.imports import INTERVAL_KINDS, ImportedLine, read_intervals
+from railjoule.core.imports.columns import ALL_POSITION_UNITS, VALUE_UNITS, ResolvedColumns, resolve
+from railjoule.core.imports.encoding import encoding_mentioned
+from railjoule.core.imports.findings import Finding, OtherUnit, without_name
+from railjoule.core.imports.numbers import text_of_cell
+from railjoule.core.imports.osrd_run import read_osrd_line
+from railjoule.core.imports.osrd_stock import read_osrd_stock
+from railjoule.core.imports.parts import checked_vehicle
+from railjoule.core.imports.railtoolkit import read_railtoolkit
+from railjoule.core.imports.ttobench import read_track, read_train
+from railjoule.core.imports.vehicle import ImportedVehicle, questions, short_numbers
+from railjoule.dashboard.pages.imports.brought import CHOSEN, ENCODING, SHEET, Brought, selectors_of
+
+FIRST_ROWS = 4
+"""Rows of each file that are shown."""
+MOST_CHOICES = 300
+"""Lines or tracks of one table among which the page lets choose."""
+TOLD_IN_A_TERMINAL = re.compile(rf",? as (?:--encoding \w+|(?:{'|'.join(INTERVAL_KINDS)})\.[^=]+=[^.,]*)")
+"""How an option of the command line is written, in sentences that both tell; on the page there are menus for it."""
+
+UNIT_WORDS = {
+    "permille": "per mille",
+    "percent": "per cent",
+    "fraction": "m/m",
+    "ratio": "1 in n",
+    "deg": "degrees",
+    "per10000": "per 10 000",
+    "m2": "m\u00b2",
+    "pk": "km+m",
+}
+"""What units are called, where that is not their key."""
+CODE_PAGES = {
+    "cp1250": "Central Europe (Windows-1250)",
+    "cp1251": "Cyrillic (Windows-1251)",
+    "cp1252": "Western Europe (Windows-1252)",
+    "gb18030": "Chinese (GBK)",
+    "iso8859_2": "Central Europe (Latin-2)",
+    "koi8_u": "Cyrillic (KOI8)",
+    "cp1253": "Greek (Windows-1253)",
+    "cp1254": "Turkish (Windows-1254)",
+    "cp932": "Japanese (Shift-JIS)",
+    "cp949": "Korean (Windows-949)",
+    "big5": "Chinese (Big5)",
+}
+"""Among which the user can choose for a text that is not UTF-8."""
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One thing that can be chosen of a file: its key, what it is called, what there is, and what is chosen."""
+
+    key: str
+    label: str
+    options: tuple[tuple[str, str], ...]
+    value: str
+
+
+@dataclass(frozen=True)
+class Question:
+    """A number in doubt: in words, and both answers with what each says when it is sent."""
+
+    sentence: str
+    use: str
+    keep: str
+    key: str
+    value: str
+    kept: str
+
+
+@dataclass(frozen=True, eq=False)
+class Card:
+    """What is known of one file.
+
+    Parameters
+    ----------
+    number, name, kind : int, str, str
+    header, rows : tuple
+        The first rows of a table.
+    choices : tuple of Choice
+        Its columns, units, line and track.
+    result : ImportedTable or ImportedLine or ImportedVehicle or None
+    findings, unused, questions : tuple
+    failure : str
+        Why it could not be read.
+    """
+
+    number: int
+    name: str
+    kind: str = ""
+    header: tuple[str, ...] = ()
+    rows: tuple[tuple[str, ...], ...] = ()
+    row_count: int = 0
+    choices: tuple[Choice, ...] = ()
+    result: Any = None
+    findings: tuple[str, ...] = ()
+    unused: tuple[str, ...] = ()
+    questions: tuple[Question, ...] = ()
+    failure: str = ""
+
+
+def card_of(file: Brought) -> Card:
+    """Return what is known of a file; what is wrong with it is told, never raised."""
+    card = Card(file.number, file.name)
+    try:
+        card = replace(card, kind=file.kind)
+        is_table = file.kind in INTERVAL_KINDS
+        card = _with_table(card, file) if is_table else _with_result(card, file, _read_other(file))
+        return _with_code_page(_with_several(card, file), file)
+    except ChoiceError as error:
+        card = replace(card, failure=str(error), choices=(_one_of(error.what, error.names, ""),))
+        return _with_code_page(card, file)
+    except RailjouleError as error:
+        return _with_code_page(_failed(card, file, str(error)), file)
+    except (MemoryError, RecursionError):
+        return replace(card, failure=f"{file.name}: it is too large or too deeply nested to be read.")
+
+
+def _with_code_page(card: Card, file: Brought) -> Card:
+    """Return the card of a text that is not Unicode with the choice of its code page first."""
+    try:
+        page = file.code_page
+    except RailjouleError:
+        return card
+    if page is None:
+        return card
+    options = (("", "choose"), *CODE_PAGES.items())
+    return replace(card, choices=(Choice(ENCODING, "Text in", options, page), *card.choices))
+
+
+def _with_several(card: Card, file: Brought) -> Card:
+    """Return the card of a file that holds several sheets, trains or paths with the choice among them first."""
+    several = _others(file)
+    return card if several is None else replace(card, choices=(several, *card.choices))
+
+
+def _others(file: Brought) -> Choice | None:
+    """Return the choice among what a file holds several of; None where it holds one alone."""
+    if file.columns.sheet is not None:
+        return _one_of(SHEET, file.cells.sheets, file.columns.sheet)
+    if file.chosen is None:
+        return None
+    try:
+        _read_other(replace(file, chosen=None))
+    except ChoiceError as error:
+        return _one_of(error.what, error.names, file.chosen)
+    return None
+
+
+def _one_of(what: str, names: Sequence[str], value: str) -> Choice:
+    options = (("", "choose"), *((name, name) for name in names[:MOST_CHOICES]))
+    return Choice(SHEET if what == SHEET else CHOSEN, what.capitalize(), options, value)
+
+
+def _failed(card: Card, file: Brought, sentence: str) -> Card:
+    """Return the card of a file that could not be read: of a table nobody knows, with its first rows."""
+    card = replace(card, failure=TOLD_IN_A_TERMINAL.sub("", sentence))
+    if card.kind:
+        return card
+    try:
+        return _with_rows(card, file)
+    except RailjouleError:
+        return card
+
+
+def _with_rows(card: Card, file: Brought) -> Card:
+    cells = file.cells
+    rows = tuple(tuple(map(text_of_cell, row)) for _, row in cells.rows[:FIRST_ROWS])
+    return replace(card, header=cells.header, rows=rows, row_count=len(cells.rows))
+
+
+def _with_table(card: Card, file: Brought) -> Card:
+    """Return the card of a table of intervals, with its columns even where it cannot be read yet."""
+    cells, kind = file.cells, file.kind
+    assert kind in INTERVAL_KINDS
+    card = _with_rows(card, file)
+    try:
+        with encoding_mentioned(cells.findings):
+            found: ResolvedColumns | None = resolve(cells, kind, file.wanted)
+    except RailjouleError as error:
+        found, card = None, _failed(card, file, str(error))
+    card = replace(card, choices=tuple(_choices(file, found)))
+    if found is None and not any("ILL_GradProfile" in column for column in cells.header):
+        return card
+    try:
+        return _with_result(card, file, read_intervals(file.source, kind, file.wanted))
+    except UnitError as error:
+        return _with_unit_to_choose(_failed(card, file, str(error)), error)
+    except RailjouleError as error:
+        return _failed(card, file, str(error))
+
+
+def _with_unit_to_choose(card: Card, error: UnitError) -> Card:
+    """Return a card on which a unit is to be chosen, with buttons where two are likely."""
+    choices = tuple(replace(one, value="") if one.key == error.key else one for one in card.choices)
+    if not error.likely:
+        return replace(card, choices=choices)
+    likely, kept = error.likely[0], error.likely[-1]
+    use, keep = (UNIT_WORDS.get(unit, unit) for unit in (likely, kept))
+    what = "Positions" if error.key == "position_unit" else "Values"
+    question = Question(f"{what} in {use} or in {keep}?", f"Use {use}", f"Keep {keep}", error.key, likely, kept)
+    return replace(card, choices=choices, questions=(question,))
+
+
+def _choices(file: Brought, found: ResolvedColumns | None) -> Iterator[Choice]:
+    """Yield what can be said of a table's columns."""
+    cells, kind, wanted = file.cells, file.kind, file.wanted
+    columns = tuple((name, name) for name in cells.header)
+    named = wanted.columns
+    roles = [("from", "From", found and found.begin), ("to", "To", found and found.end)]
+    if kind != "neutral":
+        roles.append(("value", "Value", found and found.value))
+    if kind == "gradients":
+        roles.append(("direction", "Rises or falls", found and found.direction))
+    for role, label, column in roles:
+        free = (("", "none" if found else "choose"), *columns)
+        yield Choice(role, label, free, column or named.get(role, ""))
+    guess = (found and found.position.unit) or wanted.position_unit or "m"
+    yield _unit_choice("position_unit", "Positions in", ALL_POSITION_UNITS, guess)
+    if values := VALUE_UNITS[kind]:  # type: ignore[index]
+        yield _unit_choice(
+            "value_unit", "Values in", values, (found and found.amount.unit) or wanted.value_unit or values[0]
+        )
+    used = (found.begin, found.end, found.value, found.direction) if found else ()
+    for column in selectors_of(cells, used):
+        texts = sorted({text_of_cell(cell) for _, cell in cells.column(column)} - {""})
+        if len(texts) > 1:
+            options = (("", "choose"), *((text, text) for text in texts[:MOST_CHOICES]))
+            yield Choice(f"rows {column}", f"Only {column}", options, wanted.rows.get(column, ""))
+
+
+def _unit_choice(key: str, label: str, units: Sequence[str], value: str) -> Choice:
+    return Choice(key, label, (("", "choose"), *((unit, UNIT_WORDS.get(unit, unit)) for unit in units)), value)
+
+
+def _read_other(file: Brought) -> ImportedLine | ImportedVehicle | None:
+    """Return the line or vehicle of a file; of a journey nothing, as it is read with its track."""
+    source = file.source
+    if file.kind == "track":
+        return read_track(source)
+    if file.kind == "train":
+        return with_factors(read_train(source), file.factors)
+    if file.kind == "stock":
+        return with_factors(read_osrd_stock(source, wanted=file.chosen), file.factors)
+    if file.kind == "osrd_run":
+        return read_osrd_line(source, sheet=file.columns.sheet)
+    if file.kind == "railtoolkit":
+        found = read_railtoolkit(source, file.chosen)
+        return with_factors(found, file.factors) if isinstance(found, ImportedVehicle) else found
+    return None
+
+
+def with_factors(imported: ImportedVehicle, factors: Mapping[str, float]) -> ImportedVehicle:
+    """Return a vehicle with numbers in other units, and the questions that are left."""
+    if not factors:
+        return imported
+    vehicle = {**imported.document["vehicle"]}
+    with_mass = [(key, factors["tare_kg"]) for key in imported.per_mass] if "tare_kg" in factors else []
+    for key, factor in [*factors.items(), *with_mass]:
+        *path, last = key.split(".")
+        table = vehicle
+        for name in path:
+            table[name] = dict(table.get(name, {}))
+            table = table[name]
+        if isinstance(table.get(last), int | float):
+            table[last] = short_numbers(float(table[last]) * factor)
+    checked = checked_vehicle(vehicle, imported.source)
+    others = [finding for finding in imported.findings if finding.other_unit is None]
+    asked = [one for one in questions(checked, imported.source) if one.other_unit is not None]
+    return replace(
+        imported,
+        vehicle=checked,
+        document={**imported.document, "vehicle": vehicle},
+        findings=(*others, *(one for one in asked if factors.get(_unit(one).key) is None)),
+    )
+
+
+def _unit(finding: Finding) -> OtherUnit:
+    assert finding.other_unit is not None
+    return finding.other_unit
+
+
+def _with_result(card: Card, file: Brought, result: Any) -> Card:
+    if result is None:
+        return card
+    asked = [finding for finding in result.findings if finding.other_unit is not None]
+    told = [finding for finding in result.findings if finding.other_unit is None and finding.kind != "question"]
+    plain = [finding for finding in result.findings if finding.other_unit is None and finding.kind == "question"]
+    # questions that the user answers by other means stand with what is told
+    return replace(
+        card,
+        result=result,
+        findings=tuple(without_name(finding.sentence, file.name) for finding in (*plain, *told)),
+        unused=tuple(without_name(sentence, file.name) for sentence in result.unused),
+        questions=tuple(_asked(finding) for finding in asked),
+    )
+
+
+def _asked(finding: Finding) -> Question:
+    unit = _unit(finding)
+    sentence = finding.sentence.partition(": ")[2]
+    return Question(sentence, f"Use {unit.meant}", f"Keep {unit.given}", f"factor {unit.key}", f"{unit.factor:g}", "1")
