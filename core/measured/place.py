@@ -22,7 +22,7 @@ from railjoule.core.units import MS_PER_KMH, N_PER_KN
 LARGEST_SCALE = 0.05
 """By which share an odometer may be off."""
 WHOLE_LINE_SHARE = 0.02
-"""A run whose length differs from the line's by less, from rest to rest, is one over the whole line."""
+"""A run whose length differs from the line's by less is one over the whole line if it is longer, or from rest to rest."""
 STEP_M, FINE_STEP_M = 5.0, 0.5
 """Places are tried in steps of the first, and around the best one of the second."""
 STOP_DEVIATION_M, FARTHEST_STOP_M = 8.0, 60.0
@@ -77,10 +77,11 @@ def place_on_line(recording: Recording, scenario: Scenario, start_m: float | Non
     covered = float(recording.covered_m[-1])
     # the odometer counts turns of the wheel and not samples of a speed, so that it is asked first
     length = covered if recording.position_m is None else float(recording.position_m[-1])
-    rests = recording.speed_ms[0] == 0 and recording.speed_ms[-1] == 0
     if start_m is not None:
         placement = _from_place(recording, line, start_m, length)
-    elif rests and abs(length - line.length_m) <= WHOLE_LINE_SHARE * line.length_m:
+    elif abs(length - line.length_m) <= WHOLE_LINE_SHARE * line.length_m and (
+        recording.rests or length >= line.length_m
+    ):
         placement = Placement(0.0, line.length_m, line.length_m / covered, "The run lies on the whole line.")
     elif length > line.length_m:
         raise RecordingError(
@@ -102,8 +103,7 @@ def _from_place(recording: Recording, line: Line, start_m: float, length_m: floa
             f"--from {start_m:g}: must be at least 0 and below {line.length_m:g} m, the line's length."
         )
     end = _snapped(line, recording, start_m + length_m, -1)
-    # a centimetre: lengths of sections add up with rounding
-    if end > line.length_m + 0.01:
+    if end > line.length_m + WHOLE_LINE_SHARE * length_m:
         raise RecordingError(
             f"{recording.name}: the run covers {length_m:.5g} m from {start_m:g} m on, but the line ends at "
             f"{line.length_m:g} m."

@@ -121,10 +121,11 @@ def measured_run(recording: Recording, scenario: Scenario, start_m: float | None
     placement = place_on_line(recording, scenario, start_m)
     speed, position = _to_scale(recording, placement, placement.scale * recording.speed_ms)
     raw, step = speed, max(placement.scale * recording.speed_step_ms, LEAST_STEP_MS)
+    noise = placement.scale * recording.speed_noise_ms
     for _ in range(PASSES):
         # the pull needs speeds and places, which are better known after each pass
         pull = _pull_ms2(_own_scenario(recording, scenario, placement, speed, position), speed, position)
-        smooth, coasts = smoothed_speed(recording.time_s, raw, step, pull)
+        smooth, coasts = smoothed_speed(recording.time_s, raw, step, noise, pull)
         speed, position = _to_scale(recording, placement, smooth)
     own = _own_scenario(recording, scenario, placement, speed, position)
     kept, dwell = _nodes(recording, speed)

@@ -16,7 +16,8 @@ from railjoule.core.imports.source_file import counted
 from railjoule.core.line_current import power_of_line_current_w
 from railjoule.core.measured.columns import GENERIC, PRESSURES, RecorderFormat
 from railjoule.core.measured.line_power import sign_words
-from railjoule.core.measured.recording import FALLING, direction_of, effort_of, require_rising, time_of_positions
+from railjoule.core.measured.position import FALLING, direction_of, require_rising
+from railjoule.core.measured.recording import effort_of, time_of_positions
 from railjoule.core.measured.table import Table, read_table
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN, W_PER_KW
 

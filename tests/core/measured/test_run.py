@@ -44,7 +44,7 @@ def test_raw_steps_would_cost_more_than_they_did(scenario):
     run = solve(scenario)
     recording = read_recording(as_csv(samples(run)), "run.csv")
     steps = np.diff(recording.speed_ms) / np.diff(recording.time_s)
-    kept, coasts = smoothed_speed(recording.time_s, recording.speed_ms, 0.1, np.zeros(len(steps)))
+    kept, coasts = smoothed_speed(recording.time_s, recording.speed_ms, 0.1, 0.0, np.zeros(len(steps)))
     changes = np.abs(np.diff(np.diff(kept) / np.diff(recording.time_s))).sum()
     assert changes < 0.5 * np.abs(np.diff(steps)).sum()
     assert np.max(np.abs(kept - recording.speed_ms)) <= 0.05 + 1e-9
