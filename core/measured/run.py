@@ -118,7 +118,11 @@ def measured_run(recording: Recording, scenario: Scenario, start_m: float | None
         If its place cannot be found, or an effort or an energy is none that this train has.
     """
     recording = with_line_power(recording, scenario.vehicle.line_voltage_v)
-    placement = place_on_line(recording, scenario, start_m)
+    return run_at(recording, scenario, place_on_line(recording, scenario, start_m))
+
+
+def run_at(recording: Recording, scenario: Scenario, placement: Placement) -> MeasuredRun:
+    """Return a recording as a run over a known part of the line; errors as of `measured_run`."""
     speed, position = _to_scale(recording, placement, placement.scale * recording.speed_ms)
     raw, step = speed, max(placement.scale * recording.speed_step_ms, LEAST_STEP_MS)
     noise = placement.scale * recording.speed_noise_ms
