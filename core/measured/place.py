@@ -46,6 +46,8 @@ class Placement:
         Where it begins and ends [m], in running order.
     scale : float
         Distances on the line over those by the recorder's speed.
+    line_m : float
+        Length of the whole line [m].
     how : str
         How it was found, in a sentence.
     """
@@ -53,7 +55,13 @@ class Placement:
     start_m: float
     end_m: float
     scale: float
+    line_m: float
     how: str
+
+    @property
+    def is_whole_line(self) -> bool:
+        """Whether the run covers all of its line."""
+        return self.start_m == 0 and self.end_m == self.line_m
 
 
 def place_on_line(recording: Recording, scenario: Scenario, start_m: float | None = None) -> Placement:
@@ -82,7 +90,7 @@ def place_on_line(recording: Recording, scenario: Scenario, start_m: float | Non
     elif abs(length - line.length_m) <= WHOLE_LINE_SHARE * line.length_m and (
         recording.rests or length >= line.length_m
     ):
-        placement = Placement(0.0, line.length_m, line.length_m / covered, "The run lies on the whole line.")
+        placement = Placement(0.0, line.length_m, line.length_m / covered, line.length_m, "The run lies on the whole line.")
     elif length > line.length_m:
         raise RecordingError(
             f"{recording.name}: the run covers {length:.5g} m, but the line of the scenario has {line.length_m:.5g} m."
@@ -110,7 +118,7 @@ def _from_place(recording: Recording, line: Line, start_m: float, length_m: floa
         )
     end = min(end, line.length_m)
     scale = (end - start_m) / float(recording.covered_m[-1])
-    return Placement(start_m, end, scale, f"The run begins at {start_m:g} m, as given.")
+    return Placement(start_m, end, scale, line.length_m, f"The run begins at {start_m:g} m, as given.")
 
 
 def _snapped(line: Line, recording: Recording, place_m: float, sample: int) -> float:
@@ -146,7 +154,7 @@ def _searched(recording: Recording, scenario: Scenario, line: Line, length_m: fl
         )
     start, end = _snapped(line, recording, start, 0), _snapped(line, recording, start + length_m, -1)
     how = f"The run begins at {start:.0f} m: there it fits best to the line's {misfit.known_words}."
-    return Placement(start, end, (end - start) / float(recording.covered_m[-1]), how)
+    return Placement(start, end, (end - start) / float(recording.covered_m[-1]), line.length_m, how)
 
 
 class _Misfit:

@@ -37,12 +37,13 @@ def replicas(
     random : numpy.random.Generator
         Source of the errors.
     """
-    part = Placement(0.0, run.scenario.line.length_m, run.placement.scale, run.placement.how)
+    length = run.scenario.line.length_m
+    part = Placement(0.0, length, run.placement.scale, length, run.placement.how)
     found = []
     for _ in range(count):
         # an effort that is beyond the map of a drive is the noise of one replica
         with suppress(RailjouleError):
-            found.append(run_at(_recorded_again(run, time_s, speed_ms, random), run.scenario, part))
+            found.append(run_at(_recorded_again(run, time_s, speed_ms, random), run.scenario, part, passes=1))
     return found
 
 

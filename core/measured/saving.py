@@ -57,28 +57,26 @@ class Saving:
         return None if bound is None else self.run.modelled.energy_kwh - bound
 
     @property
-    def model_error_kwh(self) -> float | None:
-        """By how much modelled and measured energy differ [kWh]; None where no energy was measured."""
-        measured = self.run.measured_kwh
-        return None if measured is None else abs(self.run.modelled.energy_kwh - measured)
-
-    @property
     def interval_kwh(self) -> tuple[float, float]:
         """Between which energies the potential saving lies by the errors of speed and model [kWh]."""
-        model, (below, above) = self.model_error_kwh or 0.0, self.speed_error_kwh
+        model, (below, above) = self.run.model_error_kwh or 0.0, self.speed_error_kwh
         return self.possible_kwh - below - model, self.possible_kwh + above + model
 
     @property
     def is_certain(self) -> bool:
-        """Whether the errors of speed and model do not explain all of it."""
-        return self.interval_kwh[0] > 0
+        """Whether the errors of speed and model do not explain all of it.
+
+        A model that cannot drive the run has an error; where no energy was measured, its size is not known.
+        """
+        is_model_open = self.run.model_error_kwh is None and bool(self.run.contradictions)
+        return self.interval_kwh[0] > 0 and not is_model_open
 
     @property
     def doubt(self) -> str:
         """Why no saving can be stated, in a sentence; empty where one can."""
         if self.is_certain:
             return ""
-        saved, below, model = self.possible_kwh, self.speed_error_kwh[0], self.model_error_kwh
+        saved, below, model = self.possible_kwh, self.speed_error_kwh[0], self.run.model_error_kwh
         start = f"No saving can be stated: the optimum needs {saved:.3g} kWh less than the modelled run, but "
         if saved <= 0:
             return "No saving can be stated: by its samples, the run is as good as the optimum."
@@ -86,7 +84,11 @@ class Saving:
             return start + "the errors of the speed are too large for the model."
         if saved <= below:
             return start + f"the steps and the noise of the speed alone explain up to {below:.2g} kWh."
-        assert model is not None
+        if model is None:
+            return start + (
+                "its speed takes more effort than the scenario's vehicle has, and no measured energy shows the error of "
+                "the model: check vehicle, line and place."
+            )
         of_speed = f", and the steps and the noise of the speed explain up to {below:.2g} kWh" if saved > model else ""
         return start + f"the model is {model:.3g} kWh off the measured energy{of_speed}: fit the train first."
 

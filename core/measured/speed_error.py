@@ -19,7 +19,7 @@ STEADY_WEIGHTS = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / np.sqrt(70.0)
 """Fourth difference, of which independent errors keep their variance and a smooth speed leaves next to nothing."""
 MAD_OF_NORMAL = 0.6745
 """Median of the absolute values of a normal variable with deviation 1."""
-LEAST_ERROR = 0.3
+LEAST_ERROR = 0.6
 """Of the deviation that steps have: an even change of speed, rounded to decimals, has less."""
 CLIPPED, CLIPPED_VARIANCE, CLIPPING_ROUNDS = 2.5, 0.9113, 5
 """A normal variable of deviation 1 within 2.5 to both sides has this variance."""
@@ -96,10 +96,12 @@ def _common_step(levels: FloatArray, decimal: float, low: float, high: float) ->
 
 def _has_errors_of(step: float, values: FloatArray) -> bool:
     """Return whether values that change in each sample err as those in steps do: an even change has equal steps too."""
-    changing = [window for window in _windows(values) if np.all(np.diff(window) != 0)]
-    if not changing:
+    windows = _windows(values)
+    changing = windows[np.all(np.diff(windows) != 0, axis=1)]
+    # values that often stay have no even change
+    if 2 * len(changing) <= len(windows):
         return True
-    errors = np.array(changing) @ STEADY_WEIGHTS
+    errors = changing @ STEADY_WEIGHTS
     return float(np.sqrt(np.mean(errors**2))) > LEAST_ERROR * UNIFORM * step
 
 
@@ -121,10 +123,11 @@ def noise_deviation(speed_ms: FloatArray, step_ms: float) -> float:
     step_ms : float
         Their step [m/s].
     """
-    moving = [window for window in _windows(speed_ms) if np.all(window > 0)]
+    windows = _windows(speed_ms)
+    moving = windows[np.all(windows > 0, axis=1)]
     if len(moving) < FEWEST_DIFFERENCES:
         return 0.0
-    errors = np.abs(np.array(moving) @ STEADY_WEIGHTS)
+    errors = np.abs(moving @ STEADY_WEIGHTS)
     deviation = float(np.median(errors)) / MAD_OF_NORMAL
     for _ in range(CLIPPING_ROUNDS):
         # few samples lie beside a change of effort, and these are clipped
