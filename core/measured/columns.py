@@ -224,12 +224,14 @@ def recognised(headers: Sequence[str], form: RecorderFormat) -> list[Column]:
         quantity = _quantity_of(header)
         if quantity is not None and quantity not in named and header not in taken:
             columns.append(Column(quantity, header, _unit_in(header, quantity) or ""))
-    return columns + _plain_line_columns(headers, {*taken, *(column.header for column in columns)}, columns)
+    return columns + _plain_line_columns(headers, taken | {column.header for column in columns}, columns)
 
 
-def _plain_line_columns(headers: Sequence[str], taken: set[str], columns: Sequence[Column]) -> list[Column]:
-    """Return current and voltage by names that do not name the line; none where one of them is missing."""
+def _plain_line_columns(headers: Sequence[str], taken: set[str | None], columns: Sequence[Column]) -> list[Column]:
+    """Return current and voltage by names that do not name the line; none where one is missing or a power is there."""
     known = {column.quantity for column in columns}
+    if known & {"power", "energy"}:
+        return []
     plain = [
         Column(quantity, header, _known_unit(_words(header)[1], quantity) or "")
         for quantity, names in PLAIN_NAMES.items()
@@ -315,7 +317,7 @@ def _with_unit(column: Column, form: RecorderFormat, source: str) -> Column:
 
 
 def unknown_unit(header: str, quantity: str) -> str:
-    """Return what stands in brackets behind the name of a column and is no unit of its quantity; empty where none is."""
+    """Return what stands in brackets behind the name of a column, if it is no unit of its quantity; else nothing."""
     match = BRACKETS.fullmatch(header)
     if match is None or quantity == "brake" or not re.search("[a-z]", match[2].lower()):
         return ""
@@ -352,6 +354,11 @@ def _unit_in(header: str, quantity: str) -> str | None:
     if _plain(header) in NAMES[quantity]:
         return "s" if _plain(header) == "seconds" else None
     return _known_unit(_words(header)[1], quantity)
+
+
+def has_plain_name(column: Column) -> bool:
+    """Return whether the name of a column of the line's current or voltage does not name the line."""
+    return _has_name(column.header, column.quantity, PLAIN_NAMES.get(column.quantity, ()))
 
 
 def _known_unit(word: str, quantity: str) -> str | None:

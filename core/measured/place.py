@@ -22,7 +22,7 @@ from railjoule.core.units import MS_PER_KMH, N_PER_KN
 LARGEST_SCALE = 0.05
 """By which share an odometer may be off."""
 WHOLE_LINE_SHARE = 0.02
-"""A run whose length differs from the line's by less is one over the whole line if it is longer, or from rest to rest."""
+"""A run that is longer than the line by less is one over all of it, as is one that is shorter and from rest to rest."""
 STEP_M, FINE_STEP_M = 5.0, 0.5
 """Places are tried in steps of the first, and around the best one of the second."""
 STOP_DEVIATION_M, FARTHEST_STOP_M = 8.0, 60.0
@@ -90,7 +90,9 @@ def place_on_line(recording: Recording, scenario: Scenario, start_m: float | Non
     elif abs(length - line.length_m) <= WHOLE_LINE_SHARE * line.length_m and (
         recording.rests or length >= line.length_m
     ):
-        placement = Placement(0.0, line.length_m, line.length_m / covered, line.length_m, "The run lies on the whole line.")
+        placement = Placement(
+            0.0, line.length_m, line.length_m / covered, line.length_m, "The run lies on the whole line."
+        )
     elif length > line.length_m:
         raise RecordingError(
             f"{recording.name}: the run covers {length:.5g} m, but the line of the scenario has {line.length_m:.5g} m."

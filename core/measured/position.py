@@ -43,7 +43,7 @@ def readable_position(table: Table, covered_m: FloatArray, notes: list[str]) -> 
     notes : list of str
         Receives a sentence where the position goes back.
     """
-    position = direction_of(table) * (table.values["position"] - table.values["position"][0])
+    position: FloatArray = direction_of(table) * (table.values["position"] - table.values["position"][0])
     steps = np.diff(position)
     back = np.flatnonzero(steps < 0)
     if not len(back):

@@ -25,6 +25,8 @@ from railjoule.core.units import MS_PER_KMH
 
 FEWEST_SAMPLES = 10
 """Fewer show no course of a speed."""
+SHORTEST_RUN_S = 1.0
+"""Shorter runs are those whose times are in another unit."""
 LARGEST_SPEED_MS = 600.0 * MS_PER_KMH
 """As of the vehicles of a scenario."""
 LARGEST_VOLTAGE_V = 100_000.0
@@ -156,8 +158,12 @@ def recording_of(cells: CellTable, form: RecorderFormat = GENERIC) -> Recording:
         if direction_of(table) < 0:
             notes.append(FALLING)
     time = table.values["time"] - table.values["time"][0] if has_time else time_of_positions(table)
-    table = _with_corrected_speeds(table, time if has_time else None, step, noise, notes)
+    if time[-1] < SHORTEST_RUN_S:
+        raise RecordingError(
+            f"{source}: the rows cover {time[-1]:.3g} s only; is the time in another unit (--unit time=...)?"
+        )
     _require_steady(table, time)
+    table = _with_corrected_speeds(table, time if has_time else None, step, noise, notes)
     gaps = _gaps(table, time, form, notes)
     first, last = _moving_part(table, time, notes)
     clock, part = time, slice(first, last + 1)
@@ -167,7 +173,7 @@ def recording_of(cells: CellTable, form: RecorderFormat = GENERIC) -> Recording:
     brake, covered = values.get("brake"), distance_m(time[part], values["speed"])
     position = None
     if "position" in values:
-        position = readable_position(table.at(np.arange(len(time)) == np.clip(np.arange(len(time)), first, last)), covered, notes)
+        position = readable_position(replace(table, values=values, rows=table.rows[part]), covered, notes)
     recording = Recording(
         name=source,
         time_s=frozen_array(time[part] - time[first]),
@@ -256,6 +262,11 @@ def _with_corrected_speeds(
         if np.any(changed):
             largest = float(np.max(np.abs(measured[changed]))) / MS_PER_KMH
             rows = counted(int(changed.sum()), "row")
+            if not np.any(speed > 0):
+                name = table.columns["speed"].header
+                raise RecordingError(
+                    f"{table.source}: {name} is at most {largest:.2g} km/h, as at standstill, so there is no run."
+                )
             notes.append(f"A speed of up to {largest:.2g} km/h at standstill, in {rows}, is read as 0.")
     return replace(table, values={**table.values, "speed": speed})
 

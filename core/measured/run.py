@@ -206,11 +206,12 @@ def _with_coasting(course: Course, speed2: FloatArray, coasts: BoolArray, within
 def _told(recording: Recording, placement: Placement, change_ms: FloatArray) -> list[str]:
     notes, smoothed = [], f"smoothed by {float(np.sqrt(np.mean(change_ms**2))):.2g} m/s in the mean"
     if recording.speed_noise_ms > 0:
-        notes.append(
-            f"The speed has a noise of {recording.speed_noise_ms / MS_PER_KMH:.2g} km/h (standard deviation): {smoothed}."
-        )
+        noise_kmh = recording.speed_noise_ms / MS_PER_KMH
+        notes.append(f"The speed has a noise of {noise_kmh:.2g} km/h (standard deviation): {smoothed}.")
     elif recording.speed_step_ms > 0:
-        notes.append(f"The speed has steps of {step_words(recording.speed_step_ms)}: {smoothed}, by at most half a step.")
+        notes.append(
+            f"The speed has steps of {step_words(recording.speed_step_ms)}: {smoothed}, by at most half a step."
+        )
     if abs(placement.scale - 1) > 1e-4:
         notes.append(
             f"Speeds and distances are multiplied by {placement.scale:.4f}, so that they cover the line's "

@@ -86,8 +86,8 @@ class Saving:
             return start + f"the steps and the noise of the speed alone explain up to {below:.2g} kWh."
         if model is None:
             return start + (
-                "its speed takes more effort than the scenario's vehicle has, and no measured energy shows the error of "
-                "the model: check vehicle, line and place."
+                "its speed takes more effort than the scenario's vehicle has, and no measured energy shows the error "
+                "of the model: check vehicle, line and place."
             )
         of_speed = f", and the steps and the noise of the speed explain up to {below:.2g} kWh" if saved > model else ""
         return start + f"the model is {model:.3g} kWh off the measured energy{of_speed}: fit the train first."

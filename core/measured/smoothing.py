@@ -4,8 +4,8 @@ A speed in steps of q is off by up to q / 2, one with noise by more. From one sa
 which the train never had, and a model would pay for it in traction and brakes in turn: 30 % of the energy of a metro
 that coasts most of its way in steps of 0.1 m/s, and as much again as the whole energy at a noise of 0.6 km/h. The steps
 leave open a band of q / 2 to both sides of each sample; noise of a standard deviation s leaves it by |e_i|, in the mean
-by s sqrt(2 / pi). Of all courses of speed v that differ by so much from the samples the one is taken whose effort changes
-least,
+by s sqrt(2 / pi). Of all courses of speed v that differ by so much from the samples the one is taken whose effort
+changes least,
 
     minimise    sum |f_(i+1) - f_i| + epsilon sum |f_i|       f_i = (v_(i+1) - v_i) / dt + pull_i
     subject to  |v_i + e_i - measured_i| <= q / 2             zero stays zero
@@ -82,7 +82,7 @@ def moving_stretches(speed_ms: FloatArray) -> list[tuple[int, int]]:
 def _steadiest(
     time_s: FloatArray, speed_ms: FloatArray, step_ms: float, noise_ms: float, pull_ms2: FloatArray
 ) -> FloatArray:
-    """Solve the linear program of one stretch; its variables are speeds and the parts of efforts, changes and errors."""
+    """Solve the linear program of one stretch; its variables are speeds, and parts of efforts, changes and errors."""
     n, step_s = len(speed_ms), np.diff(time_s)
     sparse = scipy.sparse
     change_of_speed = sparse.diags([-1 / step_s, 1 / step_s], [0, 1], shape=(n - 1, n))

@@ -29,8 +29,9 @@ NOISE_FACTOR = 1.6
 """Errors of steps are not quite independent: only beyond this factor of theirs is an estimate that of a noise."""
 UNIFORM = 1 / np.sqrt(12.0)
 """Standard deviation of an error spread evenly over a step of 1."""
-STANDSTILL_MS = 0.2
-"""A train at rest may show as much: sensors have an offset, receivers of satellites a noise."""
+STANDSTILL_MS, MOST_STANDSTILL_MS = 0.2, 0.6
+"""A train at rest may show the first: sensors have an offset, receivers of satellites a noise; no train creeps at less
+than the second."""
 STANDSTILL_S = 2.0
 """A train that brakes or starts by 0.1 m/s2 is slower than `STANDSTILL_MS` for no longer."""
 # emergency brakes of trams, magnetic track brakes included, reach some 3 m/s2
@@ -102,7 +103,7 @@ def _has_errors_of(step: float, values: FloatArray) -> bool:
     if 2 * len(changing) <= len(windows):
         return True
     errors = changing @ STEADY_WEIGHTS
-    return float(np.sqrt(np.mean(errors**2))) > LEAST_ERROR * UNIFORM * step
+    return bool(np.sqrt(np.mean(errors**2)) > LEAST_ERROR * UNIFORM * step)
 
 
 def _windows(values: FloatArray) -> FloatArray:
@@ -157,7 +158,7 @@ def impossible_change(time_s: FloatArray, speed_ms: FloatArray) -> tuple[int, in
 
 def standstill_ms(noise_ms: float) -> float:
     """Return up to which speed a recorder may show a train at rest [m/s]."""
-    return max(STANDSTILL_MS, DEVIATIONS * noise_ms)
+    return min(max(STANDSTILL_MS, DEVIATIONS * noise_ms), MOST_STANDSTILL_MS)
 
 
 def standing_samples(time_s: FloatArray, speed_ms: FloatArray, noise_ms: float) -> BoolArray:

@@ -15,7 +15,15 @@ from railjoule.core.imports.cells import Cell, CellTable, read_cells
 from railjoule.core.imports.findings import without_name
 from railjoule.core.imports.numbers import Decimal, decimal_of, number_of, position_of, text_of_cell
 from railjoule.core.imports.source_file import SourceFile, counted, shown_list
-from railjoule.core.measured.columns import CLOCK, GENERIC, Column, RecorderFormat, find_columns, recognised
+from railjoule.core.measured.columns import (
+    CLOCK,
+    GENERIC,
+    Column,
+    RecorderFormat,
+    find_columns,
+    has_plain_name,
+    recognised,
+)
 from railjoule.core.scenario._sentences import show
 from railjoule.core.units import plain_number
 
@@ -127,6 +135,7 @@ def read_table(cells: CellTable, form: RecorderFormat = GENERIC) -> Table:
         for column in columns
         if column.is_assumed and column.unit != CLOCK and column.quantity != "brake"
     ]
+    notes += [f"{column.header} is taken as that of the line." for column in columns if has_plain_name(column)]
     unused = [name for name in cells.header if name not in [column.header for column in columns]]
     if unused:
         notes.append(f"Columns not used: {shown_list(unused)}.")

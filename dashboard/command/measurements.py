@@ -148,7 +148,9 @@ def measured_text(run: Summary) -> str:
         "",
     ]
     if not run["is_whole_line"]:
-        lines += labelled("Place", f"from {run['start_m']:.0f} m to {run['end_m']:.0f} m of the line's {run['line_m']:.0f} m")
+        lines += labelled(
+            "Place", f"from {run['start_m']:.0f} m to {run['end_m']:.0f} m of the line's {run['line_m']:.0f} m"
+        )
     if run["measured_kwh"] is not None:
         lines += labelled("Measured", f"{terminal.energy(run['measured_kwh'])} kWh from the supply")
     lines += labelled("Modelled", f"{terminal.energy(run['modelled_kwh'])} kWh by the scenario at the measured speeds")

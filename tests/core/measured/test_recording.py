@@ -255,3 +255,69 @@ def test_a_workbook_is_a_recording(tmp_path):
     found, expected = load_recording(tmp_path / "run.xlsx"), read_recording(table(plain()), "run.csv")
     assert found.speed_ms.tolist() == expected.speed_ms.tolist()
     assert found.time_s.tolist() == expected.time_s.tolist()
+
+
+def test_a_time_since_1970_in_milliseconds_is_read_so():
+    """It was a run of 1,300,100 m: field.md of the third review."""
+    rows = [[1743292760000 + 1000 * second, speed] for second, speed in plain()]
+    recording = read_recording(table(rows, "timestamp,speed_kmh"), "run.csv")
+    assert recording.duration_s == pytest.approx(20.0)
+    assert "No unit is named for 'timestamp': taken as ms." in recording.notes
+    in_s = [[1743292760 + second, speed] for second, speed in plain()]
+    assert read_recording(table(in_s, "timestamp,speed_kmh"), "run.csv").duration_s == pytest.approx(20.0)
+
+
+@pytest.mark.parametrize(
+    ("first", "half", "later"), [("11:59:50", "PM", "12:00"), ("11:59:50", "am", "12:00"), ("12:59:50", "a.m.", "1:00")]
+)
+def test_reads_the_clock_of_twelve_hours(first, half, later):
+    other = {"PM": "AM", "am": "pm"}.get(half, half)
+    minute, second = first[:-2], int(first[-2:])
+    rows = [
+        [f"{minute}{second + s:02} {half}" if s < 10 else f"{later}:{s - 10:02} {other}", speed] for s, speed in plain()
+    ]
+    recording = read_recording(table(rows, "Time,Speed (km/h)"), "run.csv")
+    assert recording.duration_s == pytest.approx(20.0)
+    assert ("The clock passes midnight." in recording.notes) == (half == "PM")
+
+
+def test_refuses_an_hour_that_the_clock_of_twelve_hours_does_not_have():
+    rows = [[f"13:00:{s:02} PM", speed] for s, speed in plain()]
+    assert "must have an hour from 1 to 12 before AM or PM" in refusal(table(rows, "Time,speed_kmh"))
+
+
+def test_refuses_a_unit_that_is_named_and_not_known():
+    assert "the unit 'fortnights' of column 'Time [fortnights]' is not known" in refusal(
+        table(plain(), "Time [fortnights],speed_kmh")
+    )
+    assert "the unit 'kn' of column 'Speed (kn)' is not known" in refusal(table(plain(), "time_s,Speed (kn)"))
+    form = RecorderFormat(units={"speed": "mph"})
+    assert read_recording(table(plain(), "time_s,Speed (kn)"), "run.csv", form).speed_ms.max() == pytest.approx(4.4704)
+
+
+def test_refuses_a_run_that_is_too_short_for_a_train():
+    assert "the rows cover 0.02 s only; is the time in another unit" in refusal(table(plain(), "time_ms,speed_kmh"))
+
+
+def test_plain_names_of_current_and_voltage_are_those_of_the_line():
+    rows = [[*row, 100, 750] for row in plain()]
+    recording = read_recording(
+        table(rows, "Uhrzeit,v [km/h],Strom [A],Spannung [V]".replace("Uhrzeit", "Zeit")), "r.csv"
+    )
+    assert recording.line_current_a.max() == 100.0
+    assert "Strom [A] is taken as that of the line." in recording.notes
+    # alone, a current may be that of a motor; beside a power it is not asked for
+    alone = read_recording(table([row[:3] for row in rows], "time_s,speed_kmh,current_a"), "run.csv")
+    assert alone.line_current_a is None
+    powered = read_recording(table(rows, "time_s,speed_kmh,power_kw,voltage_v"), "run.csv")
+    assert powered.line_voltage_v is None
+
+
+def test_a_sensor_that_shows_a_speed_at_standstill_begins_and_ends_at_rest():
+    rows = [[second, max(speed, 0.4)] for second, speed in [[-3, 0], [-2, 0], [-1, 0], *plain(), [21, 0], [22, 0]]]
+    recording = read_recording(table(rows), "run.csv")
+    assert recording.speed_ms[[0, -1]].tolist() == [0.0, 0.0]
+    assert any("A speed of up to 0.4 km/h at standstill, in" in note for note in recording.notes)
+    negative = [[second, speed or -0.3] for second, speed in plain()]
+    assert read_recording(table(negative), "run.csv").speed_ms.min() == 0
+    assert "at most 0.3 km/h, as at standstill" in refusal(table([[second, 0.3] for second, _ in plain()]))

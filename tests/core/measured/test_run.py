@@ -119,6 +119,19 @@ def test_refuses_a_run_that_the_line_cannot_hold(scenario):
         measured_run(recording, scenario, 10.0)
 
 
+@pytest.mark.parametrize("end_kmh", [0.0, 0.4, 5.0])
+def test_a_run_that_is_a_little_longer_than_the_line_covers_it(scenario, end_kmh):
+    """0.3 m with 0.4 km/h at standstill, and 0.1 m at speed, were refused: walk_teacher.md, field.md."""
+    columns = samples(solve(scenario))
+    columns["speed_ms"] = np.maximum(columns["speed_ms"] * 1.001, end_kmh / 3.6)
+    columns["speed_ms"][0] = 0.0
+    moving = np.flatnonzero(samples(solve(scenario))["speed_ms"] > 0)
+    text = as_csv({name: values[: moving[-1] + 1] for name, values in columns.items()}, ("time_s", "speed_ms"))
+    run = measured_run(read_recording(text, "run.csv"), scenario)
+    assert run.placement.is_whole_line
+    assert run.scenario.line.length_m == pytest.approx(1300)
+
+
 def test_refuses_efforts_in_another_unit(scenario):
     columns = samples(solve(scenario))
     columns["effort_kn"] = 1e3 * columns["effort_kn"]
