@@ -20,6 +20,8 @@ from railjoule.core.units import J_PER_KWH
 REPLICAS, FEWEST_REPLICAS = 8, 4
 """Of the run, and as many of the optimum; of fewer a spread says little."""
 CONFIDENCE = 0.95
+MODEL_DEVIATIONS = 2.0
+"""The one error of the model that is seen counts as its standard deviation; 95 % lie within two of them."""
 SEED = 1
 
 
@@ -59,7 +61,7 @@ class Saving:
     @property
     def interval_kwh(self) -> tuple[float, float]:
         """Between which energies the potential saving lies by the errors of speed and model [kWh]."""
-        model, (below, above) = self.run.model_error_kwh or 0.0, self.speed_error_kwh
+        model, (below, above) = MODEL_DEVIATIONS * (self.run.model_error_kwh or 0.0), self.speed_error_kwh
         return self.possible_kwh - below - model, self.possible_kwh + above + model
 
     @property
@@ -89,7 +91,11 @@ class Saving:
                 "its speed takes more effort than the scenario's vehicle has, and no measured energy shows the error "
                 "of the model: check vehicle, line and place."
             )
-        of_speed = f", and the steps and the noise of the speed explain up to {below:.2g} kWh" if saved > model else ""
+        of_speed = (
+            f", and the steps and the noise of the speed explain up to {below:.2g} kWh"
+            if saved > MODEL_DEVIATIONS * model
+            else ""
+        )
         return start + f"the model is {model:.3g} kWh off the measured energy{of_speed}: fit the train first."
 
 
