@@ -9,7 +9,7 @@ import scipy
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.errors import RecordingError
 from railjoule.core.measured import MeasuredRun, Recording
-from railjoule.core.measured.recording import quantisation
+from railjoule.core.measured.speed_error import quantisation
 from railjoule.core.motion import build_course
 
 FEWEST_STEPS = 20

@@ -15,7 +15,7 @@ CLOCK = "clock"
 """Unit of times of day, hh:mm:ss with or without a date."""
 UNITS: Mapping[str, Mapping[str, float]] = MappingProxyType(
     {
-        "time": {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0, CLOCK: 1.0},
+        "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "min": 60.0, "h": 3600.0, CLOCK: 1.0},
         "position": {"m": 1.0, "km": 1e3, "mi": M_PER_MILE},
         "speed": {"km/h": MS_PER_KMH, "m/s": 1.0, "mph": M_PER_MILE / 3600.0},
         "effort": {"N": 1.0, "kN": N_PER_KN},
@@ -64,7 +64,6 @@ NAMES: Mapping[str, Sequence[str]] = MappingProxyType(
             *("energy", "line_energy", "energy_counter", "meter", "counter"),
             *("energie", "compteur_energie"),
         ),
-        # no plain 'current', which may be that of a motor
         "line_current": (
             *("line_current", "catenary_current", "pantograph_current", "collector_current"),
             *("netzstrom", "fahrleitungsstrom"),
@@ -78,12 +77,21 @@ NAMES: Mapping[str, Sequence[str]] = MappingProxyType(
     }
 )
 """Names without their unit, by quantity, in English, German and French."""
+PLAIN_NAMES: Mapping[str, Sequence[str]] = MappingProxyType(
+    {
+        "line_current": ("current", "strom", "courant", "intensite"),
+        "line_voltage": ("voltage", "spannung", "tension"),
+    }
+)
+"""Names that may also be those of a motor: taken for the line's where both are there."""
 NEEDED_UNITS = (
     *("speed", "effort", "tractive_effort", "braking_effort", "power", "energy"),
     *("line_current", "line_voltage"),
 )
 """Quantities whose unit nothing else tells; times count as seconds, positions as metres, brakes as on above 0."""
 LONGEST_GAP_S = 600.0
+BRACKETS = re.compile(r"\s*(.*?)\s*[\[(]\s*(.*?)\s*[\])]\s*")
+"""A name, and its unit in brackets."""
 USUAL_UNITS = MappingProxyType({"time": "s", "position": "m", "brake": "on"})
 
 
@@ -219,7 +227,22 @@ def recognised(headers: Sequence[str], form: RecorderFormat) -> list[Column]:
         quantity = _quantity_of(header)
         if quantity is not None and quantity not in named and header not in taken:
             columns.append(Column(quantity, header, _unit_in(header, quantity) or ""))
-    return columns
+    return columns + _plain_line_columns(headers, taken | {column.header for column in columns}, columns)
+
+
+def _plain_line_columns(headers: Sequence[str], taken: set[str | None], columns: Sequence[Column]) -> list[Column]:
+    """Return current and voltage by names that do not name the line; none where one is missing or a power is there."""
+    known = {column.quantity for column in columns}
+    if known & {"power", "energy"}:
+        return []
+    plain = [
+        Column(quantity, header, _known_unit(_words(header)[1], quantity) or "")
+        for quantity, names in PLAIN_NAMES.items()
+        if quantity not in known
+        for header in headers
+        if header not in taken and _has_name(header, quantity, names)
+    ]
+    return plain if known | {column.quantity for column in plain} >= PLAIN_NAMES.keys() else []
 
 
 def _named(headers: Sequence[str], told: str) -> tuple[str | None, str]:
@@ -284,6 +307,10 @@ def find_columns(headers: Sequence[str], form: RecorderFormat, source: str) -> l
 def _with_unit(column: Column, form: RecorderFormat, source: str) -> Column:
     quantity = column.quantity
     told = form.units.get(quantity) or _known_unit(column.unit, quantity)
+    strange = unknown_unit(column.header, quantity) if not told else ""
+    if strange:
+        choices = " or ".join(f"--unit {quantity}={unit}" for unit in UNITS[quantity])
+        raise RecordingError(f"{source}: the unit {strange!r} of column {column.header!r} is not known; add {choices}.")
     assumed = form.assumed.get(quantity) or USUAL_UNITS.get(quantity)
     unit = told or assumed
     if unit is None:
@@ -292,9 +319,18 @@ def _with_unit(column: Column, form: RecorderFormat, source: str) -> Column:
     return Column(quantity, column.header, unit, is_assumed=not told)
 
 
+def unknown_unit(header: str, quantity: str) -> str:
+    """Return what stands in brackets behind the name of a column, if it is no unit of its quantity; else nothing."""
+    match = BRACKETS.fullmatch(header)
+    if match is None or quantity == "brake" or not re.search("[a-z]", match[2].lower()):
+        return ""
+    is_clock = quantity == "time" and ":" in match[2]
+    return "" if is_clock or _known_unit(match[2], quantity) else match[2]
+
+
 def _words(header: str) -> tuple[str, str]:
     """Return the name and what may be the unit of a column, such as 'speed' and 'km/h' of 'Speed [km/h]'."""
-    match = re.fullmatch(r"\s*(.*?)\s*[\[(]\s*(.*?)\s*[\])]\s*", header)
+    match = BRACKETS.fullmatch(header)
     if match:
         return _plain(match[1]), match[2]
     return _plain(header), _plain(header).rpartition("_")[2]
@@ -307,12 +343,13 @@ def _plain(name: str) -> str:
 
 
 def _quantity_of(header: str) -> str | None:
-    name, unit = _words(header)
     # the longest name of all that fit: 'brake_pressure_bar' is no 'brake' with a strange unit
-    for quantity, names in NAMES.items():
-        if name in names or (name.removesuffix(f"_{unit}") in names and _known_unit(unit, quantity)):
-            return quantity
-    return None
+    return next((quantity for quantity, names in NAMES.items() if _has_name(header, quantity, names)), None)
+
+
+def _has_name(header: str, quantity: str, names: Sequence[str]) -> bool:
+    name, unit = _words(header)
+    return name in names or (name.removesuffix(f"_{unit}") in names and _known_unit(unit, quantity) is not None)
 
 
 def _unit_in(header: str, quantity: str) -> str | None:
@@ -320,6 +357,11 @@ def _unit_in(header: str, quantity: str) -> str | None:
     if _plain(header) in NAMES[quantity]:
         return "s" if _plain(header) == "seconds" else None
     return _known_unit(_words(header)[1], quantity)
+
+
+def has_plain_name(column: Column) -> bool:
+    """Return whether the name of a column of the line's current or voltage does not name the line."""
+    return _has_name(column.header, column.quantity, PLAIN_NAMES.get(column.quantity, ()))
 
 
 def _known_unit(word: str, quantity: str) -> str | None:

@@ -22,7 +22,7 @@ from railjoule.core.units import MS_PER_KMH, N_PER_KN
 LARGEST_SCALE = 0.05
 """By which share an odometer may be off."""
 WHOLE_LINE_SHARE = 0.02
-"""A run whose length differs from the line's by less, from rest to rest, is one over the whole line."""
+"""A run that is longer than the line by less is one over all of it, as is one that is shorter and from rest to rest."""
 STEP_M, FINE_STEP_M = 5.0, 0.5
 """Places are tried in steps of the first, and around the best one of the second."""
 STOP_DEVIATION_M, FARTHEST_STOP_M = 8.0, 60.0
@@ -46,6 +46,8 @@ class Placement:
         Where it begins and ends [m], in running order.
     scale : float
         Distances on the line over those by the recorder's speed.
+    line_m : float
+        Length of the whole line [m].
     how : str
         How it was found, in a sentence.
     """
@@ -53,7 +55,13 @@ class Placement:
     start_m: float
     end_m: float
     scale: float
+    line_m: float
     how: str
+
+    @property
+    def is_whole_line(self) -> bool:
+        """Whether the run covers all of its line."""
+        return self.start_m == 0 and self.end_m == self.line_m
 
 
 def place_on_line(recording: Recording, scenario: Scenario, start_m: float | None = None) -> Placement:
@@ -77,11 +85,14 @@ def place_on_line(recording: Recording, scenario: Scenario, start_m: float | Non
     covered = float(recording.covered_m[-1])
     # the odometer counts turns of the wheel and not samples of a speed, so that it is asked first
     length = covered if recording.position_m is None else float(recording.position_m[-1])
-    rests = recording.speed_ms[0] == 0 and recording.speed_ms[-1] == 0
     if start_m is not None:
         placement = _from_place(recording, line, start_m, length)
-    elif rests and abs(length - line.length_m) <= WHOLE_LINE_SHARE * line.length_m:
-        placement = Placement(0.0, line.length_m, line.length_m / covered, "The run lies on the whole line.")
+    elif abs(length - line.length_m) <= WHOLE_LINE_SHARE * line.length_m and (
+        recording.rests or length >= line.length_m
+    ):
+        placement = Placement(
+            0.0, line.length_m, line.length_m / covered, line.length_m, "The run lies on the whole line."
+        )
     elif length > line.length_m:
         raise RecordingError(
             f"{recording.name}: the run covers {length:.5g} m, but the line of the scenario has {line.length_m:.5g} m."
@@ -102,15 +113,14 @@ def _from_place(recording: Recording, line: Line, start_m: float, length_m: floa
             f"--from {start_m:g}: must be at least 0 and below {line.length_m:g} m, the line's length."
         )
     end = _snapped(line, recording, start_m + length_m, -1)
-    # a centimetre: lengths of sections add up with rounding
-    if end > line.length_m + 0.01:
+    if end > line.length_m + WHOLE_LINE_SHARE * length_m:
         raise RecordingError(
             f"{recording.name}: the run covers {length_m:.5g} m from {start_m:g} m on, but the line ends at "
             f"{line.length_m:g} m."
         )
     end = min(end, line.length_m)
     scale = (end - start_m) / float(recording.covered_m[-1])
-    return Placement(start_m, end, scale, f"The run begins at {start_m:g} m, as given.")
+    return Placement(start_m, end, scale, line.length_m, f"The run begins at {start_m:g} m, as given.")
 
 
 def _snapped(line: Line, recording: Recording, place_m: float, sample: int) -> float:
@@ -146,7 +156,7 @@ def _searched(recording: Recording, scenario: Scenario, line: Line, length_m: fl
         )
     start, end = _snapped(line, recording, start, 0), _snapped(line, recording, start + length_m, -1)
     how = f"The run begins at {start:.0f} m: there it fits best to the line's {misfit.known_words}."
-    return Placement(start, end, (end - start) / float(recording.covered_m[-1]), how)
+    return Placement(start, end, (end - start) / float(recording.covered_m[-1]), line.length_m, how)
 
 
 class _Misfit:

@@ -1,7 +1,7 @@
 """A recording: what a train's recorder wrote of one run, checked row by row, in SI."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -10,24 +10,32 @@ from railjoule.core.arrays import BoolArray, FloatArray, frozen_array
 from railjoule.core.errors import RecordingError
 from railjoule.core.imports.cells import CellTable
 from railjoule.core.imports.source_file import SourceFile, counted
-from railjoule.core.measured.columns import GENERIC, RecorderFormat
+from railjoule.core.measured.columns import GENERIC, UNITS, RecorderFormat
+from railjoule.core.measured.position import FALLING, direction_of, readable_position, require_rising
+from railjoule.core.measured.speed_error import (
+    LARGEST_CHANGE_MS2,
+    impossible_change,
+    noise_deviation,
+    quantisation,
+    standing_samples,
+    standstill_ms,
+)
 from railjoule.core.measured.table import Table, read_table, recorder_cells
 from railjoule.core.units import MS_PER_KMH
 
 FEWEST_SAMPLES = 10
 """Fewer show no course of a speed."""
+SHORTEST_RUN_S = 1.0
+"""Shorter runs are those whose times are in another unit."""
 LARGEST_SPEED_MS = 600.0 * MS_PER_KMH
 """As of the vehicles of a scenario."""
 LARGEST_VOLTAGE_V = 100_000.0
 """As of `vehicle.line_voltage_v`."""
-FALLING = "Positions fall: the train runs in falling chainage, counted from the first row."
-# emergency brakes of trams, magnetic track brakes included, reach some 3 m/s2
-LARGEST_CHANGE_MS2 = 5.0
-"""More no train does: the recorder was reset, or columns are mixed up."""
 GAP_STEPS = 3.0
 """Samples farther apart than so many usual steps leave a gap."""
-MOST_PARTS = 5
-"""Where few levels occur, no two of them may lie a single step apart, but hardly more than so many."""
+SAME_STEP = 0.002
+"""By which share a step that is found from rounded values may be off."""
+ROUNDING_MS = 1e-6
 SAME_DISTANCE = 0.10
 """By which share distances by position and by speed may differ; wrong units make factors of 3.6 and more."""
 
@@ -41,7 +49,9 @@ class Recording:
     name : str
         The file.
     time_s, speed_ms : array of shape (n,)
-        Time from the first sample [s] and speed [m/s].
+        Time from the first sample [s], samples at rest moved to where the motion begins or ends, and speed [m/s].
+    clock_s : array of shape (n,)
+        Time as written, on the same scale [s].
     position_m : array of shape (n,) or None
         What the odometer says [m].
     effort_n : array of shape (n,) or None
@@ -56,6 +66,8 @@ class Recording:
         Current taken from the line, negative where energy goes back [A], and its voltage [V]; NaN where not known.
     speed_step_ms : float
         In such steps the speed is given [m/s]; 0 where it has none.
+    speed_noise_ms : float
+        Standard deviation of its errors beyond those of the steps [m/s].
     gap_s : array of shape (n - 1,)
         For how long samples are missing after each sample [s]; 0 where none are.
     notes : tuple of str
@@ -65,6 +77,7 @@ class Recording:
     name: str
     time_s: FloatArray
     speed_ms: FloatArray
+    clock_s: FloatArray
     position_m: FloatArray | None
     effort_n: FloatArray | None
     brake_applied: BoolArray | None
@@ -73,13 +86,19 @@ class Recording:
     line_current_a: FloatArray | None
     line_voltage_v: FloatArray | None
     speed_step_ms: float
+    speed_noise_ms: float
     gap_s: FloatArray
     notes: tuple[str, ...]
 
     @property
     def covered_m(self) -> FloatArray:
         """Distance covered since the first sample by the speeds [m]; shape (n,)."""
-        return np.append(0.0, np.cumsum(0.5 * (self.speed_ms[1:] + self.speed_ms[:-1]) * np.diff(self.time_s)))
+        return distance_m(self.time_s, self.speed_ms)
+
+    @property
+    def rests(self) -> bool:
+        """Whether the train begins and ends at rest, as far as the speed tells."""
+        return bool(max(self.speed_ms[0], self.speed_ms[-1]) <= standstill_ms(self.speed_noise_ms))
 
     @property
     def duration_s(self) -> float:
@@ -125,31 +144,42 @@ def recording_of(cells: CellTable, form: RecorderFormat = GENERIC) -> Recording:
     if rows < FEWEST_SAMPLES:
         raise RecordingError(f"{source}: {rows} rows, but a run needs at least {FEWEST_SAMPLES}.")
     notes = list(table.notes)
-    _require_speeds(table)
+    step = _speed_step_ms(table)
+    noise = noise_deviation(table.values["speed"], step)
+    _require_speeds(table, -standstill_ms(noise))
     _require_voltages(table)
     table = _without_repeats(table, notes)
-    if "time" in table.values:
+    has_time = "time" in table.values
+    if has_time:
         require_rising(table, "time", may_stay=False)
     if "position" in table.values:
-        require_rising(table, "position", may_stay=True)
+        if not has_time:
+            require_rising(table, "position", may_stay=True)
         if direction_of(table) < 0:
             notes.append(FALLING)
-    time = table.values.get("time")
-    time = time_of_positions(table) if time is None else time - time[0]
+    time = table.values["time"] - table.values["time"][0] if has_time else time_of_positions(table)
+    if time[-1] < SHORTEST_RUN_S:
+        raise RecordingError(
+            f"{source}: the rows cover {time[-1]:.3g} s only; is the time in another unit (--unit time=...)?"
+        )
     _require_steady(table, time)
+    table = _with_corrected_speeds(table, time if has_time else None, step, noise, notes)
     gaps = _gaps(table, time, form, notes)
     first, last = _moving_part(table, time, notes)
-    if "time" in table.values:
+    clock, part = time, slice(first, last + 1)
+    if has_time:
         time = between_samples(time, table.values["speed"])
-    part = slice(first, last + 1)
     values = {quantity: column[part] for quantity, column in table.values.items()}
-    brake, position = values.get("brake"), values.get("position")
-    step = quantisation(table.values["speed"] / table.columns["speed"].factor) * table.columns["speed"].factor
+    brake, covered = values.get("brake"), distance_m(time[part], values["speed"])
+    position = None
+    if "position" in values:
+        position = readable_position(replace(table, values=values, rows=table.rows[part]), covered, notes)
     recording = Recording(
         name=source,
         time_s=frozen_array(time[part] - time[first]),
         speed_ms=frozen_array(values["speed"]),
-        position_m=None if position is None else frozen_array(direction_of(table) * (position - position[0])),
+        clock_s=frozen_array(clock[part] - time[first]),
+        position_m=None if position is None else frozen_array(position),
         effort_n=effort_of(values),
         brake_applied=None if brake is None else brake > 0,
         power_w=values.get("power"),
@@ -157,6 +187,7 @@ def recording_of(cells: CellTable, form: RecorderFormat = GENERIC) -> Recording:
         line_current_a=values.get("line_current"),
         line_voltage_v=values.get("line_voltage"),
         speed_step_ms=step,
+        speed_noise_ms=noise,
         gap_s=frozen_array(gaps[first:last]),
         notes=tuple(notes),
     )
@@ -164,28 +195,9 @@ def recording_of(cells: CellTable, form: RecorderFormat = GENERIC) -> Recording:
     return recording
 
 
-def quantisation(values: FloatArray) -> float:
-    """Return in which steps values are given: the largest number of which all are multiples; 0 where there is none.
-
-    Parameters
-    ----------
-    values : array
-        In the unit in which they were written: rounding to its decimals must not hide the steps.
-    """
-    levels = np.unique(np.round(values, 9))
-    differences = np.diff(levels)
-    if len(differences) < 2:
-        return 0.0
-    # values of a continuous quantity hardly repeat, and have tiny differences that divide nothing
-    least = float(np.min(differences))
-    for parts in range(1, MOST_PARTS + 1):
-        step = least / parts
-        multiples = levels / step
-        shares = np.abs(multiples - np.round(multiples))
-        # decimals that cut the steps off, as 3.6 km/h as 1.0 m/s, make multiples a little off
-        if step > 1e-4 * levels[-1] and np.all(shares < 0.02):
-            return step
-    return 0.0
+def distance_m(time_s: FloatArray, speed_ms: FloatArray) -> FloatArray:
+    """Return the distance that speeds cover since the first sample [m]; shape (n,)."""
+    return np.append(0.0, np.cumsum(0.5 * (speed_ms[1:] + speed_ms[:-1]) * np.diff(time_s)))
 
 
 def between_samples(time_s: FloatArray, speed_ms: FloatArray) -> FloatArray:
@@ -226,9 +238,51 @@ def effort_of(values: Mapping[str, FloatArray]) -> FloatArray | None:
     return driving if braking is None else driving - np.abs(braking)
 
 
-def _require_speeds(table: Table) -> None:
+def _speed_step_ms(table: Table) -> float:
+    factor = table.columns["speed"].factor
+    return quantisation(table.values["speed"] / factor) * factor
+
+
+def _with_corrected_speeds(
+    table: Table, time_s: FloatArray | None, step_ms: float, noise_ms: float, notes: list[str]
+) -> Table:
+    """Return a table whose speeds are whole steps and, where times are known, 0 at standstill."""
+    measured = table.values["speed"]
+    speed = step_ms * np.round(measured / step_ms) if step_ms > 0 else measured
+    if np.any(np.abs(speed - measured) > ROUNDING_MS):
+        notes.append(
+            f"The speed was rounded twice: all values are multiples of {step_words(step_ms)} within the file's last "
+            "decimal, and are read as those."
+        )
+    speed = np.maximum(speed, 0.0)
+    if time_s is not None:
+        standing = standing_samples(time_s, speed, noise_ms)
+        speed[standing] = 0.0
+        changed = (measured != 0) & (speed == 0)
+        if np.any(changed):
+            largest = float(np.max(np.abs(measured[changed]))) / MS_PER_KMH
+            rows = counted(int(changed.sum()), "row")
+            if not np.any(speed > 0):
+                name = table.columns["speed"].header
+                raise RecordingError(
+                    f"{table.source}: {name} is at most {largest:.2g} km/h, as at standstill, so there is no run."
+                )
+            notes.append(f"A speed of up to {largest:.2g} km/h at standstill, in {rows}, is read as 0.")
+    return replace(table, values={**table.values, "speed": speed})
+
+
+def step_words(step_ms: float) -> str:
+    """Return a step of speeds in the unit in which it is a round number, else in m/s."""
+    for unit, factor in UNITS["speed"].items():
+        if abs(float(f"{step_ms / factor:.1g}") * factor / step_ms - 1) < SAME_STEP:
+            return f"{step_ms / factor:.1g} {unit}"
+    return f"{step_ms:.3g} m/s"
+
+
+def _require_speeds(table: Table, lowest_ms: float) -> None:
+    """Refuse a speed below 0 by more than a sensor shows at standstill, or one that no train has."""
     speed = table.values["speed"]
-    for row in np.flatnonzero(speed < 0)[:1]:
+    for row in np.flatnonzero(speed < lowest_ms)[:1]:
         raise RecordingError(f"{table.source}: {table.told('speed', row)} must be at least 0.")
     for row in np.flatnonzero(speed > LARGEST_SPEED_MS)[:1]:
         column = table.columns["speed"]
@@ -271,25 +325,6 @@ def _without_repeats(table: Table, notes: list[str]) -> Table:
     return table.at(~repeated)
 
 
-def direction_of(table: Table) -> int:
-    """Return -1 for a train that runs in falling chainage, else 1: in falling chainage most steps fall."""
-    steps = np.sign(np.diff(table.values["position"]))
-    return -1 if float(np.sum(steps)) < 0 and table.values["position"][-1] < table.values["position"][0] else 1
-
-
-def require_rising(table: Table, quantity: str, may_stay: bool) -> None:
-    """Raise RecordingError if a time, or a position in the direction of the run, goes back."""
-    direction = direction_of(table) if quantity == "position" else 1
-    difference = direction * np.diff(table.values[quantity])
-    for row in np.flatnonzero(difference < 0 if may_stay else difference <= 0)[:1]:
-        bound = ("at least" if direction > 0 else "at most") if may_stay else "above"
-        raise RecordingError(
-            f"{table.source}: {table.told(quantity, row + 1)} must be {bound} that of the row before, "
-            f"{table.told(quantity, row).partition(' = ')[2]}: the rows are not in order, or the recorder"
-            " was reset."
-        )
-
-
 def time_of_positions(table: Table) -> FloatArray:
     """Return the times of samples over distance, with an even change of speed between two of them.
 
@@ -311,15 +346,14 @@ def time_of_positions(table: Table) -> FloatArray:
 
 def _require_steady(table: Table, time_s: FloatArray) -> None:
     """Refuse a jump of speed that no train does."""
-    step, change = np.diff(time_s), np.diff(table.values["speed"])
-    # a reading may be off by a whole step of its own, and a stop can lie anywhere between two samples
-    allowed = LARGEST_CHANGE_MS2 * np.maximum(step, 1.0)
-    for row in np.flatnonzero(np.abs(change) > allowed)[:1]:
+    found = impossible_change(time_s, table.values["speed"])
+    if found is not None:
+        row, later = found
         before = table.told("speed", row).partition(" = ")[2]
         raise RecordingError(
-            f"{table.source}: {table.told('speed', row + 1)} follows {before} after {step[row]:.4g} s: no train "
-            f"changes its speed by more than {LARGEST_CHANGE_MS2:g} m/s2; the recorder was reset, or "
-            "the unit is another one."
+            f"{table.source}: {table.told('speed', later)} follows {before} after {time_s[later] - time_s[row]:.4g} s, "
+            f"but no train changes its speed by more than {LARGEST_CHANGE_MS2:g} m/s2: the recorder was reset, or a "
+            "unit (--unit time=..., speed=...) is another one."
         )
 
 

@@ -12,7 +12,7 @@ from railjoule.core.measured.columns import GENERIC, RecorderFormat
 from railjoule.core.measured.line_power import with_line_power
 from railjoule.core.measured.part_of_line import part_of_line
 from railjoule.core.measured.place import Placement, place_on_line
-from railjoule.core.measured.recording import Recording, load_recording
+from railjoule.core.measured.recording import Recording, load_recording, step_words
 from railjoule.core.measured.smoothing import LEAST_STEP_MS, smoothed_speed
 from railjoule.core.motion import Course, build_course
 from railjoule.core.motion.cell_step import COAST, exit_speed2
@@ -24,8 +24,8 @@ from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN
 
 NEAR_STATION_M = 60.0
 """A stop at most so far from a station has its name."""
-# a train that needs three times its effort is another train, or the effort is in another unit
 PASSES = 3
+"""How often a speed is smoothed: the pull on the train needs smoothed speeds."""
 COASTING_SHARE = 0.25
 """A coasting train may leave the smoothed speed by this share of a step."""
 UNIT_FACTOR = 3.0
@@ -53,8 +53,10 @@ class MeasuredRun:
         Speeds of the samples, smoothed and to the line's scale [m/s].
     position_m : array of shape (n,)
         Places of the samples on the part of the line [m].
+    contradictions : tuple of str
+        Where the measured speed takes more effort than the scenario's vehicle has, in sentences.
     notes : tuple of str
-        All that was changed on the way, in sentences.
+        All that was changed on the way, in sentences; contradictions are among them.
     """
 
     recording: Recording
@@ -64,6 +66,7 @@ class MeasuredRun:
     measured: Trajectory | None
     speed_ms: FloatArray
     position_m: FloatArray
+    contradictions: tuple[str, ...]
     notes: tuple[str, ...]
 
     @property
@@ -81,6 +84,12 @@ class MeasuredRun:
         if power is None or np.any(np.isnan(power)):
             return None
         return float(np.sum(0.5 * (power[1:] + power[:-1]) * np.diff(recording.time_s))) / J_PER_KWH
+
+    @property
+    def model_error_kwh(self) -> float | None:
+        """By how much modelled and measured energy differ [kWh]; None where no energy was measured."""
+        measured = self.measured_kwh
+        return None if measured is None else abs(self.modelled.energy_kwh - measured)
 
 
 def load_run(
@@ -118,24 +127,48 @@ def measured_run(recording: Recording, scenario: Scenario, start_m: float | None
         If its place cannot be found, or an effort or an energy is none that this train has.
     """
     recording = with_line_power(recording, scenario.vehicle.line_voltage_v)
-    placement = place_on_line(recording, scenario, start_m)
+    return run_at(recording, scenario, place_on_line(recording, scenario, start_m))
+
+
+def run_at(recording: Recording, scenario: Scenario, placement: Placement, passes: int = PASSES) -> MeasuredRun:
+    """Return a recording as a run over a known part of the line; errors as of `measured_run`.
+
+    Parameters
+    ----------
+    recording, scenario
+        As in `measured_run`.
+    placement : Placement
+        The part of the line.
+    passes : int
+        How often the speed is smoothed.
+    """
     speed, position = _to_scale(recording, placement, placement.scale * recording.speed_ms)
     raw, step = speed, max(placement.scale * recording.speed_step_ms, LEAST_STEP_MS)
-    for _ in range(PASSES):
+    noise = placement.scale * recording.speed_noise_ms
+    for _ in range(passes):
         # the pull needs speeds and places, which are better known after each pass
         pull = _pull_ms2(_own_scenario(recording, scenario, placement, speed, position), speed, position)
-        smooth, coasts = smoothed_speed(recording.time_s, raw, step, pull)
+        smooth, coasts = smoothed_speed(recording.time_s, raw, step, noise, pull)
         speed, position = _to_scale(recording, placement, smooth)
     own = _own_scenario(recording, scenario, placement, speed, position)
     kept, dwell = _nodes(recording, speed)
     course = replace(build_course(own, position_m=position[kept]), dwell_s=dwell)
     node_speed2 = _with_coasting(course, speed[kept] ** 2, coasts[kept[:-1]], COASTING_SHARE * step)
     _require_units(recording, course)
-    notes = (*recording.notes, placement.how, *_told(recording, placement, smooth - raw), *_beyond(course, node_speed2))
+    beyond = tuple(_beyond(course, node_speed2))
+    notes = (*recording.notes, placement.how, *_told(recording, placement, smooth - raw), *beyond)
     modelled = make_trajectory(own, course, MEASURED, node_speed2, notes=notes)
     measured = _with_measured(modelled, recording, course)
     return MeasuredRun(
-        recording, placement, own, modelled, measured, frozen_array(speed), frozen_array(position), modelled.notes
+        recording,
+        placement,
+        own,
+        modelled,
+        measured,
+        frozen_array(speed),
+        frozen_array(position),
+        contradictions=beyond,
+        notes=modelled.notes,
     )
 
 
@@ -171,11 +204,13 @@ def _with_coasting(course: Course, speed2: FloatArray, coasts: BoolArray, within
 
 
 def _told(recording: Recording, placement: Placement, change_ms: FloatArray) -> list[str]:
-    notes = []
-    if recording.speed_step_ms > 0:
+    notes, smoothed = [], f"smoothed by {float(np.sqrt(np.mean(change_ms**2))):.2g} m/s in the mean"
+    if recording.speed_noise_ms > 0:
+        noise_kmh = recording.speed_noise_ms / MS_PER_KMH
+        notes.append(f"The speed has a noise of {noise_kmh:.2g} km/h (standard deviation): {smoothed}.")
+    elif recording.speed_step_ms > 0:
         notes.append(
-            f"The speed has steps of {recording.speed_step_ms:.3g} m/s: smoothed by "
-            f"{float(np.sqrt(np.mean(change_ms**2))):.2g} m/s in the mean, by at most half a step."
+            f"The speed has steps of {step_words(recording.speed_step_ms)}: {smoothed}, by at most half a step."
         )
     if abs(placement.scale - 1) > 1e-4:
         notes.append(

@@ -16,7 +16,9 @@ from railjoule.core.imports.source_file import counted
 from railjoule.core.line_current import power_of_line_current_w
 from railjoule.core.measured.columns import GENERIC, PRESSURES, RecorderFormat
 from railjoule.core.measured.line_power import sign_words
-from railjoule.core.measured.recording import FALLING, direction_of, effort_of, require_rising, time_of_positions
+from railjoule.core.measured.position import FALLING, direction_of, require_rising
+from railjoule.core.measured.recording import SHORTEST_RUN_S, effort_of, time_of_positions
+from railjoule.core.measured.speed_error import LARGEST_CHANGE_MS2, impossible_change
 from railjoule.core.measured.table import Table, read_table
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN, W_PER_KW
 
@@ -109,6 +111,7 @@ def run_table(cells: CellTable, form: RecorderFormat = GENERIC) -> RunTable:
     position = _positions(table, notes)
     values, time = table.values, table.values["time"]
     _tell_negative_speeds(table, notes)
+    _tell_strange_times(table, notes)
     is_pressure = "brake" in values and table.columns["brake"].unit in PRESSURES
     return RunTable(
         table.source,
@@ -162,6 +165,21 @@ def _tell_negative_speeds(table: Table, notes: list[str]) -> None:
     if len(negative):
         first = table.told("speed", int(negative[0]))
         notes.append(f"The speed is negative in {counted(len(negative), 'row')}, first {first}; kept as measured.")
+
+
+def _tell_strange_times(table: Table, notes: list[str]) -> None:
+    """Add a sentence where times are too short for a train, as those in a wrong unit are."""
+    time, speed = table.values["time"], table.values["speed"]
+    duration = float(time[-1] - time[0])
+    if duration < SHORTEST_RUN_S:
+        notes.append(f"The rows cover {duration:.3g} s only: is the time in another unit?")
+    elif (found := impossible_change(time, speed)) is not None:
+        row, later = found
+        before = table.told("speed", row).partition(" = ")[2]
+        notes.append(
+            f"{table.told('speed', later)} follows {before} after {time[later] - time[row]:.4g} s, but no train "
+            f"changes its speed by more than {LARGEST_CHANGE_MS2:g} m/s2; kept as measured."
+        )
 
 
 def _power(values: Mapping[str, FloatArray], notes: list[str]) -> FloatArray | None:

@@ -1,11 +1,28 @@
-"""What a measured run could have saved: its energy beside the optimum for the same time and the same stops."""
+"""The potential saving of a measured run: its energy beside the optimum for the same time and the same stops.
+
+Errors of the recorder become energy: noise and steps of the speed are accelerations that the train never had. How much
+the saving owes to them is found from replicas of the run, and from replicas of the optimum, which has nothing to save.
+The model's own error is the difference between modelled and measured energy, where that was measured.
+"""
 
 from dataclasses import dataclass
 
+import numpy as np
+import scipy
+
 from railjoule.core.errors import InfeasibleLineError, RecordingError, TimetableError
+from railjoule.core.measured.replicas import replicas
 from railjoule.core.measured.run import MeasuredRun
 from railjoule.core.strategies import solve
 from railjoule.core.trajectory import Trajectory
+from railjoule.core.units import J_PER_KWH
+
+REPLICAS, FEWEST_REPLICAS = 8, 4
+"""Of the run, and as many of the optimum; of fewer a spread says little."""
+CONFIDENCE = 0.95
+MODEL_DEVIATIONS = 2.0
+"""The one error of the model that is seen counts as its standard deviation; 95 % lie within two of them."""
+SEED = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,10 +35,14 @@ class Saving:
         As it was driven.
     optimum : Trajectory
         The best run over the same part of the line, with the same stops, dwells, total time and speeds at the ends.
+    speed_error_kwh : tuple of float
+        How far below and above `possible_kwh` the saving may lie for the errors of the recorder's speed [kWh], both
+        positive; infinite where they cannot be estimated.
     """
 
     run: MeasuredRun
     optimum: Trajectory
+    speed_error_kwh: tuple[float, float]
 
     @property
     def possible_kwh(self) -> float:
@@ -37,6 +58,46 @@ class Saving:
         bound = self.optimum.lower_bound_kwh
         return None if bound is None else self.run.modelled.energy_kwh - bound
 
+    @property
+    def interval_kwh(self) -> tuple[float, float]:
+        """Between which energies the potential saving lies by the errors of speed and model [kWh]."""
+        model, (below, above) = MODEL_DEVIATIONS * (self.run.model_error_kwh or 0.0), self.speed_error_kwh
+        return self.possible_kwh - below - model, self.possible_kwh + above + model
+
+    @property
+    def is_certain(self) -> bool:
+        """Whether the errors of speed and model do not explain all of it.
+
+        A model that cannot drive the run has an error; where no energy was measured, its size is not known.
+        """
+        is_model_open = self.run.model_error_kwh is None and bool(self.run.contradictions)
+        return self.interval_kwh[0] > 0 and not is_model_open
+
+    @property
+    def doubt(self) -> str:
+        """Why no saving can be stated, in a sentence; empty where one can."""
+        if self.is_certain:
+            return ""
+        saved, below, model = self.possible_kwh, self.speed_error_kwh[0], self.run.model_error_kwh
+        start = f"No saving can be stated: the optimum needs {saved:.3g} kWh less than the modelled run, but "
+        if saved <= 0:
+            return "No saving can be stated: by its samples, the run is as good as the optimum."
+        if not np.isfinite(below):
+            return start + "the errors of the speed are too large for the model."
+        if saved <= below:
+            return start + f"the steps and the noise of the speed alone explain up to {below:.2g} kWh."
+        if model is None:
+            return start + (
+                "its speed takes more effort than the scenario's vehicle has, and no measured energy shows the error "
+                "of the model: check vehicle, line and place."
+            )
+        of_speed = (
+            f", and the steps and the noise of the speed explain up to {below:.2g} kWh"
+            if saved > MODEL_DEVIATIONS * model
+            else ""
+        )
+        return start + f"the model is {model:.3g} kWh off the measured energy{of_speed}: fit the train first."
+
 
 def possible_saving(run: MeasuredRun) -> Saving:
     """Return what a measured run could have saved.
@@ -49,7 +110,7 @@ def possible_saving(run: MeasuredRun) -> Saving:
         As `railjoule.core.solve`.
     """
     try:
-        return Saving(run, solve(run.scenario, "optimal"))
+        optimum = solve(run.scenario, "optimal")
     except TimetableError as error:
         raise RecordingError(
             f"{run.recording.name}: the run takes {error.travel_time_s:.4g} s without its stops, but the scenario's "
@@ -58,3 +119,25 @@ def possible_saving(run: MeasuredRun) -> Saving:
         ) from None
     except InfeasibleLineError as error:
         raise RecordingError(f"{run.recording.name}: the scenario's train cannot drive this run. {error}") from None
+    return Saving(run, optimum, _speed_error_kwh(run, optimum))
+
+
+def _speed_error_kwh(run: MeasuredRun, optimum: Trajectory) -> tuple[float, float]:
+    """Return how far below and above its value the saving may lie for the errors of the speed [kWh]."""
+    random = np.random.default_rng(SEED)
+    # per second that a replica takes longer, the optimum needs less
+    price = (optimum.price_of_time_w or 0.0) / J_PER_KWH
+    time = run.recording.duration_s
+    biases, spreads = [], []
+    for times, speeds, energy in (
+        (run.recording.time_s, run.speed_ms, run.modelled.energy_kwh),
+        (optimum.time_s, optimum.speed_ms, optimum.energy_kwh),
+    ):
+        again = replicas(run, times, speeds, REPLICAS, random)
+        if len(again) < FEWEST_REPLICAS:
+            return np.inf, np.inf
+        errors = [one.modelled.energy_kwh - energy + price * (one.recording.duration_s - time) for one in again]
+        biases.append(float(np.mean(errors)))
+        quantile = float(scipy.stats.t.ppf(0.5 + 0.5 * CONFIDENCE, len(errors) - 1))
+        spreads.append(quantile * float(np.std(errors, ddof=1)) * (1 + 1 / len(errors)) ** 0.5)
+    return max(spreads) + max(*biases, 0.0), max(spreads) - min(*biases, 0.0)

@@ -1,12 +1,15 @@
-"""Speeds without the steps in which a recorder writes them.
+"""Speeds without the steps in which a recorder writes them, and without its noise.
 
-A speed in steps of q is off by up to q / 2. From one sample to the next that is an acceleration which the train never
-had, and a model would pay for it in traction and brakes in turn: 30 % of the energy of a metro that coasts most of its
-way. What the steps leave open is a band of q / 2 to both sides of each sample. Of all courses of speed v within it the
-one is taken whose effort changes least,
+A speed in steps of q is off by up to q / 2, one with noise by more. From one sample to the next that is an acceleration
+which the train never had, and a model would pay for it in traction and brakes in turn: 30 % of the energy of a metro
+that coasts most of its way in steps of 0.1 m/s, and as much again as the whole energy at a noise of 0.6 km/h. The steps
+leave open a band of q / 2 to both sides of each sample; noise of a standard deviation s leaves it by |e_i|, in the mean
+by s sqrt(2 / pi). Of all courses of speed v that differ by so much from the samples the one is taken whose effort
+changes least,
 
     minimise    sum |f_(i+1) - f_i| + epsilon sum |f_i|       f_i = (v_(i+1) - v_i) / dt + pull_i
-    subject to  |v_i - measured_i| <= q / 2                   zero stays zero
+    subject to  |v_i + e_i - measured_i| <= q / 2             zero stays zero
+                |e_i| <= 3.5 s,  sum |e_i| <= n s sqrt(2 / pi)
 
 with effort f and the pull of resistance, gradients and curves in m/s2, the latter taken at the samples. It is a linear
 program; the changes that are left are those that the measured speeds force. The small second term decides what the
@@ -29,14 +32,18 @@ COASTING_WEIGHT = 0.05
 """Epsilon: any small number, so that changes of effort count first."""
 SLOWEST_SHARE = 0.01
 """Of a step: a train that moves is not let stand."""
+LARGEST_DEVIATIONS = 3.5
+"""Noise exceeds so many standard deviations in one of 2,000 samples."""
+MEAN_OF_NORMAL = np.sqrt(2 / np.pi)
+"""Mean of the absolute values of a normal variable with deviation 1."""
 COASTING_S = 20.0
 """An effort that takes longer to change the speed by a step cannot be told from none."""
 
 
 def smoothed_speed(
-    time_s: FloatArray, speed_ms: FloatArray, step_ms: float, pull_ms2: FloatArray
+    time_s: FloatArray, speed_ms: FloatArray, step_ms: float, noise_ms: float, pull_ms2: FloatArray
 ) -> tuple[FloatArray, BoolArray]:
-    """Return speeds without their steps [m/s], and between which samples the train coasts.
+    """Return speeds without their steps and their noise [m/s], and between which samples the train coasts.
 
     Parameters
     ----------
@@ -44,6 +51,8 @@ def smoothed_speed(
         Samples.
     step_ms : float
         In such steps the speeds are given, at least `LEAST_STEP_MS` [m/s].
+    noise_ms : float
+        Standard deviation of their errors beyond those of the steps [m/s].
     pull_ms2 : array of shape (n - 1,)
         Resistance, gradient and curve between the samples over inertia [m/s2].
 
@@ -56,7 +65,7 @@ def smoothed_speed(
     for first, last in moving_stretches(speed_ms):
         if last + 1 - first >= FEWEST_POINTS:
             samples, cells = slice(first, last + 1), slice(first, last)
-            smoothed[samples] = _steadiest(time_s[samples], speed_ms[samples], step_ms, pull_ms2[cells])
+            smoothed[samples] = _steadiest(time_s[samples], speed_ms[samples], step_ms, noise_ms, pull_ms2[cells])
             effort = np.diff(smoothed[samples]) / np.diff(time_s[samples]) + pull_ms2[cells]
             coasts[cells] = np.abs(effort) < step_ms / COASTING_S
     return smoothed, coasts
@@ -70,30 +79,46 @@ def moving_stretches(speed_ms: FloatArray) -> list[tuple[int, int]]:
     return [(max(int(start) - 1, 0), min(int(end), last)) for start, end in zip(starts, ends, strict=True)]
 
 
-def _steadiest(time_s: FloatArray, speed_ms: FloatArray, step_ms: float, pull_ms2: FloatArray) -> FloatArray:
-    """Solve the linear program of one stretch; its variables are speeds, efforts' parts and changes' parts."""
+def _steadiest(
+    time_s: FloatArray, speed_ms: FloatArray, step_ms: float, noise_ms: float, pull_ms2: FloatArray
+) -> FloatArray:
+    """Solve the linear program of one stretch; its variables are speeds, and parts of efforts, changes and errors."""
     n, step_s = len(speed_ms), np.diff(time_s)
     sparse = scipy.sparse
     change_of_speed = sparse.diags([-1 / step_s, 1 / step_s], [0, 1], shape=(n - 1, n))
     change_of_effort = sparse.diags([-np.ones(n - 2), np.ones(n - 2)], [0, 1], shape=(n - 2, n - 1))
     one, two = sparse.eye(n - 1), sparse.eye(n - 2)
     # f = (v' - v) / dt + pull = f+ - f-, and f' - f = c+ - c-; each absolute value is the sum of its two parts
-    equal = sparse.bmat(
-        [[change_of_speed, -one, one, None, None], [None, change_of_effort, -change_of_effort, -two, two]]
-    )
+    blocks = [[change_of_speed, -one, one, None, None], [None, change_of_effort, -change_of_effort, -two, two]]
     moving = speed_ms > 0
     low = np.where(moving, np.maximum(speed_ms - 0.5 * step_ms, SLOWEST_SHARE * step_ms), 0.0)
     high = np.where(moving, speed_ms + 0.5 * step_ms, 0.0)
     parts = 2 * (n - 1) + 2 * (n - 2)
     cost = np.concatenate([np.zeros(n), COASTING_WEIGHT * np.tile(step_s, 2) / step_s.mean(), np.ones(2 * (n - 2))])
+    bounds = np.concatenate([np.column_stack([low, high]), np.tile([0.0, np.inf], (parts, 1))])
+    budget = {}
+    if noise_ms > 0:
+        # the train moves at low + e+ - e-, or above
+        most = np.where(moving, LARGEST_DEVIATIONS * noise_ms, 0.0)
+        errors = np.concatenate([most, np.minimum(most, np.maximum(low - SLOWEST_SHARE * step_ms, 0.0))])
+        blocks = [[*blocks[0], change_of_speed, -change_of_speed], [*blocks[1], None, None]]
+        bounds = np.concatenate([bounds, np.column_stack([np.zeros(2 * n), errors])])
+        budget = {
+            "A_ub": sparse.csr_matrix(np.append(np.zeros(len(cost)), np.ones(2 * n))[None, :]),
+            "b_ub": [MEAN_OF_NORMAL * noise_ms * np.count_nonzero(moving)],
+        }
+        cost = np.append(cost, np.zeros(2 * n))
     found = scipy.optimize.linprog(
         cost,
-        A_eq=equal,
+        A_eq=sparse.bmat(blocks),
         b_eq=np.append(-pull_ms2, np.zeros(n - 2)),
-        bounds=np.concatenate([np.column_stack([low, high]), np.tile([0.0, np.inf], (parts, 1))]),
+        bounds=bounds,
         method="highs",
+        **budget,
     )
     if found.x is None:
         raise SolverError(f"The measured speed could not be smoothed: {found.message}")
     speeds: FloatArray = found.x[:n]
+    if noise_ms > 0:
+        speeds = speeds + found.x[-2 * n : -n] - found.x[-n:]
     return speeds

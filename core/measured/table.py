@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from types import MappingProxyType
 
 import numpy as np
 
@@ -15,7 +16,15 @@ from railjoule.core.imports.encoding import encoding_mentioned
 from railjoule.core.imports.findings import without_name
 from railjoule.core.imports.numbers import Decimal, decimal_of, number_of, position_of, text_of_cell
 from railjoule.core.imports.source_file import SourceFile, counted, shown_list
-from railjoule.core.measured.columns import CLOCK, GENERIC, Column, RecorderFormat, find_columns, recognised
+from railjoule.core.measured.columns import (
+    CLOCK,
+    GENERIC,
+    Column,
+    RecorderFormat,
+    find_columns,
+    has_plain_name,
+    recognised,
+)
 from railjoule.core.scenario._sentences import show
 from railjoule.core.units import plain_number
 
@@ -25,7 +34,12 @@ NO_VALUES = ("", "nan", "null", "na", "n/a", "-")
 """What stands in a cell without a value."""
 NEVER_EMPTY = ("time", "position", "speed")
 """A row without these is no sample; a row without an effort or a power is one without that."""
-TIME_OF_DAY = r"(\d{1,2}):(\d{2})(?::(\d{2}(?:[.,]\d{1,9})?))?"
+TIME_OF_DAY = r"(\d{1,2}):(\d{2})(?::(\d{2}(?:[.,]\d{1,9})?))?(?: ?([AaPp])\.?[Mm]\.?)?"
+NOON_H = 12
+EPOCH_UNITS: Mapping[str, tuple[float, float]] = MappingProxyType(
+    {"ms": (1e11, 1e14), "us": (1e14, 1e17), "ns": (1e17, 1e20)}
+)
+"""Between which numbers a time since 1970 lies in such units, from 1973 to 5138; below the first it is one in s."""
 DAY_FIRST = re.compile(rf"(\d{{1,2}})[./](\d{{1,2}})[./](\d{{4}})[ T]+({TIME_OF_DAY})")
 MOST_ROWS_TOLD = 5
 
@@ -124,6 +138,7 @@ def read_table(cells: CellTable, form: RecorderFormat = GENERIC) -> Table:
         for column in columns
         if column.is_assumed and column.unit != CLOCK and column.quantity != "brake"
     ]
+    notes += [f"{column.header} is taken as that of the line." for column in columns if has_plain_name(column)]
     unused = [name for name in cells.header if name not in [column.header for column in columns]]
     if unused:
         notes.append(f"Columns not used: {shown_list(unused)}.")
@@ -134,11 +149,29 @@ def read_table(cells: CellTable, form: RecorderFormat = GENERIC) -> Table:
 
 
 def _with_clock(column: Column, cells: CellTable, form: RecorderFormat) -> Column:
-    """Return a column of times with the unit of times of day, where it holds those and nobody says otherwise."""
+    """Return a column of times with the unit that its cells show, where nobody says otherwise."""
     if column.quantity != "time" or "time" in form.units:
         return column
-    first = next((text for _, cell in cells.column(column.header) if (text := text_of_cell(cell))), "")
-    return replace(column, unit=CLOCK) if ":" in first else column
+    unit = unit_of_times(cells, column.header)
+    return replace(column, unit=unit) if unit == CLOCK or (unit and column.is_assumed) else column
+
+
+def unit_of_times(cells: CellTable, header: str) -> str:
+    """Return the unit that the cells of a column of times show: times of day, or a time since 1970; else an empty one.
+
+    Parameters
+    ----------
+    cells : CellTable
+        The table.
+    header : str
+        Its column.
+    """
+    first = next((text for _, cell in cells.column(header) if (text := text_of_cell(cell))), "")
+    if ":" in first:
+        return CLOCK
+    with suppress(ValueError):
+        return next((unit for unit, (low, high) in EPOCH_UNITS.items() if low <= float(first) < high), "")
+    return ""
 
 
 def _numbers(cells: CellTable, columns: Sequence[Column]) -> dict[str, FloatArray]:
@@ -224,8 +257,14 @@ def _clock(text: str) -> float:
         moment = datetime.fromisoformat(text)
         # differences alone count, and every zone has the same
         return (moment.replace(tzinfo=moment.tzinfo or UTC) - EPOCH).total_seconds()
-    raise ValueError("must be a time, as 10:15:30 or 2026-01-31T10:15:30")
+    raise ValueError("must be a time, as 10:15:30, 10:15:30 PM or 2026-01-31T10:15:30")
 
 
-def _seconds(hours: str, minutes: str, seconds: str | None) -> float:
-    return 3600.0 * int(hours) + 60.0 * int(minutes) + float((seconds or "0").replace(",", "."))
+def _seconds(hours: str, minutes: str, seconds: str | None, half: str | None) -> float:
+    hour = int(hours)
+    if half:
+        if not 1 <= hour <= NOON_H:
+            raise ValueError("must have an hour from 1 to 12 before AM or PM")
+        # 12 AM is midnight, 12 PM is noon
+        hour = hour % NOON_H + (NOON_H if half.lower() == "p" else 0)
+    return 3600.0 * hour + 60.0 * int(minutes) + float((seconds or "0").replace(",", "."))

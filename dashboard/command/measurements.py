@@ -1,6 +1,7 @@
 """What the commands `railjoule measured` and `railjoule fit` do with the files of a train's recorder."""
 
 import argparse
+import math
 from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -66,6 +67,7 @@ def summarise_measured(run: MeasuredRun, saving: Saving | None, refusal: str) ->
     """Return a measured run as plain values; what is not known is None."""
     optimum = None if saving is None else saving.optimum
     notes = [*run.notes, *([refusal] if refusal else [])]
+    interval = None if saving is None or not math.isfinite(saving.interval_kwh[0]) else list(saving.interval_kwh)
     return {
         "run": run.recording.name,
         "title": run.scenario.title,
@@ -76,12 +78,17 @@ def summarise_measured(run: MeasuredRun, saving: Saving | None, refusal: str) ->
         "gap": None if optimum is None else optimum.gap,
         "proven": optimum is not None and optimum.is_proven,
         "possible_saving_kwh": None if saving is None else saving.possible_kwh,
+        "saving_interval_kwh": interval,
+        "saving_doubt": "" if saving is None else saving.doubt,
+        "model_error_kwh": run.model_error_kwh,
         "saving_at_most_kwh": None if saving is None else saving.at_most_kwh,
         "travel_time_s": run.modelled.travel_time_s,
         "distance_m": run.modelled.distance_m,
         "max_speed_kmh": run.modelled.max_speed_kmh,
         "start_m": run.placement.start_m,
         "end_m": run.placement.end_m,
+        "line_m": run.placement.line_m,
+        "is_whole_line": run.placement.is_whole_line,
         "scale": run.placement.scale,
         "stops": [
             {"name": stop.name, "position_m": stop.position_m, "dwell_s": stop.dwell_s}
@@ -138,6 +145,10 @@ def measured_text(run: Summary) -> str:
         f"at most {terminal.number(run['max_speed_kmh'])} km/h",
         "",
     ]
+    if not run["is_whole_line"]:
+        lines += labelled(
+            "Place", f"from {run['start_m']:.0f} m to {run['end_m']:.0f} m of the line's {run['line_m']:.0f} m"
+        )
     if run["measured_kwh"] is not None:
         lines += labelled("Measured", f"{terminal.energy(run['measured_kwh'])} kWh from the supply")
     lines += labelled("Modelled", f"{terminal.energy(run['modelled_kwh'])} kWh by the scenario at the measured speeds")
@@ -150,12 +161,13 @@ def measured_text(run: Summary) -> str:
 
 
 def _saving_words(run: Summary) -> str:
-    saved = run["possible_saving_kwh"]
-    if saved <= 0:
-        # samples of a second do not show the sharpest changes of effort, which take energy
-        return "none that the samples show: by them, the run is as good as the optimum"
+    if run["saving_doubt"]:
+        return str(run["saving_doubt"])
     _, amount = comparisons.saving(run["optimal_kwh"], run["modelled_kwh"])
-    return f"{terminal.energy(saved)} kWh: the optimum saves {words.plain_text(str(amount))}"
+    low, high = (terminal.energy(end) for end in run["saving_interval_kwh"])
+    saved = f"{terminal.energy(run['possible_saving_kwh'])} kWh, {low} to {high} kWh by the errors of the speed"
+    by_model = " and the model" if run["model_error_kwh"] is not None else "; that of the model is unknown"
+    return f"{saved}{by_model}: the optimum saves {words.plain_text(str(amount))}"
 
 
 def _bound_words(run: Summary) -> str:

@@ -240,7 +240,7 @@ MEASURED = (
     Term(
         "Could save",
         "What the best run in the same time, with the same stops, needs less than the measured speeds do; both by the "
-        "model of the train. Claimed only where the model errs by less.",
+        "model of the train. Stated only where the errors of speed and model do not explain it.",
     ),
     Term(
         "Measured energy",

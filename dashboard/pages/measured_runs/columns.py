@@ -11,7 +11,8 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.imports.cells import Cell, CellTable
 from railjoule.core.imports.source_file import SourceFile, shown_list
 from railjoule.core.measured import RecorderFormat, recorder_cells
-from railjoule.core.measured.columns import CLOCK, NEEDED_UNITS, UNITS, USUAL_UNITS, recognised
+from railjoule.core.measured.columns import CLOCK, NEEDED_UNITS, UNITS, USUAL_UNITS, recognised, unknown_unit
+from railjoule.core.measured.table import EPOCH_UNITS, unit_of_times
 from railjoule.core.scenario import Vehicle
 from railjoule.core.units import MS_PER_KMH, N_PER_KN, W_PER_KW
 from railjoule.dashboard.limits import LARGEST_RUN_BYTES
@@ -202,8 +203,10 @@ def meanings_of(file: RunFile, answers: Mapping[str, str]) -> dict[str, Meaning]
 
 
 def _usual_unit(file: RunFile, header: str, quantity: str) -> str:
-    first = next((_text(cell) for _, cell in file.cells.column(header) if cell != ""), "")
-    return CLOCK if quantity == "time" and ":" in first else USUAL_UNITS.get(quantity, "")
+    if unknown_unit(header, quantity):
+        return ""
+    shown = unit_of_times(file.cells, header) if quantity == "time" else ""
+    return shown or USUAL_UNITS.get(quantity, "")
 
 
 def settled(
@@ -215,7 +218,14 @@ def settled(
     """
     meanings, doubts, assumed = meanings_of(file, answers), [], []
     for header, meaning in meanings.items():
-        if header in answers or meaning.quantity not in NEEDED_UNITS:
+        if header in answers:
+            continue
+        if unknown := unknown_unit(header, meaning.quantity) if meaning.quantity else "":
+            doubts.append(_unit_question(file, header, meaning.quantity, unknown, vehicle))
+            continue
+        if meaning.quantity == "time" and meaning.unit in EPOCH_UNITS and unit_of_times(file.cells, header):
+            assumed.append(f"{header}: read in {meaning.unit}, as a time since 1970.")
+        if meaning.quantity not in NEEDED_UNITS:
             continue
         fitting = fitting_units(file, header, meaning.quantity, vehicle)
         if meaning.unit in fitting or (meaning.unit and not fitting):
@@ -248,6 +258,14 @@ def _doubt(file: RunFile, header: str, meaning: Meaning, fitting: Sequence[str],
         first, second = list(units)[:2]
         sentence = f"{what} {size} in a train of {tonnes} t, and no unit is named: is it {first} or {second}?"
     return Doubt(header, sentence, (Meaning(meaning.quantity, first), Meaning(meaning.quantity, second)))
+
+
+def _unit_question(file: RunFile, header: str, quantity: str, unknown: str, vehicle: Vehicle) -> Doubt:
+    """Return the question about a column whose name has a unit that is not known, the likelier units first."""
+    fitting = fitting_units(file, header, quantity, vehicle) if quantity in NEEDED_UNITS else []
+    first, second, *_ = dict.fromkeys([*fitting, *(unit for unit in UNITS[quantity] if unit != CLOCK)])
+    sentence = f"The unit {unknown} is not known: is it {first} or {second}?"
+    return Doubt(header, sentence, (Meaning(quantity, first), Meaning(quantity, second)))
 
 
 def _sizes(vehicle: Vehicle) -> dict[str, float]:

@@ -34,13 +34,16 @@ def subtitle(measured: Measured) -> str:
     rows = f"{words.number(count, 0)} row{'' if count == 1 else 's'}"
     of = f"run {measured.number} of {len(measured.request.files)}"
     time = f", {words.time(read.run.recording.duration_s)} s" if read.run is not None else ""
-    return f"{read.file.name}, {of}, {rows}{time}"
+    return f"{read.file.name}, {of}, {rows}{time}{_part_words(read.run)}"
 
 
-def can_claim(run: MeasuredRun, saving: Saving) -> bool:
-    """Return whether the model errs by less than it says could be saved."""
-    error = model_error(run)
-    return error is None or abs(error) < saving.possible_kwh / run.modelled.energy_kwh
+def _part_words(run: MeasuredRun | None) -> str:
+    """Return on which part of its line a run lies, if not on all of it."""
+    if run is None or run.placement.is_whole_line:
+        return ""
+    place = run.placement
+    start, end, line = (words.number(value, 0) for value in (place.start_m, place.end_m, place.line_m))
+    return f", laid on {start} to {end} m of the line\u2019s {line} m"
 
 
 def model_error(run: MeasuredRun) -> float | None:
@@ -59,15 +62,18 @@ def figures(measured: Measured) -> Markup:
 def _saved(run: MeasuredRun, saving: Saving | None, refusal: str) -> Markup:
     if saving is None:
         return parts.figure("Could save", words.UNKNOWN, "", refusal or "being computed", "main")
-    if not can_claim(run, saving):
-        error = words.share(abs(model_error(run) or 0.0))
-        detail = f"No saving can be claimed: the model is {error} % off. Fit the train below."
-        return parts.figure("Could save", words.UNKNOWN, "", detail, "main")
+    if saving.doubt:
+        return parts.figure("Could save", words.UNKNOWN, "", saving.doubt, "main")
     modelled, optimum = run.modelled.energy_kwh, saving.optimum
     amount = comparisons.above(optimum.energy_kwh, modelled)
-    less = f"{words.energy(max(saving.possible_kwh, 0.0))} kWh less in {words.time(run.recording.duration_s)} s"
-    proof = Markup("<span class=proven>\u2713 proven for the modelled train</span>") if optimum.is_proven else ""
-    detail = joined([proof, less], Markup("<br>")) if proof else less
+    low, high = (comparisons.above(modelled - end, modelled) for end in saving.interval_kwh)
+    is_known = run.model_error_kwh is not None
+    by = "speed and model" if is_known else "the speed; no measured energy shows that of the model"
+    interval = f"{low.size} to {high.size} {high.unit} by the error of {by}"
+    is_proven = optimum.is_proven and is_known
+    proof = [Markup("<span class=proven>\u2713 proven for the modelled train</span>")] if is_proven else []
+    less = f"{words.energy(saving.possible_kwh)} kWh less in {words.time(run.recording.duration_s)} s"
+    detail = joined([interval, *proof, less], Markup("<br>"))
     whole = "Of the modelled energy: the same model tells both, so that most of its error cancels"
     return parts.figure("Could save", amount.size, amount.unit, detail, "main", whole=whole)
 

@@ -198,8 +198,8 @@ def test_a_file_that_mixes_its_decimal_signs_is_read_column_by_column():
         ("time_s,speed_kmh\n5,1\n", {}, "r.csv: has fewer than 2 rows with numbers."),
         ("position_m,speed_kmh\n5,0\n9,0\n", {}, "r.csv: speed_kmh = 0 km/h in row 3 and in the row before, but the "
          "position changes: without a column of time it is not known how long that took."),
-        ("time,speed\n25:70:99x,1\n1,2\n", {}, "r.csv, row 2: time = '25:70:99x' must be a time, as 10:15:30 or "
-         "2026-01-31T10:15:30."),
+        ("time,speed\n25:70:99x,1\n1,2\n", {}, "r.csv, row 2: time = '25:70:99x' must be a time, as 10:15:30, 10:15:30 "
+         "PM or 2026-01-31T10:15:30."),
         ("time,speed\n0,1\n1,2\n", {"speeds": "speed"}, "--column speeds: must be one of time, position, speed, "
          "effort, tractive_effort, braking_effort, brake, power, energy, line_current, line_voltage."),
         ("time,v\n0,1\n1,2\n", {"speed": "v [knots]"}, "r.csv: speed = 'v [knots]': the unit must be one of km/h, m/s, "

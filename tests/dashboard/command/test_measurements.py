@@ -1,4 +1,5 @@
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,10 @@ def test_measured_prints_json(capsys, tmp_path):
     assert found["travel_time_s"] == pytest.approx(108.0, abs=0.5)
     assert found["optimal_kwh"] < found["modelled_kwh"]
     assert found["possible_saving_kwh"] == pytest.approx(found["modelled_kwh"] - found["optimal_kwh"])
+    low, high = found["saving_interval_kwh"]
+    assert low < 0 < found["possible_saving_kwh"] < high
+    assert found["saving_doubt"].startswith("No saving can be stated")
+    assert found["model_error_kwh"] == pytest.approx(abs(found["modelled_kwh"] - found["measured_kwh"]))
     assert found["saving_at_most_kwh"] >= found["possible_saving_kwh"] - 1e-6
     assert abs(found["gap"]) < 1e-6
     assert load_scenario(str(scenario)).timetable.travel_time_s == pytest.approx(found["travel_time_s"], abs=0.2)
@@ -28,8 +33,19 @@ def test_measured_prints_words(capsys):
     assert "Measured " in text
     assert "by the scenario at the measured speeds" in text
     assert "in the same time with the same stops, proven optimal" in text
-    assert "kWh: the optimum saves" in text
+    assert "No saving can be stated: the optimum needs 0.0435 kWh less" in text
     assert "The speed has steps of 0.1 m/s" in text
+
+
+def test_measured_prints_a_saving_with_its_interval_and_the_part_of_the_line(capsys):
+    example = str(RECORDINGS / "metro-0714.csv")
+    text = answer(capsys, "measured", example, "--scenario", "metro-with-limit")
+    assert re.search(
+        r"1\.649 kWh, 0\.\d+ to 2\.\d+ kWh by the errors of the speed and the model: the optimum saves", text
+    )
+    assert "Place" not in text
+    text = answer(capsys, "measured", RUNS[2], "--scenario", "metro-with-limit", "--from", "1000")
+    assert "Place          from 1000 m to 2300 m of the line's 2300 m" in text
 
 
 def test_a_run_that_the_train_cannot_drive_is_told_without_a_saving(capsys):

@@ -92,6 +92,37 @@ def test_a_line_current_and_its_voltage_are_known() -> None:
     assert found["Tension cat\u00e9naire (V)"] == Meaning("line_voltage", "V")
 
 
+def test_plain_names_of_current_and_voltage_are_known_where_both_are_there() -> None:
+    table = file("Zeit [s];v [km/h];Strom [A];Spannung [V]", *(f"{k};{3 * k};{100 * k};750" for k in range(12)))
+    found, doubts, _ = settled(table, {}, VEHICLE)
+    assert doubts == ()
+    assert found["Strom [A]"] == Meaning("line_current", "A")
+    assert found["Spannung [V]"] == Meaning("line_voltage", "V")
+    alone = file("Zeit [s];v [km/h];Strom [A]", *(f"{k};{3 * k};{100 * k}" for k in range(12)))
+    assert settled(alone, {}, VEHICLE)[0]["Strom [A]"] == Meaning("")
+
+
+def test_a_unit_that_is_not_known_is_asked_about() -> None:
+    table = file("Time [ticks],v [km/h],Weg [yd]", *(f"{k},{3 * k},{k}" for k in range(12)))
+    _, doubts, _ = settled(table, {}, VEHICLE)
+    assert [doubt.sentence for doubt in doubts] == [
+        "The unit ticks is not known: is it s or ms?",
+        "The unit yd is not known: is it m or km?",
+    ]
+    found, left, _ = settled(table, {"Time [ticks]": "time ms", "Weg [yd]": ""}, VEHICLE)
+    assert left == ()
+    assert found["Time [ticks]"] == Meaning("time", "ms")
+
+
+def test_a_time_since_1970_in_milliseconds_is_read_so() -> None:
+    table = file("timestamp,speed_kmh", *(f"{1743292760000 + 1000 * k},{3 * k}" for k in range(12)))
+    found, doubts, assumed = settled(table, {}, VEHICLE)
+    assert doubts == ()
+    assert found["timestamp"] == Meaning("time", "ms")
+    assert assumed == ("timestamp: read in ms, as a time since 1970.",)
+    assert recording_of(*used_table(table, found)).duration_s == pytest.approx(11.0)
+
+
 def test_rows_stand_in_the_lines_that_they_have_in_the_file() -> None:
     table = file("made by a program", "time_s;x;speed_kmh", *(f"{k};0;{'' if k == 5 else k}" for k in range(15)))
     cells, form = used_table(table, {"time_s": Meaning("time", "s"), "speed_kmh": Meaning("speed", "km/h")})

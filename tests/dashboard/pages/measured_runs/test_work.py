@@ -98,8 +98,27 @@ def test_no_saving_is_claimed_where_the_model_errs_by_more(state: Workbench) -> 
     measured = state.measured_runs.measured
     assert measured is not None
     assert measured.saving is not None
-    assert not texts.can_claim(measured.runs[0], measured.saving)
-    assert "No saving can be claimed: the model is" in str(texts.figures(measured))
+    assert not measured.saving.is_certain
+    assert "kWh off the measured energy" in str(texts.figures(measured))
+
+
+def test_a_saving_has_an_interval_and_a_part_of_the_line_stands_in_the_heading(state: Workbench) -> None:
+    try_example(state)
+    measured = state.measured_runs.measured
+    assert measured is not None
+    assert measured.saving is not None
+    low, high = (100 * end / measured.runs[0].modelled.energy_kwh for end in measured.saving.interval_kwh)
+    assert f"{low:.1f} to {high:.1f} % by the error of speed and model" in str(texts.figures(measured))
+    assert "laid on" not in texts.subtitle(measured)
+    shipped = (FOLDER / "liashenko-ii-108s.csv").read_text().splitlines()
+    speeds = "\n".join(",".join(line.split(",")[:2]) for line in shipped)
+    state.measured_runs.bring([("part.csv", speeds.encode())])
+    state.measured_runs.begins_at_m = 1000.0
+    measured = state.measured_runs.measured
+    assert measured is not None
+    assert texts.subtitle(measured).endswith(", laid on 1\u202f000 to 2\u202f300 m of the line\u2019s 2\u202f300 m")
+    # 46.0 %, "proven", before: a run of another line, without an energy
+    assert "takes more effort than the scenario&#x27;s vehicle has" in str(texts.figures(measured))
 
 
 def test_a_question_that_is_answered_brings_the_energy(state: Workbench) -> None:
