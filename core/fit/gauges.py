@@ -1,0 +1,89 @@
+"""Calibration errors of a recorder's gauges: gain and offset of effort and power, gain of speed.
+
+A calibration error is one unknown number for all samples. Residuals hardly show it, because other parameters take its
+place: a gain of the effort is a smaller mass, an offset of the power is an auxiliary power. So each is a parameter of
+the fit beside those of the train (a nuisance parameter), normally distributed around zero with a stated deviation.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+
+from railjoule.core.errors import RecordingError
+
+LARGEST_PERCENT = 50.0
+"""A gauge with a larger deviation measures nothing."""
+
+
+@dataclass(frozen=True)
+class GaugeErrors:
+    """Standard deviations of the calibration errors [%].
+
+    The defaults are assumptions: efforts are mostly computed from motor currents, for which makers state 1 to 3 %, and
+    meters of the power of class 1 or 1.5. 0 takes a gauge as exact.
+
+    Parameters
+    ----------
+    effort_gain : float
+        Of a factor on all efforts.
+    effort_offset : float
+        Of what is added to all efforts that are not zero, over the largest one.
+    power_gain : float
+        Of a factor on all powers.
+    power_offset : float
+        Of what is added to all powers, over the largest one.
+    speed_gain : float
+        Of a factor on the speeds of runs that do not lie between two stations: where a run begins and ends at rest in
+        a station, the distance between them gives the factor.
+
+    Raises
+    ------
+    RecordingError
+        If a deviation is negative or above 50 %.
+    """
+
+    effort_gain: float = 2.0
+    effort_offset: float = 0.7
+    power_gain: float = 1.0
+    power_offset: float = 0.3
+    speed_gain: float = 1.0
+
+    def __post_init__(self) -> None:
+        for name, percent in self.percent.items():
+            if not 0 <= percent <= LARGEST_PERCENT:
+                raise RecordingError(
+                    f"gauge error {name} = {percent:g} % must lie within 0 to {LARGEST_PERCENT:g} %."
+                )
+
+    @property
+    def percent(self) -> Mapping[str, float]:
+        """All deviations by name [%]."""
+        return {one.name: float(getattr(self, one.name)) for one in fields(self)}
+
+
+GAUGE_ERRORS = tuple(one.name for one in fields(GaugeErrors))
+EFFORT_GAIN, EFFORT_OFFSET, POWER_GAIN, POWER_OFFSET, SPEED_GAIN = GAUGE_ERRORS
+
+
+@dataclass(frozen=True)
+class GaugeError:
+    """A calibration error with its place in a fit.
+
+    Parameters
+    ----------
+    name : str
+        One of `GAUGE_ERRORS`.
+    deviation : float
+        The stated standard deviation: a share for gains, N or W for offsets.
+    value : float
+        The most likely error, in the same unit.
+    """
+
+    name: str
+    deviation: float
+    value: float = 0.0
+
+    def shown(self, error: float) -> str:
+        """Return an error with its unit: % for gains, kN or kW for offsets."""
+        if self.name in {EFFORT_OFFSET, POWER_OFFSET}:
+            return f"{error / 1e3:.3g} {'kN' if self.name == EFFORT_OFFSET else 'kW'}"
+        return f"{100 * error:.3g} %"
