@@ -39,6 +39,8 @@ class Errors:
         By which share all speeds are too high.
     effort_offset_n, power_offset_w : float
         Added to all readings; to those of the effort only where they are not zero.
+    are_offsets_random : bool
+        Whether these two are standard deviations over the trains.
     effort_noise, power_noise : float
         Independent, as a share of the reading.
     slow_effort_noise : float
@@ -54,6 +56,7 @@ class Errors:
     speed_gain: float = 0.0
     effort_offset_n: float = 0.0
     power_offset_w: float = 0.0
+    are_offsets_random: bool = False
     effort_noise: float = 0.01
     power_noise: float = 0.01
     slow_effort_noise: float = 0.0
@@ -61,7 +64,7 @@ class Errors:
     gaps: int = 0
 
 
-CASES: Mapping[str, Errors] = {
+REVIEW_CASES: Mapping[str, Errors] = {
     "clean, gain 0.5 %": Errors(effort_gain=0.005),
     "gaps of 2 to 6 s": Errors(effort_gain=0.005, gaps=3),
     "speeds 1 % too high": Errors(effort_gain=0.005, speed_gain=0.01),
@@ -72,6 +75,12 @@ CASES: Mapping[str, Errors] = {
     "power offset 10 kW": Errors(effort_gain=0.005, power_offset_w=10e3),
 }
 """Those of the third review (24 November 2026), section 3."""
+CASES: Mapping[str, Errors] = {
+    **REVIEW_CASES,
+    # 0.7 % of 235 kN and 0.2 % of 3.3 MW
+    "all gauges as assumed": Errors(0.02, 0.01, effort_offset_n=1.65e3, power_offset_w=6.6e3, are_offsets_random=True),
+}
+"""And one of trains whose gauges are off by what `GaugeErrors` assumes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +103,10 @@ def measured_trains(errors: Errors, trains: int, seed: int = 0) -> list[Measured
     recorded = []
     for train, truth in enumerate(truths):
         gains = 1 + np.array([errors.effort_gain, errors.power_gain]) * random.standard_normal(2)
-        texts = [_record(motion, RUNS * train + run, errors, gains, random) for run in range(RUNS)]
+        offsets = np.array([errors.effort_offset_n, errors.power_offset_w])
+        if errors.are_offsets_random:
+            offsets = offsets * random.standard_normal(2)
+        texts = [_record(motion, RUNS * train + run, errors, gains, offsets, random) for run in range(RUNS)]
         recorded.append(MeasuredTrain(truth, tuple(texts)))
     return recorded
 
@@ -127,8 +139,7 @@ def _drive(truths: list[dict[str, float]], gust_ms: float, random: np.random.Gen
     gradients = np.array([section.gradient_permille for section in scenario.line.sections]) / 1e3
     mass, length = scenario.vehicle.total_mass_kg, ends[-1]
     constant, linear, quadratic, factor, efficiency, auxiliary = (
-        np.repeat([truth[name] for truth in truths], RUNS)
-        for name in (*RESISTANCE, MASS_FACTOR, EFFICIENCY, AUXILIARY)
+        np.repeat([truth[name] for truth in truths], RUNS) for name in (*RESISTANCE, MASS_FACTOR, EFFICIENCY, AUXILIARY)
     )
     inertia, count = (1 + factor) * mass, RUNS * len(truths)
     level, top_ms, rate = random.uniform(0.6, 1, count), random.uniform(13, 20, count), random.uniform(0.6, 0.95, count)
@@ -161,13 +172,17 @@ def _drive(truths: list[dict[str, float]], gust_ms: float, random: np.random.Gen
         after, effort = np.where(stopped, 0.0, after), np.where(stopped, 0.0, effort)
         place, speed = place + 0.5 * STEP_S * (speed + after), after
         speeds[step], efforts[step] = speed, effort
+        if np.all(stopped):
+            break
         wind = keep * wind + gust_ms * np.sqrt(1 - keep**2) * random.standard_normal(count)
     assert np.all(stopped)
     powers = np.maximum(efforts, 0.0) * speeds / efficiency + 1e3 * auxiliary
     return _Motion(speeds, efforts, powers)
 
 
-def _record(motion: _Motion, run: int, errors: Errors, gains: FloatArray, random: np.random.Generator) -> str:
+def _record(
+    motion: _Motion, run: int, errors: Errors, gains: FloatArray, offsets: FloatArray, random: np.random.Generator
+) -> str:
     """Return the readings of a run as a text in CSV, from a second before the start to two after the stop."""
     moving = np.flatnonzero(motion.speed_ms[:, run] > 0)
     every = round(1 / STEP_S)
@@ -178,8 +193,8 @@ def _record(motion: _Motion, run: int, errors: Errors, gains: FloatArray, random
     white = random.standard_normal((2, len(rows)))
     slow = _correlated(len(rows), np.exp(-1 / ERROR_S), random)
     effort = effort * gains[0] * (1 + errors.effort_noise * white[0] + errors.slow_effort_noise * slow)
-    effort = np.where(effort != 0, effort + errors.effort_offset_n, 0.0)
-    power = power * gains[1] * (1 + errors.power_noise * white[1]) + errors.power_offset_w
+    effort = np.where(effort != 0, effort + offsets[0], 0.0)
+    power = power * gains[1] * (1 + errors.power_noise * white[1]) + offsets[1]
     speed = np.round((1 + errors.speed_gain) * motion.speed_ms[rows, run], 1)
     kept = np.ones(len(rows), dtype=bool)
     for part in range(errors.gaps):

@@ -19,12 +19,13 @@ import scipy
 
 from railjoule.core.arrays import BoolArray, FloatArray
 from railjoule.core.errors import RecordingError
+from railjoule.core.fit.correlation import scale_freedom
 from railjoule.core.fit.gauges import GaugeError, GaugeErrors
 from railjoule.core.fit.noise import Noise, estimated_noise, expected_residual_ms
-from railjoule.core.fit.parameters import RESISTANCE, UNITS, Model, free_parameters, physical_range
+from railjoule.core.fit.parameters import UNITS, Model, free_parameters, physical_range
 from railjoule.core.fit.physical_range import Range
 from railjoule.core.fit.problem import Problem
-from railjoule.core.fit.sentences import contradiction, open_parameters
+from railjoule.core.fit.sentences import assumed_errors, contradiction, open_parameters
 from railjoule.core.fit.steps import Steps, usable_steps
 from railjoule.core.measured import MeasuredRun
 from railjoule.core.scenario import Scenario
@@ -85,6 +86,8 @@ class Fit:
         Those that count in these runs, with the most likely errors.
     undetermined : tuple of str
         Names of those that the runs do not determine.
+    undetermined_by_gauges : tuple of str
+        Those of them that exact gauges would determine.
     confounded : tuple of tuple of str
         Which of them only a combination is known of.
     residual_ms, expected_residual_ms : float
@@ -104,6 +107,7 @@ class Fit:
     stated: GaugeErrors
     gauge_errors: tuple[GaugeError, ...]
     undetermined: tuple[str, ...]
+    undetermined_by_gauges: tuple[str, ...]
     confounded: tuple[tuple[str, ...], ...]
     residual_ms: float
     expected_residual_ms: float
@@ -140,10 +144,15 @@ class Fit:
         return contradiction(names, self.estimate, self.gauge_errors, self.residual_ms, self.expected_residual_ms)
 
     @property
+    def assumed(self) -> str:
+        """The assumed standard deviations of the gauges' calibration errors, in a sentence."""
+        return assumed_errors(self.gauge_errors)
+
+    @property
     def sentences(self) -> tuple[str, ...]:
         """How the runs contradict the model, and which parameters they leave open and would be determined how."""
         told = (self.contradiction,) if self.contradiction else ()
-        return (*told, *open_parameters(self.undetermined, self.confounded))
+        return (*told, *open_parameters(self.undetermined, self.undetermined_by_gauges, self.confounded))
 
 
 def fit_runs(
@@ -208,9 +217,9 @@ def simulation_residual(runs: Sequence[MeasuredRun], fit: Fit, coasting_only: bo
     model = Model(fit.model.vehicle, fit.model.free, fit.model.top_speed_ms)
     values = fit.values
     problem = Problem(model, steps, fit.scenario.line.head_wind_kmh * MS_PER_KMH, fit.stated)
-    known = {gauge.name: gauge.value / gauge.deviation for gauge in fit.gauge_errors}
+    known = {gauge.name: gauge.value for gauge in fit.gauge_errors}
     scaled = [(values[name] - model.first[name]) / model.sizes[name] for name in model.free]
-    errors = [known.get(gauge.name, 0.0) for gauge in problem.gauges]
+    errors = [known.get(gauge.name, 0.0) / gauge.deviation for gauge in problem.gauges]
     return problem.speed_residual(np.array([*scaled, *errors]))
 
 
@@ -234,8 +243,10 @@ def _result(scenario: Scenario, problem: Problem, unknowns: FloatArray, noise: N
     # the range of the parameters only has the same nearest point, as the gauge errors have no bounds
     train = covariance[:count, :count]
     estimate = Range(first + sizes * unknowns[:count], train * np.outer(sizes, sizes), low, high)
-    quantile = float(scipy.stats.t.ppf(0.5 + 0.5 * CONFIDENCE, problem.steps.count - count))
+    quantile = float(scipy.stats.t.ppf(0.5 + 0.5 * CONFIDENCE, scale_freedom(problem.steps.step_s)))
     unknown = quantile * np.sqrt(np.diag(train)) > UNDETERMINED
+    by_runs = _with_exact_gauges(covariance, count)
+    unknown_by_runs = unknown & (quantile * np.sqrt(np.diag(by_runs)) > UNDETERMINED)
     errors = problem.errors(best)
     return Fit(
         scenario=scenario,
@@ -247,8 +258,9 @@ def _result(scenario: Scenario, problem: Problem, unknowns: FloatArray, noise: N
         estimate=estimate,
         stated=problem.stated,
         gauge_errors=tuple(replace(gauge, value=errors[gauge.name]) for gauge in problem.gauges),
-        undetermined=tuple(name for name, is_unknown in zip(model.free, unknown, strict=True) if is_unknown),
-        confounded=_confounded(model.free, unknown, train, quantile),
+        undetermined=_chosen(model.free, unknown),
+        undetermined_by_gauges=_chosen(model.free, unknown & ~unknown_by_runs),
+        confounded=_confounded(model.free, unknown_by_runs, by_runs, quantile),
         residual_ms=float(np.sqrt(np.mean(problem.speed_residual(best) ** 2))),
         expected_residual_ms=expected_residual_ms(problem.steps, *problem.driven(best)),
         noise=noise,
@@ -262,6 +274,17 @@ def _mean_powers(steps: Steps) -> tuple[float, float, float]:
     distance = steps.mean_speed_ms * steps.step_s
     linear, quadratic = (float(np.average(speed_kmh**power, weights=distance)) for power in (1, 2))
     return 1.0, linear, quadratic
+
+
+def _chosen(names: Sequence[str], chosen: BoolArray) -> tuple[str, ...]:
+    return tuple(name for name, is_chosen in zip(names, chosen, strict=True) if is_chosen)
+
+
+def _with_exact_gauges(covariance: FloatArray, count: int) -> FloatArray:
+    """Return the covariance of the first unknowns, the parameters, where the others, the gauge errors, are known."""
+    train, shared, gauges = covariance[:count, :count], covariance[:count, count:], covariance[count:, count:]
+    known: FloatArray = train - shared @ np.linalg.solve(gauges, shared.T)
+    return known
 
 
 def _covariance(problem: Problem, unknowns: FloatArray) -> FloatArray:

@@ -44,15 +44,27 @@ class GaugeErrors:
     effort_gain: float = 2.0
     effort_offset: float = 0.7
     power_gain: float = 1.0
-    power_offset: float = 0.3
+    power_offset: float = 0.2
     speed_gain: float = 1.0
 
     def __post_init__(self) -> None:
         for name, percent in self.percent.items():
             if not 0 <= percent <= LARGEST_PERCENT:
-                raise RecordingError(
-                    f"gauge error {name} = {percent:g} % must lie within 0 to {LARGEST_PERCENT:g} %."
-                )
+                raise RecordingError(f"gauge error {name} = {percent:g} % must lie within 0 to {LARGEST_PERCENT:g} %.")
+
+    @classmethod
+    def from_percent(cls, percent: Mapping[str, float]) -> "GaugeErrors":
+        """Return the defaults with other deviations by name [%].
+
+        Raises
+        ------
+        RecordingError
+            If a name is unknown or a deviation is negative or above 50 %.
+        """
+        for name in percent:
+            if name not in GAUGE_ERRORS:
+                raise RecordingError(f"gauge error {name} must be among {', '.join(GAUGE_ERRORS)}.")
+        return cls(**percent)
 
     @property
     def percent(self) -> Mapping[str, float]:
@@ -82,8 +94,17 @@ class GaugeError:
     deviation: float
     value: float = 0.0
 
+    @property
+    def words(self) -> str:
+        """The error in words: 'offset of the effort'."""
+        gauge, _, kind = self.name.partition("_")
+        return f"{kind} of the {gauge}"
+
+    @property
+    def unit(self) -> str:
+        """Unit of the values: empty for a share."""
+        return {EFFORT_OFFSET: "N", POWER_OFFSET: "W"}.get(self.name, "")
+
     def shown(self, error: float) -> str:
         """Return an error with its unit: % for gains, kN or kW for offsets."""
-        if self.name in {EFFORT_OFFSET, POWER_OFFSET}:
-            return f"{error / 1e3:.3g} {'kN' if self.name == EFFORT_OFFSET else 'kW'}"
-        return f"{100 * error:.3g} %"
+        return f"{error / 1e3:.3g} k{self.unit}" if self.unit else f"{100 * error:.3g} %"

@@ -61,10 +61,11 @@ class Range:
             Of the distribution of an estimate over its deviation, such as 1.96 for 95 %.
         """
         best, least = self.nearest()
-        return tuple(self._end(index, sign, float(best[index]), least, quantile) for sign in (-1, 1))  # type: ignore[return-value]
-
-    def _end(self, index: int, sign: int, best: float, least: float, quantile: float) -> float:
         allowed = least + quantile**2
+        low, high = (self._end(index, sign, float(best[index]), allowed) for sign in (-1, 1))
+        return low, high
+
+    def _end(self, index: int, sign: int, best: float, allowed: float) -> float:
         step = self.covariance[:, index] / self.deviation[index] * np.sqrt(allowed)
         farthest = self.estimate + sign * step
         if np.all((farthest >= self.low) & (farthest <= self.high)):

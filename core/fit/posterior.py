@@ -64,8 +64,9 @@ def draw_parameters(fit: Fit, draws: int, seed: int = 1) -> list[dict[str, float
 
 
 def _is_open(fit: Fit, name: str) -> bool:
-    """Return whether nothing at all is known of a parameter, not even together with others."""
-    return not any(name in group for group in fit.confounded) and name not in RESISTANCE
+    """Return whether nothing at all is known of a parameter, not even together with others or by its gauge."""
+    is_known = name in fit.undetermined_by_gauges or any(name in group for group in fit.confounded)
+    return not is_known and name not in RESISTANCE
 
 
 def optimum_spread(fit: Fit, scenario: Scenario, draws: int = 100, seed: int = 1) -> OptimumSpread:

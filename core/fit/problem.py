@@ -66,7 +66,7 @@ class Problem:
         if not {EFFICIENCY, AUXILIARY} & set(model.free):
             self.metered[:] = False
         self.driving_factor = self.coasting_factor = 1.0
-        self.speed_inflation = self.power_inflation = 1.0
+        self.speed_inflation, self.power_inflation = np.ones(steps.count), 1.0
         self.drive = make_drive(model.vehicle.drive)
         self.whitener: Whitener | None = None
         self.stated = stated
@@ -76,6 +76,8 @@ class Problem:
         """Return the gauge errors that change a residual."""
         steps = self.steps
         effort, power = steps.largest_effort_n, steps.largest_power_w
+        if not np.any(steps.pulled_share):
+            effort = 0.0
         if not np.any(self.by_power | self.metered):
             power = 0.0
         full_scale = dict(zip(GAUGE_ERRORS, (float(effort > 0), effort, float(power > 0), power, 1.0), strict=True))
@@ -198,13 +200,15 @@ class Problem:
 
     def inflate(self, unknowns: FloatArray) -> None:
         """Let the deviations of speeds and powers be as large as their correlation over time makes them."""
-        self.speed_inflation = self.power_inflation = 1.0
+        self.speed_inflation, self.power_inflation = np.ones(self.steps.count), 1.0
         residual, jacobian = self.residual(unknowns), self.jacobian(unknowns)
-        bread = np.linalg.inv(jacobian.T @ jacobian)
+        bread = np.asarray(np.linalg.inv(jacobian.T @ jacobian), dtype=float)
         speeds, powers = self.steps.count, int(self.metered.sum())
         step_s = self.steps.step_s
-        speed, power = slice(0, speeds), slice(speeds, speeds + powers)
-        self.speed_inflation = noise_inflation(residual[speed], jacobian[speed], bread, step_s)
+        power = slice(speeds, speeds + powers)
+        pulls = self.steps.pulled_share > 0
+        for rows in (np.flatnonzero(pulls), np.flatnonzero(~pulls)):
+            self.speed_inflation[rows] = noise_inflation(residual[rows], jacobian[rows], bread, step_s[rows])
         self.power_inflation = noise_inflation(residual[power], jacobian[power], bread, step_s[self.metered])
 
     def residual(self, unknowns: FloatArray) -> FloatArray:

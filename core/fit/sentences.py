@@ -40,8 +40,8 @@ def contradiction(
     if not reasons:
         return ""
     return (
-        f"These runs contradict the model: {'; '.join(reasons)}. Check the gauges, the mass, the gradients and where "
-        "the runs lie on the line; the intervals hold only for a train that the model describes."
+        f"These runs contradict the model, and no interval counts: {'; '.join(reasons)}; check the gauges, the mass, "
+        "the gradients and the place of the runs on the line."
     )
 
 
@@ -62,23 +62,43 @@ def _outside(names: Sequence[str], estimate: Range) -> list[str]:
 
 def _beyond_stated(gauge_errors: Sequence[GaugeError]) -> list[str]:
     limit = float(scipy.stats.norm.ppf(0.5 + 0.5 * SIGNIFICANT))
+    beyond = [gauge for gauge in gauge_errors if abs(gauge.value) > limit * gauge.deviation]
     return [
-        f"{gauge.name} would have to be {gauge.shown(gauge.value)}, {abs(gauge.value) / gauge.deviation:.1f} times its "
-        "stated standard deviation"
-        for gauge in gauge_errors
-        if abs(gauge.value) > limit * gauge.deviation
+        f"the {gauge.words} would have to be {gauge.shown(gauge.value)}, {abs(gauge.value) / gauge.deviation:.1f} "
+        "times the assumed standard deviation"
+        for gauge in beyond
     ]
 
 
-def open_parameters(undetermined: Sequence[str], confounded: Sequence[Sequence[str]]) -> tuple[str, ...]:
-    """Return which parameters cannot be told apart, or not at all, and which runs would determine them."""
+def assumed_errors(gauge_errors: Sequence[GaugeError]) -> str:
+    """Return the assumed standard deviations of calibration errors, in a sentence."""
+    if not gauge_errors:
+        return "The gauges are taken as exact."
+    told = [f"{gauge.words} {gauge.shown(gauge.deviation)}" for gauge in gauge_errors]
+    return f"Assumed standard deviations of the gauges' errors: {_listed(told)}."
+
+
+def open_parameters(
+    undetermined: Sequence[str], undetermined_by_gauges: Sequence[str], confounded: Sequence[Sequence[str]]
+) -> tuple[str, ...]:
+    """Return which parameters cannot be told apart, or not at all, and which runs would determine them.
+
+    Parameters
+    ----------
+    undetermined, undetermined_by_gauges, confounded
+        As `railjoule.core.fit.Fit`.
+    """
     told = [f"{_listed(group)} cannot be told apart from these runs{_remedy(group)}." for group in confounded]
-    alone = [name for name in undetermined if not any(name in group for group in confounded)]
-    return (*told, *(f"These runs do not determine {name}{_remedy((name,))}." for name in alone))
+    known = {*undetermined_by_gauges, *(name for group in confounded for name in group)}
+    told += [f"These runs do not determine {name}{_remedy((name,))}." for name in undetermined if name not in known]
+    if undetermined_by_gauges:
+        names = _listed(undetermined_by_gauges)
+        told.append(f"The assumed errors of the gauges leave {names} open: gauges with smaller errors would not.")
+    return tuple(told)
 
 
 def _listed(names: Sequence[str]) -> str:
-    return f"{', '.join(names[:-1])} and {names[-1]}"
+    return " and ".join([", ".join(names[:-1])] * (len(names) > 1) + [names[-1]])
 
 
 def _remedy(names: Sequence[str]) -> str:

@@ -26,7 +26,6 @@ def shares_inside(trains: Sequence[MeasuredTrain], fits: Sequence[Fit]) -> dict[
     return dict(zip(DEFAULT, np.mean(inside, axis=0).tolist(), strict=True))
 
 
-
 def main() -> None:
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 31
     scenario = load_scenario(SCENARIO)
