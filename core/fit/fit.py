@@ -38,7 +38,7 @@ UNDETERMINED = 0.25
 OUTLIER = 3.0
 """Standard deviations from which on a residual counts linearly."""
 NOISE_ROUNDS = 2
-"""How often the noise is found anew from the residuals: after two it stays."""
+"""How often the noise is estimated again from the residuals: after two it stays."""
 LEAST_FREEDOM = 0.1
 """What at least is left of a residual that decides a fit alone."""
 TINY = 1e-300
@@ -151,8 +151,8 @@ class Fit:
     @property
     def sentences(self) -> tuple[str, ...]:
         """How the runs contradict the model, and which parameters they leave open and would be determined how."""
-        told = (self.contradiction,) if self.contradiction else ()
-        return (*told, *open_parameters(self.undetermined, self.undetermined_by_gauges, self.confounded))
+        contradictions = (self.contradiction,) if self.contradiction else ()
+        return (*contradictions, *open_parameters(self.undetermined, self.undetermined_by_gauges, self.confounded))
 
 
 def fit_runs(

@@ -5,6 +5,7 @@ place: a gain of the effort is a smaller mass, an offset of the power is an auxi
 the fit beside those of the train (a nuisance parameter), normally distributed around zero with a stated deviation.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
@@ -50,7 +51,7 @@ class GaugeErrors:
     def __post_init__(self) -> None:
         for name, percent in self.percent.items():
             if not 0 <= percent <= LARGEST_PERCENT:
-                raise RecordingError(f"gauge error {name} = {percent:g} % must lie within 0 to {LARGEST_PERCENT:g} %.")
+                raise RecordingError(f"--gauge {name} = {percent:g} %: must lie within 0 to {LARGEST_PERCENT:g} %.")
 
     @classmethod
     def from_percent(cls, percent: Mapping[str, float]) -> "GaugeErrors":
@@ -63,7 +64,7 @@ class GaugeErrors:
         """
         for name in percent:
             if name not in GAUGE_ERRORS:
-                raise RecordingError(f"gauge error {name} must be among {', '.join(GAUGE_ERRORS)}.")
+                raise RecordingError(f"--gauge {name}: must be among {', '.join(GAUGE_ERRORS)}.")
         return cls(**percent)
 
     @property
@@ -85,14 +86,19 @@ class GaugeError:
     name : str
         One of `GAUGE_ERRORS`.
     deviation : float
-        The stated standard deviation: a share for gains, N or W for offsets.
+        The stated standard deviation [N or W of offsets].
     value : float
-        The most likely error, in the same unit.
+        The most likely error; of gains the logarithm of the factor, so that no trial of a fit makes that negative.
     """
 
     name: str
     deviation: float
     value: float = 0.0
+
+    @property
+    def error(self) -> float:
+        """The most likely error: a share of gains, N or W of offsets."""
+        return self.value if self.unit else math.expm1(self.value)
 
     @property
     def words(self) -> str:

@@ -1,5 +1,6 @@
 """The residuals of a fit: speeds and powers of a train with calibration errors of the gauges, whitened."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -101,7 +102,7 @@ class Problem:
         return self.model.values(unknowns[: self.free_count])
 
     def errors(self, unknowns: FloatArray) -> dict[str, float]:
-        """Return all gauge errors by name: shares, N and W."""
+        """Return all gauge errors by name: logarithms of factors, N and W."""
         found = dict.fromkeys(GAUGE_ERRORS, 0.0)
         for gauge, z in zip(self.gauges, unknowns[self.free_count :], strict=True):
             found[gauge.name] = gauge.deviation * float(z)
@@ -110,10 +111,10 @@ class Problem:
     def effort(self, values: Mapping[str, float], errors: Mapping[str, float]) -> FloatArray:
         """Return the mean efforts of the steps [N]: the measured ones, or those that a power leaves."""
         steps = self.steps
-        power = (steps.power_w - errors[POWER_OFFSET]) / (1 + errors[POWER_GAIN])
+        power = (steps.power_w - errors[POWER_OFFSET]) / math.exp(errors[POWER_GAIN])
         left = np.maximum(power - values[AUXILIARY] * W_PER_KW, 0.0)
         by_power = values[EFFICIENCY] * left / steps.mean_speed_ms
-        measured = (steps.effort_n - errors[EFFORT_OFFSET] * steps.pulled_share) / (1 + errors[EFFORT_GAIN])
+        measured = (steps.effort_n - errors[EFFORT_OFFSET] * steps.pulled_share) / math.exp(errors[EFFORT_GAIN])
         return np.where(self.by_power, by_power, measured)
 
     def driven(self, unknowns: FloatArray) -> tuple[float, FloatArray]:
@@ -137,7 +138,7 @@ class Problem:
         # the air meets the train at v + w: C (v + w)^2
         wind = self.wind_ms
         line = steps.line_force_n * (values[MASS] / self.model.first[MASS])
-        gain = np.where(steps.is_between_stations, 1.0, 1 + errors[SPEED_GAIN])
+        gain = np.where(steps.is_between_stations, 1.0, math.exp(errors[SPEED_GAIN]))
         simulated = simulated_speed(
             steps.step_s,
             steps.start_speed_ms / gain,
@@ -155,14 +156,14 @@ class Problem:
         """Return modelled less measured power [W], where both are known."""
         values, errors, steps, rows = self.values(unknowns), self.errors(unknowns), self.steps, self.metered
         read = steps.read_effort_n[rows]
-        effort = (read - errors[EFFORT_OFFSET] * (read > 0)) / (1 + errors[EFFORT_GAIN])
-        gain = np.where(steps.is_between_stations[rows], 1.0, 1 + errors[SPEED_GAIN])
+        effort = (read - errors[EFFORT_OFFSET] * (read > 0)) / math.exp(errors[EFFORT_GAIN])
+        gain = np.where(steps.is_between_stations[rows], 1.0, math.exp(errors[SPEED_GAIN]))
         speed = steps.read_speed_ms[rows] / gain
         if EFFICIENCY in self.model.free:
             modelled = effort * speed / values[EFFICIENCY]
         else:
             modelled = self.drive.line_power_w(effort, speed)
-        taken = (modelled + values[AUXILIARY] * W_PER_KW) * (1 + errors[POWER_GAIN]) + errors[POWER_OFFSET]
+        taken = (modelled + values[AUXILIARY] * W_PER_KW) * math.exp(errors[POWER_GAIN]) + errors[POWER_OFFSET]
         difference: FloatArray = taken - steps.read_power_w[rows]
         return difference
 

@@ -64,7 +64,7 @@ def _beyond_stated(gauge_errors: Sequence[GaugeError]) -> list[str]:
     limit = float(scipy.stats.norm.ppf(0.5 + 0.5 * SIGNIFICANT))
     beyond = [gauge for gauge in gauge_errors if abs(gauge.value) > limit * gauge.deviation]
     return [
-        f"the {gauge.words} would have to be {gauge.shown(gauge.value)}, {abs(gauge.value) / gauge.deviation:.1f} "
+        f"the {gauge.words} would have to be {gauge.shown(gauge.error)}, {abs(gauge.value) / gauge.deviation:.1f} "
         "times the assumed standard deviation"
         for gauge in beyond
     ]
@@ -74,8 +74,8 @@ def assumed_errors(gauge_errors: Sequence[GaugeError]) -> str:
     """Return the assumed standard deviations of calibration errors, in a sentence."""
     if not gauge_errors:
         return "The gauges are taken as exact."
-    told = [f"{gauge.words} {gauge.shown(gauge.deviation)}" for gauge in gauge_errors]
-    return f"Assumed standard deviations of the gauges' errors: {_listed(told)}."
+    errors = [f"{gauge.words} {gauge.shown(gauge.deviation)}" for gauge in gauge_errors]
+    return f"Assumed standard deviations of the gauges' errors: {_listed(errors)}."
 
 
 def open_parameters(
@@ -88,13 +88,15 @@ def open_parameters(
     undetermined, undetermined_by_gauges, confounded
         As `railjoule.core.fit.Fit`.
     """
-    told = [f"{_listed(group)} cannot be told apart from these runs{_remedy(group)}." for group in confounded]
+    sentences = [f"{_listed(group)} cannot be told apart from these runs{_remedy(group)}." for group in confounded]
     known = {*undetermined_by_gauges, *(name for group in confounded for name in group)}
-    told += [f"These runs do not determine {name}{_remedy((name,))}." for name in undetermined if name not in known]
+    sentences += [
+        f"These runs do not determine {name}{_remedy((name,))}." for name in undetermined if name not in known
+    ]
     if undetermined_by_gauges:
         names = _listed(undetermined_by_gauges)
-        told.append(f"The assumed errors of the gauges leave {names} open: gauges with smaller errors would not.")
-    return tuple(told)
+        sentences.append(f"The assumed errors of the gauges leave {names} open: gauges with smaller errors would not.")
+    return tuple(sentences)
 
 
 def _listed(names: Sequence[str]) -> str:
@@ -102,7 +104,7 @@ def _listed(names: Sequence[str]) -> str:
 
 
 def _remedy(names: Sequence[str]) -> str:
-    """Return what other runs would tell them."""
+    """Return which other runs would determine parameters."""
     if set(names) <= set(RESISTANCE):
         return ": coasting from high to low speed would"
     if {MASS, MASS_FACTOR} & set(names) and set(names) <= set(MOTION):

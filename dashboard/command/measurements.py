@@ -111,7 +111,7 @@ def summarise_fit(found: Fit, held: Sequence[HeldOut], runs: Sequence[MeasuredRu
             for parameter in found.parameters
         },
         "gauge_errors": {
-            gauge.name: {"deviation": gauge.deviation, "value": gauge.value, "unit": gauge.unit}
+            gauge.name: {"deviation": gauge.deviation, "error": gauge.error, "unit": gauge.unit}
             for gauge in found.gauge_errors
         },
         "contradiction": found.contradiction,

@@ -58,8 +58,10 @@ def test_an_offset_of_the_effort_never_leaves_a_value_outside_its_interval(scena
 def test_runs_that_contradict_the_model_are_reported(scenario):
     clean, off = (measured_trains(errors, 1, seed=5)[0] for errors in (Errors(), Errors(effort_offset_n=8e3)))
     assert fit_runs(clean.runs(scenario), scenario).contradiction == ""
-    told = fit_runs(off.runs(scenario), scenario).contradiction
-    assert told.startswith("These runs contradict the model, and no interval counts: the offset of the effort would")
+    sentence = fit_runs(off.runs(scenario), scenario).contradiction
+    assert sentence.startswith(
+        "These runs contradict the model, and no interval counts: the offset of the effort would"
+    )
     by_exact = fit_runs(off.runs(scenario), scenario, stated=EXACT).contradiction
     assert "would be -" in by_exact
     assert "standard deviations away" in by_exact
@@ -71,9 +73,9 @@ def test_a_line_that_is_not_that_of_the_runs_is_reported(scenario):
     ]
     other = scenario.with_(line={"sections": sections})
     runs = measured_trains(Errors(), 1, seed=5)[0].runs(other)
-    told = fit_runs(runs, other).contradiction
-    assert "the simulated speed misses the measured one by" in told
-    assert "times the noise of usual gauges" in told
+    sentence = fit_runs(runs, other).contradiction
+    assert "the simulated speed misses the measured one by" in sentence
+    assert "times the noise of usual gauges" in sentence
 
 
 def test_an_exact_meter_gives_the_auxiliaries_by_the_noise_of_its_samples(scenario):
@@ -105,9 +107,9 @@ def test_only_gauge_errors_that_count_in_the_runs_are_listed(scenario):
 @pytest.mark.parametrize(
     ("percent", "words"),
     [
-        ({"colour": 1.0}, "gauge error colour must be among effort_gain"),
-        ({"effort_gain": -1.0}, "gauge error effort_gain = -1 % must lie within 0 to 50 %"),
-        ({"effort_gain": float("nan")}, "gauge error effort_gain = nan % must lie within 0 to 50 %"),
+        ({"colour": 1.0}, "--gauge colour: must be among effort_gain"),
+        ({"effort_gain": -1.0}, "--gauge effort_gain = -1 %: must lie within 0 to 50 %"),
+        ({"effort_gain": float("nan")}, "--gauge effort_gain = nan %: must lie within 0 to 50 %"),
     ],
 )
 def test_refuses_deviations_that_no_gauge_has(percent, words):
