@@ -4,11 +4,14 @@ Read `fit` first, then `noise`, which says why residuals of a simulated speed mu
 """
 
 from railjoule.core.fit.fit import Fit, Parameter, fit_runs
+from railjoule.core.fit.gauges import GaugeError, GaugeErrors
 from railjoule.core.fit.held_out import HeldOut, hold_out
 from railjoule.core.fit.posterior import OptimumSpread, draw_parameters, monte_carlo_scenario, optimum_spread
 
 __all__ = [
     "Fit",
+    "GaugeError",
+    "GaugeErrors",
     "HeldOut",
     "OptimumSpread",
     "Parameter",

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from railjoule.core.fit.fit import fit_runs, simulation_residual
+from railjoule.core.fit.fit import DEFAULT_GAUGES, Fit, fit_runs, simulation_residual
+from railjoule.core.fit.gauges import GaugeErrors
 from railjoule.core.measured import MeasuredRun, measured_run
 from railjoule.core.scenario import Scenario
 
@@ -43,13 +44,17 @@ class HeldOut:
 
 
 def hold_out(
-    runs: Sequence[MeasuredRun], scenario: Scenario, free: Sequence[str] | None = None, coasting_only: bool = False
+    runs: Sequence[MeasuredRun],
+    scenario: Scenario,
+    free: Sequence[str] | None = None,
+    coasting_only: bool = False,
+    stated: GaugeErrors = DEFAULT_GAUGES,
 ) -> tuple[HeldOut, ...]:
     """Return how fits to all runs but one predict that one; nothing where there is a single run.
 
     Parameters
     ----------
-    runs, scenario, free, coasting_only
+    runs, scenario, free, coasting_only, stated
         As `railjoule.core.fit.fit_runs`.
 
     Raises
@@ -59,15 +64,14 @@ def hold_out(
     """
     if len(runs) < FEWEST_RUNS:
         return ()
-    return tuple(
-        _predicted(run, [other for other in runs if other is not run], scenario, free, coasting_only) for run in runs
-    )
+    held = []
+    for run in runs:
+        others = [other for other in runs if other is not run]
+        held.append(_predicted(run, fit_runs(others, scenario, free, coasting_only, stated), coasting_only))
+    return tuple(held)
 
 
-def _predicted(
-    run: MeasuredRun, others: Sequence[MeasuredRun], scenario: Scenario, free: Sequence[str] | None, coasting_only: bool
-) -> HeldOut:
-    fit = fit_runs(others, scenario, free, coasting_only)
+def _predicted(run: MeasuredRun, fit: Fit, coasting_only: bool) -> HeldOut:
     # by its speeds alone: the efforts that were measured are not looked at
     modelled = measured_run(run.recording, fit.fitted_scenario, run.placement.start_m).modelled
     residual = simulation_residual([run], fit, coasting_only)

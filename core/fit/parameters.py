@@ -28,6 +28,8 @@ UNITS: Mapping[str, str] = MappingProxyType(
 # specific resistances lie between 0.8 and 3 N/kN: a train of which nothing is known begins with one
 LEAST_SPECIFIC_N_PER_KN = 1.0
 """Size of a resistance that the scenario has as zero."""
+LEAST_EFFICIENCY = 0.01
+"""A drive below takes a hundred times what it gives."""
 LEAST_AUXILIARY_KW = 20.0
 """Size of auxiliaries that the scenario has as zero."""
 
@@ -135,7 +137,8 @@ def free_parameters(asked: Sequence[str] | None, vehicle: Vehicle, has_power: bo
     return tuple(name for name in NAMES if name in asked)
 
 
-def scaled_floor(model: Model) -> FloatArray:
-    """Return the scaled changes at which the free parameters become zero; shape (free,)."""
-    first, sizes = model.first, model.sizes
-    return np.array([-first[name] / sizes[name] for name in model.free])
+def physical_range(model: Model) -> tuple[FloatArray, FloatArray]:
+    """Return the least and the largest values that the free parameters of a train can have; each of shape (free,)."""
+    # no train is pushed by its resistance, and no drive gives more than it takes
+    high = np.array([1.0 if name == EFFICIENCY else np.inf for name in model.free])
+    return np.array([LEAST_EFFICIENCY if name == EFFICIENCY else 0.0 for name in model.free]), high

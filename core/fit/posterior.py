@@ -7,7 +7,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray, frozen_array
 from railjoule.core.errors import RailjouleError, RecordingError
 from railjoule.core.fit.fit import Fit
-from railjoule.core.fit.parameters import EFFICIENCY, RESISTANCE
+from railjoule.core.fit.parameters import RESISTANCE
 from railjoule.core.scenario import Scenario
 from railjoule.core.scenario.distribution import LogNormal
 from railjoule.core.strategies import solve
@@ -43,7 +43,9 @@ class OptimumSpread:
 
 
 def draw_parameters(fit: Fit, draws: int, seed: int = 1) -> list[dict[str, float]]:
-    """Return draws of all parameters: the free ones from the normal distribution of the fit, never below zero.
+    """Return draws of all parameters: the free ones from the normal distribution of the fit.
+
+    A draw outside the range that a train can have becomes the nearest one within, by the distance of the fit.
 
     Raises
     ------
@@ -54,19 +56,17 @@ def draw_parameters(fit: Fit, draws: int, seed: int = 1) -> list[dict[str, float
         raise RecordingError(f"draws = {draws} must lie within 1 to {MOST_DRAWS}.")
     if not np.all(np.isfinite(fit.covariance)) or any(_is_open(fit, name) for name in fit.undetermined):
         raise RecordingError(" ".join(fit.sentences))
-    values = np.array([parameter.value for parameter in fit.parameters])
-    random = np.random.default_rng(seed).multivariate_normal(values, fit.covariance, size=draws, method="eigh")
-    drawn = np.maximum(random, 0.0)
-    names = [parameter.name for parameter in fit.parameters]
-    if EFFICIENCY in names:
-        column = names.index(EFFICIENCY)
-        drawn[:, column] = np.clip(drawn[:, column], 0.01, 1.0)
-    return [{**fit.model.first, **dict(zip(names, row, strict=True))} for row in drawn.tolist()]
+    estimate, names = fit.estimate, [parameter.name for parameter in fit.parameters]
+    random = np.random.default_rng(seed)
+    drawn = random.multivariate_normal(estimate.estimate, fit.covariance, size=draws, method="eigh")
+    rows = [estimate.nearest(row)[0].tolist() for row in drawn]
+    return [{**fit.model.first, **dict(zip(names, row, strict=True))} for row in rows]
 
 
 def _is_open(fit: Fit, name: str) -> bool:
-    """Return whether nothing at all is known of a parameter, not even together with others."""
-    return not any(name in group for group in fit.confounded) and name not in RESISTANCE
+    """Return whether nothing at all is known of a parameter, not even together with others or by its gauge."""
+    is_known = name in fit.undetermined_by_gauges or any(name in group for group in fit.confounded)
+    return not is_known and name not in RESISTANCE
 
 
 def optimum_spread(fit: Fit, scenario: Scenario, draws: int = 100, seed: int = 1) -> OptimumSpread:

@@ -15,6 +15,8 @@ from railjoule.core.physics.resistance import running_resistance
 MOST_ROUNDS = 30
 EXACT_MS = 1e-12
 """Between two rounds the speed may still change by this."""
+FASTEST_MS = 1e3
+"""Parameters on trial may push a train; its speed ends here."""
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -59,7 +61,7 @@ def simulated_speed(
             speed2 = 0.5 * (before * before + after * after)
             resistance = running_resistance(constant_n, linear, quadratic * tunnel_factor[i], v, speed2)
             # a resistance never pushes back: parameters on trial may be wild, and speeds stay squares' roots
-            reached = max(before + (force_n[i] - resistance) * step_s[i] / inertia_kg, 0.0)
+            reached = min(max(before + (force_n[i] - resistance) * step_s[i] / inertia_kg, 0.0), FASTEST_MS)
             change = reached - after
             after = reached
             if abs(change) <= EXACT_MS:

@@ -11,12 +11,15 @@ from railjoule.core.errors import RecordingError
 from railjoule.core.measured import MeasuredRun, Recording
 from railjoule.core.measured.speed_error import quantisation
 from railjoule.core.motion import build_course
+from railjoule.core.scenario import Line, Scenario
 
 FEWEST_STEPS = 20
 """Fewer samples of known effort hold no parameters."""
 # power over speed is an effort only where both are well known
 SLOWEST_BY_POWER_MS = 3.0
 """Below this no effort is taken from a power [m/s]."""
+SAME_PLACE_M = 0.01
+"""Places closer together are one [m]: a run that ends in a station has just its place."""
 SHORTEST_SECTION = 5
 """Steps that a section has at least: a shorter one knows no change of speed beyond the steps of the recorder."""
 
@@ -35,6 +38,8 @@ class Steps:
         Where a section begins.
     effort_n : array of shape (n,)
         Mean effort at the wheels [N]; NaN where it is to follow from the power.
+    pulled_share : array of shape (n,)
+        Share of each step with an effort that is not zero.
     end_effort_n, effort_jump_n : array of shape (n,)
         Effort at the sample that ends the step, and by how much it jumps within it [N].
     line_force_n : array of shape (n,)
@@ -49,6 +54,10 @@ class Steps:
         Of that power, by the steps of the meter [W2].
     speed_variance : array of shape (n,)
         Of the steps of the recorder's speed [m2/s2].
+    is_between_stations : array of bool of shape (n,)
+        Whether the run begins and ends at rest in a station, so that the line gives the scale of its speeds.
+    largest_effort, largest_power : array of shape (n,)
+        Largest magnitudes of the run's readings [N, W]; 0 where there are none.
     """
 
     step_s: FloatArray
@@ -56,6 +65,7 @@ class Steps:
     end_speed_ms: FloatArray
     begins: BoolArray
     effort_n: FloatArray
+    pulled_share: FloatArray
     end_effort_n: FloatArray
     effort_jump_n: FloatArray
     line_force_n: FloatArray
@@ -66,6 +76,19 @@ class Steps:
     read_speed_ms: FloatArray
     read_variance: FloatArray
     speed_variance: FloatArray
+    is_between_stations: BoolArray
+    largest_effort: FloatArray
+    largest_power: FloatArray
+
+    @property
+    def largest_effort_n(self) -> float:
+        """Largest magnitude of all measured efforts [N]; 0 where there are none."""
+        return float(np.max(self.largest_effort))
+
+    @property
+    def largest_power_w(self) -> float:
+        """Largest magnitude of all measured powers [W]; 0 where there are none."""
+        return float(np.max(self.largest_power))
 
     @property
     def mean_speed_ms(self) -> FloatArray:
@@ -78,13 +101,15 @@ class Steps:
         return len(self.step_s)
 
 
-def usable_steps(runs: Sequence[MeasuredRun], coasting_only: bool = False) -> Steps:
+def usable_steps(runs: Sequence[MeasuredRun], scenario: Scenario, coasting_only: bool = False) -> Steps:
     """Return the steps of measured runs whose effort is known.
 
     Parameters
     ----------
     runs : sequence of MeasuredRun
         The runs, over one line and with one vehicle.
+    scenario : Scenario
+        The line and the vehicle.
     coasting_only : bool
         Whether only steps without any effort count, for recorders whose efforts are not to be trusted.
 
@@ -93,7 +118,8 @@ def usable_steps(runs: Sequence[MeasuredRun], coasting_only: bool = False) -> St
     RecordingError
         If a run has no efforts, or all runs too few usable steps.
     """
-    parts = [_steps_of(run, coasting_only) for run in runs]
+    line = scenario.line.in_running_order()
+    parts = [_steps_of(run, line, coasting_only) for run in runs]
     columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in Steps.__dataclass_fields__}
     steps = Steps(**columns)
     if steps.count < FEWEST_STEPS:
@@ -105,7 +131,7 @@ def usable_steps(runs: Sequence[MeasuredRun], coasting_only: bool = False) -> St
     return steps
 
 
-def _steps_of(run: MeasuredRun, coasting_only: bool) -> Steps:
+def _steps_of(run: MeasuredRun, line: Line, coasting_only: bool) -> Steps:
     recording = run.recording
     by_power = recording.effort_n is None
     if by_power and (recording.power_w is None or recording.brake_applied is None):
@@ -133,12 +159,15 @@ def _steps_of(run: MeasuredRun, coasting_only: bool) -> Steps:
     course = build_course(run.scenario, position_m=run.position_m[np.append(moves, True)])
     line_force[moves], tunnel[moves] = course.gradient_force_n + course.curve_force_n, course.tunnel_factor
     step = run.placement.scale * recording.speed_step_ms
+    pulled = np.nan_to_num(effort) != 0
+    count = int(known.sum())
     return Steps(
         step_s=np.diff(recording.time_s)[known],
         start_speed_ms=speed[:-1][known],
         end_speed_ms=speed[1:][known],
         begins=(known & ~np.append(False, known[:-1]))[known],
         effort_n=_mean_effort(recording.time_s, effort)[known],
+        pulled_share=0.5 * (pulled[1:] + 1.0 * pulled[:-1])[known],
         end_effort_n=effort[1:][known],
         effort_jump_n=_jumps(effort)[known],
         line_force_n=line_force[known],
@@ -149,8 +178,24 @@ def _steps_of(run: MeasuredRun, coasting_only: bool) -> Steps:
         read_speed_ms=read[2][known],
         read_variance=read[3][known],
         # an error spread evenly over a step of q has the variance q^2 / 12
-        speed_variance=np.full(int(known.sum()), step**2 / 12),
+        speed_variance=np.full(count, step**2 / 12),
+        is_between_stations=np.full(count, _is_between_stations(run, line)),
+        largest_effort=np.full(count, _largest(effort)),
+        largest_power=np.full(count, _largest(power)),
     )
+
+
+def _largest(values: FloatArray) -> float:
+    return float(np.max(np.abs(np.nan_to_num(values)), initial=0.0))
+
+
+def _is_between_stations(run: MeasuredRun, line: Line) -> bool:
+    """Return whether a run begins and ends at rest in a station or at an end of a line."""
+    speed, placement = run.recording.speed_ms, run.placement
+    stations = np.array([0.0, *(station.position_m for station in line.stations), line.length_m])
+    ends = np.array([placement.start_m, placement.end_m])
+    away = np.abs(stations - ends[:, None]).min(axis=1)
+    return bool(speed[0] == speed[-1] == 0 and np.all(away < SAME_PLACE_M))
 
 
 def _jumps(effort_n: FloatArray) -> FloatArray:

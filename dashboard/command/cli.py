@@ -470,6 +470,16 @@ def _add_fit(commands: "argparse._SubParsersAction[_Parser]") -> None:
         "resistance.quadratic_n_per_kmh2, rotating_mass_factor, drive.traction_efficiency, auxiliary_power_kw, all of "
         "them by default, and total_mass_kg",
     )
+    fit.add_argument(
+        "--gauge",
+        metavar="ERROR=PERCENT",
+        nargs="+",
+        action="extend",
+        default=[],
+        help="standard deviations of calibration errors: effort_gain (default 2), effort_offset (0.7), power_gain (1), "
+        "power_offset (0.2), offsets over the largest reading, and speed_gain (1) of runs that are not between two "
+        "stations; 0 for an exact gauge",
+    )
     fit.add_argument("--coasting", action="store_true", help="use nothing but samples without effort")
     fit.add_argument("-o", "--output", metavar="OUT", help="write the scenario with the fitted vehicle as OUT.toml")
     _add_json(fit)

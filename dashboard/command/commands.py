@@ -398,7 +398,7 @@ def load(file: str, changes: Mapping[str, Any], own: Workspace | None = None) ->
 
 OTHER_NAMES = {"brake_pressure": "brake"}
 """Quantities of a recorder by the names that they had."""
-EXAMPLES = {"--column": "speed=v [m/s]", "--unit": "speed=km/h"}
+EXAMPLES = {"--column": "speed=v [m/s]", "--unit": "speed=km/h", "--gauge": "effort_gain=1"}
 
 
 def parsed_changes(words: Sequence[str]) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from railjoule.core.errors import RecordingError
-from railjoule.core.fit import Fit, HeldOut, fit_runs, hold_out, monte_carlo_scenario
+from railjoule.core.fit import Fit, GaugeErrors, HeldOut, fit_runs, hold_out, monte_carlo_scenario
 from railjoule.core.fit.posterior import resistance_deviation
 from railjoule.core.measured import MeasuredRun, RecorderFormat, Saving, load_run, possible_saving
 from railjoule.core.scenario import Scenario, save_scenario
@@ -53,11 +53,13 @@ def fit(options: argparse.Namespace) -> None:
         If anything is wrong with the recordings, the scenario or the file to write.
     """
     target = None if options.output is None else commands.table_file(options.output, "-o", SCENARIO_SUFFIXES)
+    gauges = commands.quantities("--gauge", options.gauge)
+    stated = GaugeErrors.from_percent({name: _number(f"--gauge {name}", text) for name, text in gauges.items()})
     scenario = _scenario(options)
     form, start = _format(options), _start(options.start_m)
     runs = [load_run(Path(name), scenario, form, start, options.sheet) for name in options.runs]
-    found = fit_runs(runs, scenario, options.free, options.coasting)
-    held = hold_out(runs, scenario, options.free, options.coasting)
+    found = fit_runs(runs, scenario, options.free, options.coasting, stated)
+    held = hold_out(runs, scenario, options.free, options.coasting, stated)
     if target is not None:
         _write_scenario(monte_carlo_scenario(found, scenario), target)
     Output(options.json).show(summarise_fit(found, held, runs), fit_text)
@@ -113,8 +115,14 @@ def summarise_fit(found: Fit, held: Sequence[HeldOut], runs: Sequence[MeasuredRu
             }
             for parameter in found.parameters
         },
+        "gauge_errors": {
+            gauge.name: {"deviation": gauge.deviation, "error": gauge.error, "unit": gauge.unit}
+            for gauge in found.gauge_errors
+        },
+        "contradiction": found.contradiction,
         "undetermined": list(found.undetermined),
         "sentences": list(found.sentences),
+        "assumed": found.assumed,
         "residual_ms": found.residual_ms,
         "samples": found.step_count,
         "correlation": {
@@ -195,6 +203,7 @@ def fit_text(found: Summary) -> str:
         *terminal.table_lines(head, rows, left={0, 4}),
         "",
         *(line for sentence in found["sentences"] for line in terminal.wrapped(f"* {sentence}")),
+        *terminal.wrapped(found["assumed"]),
     ]
     if found["held_out"]:
         head = ("held out", "speed, m/s", "modelled, kWh", "measured, kWh", "error, %")

@@ -65,7 +65,7 @@ def by_velocity(runs: list[MeasuredRun], scenario: Scenario) -> Found:
 
 
 def by_accelerations(runs: list[MeasuredRun], scenario: Scenario) -> Found:
-    steps, model = usable_steps(runs), Model(scenario.vehicle, NAMES, 20.0)
+    steps, model = usable_steps(runs, scenario), Model(scenario.vehicle, NAMES, 20.0)
     speed = steps.mean_speed_ms / MS_PER_KMH
     acceleration = (steps.end_speed_ms - steps.start_speed_ms) / steps.step_s
 
@@ -83,7 +83,7 @@ def by_accelerations(runs: list[MeasuredRun], scenario: Scenario) -> Found:
 
 
 def by_grid(runs: list[MeasuredRun], scenario: Scenario) -> Found:
-    steps, model = usable_steps(runs), Model(scenario.vehicle, NAMES, 20.0)
+    steps, model = usable_steps(runs, scenario), Model(scenario.vehicle, NAMES, 20.0)
     centre = np.array([model.first[name] for name in NAMES])
     width = np.array([model.sizes[name] for name in NAMES]) * 0.5
     for _ in range(4):

@@ -43,7 +43,7 @@ def test_the_example_tells_what_could_be_saved(user: User) -> None:
     expect(user.page.get_by_text("proven for the modelled train").first).to_be_visible()
     for chart in CHARTS:
         expect(user.page.locator(f".rj-chart-{chart}:visible canvas").first).to_be_visible()
-    expect(user.page.get_by_text("These runs do not determine B")).to_be_visible()
+    expect(user.page.get_by_text("B and C cannot be told apart from these runs")).to_be_visible()
     expect(user.page.get_by_text("Drop the file of a run here")).to_be_hidden()
 
 

@@ -115,7 +115,8 @@ def _sentences(measured: Measured, fit: Fit) -> Markup:
     warm = joined(markup("<p class=note><span class=warm>{}</span></p>", told) for told in fit_sentences(fit))
     told = [
         "Running resistance is A + B v + C v\u00b2. The tick is the value now in the scenario. Simulated and measured "
-        f"speed differ by {words.number(fit.residual_ms / MS_PER_KMH, 2)} km/h (root mean square)."
+        f"speed differ by {words.number(fit.residual_ms / MS_PER_KMH, 2)} km/h (root mean square).",
+        fit.assumed,
     ]
     run = measured.shown.run
     if run is not None and run.measured_kwh and measured.refitted_kwh is not None:

@@ -64,9 +64,9 @@ def test_a_coasting_train_slows_down_as_its_quadratic_resistance_says():
     assert speed == pytest.approx(20 / (1 + 50 * 20 * np.arange(1.0, 61.0) / 1e5), abs=60 * 50 * 0.2**2 / 2e5)
 
 
-def test_whitened_errors_are_independent_of_each_other(runs):
+def test_whitened_errors_are_independent_of_each_other(runs, scenario):
     # errors drawn as the noise model has them, turned back: unit variance, no correlation with the next one
-    steps = usable_steps(runs[:1])
+    steps = usable_steps(runs[:1], scenario)
     noise, random = Noise(0.02, 0.003, 1.0), np.random.default_rng(4)
     effort, inertia = steps.end_effort_n, 2.3e5
     whitener = Whitener(steps, inertia, noise, effort)

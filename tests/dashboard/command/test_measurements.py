@@ -64,6 +64,9 @@ def test_fit_prints_json(capsys, tmp_path):
         assert told["low"] <= true <= told["high"]
     assert {"value", "low", "high"} <= found["parameters"]["resistance.constant_n"].keys()
     assert found["residual_ms"] < 0.5
+    assert found["contradiction"] == ""
+    assert found["gauge_errors"]["effort_gain"]["deviation"] == 0.02
+    assert found["gauge_errors"]["power_offset"]["unit"] == "W"
     assert found["correlation"]["resistance.constant_n"]["resistance.constant_n"] == pytest.approx(1.0)
     assert [one["run"] for one in found["held_out"]] == [Path(run).name for run in RUNS]
     assert all(abs(one["energy_error"]) < 0.02 for one in found["held_out"])
@@ -76,6 +79,12 @@ def test_fit_prints_words(capsys):
     text = answer(capsys, "fit", RUNS[2], "--scenario", "liashenko-ii", "--free", "resistance.constant_n")
     assert "95 % interval" in text
     assert "One run leaves none to hold out" in text
+    assert "Assumed standard deviations of the gauges' errors: gain of the effort 2 % and offset of the effort" in text
+
+
+def test_stated_gauge_errors_take_the_place_of_the_assumed_ones(capsys):
+    words = ("--free", "resistance.constant_n", "--gauge", "effort_gain=0", "effort_offset=0")
+    assert "The gauges are taken as exact." in answer(capsys, "fit", RUNS[2], "--scenario", "liashenko-ii", *words)
 
 
 @pytest.mark.parametrize(
@@ -91,6 +100,10 @@ def test_fit_prints_words(capsys):
         ),
         (("measured", RUNS[0], "--scenario", "liashenko-ii", "-o", "out.csv"), "-o out.csv: must end in .toml."),
         (("fit", RUNS[0], "--scenario", "liashenko-ii", "--free", "colour"), "--free colour: must be among"),
+        (("fit", RUNS[0], "--scenario", "liashenko-ii", "--gauge", "effort"), "such as effort_gain=1."),
+        (("fit", RUNS[0], "--scenario", "liashenko-ii", "--gauge", "colour=1"), "--gauge colour: must be among"),
+        (("fit", RUNS[0], "--scenario", "liashenko-ii", "--gauge", "effort_gain=x"), "must be a number."),
+        (("fit", RUNS[0], "--scenario", "liashenko-ii", "--gauge", "effort_gain=60"), "must lie within 0 to 50 %"),
         (("fit", RUNS[0], "--scenario", "liashenko-ii", "--longest-gap", "0"), "--longest-gap 0: must be above 0"),
     ],
 )

@@ -62,7 +62,10 @@ def test_a_fit_to_the_examples_finds_their_train_and_is_one_step(state: Workbenc
         "auxiliary_power_kw": 2.5,
     }.items():
         assert found[name].low <= true <= found[name].high
-    assert "do not determine B" in str(fit_block(measured))
+    shown = str(fit_block(measured))
+    assert "B and C cannot be told apart from these runs" in shown
+    assert "errors of the gauges leave Auxiliaries open" in shown
+    assert "gain of the effort 2 %" in shown
     before, heard = texts.model_error(measured.runs[0]), []
     state.scenario.param.watch(lambda *events: heard.append(events), "edits")
     use_fit(state)
