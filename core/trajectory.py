@@ -15,7 +15,7 @@ from railjoule.core.motion.course import Course, build_course
 from railjoule.core.motion.line_profile import speed_limit_at
 from railjoule.core.phases import Phase, RunData, find_phases
 from railjoule.core.physics.account import RunAccount, account_of_run
-from railjoule.core.physics.course_data import electric_limit_n, tractive_limit_n
+from railjoule.core.physics.course_data import CourseData, electric_limit_n, tractive_limit_n
 from railjoule.core.physics.reference import SMALL_ENERGY_SHARE
 from railjoule.core.scenario import Scenario
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN, W_PER_KW
@@ -351,7 +351,7 @@ def make_trajectory(
     with_dwell = _DwellInserter(stops)
     durations = durations_s(course, cells)
     power = with_dwell.cells(cells.line_power_w) + data.auxiliary_power_w
-    current = course.drive.current_a(cells.tractive_effort_n - cells.electric_braking_n, cells.mean_speed_ms)
+    current = course.drive.current_a(supplied_effort_n(data, cells), cells.mean_speed_ms)
     # friction is the same at all speeds, and adds to what the electric brake has
     largest_braking = electric_limit_n(data, cells.mean_speed_ms) + data.friction_effort_n
     return Trajectory(
@@ -383,6 +383,15 @@ def durations_s(course: Course, cells: RunAccount) -> FloatArray:
     return _DwellInserter(stops).cells(cells.duration_s, course.dwell_s[stops])
 
 
+def supplied_effort_n(data: CourseData, cells: RunAccount) -> FloatArray:
+    """Return the electric efforts that take power, braking negative [N]; shape (n,).
+
+    The drive is off in a neutral section. Solvers leave a billionth of the largest effort there, which would cost a
+    drive with idle losses all of them.
+    """
+    return np.where(data.powered < 1, 0.0, cells.tractive_effort_n - cells.electric_braking_n)
+
+
 def line_energies_j(course: Course, cells: RunAccount) -> tuple[float, float, float]:
     """Return what a run takes from the line to drive, gives back, and takes for its auxiliaries [J]."""
     duration = cells.duration_s
@@ -407,9 +416,7 @@ def energy_account(course: Course, speed2: FloatArray, cells: RunAccount) -> Ene
     data, length, duration = course.data, course.data.cell_length_m, cells.duration_s
     losses = {
         kind: float(power @ duration)
-        for kind, power in course.drive.losses_w(
-            cells.tractive_effort_n - cells.electric_braking_n, cells.mean_speed_ms
-        ).items()
+        for kind, power in course.drive.losses_w(supplied_effort_n(data, cells), cells.mean_speed_ms).items()
     }
     # force times distance is exact in a cell, as the force is constant there
     losses["friction_brakes"] = float(cells.friction_braking_n @ length)
