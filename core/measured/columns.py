@@ -305,7 +305,7 @@ def _plain(name: str) -> str:
 
 def _quantity_of(header: str) -> str | None:
     name, unit = _words(header)
-    # the longest name of all that fit: 'brake_pressure_bar' is no 'brake' with a strange unit
+    # a name matches as a whole, and no name has two quantities: 'brake_pressure_bar' is no 'brake' in another unit
     for quantity, names in NAMES.items():
         if name in names or (name.removesuffix(f"_{unit}") in names and _known_unit(unit, quantity)):
             return quantity
