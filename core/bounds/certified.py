@@ -2,7 +2,7 @@
 
 `certify` gives a first bound at once. Of a smooth drive it hardly ever lies below the optimum by more than a millionth;
 of one that takes power without effort it lets the drive switch within cells, which no run of ours does. Where the first
-is loose `railjoule.core.bounds.tightening` goes on with the chains of `railjoule.core.chain_proof`, which hold for one
+is loose `railjoule.core.bounds.proof_steps` goes on with the chains of `railjoule.core.chain_proof`, which hold for one
 effort in each cell, and `with_chains` keeps the greater one.
 
 References: the proofs are in `railjoule.core.interior_point.certificate`, `...proof` and `...switching_bound`, and in

@@ -27,25 +27,20 @@ from railjoule.core.errors import (
     StrategyRefusedError,
 )
 from railjoule.core.scenario import STRATEGY_NAMES, Scenario, StrategyName
-from railjoule.core.strategies.bellman import bellman
-from railjoule.core.strategies.enoc import enoc
-from railjoule.core.strategies.eoc import eoc
-from railjoule.core.strategies.fastest import fastest
+from railjoule.core.strategies import bellman, enoc, eoc, fastest, optimal, phases, speed_limits
 from railjoule.core.strategies.line_parts import arrival_windows, missed_windows
-from railjoule.core.strategies.optimal import known_optimum, optimal
-from railjoule.core.strategies.phases import phases
-from railjoule.core.strategies.speed_limits import speed_limits
+from railjoule.core.strategies.optimal import known_optimum
 from railjoule.core.task import Task, prepare_task
 from railjoule.core.trajectory import Trajectory
 
 STRATEGIES: dict[StrategyName, Callable[[Task], Trajectory]] = {
-    "optimal": optimal,
-    "bellman": bellman,
-    "eoc": eoc,
-    "enoc": enoc,
-    "phases": phases,
-    "speed_limits": speed_limits,
-    "fastest": fastest,
+    "optimal": optimal.optimal,
+    "bellman": bellman.bellman,
+    "eoc": eoc.eoc,
+    "enoc": enoc.enoc,
+    "phases": phases.phases,
+    "speed_limits": speed_limits.speed_limits,
+    "fastest": fastest.fastest,
 }
 """The strategies of this version, in the order in which they are shown."""
 
