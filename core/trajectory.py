@@ -54,6 +54,8 @@ class Bound:
         the bound covers them too; None where it takes no power without effort, and there is nothing to switch.
     premise : str
         What the bound takes for granted of the powertrain, in a clause; empty where nothing.
+    pending : bool
+        Whether a proof has yet to run. The energy is then only the work at the wheels: no bound to show.
     """
 
     energy_j: float
@@ -63,6 +65,7 @@ class Bound:
     slowest_ms: FloatArray | float = 0.0
     switched_j: float | None = None
     premise: str = ""
+    pending: bool = False
 
     def covers(self, run: "Trajectory") -> bool:
         """Return whether a run is over the same mesh, no later and nowhere slower."""
@@ -214,7 +217,7 @@ class Trajectory:
     @property
     def lower_bound_kwh(self) -> float | None:
         """Energy that no run covered by the bound undercuts [kWh], if a bound is known."""
-        return None if self.bound is None else self.bound.energy_j / J_PER_KWH
+        return None if self.bound is None or self.bound.pending else self.bound.energy_j / J_PER_KWH
 
     @property
     def gap(self) -> float | None:
@@ -222,7 +225,7 @@ class Trajectory:
 
         A bound near zero counts as a tenth of the kinetic energy at the mean speed.
         """
-        if self.bound is None:
+        if self.bound is None or self.bound.pending:
             return None
         vehicle = self.scenario.vehicle
         kinetic = 0.5 * vehicle.total_inertia_kg * (self.distance_m / self.travel_time_s) ** 2

@@ -1,8 +1,8 @@
 """Prices for the chains: of the squares of speed at the nodes, from the multipliers of an optimum.
 
-A multiplier tells the price at the optimum's own speed. In an interval far from it the price may be an arbitrage: more
+A multiplier is the price at the optimum's own speed. In an interval far from it that price may be an arbitrage: more
 than driving costs there, or less than braking returns, so that chains drive and jump down, or jump up and brake. With K
-half the inertia, a tractive effort x changes K w by x over a metre at the energy P / v, and likewise in braking, so that
+half the inertia, a tractive effort x changes K w by x over a metre for the energy P / v, and braking likewise, so that
 neither pays while K w is worth between
 
     lo(v) = r max over x of generated(x, v) / (x v)    and    hi(v) = min over x of P(x, v) / (x v).

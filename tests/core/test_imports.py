@@ -33,7 +33,7 @@ PACKAGES = [part.name for part in pkgutil.walk_packages(railjoule.core.__path__,
 
 @pytest.mark.parametrize("name", ["railjoule.core", *PACKAGES])
 def test_no_name_of_a_package_hides_a_module_of_it(name):
-    """`import railjoule.core.strategies.optimal as m` returns the attribute of the package, which must be the module."""
+    """`import railjoule.core.strategies.optimal as m` returns the package's attribute, which must be the module."""
     package = importlib.import_module(name)
     modules = [part.name for part in pkgutil.iter_modules(package.__path__)]
     hidden = [part for part in modules if not isinstance(getattr(package, part, package), ModuleType)]
