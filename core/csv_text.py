@@ -56,8 +56,11 @@ def plain_table(table: "pandas.DataFrame") -> "pandas.DataFrame":
 
 
 def _mapped(table: "pandas.DataFrame", change: Any) -> "pandas.DataFrame":
-    changed = {str(name): table[name].map(change) for name in _columns_of_text(table)}
-    return (table.assign(**changed) if changed else table).rename(columns=change)
+    # shallow: whole columns are replaced, and a name need not be a text, as a keyword has to be
+    changed = table.copy(deep=False)
+    for name in _columns_of_text(table):
+        changed[name] = table[name].map(change)
+    return changed.rename(columns=change)
 
 
 def _columns_of_text(table: "pandas.DataFrame") -> list[Any]:

@@ -17,9 +17,10 @@ from railjoule.core.units import MS_PER_KMH, N_PER_KN, plain_number
 
 # the barrier of an interior point needs room: a time that only rounding keeps above the shortest has none
 LEAST_SLACK = 1e-9
+"""A timetable must exceed the shortest time by this share, or an interior point has no strictly feasible start."""
 # a state that is found within the rounding of a run may lie that much above its limit, and is no request of a file
 SAME_SPEED2 = 1e-6
-"""A timetable must exceed the shortest time by this share, or the optimum has no inside to search."""
+"""A square of speed may exceed its limit by this share."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ from railjoule.core.motion.course import Course, build_course
 from railjoule.core.motion.line_profile import speed_limit_at
 from railjoule.core.phases import Phase, RunData, find_phases
 from railjoule.core.physics.account import RunAccount, account_of_run
-from railjoule.core.physics.course_data import electric_limit_n, tractive_limit_n
+from railjoule.core.physics.course_data import CourseData, electric_limit_n, tractive_limit_n
 from railjoule.core.physics.reference import SMALL_ENERGY_SHARE
 from railjoule.core.scenario import Scenario
 from railjoule.core.units import J_PER_KWH, MS_PER_KMH, N_PER_KN, W_PER_KW
@@ -54,6 +54,8 @@ class Bound:
         the bound covers them too; None where it takes no power without effort, and there is nothing to switch.
     premise : str
         What the bound takes for granted of the powertrain, in a clause; empty where nothing.
+    pending : bool
+        Whether a proof has yet to run. The energy is then only the work at the wheels: no bound to show.
     """
 
     energy_j: float
@@ -63,6 +65,7 @@ class Bound:
     slowest_ms: FloatArray | float = 0.0
     switched_j: float | None = None
     premise: str = ""
+    pending: bool = False
 
     def covers(self, run: "Trajectory") -> bool:
         """Return whether a run is over the same mesh, no later and nowhere slower."""
@@ -214,7 +217,7 @@ class Trajectory:
     @property
     def lower_bound_kwh(self) -> float | None:
         """Energy that no run covered by the bound undercuts [kWh], if a bound is known."""
-        return None if self.bound is None else self.bound.energy_j / J_PER_KWH
+        return None if self.bound is None or self.bound.pending else self.bound.energy_j / J_PER_KWH
 
     @property
     def gap(self) -> float | None:
@@ -222,7 +225,7 @@ class Trajectory:
 
         A bound near zero counts as a tenth of the kinetic energy at the mean speed.
         """
-        if self.bound is None:
+        if self.bound is None or self.bound.pending:
             return None
         vehicle = self.scenario.vehicle
         kinetic = 0.5 * vehicle.total_inertia_kg * (self.distance_m / self.travel_time_s) ** 2
@@ -351,7 +354,7 @@ def make_trajectory(
     with_dwell = _DwellInserter(stops)
     durations = durations_s(course, cells)
     power = with_dwell.cells(cells.line_power_w) + data.auxiliary_power_w
-    current = course.drive.current_a(cells.tractive_effort_n - cells.electric_braking_n, cells.mean_speed_ms)
+    current = course.drive.current_a(supplied_effort_n(data, cells), cells.mean_speed_ms)
     # friction is the same at all speeds, and adds to what the electric brake has
     largest_braking = electric_limit_n(data, cells.mean_speed_ms) + data.friction_effort_n
     return Trajectory(
@@ -383,6 +386,15 @@ def durations_s(course: Course, cells: RunAccount) -> FloatArray:
     return _DwellInserter(stops).cells(cells.duration_s, course.dwell_s[stops])
 
 
+def supplied_effort_n(data: CourseData, cells: RunAccount) -> FloatArray:
+    """Return the electric efforts that take power, braking negative [N]; shape (n,).
+
+    The drive is off in a neutral section. Solvers leave a billionth of the largest effort there, which would cost a
+    drive with idle losses all of them.
+    """
+    return np.where(data.powered < 1, 0.0, cells.tractive_effort_n - cells.electric_braking_n)
+
+
 def line_energies_j(course: Course, cells: RunAccount) -> tuple[float, float, float]:
     """Return what a run takes from the line to drive, gives back, and takes for its auxiliaries [J]."""
     duration = cells.duration_s
@@ -407,9 +419,7 @@ def energy_account(course: Course, speed2: FloatArray, cells: RunAccount) -> Ene
     data, length, duration = course.data, course.data.cell_length_m, cells.duration_s
     losses = {
         kind: float(power @ duration)
-        for kind, power in course.drive.losses_w(
-            cells.tractive_effort_n - cells.electric_braking_n, cells.mean_speed_ms
-        ).items()
+        for kind, power in course.drive.losses_w(supplied_effort_n(data, cells), cells.mean_speed_ms).items()
     }
     # force times distance is exact in a cell, as the force is constant there
     losses["friction_brakes"] = float(cells.friction_braking_n @ length)

@@ -76,6 +76,75 @@ def any_full_document(seed: int) -> Table:
     return document
 
 
+def any_wide_document(seed: int) -> Table:
+    """Return the scenario of a seed over all that a file may ask of the core, but for windows of arrival.
+
+    Beside `any_full_document`: speeds at the ends, several stations, passing points, meshes from fine to wide, curves
+    that end at no effort, long times on or off, strong auxiliaries, and where gradients act on a long train.
+    """
+    rng, document = np.random.default_rng([seed, 3]), any_full_document(seed)
+    line, vehicle, top = document["line"], document["vehicle"], document["vehicle"]["traction"]["max_speed_kmh"]
+    length = sum(section["length_m"] for section in line["sections"])
+    document["solver"]["mesh_m"] = float(max(10 ** rng.uniform(0.3, 1.9), length / MOST_CELLS))
+    if MODELS[seed % len(MODELS)] in MODELS[2:] and rng.random() < 0.4:
+        vehicle["drive"]["least_switching_s"] = float(rng.choice([0.0, rng.uniform(0, 15)]))
+    if rng.random() < 0.2:
+        vehicle["auxiliary_power_kw"] = vehicle["tare_kg"] / 1e3 * rng.uniform(0.5, 3)
+    if "length_m" in vehicle and rng.random() < 0.3:
+        vehicle["gradient_at"] = str(rng.choice(["front", "middle"]))
+    if rng.random() < 0.08 and "max_effort_kn" in vehicle["traction"]:
+        effort = vehicle["traction"]["max_effort_kn"]
+        vehicle["traction"]["curve"] = [[0.0, effort], [rng.uniform(0.2, 0.8) * top, 0.4 * effort], [top, 0.0]]
+    # eoc and enoc are tried on plain lines only, and refuse all of these
+    if len(line["sections"]) == 1:
+        return document
+    for key in ("entry_speed_kmh", "exit_speed_kmh"):
+        if rng.random() < 0.2:
+            document["timetable"][key] = rng.uniform(0.05, 0.6) * top
+    if rng.random() < 0.45:
+        places = (np.arange(int(rng.integers(1, 5))) + rng.uniform(0.4, 1.4)) * length / 5.5
+        line["stations"] = [{"position_m": float(x), "dwell_s": float(rng.choice([0.0, 15.0]))} for x in places]
+    if rng.random() < 0.12:
+        point = {"position_m": rng.uniform(0.1, 0.9) * length, "speed_kmh": rng.uniform(0.1, 0.5) * top}
+        if all(abs(point["position_m"] - place["position_m"]) > 5 for place in line.get("stations", ())):
+            line["passing_points"] = [point]
+    return document
+
+
+def add_windows(document: Table, seed: int, arrivals_s: dict[float, float], slack_s: float) -> None:
+    """Add windows of arrival to some stations, and to the terminus of some lines, that a run can keep.
+
+    Parameters
+    ----------
+    document : dict
+        The scenario.
+    seed : int
+    arrivals_s : dict of float to float
+        Arrival of the fastest run at each place of `line.stations`, and at the end of the run [s].
+    slack_s : float
+        Time of the timetable beyond that run's [s].
+    """
+    rng, line = np.random.default_rng([seed, 4]), document["line"]
+    terminus = 0.0 if line.get("reverse") else sum(section["length_m"] for section in line["sections"])
+    stations = {station["position_m"]: station for station in line.get("stations", ())}
+    if rng.random() < 0.06:
+        stations.setdefault(terminus, {"position_m": terminus})
+    places = sorted((place for place in stations if place in arrivals_s), key=lambda place: arrivals_s[place])
+    if not places or rng.random() < 0.4:
+        return
+    # later arrivals have no less of the slack used up, so that all windows can be kept together
+    for place, used in zip(places, np.sort(rng.uniform(0, 1, len(places))).tolist(), strict=True):
+        kind, width = int(rng.integers(5)), rng.uniform(0, 0.3) * slack_s
+        arrival = arrivals_s[place] + used * slack_s
+        if kind in (1, 3):
+            stations[place]["earliest_arrival_s"] = max(arrival - width * rng.uniform(0, 1), 0.0)
+        if kind in (2, 3):
+            stations[place]["latest_arrival_s"] = arrival + width * rng.uniform(0, 1)
+        if kind == 4:
+            stations[place] |= {"earliest_arrival_s": arrival, "latest_arrival_s": arrival}
+    line["stations"] = [stations[place] for place in sorted(stations)]
+
+
 def _add_braking(rng: np.random.Generator, vehicle: Table) -> None:
     """Add a braking curve, an effort over speed and a breakdown to some."""
     braking, top = vehicle["braking"], vehicle["traction"]["max_speed_kmh"]

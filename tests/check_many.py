@@ -1,11 +1,13 @@
 """`python -m tests.check_many` drives many random scenarios with every strategy, and tables what their check finds.
 
-The scenarios are those of `tests.any_scenarios`, over the whole format; with --review those of the review's generator
-(shared/check/gen.py, beside the repository), whose lines are longer, and its checker judges their runs as well. Two
-processes work at once, each call within a limit of time; a longer one is stopped and counted. Every call is written
-down as a line of JSON, so that a run that was broken off or ended by --minutes goes on where it was, as long as the
-sources are the same. A night is `--count 20000 --minutes 480`; the status is 1 where any call broke a rule, left the
-numbers, raised a traceback or took longer than the limit.
+The scenarios are those of `tests.any_scenarios`, over the whole format, windows of arrival included; with --review
+those of the review's generator (shared/check/gen.py, beside the repository), whose lines are longer, and its checker
+judges their runs as well. After the strategies their runs are compared, as `compare` does. Two processes work at once,
+each call within a limit of time; a longer one is stopped and counted. Every call is written down as a line of JSON, so
+that a run that was broken off or ended by --minutes goes on where it was, as long as the sources are the same.
+`--count 5000` takes a quarter of an hour, a night is `--count 20000 --minutes 480`. The status is 1 where any call
+broke a rule, left the numbers, raised a traceback or a warning of NumPy, or took longer than the limit; where a run
+that is called optimal misses a window of arrival; and where a bound is shown beside a run that needs less.
 """
 
 import argparse
@@ -27,12 +29,14 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+
 from railjoule.core import InfeasibleLineError, RailjouleError, Trajectory, check_run
 from railjoule.core.bounds import bounded
 from railjoule.core.check import switching
 from railjoule.core.scenario import scenario_from_document
-from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
-from tests.any_scenarios import MODELS, any_full_document, any_time
+from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy, with_bounds
+from tests.any_scenarios import MODELS, add_windows, any_time, any_wide_document
 
 REVIEW = Path(__file__).parents[2] / "shared" / "check"
 LONGEST_TIME_S = 86_400
@@ -45,6 +49,16 @@ MOST_NAMED = 12
 """So many calls are named where more are counted."""
 DEARER = 1e-3
 """From this share on another strategy's run counts as cheaper than the optimum."""
+
+COMPARE = "compare"
+"""Stands for a strategy where the runs of all strategies are compared."""
+CALLS = (*STRATEGIES, COMPARE)
+PROOF_S = 0.1
+"""For how long a proof by chains goes on in a comparison [s]."""
+MISSED_S = 1e-3
+"""A window of arrival missed by more counts as broken [s]."""
+BELOW_SHARE = 1e-6
+"""A run that lies below its bound by more than this share breaks it."""
 
 Row = dict[str, Any]
 
@@ -68,19 +82,61 @@ def review_module(name: str) -> ModuleType | None:
 def document_of(seed: int, generator: ModuleType | None) -> tuple[Row, float]:
     """Return the scenario of a seed, without a timetable, and the share of its shortest time that it shall have."""
     if generator is None:
-        return any_full_document(seed), any_time(seed)
+        return any_wide_document(seed), any_time(seed)
     document, share = generator.scenario(seed)
     return document, share
 
 
-def timed_task(document: Row, share: float) -> Task:
-    """Return the task of a scenario with a share of its shortest time; the document gets the timetable."""
+def timed_task(document: Row, share: float, seed: int | None = None) -> Task:
+    """Return the task of a scenario with a share of its shortest time; the document gets the timetable.
+
+    With a seed it also gets windows of arrival.
+    """
     first = prepare_task(scenario_from_document(document))
     total = first.shortest_time_s * share + first.dwell_s
     if total > LONGEST_TIME_S:
         raise InfeasibleLineError("the generator's timetable is longer than a day.")
-    document["timetable"] = {"travel_time_s": total}
+    document["timetable"] = {**document.get("timetable", {}), "travel_time_s": total}
+    if seed is not None:
+        fastest = run_strategy(first, "fastest")
+        arrivals = {place: arrival_s(fastest, place) for place in _stations(document)}
+        add_windows(document, seed, arrivals, total - fastest.travel_time_s)
     return prepare_task(scenario_from_document(document))
+
+
+def _stations(document: Row) -> list[float]:
+    """Return the places at which a line's stations, and its end, stand in a file [m]."""
+    line, length = document["line"], sum(section["length_m"] for section in document["line"]["sections"])
+    places = [station["position_m"] for station in line.get("stations", ())]
+    return [*places, 0.0 if line.get("reverse") else length]
+
+
+def arrival_s(run: Trajectory, place_m: float) -> float:
+    """Return when a run arrives at a place of its scenario's file [s]."""
+    line = run.scenario.line
+    driven_m = line.length_m - place_m if line.reverse else place_m
+    # where the train stands, two nodes share a place: it arrives at the first
+    node = int(np.argmax(run.position_m >= driven_m - 1e-6))
+    return float(run.time_s[node] - run.time_s[0])
+
+
+def missed_s(run: Trajectory) -> float:
+    """Return by how much a run misses the window of arrival that it misses most [s]."""
+    missed = [0.0]
+    for station in run.scenario.line.stations:
+        arrival, (earliest, latest) = arrival_s(run, station.position_m), station.window_s
+        missed += [earliest - arrival, arrival - latest]
+    return max(missed)
+
+
+def promises(run: Trajectory) -> Row:
+    """Return what a run that is called optimal misses [s], and by which share a run lies below the bound beside it."""
+    optimal, missed = run.strategy == "optimal" or run.is_proven, missed_s(run)
+    return {
+        "keeps_windows": missed <= MISSED_S,
+        "missed_s": missed if optimal else 0.0,
+        "below": 0.0 if run.gap is None else max(-run.gap, 0.0),
+    }
 
 
 def calls(seed: int, done: Iterable[str], generator: ModuleType | None, reference: ModuleType | None) -> Iterator[Row]:
@@ -89,11 +145,11 @@ def calls(seed: int, done: Iterable[str], generator: ModuleType | None, referenc
     about = {"seed": seed, "model": document["vehicle"]["drive"]["model"]}
     yield about | {"strategy": "", "begins": True}
     try:
-        task = timed_task(document, share)
+        task = timed_task(document, share, seed if generator is None else None)
     except Exception as error:
         yield about | {"strategy": "", **failure(error)}
         return
-    bound = None
+    bound, runs = None, []
     for name in STRATEGIES:
         if name in done:
             continue
@@ -102,14 +158,30 @@ def calls(seed: int, done: Iterable[str], generator: ModuleType | None, referenc
         try:
             run = run_strategy(task, name)
             seconds = time.perf_counter() - started
+            runs.append(run)
             bound = run.bound if name == "optimal" else bound
             run = bounded(task, run, bound)
-            found = checked(run)
+            found = checked(run) | promises(run)
             if reference is not None:
                 found["reference"] = [[kind, amount] for kind, amount, _ in reference.check(document, run, name)]
         except Exception as error:
             seconds, found = time.perf_counter() - started, failure(error)
         yield about | {"strategy": name, "seconds": seconds, **found}
+    if COMPARE in done or not runs:
+        return
+    yield about | {"strategy": COMPARE, "begins": True}
+    started = time.perf_counter()
+    try:
+        found = compared(task, runs)
+    except Exception as error:
+        found = failure(error)
+    yield about | {"strategy": COMPARE, "seconds": time.perf_counter() - started, **found}
+
+
+def compared(task: Task, runs: list[Trajectory]) -> Row:
+    """Return what the runs of all strategies promise where they are compared: the worst of them."""
+    promised = [promises(run) for run in with_bounds(task, runs, PROOF_S)]
+    return {"status": "compared", **{key: max(one[key] for one in promised) for key in ("missed_s", "below")}}
 
 
 def checked(run: Trajectory) -> Row:
@@ -136,6 +208,8 @@ def failure(error: Exception) -> Row:
 def work(is_review: bool) -> None:
     """Do what standard input asks for, line by line; write what becomes of it to standard output."""
     warnings.simplefilter("ignore")
+    # a division by nothing is a fault, even where the run is right
+    warnings.simplefilter("error", RuntimeWarning)
     generator, reference = (review_module("gen"), review_module("check")) if is_review else (None, None)
     for seed in WARMING_SEEDS:
         list(calls(seed, (), None, None))
@@ -255,7 +329,7 @@ def drive_all(
         done[row["seed"]].add(row["strategy"])
     waiting: queue.SimpleQueue[int] = queue.SimpleQueue()
     for seed in seeds:
-        if "" not in done[seed] and done[seed] != set(STRATEGIES):
+        if "" not in done[seed] and done[seed] != set(CALLS):
             waiting.put(seed)
     written = threading.Lock()
 
@@ -292,6 +366,16 @@ def is_faulty(row: Row) -> bool:
     return bool(row["broken"]) and not row["told"]
 
 
+def is_missed(row: Row) -> bool:
+    """Return whether a run that is called optimal misses a window of arrival."""
+    return bool(row.get("missed_s", 0.0) > MISSED_S)
+
+
+def is_below(row: Row) -> bool:
+    """Return whether a run lies below the bound that is shown beside it."""
+    return bool(row.get("below", 0.0) > BELOW_SHARE)
+
+
 def table(rows: list[Row]) -> str:
     """Return the table of strategies, and the lines that belong to it."""
     scenarios = {row["seed"] for row in rows}
@@ -317,6 +401,10 @@ def table(rows: list[Row]) -> str:
 
 def _other_lines(rows: list[Row]) -> Iterator[str]:
     solved = [row for row in rows if row.get("status") == "solved"]
+    yield f"windows of arrival missed by a run that is called optimal: {_places(filter(is_missed, rows))}"
+    yield f"bounds above a run they are shown beside: {_places(filter(is_below, rows))}"
+    broken = [row for row in solved if is_faulty(row)]
+    yield f"broken rules: {_places(broken)}"
     yield f"not finite: {_places(row for row in solved if row['broken'] and row['broken'][0][0] == 'finite numbers')}"
     yield f"switched more often than allowed, and said so: {_places(row for row in solved if row['told'])}"
     yield f"tracebacks: {_places(row for row in rows if row['status'] == 'traceback')}"
@@ -344,7 +432,7 @@ def _dearer(solved: list[Row]) -> Iterator[Row]:
     """Yield the optima that a run without a fault undercuts, in no more time."""
     faultless: dict[int, list[Row]] = defaultdict(list)
     for row in solved:
-        if not row["broken"]:
+        if not row["broken"] and row.get("keeps_windows", True):
             faultless[row["seed"]].append(row)
     for best in (row for row in solved if row["strategy"] == "optimal"):
         in_time = (row for row in faultless[best["seed"]] if row["time_s"] <= best["time_s"] * 1.000001)
@@ -360,6 +448,8 @@ def faults(rows: list[Row]) -> dict[str, int]:
     return {
         "not finite": len(not_finite),
         "a broken rule": sum(map(is_faulty, solved)) - len(not_finite),
+        "a window missed by an optimum": sum(map(is_missed, rows)),
+        "a bound above a run beside it": sum(map(is_below, rows)),
         "a traceback": sum(row["status"] == "traceback" for row in rows),
         "over the limit of time": sum(row["status"] == "stopped" for row in rows),
     }

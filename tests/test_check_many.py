@@ -1,12 +1,16 @@
 """The script that drives many scenarios: its rows, what it keeps of them, and its table."""
 
 import json
+from dataclasses import replace
 
 import pytest
+from builders import plain_scenario
 
-from railjoule.core.strategies import STRATEGIES
+from railjoule.core import RailjouleError, solve
+from railjoule.core.strategies import STRATEGIES, run_strategy
 from tests import check_many
-from tests.check_many import calls, kept_rows, sources, table
+from tests.any_scenarios import any_full_document, any_time, any_wide_document
+from tests.check_many import CALLS, arrival_s, calls, kept_rows, missed_s, promises, sources, table, timed_task
 
 BAD = [["tractive power", 0.01, 2e-6, 40.0]]
 
@@ -21,8 +25,8 @@ def test_every_strategy_is_called_once():
     begun = [row["strategy"] for row in rows if row.get("begins")]
     ended = [row["strategy"] for row in rows if "status" in row]
     assert begun == ["", *ended]
-    assert ended == [name for name in STRATEGIES if name not in {"bellman", "speed_limits"}]
-    assert {row["status"] for row in rows if "status" in row} == {"solved", "refused"}
+    assert ended == [name for name in CALLS if name not in {"bellman", "speed_limits"}]
+    assert {row["status"] for row in rows if "status" in row} == {"solved", "refused", "compared"}
     json.dumps(rows, default=float)
 
 
@@ -31,14 +35,16 @@ def test_what_a_strategy_raises_is_written_down(monkeypatch):
         raise ZeroDivisionError("by zero")
 
     monkeypatch.setitem(STRATEGIES, "optimal", fail)
-    (row,) = (row for row in calls(0, set(STRATEGIES) - {"optimal"}, None, None) if "status" in row)
+    (row,) = (row for row in calls(0, set(CALLS) - {"optimal"}, None, None) if "status" in row)
     assert row["status"] == "traceback"
     assert "ZeroDivisionError: by zero" in row["words"]
 
 
-def test_a_run_that_says_that_it_is_switched_too_often_has_told_it():
+def test_a_run_that_says_that_it_is_switched_too_often_has_told_it(monkeypatch):
     """Seed 695 leaves 0.15 s over the shortest time, and a limit of half a metre for which the drive would brake."""
-    (row,) = (row for row in calls(695, set(STRATEGIES) - {"optimal"}, None, None) if "status" in row)
+    monkeypatch.setattr(check_many, "any_wide_document", any_full_document)
+    monkeypatch.setattr(check_many, "add_windows", lambda *given: None)
+    (row,) = (row for row in calls(695, set(CALLS) - {"optimal"}, None, None) if "status" in row)
     assert [broken[0] for broken in row["broken"]] == ["stretches of the drive"]
     assert row["told"]
 
@@ -59,7 +65,7 @@ def test_what_is_done_is_not_done_again(tmp_path, monkeypatch):
             pass
 
         def rows(self, seed, done):
-            yield from (solved(seed, name, 1.0) for name in STRATEGIES if name not in done)
+            yield from (solved(seed, name, 1.0) for name in CALLS if name not in done)
 
         def close(self):
             pass
@@ -67,10 +73,10 @@ def test_what_is_done_is_not_done_again(tmp_path, monkeypatch):
     monkeypatch.setattr(check_many, "Worker", Idle)
     file = tmp_path / "rows.jsonl"
     first = check_many.drive_all(file, range(2), 1, 1.0)
-    assert len(first) == 2 * len(STRATEGIES)
+    assert len(first) == 2 * len(CALLS)
     again = check_many.drive_all(file, range(3), 2, 1.0)
-    assert len(again) == 3 * len(STRATEGIES)
-    assert len(file.read_text().splitlines()) == 3 * len(STRATEGIES)
+    assert len(again) == 3 * len(CALLS)
+    assert len(file.read_text().splitlines()) == 3 * len(CALLS)
 
 
 @pytest.mark.parametrize("dies", [False, True])
@@ -128,6 +134,9 @@ def test_what_is_not_as_it_must_be_is_counted() -> None:
         good | {"broken": [["finite numbers", 1.0, 0.0, 0.0]]},
         good | {"broken": [["speed limits", 1.0, 0.0, 0.0]]},
         good | {"broken": [["stretches of the drive", 0.5, 0.0, 0.0]], "told": True},
+        good | {"missed_s": 0.5},
+        good | {"missed_s": 1e-4, "below": 1e-7},
+        {"seed": 1, "strategy": "compare", "status": "compared", "missed_s": 0.0, "below": 0.01},
         good | {"status": "traceback", "words": "x"},
         good | {"status": "stopped"},
         good | {"status": "refused", "words": "y"},
@@ -135,12 +144,65 @@ def test_what_is_not_as_it_must_be_is_counted() -> None:
     assert check_many.faults(rows) == {
         "not finite": 1,
         "a broken rule": 1,
+        "a window missed by an optimum": 1,
+        "a bound above a run beside it": 1,
         "a traceback": 1,
         "over the limit of time": 1,
     }
-    assert check_many.verdict(rows, range(3)).startswith("verdict: 1 of 3 scenarios, 7 calls: 1 not finite, ")
+    assert check_many.verdict(rows, range(3)).startswith("verdict: 1 of 3 scenarios, 10 calls: 1 not finite, ")
 
 
 def test_no_scenario_is_begun_after_its_time(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(check_many, "Worker", lambda *given: pytest.fail("a worker was asked"))
     assert check_many.drive_all(tmp_path / "rows", range(3), 0, 1.0, until_s=0.0) == []
+
+
+WIDE_SEEDS = range(60)
+
+
+def test_the_wide_generator_draws_all_of_the_format() -> None:
+    """Each part is drawn in some of 60 scenarios, and nearly all of them can be prepared."""
+    found, prepared = set(), 0
+    for seed in WIDE_SEEDS:
+        document = any_wide_document(seed)
+        try:
+            task = timed_task(document, any_time(seed), seed)
+        except RailjouleError:
+            continue
+        prepared += 1
+        line, vehicle = document["line"], document["vehicle"]
+        found |= set(line) | set(document["timetable"]) | set(vehicle) | set(vehicle["braking"])
+        found |= set(vehicle["traction"]) | set(vehicle["drive"])
+        found |= {key for station in line.get("stations", ()) for key in station}
+        # the runs that the windows were drawn around keep the latest arrivals
+        fastest = run_strategy(task, "fastest")
+        for station in task.scenario.line.stations:
+            assert arrival_s(fastest, station.position_m) <= station.window_s[1] + 1e-6
+    assert prepared > 45
+    assert found >= {"stations", "passing_points", "neutral_sections", "head_wind_kmh", "gradient_at", "curve"}
+    assert found >= {"entry_speed_kmh", "exit_speed_kmh", "earliest_arrival_s", "latest_arrival_s", "least_switching_s"}
+    assert found >= {"permitted_deceleration", "breakdown_speed_kmh", "friction_effort_kn"}
+
+
+def test_a_missed_window_and_a_bound_above_a_run_are_found() -> None:
+    """A run that is late by 4 s at its stop, and one whose bound is twice its energy."""
+    run = load_run()
+    stop_m = run.scenario.line.stations[0].position_m
+    arrival = arrival_s(run, stop_m)
+    assert 0 < arrival < run.travel_time_s
+    early = [{"position_m": stop_m, "latest_arrival_s": arrival - 4.0}]
+    late = replace(run, scenario=run.scenario.with_(**{"line.stations": early}))
+    assert missed_s(run) == 0.0
+    assert missed_s(late) == pytest.approx(4.0)
+    assert promises(late)["missed_s"] == pytest.approx(4.0)
+    # of a run that is not called optimal nothing is promised
+    other = replace(late, strategy="fastest", bound=None)
+    assert promises(other)["missed_s"] == 0.0
+    above = replace(run, bound=replace(run.bound, energy_j=2 * run.energy.net_j))
+    assert promises(above)["below"] == pytest.approx(0.5)
+    assert promises(run)["below"] < 1e-6
+
+
+def load_run():
+    stations = [{"position_m": 1000.0}]
+    return solve(plain_scenario({"line.stations": stations, "timetable.travel_time_s": 200.0}))

@@ -24,7 +24,7 @@ from railjoule.core.bounds.certified import (
 )
 from railjoule.core.bounds.minimum import Solution, minimise, minimise_decided
 from railjoule.core.bounds.over_time import TimeLines, time_lines
-from railjoule.core.bounds.tightening import (
+from railjoule.core.bounds.proof_steps import (
     FIRST_STAGE_BOXES,
     LONGEST_PROOF_S,
     ProofStep,

@@ -1,9 +1,10 @@
 """The energy that no run of a task undercuts, and which runs that covers.
 
 `certify` gives a first bound at once. Of a smooth drive it hardly ever lies below the optimum by more than a millionth;
-of one that takes power without effort it lets the drive switch within cells, which no run of ours does. Where the first
-is loose `railjoule.core.bounds.tightening` goes on with the chains of `railjoule.core.chain_proof`, which hold for one
-effort in each cell, and `with_chains` keeps the greater one.
+of one that takes power without effort it lets the drive switch within cells, which no run of ours does. With a table of
+losses, which need not be convex, it is pending: only the work at the wheels is known until chains have run. Where the
+first is loose `railjoule.core.bounds.proof_steps` goes on with the chains of `railjoule.core.chain_proof`, which hold
+for one effort in each cell, and `with_chains` keeps the greater one.
 
 References: the proofs are in `railjoule.core.interior_point.certificate`, `...proof` and `...switching_bound`, and in
 `railjoule.core.chain_proof.proof`.
@@ -19,6 +20,7 @@ from railjoule.core.bounds.minimum import minimise, minimise_decided
 from railjoule.core.chain_proof.prices import node_prices
 from railjoule.core.chain_proof.proof import ChainProof
 from railjoule.core.chain_proof.table import premise
+from railjoule.core.drive.kernels import may_be_concave
 from railjoule.core.drive.kinds import LOSS_POLYNOMIAL
 from railjoule.core.errors import InfeasibleLineError, SolverError, StrategyRefusedError, TimetableError
 from railjoule.core.interior_point.duty import duty, safest_modes
@@ -109,7 +111,10 @@ def certify(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> B
     # next to a stop, where the optimum itself is slower, its proof covers runs down to its speed
     slowest = np.minimum(SLOWEST_PROVEN_MS, np.sqrt(optimum.speed2))
     bound = Bound(energy, statement, task.course.position_m, task.travel_time_s, slowest)
-    return replace(bound, switched_j=energy, premise=switched_premise(task)) if jumps else bound
+    if not jumps:
+        return bound
+    pending = may_be_concave(task.course.data.drive_kind)
+    return replace(bound, switched_j=energy, premise=switched_premise(task), pending=pending)
 
 
 def proven_j(task: Task, optimum: Optimum, proof_budget: int = PROOF_BUDGET) -> float:
@@ -165,7 +170,7 @@ def with_chains(task: Task, bound: Bound, proven_j: float) -> Bound:
         return replace(bound, energy_j=energy, statement=bound_statement(task, given), premise=given)
     # what is proven of runs that switch stays what it was, however often the bound is raised
     statement = chain_bound_statement(task, bound.switched_j)
-    return replace(bound, energy_j=energy, statement=statement, premise=given)
+    return replace(bound, energy_j=energy, statement=statement, premise=given, pending=False)
 
 
 def _switched_bound_j(task: Task, optimum: Optimum, proof_budget: int) -> float:
@@ -173,7 +178,12 @@ def _switched_bound_j(task: Task, optimum: Optimum, proof_budget: int) -> float:
 
     Those of an optimum that has not converged, or to a local one, may prove next to nothing. A bound holds with any, so
     that those of a smooth problem are tried, too: with the drive on wherever the optimum drives at all.
+
+    A drive whose power may be concave in its effort, as a table of losses makes it, breaks `SWITCHED_PREMISE`: its
+    multipliers prove nothing here, and only chains prove a bound.
     """
+    if may_be_concave(task.course.data.drive_kind):
+        return -math.inf
     data, effort = task.course.data, (SWITCHED_PROOF_TOLERANCE, min(PIECES_A_CELL, proof_budget))
     given = task.greatest_speed2, task.running_time_s
     # weak duality: every choice of multipliers bounds from below, the greatest of their bounds counts
@@ -201,8 +211,10 @@ def work_floor_j(task: Task) -> float:
 
 def switched_premise(task: Task) -> str:
     """Return in one clause what the bound with free switching assumes of a task's drive, empty where nothing."""
-    # a loss polynomial's coefficients are not negative: of its formula both properties follow
-    return "" if task.course.data.drive_kind == LOSS_POLYNOMIAL else SWITCHED_PREMISE
+    kind = task.course.data.drive_kind
+    # A loss polynomial's coefficients are not negative: of its formula both properties follow. A drive that may break
+    # the premise has only the work at the wheels as such a bound, which needs none.
+    return "" if kind == LOSS_POLYNOMIAL or may_be_concave(kind) else SWITCHED_PREMISE
 
 
 def bound_statement(task: Task, assumption: str = "") -> str:

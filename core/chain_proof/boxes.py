@@ -362,8 +362,8 @@ def fill_boxes(
         Where the pairs of each cell begin.
     start, end, mode : array of shape (k,)
         Pairs of intervals of a cell's two nodes, and modes.
-    node_price : array of shape (n + 1,)
-        Slopes of the cost to go [J s2/m2].
+    node_price : array of shape (n + 1, m)
+        Slopes of the cost to go in each interval [J s2/m2].
     second : float
         Price of a second, auxiliaries included [J/s].
     """
@@ -380,10 +380,10 @@ def fill_boxes(
     for i in range(low.shape[0] - 1):
         kept[i] = m
         steps = steps_of(course, i)
-        prices = second, node_price[i], node_price[i + 1]
         for pair in range(first[i], first[i + 1]):
             k, q = start[pair], end[pair]
             box = low[i, k], high[i, k], low[i + 1, q], high[i + 1, q]
+            prices = second, node_price[i, k], node_price[i + 1, q]
             if fill_box(table, steps, traction, braking, friction, mode[pair], box, prices, rows[m]):
                 starts[m], ends[m], modes[m] = k, q, mode[pair]
                 m += 1

@@ -1,7 +1,8 @@
 """The shortest chains of boxes from end to end, with linear prices of the squares of speed between cells.
 
-The cost to go from an interval k of node i is at least p_i w + C[i, k], where C[i, k] is the least over its boxes of
-what the cell takes beyond the prices, E + L T + p_{i+1} y - p_i w, and of C at the next node; likewise to come.
+The cost to go from an interval k of node i is at least p[i, k] w + C[i, k], where C[i, k] is the least over its boxes
+of what the cell takes beyond the prices, E + L T + p[i+1, q] y - p[i, k] w, and of C at the next node; likewise to
+come. Each interval may have a price of its own, as a chain enters and leaves a node in one interval.
 The minimum of a box's plane over the box and its lines lies at the ends of the possible range of w or where a line
 leaves the box: along w it is convex and straight between these.
 """
@@ -88,14 +89,14 @@ def chain(
     through, took = np.full(start.shape[0], np.inf), np.zeros((start.shape[0], 3))
     choice = np.full((n + 1, width), -1)
     for k in range(count[n]):
-        ahead[n, k] = -max(node_price[n] * low[n, k], node_price[n] * high[n, k])
+        ahead[n, k] = -max(node_price[n, k] * low[n, k], node_price[n, k] * high[n, k])
     for k in range(count[0]):
-        behind[0, k] = min(node_price[0] * low[0, k], node_price[0] * high[0, k])
+        behind[0, k] = min(node_price[0, k] * low[0, k], node_price[0, k] * high[0, k])
     for i in range(n - 1, -1, -1):
         for m in range(kept[i], kept[i + 1]):
             k, q = start[m], end[m]
             box = low[i, k], high[i, k], low[i + 1, q], high[i + 1, q]
-            value, w, y = least_of_box(rows[m], box, second, node_price[i], node_price[i + 1])
+            value, w, y = least_of_box(rows[m], box, second, node_price[i, k], node_price[i + 1, q])
             through[m] = value
             took[m, 0], took[m, 1] = w, y
             took[m, 2] = rows[m, TIME] + rows[m, TIME_W] * w + rows[m, TIME_Y] * y

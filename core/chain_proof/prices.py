@@ -1,8 +1,20 @@
-"""Prices for the chains: of the squares of speed at the nodes, from the multipliers of an optimum."""
+"""Prices for the chains: of the squares of speed at the nodes, from the multipliers of an optimum.
+
+A multiplier is the price at the optimum's own speed. In an interval far from it that price may be an arbitrage: more
+than driving costs there, or less than braking returns, so that chains drive and jump down, or jump up and brake. With K
+half the inertia, a tractive effort x changes K w by x over a metre for the energy P / v, and braking likewise, so that
+neither pays while K w is worth between
+
+    lo(v) = r max over x of generated(x, v) / (x v)    and    hi(v) = min over x of P(x, v) / (x v).
+
+Each interval's price is the multiplier clipped to this window at its speed. Where limits of effort bind, as in a start,
+the optimum's own price rightly lies outside of the window at its own speed: the window is widened by that factor.
+"""
 
 import numpy as np
 
 from railjoule.core.arrays import FloatArray
+from railjoule.core.chain_proof.table import BRAKING, DRIVING, EFFORTS, SPEEDS, DriveTable, row_speed
 from railjoule.core.drive.kernels import jumps_at_no_effort
 from railjoule.core.interior_point.certificate import energy_tangents, usable_prices
 from railjoule.core.interior_point.certificate import node_prices as smooth_prices
@@ -28,3 +40,51 @@ def node_prices(course: CourseData, optimum: Optimum) -> FloatArray:
     rise = (optimum.multiplier[ACCELERATION] - optimum.multiplier[DECELERATION]) * cell.inertia
     prices = -(cells[:, START] - optimum.force_price * by_start + rise)
     return np.append(prices, 0.0)
+
+
+def worth_of_speed(course: CourseData, table: DriveTable) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return speeds [m/s], and what a square of speed returns by braking and costs by driving there [J s2/m2]."""
+    speed = np.array([row_speed(table.slowest_ms, table.fastest_ms, row) for row in range(SPEEDS + 1)])
+    efforts = np.arange(1, EFFORTS + 1) / EFFORTS
+    with np.errstate(divide="ignore", invalid="ignore"):
+        driving = table.low[DRIVING, :, 1:] / (efforts * table.top_n[DRIVING])
+        braking = -table.low[BRAKING, :, 1:] / (efforts * table.top_n[BRAKING])
+    returned = np.max(np.where(np.isfinite(braking), braking, 0.0), axis=1).clip(min=0.0)
+    cost = np.min(np.where(np.isfinite(driving), driving, np.inf), axis=1)
+    known = np.isfinite(cost)
+    if not known.any():
+        return speed, np.full(len(speed), -np.inf), np.full(len(speed), np.inf)
+    cost = np.interp(speed, speed[known], cost[known])
+    return speed, course.half_inertia_kg * returned, course.half_inertia_kg * np.maximum(cost, returned)
+
+
+def interval_prices(
+    node_price: FloatArray,
+    around_ms: FloatArray,
+    worth: tuple[FloatArray, FloatArray, FloatArray],
+    low2: FloatArray,
+    high2: FloatArray,
+) -> FloatArray:
+    """Return a price for each interval of each node [J s2/m2]; shape as that of the intervals.
+
+    Parameters
+    ----------
+    node_price : array of shape (n + 1,)
+        Those of the multipliers.
+    around_ms : array of shape (n + 1,)
+        Speeds of the run whose multipliers they are [m/s].
+    worth : tuple of 3 arrays
+        As `worth_of_speed`.
+    low2, high2 : array of shape (n + 1, m)
+        Squares of speed at the ends of the intervals [m2/s2]; infinite where a node has fewer.
+    """
+    speed, returned, cost = worth
+    middle = 0.5 * (np.sqrt(low2) + np.sqrt(high2))
+    least, most = np.interp(middle, speed, returned), np.interp(middle, speed, cost)
+    own = -node_price[:, None]
+    least_here = np.interp(around_ms, speed, returned)[:, None]
+    most_here = np.interp(around_ms, speed, cost)[:, None]
+    # a window that is open to one side is widened by nothing
+    falls = np.divide(own, least_here, out=np.ones_like(own), where=least_here > 0)
+    rises = np.divide(own, most_here, out=np.ones_like(own), where=np.isfinite(most_here) & (most_here > 0))
+    return -np.clip(own, least * np.minimum(falls, 1.0), most * np.maximum(rises, 1.0))

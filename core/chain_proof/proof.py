@@ -17,6 +17,7 @@ from railjoule.core.arrays import FloatArray
 from railjoule.core.chain_proof.boxes import fill_boxes
 from railjoule.core.chain_proof.chain import chain
 from railjoule.core.chain_proof.grid import all_pairs, first_grid, halved
+from railjoule.core.chain_proof.prices import interval_prices, worth_of_speed
 from railjoule.core.chain_proof.table import DriveTable, tabulate
 from railjoule.core.physics.course_data import CourseData
 
@@ -77,6 +78,7 @@ class ChainProof:
         self._step = FIRST_STEP
         grid = first_grid(course, fastest2, slowest2, around2)
         self._table = table_of(course, fastest2, slowest2)
+        self._around_ms, self._window = np.sqrt(around2), worth_of_speed(course, self._table)
         self._low, self._high, self._count = grid
         self._pairs = all_pairs(course, grid)
 
@@ -106,10 +108,9 @@ class ChainProof:
         """Do one level more: boxes of the present intervals, chains, then halves of what is left."""
         given = self._low, self._high
         second = self._price + self._course.auxiliary_power_w
-        kept, start, end, mode, rows = fill_boxes(
-            self._course, self._table, *given, *self._pairs, self._node_price, second
-        )
-        value, through = self._search((kept, start, end), rows)
+        prices = interval_prices(self._node_price, self._around_ms, self._window, *given)
+        kept, start, end, mode, rows = fill_boxes(self._course, self._table, *given, *self._pairs, prices, second)
+        value, through = self._search((kept, start, end), rows, prices)
         alive = through < self.target_j
         left = int(alive.sum())
         self.boxes += len(self._pairs[1])
@@ -125,12 +126,15 @@ class ChainProof:
         self.levels.append(level)
         return level
 
-    def _search(self, boxes: tuple[np.ndarray, np.ndarray, np.ndarray], rows: FloatArray) -> tuple[float, FloatArray]:
+    def _search(
+        self, boxes: tuple[np.ndarray, np.ndarray, np.ndarray], rows: FloatArray, prices: FloatArray
+    ) -> tuple[float, FloatArray]:
         """Return the greatest value of some prices [J], and the best chains through each box less the time's price."""
-        best, through, price, node = -math.inf, np.zeros(0), self._price, self._node_price
+        best, through, price = -math.inf, np.zeros(0), self._price
         trials = MOST_TRIALS if len(self.levels) >= SEARCHED_LEVEL else 1
         for _ in range(trials):
-            found = chain(self._low, self._high, self._count, boxes, rows, node, price + self._course.auxiliary_power_w)
+            second = price + self._course.auxiliary_power_w
+            found = chain(self._low, self._high, self._count, boxes, rows, prices, second)
             value = found[0] - price * self._running_time_s
             if value > best:
                 best, through, late = value, found[1] - price * self._running_time_s, found[2] - self._running_time_s

@@ -135,8 +135,9 @@ def record_of_run(run: Any) -> Record:
         current_a=run.current_a,
         energies_j={name: float(getattr(run.energy, name)) for name in ENERGIES},
         losses_j=dict(run.energy.losses_j),
-        bound_j=None if bound is None else float(bound.energy_j),
-        gap=None if bound is None else float(run.gap),
+        # a bound whose proof has yet to run has no gap
+        bound_j=None if bound is None or run.gap is None else float(bound.energy_j),
+        gap=None if bound is None or run.gap is None else float(run.gap),
         price_of_time_w=None if run.price_of_time_w is None else float(run.price_of_time_w),
     )
 

@@ -57,6 +57,8 @@ class Compilation:
             if self._begun:
                 return False
             self._begun = True
+        # what is computed in the meantime does not wait, however long it takes
+        MODE.before_interpreting = lambda: None
         if MODE.is_compiled:
             self._finish()
         else:

@@ -5,9 +5,9 @@ finds where on the line it lies, then `run`; `run_table` makes a plain table of 
 """
 
 from railjoule.core.measured.columns import PRESETS, RecorderFormat
+from railjoule.core.measured.recorded_table import RunTable, run_table
 from railjoule.core.measured.recording import Recording, load_recording, read_recording, recording_of
 from railjoule.core.measured.run import MeasuredRun, load_run, measured_run
-from railjoule.core.measured.run_table import RunTable, run_table
 from railjoule.core.measured.saving import Saving, possible_saving
 from railjoule.core.measured.table import recorder_cells
 

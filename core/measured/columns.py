@@ -343,7 +343,7 @@ def _plain(name: str) -> str:
 
 
 def _quantity_of(header: str) -> str | None:
-    # the longest name of all that fit: 'brake_pressure_bar' is no 'brake' with a strange unit
+    # a name matches as a whole, and no name has two quantities: 'brake_pressure_bar' is no 'brake' in another unit
     return next((quantity for quantity, names in NAMES.items() if _has_name(header, quantity, names)), None)
 
 

@@ -4,6 +4,8 @@ In a cell the net force is constant, so a cell between two speeds has the length
 is that of the phase. What these lengths and times differ from the tables is taken out by moving two of the speeds.
 """
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,6 +13,7 @@ import numpy as np
 from railjoule.core.arrays import FloatArray
 from railjoule.core.errors import SolverError
 from railjoule.core.phase_planning.plan import PhasePlan
+from railjoule.core.phase_planning.search import LEAST_BRAKED_SPEED2
 from railjoule.core.phase_planning.tables import PhaseModel
 
 # Speed from node to node: a cell has one effort, that of its mean speed. With 0.05 energies change by up to 5 ppm, with
@@ -122,7 +125,32 @@ def _lengths(model: PhaseModel, plan: PhasePlan, phase: str, speeds: FloatArray)
 
 def _adjusted(model: PhaseModel, plan: PhasePlan) -> PhasePlan:
     """Return a plan whose cells add up to its distance and time."""
-    names = _adjustable(plan)
+    for names in _adjustable(plan):
+        try:
+            moved = _moved(model, plan, names)
+        except SolverError:
+            continue
+        if _is_driven_in_order(model, moved):
+            return moved
+    raise SolverError("no run with these phases meets the distance and the time exactly.")
+
+
+def _is_driven_in_order(model: PhaseModel, plan: PhasePlan) -> bool:
+    """Return whether a plan's train never turns round, and brakes last from a speed from which the search lets it."""
+    lengths = _cells(model, plan)[1]
+    least2 = plan.final_speed_ms**2 + LEAST_BRAKED_SPEED2
+    slows = plan.brake_speed_ms >= min(math.sqrt(least2) * (1 - SAME_SPEED), plan.cruise_speed_ms)
+    return slows and plan.brake_speed_ms <= plan.cruise_speed_ms and plan.cruise_m >= 0 and bool((lengths > 0).all())
+
+
+def _moved(model: PhaseModel, plan: PhasePlan, names: tuple[str, ...]) -> PhasePlan:
+    """Return a plan whose cells add up to its distance and time, by Newton's method on some of its numbers.
+
+    Raises
+    ------
+    SolverError
+        If they cannot.
+    """
     scales = np.array([plan.distance_m if name == "cruise_m" else plan.cruise_speed_ms for name in names])
     # a fastest run has no time to keep: its time is what comes out
     targets = np.array([plan.distance_m, plan.running_time_s])[: len(names)]
@@ -157,12 +185,14 @@ def _adjusted(model: PhaseModel, plan: PhasePlan) -> PhasePlan:
     return with_values(values)
 
 
-def _adjustable(plan: PhasePlan) -> tuple[str, ...]:
-    """Return which numbers of a plan may move: those that the search left inside their bounds."""
+def _adjustable(plan: PhasePlan) -> Iterator[tuple[str, ...]]:
+    """Yield which numbers of a plan may move: first those that the search left inside their bounds."""
     cruises = plan.cruise_m > SHORTEST_CRUISE * plan.distance_m
     coasts = plan.brake_speed_ms < plan.cruise_speed_ms * (1 - SAME_SPEED)
     if plan.fastest:
-        return ("cruise_m",) if cruises else ("cruise_speed_ms",)
-    if cruises and coasts:
-        return ("cruise_m", "brake_speed_ms")
-    return ("cruise_speed_ms", "cruise_m") if cruises else ("cruise_speed_ms", "brake_speed_ms")
+        yield ("cruise_m",) if cruises else ("cruise_speed_ms",)
+        return
+    if coasts:
+        yield ("cruise_m" if cruises else "cruise_speed_ms", "brake_speed_ms")
+    # a train that coasts almost to rest has no lower speed to brake from
+    yield ("cruise_speed_ms", "cruise_m") if cruises or coasts else ("cruise_speed_ms", "brake_speed_ms")

@@ -28,6 +28,9 @@ NARROWEST_MS = 1e-4
 """Pieces are not halved below that."""
 INSIDE = np.arange(1, 8) / 8
 """Where a piece is compared with the limit that it stands for, as shares of its width."""
+# a limit may end at no effort, of which nothing is a share
+LEAST_SHARE = 0.01
+"""Limits below this share of the largest effort count as this much where a table's excess is a share of them."""
 # errors of the differences go with its square, those of rounding with its inverse
 SLOPE_SHARE = 1e-3
 """Step of the differences that give a slope, as a share of the width of a piece."""
@@ -112,7 +115,8 @@ def fitted_limit(
         fitted.append(np.column_stack([start, cubic / width[:, None] ** np.arange(4)])[~split])
         # above the constant limit, which caps it, a table may exceed what it stands for
         limited = true[~split] < constant_n
-        over = max(over, np.max(found[~split][limited] / true[~split][limited], initial=1.0))
+        excess = (found - true)[~split][limited] / np.maximum(true[~split][limited], LEAST_SHARE * constant_n)
+        over = max(over, 1.0 + float(np.max(excess, initial=0.0)))
         width = 0.5 * width[split]
         start = np.concatenate([start[split], start[split] + width])
         width = np.tile(width, 2)

@@ -28,25 +28,20 @@ from railjoule.core.errors import (
     StrategyRefusedError,
 )
 from railjoule.core.scenario import STRATEGY_NAMES, Scenario, StrategyName
-from railjoule.core.strategies.bellman import bellman
-from railjoule.core.strategies.enoc import enoc
-from railjoule.core.strategies.eoc import eoc
-from railjoule.core.strategies.fastest import fastest
+from railjoule.core.strategies import bellman, enoc, eoc, fastest, optimal, phases, speed_limits
 from railjoule.core.strategies.line_parts import arrival_windows, missed_windows
-from railjoule.core.strategies.optimal import known_optimum, optimal
-from railjoule.core.strategies.phases import phases
-from railjoule.core.strategies.speed_limits import speed_limits
+from railjoule.core.strategies.optimal import known_optimum
 from railjoule.core.task import Task, prepare_task
 from railjoule.core.trajectory import Trajectory
 
 STRATEGIES: dict[StrategyName, Callable[[Task], Trajectory]] = {
-    "optimal": optimal,
-    "bellman": bellman,
-    "eoc": eoc,
-    "enoc": enoc,
-    "phases": phases,
-    "speed_limits": speed_limits,
-    "fastest": fastest,
+    "optimal": optimal.optimal,
+    "bellman": bellman.bellman,
+    "eoc": eoc.eoc,
+    "enoc": enoc.enoc,
+    "phases": phases.phases,
+    "speed_limits": speed_limits.speed_limits,
+    "fastest": fastest.fastest,
 }
 """The strategies of this version, in the order in which they are shown."""
 
@@ -75,8 +70,8 @@ def solve(
         carries the result as `check`.
     prove_seconds : float, optional
         How long to tighten the bound where the first one is loose, as it often is of a drive that takes power without
-        effort [s]; 0 keeps the first bound. By default it is tightened with a fixed number of steps, half a second or
-        less.
+        effort [s]; 0 keeps the first bound, which drives with a table of losses do not have. By default it is tightened
+        with a fixed number of steps, half a second or less, and up to two where it is open by more than 0.3 %.
 
     Raises
     ------
@@ -166,12 +161,20 @@ def compare(
             runs.append(run_strategy(task, name))
         except RailjouleError as refusal:
             refused[name] = str(refusal)
+    return with_bounds(task, runs, prove_seconds), refused
+
+
+def with_bounds(task: Task, runs: list[Trajectory], prove_seconds: float | None = None) -> list[Trajectory]:
+    """Return the runs of several strategies over a task with a bound that covers each, and the best known run.
+
+    `prove_seconds` as for `solve`.
+    """
     # one proof serves all runs over the task's mesh; `bounded` makes another only for those over nodes of their own
     first = known = next((run.bound for run in runs if run.bound is not None), None)
     if first is not None and (start := run_to_prove(first, runs)) is not None:
         known = tightened(task, first, start, seconds=prove_seconds)
     runs = [replace(run, bound=known) if run.bound is first else run for run in runs]
-    return with_best_known([bounded(task, run, known) for run in runs]), refused
+    return with_best_known([bounded(task, run, known) for run in runs])
 
 
 def _tightened(task: Task, best: Trajectory, seconds: float | None) -> Trajectory:
@@ -184,4 +187,4 @@ def _tightened(task: Task, best: Trajectory, seconds: float | None) -> Trajector
     )
 
 
-__all__ = ["STRATEGIES", "Task", "compare", "prepare_task", "run_strategy", "solve"]
+__all__ = ["STRATEGIES", "Task", "compare", "prepare_task", "run_strategy", "solve", "with_bounds"]

@@ -29,6 +29,8 @@ from railjoule.core.units import MS_PER_KMH
 # Forces and limits that differ by less are the same; a force as a share of half the inertia, which is a difference of
 # acceleration of 5e-10 m/s2
 UNEVEN = 1e-9
+SLOWEST_BRAKE_KMH = 0.05
+"""Below this speed one decimal would round the start of braking to 0."""
 
 
 def phases(task: Task) -> Trajectory:
@@ -156,4 +158,7 @@ def _sentence(plan: PhasePlan) -> str:
         words += f", {plan.cycles} times in all, coasting to {plan.restart_speed_ms / MS_PER_KMH:.1f} km/h in between"
     if plan.cruise_m > 0:
         words += f", cruises for {plan.cruise_m:.0f} m"
-    return f"{words} and brakes from {plan.brake_speed_ms / MS_PER_KMH:.1f} km/h."
+    brake_kmh = plan.brake_speed_ms / MS_PER_KMH
+    if brake_kmh < SLOWEST_BRAKE_KMH:
+        return f"{words} and coasts almost to rest: it brakes from {brake_kmh:.2g} km/h."
+    return f"{words} and brakes from {brake_kmh:.1f} km/h."

@@ -71,11 +71,20 @@ def seldom_switched(task: Task, relaxed: Optimum) -> DecidedRun | None:
     if is_measure and not lies_above(task, run, centre, GOOD_ENOUGH):
         return run
     # a search around one run finds what lies near it; the recursion's may lie elsewhere
-    found = [run]
+    found = [run, _fastest_switched(task, centre)]
     with suppress(SolverError):
         _, free = recursion(task)
         found.append(seldom(task, free))
     return min((one for one in found if one is not None), key=lambda one: one.energy_j, default=None)
+
+
+def _fastest_switched(task: Task, centre: DecidedRun) -> DecidedRun | None:
+    """Return the fastest run, or a better one of its decision, if its drive stays on or off for long enough."""
+    search = _Spaced(task, centre.energy_j, centre.price_of_time_w, task.least_switching_s)
+    # more time would save this run nothing
+    search.take(task.greatest_speed2, 0.0)
+    search.decide(actions_of_run(task.course.data, task.greatest_speed2).machines)
+    return search.found
 
 
 def seldom(task: Task, run: DecidedRun) -> DecidedRun | None:

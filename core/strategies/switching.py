@@ -76,6 +76,8 @@ def unswitched(task: Task, optimum: Optimum) -> DecidedRun:
         # what has not converged, or to a local optimum, may lie anywhere
         if found is not None and not search.is_measure:
             search.decide_around(found.speed2, found.price_w)
+        # where a second costs more than all it saves, nothing beats full speed
+        search.take(task.greatest_speed2, 0.0)
     return replace(search.best, iterations=search.iterations)
 
 

@@ -1,7 +1,7 @@
 """Many scenarios at once, as labelled tables."""
 
 from railjoule.core.studies.montecarlo import MonteCarloTable, monte_carlo, monte_carlo_steps
-from railjoule.core.studies.sensitivity import SensitivityTable, sensitivity, sensitivity_steps
+from railjoule.core.studies.sensitivity_table import SensitivityTable, sensitivity, sensitivity_steps
 from railjoule.core.studies.storage import (
     Storage,
     StorageNeed,

@@ -182,7 +182,7 @@ def strategy_frontier(
     def point(timed: Task) -> tuple[float, float, float]:
         run = run_strategy(timed, strategy)
         price = np.nan if run.price_of_time_w is None else run.price_of_time_w
-        return run.energy.net_j, price, np.nan if run.bound is None else run.bound.energy_j
+        return run.energy.net_j, price, np.nan if run.gap is None or run.bound is None else run.bound.energy_j
 
     coarse = coarsened(task, most_cells)
     return _frontier(coarse, strategy, travel_times_s, point, _mesh_notes(task, coarse), executor)

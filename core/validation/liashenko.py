@@ -5,7 +5,7 @@ from typing import Any
 
 from railjoule.core.scenario import load_scenario
 from railjoule.core.simulate.following import simulate_following
-from railjoule.core.studies.sensitivity import sensitivity
+from railjoule.core.studies.sensitivity_table import sensitivity
 from railjoule.core.validation.papers import citation, errata, printed_numbers
 from railjoule.core.validation.table import Comparison, Row, Table, Validation
 

@@ -64,7 +64,7 @@ def summarise(trajectory: Trajectory, shortest_travel_time_s: float | None = Non
         "lower_bound_kwh": _finite(trajectory.lower_bound_kwh),
         "gap": _finite(trajectory.gap),
         "proven": trajectory.is_proven,
-        "bound_statement": trajectory.bound.statement if trajectory.bound else None,
+        "bound_statement": trajectory.bound.statement if trajectory.bound and not trajectory.bound.pending else None,
         "reference": _reference(trajectory.reference),
         "above_reference": trajectory.above_share,
         "price_of_time_wh_per_s": _per_wh(trajectory.price_of_time_w),

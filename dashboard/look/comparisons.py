@@ -111,6 +111,8 @@ def proof_sentence(bound: Bound) -> str:
 
     What else holds for the runs, their limits, time and least speed, stands in the bound's own statement.
     """
+    if bound.pending:
+        return "No bound is known yet."
     energy, switched_j = words.energy(bound.energy_j / J_PER_KWH), bound.switched_j
     # upwards, as no cell is longer; less a millionth, so that 10 m with an error of rounding do not become 10.1 m
     longest = words.number(math.ceil(10 * float(np.diff(bound.position_m).max()) - 1e-6) / 10)

@@ -144,7 +144,7 @@ def proof_figure(run: Trajectory) -> Markup:
         return figure("Above the optimum", *comparisons.NOTHING, PROVEN)
     amount = comparisons.above_own_bound(run)
     if amount is None:
-        return figure("Above the bound", words.UNKNOWN, "", "no bound is known")
+        return figure("Above the bound", words.UNKNOWN, "", f"no bound is known{' yet' if run.bound else ''}")
     detail = markup('<span class="open">\u25d0 bound</span> {} kWh', words.energy(run.lower_bound_kwh or 0.0))
     return figure("Above the bound", *amount, detail, whole="Not proven: it is at most this far above the optimum")
 

@@ -15,7 +15,7 @@ from railjoule.core.simulate.disturbances import DisturbedRun
 from railjoule.core.simulate.field_oriented import FieldOrientedRun, simulate_field_oriented
 from railjoule.core.simulate.following import Following, simulate_following
 from railjoule.core.strategies import STRATEGIES, Task, prepare_task, run_strategy
-from railjoule.core.studies.sensitivity import SensitivityTable, sensitivity_steps
+from railjoule.core.studies.sensitivity_table import SensitivityTable, sensitivity_steps
 from railjoule.core.studies.tradeoff import coarsened, frontier_times
 from railjoule.core.trajectory import Bound
 from railjoule.dashboard.pages.trade_off.compute import EnocMap, compute_enoc_map

@@ -11,7 +11,7 @@ from railjoule.core import Trajectory
 from railjoule.core.scenario import format_scenario
 from railjoule.core.simulate.disturbances import DisturbedRun
 from railjoule.core.simulate.field_oriented import FieldOrientedRun
-from railjoule.core.studies.sensitivity import SensitivityTable
+from railjoule.core.studies.sensitivity_table import SensitivityTable
 from railjoule.core.trajectory import MEASURED
 from railjoule.core.units import J_PER_KWH
 from railjoule.dashboard.look import comparisons, words

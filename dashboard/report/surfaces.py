@@ -8,7 +8,7 @@ import numpy as np
 
 from railjoule.core import Trajectory
 from railjoule.core.arrays import FloatArray
-from railjoule.core.studies.sensitivity import SensitivityTable
+from railjoule.core.studies.sensitivity_table import SensitivityTable
 from railjoule.dashboard.charts.surface import CIVIDIS, TALLEST, round_step
 from railjoule.dashboard.look import words
 from railjoule.dashboard.look.markup import Markup, markup

@@ -49,6 +49,12 @@ def test_a_table_comes_back_with_its_names(tmp_path: Path) -> None:
     pandas.testing.assert_frame_equal(plain_table(pandas.read_csv(tmp_path / "t.csv")), table)
 
 
+def test_columns_named_by_numbers_keep_their_place() -> None:
+    table = pandas.DataFrame({0: ["=a"], "x": [1], 2.5: ["b"]})
+    assert csv_of_table(table) == "0,x,2.5\n'=a,1,b\n"
+    assert table[0].tolist() == ["=a"]
+
+
 def test_no_other_module_writes_csv() -> None:
     """One place guards: what writes past it is found by its words."""
     folder = Path(__file__).resolve().parents[2]

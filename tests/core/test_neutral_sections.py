@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from builders import COPPER_LOSS, HILLS, INDUCTION, plain_scenario
+from builders import COPPER_LOSS, HILLS, INDUCTION, LOSS_POLYNOMIAL, plain_scenario
 
 from railjoule.core import load_scenario, solve
 from railjoule.core.check import check_run
@@ -85,6 +85,16 @@ def test_a_drive_that_idles_is_off_in_them():
     assert run.bound is not None
     # a thousandth is what is asked of shipped scenarios with such drives
     assert 0 <= run.energy.net_j - run.bound.energy_j < 1e-3 * run.energy.net_j
+
+
+def test_a_strong_train_with_few_motors_has_no_idle_losses_in_them():
+    """A billionth of 200 kN is more than a ten millionth of the 100 N m of one motor, up to which a drive is off."""
+    strong = {"vehicle.drive": LOSS_POLYNOMIAL | {"motors": 1}, "vehicle.traction.max_effort_kn": 200.0}
+    for strategy in ("fastest", "optimal"):
+        run = solve(plain_scenario({**NEUTRAL, **strong, "vehicle.traction.max_power_kw": 2000.0}), strategy)
+        require_no_effort(run)
+        # idle losses that no supply covers would open the energy balance
+        assert abs(run.energy.imbalance) < 1e-9
 
 
 def test_auxiliaries_count_the_same():

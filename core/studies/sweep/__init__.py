@@ -18,7 +18,7 @@ from railjoule.core.studies.sweep.file import StudyFileError, SweepFile
 from railjoule.core.studies.sweep.results import MemoryResults, Results, SweepTable, table_of
 from railjoule.core.studies.sweep.running import InterruptedStudyError, run_study
 from railjoule.core.studies.sweep.sampling import METHODS, Method
-from railjoule.core.studies.sweep.sensitivities import Sensitivities, SensitivityError, sensitivities
+from railjoule.core.studies.sweep.sobol import Sensitivities, SensitivityError, sensitivities
 from railjoule.core.studies.sweep.study import Study, study_of
 from railjoule.core.studies.sweep.table import sweep
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.bounds import chain_target_j, minimise, proven_j
-from railjoule.core.bounds.tightening import OPTIMUM
+from railjoule.core.bounds.proof_steps import OPTIMUM
 from railjoule.core.budget import Budget
 from railjoule.core.compilation import require_compiled
 from railjoule.core.energy import Energy, net_energy

@@ -7,7 +7,7 @@ from typing import Any
 from railjoule.core import Scenario
 from railjoule.core.simulate.following import Following, follow, plan_for, plan_knowing_load
 from railjoule.core.studies.montecarlo import MonteCarloTable, monte_carlo_steps
-from railjoule.core.studies.sensitivity import Knows, SensitivityTable, sensitivity_steps
+from railjoule.core.studies.sensitivity_table import Knows, SensitivityTable, sensitivity_steps
 from railjoule.dashboard.work.refusals import named_refusals
 
 

@@ -12,7 +12,7 @@ from bokeh.models import FixedTicker, Range1d
 
 from railjoule.core.arrays import FloatArray
 from railjoule.core.scenario import load_scenario
-from railjoule.core.studies.sensitivity import COORDINATE_ERRORS_M, LOAD_FACTORS, SensitivityTable
+from railjoule.core.studies.sensitivity_table import COORDINATE_ERRORS_M, LOAD_FACTORS, SensitivityTable
 from railjoule.core.validation.papers import printed_numbers
 from railjoule.core.validation.table import CLOSE_PERCENT
 from railjoule.dashboard.charts.chart import Chart, text_style

@@ -9,7 +9,7 @@ from railjoule.core import Scenario
 from railjoule.core.scenario.options import MonteCarloOptions, SimulationOptions
 from railjoule.core.scenario.vehicle import MOST_LOAD_FACTOR
 from railjoule.core.studies.montecarlo import MonteCarloTable
-from railjoule.core.studies.sensitivity import Knows, SensitivityTable
+from railjoule.core.studies.sensitivity_table import Knows, SensitivityTable
 from railjoule.dashboard.actual.follower import FOLLOWER, REALITY
 from railjoule.dashboard.pages.robustness.compute import Reality
 from railjoule.dashboard.state.numbers import TypedInteger, TypedNumber, TypedParameters

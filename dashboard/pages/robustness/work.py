@@ -5,7 +5,7 @@ from typing import Any
 
 from railjoule.core import Scenario
 from railjoule.core.studies.montecarlo import MonteCarloTable
-from railjoule.core.studies.sensitivity import SensitivityTable
+from railjoule.core.studies.sensitivity_table import SensitivityTable
 from railjoule.dashboard.actual.follower import FOLLOWER, REALITY
 from railjoule.dashboard.pages.robustness.compute import (
     Reality,

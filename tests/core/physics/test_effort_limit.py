@@ -191,6 +191,20 @@ def test_a_curve_of_the_electric_brake_is_followed_and_then_keeps_its_power():
 
 @pytest.mark.parametrize("table", ["traction", "braking"])
 @pytest.mark.parametrize(
+    "curve", [[[0, 60], [30, 50], [60, 15], [90, 0]], [[0, 60], [60, 0], [90, 0]], [[0, 5], [10, 60], [80, 0], [90, 0]]]
+)
+def test_a_curve_may_end_at_no_effort(table, curve):
+    """Nothing is divided by no effort, as a warning is an error here, and the table is as close as elsewhere."""
+    changes = {"vehicle.traction.max_speed_kmh": 90.0, f"vehicle.{table}.curve": curve}
+    changes |= {f"vehicle.{table}.max_effort_kn": None, f"vehicle.{table}.max_power_kw": None}
+    limit = limits(changes)[0 if table == "traction" else 1]
+    speeds = np.linspace(0.01, 24.9, 300)
+    # of 60 kN a billionth of a newton is rounding
+    assert_just_below(limit.effort_n(speeds), 1e3 * np.interp(3.6 * speeds, *np.transpose(curve)) + 1e-9)
+
+
+@pytest.mark.parametrize("table", ["traction", "braking"])
+@pytest.mark.parametrize(
     ("own", "at_breakdown_kn"),
     [
         ({"max_effort_kn": 80.0, "max_power_kw": 1000.0}, 60.0),

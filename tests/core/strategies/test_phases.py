@@ -335,6 +335,22 @@ def test_braking_from_next_to_nothing_makes_no_hole_in_the_numbers():
     assert optimum.energy_kwh < run.energy_kwh < 1.2 * optimum.energy_kwh
 
 
+def test_a_train_that_coasts_to_rest_does_not_turn_round():
+    """On 90 per mille the train coasts down to the least speed to brake from; only the cruise is left to move."""
+    changes = {
+        "vehicle.tare_kg": 26000.0,
+        "vehicle.traction": {"max_effort_kn": 30.7, "max_power_kw": 63.0, "max_speed_kmh": 18.3},
+        "vehicle.braking": {"max_effort_kn": 11.7},
+        "vehicle.drive": INDUCTION | {"motors": 3, "gear_ratio": 9.6},
+        "line.sections": [{"length_m": 555.0, "gradient_permille": 90.0, "speed_limit_kmh": 14.6}],
+        "timetable.travel_time_s": 232.0,
+    }
+    run = solve(plain_scenario(changes), "phases", check=True)
+    assert run.travel_time_s == pytest.approx(232.0, rel=1e-9)
+    assert run.speed_ms[1:-1].min() > 0
+    assert run.notes[0].endswith(" and coasts almost to rest: it brakes from 0.036 km/h.")
+
+
 def test_more_deceleration_than_is_allowed_is_refused():
     """40 per mille take 0.36 m/s2 of a train whose masses turn as well, and resistance 0.02 more."""
     changes = {"line.sections": [{"length_m": 2000.0, "gradient_permille": 40.0}], "timetable.travel_time_s": 200.0}

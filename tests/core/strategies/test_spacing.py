@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from builders import LOSS_POLYNOMIAL, plain_scenario
 from every_drive import train
 from hypothesis import given
 from hypothesis import strategies as st
@@ -102,6 +103,25 @@ def test_how_often_is_no_matter_of_the_mesh(mesh_m):
     assert shortest_stretch_s(task.course.data, run.speed2) >= 2.0
     assert shortest_stretch_s(task.course.data, free.speed2) < 2.0
     assert free.energy_j * (1 - 1e-4) <= run.energy_j < free.energy_j * (1 + 2e-3)
+
+
+@pytest.mark.parametrize("auxiliary_kw", [0.0, 200.0])
+def test_no_fastest_run_that_keeps_the_rule_is_cheaper(auxiliary_kw):
+    """The fastest run drives for 22.6 s without a break: with coasting in between no stretch would last 20 s."""
+    changes = {
+        "vehicle.drive": {**LOSS_POLYNOMIAL, "least_switching_s": 20.0},
+        "vehicle.traction.max_speed_kmh": 50.0,
+        "vehicle.braking.max_effort_kn": 100.0,
+        "vehicle.auxiliary_power_kw": auxiliary_kw,
+        "line.sections": [{"length_m": 300.0}],
+        "timetable.travel_time_s": 38.0,
+    }
+    task = prepare_task(plain_scenario(changes))
+    fastest, best = run_strategy(task, "fastest"), run_strategy(task, "optimal")
+    assert shortest_stretch_s(task.course.data, fastest.node_speed_ms**2) >= 20.0
+    assert shortest_stretch_s(task.course.data, best.node_speed_ms**2) >= 20.0
+    assert best.energy.net_j <= fastest.energy.net_j * (1 + 1e-9)
+    assert check_run(best.scenario, best).ok
 
 
 def test_a_run_that_no_switching_suits_says_so():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from railjoule.core import load_scenario, solve
-from railjoule.core.studies.sensitivity import sensitivity
+from railjoule.core.studies.sensitivity_table import sensitivity
 from railjoule.dashboard.pages.trade_off.compute import compute_enoc_map
 from railjoule.dashboard.report.surfaces import MOST_NODES, cost_surface, enoc_surface
 

@@ -15,11 +15,15 @@ from railjoule.core.bounds.certified import chain_proof, chain_target_j, with_ch
 from railjoule.core.bounds.minimum import minimise
 from railjoule.core.budget import current_budget
 from railjoule.core.errors import ScenarioError
+from railjoule.core.physics.reference import reference_energy
 from railjoule.core.task import Task
 from railjoule.core.trajectory import Bound, Trajectory
 
 FIRST_STAGE_BOXES = 1_200_000
 """Boxes of the stage that needs no asking, some 0.4 s; it settles all shipped scenarios but the slowest metro."""
+# the slowest metro: 22 % open after the first stage, 0.3 % after 4.3 million boxes
+LOOSE_SHARE, LOOSE_STAGE_BOXES = 3e-3, 4_500_000
+"""A bound that is open by more than this share of the energy after that stage goes on up to so many boxes, some 2 s."""
 LONGEST_PROOF_S = 86_400.0
 OPTIMUM = "optimal"
 """The strategy whose runs are optima."""
@@ -90,14 +94,22 @@ def tightening(
     started = time.perf_counter()
     proof = chain_proof(task, minimise(task).optimum, run.node_speed_ms**2, run.energy.net_j)
     most = current_budget().chain_boxes
-    while proof.may_advance(budget):
+    while proof.may_advance(allowed := _boxes(budget, task, bound, run)):
         used = time.perf_counter() - started
         # levels take some time a box; of the first none is known, and it is the shortest
         if used * (1.0 + proof.next_boxes / proof.boxes if proof.boxes else 1.0) > seconds:
             return
         proof.advance()
         bound = with_chains(task, bound, proof.bound_j)
-        yield ProofStep(bound, proof.boxes, budget, proof.proven, not proof.proven and not proof.may_advance(most))
+        yield ProofStep(bound, proof.boxes, allowed, proof.proven, not proof.proven and not proof.may_advance(most))
+
+
+def _boxes(budget: int, task: Task, bound: Bound, run: Trajectory) -> int:
+    """Return how many boxes a proof may look at: more than in the first stage where the bound is loose."""
+    open_j = run.energy.net_j - bound.energy_j
+    scale_j = reference_energy(task.course.data, run.energy.net_j - task.dwell_energy_j, task.running_time_s)
+    loose = budget >= FIRST_STAGE_BOXES and open_j > LOOSE_SHARE * scale_j
+    return max(budget, min(LOOSE_STAGE_BOXES, current_budget().chain_boxes)) if loose else budget
 
 
 def tightened(
