@@ -27,11 +27,11 @@ from railjoule.core.errors import (
     StrategyRefusedError,
 )
 from railjoule.core.scenario import STRATEGY_NAMES, Scenario, StrategyName
+from railjoule.core.strategies.arrival_windows import missed_windows
 from railjoule.core.strategies.bellman import bellman
 from railjoule.core.strategies.enoc import enoc
 from railjoule.core.strategies.eoc import eoc
 from railjoule.core.strategies.fastest import fastest
-from railjoule.core.strategies.line_parts import arrival_windows, missed_windows
 from railjoule.core.strategies.optimal import known_optimum, optimal
 from railjoule.core.strategies.phases import phases
 from railjoule.core.strategies.speed_limits import speed_limits
@@ -173,12 +173,7 @@ def compare(
 
 def _tightened(task: Task, best: Trajectory, seconds: float | None) -> Trajectory:
     """Return an optimum with the greater bound that it is worth to look for where one run is asked for."""
-    # a bound between windows that bind is one of parts: the proof of the whole line would be another statement
-    return (
-        best
-        if best.bound is None or arrival_windows(task)
-        else best.with_bound(tightened(task, best.bound, best, seconds=seconds))
-    )
+    return best if best.bound is None else best.with_bound(tightened(task, best.bound, best, seconds=seconds))
 
 
 __all__ = ["STRATEGIES", "Task", "compare", "prepare_task", "run_strategy", "solve"]
