@@ -4,7 +4,8 @@ A run is measured against the best that is known among those that arrive within 
 time of its own, as one under speed limits that may be late, brings the optimum over that time with it. What is proven
 to be the optimum within the time stays the reference: a run on another mesh may need a hair less.
 
-A run that misses a window of arrival which binds the optimum has another problem, and is measured against nothing.
+A run that misses a window of arrival which binds the optimum solves another problem: it is measured against nothing,
+and no bound stands beside it.
 """
 
 from collections.abc import Sequence
@@ -25,8 +26,10 @@ def with_best_known(runs: Sequence[Trajectory]) -> list[Trajectory]:
         replace(
             run,
             bound=run.bound or next((bound for bound in bounds if bound.covers(run)), None),
-            reference=_reference(run, kept, windows) if run in kept else None,
+            reference=_reference(run, kept, windows),
         )
+        if run in kept
+        else replace(run, bound=None, reference=None)
         for run in runs
     ]
 

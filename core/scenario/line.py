@@ -66,7 +66,7 @@ class Station(Part):
 
     name: Name = Field("", max_length=200, description="Name of the station.")
     position_m: Number = Field(ge=0, le=1e7, description="Where the front of the train stops [m].")
-    dwell_s: Number = Field(0.0, ge=0, le=86400, description="Dwell time [s].")
+    dwell_s: Number = Field(0.0, ge=0, le=86400, description="Dwell time [s]; 0 at the ends of the line.")
     arrival_s: Number | None = Field(
         None, gt=0, le=86400, description="Arrival in a given timetable, from the start of the run [s]."
     )

@@ -55,13 +55,12 @@ def arrival_windows(task: Task) -> dict[int, tuple[float, float]]:
 
 def missed_windows(task: Task, run: Trajectory) -> tuple[str, ...]:
     """Return a sentence on each window of arrival that a run misses."""
-    notes = []
-    for (number, (low, high)), window in zip(
-        (windows := arrival_windows(task)).items(), _with_places(task, windows), strict=True
-    ):
+    notes, windows = [], arrival_windows(task)
+    for number, window in zip(windows, _with_places(task, windows), strict=True):
+        place, low, high = window
+        arrival = run.arrival_s(place)
         if run.keeps(window):
             continue
-        arrival = run.arrival_s(window[0])
         asked = low if arrival < low else high
         said, wanted = _distinct_times(arrival, asked)
         side = "earlier" if arrival < low else "later"
